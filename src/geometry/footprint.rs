@@ -1,0 +1,179 @@
+//! The outline of an upright obstacle on the floor in; its distance to points and segments out.
+//!
+//! These are the innermost operations of every path query, so they are written out for the two outlines that occur.
+//! `tests/suite` compares them with parry's general distance.
+
+use super::{Point, Vector, cross, segments_cross, squared_distance_to_segment};
+
+/// A convex outline on the floor, metres in the world frame.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Footprint {
+    /// Corners of a convex polygon, counter-clockwise, no three on a line.
+    Polygon(Vec<Point>),
+    /// A disc.
+    Disc {
+        /// Centre.
+        center: Point,
+        /// Radius, m, positive.
+        radius: f64,
+    },
+}
+
+/// An axis-aligned rectangle, metres in the world frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Corner with the least x and y.
+    pub min: Point,
+    /// Corner with the greatest x and y.
+    pub max: Point,
+}
+
+impl Bounds {
+    /// The least rectangle around `points`; `None` where there are none.
+    pub fn around(points: impl IntoIterator<Item = Point>) -> Option<Self> {
+        points.into_iter().fold(None, |bounds: Option<Self>, p| {
+            Some(match bounds {
+                None => Self { min: p, max: p },
+                Some(b) => Self { min: b.min.inf(&p), max: b.max.sup(&p) },
+            })
+        })
+    }
+
+    /// The rectangle with every side moved outward by `margin` (m).
+    pub fn grown(self, margin: f64) -> Self {
+        let by = Vector::new(margin, margin);
+        Self { min: self.min - by, max: self.max + by }
+    }
+
+    /// Width along x and y, m.
+    pub fn size(&self) -> Vector {
+        self.max - self.min
+    }
+
+    fn misses_segment(&self, a: Point, b: Point) -> bool {
+        (a.x < self.min.x && b.x < self.min.x)
+            || (a.x > self.max.x && b.x > self.max.x)
+            || (a.y < self.min.y && b.y < self.min.y)
+            || (a.y > self.max.y && b.y > self.max.y)
+    }
+}
+
+impl Footprint {
+    /// The least axis-aligned rectangle around the outline.
+    pub fn bounds(&self) -> Bounds {
+        match self {
+            Self::Polygon(corners) => Bounds::around(corners.iter().copied())
+                .unwrap_or(Bounds { min: Point::origin(), max: Point::origin() }),
+            Self::Disc { center, radius } => Bounds { min: *center, max: *center }.grown(*radius),
+        }
+    }
+
+    /// Whether `p` lies inside or on the outline.
+    pub fn contains(&self, p: Point) -> bool {
+        match self {
+            Self::Polygon(corners) => edges(corners).all(|(a, b)| cross(b - a, p - a) >= 0.0),
+            Self::Disc { center, radius } => (p - center).norm_squared() <= radius * radius,
+        }
+    }
+
+    /// Distance (m) from `p` to the outline's area; 0 inside.
+    pub fn distance_to_point(&self, p: Point) -> f64 {
+        match self {
+            Self::Polygon(_) if self.contains(p) => 0.0,
+            Self::Polygon(corners) => edges(corners)
+                .map(|(a, b)| squared_distance_to_segment(p, a, b))
+                .fold(f64::INFINITY, f64::min)
+                .sqrt(),
+            Self::Disc { center, radius } => ((p - center).norm() - radius).max(0.0),
+        }
+    }
+
+    /// Distance (m) from the segment `a b` to the outline's area; 0 where they meet.
+    pub fn distance_to_segment(&self, a: Point, b: Point) -> f64 {
+        match self {
+            Self::Polygon(corners) => {
+                if self.contains(a) || edges(corners).any(|(p, q)| segments_cross(a, b, p, q)) {
+                    return 0.0;
+                }
+                edges(corners)
+                    .map(|(p, q)| {
+                        squared_distance_to_segment(a, p, q)
+                            .min(squared_distance_to_segment(b, p, q))
+                            .min(squared_distance_to_segment(p, a, b))
+                    })
+                    .fold(f64::INFINITY, f64::min)
+                    .sqrt()
+            }
+            Self::Disc { center, radius } => {
+                (squared_distance_to_segment(*center, a, b).sqrt() - radius).max(0.0)
+            }
+        }
+    }
+
+    /// Whether the segment `a b` keeps at least `clearance` (m) from the outline. `bounds` are the outline's own.
+    pub fn clears_segment(&self, bounds: Bounds, a: Point, b: Point, clearance: f64) -> bool {
+        bounds.grown(clearance).misses_segment(a, b) || self.distance_to_segment(a, b) >= clearance
+    }
+
+    /// The part of the outline that lies farthest along the unit vector `toward`, within `tolerance` (m): its interval on the
+    /// axis to the left of `toward`, and the distance reached along `toward` (both in m, from the world's origin).
+    pub fn farthest_part(&self, toward: Vector, tolerance: f64) -> ([f64; 2], f64) {
+        let left = super::left_of(toward);
+        match self {
+            Self::Polygon(corners) => {
+                let reach = corners
+                    .iter()
+                    .map(|c| c.coords.dot(&toward))
+                    .fold(f64::NEG_INFINITY, f64::max);
+                let part = corners
+                    .iter()
+                    .filter(|c| c.coords.dot(&toward) >= reach - tolerance)
+                    .map(|c| c.coords.dot(&left))
+                    .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| {
+                        [low.min(t), high.max(t)]
+                    });
+                (part, reach)
+            }
+            Self::Disc { center, radius } => {
+                let at = center.coords.dot(&left);
+                ([at, at], center.coords.dot(&toward) + radius)
+            }
+        }
+    }
+}
+
+/// The sides of a polygon, in order.
+fn edges(corners: &[Point]) -> impl Iterator<Item = (Point, Point)> + '_ {
+    (0..corners.len()).map(|i| (corners[i], corners[(i + 1) % corners.len()]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square() -> Footprint {
+        Footprint::Polygon(vec![
+            Point::new(0.0, 0.0),
+            Point::new(2.0, 0.0),
+            Point::new(2.0, 2.0),
+            Point::new(0.0, 2.0),
+        ])
+    }
+
+    #[test]
+    fn closed_form_distances_to_a_square() {
+        let s = square();
+        assert_eq!(s.distance_to_point(Point::new(1.0, 1.0)), 0.0);
+        assert_eq!(s.distance_to_point(Point::new(3.0, 1.0)), 1.0);
+        assert_eq!(s.distance_to_point(Point::new(5.0, 6.0)), 5.0);
+        assert_eq!(s.distance_to_segment(Point::new(3.0, -5.0), Point::new(3.0, 5.0)), 1.0);
+        assert_eq!(s.distance_to_segment(Point::new(-1.0, 1.0), Point::new(3.0, 1.0)), 0.0);
+        assert_eq!(s.distance_to_segment(Point::new(0.5, 1.0), Point::new(0.6, 1.0)), 0.0);
+    }
+
+    #[test]
+    fn closed_form_the_farthest_part_of_a_square_is_its_side() {
+        let ([low, high], reach) = square().farthest_part(Vector::new(1.0, 0.0), 1e-9);
+        assert_eq!(([low, high], reach), ([0.0, 2.0], 2.0));
+    }
+}

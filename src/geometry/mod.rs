@@ -1,0 +1,84 @@
+//! Planar points, directions and segments in; distances, crossings and [`Path`]s out.
+//!
+//! All coordinates are metres in the world frame (x right, y up, angles counter-clockwise in radians).
+
+mod footprint;
+mod path;
+
+pub use footprint::{Bounds, Footprint};
+pub use path::{Path, Piece};
+
+/// A point of the plane, metres in the world frame.
+pub type Point = nalgebra::Point2<f64>;
+/// A displacement or direction of the plane, world frame.
+pub type Vector = nalgebra::Vector2<f64>;
+
+/// `v` turned a quarter to the left (counter-clockwise).
+pub fn left_of(v: Vector) -> Vector {
+    Vector::new(-v.y, v.x)
+}
+
+/// The unit vector at `angle` (rad).
+pub fn direction(angle: f64) -> Vector {
+    Vector::new(angle.cos(), angle.sin())
+}
+
+/// The angle of `v` in (-pi, pi], rad.
+pub fn angle_of(v: Vector) -> f64 {
+    v.y.atan2(v.x)
+}
+
+/// `angle` brought into (-pi, pi], rad.
+pub fn wrap_angle(angle: f64) -> f64 {
+    let wrapped = angle.rem_euclid(std::f64::consts::TAU);
+    if wrapped > std::f64::consts::PI {
+        wrapped - std::f64::consts::TAU
+    } else {
+        wrapped
+    }
+}
+
+/// The z component of `a x b`: positive where `b` lies to the left of `a`.
+pub fn cross(a: Vector, b: Vector) -> f64 {
+    a.x * b.y - a.y * b.x
+}
+
+/// Squared distance (m^2) from `p` to the segment from `a` to `b`.
+pub fn squared_distance_to_segment(p: Point, a: Point, b: Point) -> f64 {
+    let ab = b - a;
+    let length_squared = ab.norm_squared();
+    let t = if length_squared > 0.0 {
+        ((p - a).dot(&ab) / length_squared).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    (p - (a + ab * t)).norm_squared()
+}
+
+/// Whether the segments `a b` and `c d` cross in a point inside both; touching is not crossing.
+pub fn segments_cross(a: Point, b: Point, c: Point, d: Point) -> bool {
+    let ab = b - a;
+    let cd = d - c;
+    cross(ab, c - a) * cross(ab, d - a) < 0.0 && cross(cd, a - c) * cross(cd, b - c) < 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_angles_wrap_into_the_half_open_turn() {
+        use std::f64::consts::PI;
+        assert_eq!(wrap_angle(PI), PI);
+        assert!((wrap_angle(-PI) - PI).abs() < 1e-15);
+        assert!((wrap_angle(5.0 * PI / 2.0) - PI / 2.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn closed_form_touching_segments_do_not_cross() {
+        let p = Point::new;
+        assert!(segments_cross(p(0., -1.), p(0., 1.), p(-1., 0.), p(1., 0.)));
+        assert!(!segments_cross(p(0., 0.), p(0., 1.), p(-1., 0.), p(1., 0.)));
+        assert!(!segments_cross(p(2., -1.), p(2., 1.), p(-1., 0.), p(1., 0.)));
+    }
+}

@@ -1,0 +1,164 @@
+//! Lines and circular arcs, end to end, in; points and headings by distance walked out.
+
+use super::{Point, angle_of, direction, left_of};
+
+/// One piece of a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Piece {
+    /// A straight line.
+    Line {
+        /// First point.
+        from: Point,
+        /// Last point.
+        to: Point,
+    },
+    /// A circular arc.
+    Arc {
+        /// Centre of the circle.
+        center: Point,
+        /// Radius, m.
+        radius: f64,
+        /// Angle of the first point seen from the centre, rad.
+        from_angle: f64,
+        /// Angle walked, rad; positive is counter-clockwise.
+        sweep: f64,
+    },
+}
+
+impl Piece {
+    fn length(&self) -> f64 {
+        match self {
+            Self::Line { from, to } => (to - from).norm(),
+            Self::Arc { radius, sweep, .. } => radius * sweep.abs(),
+        }
+    }
+
+    fn point_at(&self, walked: f64) -> Point {
+        match *self {
+            Self::Line { from, to } => {
+                let length = (to - from).norm();
+                if length > 0.0 { from + (to - from) * (walked / length) } else { from }
+            }
+            Self::Arc { center, radius, from_angle, sweep } => {
+                center + direction(from_angle + sweep.signum() * walked / radius) * radius
+            }
+        }
+    }
+
+    fn heading_at(&self, walked: f64) -> f64 {
+        match *self {
+            Self::Line { from, to } => angle_of(to - from),
+            Self::Arc { radius, from_angle, sweep, .. } => {
+                let turn = sweep.signum();
+                angle_of(left_of(direction(from_angle + turn * walked / radius)) * turn)
+            }
+        }
+    }
+}
+
+/// A connected path, walked by distance from its first point.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Path {
+    pieces: Vec<Piece>,
+    /// Distance walked at the end of each piece, m.
+    ends: Vec<f64>,
+}
+
+impl Path {
+    /// Adds a piece that begins where the path ends; a piece without length is left out.
+    pub fn push(&mut self, piece: Piece) {
+        if piece.length() > 0.0 {
+            self.ends.push(self.length() + piece.length());
+            self.pieces.push(piece);
+        }
+    }
+
+    /// Adds a straight line.
+    pub fn line(&mut self, from: Point, to: Point) {
+        self.push(Piece::Line { from, to });
+    }
+
+    /// Length, m.
+    pub fn length(&self) -> f64 {
+        self.ends.last().copied().unwrap_or(0.0)
+    }
+
+    /// The pieces in order.
+    pub fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
+    /// The point after `walked` metres, the first or last point outside `[0, length]`; `None` for an empty path.
+    pub fn point_at(&self, walked: f64) -> Option<Point> {
+        self.locate(walked).map(|(piece, along)| piece.point_at(along))
+    }
+
+    /// The direction of travel (rad) after `walked` metres; `None` for an empty path.
+    pub fn heading_at(&self, walked: f64) -> Option<f64> {
+        self.locate(walked).map(|(piece, along)| piece.heading_at(along))
+    }
+
+    /// Points to draw the path through, arcs cut into chords that stay within `sagitta` (m) of them.
+    pub fn polyline(&self, sagitta: f64) -> Vec<Point> {
+        let mut points = Vec::new();
+        for piece in &self.pieces {
+            let chords = match piece {
+                Piece::Line { .. } => 1,
+                Piece::Arc { radius, sweep, .. } => {
+                    let widest = 2.0 * (1.0 - sagitta / radius).clamp(-1.0, 1.0).acos();
+                    (sweep.abs() / widest.max(1e-3)).ceil().max(1.0) as usize
+                }
+            };
+            if points.is_empty() {
+                points.push(piece.point_at(0.0));
+            }
+            let length = piece.length();
+            points.extend((1..=chords).map(|i| piece.point_at(length * i as f64 / chords as f64)));
+        }
+        points
+    }
+
+    fn locate(&self, walked: f64) -> Option<(&Piece, f64)> {
+        let walked = walked.clamp(0.0, self.length());
+        let i = self.ends.partition_point(|&end| end <= walked).min(self.pieces.len().checked_sub(1)?);
+        let begin = if i == 0 { 0.0 } else { self.ends[i - 1] };
+        Some((&self.pieces[i], walked - begin))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    fn bend() -> Path {
+        let mut path = Path::default();
+        path.line(Point::new(0.0, 0.0), Point::new(2.0, 0.0));
+        path.push(Piece::Arc {
+            center: Point::new(2.0, 1.0),
+            radius: 1.0,
+            from_angle: -FRAC_PI_2,
+            sweep: FRAC_PI_2,
+        });
+        path
+    }
+
+    #[test]
+    fn closed_form_a_bend_has_the_length_of_its_pieces() {
+        let path = bend();
+        assert!((path.length() - 2.0 - FRAC_PI_2).abs() < 1e-15);
+        let end = path.point_at(f64::INFINITY).unwrap();
+        assert!((end - Point::new(3.0, 1.0)).norm() < 1e-15);
+        assert!((path.heading_at(1e9).unwrap() - FRAC_PI_2).abs() < 1e-12);
+        assert!((path.heading_at(2.0 + PI / 4.0).unwrap() - PI / 4.0).abs() < 1e-12);
+        assert_eq!(Path::default().point_at(0.0), None);
+    }
+
+    #[test]
+    fn closed_form_a_polyline_stays_within_its_sagitta() {
+        let points = bend().polyline(1e-3);
+        let middle = nalgebra::center(&points[1], &points[2]);
+        assert!(1.0 - (middle - Point::new(2.0, 1.0)).norm() <= 1e-3);
+        assert!(points.len() > 5);
+    }
+}

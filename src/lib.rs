@@ -1,0 +1,4 @@
+//! cocarry
+pub mod geometry;
+pub mod world;
+pub mod options;

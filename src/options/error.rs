@@ -1,0 +1,86 @@
+//! What can be wrong with the ways through a world.
+
+use thiserror::Error;
+
+/// Why no options could be made of a world.
+#[derive(Debug, Error)]
+pub enum OptionError {
+    /// No way leads from the start to the target.
+    #[error("{file}: the target ({tx}, {ty}) cannot be reached from the start ({sx}, {sy}): {reason}")]
+    Unreachable {
+        /// The world file.
+        file: String,
+        /// Start x, m.
+        sx: f64,
+        /// Start y, m.
+        sy: f64,
+        /// Target x, m.
+        tx: f64,
+        /// Target y, m.
+        ty: f64,
+        /// What closes the way.
+        reason: Blockage,
+    },
+    /// A listed option is not walkable.
+    #[error(
+        "{file}:{line}: option `{option}`: no way leads from {from} to {to} with {clearance} m clear on either side and through no other opening"
+    )]
+    NotWalkable {
+        /// The world file.
+        file: String,
+        /// Line of the option.
+        line: usize,
+        /// The option.
+        option: String,
+        /// Where the impossible leg begins.
+        from: String,
+        /// Where it ends.
+        to: String,
+        /// Half of the robot's width, m.
+        clearance: f64,
+    },
+    /// The middle of an opening is not free: a third obstacle stands in it.
+    #[error("{file}: opening `{opening}`: its middle ({x:.4}, {y:.4}) is not {clearance} m clear of the obstacles")]
+    Blocked {
+        /// The world file.
+        file: String,
+        /// The opening.
+        opening: String,
+        /// Its middle's x, m.
+        x: f64,
+        /// Its middle's y, m.
+        y: f64,
+        /// Half of the robot's width, m.
+        clearance: f64,
+    },
+}
+
+/// What closes the way to a target.
+#[derive(Debug, PartialEq)]
+pub enum Blockage {
+    /// No gap leads out at all.
+    Walled,
+    /// There are gaps, but none is wide enough; this is the widest.
+    Gap {
+        /// One obstacle.
+        first: String,
+        /// The other.
+        second: String,
+        /// Width, m.
+        width: f64,
+        /// Robot width, m.
+        robot_width: f64,
+    },
+}
+
+impl std::fmt::Display for Blockage {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self {
+            Self::Walled => write!(f, "obstacles close it off"),
+            Self::Gap { first, second, width, robot_width } => write!(
+                f,
+                "no opening leads there; the widest gap too narrow for the robot ({robot_width} m) is {width:.4} m, between `{first}` and `{second}`"
+            ),
+        }
+    }
+}

@@ -1,0 +1,381 @@
+//! A [`World`] in; its path options out, each with the length D_o and risk S_o of what is left of it from where the team is.
+//!
+//! Free space is cut along the openings into regions; an option is a sequence of openings, walked straight through their middles, with shortest
+//! collision-free paths between. A tick costs one short query per option: only the first leg depends on where the team is, the rest is
+//! tabulated.
+
+mod enumerate;
+mod error;
+mod passage;
+mod progress;
+mod roadmap;
+mod trajectory;
+
+pub use error::{Blockage, OptionError};
+pub use passage::Crossing;
+pub use progress::Progress;
+pub use trajectory::{PlanarPose, nominal_trajectory};
+
+use crate::geometry::{Path, Point};
+use crate::world::{ListedOption, World};
+use passage::Passage;
+use progress::Rest;
+use roadmap::{Roadmap, Space};
+
+/// How far the team walks straight before and after an opening, m: human, object and robot in tandem are about 2.5 m long and must be
+/// straight when they enter.
+pub const ALIGNMENT: f64 = 1.0;
+
+/// The sites of the roadmap: the start, the target, then both ends of every passage.
+const START: usize = 0;
+const TARGET: usize = 1;
+
+fn portal_site(opening: usize, side: usize) -> usize {
+    2 + 2 * opening + side
+}
+
+/// The options of a world, and everything needed to evaluate them from anywhere.
+#[derive(Clone, Debug)]
+pub struct OptionSet {
+    roadmap: Roadmap,
+    passages: Vec<Passage>,
+    options: Vec<PathOption>,
+    /// Whether more options exist than were enumerated.
+    pub is_cut: bool,
+    start: Point,
+    target: Point,
+}
+
+/// One way from the start to the target: openings in the order of travel.
+#[derive(Clone, Debug)]
+pub struct PathOption {
+    /// Name, unique in its world.
+    pub name: String,
+    /// The openings in the order of travel, with the direction of each.
+    pub crossings: Vec<Crossing>,
+    /// The region before each crossing, and the last one.
+    regions: Vec<usize>,
+    /// Length from the end of each passage to the target, m.
+    after: Vec<f64>,
+    /// S_o over the crossings from each place on; 0 after the last.
+    risk_left: Vec<f64>,
+}
+
+/// What is left of an option from where the team is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Remaining {
+    /// D_o, m. Infinite where there is no way.
+    pub length: f64,
+    /// S_o = 1 - prod (1 - S_xi) over the openings ahead (Sec. III-A).
+    pub risk: f64,
+    /// What the team walks toward next.
+    pub next: Waypoint,
+}
+
+/// The next thing on an option's way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Waypoint {
+    /// An opening, walked in one direction.
+    Opening(Crossing),
+    /// The target.
+    Target,
+}
+
+impl OptionSet {
+    /// The options that the world lists, or else the cheapest by D_o + c_r S_o (eq. 1) up to the world's limit, with `risk_weight` c_r (m).
+    ///
+    /// # Errors
+    /// [`OptionError`]: the target cannot be reached, or a listed option cannot be walked.
+    pub fn new(world: &World, risk_weight: f64) -> Result<Self, OptionError> {
+        let clearance = world.robot_width / 2.0;
+        let barriers = world.openings.iter().map(|o| o.ends).collect();
+        let space =
+            Space::new(world.obstacles.iter().map(|o| o.footprint.clone()), barriers, clearance);
+        let passages = passages(world, &space)?;
+        let portals = passages.iter().flat_map(|p| [p.portal(0), p.portal(1)]);
+        let sites: Vec<Point> = [world.start, world.target].into_iter().chain(portals).collect();
+        let roadmap = Roadmap::new(space, &sites);
+        let mut set = Self {
+            roadmap,
+            passages,
+            options: Vec::new(),
+            is_cut: false,
+            start: world.start,
+            target: world.target,
+        };
+        if world.listed_options.is_empty() {
+            let found = enumerate::cheapest(&set, world.option_limit, risk_weight);
+            set.is_cut = found.is_cut;
+            set.options = found
+                .options
+                .into_iter()
+                .enumerate()
+                .map(|(i, crossings)| set.option((i + 1).to_string(), crossings))
+                .collect();
+            if set.options.is_empty() {
+                return Err(unreachable(world));
+            }
+        } else {
+            set.options = world
+                .listed_options
+                .iter()
+                .map(|listed| {
+                    let crossings = set.directed(world, listed)?;
+                    Ok(set.option(listed.name.clone(), crossings))
+                })
+                .collect::<Result<_, _>>()?;
+        }
+        Ok(set)
+    }
+
+    /// The options, in file order or cheapest first. Never empty.
+    pub fn options(&self) -> &[PathOption] {
+        &self.options
+    }
+
+    /// Where the target lies.
+    pub fn target(&self) -> Point {
+        self.target
+    }
+
+    /// The team at the start, with every option ahead of it.
+    pub fn begin(&self) -> Progress {
+        Progress::new(self.start, self.options.len())
+    }
+
+    /// Moves the team in a straight step to `to`, and keeps book of the openings that it goes through.
+    pub fn advance(&self, progress: &mut Progress, to: Point) {
+        progress.advance(to, &self.passages, &self.options, |c| self.region_after(c));
+    }
+
+    /// D_o, S_o and the next waypoint of an option (as an index) from where the team is.
+    pub fn remaining(&self, progress: &Progress, option: usize) -> Remaining {
+        let rest = &progress.rests[option];
+        let length = match rest.ahead(&self.options[option]).next() {
+            None => self.to_target(progress),
+            Some(next) => self.through(progress, next) + self.beyond(rest, option),
+        };
+        Remaining { length, risk: self.risk(rest, option), next: self.next(progress, option) }
+    }
+
+    /// What an option leads to next from where the team is.
+    pub fn next(&self, progress: &Progress, option: usize) -> Waypoint {
+        let ahead = progress.rests[option].ahead(&self.options[option]).next();
+        ahead.map_or(Waypoint::Target, Waypoint::Opening)
+    }
+
+    /// The path that is left of an option from where the team is; its length is [`Remaining::length`]. `None` where there is no way.
+    pub fn path(&self, progress: &Progress, option: usize) -> Option<Path> {
+        let mut path = Path::default();
+        let mut at = progress.position;
+        let mut inside = progress.inside;
+        for crossing in progress.rests[option].ahead(&self.options[option]) {
+            let passage = &self.passages[crossing.opening];
+            if !goes_straight_on(passage, at, inside, crossing) {
+                at = self.leave(&mut path, at, inside);
+                self.lead(&mut path, &mut at, portal_site(crossing.opening, 1 - crossing.into))?;
+            }
+            path.line(at, passage.center);
+            path.line(passage.center, passage.portal(crossing.into));
+            at = passage.portal(crossing.into);
+            inside = None;
+        }
+        at = self.leave(&mut path, at, inside);
+        self.lead(&mut path, &mut at, TARGET)?;
+        Some(path)
+    }
+
+    fn lead(&self, path: &mut Path, at: &mut Point, site: usize) -> Option<()> {
+        let found = self.roadmap.extend(path, *at, site);
+        *at = self.roadmap.point(site);
+        found.then_some(())
+    }
+
+    /// Adds the way out of the straight part that the team is in.
+    fn leave(&self, path: &mut Path, at: Point, inside: Option<Crossing>) -> Point {
+        let Some(crossing) = inside else { return at };
+        let exit = self.passages[crossing.opening].portal(crossing.into);
+        path.line(at, exit);
+        exit
+    }
+
+    /// Length from where the team is to a site, first out of the straight part that it is in.
+    fn to_site(&self, progress: &Progress, site: usize) -> f64 {
+        match progress.inside {
+            None => self.roadmap.distance(progress.position, site),
+            Some(crossing) => {
+                let exit = self.passages[crossing.opening].portal(crossing.into);
+                let exit_site = portal_site(crossing.opening, crossing.into);
+                (exit - progress.position).norm() + self.roadmap.between(exit_site, site)
+            }
+        }
+    }
+
+    fn to_target(&self, progress: &Progress) -> f64 {
+        self.to_site(progress, TARGET)
+    }
+
+    /// Length from where the team is to the end of the passage of `next`.
+    fn through(&self, progress: &Progress, next: Crossing) -> f64 {
+        let passage = &self.passages[next.opening];
+        if goes_straight_on(passage, progress.position, progress.inside, next) {
+            (passage.center - progress.position).norm() + passage.reach[next.into]
+        } else {
+            self.to_site(progress, portal_site(next.opening, 1 - next.into))
+                + passage.reach[0]
+                + passage.reach[1]
+        }
+    }
+
+    /// Length from the end of the first passage ahead to the target.
+    fn beyond(&self, rest: &Rest, option: usize) -> f64 {
+        let option = &self.options[option];
+        if rest.back.is_empty() {
+            return option.after[rest.place];
+        }
+        let mut ahead = rest.ahead(option).take(rest.back.len() + 1).peekable();
+        let mut length = 0.0;
+        while let Some(crossing) = ahead.next() {
+            length += match ahead.peek() {
+                Some(next) => self.leg(crossing, *next) + self.straight(*next),
+                None if rest.place < option.crossings.len() => option.after[rest.place],
+                None => self.roadmap.between(portal_site(crossing.opening, crossing.into), TARGET),
+            };
+        }
+        length
+    }
+
+    fn risk(&self, rest: &Rest, option: usize) -> f64 {
+        let ahead = self.options[option].risk_left[rest.place];
+        rest.back.iter().fold(ahead, |risk, c| 1.0 - (1.0 - risk) * (1.0 - self.passages[c.opening].risk))
+    }
+
+    /// Length between two passages: from the end of one to the beginning of the next.
+    fn leg(&self, from: Crossing, to: Crossing) -> f64 {
+        self.roadmap.between(portal_site(from.opening, from.into), portal_site(to.opening, 1 - to.into))
+    }
+
+    fn straight(&self, crossing: Crossing) -> f64 {
+        let reach = self.passages[crossing.opening].reach;
+        reach[0] + reach[1]
+    }
+
+    fn region_before(&self, crossing: Crossing) -> usize {
+        self.region_after(crossing.back())
+    }
+
+    fn region_after(&self, crossing: Crossing) -> usize {
+        self.roadmap.component(portal_site(crossing.opening, crossing.into))
+    }
+
+    fn option(&self, name: String, crossings: Vec<Crossing>) -> PathOption {
+        let start = self.roadmap.component(START);
+        let regions =
+            [start].into_iter().chain(crossings.iter().map(|&c| self.region_after(c))).collect();
+        let n = crossings.len();
+        let mut after = vec![0.0; n];
+        let mut risk_left = vec![0.0; n + 1];
+        for i in (0..n).rev() {
+            after[i] = match crossings.get(i + 1) {
+                Some(&next) => self.leg(crossings[i], next) + self.straight(next) + after[i + 1],
+                None => {
+                    self.roadmap.between(portal_site(crossings[i].opening, crossings[i].into), TARGET)
+                }
+            };
+            risk_left[i] = 1.0 - (1.0 - risk_left[i + 1]) * (1.0 - self.passages[crossings[i].opening].risk);
+        }
+        PathOption { name, crossings, regions, after, risk_left }
+    }
+
+    /// The direction of every crossing of a listed option: of the directions that can be walked, those that make it shortest.
+    fn directed(&self, world: &World, listed: &ListedOption) -> Result<Vec<Crossing>, OptionError> {
+        // for either direction of the last crossing: length so far and the crossings that lead there
+        let mut ways: Vec<(f64, Vec<Crossing>)> = vec![(0.0, Vec::new())];
+        let leave = |way: &[Crossing]| way.last().map_or(START, |c| portal_site(c.opening, c.into));
+        let not_walkable = |i: usize, to: String| OptionError::NotWalkable {
+            file: world.file.clone(),
+            line: listed.line,
+            option: listed.name.clone(),
+            from: match i.checked_sub(1) {
+                None => "the start".to_owned(),
+                Some(before) => format!("opening `{}`", world.openings[listed.openings[before]].name),
+            },
+            to,
+            clearance: world.robot_width / 2.0,
+        };
+        let shortest = |ways: Vec<(f64, Vec<Crossing>)>| {
+            ways.into_iter().filter(|w| w.0.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        for (i, &opening) in listed.openings.iter().enumerate() {
+            let onward = |into: usize| {
+                let crossing = Crossing { opening, into };
+                shortest(ways.clone().into_iter().map(|(length, mut way)| {
+                    let leg = self.roadmap.between(leave(&way), portal_site(opening, 1 - into));
+                    way.push(crossing);
+                    (length + leg + self.straight(crossing), way)
+                }).collect())
+            };
+            let next: Vec<_> = [onward(0), onward(1)].into_iter().flatten().collect();
+            if next.is_empty() {
+                return Err(not_walkable(i, format!("opening `{}`", world.openings[opening].name)));
+            }
+            ways = next;
+        }
+        let arrived = ways
+            .into_iter()
+            .map(|(length, way)| (length + self.roadmap.between(leave(&way), TARGET), way))
+            .collect();
+        shortest(arrived)
+            .map(|(_, way)| way)
+            .ok_or_else(|| not_walkable(listed.openings.len(), "the target".to_owned()))
+    }
+}
+
+/// Whether the team stands in the straight part before a crossing, so that it goes on without aligning itself first.
+fn goes_straight_on(passage: &Passage, at: Point, inside: Option<Crossing>, next: Crossing) -> bool {
+    match inside {
+        Some(crossing) => crossing.back() == next,
+        None => passage.holds(at, 1 - next.into),
+    }
+}
+
+fn passages(world: &World, space: &Space) -> Result<Vec<Passage>, OptionError> {
+    world
+        .openings
+        .iter()
+        .enumerate()
+        .map(|(i, opening)| {
+            let others: Vec<_> =
+                world.openings.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, o)| o.clone()).collect();
+            Passage::new(opening, &others, space, world.robot_width, ALIGNMENT).ok_or_else(|| {
+                OptionError::Blocked {
+                    file: world.file.clone(),
+                    opening: opening.name.clone(),
+                    x: opening.center().x,
+                    y: opening.center().y,
+                    clearance: world.robot_width / 2.0,
+                }
+            })
+        })
+        .collect()
+}
+
+fn unreachable(world: &World) -> OptionError {
+    let reason = match world.impassable_gaps().into_iter().next() {
+        None => Blockage::Walled,
+        Some(gap) => Blockage::Gap {
+            first: world.obstacles[gap.between[0]].name.clone(),
+            second: world.obstacles[gap.between[1]].name.clone(),
+            width: gap.width,
+            robot_width: world.robot_width,
+        },
+    };
+    OptionError::Unreachable {
+        file: world.file.clone(),
+        sx: world.start.x,
+        sy: world.start.y,
+        tx: world.target.x,
+        ty: world.target.y,
+        reason,
+    }
+}

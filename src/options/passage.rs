@@ -1,0 +1,137 @@
+//! An opening and the free space in; the straight way through it out.
+
+use super::roadmap::Space;
+use crate::geometry::{Point, Vector};
+use crate::world::Opening;
+
+/// An opening as it is walked: straight through its middle, perpendicular to the gap.
+#[derive(Clone, Debug)]
+pub(super) struct Passage {
+    pub center: Point,
+    /// Unit vector from side 0 to side 1.
+    pub axis: Vector,
+    /// How far the straight part reaches on either side, m.
+    pub reach: [f64; 2],
+    /// S_xi.
+    pub risk: f64,
+    /// Half of the gap, m: a step that meets the gap's line within it goes through the opening.
+    half_width: f64,
+    /// How far from the axis the team may be and still count as inside the straight part, m.
+    half_corridor: f64,
+}
+
+/// A passage walked in one direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crossing {
+    /// The opening, as an index into the world's openings.
+    pub opening: usize,
+    /// The side that it leads to, 0 or 1: see [`Opening::axis`].
+    pub into: usize,
+}
+
+impl Crossing {
+    /// The same opening, walked the other way.
+    pub fn back(self) -> Self {
+        Self { opening: self.opening, into: 1 - self.into }
+    }
+}
+
+/// Off the axis by more than this (m), the team is not in the straight part of a passage.
+const OFF_AXIS: f64 = 0.1;
+
+impl Passage {
+    /// The passage through `opening`, straight for up to `alignment` (m) on either side, less where an obstacle or another opening leaves
+    /// less; `None` where not even its middle is clear.
+    pub fn new(
+        opening: &Opening,
+        others: &[Opening],
+        space: &Space,
+        robot_width: f64,
+        alignment: f64,
+    ) -> Option<Self> {
+        let (center, axis) = (opening.center(), opening.axis());
+        if !space.is_clear(center, center) {
+            return None;
+        }
+        let reach = [-axis, axis].map(|outward| {
+            let free = others
+                .iter()
+                .filter_map(|other| meets(center, outward, other.ends))
+                // two openings that face each other share the way between them
+                .map(|distance| distance / 2.0)
+                .fold(alignment, f64::min);
+            longest_clear(center, outward, free, space)
+        });
+        Some(Self {
+            center,
+            axis,
+            reach,
+            risk: opening.risk(robot_width),
+            half_width: opening.width / 2.0,
+            half_corridor: ((opening.width - robot_width) / 2.0).min(OFF_AXIS),
+        })
+    }
+
+    /// The end of the straight part on a side.
+    pub fn portal(&self, side: usize) -> Point {
+        self.center + self.outward(side) * self.reach[side]
+    }
+
+    /// Distance (m) of `p` from the gap's line, positive on the given side.
+    pub fn depth(&self, p: Point, side: usize) -> f64 {
+        (p - self.center).dot(&self.outward(side))
+    }
+
+    /// Whether `p` lies in the straight part on a side, the gap's line included.
+    pub fn holds(&self, p: Point, side: usize) -> bool {
+        let depth = self.depth(p, side);
+        (0.0..=self.reach[side]).contains(&depth) && self.off_axis(p) <= self.half_corridor
+    }
+
+    /// Where on the step from `a` to `b` (0 to 1) the gap is crossed, and the side that the step leads to.
+    pub fn crossed(&self, a: Point, b: Point) -> Option<(f64, usize)> {
+        let (before, after) = (self.depth(a, 1), self.depth(b, 1));
+        let into = match (before < 0.0, after < 0.0) {
+            (true, false) => 1,
+            (false, true) => 0,
+            _ => return None,
+        };
+        let t = before / (before - after);
+        (self.off_axis(a + (b - a) * t) <= self.half_width).then_some((t, into))
+    }
+
+    fn outward(&self, side: usize) -> Vector {
+        if side == 1 { self.axis } else { -self.axis }
+    }
+
+    fn off_axis(&self, p: Point) -> f64 {
+        crate::geometry::cross(self.axis, p - self.center).abs()
+    }
+}
+
+/// Distance (m) along a ray at which it meets a segment.
+fn meets(from: Point, toward: Vector, [a, b]: [Point; 2]) -> Option<f64> {
+    use crate::geometry::cross;
+    let along = b - a;
+    let slope = cross(toward, along);
+    if slope == 0.0 {
+        return None;
+    }
+    let distance = cross(a - from, along) / slope;
+    let t = cross(a - from, toward) / slope;
+    (distance > 0.0 && (0.0..=1.0).contains(&t)).then_some(distance)
+}
+
+/// The longest straight way (m), at most `most`, that is clear.
+fn longest_clear(from: Point, toward: Vector, most: f64, space: &Space) -> f64 {
+    let clear = |length: f64| space.is_clear(from, from + toward * length);
+    if clear(most) {
+        return most;
+    }
+    let (mut clear_to, mut blocked_at) = (0.0, most);
+    for _ in 0..48 {
+        let middle = (clear_to + blocked_at) / 2.0;
+        *(if clear(middle) { &mut clear_to } else { &mut blocked_at }) = middle;
+    }
+    clear_to
+}

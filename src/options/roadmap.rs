@@ -1,0 +1,504 @@
+//! Obstacles, a clearance and a few sites in; shortest collision-free paths between sites, and from any point to a site, out.
+//!
+//! A shortest path among obstacles with clearance r is a taut string among discs: every corner of an obstacle is a disc of radius r, every
+//! cylinder one of radius R + r, and the path is made of lines tangent to two discs and of arcs along them. The roadmap holds all such lines
+//! and arcs that keep clear of every obstacle and cross no barrier; Dijkstra's algorithm from each site gives exact distances. A query from
+//! a free point adds its own tangents only.
+
+use crate::geometry::{
+    Bounds, Footprint, Path, Piece, Point, Vector, angle_of, cross, direction, left_of, segments_cross,
+};
+use petgraph::graph::{DiGraph, NodeIndex};
+use petgraph::visit::{EdgeRef, Reversed};
+use std::f64::consts::{PI, TAU};
+
+/// Paths run exactly at the clearance where they touch; distances are compared with this much slack, m.
+const SLACK: f64 = 1e-7;
+/// Angles closer than this are the same, rad.
+const SAME_ANGLE: f64 = 1e-9;
+
+/// The free space of a team, with what its shortest paths are made of.
+#[derive(Clone, Debug)]
+pub(super) struct Roadmap {
+    space: Space,
+    discs: Vec<Disc>,
+    /// Two rings a disc: the ways around it, counter-clockwise at `2 d` and clockwise at `2 d + 1`.
+    rings: Vec<Vec<Stop>>,
+    graph: DiGraph<(), Way>,
+    sites: Vec<Site>,
+}
+
+/// Obstacles and barriers: what a path must keep clear of, and what it must not cross.
+#[derive(Clone, Debug)]
+pub(super) struct Space {
+    obstacles: Vec<(Footprint, Bounds)>,
+    barriers: Vec<[Point; 2]>,
+    clearance: f64,
+}
+
+/// A disc that strings bend around.
+#[derive(Clone, Debug)]
+struct Disc {
+    obstacle: usize,
+    center: Point,
+    radius: f64,
+    /// For a corner: the outward normals of its two sides, first the one met first counter-clockwise. A taut string touches between them.
+    between: Option<[Vector; 2]>,
+}
+
+/// A graph node on a ring: where a line touches the disc, and whether one may go on along the ring to the next stop.
+#[derive(Clone, Debug)]
+struct Stop {
+    angle: f64,
+    node: NodeIndex,
+    kind: StopKind,
+    open_to_next: bool,
+}
+
+/// At one angle, lines that arrive come before those that leave, so that one may pass from the first to the second.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum StopKind {
+    Arrive,
+    Leave,
+}
+
+/// How an edge is walked.
+#[derive(Clone, Copy, Debug)]
+enum Way {
+    Line { from: Point, to: Point, length: f64 },
+    Arc { disc: usize, from_angle: f64, sweep: f64, length: f64 },
+}
+
+impl Way {
+    fn length(&self) -> f64 {
+        match self {
+            Self::Line { length, .. } | Self::Arc { length, .. } => *length,
+        }
+    }
+}
+
+/// A place that paths are asked to lead to.
+#[derive(Clone, Debug)]
+struct Site {
+    point: Point,
+    node: NodeIndex,
+    /// Distance to the site from every node, m; infinite where there is no way.
+    from_node: Vec<f64>,
+    /// Rings from which the site can be reached, with a lower bound of the distance from any stop on them, nearest first.
+    rings: Vec<(usize, f64)>,
+    component: usize,
+}
+
+/// The first steps of a query's answer.
+#[derive(Clone, Copy, Debug)]
+enum Approach {
+    Straight,
+    Around { ring: usize, touch: Point, from_angle: f64, sweep: f64, next: NodeIndex },
+}
+
+impl Space {
+    pub fn new(
+        obstacles: impl Iterator<Item = Footprint>,
+        barriers: Vec<[Point; 2]>,
+        clearance: f64,
+    ) -> Self {
+        let obstacles = obstacles.map(|o| (o.clone(), o.bounds())).collect();
+        Self { obstacles, barriers, clearance }
+    }
+
+    /// Whether the team can walk straight from `a` to `b`.
+    pub fn is_clear(&self, a: Point, b: Point) -> bool {
+        self.is_clear_by(a, b, self.clearance)
+    }
+
+    fn is_clear_by(&self, a: Point, b: Point, clearance: f64) -> bool {
+        self.obstacles.iter().all(|(o, bounds)| o.clears_segment(*bounds, a, b, clearance - SLACK))
+            && !self.barriers.iter().any(|[c, d]| segments_cross(a, b, *c, *d))
+    }
+
+    /// Distance (m) from `p` to the nearest obstacle.
+    fn clearance_at(&self, p: Point) -> f64 {
+        self.obstacles.iter().map(|(o, _)| o.distance_to_point(p)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether the arc keeps clear: since no distance changes faster than the way walked, an arc whose middle has more room than half its
+    /// length is clear as a whole; others are halved.
+    fn is_arc_clear(&self, disc: &Disc, from_angle: f64, sweep: f64) -> bool {
+        let crosses_barrier =
+            self.barriers.iter().any(|[a, b]| arc_crosses(disc, from_angle, sweep, *a, *b));
+        if crosses_barrier || !disc.is_taut(from_angle) || !disc.is_taut(from_angle + sweep) {
+            return false;
+        }
+        let half = disc.radius * sweep.abs() / 2.0;
+        let middle = disc.at(from_angle + sweep / 2.0);
+        self.obstacles
+            .iter()
+            .enumerate()
+            // a taut arc touches its own obstacle, and no more
+            .filter(|(i, _)| *i != disc.obstacle)
+            .map(|(_, obstacle)| obstacle)
+            .filter(|(_, bounds)| {
+                let near = bounds.grown(self.clearance + half);
+                near.min <= middle && middle <= near.max
+            })
+            .all(|(obstacle, _)| self.is_arc_clear_of(obstacle, disc, from_angle, sweep, 0))
+    }
+
+    fn is_arc_clear_of(
+        &self,
+        obstacle: &Footprint,
+        disc: &Disc,
+        from_angle: f64,
+        sweep: f64,
+        depth: u32,
+    ) -> bool {
+        let room = obstacle.distance_to_point(disc.at(from_angle + sweep / 2.0)) - self.clearance;
+        let half = disc.radius * sweep.abs() / 2.0;
+        if room >= half {
+            return true;
+        }
+        if room < -SLACK {
+            return false;
+        }
+        // where walls share a corner, an arc touches both all along: room 0 at any depth
+        depth == 12
+            || [from_angle, from_angle + sweep / 2.0]
+                .iter()
+                .all(|&from| self.is_arc_clear_of(obstacle, disc, from, sweep / 2.0, depth + 1))
+    }
+}
+
+impl Disc {
+    fn all_of(obstacle: usize, footprint: &Footprint, clearance: f64) -> Vec<Self> {
+        match footprint {
+            Footprint::Disc { center, radius } => {
+                vec![Self { obstacle, center: *center, radius: radius + clearance, between: None }]
+            }
+            Footprint::Polygon(corners) => {
+                let n = corners.len();
+                let normal = |i: usize| -left_of(corners[(i + 1) % n] - corners[i]).normalize();
+                (0..n)
+                    .map(|i| Self {
+                        obstacle,
+                        center: corners[i],
+                        radius: clearance,
+                        between: Some([normal((i + n - 1) % n), normal(i)]),
+                    })
+                    .collect()
+            }
+        }
+    }
+
+    fn at(&self, angle: f64) -> Point {
+        self.center + direction(angle) * self.radius
+    }
+
+    /// Whether a taut string may touch the disc at `angle`.
+    fn is_taut(&self, angle: f64) -> bool {
+        self.between.is_none_or(|[first, last]| {
+            let d = direction(angle);
+            cross(first, d) >= -SAME_ANGLE && cross(d, last) >= -SAME_ANGLE
+        })
+    }
+}
+
+impl Roadmap {
+    /// The roadmap of `space`, with shortest paths to each of `sites`.
+    pub fn new(space: Space, sites: &[Point]) -> Self {
+        let discs: Vec<Disc> =
+            space
+            .obstacles
+            .iter()
+            .enumerate()
+            .flat_map(|(i, (outline, _))| Disc::all_of(i, outline, space.clearance))
+            .collect();
+        let mut graph = DiGraph::new();
+        let mut rings: Vec<Vec<Stop>> = vec![Vec::new(); 2 * discs.len()];
+        let nodes: Vec<NodeIndex> = sites.iter().map(|_| graph.add_node(())).collect();
+        let mut stop = |graph: &mut DiGraph<(), Way>, ring: usize, at: Point, kind: StopKind| {
+            let node = graph.add_node(());
+            let angle = angle_of(at - discs[ring / 2].center);
+            // one value for the direction of -x, which is both pi and -pi
+            let angle = if angle < SAME_ANGLE - PI { angle + TAU } else { angle };
+            rings[ring].push(Stop { angle, node, kind, open_to_next: false });
+            node
+        };
+        for (i, &a) in sites.iter().enumerate() {
+            for (j, &b) in sites.iter().enumerate().skip(i + 1) {
+                if space.is_clear(a, b) {
+                    let length = (b - a).norm();
+                    graph.add_edge(nodes[i], nodes[j], Way::Line { from: a, to: b, length });
+                    graph.add_edge(nodes[j], nodes[i], Way::Line { from: b, to: a, length });
+                }
+            }
+            for ring in 0..2 * discs.len() {
+                if let Some((touch, length)) = tangent_from(&discs[ring / 2], ring, a, &space) {
+                    // the way back runs around the disc the other way
+                    let arrive = stop(&mut graph, ring, touch, StopKind::Arrive);
+                    let leave = stop(&mut graph, ring ^ 1, touch, StopKind::Leave);
+                    graph.add_edge(nodes[i], arrive, Way::Line { from: a, to: touch, length });
+                    graph.add_edge(leave, nodes[i], Way::Line { from: touch, to: a, length });
+                }
+            }
+        }
+        for from in 0..2 * discs.len() {
+            for to in (0..2 * discs.len()).filter(|to| to / 2 != from / 2) {
+                let ends = [&discs[from / 2], &discs[to / 2]];
+                if let Some((a, b)) = bitangent(ends, [turn(from), turn(to)])
+                    && ends[0].is_taut(angle_of(a - ends[0].center))
+                    && ends[1].is_taut(angle_of(b - ends[1].center))
+                    && space.is_clear(a, b)
+                {
+                    let leave = stop(&mut graph, from, a, StopKind::Leave);
+                    let arrive = stop(&mut graph, to, b, StopKind::Arrive);
+                    graph.add_edge(leave, arrive, Way::Line { from: a, to: b, length: (b - a).norm() });
+                }
+            }
+        }
+        for (ring, stops) in rings.iter_mut().enumerate() {
+            link(ring, &discs[ring / 2], stops, &space, &mut graph);
+        }
+        let mut map = Self { space, discs, rings, graph, sites: Vec::new() };
+        let components = map.components();
+        map.sites = sites
+            .iter()
+            .zip(&nodes)
+            .map(|(&point, &node)| map.site(point, node, components[node.index()]))
+            .collect();
+        map
+    }
+
+    fn site(&self, point: Point, node: NodeIndex, component: usize) -> Site {
+        let mut from_node = vec![f64::INFINITY; self.graph.node_count()];
+        let found =
+            petgraph::algo::dijkstra(Reversed(&self.graph), node, None, |edge| edge.weight().length());
+        for (n, distance) in found {
+            from_node[n.index()] = distance;
+        }
+        let mut rings: Vec<(usize, f64)> = self
+            .rings
+            .iter()
+            .enumerate()
+            .map(|(ring, stops)| {
+                let nearest = stops.iter().map(|s| from_node[s.node.index()]).fold(f64::INFINITY, f64::min);
+                (ring, nearest)
+            })
+            .filter(|(_, nearest)| nearest.is_finite())
+            .collect();
+        rings.sort_by(|a, b| a.1.total_cmp(&b.1));
+        Site { point, node, from_node, rings, component }
+    }
+
+    fn components(&self) -> Vec<usize> {
+        let mut union = petgraph::unionfind::UnionFind::new(self.graph.node_count());
+        for edge in self.graph.edge_references() {
+            union.union(edge.source().index(), edge.target().index());
+        }
+        union.into_labeling()
+    }
+
+    /// The connected part of the team's free space that a site lies in: equal numbers for one part.
+    pub fn component(&self, site: usize) -> usize {
+        self.sites[site].component
+    }
+
+    /// Where a site lies.
+    pub fn point(&self, site: usize) -> Point {
+        self.sites[site].point
+    }
+
+    /// Length (m) of the shortest path from one site to another; infinite where there is none.
+    pub fn between(&self, from: usize, to: usize) -> f64 {
+        self.sites[to].from_node[self.sites[from].node.index()]
+    }
+
+    /// Length (m) of the shortest path from `p` to a site; infinite where there is none.
+    pub fn distance(&self, p: Point, site: usize) -> f64 {
+        self.approach(p, site).map_or(f64::INFINITY, |(_, length)| length)
+    }
+
+    /// Adds the shortest path from `p` to a site to `path`; returns false where there is none.
+    pub fn extend(&self, path: &mut Path, p: Point, site: usize) -> bool {
+        let goal = &self.sites[site];
+        let mut node = match self.approach(p, site) {
+            None => return false,
+            Some((Approach::Straight, _)) => {
+                path.line(p, goal.point);
+                return true;
+            }
+            Some((Approach::Around { ring, touch, from_angle, sweep, next }, _)) => {
+                path.line(p, touch);
+                let Disc { center, radius, .. } = self.discs[ring / 2];
+                path.push(Piece::Arc { center, radius, from_angle, sweep });
+                next
+            }
+        };
+        while node != goal.node {
+            let onward = self
+                .graph
+                .edges(node)
+                .map(|e| (e.weight().length() + goal.from_node[e.target().index()], e))
+                .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.target().cmp(&b.1.target())));
+            let Some((_, edge)) = onward else { return false };
+            match *edge.weight() {
+                Way::Line { from, to, .. } => path.line(from, to),
+                Way::Arc { disc, from_angle, sweep, .. } => {
+                    let Disc { center, radius, .. } = self.discs[disc];
+                    path.push(Piece::Arc { center, radius, from_angle, sweep });
+                }
+            }
+            node = edge.target();
+        }
+        true
+    }
+
+    fn approach(&self, p: Point, site: usize) -> Option<(Approach, f64)> {
+        let goal = &self.sites[site];
+        if self.space.is_clear(p, goal.point) {
+            return Some((Approach::Straight, (goal.point - p).norm()));
+        }
+        self.approach_around(p, goal, self.space.clearance).or_else(|| {
+            // a team that stands nearer to an obstacle than it should may leave along it
+            let room = self.space.clearance_at(p).min(self.space.clearance);
+            if self.space.is_clear_by(p, goal.point, room) {
+                return Some((Approach::Straight, (goal.point - p).norm()));
+            }
+            self.approach_around(p, goal, room)
+        })
+    }
+
+    fn approach_around(&self, p: Point, goal: &Site, clearance: f64) -> Option<(Approach, f64)> {
+        let mut best: Option<(Approach, f64)> = None;
+        for &(ring, nearest) in &goal.rings {
+            let shortest = best.map_or(f64::INFINITY, |(_, length)| length);
+            if nearest >= shortest {
+                break;
+            }
+            let disc = &self.discs[ring / 2];
+            let least = (p - disc.center).norm() - disc.radius;
+            if nearest + least.max(0.0) >= shortest {
+                continue;
+            }
+            let (touch, to_touch) = touch_from(disc, turn(ring), p);
+            let from_angle = angle_of(touch - disc.center);
+            let Some((next, sweep, known_open)) = self.next_stop(ring, from_angle) else { continue };
+            let onward = goal.from_node[next.index()];
+            let length = to_touch + disc.radius * sweep.abs() + onward;
+            if length < shortest
+                && disc.is_taut(from_angle)
+                && self.space.is_clear_by(p, touch, clearance)
+                && (known_open || self.space.is_arc_clear(disc, from_angle, sweep))
+            {
+                best = Some((Approach::Around { ring, touch, from_angle, sweep, next }, length));
+            }
+        }
+        best
+    }
+
+    /// The first stop at or after `angle` along a ring, the signed angle to it, and whether the way there is known to be open.
+    fn next_stop(&self, ring: usize, angle: f64) -> Option<(NodeIndex, f64, bool)> {
+        let stops = &self.rings[ring];
+        let ahead = |stop: &Stop| {
+            let ahead = ((stop.angle - angle) * turn(ring)).rem_euclid(TAU);
+            if ahead > TAU - SAME_ANGLE { 0.0 } else { ahead }
+        };
+        let (next, sweep) = stops
+            .iter()
+            .map(ahead)
+            .enumerate()
+            .min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let before = &stops[(next + stops.len() - 1) % stops.len()];
+        Some((stops[next].node, sweep * turn(ring), sweep == 0.0 || before.open_to_next))
+    }
+}
+
+/// +1 on counter-clockwise rings, -1 on clockwise ones.
+fn turn(ring: usize) -> f64 {
+    if ring.is_multiple_of(2) { 1.0 } else { -1.0 }
+}
+
+/// Where a line from `p` touches the disc so that going on turns by `turn`, and the line's length, m. From within the disc (a team nearer
+/// to an obstacle than its clearance): straight out.
+fn touch_from(disc: &Disc, turn: f64, p: Point) -> (Point, f64) {
+    let v = disc.center - p;
+    let squared = v.norm_squared();
+    let line = squared - disc.radius * disc.radius;
+    if line <= 0.0 {
+        let distance = squared.sqrt();
+        let out = if distance > 0.0 { -v / distance } else { Vector::x() };
+        return (disc.center + out * disc.radius, disc.radius - distance);
+    }
+    let line = line.sqrt();
+    let along = (v * line - left_of(v) * (turn * disc.radius)) / squared;
+    (p + along * line, line)
+}
+
+fn tangent_from(disc: &Disc, ring: usize, p: Point, space: &Space) -> Option<(Point, f64)> {
+    let (touch, length) = touch_from(disc, turn(ring), p);
+    let taut = disc.is_taut(angle_of(touch - disc.center));
+    (taut && space.is_clear(p, touch)).then_some((touch, length))
+}
+
+/// The line that leaves the first disc turning one way and touches the second turning another; `None` where one disc covers the other.
+///
+/// With v from centre to centre and k = turn_2 r_2 - turn_1 r_1, the unit direction u of the line satisfies v = L u + k left(u).
+fn bitangent([a, b]: [&Disc; 2], turns: [f64; 2]) -> Option<(Point, Point)> {
+    let v = b.center - a.center;
+    let k = turns[1] * b.radius - turns[0] * a.radius;
+    let squared = v.norm_squared();
+    let line = squared - k * k;
+    if line <= 0.0 || squared == 0.0 {
+        return None;
+    }
+    let along = (v * line.sqrt() - left_of(v) * k) / squared;
+    let left = left_of(along);
+    Some((a.center - left * (turns[0] * a.radius), b.center - left * (turns[1] * b.radius)))
+}
+
+/// Joins the stops of a ring in its direction of travel by the arcs that are clear.
+fn link(ring: usize, disc: &Disc, stops: &mut [Stop], space: &Space, graph: &mut DiGraph<(), Way>) {
+    let turn = turn(ring);
+    let order = |a: &Stop, b: &Stop| {
+        (a.angle * turn).total_cmp(&(b.angle * turn)).then(a.kind.cmp(&b.kind)).then(a.node.cmp(&b.node))
+    };
+    stops.sort_by(order);
+    for i in 1..stops.len() {
+        if (stops[i].angle - stops[i - 1].angle).abs() <= SAME_ANGLE {
+            stops[i].angle = stops[i - 1].angle;
+        }
+    }
+    stops.sort_by(order);
+    let n = stops.len();
+    for i in 0..n {
+        let next = (i + 1) % n;
+        let from_angle = stops[i].angle;
+        let ahead = ((stops[next].angle - from_angle) * turn).rem_euclid(TAU);
+        // the last stop leads on to the first only around the disc
+        if next == 0 && ahead == 0.0 {
+            continue;
+        }
+        let sweep = ahead * turn;
+        if ahead == 0.0 || space.is_arc_clear(disc, from_angle, sweep) {
+            let length = disc.radius * ahead;
+            stops[i].open_to_next = true;
+            let way = Way::Arc { disc: ring / 2, from_angle, sweep, length };
+            graph.add_edge(stops[i].node, stops[next].node, way);
+        }
+    }
+}
+
+/// Whether the arc crosses the segment `a b`.
+fn arc_crosses(disc: &Disc, from_angle: f64, sweep: f64, a: Point, b: Point) -> bool {
+    let (d, f) = (b - a, a - disc.center);
+    let (qa, qb, qc) = (d.norm_squared(), f.dot(&d), f.norm_squared() - disc.radius * disc.radius);
+    let discriminant = qb * qb - qa * qc;
+    if discriminant <= 0.0 || qa == 0.0 {
+        return false;
+    }
+    let root = discriminant.sqrt();
+    [(-qb - root) / qa, (-qb + root) / qa].into_iter().filter(|t| (0.0..=1.0).contains(t)).any(|t| {
+        let angle = angle_of(f + d * t);
+        let ahead = ((angle - from_angle) * sweep.signum()).rem_euclid(TAU);
+        ahead > 0.0 && ahead < sweep.abs()
+    })
+}

@@ -1,0 +1,176 @@
+//! What can be wrong with a world file, each case with its file, line, item and numbers.
+
+use thiserror::Error;
+
+/// Where in a world file something stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// The file as it was named by the caller.
+    pub file: String,
+    /// Line, counted from 1.
+    pub line: usize,
+    /// The item, such as ``obstacle `pillar` ``.
+    pub item: String,
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(f, "{}:{}: {}", self.file, self.line, self.item)
+    }
+}
+
+/// Why a world file was refused.
+#[derive(Debug, Error)]
+pub enum WorldError {
+    /// The file cannot be read.
+    #[error("{file}: cannot be read: {source}")]
+    Read {
+        /// The file.
+        file: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The file is not the TOML that a world file is made of.
+    #[error("{file}: {source}")]
+    Syntax {
+        /// The file.
+        file: String,
+        /// Line, column, and what was expected there.
+        source: Box<toml::de::Error>,
+    },
+    /// A number is out of its range.
+    #[error("{place}: {field} = {value}; it must be {expected}")]
+    Number {
+        /// Where.
+        place: Place,
+        /// The key.
+        field: String,
+        /// The value found.
+        value: f64,
+        /// The values allowed.
+        expected: &'static str,
+    },
+    /// A shape lacks a key that it needs.
+    #[error("{place}: a {shape} needs {field}")]
+    Missing {
+        /// Where.
+        place: Place,
+        /// The obstacle's shape.
+        shape: &'static str,
+        /// The key that is missing.
+        field: &'static str,
+    },
+    /// A shape has a key that it does not take.
+    #[error("{place}: a {shape} takes no {field}")]
+    Superfluous {
+        /// Where.
+        place: Place,
+        /// The obstacle's shape.
+        shape: &'static str,
+        /// The key that does not belong.
+        field: &'static str,
+    },
+    /// Two items of one kind have the same name.
+    #[error("{place}: the name is used twice; every {kind} needs a name of its own")]
+    Duplicate {
+        /// Where the name stands the second time.
+        place: Place,
+        /// `obstacle`, `opening` or `option`.
+        kind: &'static str,
+    },
+    /// A polygon has too few corners.
+    #[error("{place}: {count} corners in vertices_m; a polygon needs 3 to 64")]
+    Corners {
+        /// Where.
+        place: Place,
+        /// The number of corners found.
+        count: usize,
+    },
+    /// A polygon is not convex.
+    #[error(
+        "{place}: vertices_m is not convex at corner {corner}, ({x}, {y}); list the corners of a convex outline in order, no three on a line, or split it"
+    )]
+    NotConvex {
+        /// Where.
+        place: Place,
+        /// The corner, counted from 1.
+        corner: usize,
+        /// Its x, m.
+        x: f64,
+        /// Its y, m.
+        y: f64,
+    },
+    /// A name that nothing has.
+    #[error("{place}: there is no {kind} `{name}`; there are: {known}")]
+    Unknown {
+        /// Where.
+        place: Place,
+        /// `obstacle` or `opening`.
+        kind: &'static str,
+        /// The name asked for.
+        name: String,
+        /// The names that exist.
+        known: String,
+    },
+    /// An opening between an obstacle and itself.
+    #[error("{place}: between names `{obstacle}` twice; an opening lies between two obstacles")]
+    SameObstacle {
+        /// Where.
+        place: Place,
+        /// The obstacle.
+        obstacle: String,
+    },
+    /// An opening that is too narrow.
+    #[error(
+        "{place}: the gap between `{first}` and `{second}` is {width:.4} m wide, not more than the robot's {robot_width} m: impassable"
+    )]
+    Impassable {
+        /// Where.
+        place: Place,
+        /// One obstacle.
+        first: String,
+        /// The other.
+        second: String,
+        /// Measured width, m.
+        width: f64,
+        /// Robot width, m.
+        robot_width: f64,
+    },
+    /// An opening in which a third obstacle stands.
+    #[error(
+        "{place}: `{third}` stands {distance:.4} m from the middle of the gap between `{first}` and `{second}` ({width:.4} m wide); name the narrower gap beside it instead"
+    )]
+    Obstructed {
+        /// Where.
+        place: Place,
+        /// One obstacle.
+        first: String,
+        /// The other.
+        second: String,
+        /// The obstacle in the way.
+        third: String,
+        /// Its distance from the middle of the gap, m.
+        distance: f64,
+        /// The gap's width, m.
+        width: f64,
+    },
+    /// The start or the target has no room.
+    #[error(
+        "{place} = ({x}, {y}) is {distance:.4} m from obstacle `{obstacle}`; the team needs {needed} m (half of robot_width_m) around it{}",
+        if *.distance == 0.0 { ": it lies inside the obstacle" } else { "" }
+    )]
+    Occupied {
+        /// Where.
+        place: Place,
+        /// x, m.
+        x: f64,
+        /// y, m.
+        y: f64,
+        /// The obstacle.
+        obstacle: String,
+        /// Distance to it, m.
+        distance: f64,
+        /// Distance needed, m.
+        needed: f64,
+    },
+}

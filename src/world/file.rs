@@ -1,0 +1,86 @@
+//! The text of a world file in; its items as written, each with its line, out.
+
+use super::error::{Place, WorldError};
+use serde::Deserialize;
+use toml::Spanned;
+
+/// A world file as written. Lengths in metres, angles in degrees: the loader converts.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct WorldFile {
+    pub name: String,
+    #[serde(default)]
+    pub note: String,
+    pub robot_width_m: Spanned<f64>,
+    pub start_m: Spanned<[f64; 2]>,
+    pub target_m: Spanned<[f64; 2]>,
+    pub option_limit: Option<Spanned<i64>>,
+    #[serde(default, rename = "obstacle")]
+    pub obstacles: Vec<Spanned<ObstacleEntry>>,
+    #[serde(default, rename = "opening")]
+    pub openings: Vec<Spanned<OpeningEntry>>,
+    #[serde(default, rename = "option")]
+    pub options: Vec<Spanned<OptionEntry>>,
+}
+
+/// One `[[obstacle]]`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ObstacleEntry {
+    pub name: String,
+    pub shape: ShapeEntry,
+    pub center_m: Option<[f64; 2]>,
+    pub size_m: Option<[f64; 2]>,
+    pub yaw_deg: Option<f64>,
+    pub radius_m: Option<f64>,
+    pub vertices_m: Option<Vec<[f64; 2]>>,
+    pub height_m: f64,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum ShapeEntry {
+    Box,
+    Cylinder,
+    Polygon,
+}
+
+/// One `[[opening]]`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct OpeningEntry {
+    pub name: String,
+    pub between: [String; 2],
+}
+
+/// One `[[option]]`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct OptionEntry {
+    pub name: Option<String>,
+    pub openings: Vec<String>,
+}
+
+/// A file's name and text, to say where something stands in it.
+#[derive(Clone, Copy)]
+pub(super) struct Source<'a> {
+    pub file: &'a str,
+    pub text: &'a str,
+}
+
+impl Source<'_> {
+    pub fn parse(self) -> Result<WorldFile, WorldError> {
+        toml::from_str(self.text)
+            .map_err(|e| WorldError::Syntax { file: self.file.to_owned(), source: Box::new(e) })
+    }
+
+    /// The place of `item`, which was read from `spanned`.
+    pub fn place<T>(self, spanned: &Spanned<T>, item: impl Into<String>) -> Place {
+        let before = self.text.get(..spanned.span().start).unwrap_or("");
+        Place {
+            file: self.file.to_owned(),
+            line: before.matches('\n').count() + 1,
+            item: item.into(),
+        }
+    }
+}

@@ -1,0 +1,270 @@
+//! A world file (TOML) in; a validated [`World`] out: obstacles, start, target, openings measured or detected.
+//!
+//! World files hold scenes, never gains. The planar layout is extruded: every obstacle stands upright on the floor z = 0.
+
+mod error;
+mod file;
+mod obstacle;
+mod opening;
+
+pub use error::{Place, WorldError};
+pub use obstacle::Obstacle;
+pub use opening::{FREE_PASSAGE, Opening};
+
+use crate::geometry::{Bounds, Point};
+use file::{OptionEntry, Source, WorldFile};
+use obstacle::Check;
+use std::collections::BTreeSet;
+use toml::Spanned;
+
+/// How many options are enumerated where a world lists none and sets no `option_limit`.
+pub const DEFAULT_OPTION_LIMIT: usize = 8;
+/// The most options that `option_limit` may ask for.
+pub const LARGEST_OPTION_LIMIT: usize = 64;
+
+/// A scene: what stands where, and from where to where the object is carried.
+#[derive(Clone, Debug)]
+pub struct World {
+    /// The file that it was read from, as the caller named it.
+    pub file: String,
+    /// Title.
+    pub name: String,
+    /// What the file says of itself.
+    pub note: String,
+    /// Robot width d_r, m. Paths keep half of it clear of every obstacle.
+    pub robot_width: f64,
+    /// Start A.
+    pub start: Point,
+    /// Target B.
+    pub target: Point,
+    /// The obstacles, in file order.
+    pub obstacles: Vec<Obstacle>,
+    /// The openings, in file order; or detected, ordered by their obstacles.
+    pub openings: Vec<Opening>,
+    /// Whether the openings were detected, the file naming none.
+    pub openings_detected: bool,
+    /// The options that the file lists; empty where they are to be enumerated.
+    pub listed_options: Vec<ListedOption>,
+    /// How many options to enumerate at most where none are listed.
+    pub option_limit: usize,
+}
+
+/// An option as a world file lists it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ListedOption {
+    /// Name, unique in its world.
+    pub name: String,
+    /// Openings in the order of travel, as indices into the world's openings.
+    pub openings: Vec<usize>,
+    /// Line in the file.
+    pub line: usize,
+}
+
+impl World {
+    /// Reads and validates a world file.
+    ///
+    /// # Errors
+    /// [`WorldError`], which names the file, the line, the item and the numbers.
+    pub fn load(path: &std::path::Path) -> Result<Self, WorldError> {
+        let file = path.display().to_string();
+        match std::fs::read_to_string(path) {
+            Ok(text) => Self::parse(&file, &text),
+            Err(source) => Err(WorldError::Read { file, source }),
+        }
+    }
+
+    /// Validates the text of a world file; `file` is what errors call it.
+    ///
+    /// # Errors
+    /// As [`World::load`].
+    pub fn parse(file: &str, text: &str) -> Result<Self, WorldError> {
+        let source = Source { file, text };
+        let entries = source.parse()?;
+        let top = |spanned: &Spanned<f64>, item: &str| source.place(spanned, item);
+        let robot_width = Check { place: &top(&entries.robot_width_m, "world") }
+            .size("robot_width_m", *entries.robot_width_m.get_ref())?;
+        let obstacles = obstacles(source, &entries)?;
+        let start = endpoint(source, "start_m", &entries.start_m, &obstacles, robot_width)?;
+        let target = endpoint(source, "target_m", &entries.target_m, &obstacles, robot_width)?;
+        let openings_detected = entries.openings.is_empty();
+        let openings = if openings_detected {
+            opening::detect(&obstacles, robot_width)
+        } else {
+            declared_openings(source, &entries, &obstacles, robot_width)?
+        };
+        let listed_options = listed_options(source, &entries.options, &openings)?;
+        let option_limit = option_limit(source, entries.option_limit.as_ref())?;
+        Ok(Self {
+            file: file.to_owned(),
+            name: entries.name,
+            note: entries.note,
+            robot_width,
+            start,
+            target,
+            obstacles,
+            openings,
+            openings_detected,
+            listed_options,
+            option_limit,
+        })
+    }
+
+    /// The least rectangle around the obstacles, the start and the target.
+    pub fn bounds(&self) -> Bounds {
+        let corners = self.obstacles.iter().flat_map(|o| {
+            let b = o.footprint.bounds();
+            [b.min, b.max]
+        });
+        Bounds::around(corners.chain([self.start, self.target]))
+            .unwrap_or(Bounds { min: self.start, max: self.target })
+    }
+
+    /// Gaps that the robot cannot pass, widest first: what may have closed a way.
+    pub fn impassable_gaps(&self) -> Vec<Opening> {
+        let n = self.obstacles.len();
+        let mut gaps: Vec<Opening> = (0..n)
+            .flat_map(|i| (i + 1..n).map(move |j| [i, j]))
+            .filter_map(|between| opening::measure(&self.obstacles, between))
+            .filter(|gap| gap.width <= self.robot_width)
+            .collect();
+        gaps.sort_by(|a, b| b.width.total_cmp(&a.width));
+        gaps
+    }
+}
+
+fn obstacles(source: Source, entries: &WorldFile) -> Result<Vec<Obstacle>, WorldError> {
+    let mut names = BTreeSet::new();
+    entries
+        .obstacles
+        .iter()
+        .map(|spanned| {
+            let entry = spanned.get_ref();
+            let place = source.place(spanned, format!("obstacle `{}`", entry.name));
+            if !names.insert(&entry.name) {
+                return Err(WorldError::Duplicate { place, kind: "obstacle" });
+            }
+            Obstacle::from_entry(entry, &place)
+        })
+        .collect()
+}
+
+fn endpoint(
+    source: Source,
+    field: &str,
+    spanned: &Spanned<[f64; 2]>,
+    obstacles: &[Obstacle],
+    robot_width: f64,
+) -> Result<Point, WorldError> {
+    let place = source.place(spanned, "world");
+    let point = Check { place: &place }.point(field, *spanned.get_ref())?;
+    let needed = robot_width / 2.0;
+    let nearest = obstacles
+        .iter()
+        .map(|o| (o, o.footprint.distance_to_point(point)))
+        .min_by(|a, b| a.1.total_cmp(&b.1));
+    match nearest {
+        Some((obstacle, distance)) if distance < needed => Err(WorldError::Occupied {
+            place: source.place(spanned, field),
+            x: point.x,
+            y: point.y,
+            obstacle: obstacle.name.clone(),
+            distance,
+            needed,
+        }),
+        _ => Ok(point),
+    }
+}
+
+fn declared_openings(
+    source: Source,
+    entries: &WorldFile,
+    obstacles: &[Obstacle],
+    robot_width: f64,
+) -> Result<Vec<Opening>, WorldError> {
+    let mut names = BTreeSet::new();
+    let find = |name: &String, place: &Place| {
+        obstacles.iter().position(|o| o.name == *name).ok_or_else(|| WorldError::Unknown {
+            place: place.clone(),
+            kind: "obstacle",
+            name: name.clone(),
+            known: join(obstacles.iter().map(|o| &o.name)),
+        })
+    };
+    entries
+        .openings
+        .iter()
+        .map(|spanned| {
+            let entry = spanned.get_ref();
+            let place = source.place(spanned, format!("opening `{}`", entry.name));
+            if !names.insert(&entry.name) {
+                return Err(WorldError::Duplicate { place, kind: "opening" });
+            }
+            let [first, second] = &entry.between;
+            let between = [find(first, &place)?, find(second, &place)?];
+            if between[0] == between[1] {
+                return Err(WorldError::SameObstacle { place, obstacle: first.clone() });
+            }
+            let gap = opening::measure(obstacles, between);
+            let width = gap.as_ref().map_or(0.0, |g| g.width);
+            let (first, second) = (first.clone(), second.clone());
+            let Some(gap) = gap.filter(|g| g.width > robot_width) else {
+                return Err(WorldError::Impassable { place, first, second, width, robot_width });
+            };
+            if let Some((third, distance)) = opening::obstructed(obstacles, &gap) {
+                let third = obstacles[third].name.clone();
+                return Err(WorldError::Obstructed { place, first, second, third, distance, width });
+            }
+            Ok(Opening { name: entry.name.clone(), ..gap })
+        })
+        .collect()
+}
+
+fn listed_options(
+    source: Source,
+    entries: &[Spanned<OptionEntry>],
+    openings: &[Opening],
+) -> Result<Vec<ListedOption>, WorldError> {
+    let mut names = BTreeSet::new();
+    entries
+        .iter()
+        .enumerate()
+        .map(|(i, spanned)| {
+            let entry = spanned.get_ref();
+            let name = entry.name.clone().unwrap_or_else(|| (i + 1).to_string());
+            let place = source.place(spanned, format!("option `{name}`"));
+            if !names.insert(name.clone()) {
+                return Err(WorldError::Duplicate { place, kind: "option" });
+            }
+            let find = |name: &String| {
+                openings.iter().position(|o| o.name == *name).ok_or_else(|| WorldError::Unknown {
+                    place: place.clone(),
+                    kind: "opening",
+                    name: name.clone(),
+                    known: join(openings.iter().map(|o| &o.name)),
+                })
+            };
+            let openings = entry.openings.iter().map(find).collect::<Result<_, _>>()?;
+            Ok(ListedOption { name, openings, line: place.line })
+        })
+        .collect()
+}
+
+fn option_limit(source: Source, entry: Option<&Spanned<i64>>) -> Result<usize, WorldError> {
+    let Some(spanned) = entry else {
+        return Ok(DEFAULT_OPTION_LIMIT);
+    };
+    let value = *spanned.get_ref();
+    usize::try_from(value).ok().filter(|n| (1..=LARGEST_OPTION_LIMIT).contains(n)).ok_or_else(|| {
+        WorldError::Number {
+            place: source.place(spanned, "world"),
+            field: "option_limit".to_owned(),
+            value: value as f64,
+            expected: "a whole number from 1 to 64",
+        }
+    })
+}
+
+fn join<'a>(names: impl Iterator<Item = &'a String>) -> String {
+    let names: Vec<String> = names.map(|n| format!("`{n}`")).collect();
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+}

@@ -1,0 +1,216 @@
+//! An obstacle's entry in the world file in; a validated upright obstacle with its outline and its solid out.
+
+use super::error::{Place, WorldError};
+use super::file::{ObstacleEntry, ShapeEntry};
+use crate::geometry::{Footprint, Point, cross, direction, left_of};
+use parry3d::math::{Pose, Vec3};
+use parry3d::shape::SharedShape;
+
+/// Coordinates beyond this (m) are refused: a slip of units, and out of reach of the tolerances used.
+const FARTHEST: f64 = 1e4;
+/// Shortest side of an obstacle, m.
+const SMALLEST: f64 = 1e-3;
+
+/// An upright obstacle that stands on the floor.
+#[derive(Clone, Debug)]
+pub struct Obstacle {
+    /// Name, unique in its world.
+    pub name: String,
+    /// Its outline on the floor.
+    pub footprint: Footprint,
+    /// Height, m.
+    pub height: f64,
+    solid: Solid,
+}
+
+/// How the outline is made, which is also what its solid is made from.
+#[derive(Clone, Debug, PartialEq)]
+enum Solid {
+    Box { center: Point, size: [f64; 2], yaw: f64 },
+    Cylinder { center: Point, radius: f64 },
+    Prism { corners: Vec<Point> },
+}
+
+impl Obstacle {
+    pub(super) fn from_entry(entry: &ObstacleEntry, place: &Place) -> Result<Self, WorldError> {
+        let check = Check { place };
+        let shape = match entry.shape {
+            ShapeEntry::Box => "box",
+            ShapeEntry::Cylinder => "cylinder",
+            ShapeEntry::Polygon => "polygon",
+        };
+        let given = [
+            ("center_m", entry.center_m.is_some(), "box cylinder"),
+            ("size_m", entry.size_m.is_some(), "box"),
+            ("yaw_deg", entry.yaw_deg.is_some(), "box"),
+            ("radius_m", entry.radius_m.is_some(), "cylinder"),
+            ("vertices_m", entry.vertices_m.is_some(), "polygon"),
+        ];
+        for (field, is_given, shapes) in given {
+            if is_given && !shapes.contains(shape) {
+                return Err(WorldError::Superfluous { place: place.clone(), shape, field });
+            }
+        }
+        let missing = |field| WorldError::Missing { place: place.clone(), shape, field };
+        let height = check.size("height_m", entry.height_m)?;
+        let solid = match entry.shape {
+            ShapeEntry::Box => {
+                let size = entry.size_m.ok_or_else(|| missing("size_m"))?;
+                Solid::Box {
+                    center: check.point("center_m", entry.center_m.ok_or_else(|| missing("center_m"))?)?,
+                    size: [check.size("size_m[0]", size[0])?, check.size("size_m[1]", size[1])?],
+                    yaw: check.angle("yaw_deg", entry.yaw_deg.unwrap_or(0.0))?.to_radians(),
+                }
+            }
+            ShapeEntry::Cylinder => Solid::Cylinder {
+                center: check.point("center_m", entry.center_m.ok_or_else(|| missing("center_m"))?)?,
+                radius: check.size("radius_m", entry.radius_m.ok_or_else(|| missing("radius_m"))?)?,
+            },
+            ShapeEntry::Polygon => {
+                let vertices = entry.vertices_m.as_ref().ok_or_else(|| missing("vertices_m"))?;
+                Solid::Prism { corners: check.convex(vertices)? }
+            }
+        };
+        Ok(Self { name: entry.name.clone(), footprint: solid.footprint(), height, solid })
+    }
+
+    /// The solid as a parry shape with its pose, `world_from_solid`; its foot is at z = 0.
+    pub fn solid(&self) -> (Pose, SharedShape) {
+        let half_height = self.height / 2.0;
+        let lifted = |p: Point| Vec3::new(p.x, p.y, half_height);
+        match &self.solid {
+            Solid::Box { center, size, yaw } => (
+                Pose::from_parts(lifted(*center), parry3d::math::Rotation::from_rotation_z(*yaw)),
+                SharedShape::cuboid(size[0] / 2.0, size[1] / 2.0, half_height),
+            ),
+            // parry's cylinder stands along y
+            Solid::Cylinder { center, radius } => (
+                Pose::from_parts(
+                    lifted(*center),
+                    parry3d::math::Rotation::from_rotation_x(std::f64::consts::FRAC_PI_2),
+                ),
+                SharedShape::cylinder(half_height, *radius),
+            ),
+            Solid::Prism { corners } => {
+                let middle = centroid(corners);
+                let points: Vec<Vec3> = [-half_height, half_height]
+                    .into_iter()
+                    .flat_map(|z| corners.iter().map(move |c| Vec3::new(c.x - middle.x, c.y - middle.y, z)))
+                    .collect();
+                let shape = SharedShape::convex_hull(&points)
+                    .expect("corners checked to be convex, with an area");
+                (Pose::from_translation(lifted(middle)), shape)
+            }
+        }
+    }
+
+    /// What the world file calls the shape.
+    pub fn shape_name(&self) -> &'static str {
+        match self.solid {
+            Solid::Box { .. } => "box",
+            Solid::Cylinder { .. } => "cylinder",
+            Solid::Prism { .. } => "polygon",
+        }
+    }
+
+    /// A point inside the outline, to put a label on.
+    pub fn middle(&self) -> Point {
+        match &self.solid {
+            Solid::Box { center, .. } | Solid::Cylinder { center, .. } => *center,
+            Solid::Prism { corners } => centroid(corners),
+        }
+    }
+}
+
+impl Solid {
+    fn footprint(&self) -> Footprint {
+        match self {
+            Self::Box { center, size, yaw } => {
+                let along = direction(*yaw) * (size[0] / 2.0);
+                let across = left_of(direction(*yaw)) * (size[1] / 2.0);
+                Footprint::Polygon(vec![
+                    center - along - across,
+                    center + along - across,
+                    center + along + across,
+                    center - along + across,
+                ])
+            }
+            Self::Cylinder { center, radius } => Footprint::Disc { center: *center, radius: *radius },
+            Self::Prism { corners } => Footprint::Polygon(corners.clone()),
+        }
+    }
+}
+
+fn centroid(corners: &[Point]) -> Point {
+    Point::from(corners.iter().map(|c| c.coords).sum::<crate::geometry::Vector>() / corners.len() as f64)
+}
+
+/// Checks of single numbers, which name the place where they fail.
+pub(super) struct Check<'a> {
+    pub place: &'a Place,
+}
+
+impl Check<'_> {
+    fn number(
+        &self,
+        field: &str,
+        value: f64,
+        good: bool,
+        expected: &'static str,
+    ) -> Result<f64, WorldError> {
+        if good {
+            return Ok(value);
+        }
+        Err(WorldError::Number { place: self.place.clone(), field: field.to_owned(), value, expected })
+    }
+
+    pub fn size(&self, field: &str, value: f64) -> Result<f64, WorldError> {
+        let good = (SMALLEST..=FARTHEST).contains(&value);
+        self.number(field, value, good, "a length from 0.001 to 10000 (metres)")
+    }
+
+    pub fn point(&self, field: &str, [x, y]: [f64; 2]) -> Result<Point, WorldError> {
+        let expected = "a coordinate from -10000 to 10000 (metres)";
+        self.number(&format!("{field}[0]"), x, x.abs() <= FARTHEST, expected)?;
+        self.number(&format!("{field}[1]"), y, y.abs() <= FARTHEST, expected)?;
+        Ok(Point::new(x, y))
+    }
+
+    fn angle(&self, field: &str, value: f64) -> Result<f64, WorldError> {
+        self.number(field, value, value.abs() <= 360.0, "an angle from -360 to 360 (degrees)")
+    }
+
+    /// Convex corners in counter-clockwise order.
+    fn convex(&self, vertices: &[[f64; 2]]) -> Result<Vec<Point>, WorldError> {
+        let n = vertices.len();
+        if !(3..=64).contains(&n) {
+            return Err(WorldError::Corners { place: self.place.clone(), count: n });
+        }
+        let corners: Vec<Point> = vertices
+            .iter()
+            .enumerate()
+            .map(|(i, v)| self.point(&format!("vertices_m[{i}]"), *v))
+            .collect::<Result<_, _>>()?;
+        let area: f64 =
+            (0..n).map(|i| cross(corners[i].coords, corners[(i + 1) % n].coords)).sum::<f64>() / 2.0;
+        let clockwise = area < 0.0;
+        let mut turned = 0.0;
+        for i in 0..n {
+            let before = corners[i] - corners[(i + n - 1) % n];
+            let after = corners[(i + 1) % n] - corners[i];
+            let turn = cross(before, after) * if clockwise { -1.0 } else { 1.0 };
+            // a star turns left at every corner too, but more than once around
+            turned += turn.atan2(before.dot(&after));
+            let once_around = turned < std::f64::consts::TAU + 1e-6;
+            if turn <= 1e-9 * before.norm() * after.norm() || before.norm() < SMALLEST || !once_around {
+                return Err(WorldError::NotConvex {
+                    place: self.place.clone(),
+                    corner: i + 1,
+                    x: corners[i].x,
+                    y: corners[i].y,
+                });
+            }
+        }
+        Ok(if clockwise { corners.into_iter().rev().collect() } else { corners })
+    }
+}
