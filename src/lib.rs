@@ -1,4 +1,10 @@
 //! cocarry
+pub mod cli;
+pub mod coordination;
+pub mod drawing;
+pub mod episode;
+pub mod experiments;
 pub mod geometry;
-pub mod world;
 pub mod options;
+pub mod preference;
+pub mod world;

@@ -121,17 +121,12 @@ impl Footprint {
         let left = super::left_of(toward);
         match self {
             Self::Polygon(corners) => {
-                let reach = corners
-                    .iter()
-                    .map(|c| c.coords.dot(&toward))
-                    .fold(f64::NEG_INFINITY, f64::max);
+                let reach = corners.iter().map(|c| c.coords.dot(&toward)).fold(f64::NEG_INFINITY, f64::max);
                 let part = corners
                     .iter()
                     .filter(|c| c.coords.dot(&toward) >= reach - tolerance)
                     .map(|c| c.coords.dot(&left))
-                    .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| {
-                        [low.min(t), high.max(t)]
-                    });
+                    .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| [low.min(t), high.max(t)]);
                 (part, reach)
             }
             Self::Disc { center, radius } => {

@@ -31,11 +31,7 @@ pub fn angle_of(v: Vector) -> f64 {
 /// `angle` brought into (-pi, pi], rad.
 pub fn wrap_angle(angle: f64) -> f64 {
     let wrapped = angle.rem_euclid(std::f64::consts::TAU);
-    if wrapped > std::f64::consts::PI {
-        wrapped - std::f64::consts::TAU
-    } else {
-        wrapped
-    }
+    if wrapped > std::f64::consts::PI { wrapped - std::f64::consts::TAU } else { wrapped }
 }
 
 /// The z component of `a x b`: positive where `b` lies to the left of `a`.
@@ -47,11 +43,7 @@ pub fn cross(a: Vector, b: Vector) -> f64 {
 pub fn squared_distance_to_segment(p: Point, a: Point, b: Point) -> f64 {
     let ab = b - a;
     let length_squared = ab.norm_squared();
-    let t = if length_squared > 0.0 {
-        ((p - a).dot(&ab) / length_squared).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
+    let t = if length_squared > 0.0 { ((p - a).dot(&ab) / length_squared).clamp(0.0, 1.0) } else { 0.0 };
     (p - (a + ab * t)).norm_squared()
 }
 

@@ -67,11 +67,9 @@ pub(super) fn cheapest(set: &OptionSet, limit: usize, risk_weight: f64) -> Found
                     + set.roadmap.between(leave, portal_site(opening, 1 - into))
                     + set.straight(crossing);
                 let safe = partial.safe * (1.0 - passage.risk);
-                let bound =
-                    length + onward[portal_site(opening, into)] + risk_weight * (1.0 - safe);
+                let bound = length + onward[portal_site(opening, into)] + risk_weight * (1.0 - safe);
                 if bound.is_finite() {
-                    let crossings =
-                        partial.crossings.iter().copied().chain([crossing]).collect();
+                    let crossings = partial.crossings.iter().copied().chain([crossing]).collect();
                     queue.push(Partial { bound, length, safe, crossings, arrived: false });
                 }
             }

@@ -40,7 +40,9 @@ pub enum OptionError {
         clearance: f64,
     },
     /// The middle of an opening is not free: a third obstacle stands in it.
-    #[error("{file}: opening `{opening}`: its middle ({x:.4}, {y:.4}) is not {clearance} m clear of the obstacles")]
+    #[error(
+        "{file}: opening `{opening}`: its middle ({x:.4}, {y:.4}) is not {clearance} m clear of the obstacles"
+    )]
     Blocked {
         /// The world file.
         file: String,

@@ -89,8 +89,7 @@ impl OptionSet {
     pub fn new(world: &World, risk_weight: f64) -> Result<Self, OptionError> {
         let clearance = world.robot_width / 2.0;
         let barriers = world.openings.iter().map(|o| o.ends).collect();
-        let space =
-            Space::new(world.obstacles.iter().map(|o| o.footprint.clone()), barriers, clearance);
+        let space = Space::new(world.obstacles.iter().map(|o| o.footprint.clone()), barriers, clearance);
         let passages = passages(world, &space)?;
         let portals = passages.iter().flat_map(|p| [p.portal(0), p.portal(1)]);
         let sites: Vec<Point> = [world.start, world.target].into_iter().chain(portals).collect();
@@ -270,17 +269,14 @@ impl OptionSet {
 
     fn option(&self, name: String, crossings: Vec<Crossing>) -> PathOption {
         let start = self.roadmap.component(START);
-        let regions =
-            [start].into_iter().chain(crossings.iter().map(|&c| self.region_after(c))).collect();
+        let regions = [start].into_iter().chain(crossings.iter().map(|&c| self.region_after(c))).collect();
         let n = crossings.len();
         let mut after = vec![0.0; n];
         let mut risk_left = vec![0.0; n + 1];
         for i in (0..n).rev() {
             after[i] = match crossings.get(i + 1) {
                 Some(&next) => self.leg(crossings[i], next) + self.straight(next) + after[i + 1],
-                None => {
-                    self.roadmap.between(portal_site(crossings[i].opening, crossings[i].into), TARGET)
-                }
+                None => self.roadmap.between(portal_site(crossings[i].opening, crossings[i].into), TARGET),
             };
             risk_left[i] = 1.0 - (1.0 - risk_left[i + 1]) * (1.0 - self.passages[crossings[i].opening].risk);
         }
@@ -309,11 +305,16 @@ impl OptionSet {
         for (i, &opening) in listed.openings.iter().enumerate() {
             let onward = |into: usize| {
                 let crossing = Crossing { opening, into };
-                shortest(ways.clone().into_iter().map(|(length, mut way)| {
-                    let leg = self.roadmap.between(leave(&way), portal_site(opening, 1 - into));
-                    way.push(crossing);
-                    (length + leg + self.straight(crossing), way)
-                }).collect())
+                shortest(
+                    ways.clone()
+                        .into_iter()
+                        .map(|(length, mut way)| {
+                            let leg = self.roadmap.between(leave(&way), portal_site(opening, 1 - into));
+                            way.push(crossing);
+                            (length + leg + self.straight(crossing), way)
+                        })
+                        .collect(),
+                )
             };
             let next: Vec<_> = [onward(0), onward(1)].into_iter().flatten().collect();
             if next.is_empty() {

@@ -50,7 +50,7 @@ impl Passage {
         alignment: f64,
     ) -> Option<Self> {
         let (center, axis) = (opening.center(), opening.axis());
-        if !space.is_clear(center, center) {
+        if !space.is_clear_of_obstacles(center, center) {
             return None;
         }
         let reach = [-axis, axis].map(|outward| {
@@ -124,7 +124,7 @@ fn meets(from: Point, toward: Vector, [a, b]: [Point; 2]) -> Option<f64> {
 
 /// The longest straight way (m), at most `most`, that is clear.
 fn longest_clear(from: Point, toward: Vector, most: f64, space: &Space) -> f64 {
-    let clear = |length: f64| space.is_clear(from, from + toward * length);
+    let clear = |length: f64| space.is_clear_of_obstacles(from, from + toward * length);
     if clear(most) {
         return most;
     }

@@ -111,9 +111,17 @@ impl Space {
         self.is_clear_by(a, b, self.clearance)
     }
 
-    fn is_clear_by(&self, a: Point, b: Point, clearance: f64) -> bool {
+    /// Whether the straight way from `a` to `b` keeps clear of the obstacles; barriers may be crossed.
+    pub fn is_clear_of_obstacles(&self, a: Point, b: Point) -> bool {
+        self.keeps(a, b, self.clearance)
+    }
+
+    fn keeps(&self, a: Point, b: Point, clearance: f64) -> bool {
         self.obstacles.iter().all(|(o, bounds)| o.clears_segment(*bounds, a, b, clearance - SLACK))
-            && !self.barriers.iter().any(|[c, d]| segments_cross(a, b, *c, *d))
+    }
+
+    fn is_clear_by(&self, a: Point, b: Point, clearance: f64) -> bool {
+        self.keeps(a, b, clearance) && !self.barriers.iter().any(|[c, d]| segments_cross(a, b, *c, *d))
     }
 
     /// Distance (m) from `p` to the nearest obstacle.
@@ -124,9 +132,10 @@ impl Space {
     /// Whether the arc keeps clear: since no distance changes faster than the way walked, an arc whose middle has more room than half its
     /// length is clear as a whole; others are halved.
     fn is_arc_clear(&self, disc: &Disc, from_angle: f64, sweep: f64) -> bool {
-        let crosses_barrier =
-            self.barriers.iter().any(|[a, b]| arc_crosses(disc, from_angle, sweep, *a, *b));
-        if crosses_barrier || !disc.is_taut(from_angle) || !disc.is_taut(from_angle + sweep) {
+        let crosses_barrier = self.barriers.iter().any(|[a, b]| arc_crosses(disc, from_angle, sweep, *a, *b));
+        // from one taut angle of a corner to another it is less than half a turn; more is the way through the obstacle
+        let through = disc.between.is_some() && sweep.abs() > PI;
+        if crosses_barrier || through || !disc.is_taut(from_angle) || !disc.is_taut(from_angle + sweep) {
             return false;
         }
         let half = disc.radius * sweep.abs() / 2.0;
@@ -205,8 +214,7 @@ impl Disc {
 impl Roadmap {
     /// The roadmap of `space`, with shortest paths to each of `sites`.
     pub fn new(space: Space, sites: &[Point]) -> Self {
-        let discs: Vec<Disc> =
-            space
+        let discs: Vec<Disc> = space
             .obstacles
             .iter()
             .enumerate()
@@ -402,11 +410,7 @@ impl Roadmap {
             let ahead = ((stop.angle - angle) * turn(ring)).rem_euclid(TAU);
             if ahead > TAU - SAME_ANGLE { 0.0 } else { ahead }
         };
-        let (next, sweep) = stops
-            .iter()
-            .map(ahead)
-            .enumerate()
-            .min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (next, sweep) = stops.iter().map(ahead).enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
         let before = &stops[(next + stops.len() - 1) % stops.len()];
         Some((stops[next].node, sweep * turn(ring), sweep == 0.0 || before.open_to_next))
     }

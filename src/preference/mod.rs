@@ -1,1 +1,38 @@
-//! Preference.
+//! From what is left of each option (length, risk) and a belief over human perception to choice probabilities and expected costs.
+//!
+//! A human perceives a length `D` as `D^alpha` (Stevens) and a risk `S` as `exp(-(-ln S)^gamma)` (Prelec), and takes the option
+//! with the lowest subjective cost (eqs. 2 and 3). The robot knows `alpha` and `gamma` only as a [`Belief`]; a [`Predictor`] turns
+//! it into the probability of every option (eq. 4) and the expected subjective cost of every option (eq. 6).
+//!
+//! ```
+//! use cocarry::preference::{Belief, ChoiceDistribution, Predictor, Prospect};
+//!
+//! let options = [Prospect::new(17.4, 0.36), Prospect::new(14.3, 0.55), Prospect::new(21.4, 0.25)];
+//! let mut predictor = Predictor::new(Belief::default(), 10.0)?;
+//! let mut choice = ChoiceDistribution::default();
+//! predictor.predict(&options, &mut choice);
+//! assert!((choice.probabilities().iter().sum::<f64>() - 1.0).abs() < 1e-12);
+//! assert_eq!(choice.most_likely(), 0);
+//! # Ok::<(), cocarry::preference::PreferenceError>(())
+//! ```
+
+mod belief;
+mod choice;
+mod curve;
+mod envelope;
+mod error;
+mod expectation;
+mod marginal;
+mod perception;
+mod predictor;
+mod rule;
+mod strips;
+
+pub use belief::{Belief, SampleSet, WeightedSample};
+pub use choice::ChoiceDistribution;
+pub use error::PreferenceError;
+pub use marginal::Marginal;
+pub use perception::{
+    Perception, Prospect, human_choice, objective_cost, perceived_distance, perceived_risk, subjective_cost,
+};
+pub use predictor::{Predictor, RISK_WEIGHT};

@@ -77,10 +77,6 @@ impl Source<'_> {
     /// The place of `item`, which was read from `spanned`.
     pub fn place<T>(self, spanned: &Spanned<T>, item: impl Into<String>) -> Place {
         let before = self.text.get(..spanned.span().start).unwrap_or("");
-        Place {
-            file: self.file.to_owned(),
-            line: before.matches('\n').count() + 1,
-            item: item.into(),
-        }
+        Place { file: self.file.to_owned(), line: before.matches('\n').count() + 1, item: item.into() }
     }
 }

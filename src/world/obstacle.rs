@@ -97,8 +97,8 @@ impl Obstacle {
                     .into_iter()
                     .flat_map(|z| corners.iter().map(move |c| Vec3::new(c.x - middle.x, c.y - middle.y, z)))
                     .collect();
-                let shape = SharedShape::convex_hull(&points)
-                    .expect("corners checked to be convex, with an area");
+                let shape =
+                    SharedShape::convex_hull(&points).expect("corners checked to be convex, with an area");
                 (Pose::from_translation(lifted(middle)), shape)
             }
         }
@@ -151,13 +151,7 @@ pub(super) struct Check<'a> {
 }
 
 impl Check<'_> {
-    fn number(
-        &self,
-        field: &str,
-        value: f64,
-        good: bool,
-        expected: &'static str,
-    ) -> Result<f64, WorldError> {
+    fn number(&self, field: &str, value: f64, good: bool, expected: &'static str) -> Result<f64, WorldError> {
         if good {
             return Ok(value);
         }

@@ -36,11 +36,7 @@ impl Opening {
 
     /// The risk S_xi = d_r / w of passing (Sec. III-A): 0 where w > 5 d_r, 1 where w <= d_r.
     pub fn risk(&self, robot_width: f64) -> f64 {
-        if self.width > FREE_PASSAGE * robot_width {
-            0.0
-        } else {
-            (robot_width / self.width).min(1.0)
-        }
+        if self.width > FREE_PASSAGE * robot_width { 0.0 } else { (robot_width / self.width).min(1.0) }
     }
 }
 
@@ -54,25 +50,20 @@ pub(super) fn measure(obstacles: &[Obstacle], between: [usize; 2]) -> Option<Ope
     let ClosestPoints::WithinMargin(p1, p2) = found else {
         return None;
     };
-    let (p1, p2) = (pose1 * p1, pose2 * p2);
     let (p1, p2) = (Point::new(p1.x, p1.y), Point::new(p2.x, p2.y));
     let width = (p2 - p1).norm();
     if width < PARALLEL {
         return None;
     }
     let toward = (p2 - p1) / width;
-    let (part1, reach1) = first.footprint.farthest_part(toward, PARALLEL);
-    let (part2, reach2) = second.footprint.farthest_part(-toward, PARALLEL);
+    let left = left_of(toward);
+    let (part1, _) = first.footprint.farthest_part(toward, PARALLEL);
+    let (part2, _) = second.footprint.farthest_part(-toward, PARALLEL);
     // the second obstacle's axis points the other way
     let (low, high) = (part1[0].max(-part2[1]), part1[1].min(-part2[0]));
-    let middle = if low < high { (low + high) / 2.0 } else { left_of(toward).dot(&p1.coords) };
-    let at = |along: f64| Point::from(toward * along + left_of(toward) * middle);
-    Some(Opening {
-        name: String::new(),
-        between,
-        ends: [at(reach1), at(-reach2)],
-        width: -reach2 - reach1,
-    })
+    let shift = if low < high { (low + high) / 2.0 - left.dot(&p1.coords) } else { 0.0 };
+    let ends = [p1 + left * shift, p2 + left * shift];
+    Some(Opening { name: String::new(), between, ends, width })
 }
 
 /// The third obstacle nearest to the middle of a gap, if it is nearer than the gap's own two: then the constriction is elsewhere.

@@ -1,0 +1,73 @@
+//! The command line in; text, tables, JSON, files and an exit code out.
+
+mod model;
+mod output;
+mod reproduce;
+mod run;
+mod tick_log;
+mod world;
+
+use clap::{Parser, Subcommand};
+use output::Failure;
+use std::process::ExitCode;
+
+/// Simulates a human and a mobile manipulator carrying an object together, and shows which way of adapting to each other works.
+#[derive(Debug, Parser)]
+#[command(
+    name = "cocarry",
+    version,
+    max_term_width = 100,
+    after_help = "With no command, one episode is run in the paper's Environment 4 with the human of its example.\n\n\
+        Exit codes: 0 done (run: the team arrived), 2 bad input, 3 the team did not arrive, 4 an output could not be written.\n\n\
+        Examples:\n  \
+        cocarry                                           an episode, with defaults\n  \
+        cocarry run environment-4 --eta 5 --svg run.svg   a sensitive human, with a picture\n  \
+        cocarry world worlds/free-form.toml --svg map.svg what a world offers\n  \
+        cocarry reproduce h2                              Table II of the paper"
+)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Run(run::Arguments),
+    World(world::Arguments),
+    #[command(subcommand)]
+    Reproduce(reproduce::Claim),
+}
+
+/// Parses the process's arguments, does what they ask, and prints errors.
+pub fn main() -> ExitCode {
+    let done = match Arguments::parse().command {
+        None => run::example(),
+        Some(Command::Run(arguments)) => run::run(&arguments),
+        Some(Command::World(arguments)) => world::run(&arguments),
+        Some(Command::Reproduce(claim)) => reproduce::run(&claim),
+    };
+    match done {
+        Ok(code) => code,
+        Err(failure) => {
+            let (code, error) = match failure {
+                Failure::Input(error) => (2, error),
+                Failure::Output(error) => (4, error),
+            };
+            // a reader that went away is not told so
+            if !output::is_broken_pipe(&error) {
+                eprintln!("error: {error:#}");
+            }
+            ExitCode::from(code)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn golden_the_command_line_is_consistent() {
+        super::Arguments::command().debug_assert();
+    }
+}

@@ -1,0 +1,89 @@
+//! The arguments that describe the human model, shared by commands; numbers checked where they are read.
+
+use super::output::{Failure, input};
+use crate::experiments::paper;
+use crate::preference::{self, Belief, Marginal, Perception, Predictor, WeightedSample};
+use crate::world::World;
+use anyhow::{Context, anyhow};
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// What the robot believes of humans.
+#[derive(Args, Debug)]
+pub(super) struct ModelArguments {
+    /// Weight of risk against distance, c_r, in metres
+    #[arg(long, value_name = "M", default_value_t = preference::RISK_WEIGHT, value_parser = positive)]
+    pub risk_weight: f64,
+    /// Distribution of alpha that the robot assumes: uniform(LOWER,UPPER) or normal(MEAN,STD,LOWER,UPPER)
+    #[arg(long, value_name = "DIST", default_value = "uniform(0.55,0.95)")]
+    pub belief_alpha: Marginal,
+    /// Distribution of gamma that the robot assumes, likewise
+    #[arg(long, value_name = "DIST", default_value = "uniform(0.5,1.1)")]
+    pub belief_gamma: Marginal,
+    /// Samples of (alpha, gamma) to assume instead: CSV with columns alpha, gamma and, if wanted, weight
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["belief_alpha", "belief_gamma"])]
+    pub belief_samples: Option<PathBuf>,
+}
+
+#[derive(serde::Deserialize)]
+struct SampleRow {
+    alpha: f64,
+    gamma: f64,
+    weight: Option<f64>,
+}
+
+impl ModelArguments {
+    pub fn predictor(&self) -> Result<Predictor, Failure> {
+        let belief = match &self.belief_samples {
+            None => Belief::Independent { alpha: self.belief_alpha, gamma: self.belief_gamma },
+            Some(file) => samples(file).map_err(Failure::Input)?,
+        };
+        Predictor::new(belief, self.risk_weight).map_err(input)
+    }
+}
+
+fn samples(file: &Path) -> anyhow::Result<Belief> {
+    let name = || file.display().to_string();
+    let mut reader = csv::Reader::from_path(file).with_context(name)?;
+    let samples = reader
+        .deserialize()
+        .map(|row: Result<SampleRow, csv::Error>| {
+            row.map(|row| WeightedSample {
+                perception: Perception { alpha: row.alpha, gamma: row.gamma },
+                weight: row.weight.unwrap_or(1.0),
+            })
+        })
+        .collect::<Result<Vec<_>, _>>()
+        .with_context(name)?;
+    Belief::samples(samples).with_context(name)
+}
+
+/// A world file, or one of the built-in environments by name.
+pub(super) fn load_world(path: &Path) -> Result<World, Failure> {
+    let built_in = path.to_str().and_then(paper::environment);
+    match built_in.filter(|_| !path.exists()) {
+        Some(environment) => environment.world().map_err(input),
+        None => World::load(path)
+            .map_err(|error| match path.exists() {
+                true => anyhow!(error),
+                false => anyhow!(error).context(
+                    "no such world: give a world file, or one of environment-1 to environment-4, which are built in",
+                ),
+            })
+            .map_err(Failure::Input),
+    }
+}
+
+/// A finite number greater than 0.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    number(text, "a number greater than 0", |v| v > 0.0)
+}
+
+/// phi(0).
+pub(super) fn initial_stubbornness(text: &str) -> Result<f64, String> {
+    number(text, "a number greater than 0 and at most 1", |v| v > 0.0 && v <= 1.0)
+}
+
+fn number(text: &str, expected: &str, good: impl Fn(f64) -> bool) -> Result<f64, String> {
+    text.parse().ok().filter(|v: &f64| v.is_finite() && good(*v)).ok_or_else(|| format!("must be {expected}"))
+}

@@ -1,0 +1,86 @@
+//! Text and files out: tables, whole files or none, a progress bar that is silent when nobody looks.
+
+use anyhow::{Context, Error};
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_HORIZONTAL_ONLY};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{IsTerminal, Write};
+use std::path::Path;
+
+/// Why a command stopped, which decides the exit code.
+pub(super) enum Failure {
+    /// What the user gave is wrong.
+    Input(Error),
+    /// What was to be written could not be.
+    Output(Error),
+}
+
+/// An error about what the user gave.
+pub(super) fn input(error: impl Into<Error>) -> Failure {
+    Failure::Input(error.into())
+}
+
+/// Prints text that ends with its own line end.
+pub(super) fn print(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes())
+        .and_then(|()| out.flush())
+        .context("standard output")
+        .map_err(Failure::Output)
+}
+
+/// Prints a value as JSON.
+pub(super) fn print_json(value: &serde_json::Value) -> Result<(), Failure> {
+    print(&format!("{value:#}\n"))
+}
+
+pub(super) fn is_broken_pipe(error: &Error) -> bool {
+    let io = error.downcast_ref::<std::io::Error>();
+    io.is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
+}
+
+/// Writes a file whole: beside its name first, renamed when finished, so that no half-written file carries the name.
+pub(super) fn write_file(path: &Path, text: &str) -> Result<(), Failure> {
+    let mut partial = path.as_os_str().to_owned();
+    partial.push(".partial");
+    let partial = Path::new(&partial);
+    let written = std::fs::write(partial, text).and_then(|()| std::fs::rename(partial, path));
+    written.with_context(|| format!("{}: cannot be written", path.display())).map_err(|error| {
+        // what is left of a failed attempt is of no use; if it cannot be removed either, the first error is the one to report
+        let _ = std::fs::remove_file(partial);
+        Failure::Output(error)
+    })
+}
+
+/// A table with the given headings. The first `left` columns are text, the others numbers.
+pub(super) fn table<const N: usize>(headings: [&str; N], left: usize) -> Table {
+    let mut table = Table::new();
+    table
+        .load_style(UTF8_HORIZONTAL_ONLY)
+        .set_content_arrangement(ContentArrangement::Disabled)
+        .set_header(headings);
+    for column in left..N {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}
+
+/// A table as text, indented by nothing, ended by a line end.
+pub(super) fn table_text(table: &Table) -> String {
+    let text = table.to_string();
+    text.lines().map(|line| line.trim_end().to_owned() + "\n").collect()
+}
+
+/// A progress bar for `total` units, shown once two seconds have passed, if a person is looking.
+pub(super) fn progress(total: usize, what: &str) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}  {per_sec}  {eta} left")
+        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    let bar = ProgressBar::new(total as u64).with_style(style).with_message(what.to_owned());
+    // the first draw comes with the first tick: work that is done by then never shows a bar
+    bar.enable_steady_tick(std::time::Duration::from_secs(2));
+    bar
+}

@@ -1,0 +1,297 @@
+//! `cocarry reproduce`: the paper's claims and tables, the paper's figures beside ours.
+
+use super::output::{Failure, input, print, print_json, progress, table, table_text, write_file};
+use crate::coordination::Method;
+use crate::drawing::{self, Track};
+use crate::episode::{Outcome, Settings};
+use crate::experiments::cycles::{self, Findings};
+use crate::experiments::h2::{self, ExampleRun};
+use crate::experiments::{h1, paper};
+use crate::world::World;
+use anyhow::Context;
+use clap::{Args, Subcommand};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Reproduce a table or a claim of the paper, its figures beside ours
+#[derive(Debug, Subcommand)]
+pub(super) enum Claim {
+    /// Table I: how humans choose between the options of four environments
+    H1(H1),
+    /// Table II: objective cost with and without the mode transition, and the Environment 4 example
+    H2(H2),
+    /// "No locked cycles" (Sec. IV-B): random worlds and humans, each episode run to its end
+    Cycles(Cycles),
+}
+
+#[derive(Args, Debug)]
+pub(super) struct H1 {
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Args, Debug)]
+pub(super) struct H2 {
+    #[command(flatten)]
+    common: Common,
+    /// Seed of the twenty random humans
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Draw the Environment 4 example (trajectories, stubbornness) into this file
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub(super) struct Cycles {
+    #[command(flatten)]
+    common: Common,
+    /// How many random worlds
+    #[arg(long, default_value_t = 10_000)]
+    worlds: usize,
+    /// Seed of the first world; the others follow it
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Write the worlds of episodes that did not arrive into this folder
+    #[arg(long, value_name = "FOLDER")]
+    keep: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+struct Common {
+    /// Print one JSON object instead of tables
+    #[arg(long)]
+    json: bool,
+    /// Threads to use [default: all cores]; the figures do not depend on it
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1024))]
+    threads: Option<u64>,
+}
+
+impl Common {
+    /// Runs the work on as many threads as asked for.
+    fn on_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
+        let threads = self.threads.map_or(0, |n| n as usize);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        Ok(pool.context("threads").map_err(Failure::Output)?.install(work))
+    }
+}
+
+pub(super) fn run(claim: &Claim) -> Result<ExitCode, Failure> {
+    match claim {
+        Claim::H1(arguments) => run_h1(arguments),
+        Claim::H2(arguments) => run_h2(arguments),
+        Claim::Cycles(arguments) => run_cycles(arguments),
+    }?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn run_h1(arguments: &H1) -> Result<(), Failure> {
+    let settings = Settings::default();
+    let rows = h1::table(&settings.predictor).map_err(input)?;
+    let (mean, worst) = h1::differences(&rows);
+    if arguments.common.json {
+        return print_json(&json!({
+            "table": "I",
+            "rows": rows,
+            "mean_absolute_difference": mean,
+            "largest_absolute_difference": worst,
+        }));
+    }
+    let headings = [
+        "environment",
+        "option",
+        "human (%)",
+        "paper's model (%)",
+        "ours (%)",
+        "ours - paper",
+        "ours - human",
+    ];
+    let mut shown = table(headings, 0);
+    for row in &rows {
+        shown.add_row([
+            row.environment.to_string(),
+            row.option.clone(),
+            format!("{:.1}", row.human_percent),
+            format!("{:.1}", row.paper_percent),
+            format!("{:.1}", row.ours_percent),
+            format!("{:+.1}", row.ours_percent - row.paper_percent),
+            format!("{:+.1}", row.ours_percent - row.human_percent),
+        ]);
+    }
+    print(&format!(
+        "Table I: probability that a human chooses an option\n{}ours - paper's model: mean |difference| {mean:.2}, largest {worst:.2} percentage points\n\
+         The worlds' geometry was calibrated to this table: the paper does not publish its own.\n",
+        table_text(&shown)
+    ))
+}
+
+fn run_h2(arguments: &H2) -> Result<(), Failure> {
+    let settings = Settings::default();
+    let bar = progress(h2::EPISODES, "Table II");
+    let rows = arguments
+        .common
+        .on_threads(|| h2::table(&settings, arguments.seed, &|| bar.inc(1)))?
+        .map_err(input)?;
+    bar.finish_and_clear();
+    let (world, runs) = h2::example(&settings).map_err(input)?;
+    if let Some(path) = &arguments.svg {
+        let svg = drawing::adaptation(&world, &tracks(&world, &runs), settings.period)
+            .with_context(|| path.display().to_string())
+            .map_err(Failure::Output)?;
+        write_file(path, &svg)?;
+    }
+    if arguments.common.json {
+        return print_json(&json!({
+            "table": "II",
+            "grid": h2::GRID,
+            "samples": h2::SAMPLES,
+            "seed": arguments.seed,
+            "rows": rows,
+            "example": runs.iter().map(example_json).collect::<Vec<_>>(),
+        }));
+    }
+    print(&(h2_text(&rows) + &example_text(&runs)))
+}
+
+fn h2_text(rows: &[h2::Row]) -> String {
+    let headings = [
+        "environment",
+        "method",
+        "paper (m)",
+        "ours (m)",
+        "ours / paper",
+        "reduction",
+        "20 humans (m)",
+        "transition",
+    ];
+    let mut shown = table(headings, 2);
+    let mut without_model = f64::NAN;
+    for row in rows {
+        if row.method == Method::WithoutModel {
+            without_model = row.ours_mean;
+        }
+        shown.add_row([
+            row.environment.to_string(),
+            row.eta.map_or("without model".to_owned(), |eta| format!("mutual, eta {eta}")),
+            format!("{:.1}", row.paper_mean),
+            format!("{:.1}", row.ours_mean),
+            format!("{:+.1} %", 100.0 * (row.ours_mean / row.paper_mean - 1.0)),
+            format!("{:.1} %", 100.0 * (1.0 - row.ours_mean / without_model)),
+            format!("{:.0} ± {:.0}", row.sample_mean, row.sample_std),
+            row.transition_step.map_or("-".to_owned(), |step| format!("step {step}")),
+        ]);
+    }
+    let mut text = format!(
+        "Table II: accumulated objective cost of an episode\n{}\
+         ours: expectation over a {n} x {n} midpoint grid of (alpha, gamma); 20 humans: mean ± std of {} seeded humans, as in the paper;\n\
+         reduction: of ours against `without model`.\n",
+        table_text(&shown),
+        h2::SAMPLES,
+        n = h2::GRID,
+    );
+    let lost: usize = rows.iter().map(|r| r.not_arrived).sum();
+    if lost > 0 {
+        let _ = writeln!(text, "{lost} episodes did not arrive.");
+    }
+    text
+}
+
+fn example_text(runs: &[ExampleRun]) -> String {
+    let headings = [
+        "eta",
+        "paper: transition",
+        "ours: transition",
+        "paper: ends on",
+        "ours: ends on",
+        "cost (m)",
+        "steps",
+    ];
+    let mut shown = table(headings, 1);
+    let step = |step: Option<u64>| step.map_or("-".to_owned(), |s| s.to_string());
+    for run in runs {
+        shown.add_row([
+            run.eta.map_or("without model".to_owned(), |eta| eta.to_string()),
+            run.paper.map_or("-".to_owned(), |(at, _)| step(at)),
+            step(run.summary.transition.map(|t| t.step)),
+            run.paper.map_or("-".to_owned(), |(_, option)| format!("option {option}")),
+            format!("option {}", run.ended_on),
+            format!("{:.1}", run.summary.accumulated_cost),
+            run.summary.steps.to_string(),
+        ]);
+    }
+    let human = paper::EXAMPLE_HUMAN;
+    format!(
+        "\nEnvironment 4 example: a human (alpha {}, gamma {}) who starts out preferring option 4\n{}",
+        human.alpha,
+        human.gamma,
+        table_text(&shown)
+    )
+}
+
+fn tracks(world: &World, runs: &[ExampleRun]) -> Vec<Track> {
+    let label = |run: &ExampleRun| run.eta.map_or("without model".to_owned(), |eta| format!("eta = {eta}"));
+    runs.iter().map(|run| Track::new(label(run), &run.ticks, Some(world.target))).collect()
+}
+
+fn example_json(run: &ExampleRun) -> Value {
+    json!({
+        "eta": run.eta,
+        "paper_transition_step": run.paper.and_then(|(step, _)| step),
+        "transition_step": run.summary.transition.map(|t| t.step),
+        "paper_ends_on": run.paper.map(|(_, option)| option),
+        "ends_on": run.ended_on,
+        "accumulated_objective_cost_m": run.summary.accumulated_cost,
+        "steps": run.summary.steps,
+        "arrived": run.summary.outcome == Outcome::Arrived,
+    })
+}
+
+fn run_cycles(arguments: &Cycles) -> Result<(), Failure> {
+    let settings = Settings::default();
+    let bar = progress(arguments.worlds, "random worlds");
+    let findings = arguments
+        .common
+        .on_threads(|| cycles::search(arguments.worlds, arguments.seed, &settings, &|| bar.inc(1)))?;
+    bar.finish_and_clear();
+    if let Some(folder) = &arguments.keep {
+        for found in &findings.counterexamples {
+            let head = format!(
+                "# cocarry run FILE --alpha {} --gamma {} --eta {}\n\n",
+                found.alpha, found.gamma, found.eta
+            );
+            write_file(&folder.join(format!("cycle-{}.toml", found.index)), &(head + &found.world))?;
+        }
+    }
+    if arguments.common.json {
+        return print_json(&json!(findings));
+    }
+    print(&cycles_text(&findings))
+}
+
+fn cycles_text(findings: &Findings) -> String {
+    let mut text = format!(
+        "No locked cycles (Sec. IV-B): {} random worlds, {} with two options or more; the executed option changed in {}, at most {} times.\n\
+         The longest episode took {:.1} times the steps of its cheapest option.\n",
+        findings.episodes,
+        findings.with_choice,
+        findings.with_changes,
+        findings.most_changes,
+        findings.longest_detour,
+    );
+    match findings.counterexamples.as_slice() {
+        [] => text += "Every episode ended at the target: no counterexample.\n",
+        found => {
+            let _ = writeln!(text, "{} did not arrive (see --keep):", found.len());
+            for c in found {
+                let _ = writeln!(
+                    text,
+                    "  world {}: alpha {:.4}, gamma {:.4}, eta {:.2}",
+                    c.index, c.alpha, c.gamma, c.eta
+                );
+            }
+        }
+    }
+    text
+}

@@ -1,0 +1,193 @@
+//! `cocarry world`: a world file in; its obstacles, openings and options as tables, JSON or a map out.
+
+use super::model::{ModelArguments, load_world};
+use super::output::{Failure, input, print, print_json, table, table_text, write_file};
+use crate::drawing;
+use crate::geometry::Footprint;
+use crate::options::OptionSet;
+use crate::preference::{ChoiceDistribution, Predictor, Prospect, objective_cost};
+use crate::world::{FREE_PASSAGE, Obstacle, World};
+use anyhow::Context;
+use clap::Args;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Show what a world offers: obstacles, openings with width and risk, options with length, risk, cost and probability
+#[derive(Args, Debug)]
+pub(super) struct Arguments {
+    /// World file (TOML), or a built-in world: environment-1 to environment-4
+    world: PathBuf,
+    #[command(flatten)]
+    model: ModelArguments,
+    /// Print one JSON object instead of tables
+    #[arg(long)]
+    json: bool,
+    /// Draw the map into this file
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+}
+
+/// An option as it is from the start.
+struct Offer {
+    name: String,
+    openings: Vec<String>,
+    prospect: Prospect,
+    objective: f64,
+    expected: f64,
+    probability: f64,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let world = load_world(&arguments.world)?;
+    let mut predictor = arguments.model.predictor()?;
+    let set = OptionSet::new(&world, predictor.risk_weight()).map_err(input)?;
+    let offers = offers(&world, &set, &mut predictor);
+    if let Some(path) = &arguments.svg {
+        let probabilities: Vec<f64> = offers.iter().map(|o| o.probability).collect();
+        let svg = drawing::world_map(&world, &set, &probabilities)
+            .with_context(|| path.display().to_string())
+            .map_err(Failure::Output)?;
+        write_file(path, &svg)?;
+    }
+    if arguments.json {
+        print_json(&as_json(&world, &set, &offers))?;
+    } else {
+        print(&as_text(&world, &set, &offers))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn offers(world: &World, set: &OptionSet, predictor: &mut Predictor) -> Vec<Offer> {
+    let start = set.begin();
+    let prospects: Vec<Prospect> = (0..set.options().len())
+        .map(|o| {
+            let left = set.remaining(&start, o);
+            Prospect { length: left.length, risk: left.risk }
+        })
+        .collect();
+    let mut choice = ChoiceDistribution::default();
+    let mut expected = Vec::new();
+    predictor.predict(&prospects, &mut choice);
+    predictor.expected_costs(&prospects, &mut expected);
+    set.options()
+        .iter()
+        .enumerate()
+        .map(|(o, option)| Offer {
+            name: option.name.clone(),
+            openings: option.crossings.iter().map(|c| world.openings[c.opening].name.clone()).collect(),
+            prospect: prospects[o],
+            objective: objective_cost(prospects[o], predictor.risk_weight()),
+            expected: expected[o],
+            probability: choice.probabilities()[o],
+        })
+        .collect()
+}
+
+fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
+    let mut text = format!("{} ({})\n", world.name, world.file);
+    if !world.note.is_empty() {
+        text += &format!("{}\n", world.note);
+    }
+    text += &format!(
+        "from A ({:.3}, {:.3}) to B ({:.3}, {:.3}), robot width d_r = {} m\n\nObstacles\n",
+        world.start.x, world.start.y, world.target.x, world.target.y, world.robot_width
+    );
+    let mut obstacles = table(["name", "shape", "x (m)", "y (m)", "extent (m)", "height (m)"], 2);
+    for o in &world.obstacles {
+        let (middle, size) = (o.middle(), o.footprint.bounds().size());
+        obstacles.add_row([
+            o.name.clone(),
+            o.shape_name().to_owned(),
+            format!("{:.3}", middle.x),
+            format!("{:.3}", middle.y),
+            format!("{:.2} x {:.2}", size.x, size.y),
+            format!("{:.2}", o.height),
+        ]);
+    }
+    text += &table_text(&obstacles);
+    let origin = if world.openings_detected { " (detected: the file names none)" } else { "" };
+    text += &format!("\nOpenings{origin}\n");
+    let mut openings = table(["name", "between", "width (m)", "risk"], 2);
+    for o in &world.openings {
+        let [first, second] = o.between.map(|i| &world.obstacles[i].name);
+        let risk = o.risk(world.robot_width);
+        openings.add_row([
+            o.name.clone(),
+            format!("{first}, {second}"),
+            format!("{:.4}", o.width),
+            if risk == 0.0 { format!("0 (wider than {FREE_PASSAGE} d_r)") } else { format!("{risk:.4}") },
+        ]);
+    }
+    text += &table_text(&openings);
+    let origin = match (world.listed_options.is_empty(), set.is_cut) {
+        (false, _) => String::new(),
+        (true, false) => " (all there are: the file lists none)".to_owned(),
+        (true, true) => format!(
+            " (the {} cheapest; there are more: raise option_limit in the file to see them)",
+            offers.len()
+        ),
+    };
+    text += &format!("\nOptions{origin}\n");
+    let mut options =
+        table(["option", "openings", "D (m)", "risk S", "cost J (m)", "subjective J~ (m)", "P (%)"], 2);
+    for o in offers {
+        options.add_row([
+            o.name.clone(),
+            if o.openings.is_empty() { "(none)".to_owned() } else { o.openings.join(" ") },
+            format!("{:.4}", o.prospect.length),
+            format!("{:.4}", o.prospect.risk),
+            format!("{:.4}", o.objective),
+            format!("{:.4}", o.expected),
+            format!("{:.2}", 100.0 * o.probability),
+        ]);
+    }
+    text + &table_text(&options)
+}
+
+fn as_json(world: &World, set: &OptionSet, offers: &[Offer]) -> Value {
+    let point = |p: crate::geometry::Point| json!([p.x, p.y]);
+    json!({
+        "name": world.name,
+        "file": world.file,
+        "robot_width_m": world.robot_width,
+        "start_m": point(world.start),
+        "target_m": point(world.target),
+        "obstacles": world.obstacles.iter().map(obstacle_json).collect::<Vec<_>>(),
+        "openings_detected": world.openings_detected,
+        "openings": world.openings.iter().map(|o| json!({
+            "name": o.name,
+            "between": o.between.map(|i| &world.obstacles[i].name),
+            "center_m": point(o.center()),
+            "ends_m": o.ends.map(point),
+            "width_m": o.width,
+            "risk": o.risk(world.robot_width),
+        })).collect::<Vec<_>>(),
+        "options_enumerated": world.listed_options.is_empty(),
+        "options_cut": set.is_cut,
+        "options": offers.iter().map(|o| json!({
+            "name": o.name,
+            "openings": o.openings,
+            "length_m": o.prospect.length,
+            "risk": o.prospect.risk,
+            "objective": o.objective,
+            "expected_subjective": o.expected,
+            "probability": o.probability,
+        })).collect::<Vec<_>>(),
+    })
+}
+
+fn obstacle_json(obstacle: &Obstacle) -> Value {
+    let outline = match &obstacle.footprint {
+        Footprint::Polygon(corners) => {
+            json!({ "vertices_m": corners.iter().map(|c| [c.x, c.y]).collect::<Vec<_>>() })
+        }
+        Footprint::Disc { center, radius } => json!({ "center_m": [center.x, center.y], "radius_m": radius }),
+    };
+    json!({
+        "name": obstacle.name,
+        "shape": obstacle.shape_name(),
+        "height_m": obstacle.height,
+        "outline": outline,
+    })
+}

@@ -1,0 +1,380 @@
+//! A world's options, a human and settings in; one co-transportation episode, tick by tick, and its outcome out.
+//!
+//! [`Episode::step`] is the paper's algorithm: observe, evaluate the options, predict the choice, accumulate stubbornness, decide the mode,
+//! choose the option, walk. The plant is the planning level's: a team that walks its path exactly.
+
+use crate::coordination::{self, Coordinator, Method, Mode, is_misaligned, robot_choice};
+use crate::geometry::{Path, Point};
+use crate::options::{OptionSet, Progress, Remaining, Waypoint};
+use crate::preference::{ChoiceDistribution, Perception, Predictor, Prospect, human_choice, objective_cost};
+
+/// Options longer than this (m), or without a way, are predicted as if they were this long: far beyond what anyone would choose.
+const FARTHEST: f64 = 1e6;
+
+/// Everything about an episode but the world and the human.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// What the robot believes of the human's (alpha, gamma), and c_r.
+    pub predictor: Predictor,
+    /// phi(0) and eta.
+    pub coordination: coordination::Settings,
+    /// How the team decides who leads.
+    pub method: Method,
+    /// Control period, s: one planning step k.
+    pub period: f64,
+    /// Walking speed of the team, m/s.
+    pub speed: f64,
+    /// Ticks after which the episode ends without arrival; by default ten times what the longest option takes.
+    pub tick_limit: Option<u64>,
+    /// Whether P_o is also evaluated while the human leads. The planning level makes no use of it then; ticks that are looked at do.
+    pub predict_while_human_leads: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            predictor: Predictor::default(),
+            coordination: coordination::Settings::default(),
+            method: Method::Mutual,
+            period: 0.2,
+            speed: 0.5,
+            tick_limit: None,
+            predict_while_human_leads: true,
+        }
+    }
+}
+
+/// What was observed and decided in one planning step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tick {
+    /// k, from 0.
+    pub step: u64,
+    /// Simulated time at the beginning of the step, s.
+    pub time: f64,
+    /// Position of the team at the beginning of the step, m, world frame.
+    pub position: Point,
+    /// Direction of travel during the step, rad.
+    pub heading: f64,
+    /// Who leads.
+    pub mode: Mode,
+    /// phi(k).
+    pub stubbornness: f64,
+    /// g(k).
+    pub discomfort: f64,
+    /// The option that is executed.
+    pub executed: usize,
+    /// The option that this human would choose from here.
+    pub preferred: usize,
+    /// J of the executed option, m.
+    pub objective_cost: f64,
+    /// Sum of `objective_cost` up to and with this step, m.
+    pub accumulated_cost: f64,
+    /// Every option as it is from here, in the order of the option set.
+    pub options: Vec<OptionTick>,
+}
+
+/// One option in one planning step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OptionTick {
+    /// D_o, S_o and the next waypoint.
+    pub remaining: Remaining,
+    /// J_o, eq. (1), m.
+    pub objective: f64,
+    /// J~_o, the expected subjective cost of eq. (6), m; evaluated while the robot leads, else NaN.
+    pub expected: f64,
+    /// P_o, eq. (4); NaN where it was not evaluated.
+    pub probability: f64,
+    /// omega_o: whether the team is moving toward something else than this option's next waypoint.
+    pub misaligned: bool,
+}
+
+/// How an episode ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// The team stands at the target.
+    Arrived,
+    /// The tick limit passed before.
+    OutOfTime,
+    /// No way leads on from where the team stands.
+    NoWay,
+}
+
+/// The one transition from robot-led to human-led.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transition {
+    /// k at which phi first exceeded 1.
+    pub step: u64,
+    /// Where the team was, m, world frame.
+    pub position: Point,
+}
+
+/// What is worth knowing of an episode afterwards.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Planning steps taken.
+    pub steps: u64,
+    /// Way walked, m.
+    pub walked: f64,
+    /// Sum over the steps of J of the option executed, m.
+    pub accumulated_cost: f64,
+    /// The option executed first.
+    pub first_option: usize,
+    /// The option executed last.
+    pub last_option: usize,
+    /// How often the executed option changed.
+    pub changes: u32,
+    /// The transition of the mode, if there was one.
+    pub transition: Option<Transition>,
+}
+
+/// An episode under way. A clone goes on independently and identically.
+#[derive(Clone, Debug)]
+pub struct Episode<'a> {
+    options: &'a OptionSet,
+    settings: &'a Settings,
+    human: Perception,
+    predictor: Predictor,
+    coordinator: Coordinator,
+    progress: Progress,
+    /// The path under way and how far along it the team is, m.
+    path: Path,
+    along: f64,
+    tick_limit: u64,
+    tick: Tick,
+    summary: Summary,
+    underway: bool,
+    prospects: Vec<Prospect>,
+    choice: ChoiceDistribution,
+    expected: Vec<f64>,
+}
+
+/// Runs an episode to its end; `on_tick` sees every step.
+pub fn run(
+    options: &OptionSet,
+    settings: &Settings,
+    human: Perception,
+    mut on_tick: impl FnMut(&Tick),
+) -> Summary {
+    let mut episode = Episode::new(options, settings, human);
+    while episode.step().is_none() {
+        on_tick(episode.tick());
+    }
+    episode.summary
+}
+
+impl<'a> Episode<'a> {
+    /// An episode that has not begun.
+    pub fn new(options: &'a OptionSet, settings: &'a Settings, human: Perception) -> Self {
+        let n = options.options().len();
+        let progress = options.begin();
+        let per_step = settings.speed * settings.period;
+        let longest = (0..n).map(|o| options.remaining(&progress, o).length).fold(0.0, f64::max);
+        let tick_limit = settings.tick_limit.unwrap_or((10.0 * longest / per_step).ceil() as u64 + 1);
+        Self {
+            options,
+            settings,
+            human,
+            predictor: settings.predictor.clone(),
+            coordinator: Coordinator::new(settings.coordination, settings.method),
+            path: Path::default(),
+            along: 0.0,
+            tick_limit,
+            tick: Tick::empty(progress.position),
+            summary: Summary::empty(),
+            underway: false,
+            prospects: Vec::with_capacity(n),
+            choice: ChoiceDistribution::default(),
+            expected: Vec::with_capacity(n),
+            progress,
+        }
+    }
+
+    /// The last step taken.
+    pub fn tick(&self) -> &Tick {
+        &self.tick
+    }
+
+    /// What is known of the episode so far.
+    pub fn summary(&self) -> &Summary {
+        &self.summary
+    }
+
+    /// The same episode from here on with another human. While the robot leads, the human's parameters make no difference.
+    pub fn with_human(mut self, human: Perception) -> Self {
+        self.human = human;
+        self
+    }
+
+    /// Takes one planning step, or says how the episode ended.
+    pub fn step(&mut self) -> Option<Outcome> {
+        if let Some(outcome) = self.ended() {
+            self.summary.outcome = outcome;
+            return Some(outcome);
+        }
+        self.observe();
+        self.evaluate_options(); //             D_o, S_o, J_o          eq. (1)
+        self.predict_choice(); //               P_o                    eq. (4)
+        self.accumulate_stubbornness(); //      g(k), phi(k), mode     eq. (5)
+        let option = self.choose(); //          o*(k) or o_h           eq. (6), (3)
+        self.execute(option);
+        self.walk();
+        None
+    }
+
+    fn ended(&self) -> Option<Outcome> {
+        if self.underway && self.along >= self.path.length() {
+            let at_target = self.progress.position == self.options.target();
+            return Some(if at_target { Outcome::Arrived } else { Outcome::NoWay });
+        }
+        (self.summary.steps >= self.tick_limit).then_some(Outcome::OutOfTime)
+    }
+
+    fn observe(&mut self) {
+        self.tick.step = self.summary.steps;
+        self.tick.time = self.tick.step as f64 * self.settings.period;
+        self.tick.position = self.progress.position;
+    }
+
+    fn evaluate_options(&mut self) {
+        self.tick.options.clear();
+        self.prospects.clear();
+        for o in 0..self.options.options().len() {
+            let remaining = self.options.remaining(&self.progress, o);
+            let prospect = Prospect { length: remaining.length.min(FARTHEST), risk: remaining.risk };
+            self.prospects.push(prospect);
+            self.tick.options.push(OptionTick {
+                remaining,
+                objective: objective_cost(prospect, self.predictor.risk_weight()),
+                expected: f64::NAN,
+                probability: f64::NAN,
+                misaligned: false,
+            });
+        }
+    }
+
+    fn predict_choice(&mut self) {
+        let robot_leads = self.coordinator.mode() == Mode::RobotLed;
+        if robot_leads || self.settings.predict_while_human_leads {
+            self.predictor.predict(&self.prospects, &mut self.choice);
+            for (tick, p) in self.tick.options.iter_mut().zip(self.choice.probabilities()) {
+                tick.probability = *p;
+            }
+        }
+        if robot_leads {
+            self.predictor.expected_costs(&self.prospects, &mut self.expected);
+            for (tick, cost) in self.tick.options.iter_mut().zip(&self.expected) {
+                tick.expected = *cost;
+            }
+        }
+    }
+
+    fn accumulate_stubbornness(&mut self) {
+        // g(0) = 0: before the first step the team moves nowhere
+        if self.underway && self.coordinator.mode() == Mode::RobotLed {
+            let toward = self.team_waypoint();
+            let mut misaligned = 0.0;
+            for option in &mut self.tick.options {
+                option.misaligned = is_misaligned(toward, option.remaining.next);
+                misaligned += if option.misaligned { option.probability } else { 0.0 };
+            }
+            self.coordinator.accumulate(misaligned);
+            if self.coordinator.mode() == Mode::HumanLed {
+                let transition = Transition { step: self.tick.step, position: self.tick.position };
+                self.summary.transition = Some(transition);
+            }
+        }
+        self.tick.mode = self.coordinator.mode();
+        self.tick.stubbornness = self.coordinator.stubbornness();
+        self.tick.discomfort = self.coordinator.discomfort();
+    }
+
+    fn team_waypoint(&self) -> Waypoint {
+        self.options.next(&self.progress, self.tick.executed)
+    }
+
+    fn choose(&mut self) -> usize {
+        let current = self.underway.then_some(self.tick.executed);
+        let (weight, human) = (self.predictor.risk_weight(), self.human);
+        self.tick.preferred = human_choice(&self.prospects, weight, human, current);
+        match (self.coordinator.mode(), self.coordinator.method()) {
+            (Mode::RobotLed, _) => {
+                let costs = self.tick.options.iter().map(|o| (o.objective, o.expected));
+                robot_choice(costs, self.tick.stubbornness, current)
+            }
+            (Mode::HumanLed, Method::WithoutModel) => current.unwrap_or(self.tick.preferred),
+            (Mode::HumanLed, _) => self.tick.preferred,
+        }
+    }
+
+    fn execute(&mut self, option: usize) {
+        if !self.underway || option != self.tick.executed {
+            // the first path and every change; a path under way is walked on as it is
+            self.path = self.options.path(&self.progress, option).unwrap_or_default();
+            self.along = 0.0;
+            if self.underway {
+                self.summary.changes += 1;
+            } else {
+                self.summary.first_option = option;
+            }
+        }
+        self.underway = true;
+        self.tick.executed = option;
+        self.tick.objective_cost = self.tick.options[option].objective;
+        self.tick.heading = self.path.heading_at(self.along).unwrap_or(self.tick.heading);
+        self.summary.accumulated_cost += self.tick.objective_cost;
+        self.tick.accumulated_cost = self.summary.accumulated_cost;
+        self.summary.last_option = option;
+    }
+
+    fn walk(&mut self) {
+        let along = self.along + self.settings.speed * self.settings.period;
+        let length = self.path.length();
+        // a last step shorter than rounding is not a step
+        let along = if along >= length - 1e-9 { length } else { along };
+        let to = match self.path.point_at(along) {
+            Some(_) if along == length => self.options.target(),
+            Some(point) => point,
+            None => self.progress.position,
+        };
+        self.options.advance(&mut self.progress, to);
+        self.summary.walked += along - self.along;
+        self.along = along;
+        self.summary.steps += 1;
+    }
+}
+
+impl Tick {
+    fn empty(position: Point) -> Self {
+        Self {
+            step: 0,
+            time: 0.0,
+            position,
+            heading: 0.0,
+            mode: Mode::RobotLed,
+            stubbornness: 0.0,
+            discomfort: 0.0,
+            executed: 0,
+            preferred: 0,
+            objective_cost: 0.0,
+            accumulated_cost: 0.0,
+            options: Vec::new(),
+        }
+    }
+}
+
+impl Summary {
+    fn empty() -> Self {
+        Self {
+            outcome: Outcome::OutOfTime,
+            steps: 0,
+            walked: 0.0,
+            accumulated_cost: 0.0,
+            first_option: 0,
+            last_option: 0,
+            changes: 0,
+            transition: None,
+        }
+    }
+}

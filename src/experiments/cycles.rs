@@ -1,0 +1,167 @@
+//! Sec. IV-B.2 claims without proof that eq. (6) causes no locked cycles (infinite oscillation between options). Random worlds and humans,
+//! each episode run until the team stands at the target or ten times the longest option has passed.
+
+use super::{OnDone, in_parallel};
+use crate::coordination;
+use crate::episode::{Outcome, Settings, run};
+use crate::options::OptionSet;
+use crate::preference::Perception;
+use crate::world::World;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use serde::Serialize;
+use std::fmt::Write;
+
+/// What came of the random worlds.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Findings {
+    /// Episodes run.
+    pub episodes: usize,
+    /// Of them, those in worlds with two options or more.
+    pub with_choice: usize,
+    /// Of them, those in which the executed option changed at least once.
+    pub with_changes: usize,
+    /// The most changes of the executed option in one episode.
+    pub most_changes: u32,
+    /// The most steps that an episode took, as a multiple of its shortest option's.
+    pub longest_detour: f64,
+    /// Episodes that did not end at the target.
+    pub counterexamples: Vec<Counterexample>,
+}
+
+/// An episode that did not end at the target.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Counterexample {
+    /// Its index: the seed of its world, human and eta.
+    pub index: u64,
+    /// The world, as a world file.
+    pub world: String,
+    /// alpha.
+    pub alpha: f64,
+    /// gamma.
+    pub gamma: f64,
+    /// eta.
+    pub eta: f64,
+}
+
+/// One episode in a random world.
+struct Trial {
+    world: String,
+    human: Perception,
+    eta: f64,
+    outcome: Outcome,
+    options: usize,
+    changes: u32,
+    detour: f64,
+}
+
+/// Runs `episodes` random worlds, each with a random human and eta from 2 to 30, under eq. (6) and the single transition.
+pub fn search(episodes: usize, seed: u64, settings: &Settings, on_done: OnDone) -> Findings {
+    let trials = in_parallel(episodes, on_done, |i| trial(seed.wrapping_add(i as u64), settings));
+    Findings {
+        episodes,
+        with_choice: trials.iter().filter(|t| t.options > 1).count(),
+        with_changes: trials.iter().filter(|t| t.changes > 0).count(),
+        most_changes: trials.iter().map(|t| t.changes).max().unwrap_or(0),
+        longest_detour: trials.iter().map(|t| t.detour).fold(0.0, f64::max),
+        counterexamples: trials
+            .into_iter()
+            .enumerate()
+            .filter(|(_, t)| t.outcome != Outcome::Arrived)
+            .map(|(i, t)| Counterexample {
+                index: seed.wrapping_add(i as u64),
+                world: t.world,
+                alpha: t.human.alpha,
+                gamma: t.human.gamma,
+                eta: t.eta,
+            })
+            .collect(),
+    }
+}
+
+fn trial(seed: u64, settings: &Settings) -> Trial {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let human = settings.predictor.belief().sample(&mut rng);
+    let eta = rng.random_range(2.0..30.0);
+    let coordination = coordination::Settings { eta, ..settings.coordination };
+    let settings = Settings { coordination, predict_while_human_leads: false, ..settings.clone() };
+    loop {
+        let text = random_world(&mut rng);
+        // start or target built over, or closed in: draw again
+        let Ok(world) = World::parse("random world", &text) else { continue };
+        let Ok(set) = OptionSet::new(&world, settings.predictor.risk_weight()) else { continue };
+        let shortest = set.remaining(&set.begin(), 0).length / (settings.speed * settings.period);
+        let summary = run(&set, &settings, human, |_| {});
+        return Trial {
+            world: text,
+            human,
+            eta,
+            outcome: summary.outcome,
+            options: set.options().len(),
+            changes: summary.changes,
+            detour: summary.steps as f64 / shortest.max(1.0),
+        };
+    }
+}
+
+/// A random world file: a walled field with boxes, cylinders and polygons strewn over it, start on the left, target on the right, nothing
+/// declared.
+pub fn random_world(rng: &mut ChaCha8Rng) -> String {
+    let width: f64 = rng.random_range(8.0..16.0);
+    let depth: f64 = rng.random_range(5.0..12.0);
+    let start_y = rng.random_range(0.6..depth - 0.6);
+    let target_y = rng.random_range(0.6..depth - 0.6);
+    let mut text = format!(
+        "name = \"random\"\nrobot_width_m = 0.5\nstart_m = [0.8, {start_y:.3}]\ntarget_m = [{:.3}, {target_y:.3}]\n",
+        width - 0.8,
+    );
+    let sides = [
+        ("south", width / 2.0, -0.05, width, 0.1),
+        ("north", width / 2.0, depth + 0.05, width, 0.1),
+        ("west", -0.05, depth / 2.0, 0.1, depth + 0.2),
+        ("east", width + 0.05, depth / 2.0, 0.1, depth + 0.2),
+    ];
+    for (name, x, y, sx, sy) in sides {
+        obstacle(
+            &mut text,
+            name,
+            &format!("shape = \"box\"\ncenter_m = [{x:.3}, {y:.3}]\nsize_m = [{sx:.3}, {sy:.3}]"),
+        );
+    }
+    for i in 0..rng.random_range(3..12) {
+        let x = rng.random_range(1.5..width - 1.5);
+        let y = rng.random_range(0.0..depth);
+        let shape = match rng.random_range(0..3) {
+            0 => {
+                let (sx, sy) = (rng.random_range(0.1..1.5), rng.random_range(0.3..3.0));
+                let yaw = rng.random_range(-90.0..90.0);
+                format!(
+                    "shape = \"box\"\ncenter_m = [{x:.3}, {y:.3}]\nsize_m = [{sx:.3}, {sy:.3}]\nyaw_deg = {yaw:.2}"
+                )
+            }
+            1 => {
+                let radius = rng.random_range(0.1..1.0);
+                format!("shape = \"cylinder\"\ncenter_m = [{x:.3}, {y:.3}]\nradius_m = {radius:.3}")
+            }
+            _ => {
+                let (corners, radius) = (rng.random_range(3..7), rng.random_range(0.3..1.4));
+                let turn: f64 = rng.random_range(0.0..std::f64::consts::TAU);
+                let vertices: Vec<String> = (0..corners)
+                    .map(|c| turn + std::f64::consts::TAU * c as f64 / corners as f64)
+                    .map(|angle| {
+                        format!("[{:.3}, {:.3}]", x + radius * angle.cos(), y + radius * angle.sin())
+                    })
+                    .collect();
+                format!("shape = \"polygon\"\nvertices_m = [{}]", vertices.join(", "))
+            }
+        };
+        obstacle(&mut text, &format!("obstacle-{}", i + 1), &shape);
+    }
+    text
+}
+
+fn obstacle(text: &mut String, name: &str, shape: &str) {
+    // writing to a string does not fail
+    let _ = write!(text, "\n[[obstacle]]\nname = \"{name}\"\n{shape}\nheight_m = 1.0\n");
+}

@@ -1,0 +1,99 @@
+//! The figures that the paper reports, and the four environments built to match them.
+//!
+//! Source: A. J. Mahmud, W. Li, X. Wang, "Mutual Adaptation in Human-Robot Co-Transportation with Human Preference Uncertainty"; the table
+//! is named at each figure.
+
+use crate::options::OptionError;
+use crate::preference::Perception;
+use crate::world::{World, WorldError};
+use thiserror::Error;
+
+/// One of the paper's environments.
+#[derive(Debug)]
+pub struct Environment {
+    /// 1 to 4.
+    pub number: u32,
+    /// Its world by name, as the command line takes it.
+    pub name: &'static str,
+    toml: &'static str,
+    /// Table I: mean answer of twenty participants, percent, options in the order of the figure's caption.
+    pub human_percent: [f64; 4],
+    /// Table I, in parentheses: the paper's own model output, percent.
+    pub model_percent: [f64; 4],
+    /// Table II: mean accumulated objective cost, m, in the order of [`COLUMNS`].
+    pub objective_cost: [f64; 4],
+}
+
+/// Table II's rows: without the model, then with eta = 5, 10.5 and 15.
+pub const COLUMNS: [Option<f64>; 4] = [None, Some(5.0), Some(10.5), Some(15.0)];
+
+/// A human who behaves as the one in the Environment 4 example (Sec. V-B): starts out preferring option 4. The paper does not give the
+/// parameters.
+pub const EXAMPLE_HUMAN: Perception = Perception { alpha: 0.747, gamma: 0.765 };
+
+/// Sec. V-B, Environment 4 example: for eta, the step at which stubbornness exceeds 1 (not given for eta = 5) and the option ended on.
+pub const EXAMPLE: [(f64, Option<u64>, &str); 3] =
+    [(5.0, None, "4"), (10.5, Some(42), "3"), (15.0, Some(66), "3")];
+
+/// The four environments.
+pub const ENVIRONMENTS: [Environment; 4] = [
+    Environment {
+        number: 1,
+        name: "environment-1",
+        toml: include_str!("../../worlds/environment-1.toml"),
+        human_percent: [5.0, 45.0, 40.0, 10.0],
+        model_percent: [0.0, 39.5, 36.1, 24.4],
+        objective_cost: [1939.67, 1925.38, 1916.11, 1755.42],
+    },
+    Environment {
+        number: 2,
+        name: "environment-2",
+        toml: include_str!("../../worlds/environment-2.toml"),
+        human_percent: [45.0, 13.5, 6.5, 35.0],
+        model_percent: [51.6, 8.7, 0.0, 39.7],
+        objective_cost: [1962.98, 1895.16, 1887.75, 1586.56],
+    },
+    Environment {
+        number: 3,
+        name: "environment-3",
+        toml: include_str!("../../worlds/environment-3.toml"),
+        // sums to 95, as printed
+        human_percent: [12.5, 30.0, 47.5, 5.0],
+        model_percent: [5.1, 35.5, 59.4, 0.0],
+        objective_cost: [1946.48, 1927.35, 1853.84, 1826.19],
+    },
+    Environment {
+        number: 4,
+        name: "environment-4",
+        toml: include_str!("../../worlds/environment-4.toml"),
+        human_percent: [8.0, 15.0, 41.0, 36.0],
+        model_percent: [3.6, 18.3, 46.3, 31.8],
+        objective_cost: [2279.98, 2213.82, 1767.07, 1767.07],
+    },
+];
+
+impl Environment {
+    /// The world of this environment.
+    ///
+    /// # Errors
+    /// None in a build that passes its tests: the file is part of the program.
+    pub fn world(&self) -> Result<World, WorldError> {
+        World::parse(self.name, self.toml)
+    }
+}
+
+/// The built-in world of that name.
+pub fn environment(name: &str) -> Option<&'static Environment> {
+    ENVIRONMENTS.iter().find(|e| e.name == name)
+}
+
+/// A built-in world that is not valid: a fault of the program.
+#[derive(Debug, Error)]
+pub enum BuiltInError {
+    /// Its file.
+    #[error(transparent)]
+    World(#[from] WorldError),
+    /// Its options.
+    #[error(transparent)]
+    Options(#[from] OptionError),
+}

@@ -1,0 +1,102 @@
+//! What the robot believes about a human's perception: independent marginals (the paper) or weighted samples.
+
+use rand::{Rng, RngExt};
+use serde::{Deserialize, Serialize};
+
+use super::{Marginal, Perception, PreferenceError};
+
+/// A distribution over `(alpha, gamma)`.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Belief {
+    /// `alpha` and `gamma` independent, as in Sec. IV-A.
+    Independent {
+        /// Distance perception.
+        alpha: Marginal,
+        /// Risk perception.
+        gamma: Marginal,
+    },
+    /// An empirical distribution: parameters fitted to people, or draws from any joint distribution.
+    Samples(SampleSet),
+}
+
+/// One perception with its weight.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct WeightedSample {
+    /// The parameters.
+    pub perception: Perception,
+    /// Weight relative to the other samples, positive.
+    pub weight: f64,
+}
+
+/// Weighted samples. Invariant: at least one, all parameters and weights positive and finite, weights summing to 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SampleSet {
+    samples: Vec<WeightedSample>,
+}
+
+impl SampleSet {
+    /// Checks the samples and scales their weights to sum to 1.
+    pub fn new(mut samples: Vec<WeightedSample>) -> Result<Self, PreferenceError> {
+        let positive = |value: f64| value > 0.0 && value.is_finite();
+        for (index, sample) in samples.iter().enumerate() {
+            let WeightedSample { perception: Perception { alpha, gamma }, weight } = *sample;
+            if !(positive(alpha) && positive(gamma) && positive(weight)) {
+                return Err(PreferenceError::Sample { index, alpha, gamma, weight });
+            }
+        }
+        // Dividing by the largest first keeps the sum finite whatever the scale of the weights.
+        let largest = samples.iter().fold(0.0, |largest: f64, sample| largest.max(sample.weight));
+        let sum: f64 = samples.iter().map(|sample| sample.weight / largest).sum();
+        for sample in &mut samples {
+            sample.weight = sample.weight / largest / sum;
+        }
+        if samples.is_empty() { Err(PreferenceError::NoSamples) } else { Ok(Self { samples }) }
+    }
+
+    /// The samples, with weights that sum to 1.
+    pub fn samples(&self) -> &[WeightedSample] {
+        &self.samples
+    }
+}
+
+impl Default for Belief {
+    /// The paper's ranges: `alpha ~ U(0.55, 0.95)`, `gamma ~ U(0.5, 1.1)` (Sec. IV-A).
+    fn default() -> Self {
+        Self::uniform((0.55, 0.95), (0.5, 1.1)).expect("the paper's ranges are valid")
+    }
+}
+
+impl Belief {
+    /// Independent uniforms on `(lower, upper)` ranges of `alpha` and `gamma`.
+    pub fn uniform(alpha: (f64, f64), gamma: (f64, f64)) -> Result<Self, PreferenceError> {
+        Ok(Self::Independent {
+            alpha: Marginal::uniform(alpha.0, alpha.1)?,
+            gamma: Marginal::uniform(gamma.0, gamma.1)?,
+        })
+    }
+
+    /// An empirical belief; the weights need not sum to 1.
+    pub fn samples(samples: Vec<WeightedSample>) -> Result<Self, PreferenceError> {
+        SampleSet::new(samples).map(Self::Samples)
+    }
+
+    /// A random perception.
+    pub fn sample<R: Rng + ?Sized>(&self, rng: &mut R) -> Perception {
+        match self {
+            Self::Independent { alpha, gamma } => {
+                Perception { alpha: alpha.sample(rng), gamma: gamma.sample(rng) }
+            }
+            Self::Samples(set) => {
+                let mut left: f64 = rng.random();
+                for sample in &set.samples {
+                    left -= sample.weight;
+                    if left < 0.0 {
+                        return sample.perception;
+                    }
+                }
+                // The weights sum to 1 up to rounding: a draw beyond them belongs to the last sample.
+                set.samples[set.samples.len() - 1].perception
+            }
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! A probability for every option: non-negative, summing to one.
+
+use serde::Serialize;
+
+/// The probabilities `P_o` (eq. 4) that each option is the one the human prefers.
+///
+/// Invariant: every entry is non-negative and they sum to 1 up to rounding; without options there are no entries. It is a buffer
+/// as well: [`Predictor::predict`](super::Predictor::predict) refills it without allocating.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct ChoiceDistribution {
+    probabilities: Vec<f64>,
+}
+
+impl ChoiceDistribution {
+    /// The distribution over `options` options that is sure of option `chosen`; empty if there is no such option.
+    pub fn certain(options: usize, chosen: usize) -> Self {
+        let mut distribution = Self::default();
+        if chosen < options {
+            distribution.set_certain(options, chosen);
+        }
+        distribution
+    }
+
+    /// Normalises non-negative finite `weights`; `None` if one is negative or not finite, or if none is positive.
+    pub fn from_weights(weights: &[f64]) -> Option<Self> {
+        let mut distribution = Self { probabilities: weights.to_vec() };
+        distribution.normalise().then_some(distribution)
+    }
+
+    /// All probabilities, in the order of the options.
+    pub fn probabilities(&self) -> &[f64] {
+        &self.probabilities
+    }
+
+    /// Probability of option `option`; 0 for an option that does not exist.
+    pub fn get(&self, option: usize) -> f64 {
+        self.probabilities.get(option).copied().unwrap_or(0.0)
+    }
+
+    /// The most probable option; ties go to the lower index. 0 without options.
+    pub fn most_likely(&self) -> usize {
+        let mut best = 0;
+        for (option, &probability) in self.probabilities.iter().enumerate() {
+            if probability > self.probabilities[best] {
+                best = option;
+            }
+        }
+        best
+    }
+
+    /// Number of options.
+    pub fn len(&self) -> usize {
+        self.probabilities.len()
+    }
+
+    /// True without options.
+    pub fn is_empty(&self) -> bool {
+        self.probabilities.is_empty()
+    }
+
+    pub(super) fn set_certain(&mut self, options: usize, chosen: usize) {
+        self.probabilities.clear();
+        self.probabilities.resize(options, 0.0);
+        if let Some(probability) = self.probabilities.get_mut(chosen) {
+            *probability = 1.0;
+        }
+    }
+
+    /// Takes over raw masses and normalises them; false (and unspecified contents) if they are no distribution.
+    pub(super) fn set_masses(&mut self, masses: &[f64]) -> bool {
+        self.probabilities.clear();
+        // Rounding may leave a mass of -1e-17 where an option holds a vanishing interval.
+        self.probabilities.extend(masses.iter().map(|mass| if *mass < 0.0 { 0.0 } else { *mass }));
+        self.normalise()
+    }
+
+    fn normalise(&mut self) -> bool {
+        let sum: f64 = self.probabilities.iter().sum();
+        if !(sum > 0.0 && sum.is_finite() && self.probabilities.iter().all(|&p| p >= 0.0)) {
+            return false;
+        }
+        for probability in &mut self.probabilities {
+            *probability /= sum;
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_weights_are_normalised_or_refused() {
+        let distribution = ChoiceDistribution::from_weights(&[1.0, 3.0, 3.0]).unwrap();
+        assert!((distribution.probabilities().iter().sum::<f64>() - 1.0).abs() < 1e-15);
+        assert_eq!(distribution.most_likely(), 1);
+        assert_eq!(distribution.get(7), 0.0);
+        assert_eq!(ChoiceDistribution::from_weights(&[0.0, 0.0]), None);
+        assert_eq!(ChoiceDistribution::from_weights(&[]), None);
+        assert_eq!(ChoiceDistribution::from_weights(&[1.0, -0.1]), None);
+        assert_eq!(ChoiceDistribution::from_weights(&[1.0, f64::NAN]), None);
+        assert_eq!(ChoiceDistribution::certain(2, 1).probabilities(), [0.0, 1.0]);
+        assert!(ChoiceDistribution::certain(2, 2).is_empty());
+    }
+}

@@ -1,0 +1,69 @@
+//! What can be wrong with the parameters of the preference model, each case with its numbers.
+
+use thiserror::Error;
+
+/// A belief or a risk weight that cannot be used. Options never cause an error: see [`Prospect`](super::Prospect).
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum PreferenceError {
+    /// The bounds of a marginal are not `0 < lower < upper < infinity`.
+    #[error("bounds [{lower}, {upper}] must satisfy 0 < lower < upper and be finite")]
+    Bounds {
+        /// Lower bound given.
+        lower: f64,
+        /// Upper bound given.
+        upper: f64,
+    },
+    /// The shape of a truncated normal is not a finite mean with a positive finite standard deviation.
+    #[error(
+        "normal distribution with mean {mean} and standard deviation {std}: the mean must be finite, the deviation positive"
+    )]
+    Shape {
+        /// Mean given (of the normal before truncation).
+        mean: f64,
+        /// Standard deviation given (of the normal before truncation).
+        std: f64,
+    },
+    /// A truncated normal has no representable probability between its bounds.
+    #[error(
+        "normal distribution with mean {mean} and standard deviation {std} has no probability in [{lower}, {upper}]"
+    )]
+    NoMass {
+        /// Mean given.
+        mean: f64,
+        /// Standard deviation given.
+        std: f64,
+        /// Lower bound given.
+        lower: f64,
+        /// Upper bound given.
+        upper: f64,
+    },
+    /// Text that is not a marginal.
+    #[error("`{text}` is not a distribution: write uniform(lower,upper) or normal(mean,std,lower,upper)")]
+    Syntax {
+        /// The text given.
+        text: String,
+    },
+    /// A set of samples without a sample.
+    #[error("a belief needs at least one sample")]
+    NoSamples,
+    /// A sample whose parameters are not positive and finite or whose weight is not.
+    #[error(
+        "sample {index} (alpha {alpha}, gamma {gamma}, weight {weight}): all three must be positive and finite"
+    )]
+    Sample {
+        /// Position in the list given, from 0.
+        index: usize,
+        /// Distance perception of the sample.
+        alpha: f64,
+        /// Risk perception of the sample.
+        gamma: f64,
+        /// Weight of the sample.
+        weight: f64,
+    },
+    /// A risk weight `c_r` that is negative or not finite.
+    #[error("risk weight c_r = {risk_weight} m must be finite and not negative")]
+    RiskWeight {
+        /// Risk weight given, metres.
+        risk_weight: f64,
+    },
+}

@@ -1,0 +1,228 @@
+//! One perception parameter as a random variable: uniform or truncated normal between positive bounds.
+
+use std::fmt;
+use std::str::FromStr;
+
+use libm::{erf, erfc};
+use rand::{Rng, RngExt};
+use serde::{Deserialize, Serialize};
+
+use super::PreferenceError;
+
+/// Distribution of one perception parameter (`alpha` or `gamma`, dimensionless) on `[lower, upper]` with `0 < lower < upper`.
+///
+/// Read and written as `uniform(lower,upper)` or `normal(mean,std,lower,upper)`, where mean and standard deviation are those of
+/// the normal before truncation.
+///
+/// ```
+/// use cocarry::preference::Marginal;
+/// let alpha: Marginal = "uniform(0.55, 0.95)".parse()?;
+/// assert_eq!(alpha, Marginal::uniform(0.55, 0.95)?);
+/// assert_eq!(alpha.to_string(), "uniform(0.55,0.95)");
+/// # Ok::<(), cocarry::preference::PreferenceError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct Marginal {
+    lower: f64,
+    upper: f64,
+    shape: Shape,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Shape {
+    Uniform,
+    /// `mass` is the probability the untruncated normal has between the bounds.
+    Normal {
+        mean: f64,
+        std: f64,
+        mass: f64,
+    },
+}
+
+impl Marginal {
+    /// Uniform on `[lower, upper]`.
+    pub fn uniform(lower: f64, upper: f64) -> Result<Self, PreferenceError> {
+        if !(0.0 < lower && lower < upper && upper.is_finite()) {
+            return Err(PreferenceError::Bounds { lower, upper });
+        }
+        Ok(Self { lower, upper, shape: Shape::Uniform })
+    }
+
+    /// The normal with this mean and standard deviation, truncated to `[lower, upper]`.
+    pub fn truncated_normal(mean: f64, std: f64, lower: f64, upper: f64) -> Result<Self, PreferenceError> {
+        let bounded = Self::uniform(lower, upper)?;
+        if !(mean.is_finite() && std.is_finite() && std > 0.0) {
+            return Err(PreferenceError::Shape { mean, std });
+        }
+        let mass = normal_mass((lower - mean) / std, (upper - mean) / std);
+        // Below this the ratio of two probabilities loses its digits.
+        if mass.is_nan() || mass < 1e-290 {
+            return Err(PreferenceError::NoMass { mean, std, lower, upper });
+        }
+        Ok(Self { shape: Shape::Normal { mean, std, mass }, ..bounded })
+    }
+
+    /// Lower bound.
+    pub fn lower(&self) -> f64 {
+        self.lower
+    }
+
+    /// Upper bound.
+    pub fn upper(&self) -> f64 {
+        self.upper
+    }
+
+    /// Mean and standard deviation before truncation; `None` for a uniform.
+    pub fn normal_shape(&self) -> Option<(f64, f64)> {
+        match self.shape {
+            Shape::Uniform => None,
+            Shape::Normal { mean, std, .. } => Some((mean, std)),
+        }
+    }
+
+    /// Probability of a value up to `value`: 0 at and below the lower bound, 1 at and above the upper one.
+    pub fn cdf(&self, value: f64) -> f64 {
+        if value <= self.lower {
+            return 0.0;
+        }
+        if value >= self.upper {
+            return 1.0;
+        }
+        match self.shape {
+            Shape::Uniform => (value - self.lower) / (self.upper - self.lower),
+            Shape::Normal { mean, std, mass } => {
+                (normal_mass((self.lower - mean) / std, (value - mean) / std) / mass).min(1.0)
+            }
+        }
+    }
+
+    /// Probability density at `value`, per unit of the parameter; 0 outside the bounds.
+    pub fn density(&self, value: f64) -> f64 {
+        if !(self.lower..=self.upper).contains(&value) {
+            return 0.0;
+        }
+        match self.shape {
+            Shape::Uniform => 1.0 / (self.upper - self.lower),
+            Shape::Normal { mean, std, mass } => normal_density((value - mean) / std) / (std * mass),
+        }
+    }
+
+    /// The value up to which the probability is `probability` (taken into `[0, 1]`): the inverse of [`cdf`](Self::cdf).
+    pub fn quantile(&self, probability: f64) -> f64 {
+        let probability = probability.clamp(0.0, 1.0);
+        let (mut below, mut above) = (self.lower, self.upper);
+        let mut value = below + probability * (above - below);
+        if self.shape == Shape::Uniform {
+            return value.min(above);
+        }
+        // Newton inside a shrinking bracket: the density may vanish in a far tail, where only bisection still moves.
+        for _ in 0..200 {
+            let excess = self.cdf(value) - probability;
+            if excess > 0.0 {
+                above = value;
+            } else {
+                below = value;
+            }
+            let newton = value - excess / self.density(value);
+            let next = if newton > below && newton < above { newton } else { 0.5 * (below + above) };
+            if (next - value).abs() <= 4.0 * f64::EPSILON * value || next <= below || next >= above {
+                return next.clamp(self.lower, self.upper);
+            }
+            value = next;
+        }
+        value
+    }
+
+    /// A random value, by inversion of one uniform draw from `rng`.
+    pub fn sample<R: Rng + ?Sized>(&self, rng: &mut R) -> f64 {
+        self.quantile(rng.random::<f64>())
+    }
+
+    /// Ascending points from bound to bound between which density and distribution function are smooth enough for one rule.
+    pub(super) fn panels(&self) -> Vec<f64> {
+        let mut cuts = vec![self.lower, self.upper];
+        // Stevens and Prelec vary exponentially with the parameter: a range over several octaves is more than one panel.
+        let octaves = (self.upper / self.lower).ln() / 3.0f64.ln();
+        let pieces = octaves.ceil().clamp(1.0, 64.0) as i32;
+        for piece in 1..pieces {
+            cuts.push(self.lower * (self.upper / self.lower).powf(f64::from(piece) / f64::from(pieces)));
+        }
+        if let Shape::Normal { mean, std, .. } = self.shape
+            && self.upper - self.lower > 6.0 * std
+        {
+            // A peak narrower than the range must not fall between the nodes of a rule.
+            cuts.extend([-6.0, -2.0, 2.0, 6.0].map(|deviations| mean + deviations * std));
+        }
+        cuts.retain(|cut| (self.lower..=self.upper).contains(cut));
+        cuts.sort_unstable_by(f64::total_cmp);
+        cuts.dedup();
+        cuts
+    }
+}
+
+/// Standard normal density.
+fn normal_density(z: f64) -> f64 {
+    (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt()
+}
+
+/// Probability a standard normal has in `[from, to]`, accurate in both tails and for short intervals.
+fn normal_mass(from: f64, to: f64) -> f64 {
+    let (width, middle) = (to - from, 0.5 * (from + to));
+    if width * (1.0 + middle.abs()) < 1e-3 {
+        // The difference of two distribution functions would lose what the interval is short by.
+        return width * normal_density(middle) * (1.0 + (middle * middle - 1.0) * width * width / 24.0);
+    }
+    let (a, b) = (from * std::f64::consts::FRAC_1_SQRT_2, to * std::f64::consts::FRAC_1_SQRT_2);
+    0.5 * if a > 0.0 {
+        erfc(a) - erfc(b)
+    } else if b < 0.0 {
+        erfc(-b) - erfc(-a)
+    } else {
+        erf(b) - erf(a)
+    }
+}
+
+impl fmt::Display for Marginal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { lower, upper, shape } = self;
+        match shape {
+            Shape::Uniform => write!(f, "uniform({lower},{upper})"),
+            Shape::Normal { mean, std, .. } => write!(f, "normal({mean},{std},{lower},{upper})"),
+        }
+    }
+}
+
+impl FromStr for Marginal {
+    type Err = PreferenceError;
+
+    fn from_str(text: &str) -> Result<Self, PreferenceError> {
+        let syntax = || PreferenceError::Syntax { text: text.to_owned() };
+        let (name, rest) = text.trim().split_once('(').ok_or_else(syntax)?;
+        let numbers = rest.strip_suffix(')').ok_or_else(syntax)?;
+        let numbers: Vec<f64> = numbers
+            .split(',')
+            .map(|number| number.trim().parse())
+            .collect::<Result<_, _>>()
+            .map_err(|_| syntax())?;
+        match (name.trim(), numbers.as_slice()) {
+            ("uniform", &[lower, upper]) => Self::uniform(lower, upper),
+            ("normal", &[mean, std, lower, upper]) => Self::truncated_normal(mean, std, lower, upper),
+            _ => Err(syntax()),
+        }
+    }
+}
+
+impl TryFrom<String> for Marginal {
+    type Error = PreferenceError;
+
+    fn try_from(text: String) -> Result<Self, PreferenceError> {
+        text.parse()
+    }
+}
+
+impl From<Marginal> for String {
+    fn from(marginal: Marginal) -> Self {
+        marginal.to_string()
+    }
+}

@@ -1,0 +1,139 @@
+//! One option and one human: from remaining length and risk to objective cost, subjective cost and the human's choice.
+
+use serde::{Deserialize, Serialize};
+
+/// What is left of an option, as robot and human see it from where they stand.
+///
+/// Meant for `length >= 0` and `risk` in `[0, 1]`. Values outside are taken at the nearest bound, NaN at the worse one
+/// (infinitely long, certain collision), so that no input can make a choice undefined.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Prospect {
+    /// Remaining path length `D_o`, metres.
+    pub length: f64,
+    /// Remaining collision risk `S_o`, a fraction in `[0, 1]`.
+    pub risk: f64,
+}
+
+impl Prospect {
+    /// An option with `length` metres and collision risk `risk` left.
+    pub const fn new(length: f64, risk: f64) -> Self {
+        Self { length, risk }
+    }
+
+    /// The same option with both numbers inside their domain (see the type's documentation).
+    pub(super) fn clamped(self) -> Self {
+        let length = if self.length.is_nan() { f64::INFINITY } else { self.length.max(0.0) };
+        let risk = if self.risk.is_nan() { 1.0 } else { self.risk.clamp(0.0, 1.0) };
+        Self { length, risk }
+    }
+}
+
+/// How one human perceives distance and risk. Both parameters are positive and dimensionless.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Perception {
+    /// Distance perception: below 1, long ways feel shorter than they are.
+    pub alpha: f64,
+    /// Risk perception: below 1, small risks are overweighted and large ones underweighted.
+    pub gamma: f64,
+}
+
+/// Perceived risk `S^ = exp(-(-ln S)^gamma)` (Prelec; Sec. III-B), a fraction.
+///
+/// The limits are exact: `S = 0` gives 0 and `S = 1` gives 1.
+///
+/// ```
+/// use cocarry::preference::perceived_risk;
+/// assert_eq!(perceived_risk(0.0, 0.5), 0.0);
+/// assert_eq!(perceived_risk(1.0, 0.5), 1.0);
+/// assert!(perceived_risk(0.01, 0.5) > 0.01);
+/// ```
+pub fn perceived_risk(risk: f64, gamma: f64) -> f64 {
+    (-(-risk.ln()).powf(gamma)).exp()
+}
+
+/// Perceived distance `D^ = D^alpha` (Stevens; Sec. III-B) of `length` metres; 0 at length 0.
+pub fn perceived_distance(length: f64, alpha: f64) -> f64 {
+    length.powf(alpha)
+}
+
+/// Objective cost `J = D + c_r S` (eq. 1), metres, with the risk weight `c_r` in metres.
+pub fn objective_cost(prospect: Prospect, risk_weight: f64) -> f64 {
+    prospect.length + risk_weight * prospect.risk
+}
+
+/// Subjective cost `J^ = D^alpha + c_r exp(-(-ln S)^gamma)` (eq. 2) with the risk weight `c_r`.
+pub fn subjective_cost(prospect: Prospect, risk_weight: f64, perception: Perception) -> f64 {
+    let Prospect { length, risk } = prospect.clamped();
+    perceived_distance(length, perception.alpha) + risk_weight * perceived_risk(risk, perception.gamma)
+}
+
+/// The option the human prefers, `o_h = argmin_o J^_o(alpha, gamma)` (eq. 3), as an index into `prospects`.
+///
+/// Ties go to `current`, the option being executed, if it is among the best, else to the lower index. Without options the
+/// answer is 0.
+pub fn human_choice(
+    prospects: &[Prospect],
+    risk_weight: f64,
+    perception: Perception,
+    current: Option<usize>,
+) -> usize {
+    let cost = |option: usize| subjective_cost(prospects[option], risk_weight, perception);
+    if prospects.is_empty() {
+        return 0;
+    }
+    let mut best = current.filter(|&option| option < prospects.len()).unwrap_or(0);
+    let mut lowest = cost(best);
+    // Strictly better only: the option looked at first keeps a tie.
+    for option in 0..prospects.len() {
+        let candidate = cost(option);
+        if candidate < lowest {
+            (best, lowest) = (option, candidate);
+        }
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_perceived_risk_has_its_limits_and_fixed_point() {
+        for gamma in [0.3, 0.5, 1.0, 1.1, 3.0] {
+            assert_eq!(perceived_risk(0.0, gamma), 0.0);
+            assert_eq!(perceived_risk(1.0, gamma), 1.0);
+            let fixed = (-1.0f64).exp();
+            assert!((perceived_risk(fixed, gamma) - fixed).abs() < 1e-15);
+        }
+        assert!((perceived_risk(0.37, 1.0) - 0.37).abs() < 1e-15);
+        assert!(perceived_risk(0.01, 0.6) > 0.01 && perceived_risk(0.9, 0.6) < 0.9);
+    }
+
+    #[test]
+    fn closed_form_objective_is_subjective_at_unit_perception() {
+        let option = Prospect::new(14.33, 0.5474);
+        let unit = Perception { alpha: 1.0, gamma: 1.0 };
+        assert!((objective_cost(option, 10.0) - subjective_cost(option, 10.0, unit)).abs() < 1e-13);
+        assert!((objective_cost(option, 10.0) - 19.804).abs() < 1e-12);
+    }
+
+    #[test]
+    fn closed_form_ties_go_to_the_current_option_then_to_the_lower_index() {
+        let option = Prospect::new(10.0, 0.4);
+        let worse = Prospect::new(10.1, 0.4);
+        let perception = Perception { alpha: 0.7, gamma: 0.8 };
+        let options = [worse, option, option, option];
+        assert_eq!(human_choice(&options, 10.0, perception, None), 1);
+        assert_eq!(human_choice(&options, 10.0, perception, Some(3)), 3);
+        assert_eq!(human_choice(&options, 10.0, perception, Some(0)), 1);
+        assert_eq!(human_choice(&options, 10.0, perception, Some(17)), 1);
+        assert_eq!(human_choice(&[], 10.0, perception, None), 0);
+    }
+
+    #[test]
+    fn closed_form_nonsense_options_are_never_preferred() {
+        let perception = Perception { alpha: 0.7, gamma: 0.8 };
+        let options = [Prospect::new(f64::NAN, 0.0), Prospect::new(5.0, f64::NAN), Prospect::new(5.0, 0.99)];
+        assert_eq!(human_choice(&options, 10.0, perception, Some(0)), 2);
+    }
+}

@@ -1,0 +1,415 @@
+//! The integral over `gamma`: strips in which the same options win in the same order, each integrated by one Gauss rule.
+//!
+//! Within a strip every end of a winner's interval of `alpha` is an analytic function of `gamma`, so a rule of seven nodes
+//! converges fast; at a strip's end an option joins or leaves the envelope. Three things make sure no such event is missed:
+//! the envelope at both ends of a strip, the check at every node that the assumed winners are the winners, and the
+//! certificates (the margin by which a loser loses, the length a winner wins) interpolated between the nodes.
+
+use super::Marginal;
+use super::curve::{Curve, Pair, turning_point};
+use super::envelope::Envelope;
+use super::rule::{NODES, Rule, Samples};
+
+/// Largest estimated error of one end of an interval, as a probability, that a strip is accepted with.
+const TOLERANCE: f64 = 1e-11;
+
+/// Strips shorter than this fraction of the range of `gamma` are not split further: all that is in them is less than this.
+const SHORTEST: f64 = 1e-12;
+
+/// Events are located to this fraction of the range of `gamma`. What is misplaced around an event grows with its square, since
+/// an option joins or leaves the envelope with an interval of length 0.
+const EVENT: f64 = 1e-8;
+
+/// Nodes after which a call stops refining and takes what it has: far beyond any real set of options, and an end to every loop.
+const MOST_NODES: u64 = 2_000_000;
+
+/// Independent `alpha` and `gamma` with their panels.
+#[derive(Debug, Clone)]
+pub(super) struct Domain {
+    pub alpha: Marginal,
+    pub alpha_panels: Vec<f64>,
+    pub gamma: Marginal,
+    pub gamma_panels: Vec<f64>,
+}
+
+/// An end of a strip: the envelope there, as a piece of the list of winners.
+#[derive(Debug, Clone, Copy)]
+struct Edge {
+    gamma: f64,
+    start: usize,
+    count: usize,
+    /// Rank of the option that joins or leaves here, if that is why the strip ends.
+    event: usize,
+}
+
+const NO_EVENT: usize = usize::MAX;
+
+/// A curve that does not win in a strip.
+#[derive(Debug, Clone, Copy)]
+struct Loser {
+    /// Compared with the nearest winner in the order of slopes.
+    pair: Pair,
+    /// True if the loser is the left one of the pair.
+    on_left: bool,
+    /// Index of the breakpoint of the envelope at which it comes nearest.
+    breakpoint: usize,
+}
+
+/// Where a strip is to be cut.
+enum Verdict {
+    Done,
+    CutAt(f64),
+}
+
+/// Integrates over `(alpha, gamma)`; all buffers are kept between calls.
+#[derive(Debug, Clone)]
+pub(super) struct Strips {
+    rule: Rule,
+    envelope: Envelope,
+    alpha_cuts: Vec<f64>,
+    winners: Vec<usize>,
+    todo: Vec<(Edge, Edge)>,
+    /// Neighbours among the winners of the present strip, and of the one before.
+    pairs: Vec<Pair>,
+    earlier_pairs: Vec<Pair>,
+    losers: Vec<Loser>,
+    /// Ends of the winners' intervals at one node: `pairs.len() + 2` values.
+    breakpoints: Vec<f64>,
+    /// Probability up to each inner breakpoint times the density of `gamma`, at the nodes.
+    marks: Vec<Samples>,
+    /// Density of `gamma` at the nodes.
+    densities: Samples,
+    /// Lengths of the winners' intervals, then margins of the losers, at the nodes.
+    certificates: Vec<Samples>,
+    /// Nodes evaluated since the count was last reset.
+    pub nodes: u64,
+}
+
+impl Strips {
+    pub fn new() -> Self {
+        Self {
+            rule: Rule::new(),
+            envelope: Envelope::default(),
+            alpha_cuts: Vec::new(),
+            winners: Vec::new(),
+            todo: Vec::new(),
+            pairs: Vec::new(),
+            earlier_pairs: Vec::new(),
+            losers: Vec::new(),
+            breakpoints: Vec::new(),
+            marks: Vec::new(),
+            densities: [0.0; NODES],
+            certificates: Vec::new(),
+            nodes: 0,
+        }
+    }
+
+    /// Adds to `masses` the probability that each option of the front is the cheapest.
+    pub fn integrate(&mut self, front: &[Curve], risk_weight: f64, domain: &Domain, masses: &mut [f64]) {
+        self.cut_alpha(front, &domain.alpha_panels);
+        self.envelope.risk_weight = risk_weight;
+        for cut in 1..self.alpha_cuts.len() {
+            let (lower, upper) = (self.alpha_cuts[cut - 1], self.alpha_cuts[cut]);
+            self.envelope.reset(front, lower, upper);
+            self.winners.clear();
+            self.pairs.clear();
+            let mut right = self.edge(domain.gamma.upper());
+            for &cut in domain.gamma_panels.iter().rev().skip(1) {
+                let left = self.edge(cut);
+                self.todo.push((left, right));
+                right = left;
+            }
+            while let Some((left, right)) = self.todo.pop() {
+                self.strip(left, right, domain, masses);
+            }
+        }
+    }
+
+    /// Ranges of `alpha` in which any two curves cross at most once.
+    fn cut_alpha(&mut self, front: &[Curve], panels: &[f64]) {
+        self.alpha_cuts.clear();
+        self.alpha_cuts.extend_from_slice(panels);
+        let (lower, upper) = (panels[0], panels[panels.len() - 1]);
+        // Only the options with less than 1 m left can turn, and they come first in the front.
+        let near = front.iter().take_while(|curve| curve.length < 1.0).count();
+        for longer in 1..near {
+            for shorter in 0..longer {
+                let turn = turning_point(&front[shorter], &front[longer]);
+                self.alpha_cuts.extend(turn.filter(|turn| *turn > lower && *turn < upper));
+            }
+        }
+        self.alpha_cuts.sort_unstable_by(f64::total_cmp);
+        self.alpha_cuts.dedup();
+    }
+
+    /// The envelope at `gamma`, from scratch.
+    fn edge(&mut self, gamma: f64) -> Edge {
+        self.nodes += 1;
+        self.envelope.winners(gamma);
+        let start = self.winners.len();
+        self.winners.extend(self.envelope.stack.iter().map(|winner| winner.rank));
+        Edge { gamma, start, count: self.winners.len() - start, event: NO_EVENT }
+    }
+
+    fn sequence(&self, edge: Edge) -> &[usize] {
+        &self.winners[edge.start..edge.start + edge.count]
+    }
+
+    /// Integrates between two edges, or cuts and leaves the parts to do.
+    fn strip(&mut self, left: Edge, right: Edge, domain: &Domain, masses: &mut [f64]) {
+        let range = domain.gamma.upper() - domain.gamma.lower();
+        let width = right.gamma - left.gamma;
+        if width <= SHORTEST * range || self.nodes > MOST_NODES {
+            self.sliver(left, right, domain, masses);
+            return;
+        }
+        if self.sequence(left) != self.sequence(right) {
+            match self.event(left, right, range) {
+                Some((gamma, rank)) => {
+                    self.todo.push((Edge { gamma, event: rank, ..right }, right));
+                    self.todo.push((left, Edge { gamma, event: rank, ..left }));
+                }
+                None => self.cut(left, right, 0.5 * (left.gamma + right.gamma)),
+            }
+            return;
+        }
+        if let Verdict::CutAt(cut) = self.smooth_strip(left, right, domain, masses) {
+            self.cut(left, right, cut);
+        }
+    }
+
+    fn cut(&mut self, left: Edge, right: Edge, gamma: f64) {
+        let middle = self.edge(gamma);
+        self.todo.push((middle, right));
+        self.todo.push((left, middle));
+    }
+
+    /// Adds a strip too short to matter, or one given up on: the envelope at its middle stands for all of it.
+    fn sliver(&mut self, left: Edge, right: Edge, domain: &Domain, masses: &mut [f64]) {
+        let mass = domain.gamma.cdf(right.gamma) - domain.gamma.cdf(left.gamma);
+        self.nodes += 1;
+        self.envelope.winners(0.5 * (left.gamma + right.gamma));
+        let mut end = domain.alpha.cdf(self.envelope.upper);
+        for winner in self.envelope.stack.iter().rev() {
+            let start = domain.alpha.cdf(winner.start);
+            masses[self.envelope.curves[winner.rank].option] += mass * (end - start);
+            end = start;
+        }
+    }
+
+    /// Where between two edges the single option joins or leaves that makes the difference, and its rank.
+    ///
+    /// `None` if the edges differ by more than one option or if the search finds no change of sign.
+    fn event(&mut self, left: Edge, right: Edge, range: f64) -> Option<(f64, usize)> {
+        let (more, fewer) = if left.count > right.count { (left, right) } else { (right, left) };
+        if more.count != fewer.count + 1 {
+            return None;
+        }
+        let (long, short) = (self.sequence(more), self.sequence(fewer));
+        let place = (0..fewer.count).find(|&k| long[k] != short[k]).unwrap_or(fewer.count);
+        if long[place + 1..] != short[place..] {
+            return None;
+        }
+        let rank = long[place];
+        let before = place.checked_sub(1).map(|k| long[k]);
+        let after = long.get(place + 1).copied();
+        let mut margin = Margin::new(&self.envelope, rank, before, after);
+        let (mut a, mut b) = (left.gamma, right.gamma);
+        let (mut at_a, mut at_b) = (margin.at(&mut self.envelope, a), margin.at(&mut self.envelope, b));
+        let bracketed = at_a * at_b < 0.0;
+        if !bracketed {
+            return None;
+        }
+        // False position; an end that stays twice has its value reduced so that it moves (Anderson and Bjorck).
+        let (mut last, mut moved_a, mut moved_b) = (f64::INFINITY, false, false);
+        for step in 0..100 {
+            let secant = (a * at_b - b * at_a) / (at_b - at_a);
+            let next = if secant > a && secant < b && step < 30 { secant } else { 0.5 * (a + b) };
+            if (next - last).abs() <= EVENT * range || next <= a || next >= b {
+                return Some((next, rank));
+            }
+            last = next;
+            let value = margin.at(&mut self.envelope, next);
+            if value == 0.0 {
+                return Some((next, rank));
+            }
+            let reduced = |old: f64| if value / old < 1.0 { 1.0 - value / old } else { 0.5 };
+            if (value < 0.0) == (at_a < 0.0) {
+                at_b *= if moved_a { reduced(at_a) } else { 1.0 };
+                (a, at_a, moved_a, moved_b) = (next, value, true, false);
+            } else {
+                at_a *= if moved_b { reduced(at_b) } else { 1.0 };
+                (b, at_b, moved_a, moved_b) = (next, value, false, true);
+            }
+        }
+        None
+    }
+
+    /// Integrates a strip whose ends have the same winners; says where to cut it if they are not the winners all through it,
+    /// or if the rule is not accurate enough.
+    fn smooth_strip(&mut self, left: Edge, right: Edge, domain: &Domain, masses: &mut [f64]) -> Verdict {
+        let half = 0.5 * (right.gamma - left.gamma);
+        let middle = left.gamma + half;
+        // In a strip this short a misplaced event may show at a node, and cannot matter.
+        let short = 2.0 * half < 50.0 * EVENT * (domain.gamma.upper() - domain.gamma.lower());
+        self.prepare(left);
+        for node in 0..NODES {
+            let gamma = middle + half * self.rule.nodes[node];
+            if !self.node(node, gamma, domain) && !short {
+                return Verdict::CutAt(gamma);
+            }
+        }
+        if !short && let Some(cut) = self.doubt(left, right, middle, half) {
+            return Verdict::CutAt(cut);
+        }
+        if !short && self.marks.iter().any(|mark| half * self.rule.error(mark) > TOLERANCE) {
+            return Verdict::CutAt(middle);
+        }
+        let weight = |node: usize| half * self.rule.weights[node];
+        let total: f64 = (0..NODES).map(|node| weight(node) * self.densities[node]).sum();
+        let mut end = total * domain.alpha.cdf(self.envelope.upper);
+        for place in (0..left.count).rev() {
+            let start = match place.checked_sub(1) {
+                Some(inner) => (0..NODES).map(|node| weight(node) * self.marks[inner][node]).sum(),
+                None => total * domain.alpha.cdf(self.envelope.lower),
+            };
+            let option = self.envelope.curves[self.winners[left.start + place]].option;
+            masses[option] += end - start;
+            end = start;
+        }
+        Verdict::Done
+    }
+
+    /// Sets up the neighbours among the winners of a strip and the winner each loser is compared with.
+    fn prepare(&mut self, edge: Edge) {
+        let ranks = &self.winners[edge.start..edge.start + edge.count];
+        std::mem::swap(&mut self.pairs, &mut self.earlier_pairs);
+        self.pairs.clear();
+        let mut earlier = self.earlier_pairs.iter().peekable();
+        for neighbours in ranks.windows(2) {
+            let mut pair = self.envelope.pair(neighbours[0], neighbours[1]);
+            // Both lists are sorted by rank.
+            while earlier.next_if(|old| old.left < pair.left).is_some() {}
+            if let Some(old) = earlier.next_if(|old| old.left == pair.left && old.right == pair.right) {
+                pair.warm(old);
+            }
+            self.pairs.push(pair);
+        }
+        self.losers.clear();
+        let mut breakpoint = 0;
+        for rank in 0..self.envelope.curves.len() {
+            if ranks.get(breakpoint) == Some(&rank) {
+                breakpoint += 1;
+                continue;
+            }
+            let before = breakpoint.checked_sub(1).map(|k| ranks[k]);
+            let (pair, on_left) = compared(&self.envelope, rank, before, ranks.get(breakpoint).copied());
+            self.losers.push(Loser { pair, on_left, breakpoint });
+        }
+        self.marks.clear();
+        self.marks.resize(self.pairs.len(), [0.0; NODES]);
+        self.certificates.clear();
+        self.certificates.resize(edge.count + self.losers.len(), [0.0; NODES]);
+        self.breakpoints.resize(edge.count + 1, 0.0);
+    }
+
+    /// Evaluates one node of a prepared strip; false if the assumed winners are not the winners there.
+    fn node(&mut self, node: usize, gamma: f64, domain: &Domain) -> bool {
+        self.nodes += 1;
+        let envelope = &mut self.envelope;
+        envelope.set_gamma(gamma);
+        let density = domain.gamma.density(gamma);
+        self.densities[node] = density;
+        let winners = self.pairs.len() + 1;
+        self.breakpoints[0] = envelope.lower;
+        self.breakpoints[winners] = envelope.upper;
+        for (place, pair) in self.pairs.iter_mut().enumerate() {
+            let alpha = envelope.crossing(pair);
+            self.breakpoints[place + 1] = alpha;
+            self.marks[place][node] = density * domain.alpha.cdf(alpha);
+        }
+        let mut holds = true;
+        for place in 0..winners {
+            let length = self.breakpoints[place + 1] - self.breakpoints[place];
+            self.certificates[place][node] = length;
+            holds &= length > 0.0;
+        }
+        for (place, loser) in self.losers.iter().enumerate() {
+            let difference = envelope.difference(&loser.pair, self.breakpoints[loser.breakpoint]);
+            let margin = if loser.on_left { difference } else { -difference };
+            self.certificates[winners + place][node] = margin;
+            holds &= margin >= 0.0;
+        }
+        holds
+    }
+
+    /// A `gamma` between the nodes at which the winners turn out to be others, if a certificate comes near enough to 0 to ask.
+    fn doubt(&mut self, left: Edge, right: Edge, middle: f64, half: f64) -> Option<f64> {
+        for place in 0..self.certificates.len() {
+            let rank = match place.checked_sub(left.count) {
+                Some(loser) => self.losers[loser].rank(),
+                None => self.winners[left.start + place],
+            };
+            // Where the option itself joins or leaves its certificate is 0 by construction.
+            let dip = self.rule.dip(&self.certificates[place], left.event == rank, right.event == rank);
+            let Some(gamma) = dip.map(|x| middle + half * x) else { continue };
+            if gamma > left.gamma && gamma < right.gamma {
+                self.nodes += 1;
+                self.envelope.winners(gamma);
+                let found = self.envelope.stack.iter().map(|winner| &winner.rank);
+                if !found.eq(self.sequence(left)) {
+                    return Some(gamma);
+                }
+            }
+        }
+        None
+    }
+}
+
+impl Loser {
+    fn rank(&self) -> usize {
+        if self.on_left { self.pair.left } else { self.pair.right }
+    }
+}
+
+/// The pair of a curve and the nearer in length of its neighbours among the winners; true if the curve is the left one.
+fn compared(envelope: &Envelope, rank: usize, before: Option<usize>, after: Option<usize>) -> (Pair, bool) {
+    let log = |rank: usize| envelope.curves[rank].log_length;
+    let distance = |other: usize| (log(other) - log(rank)).abs();
+    match (before, after) {
+        (Some(before), Some(after)) if distance(after) < distance(before) => {
+            (envelope.pair(rank, after), true)
+        }
+        (Some(before), _) => (envelope.pair(before, rank), false),
+        (None, after) => (envelope.pair(rank, after.unwrap_or(rank)), true),
+    }
+}
+
+/// The margin by which a curve stays above the envelope of its neighbours, as a function of `gamma`; negative where it wins.
+struct Margin {
+    pair: Pair,
+    on_left: bool,
+    neighbours: Option<Pair>,
+    /// Where to compare if a neighbour is missing: the end of the range of `alpha`.
+    end: f64,
+    ranks: [usize; 3],
+}
+
+impl Margin {
+    fn new(envelope: &Envelope, rank: usize, before: Option<usize>, after: Option<usize>) -> Self {
+        let (pair, on_left) = compared(envelope, rank, before, after);
+        let neighbours = before.zip(after).map(|(before, after)| envelope.pair(before, after));
+        let end = if before.is_none() { envelope.lower } else { envelope.upper };
+        Self { pair, on_left, neighbours, end, ranks: [rank, before.unwrap_or(rank), after.unwrap_or(rank)] }
+    }
+
+    fn at(&mut self, envelope: &mut Envelope, gamma: f64) -> f64 {
+        envelope.set_gamma_of(&self.ranks, gamma);
+        let alpha = match &mut self.neighbours {
+            Some(pair) => envelope.crossing(pair),
+            None => self.end,
+        };
+        let difference = envelope.difference(&self.pair, alpha);
+        if self.on_left { difference } else { -difference }
+    }
+}
