@@ -1,4 +1,61 @@
-//! cocarry
+//! A human and a mobile manipulator carry an object together through openings between obstacles; which of them should choose the way?
+//!
+//! `cocarry` simulates the framework of A. J. Mahmud, W. Li and X. Wang, *Mutual Adaptation in Human-Robot Co-Transportation with Human
+//! Preference Uncertainty*, and reproduces its tables. Equation numbers in this documentation are that paper's. The command-line program of
+//! the same name does all that the library does; see its `--help` and the README.
+//!
+//! # Floors
+//!
+//! Data flows upward, and a file uses only floors below its own (`tests/suite/floors.rs` checks it):
+//!
+//! ```text
+//! cli            arguments -> text, tables, JSON, files
+//! experiments    one file per claim or table of the paper
+//! drawing        maps and curves as SVG
+//! episode        THE LOOP: observe, evaluate, predict, accumulate, decide, choose, walk
+//! coordination   stubbornness phi(k), the mode, the robot's choice
+//! preference     perception of risk and distance, P_o, expected subjective cost
+//! options        openings in order, D_o and S_o from anywhere, shortest paths
+//! world          a TOML file -> obstacles, openings, start, target
+//! geometry       planar points, outlines, paths
+//! ```
+//!
+//! # Notation
+//!
+//! | paper | here | unit |
+//! | --- | --- | --- |
+//! | A, B | [`world::World::start`], [`world::World::target`] | m |
+//! | d_r | [`world::World::robot_width`] | m |
+//! | xi, w_xi, S_xi | [`world::Opening`], its `width`, its `risk` | -, m, - |
+//! | o, D_o, S_o | [`options::PathOption`], [`options::Remaining::length`], [`options::Remaining::risk`] | -, m, - |
+//! | c_r | `risk_weight` | m |
+//! | J_o, eq. (1) | [`preference::objective_cost`] | m |
+//! | alpha, gamma | [`preference::Perception`] | - |
+//! | D^_o, S^_o | [`preference::perceived_distance`], [`preference::perceived_risk`] | m^alpha, - |
+//! | J^_o, eq. (2) | [`preference::subjective_cost`] | - |
+//! | o_h, eq. (3) | [`preference::human_choice`] | - |
+//! | P_o, eq. (4) | [`preference::ChoiceDistribution`] | - |
+//! | J~_o, eq. (6) | [`preference::Predictor::expected_costs`] | - |
+//! | phi(k), g(k), eta, eq. (5) | [`coordination::Coordinator`], [`coordination::Settings`] | - |
+//! | omega_o(k) | [`coordination::is_misaligned`] | - |
+//! | o*(k), eq. (6) | [`coordination::robot_choice`] | - |
+//! | k | [`episode::Tick::step`], one control period of 0.2 s | - |
+//!
+//! ```
+//! use cocarry::episode::{Outcome, Settings, run};
+//! use cocarry::experiments::paper;
+//! use cocarry::options::OptionSet;
+//!
+//! let world = paper::ENVIRONMENTS[3].world()?;
+//! let settings = Settings::default();
+//! let options = OptionSet::new(&world, settings.predictor.risk_weight())?;
+//! let summary = run(&options, &settings, paper::EXAMPLE_HUMAN, |tick| {
+//!     assert!(tick.stubbornness > 0.0);
+//! });
+//! assert_eq!(summary.outcome, Outcome::Arrived);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
 pub mod cli;
 pub mod coordination;
 pub mod drawing;

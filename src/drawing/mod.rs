@@ -1,36 +1,97 @@
-//! stub
-use crate::{geometry::Point, options::OptionSet, world::World};
-#[derive(Debug, thiserror::Error)]
+//! A world, its options and what became of them in; SVG pictures for a paper's column out.
+//!
+//! Every function is pure: data in, the text of one SVG picture out, the same text for the same data. Pictures are [`WIDTH`] px wide, meant
+//! to be printed 88 mm wide. Lines differ in colour and in dash pattern, so that they survive print in grey.
+
+mod adaptation;
+mod chart;
+mod labels;
+mod legend;
+mod map;
+mod scene;
+mod style;
+mod text;
+mod track;
+
+pub use adaptation::adaptation;
+pub use map::{MOST_LISTED, world_map};
+pub use track::Track;
+
+use thiserror::Error;
+
+/// Width of every picture, px.
+pub const WIDTH: f64 = 720.0;
+
+/// Why a picture could not be drawn.
+#[derive(Debug, Error)]
 pub enum DrawingError {
-    #[error("x")]
-    X,
-}
-pub struct Track {
-    pub label: String,
-    pub positions: Vec<Point>,
-    pub transition: Option<usize>,
-    pub stubbornness: Vec<f64>,
-}
-pub fn world_map(_w: &World, _o: &OptionSet, _p: &[f64]) -> Result<String, DrawingError> {
-    Ok(String::new())
-}
-pub fn adaptation(_w: &World, _t: &[Track], _p: f64) -> Result<String, DrawingError> {
-    Ok(String::new())
+    /// There must be one probability per option.
+    #[error("{probabilities} probabilities were given for {options} options")]
+    ProbabilityCount {
+        /// How many probabilities were given.
+        probabilities: usize,
+        /// How many options there are.
+        options: usize,
+    },
+    /// A probability outside [0, 1].
+    #[error("option `{option}`: its probability is {value}; expected a number from 0 to 1")]
+    Probability {
+        /// The option.
+        option: String,
+        /// What was given.
+        value: f64,
+    },
+    /// A track has a position that is not finite or beyond all maps, or a stubbornness that is not a number.
+    #[error("track `{track}`: its {quantity} at step {step} cannot be drawn: {value}")]
+    NotDrawable {
+        /// The track's label.
+        track: String,
+        /// `position` or `stubbornness`.
+        quantity: &'static str,
+        /// The step.
+        step: usize,
+        /// The number.
+        value: f64,
+    },
+    /// A track's transition lies beyond its last step.
+    #[error("track `{track}`: its transition is at step {transition}, but it has {positions} positions")]
+    Transition {
+        /// The track's label.
+        track: String,
+        /// Step of the transition.
+        transition: usize,
+        /// How many positions the track has.
+        positions: usize,
+    },
+    /// The period must be a positive time.
+    #[error("the period is {period} s; expected a positive number")]
+    Period {
+        /// What was given.
+        period: f64,
+    },
+    /// The chart library refused.
+    #[error("the chart could not be drawn: {reason}")]
+    Chart {
+        /// What it said.
+        reason: String,
+    },
 }
 
-impl Track {
-    /// The track of an episode from its ticks, ended at the target where it arrived.
-    pub fn new(label: impl Into<String>, ticks: &[crate::episode::Tick], end: Option<Point>) -> Self {
-        use crate::coordination::Mode;
-        let led_by_robot = ticks.iter().take_while(|t| t.mode == Mode::RobotLed).count();
-        Self {
-            label: label.into(),
-            positions: ticks.iter().map(|t| t.position).chain(end).collect(),
-            transition: (0 < led_by_robot && led_by_robot < ticks.len()).then_some(led_by_robot),
-            stubbornness: match led_by_robot {
-                0 => Vec::new(),
-                _ => ticks.iter().map(|t| t.stubbornness).collect(),
-            },
+#[cfg(test)]
+mod tests {
+    /// Panics unless every element of the picture is closed by its own tag and every `&` begins an entity.
+    pub(super) fn check_well_formed(picture: &str) {
+        let mut open = Vec::new();
+        for tag in picture.split('<').skip(1) {
+            let (tag, text) = tag.split_once('>').expect("a tag ends");
+            assert!(text.split('&').skip(1).all(|t| t.contains(';')), "{text}");
+            let name = |t: &str| t.split([' ', '/']).next().unwrap_or_default().to_owned();
+            if let Some(closed) = tag.strip_prefix('/') {
+                assert_eq!(open.pop().as_deref(), Some(closed));
+            } else if !tag.ends_with('/') {
+                open.push(name(tag));
+            }
         }
+        assert!(open.is_empty(), "{open:?}");
     }
 }

@@ -56,7 +56,7 @@ struct Trial {
     detour: f64,
 }
 
-/// Runs `episodes` random worlds, each with a random human and eta from 2 to 30, under eq. (6) and the single transition.
+/// Runs `episodes` random worlds, each with a random human and eta from 1 to 30, under eq. (6) and the single transition.
 pub fn search(episodes: usize, seed: u64, settings: &Settings, on_done: OnDone) -> Findings {
     let trials = in_parallel(episodes, on_done, |i| trial(seed.wrapping_add(i as u64), settings));
     Findings {
@@ -83,7 +83,8 @@ pub fn search(episodes: usize, seed: u64, settings: &Settings, on_done: OnDone) 
 fn trial(seed: u64, settings: &Settings) -> Trial {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let human = settings.predictor.belief().sample(&mut rng);
-    let eta = rng.random_range(2.0..30.0);
+    // as many sensitive humans as tolerant ones
+    let eta = rng.random_range(0.0..30f64.ln()).exp();
     let coordination = coordination::Settings { eta, ..settings.coordination };
     let settings = Settings { coordination, predict_while_human_leads: false, ..settings.clone() };
     loop {
@@ -129,23 +130,23 @@ pub fn random_world(rng: &mut ChaCha8Rng) -> String {
             &format!("shape = \"box\"\ncenter_m = [{x:.3}, {y:.3}]\nsize_m = [{sx:.3}, {sy:.3}]"),
         );
     }
-    for i in 0..rng.random_range(3..12) {
+    for i in 0..rng.random_range(4..18) {
         let x = rng.random_range(1.5..width - 1.5);
         let y = rng.random_range(0.0..depth);
         let shape = match rng.random_range(0..3) {
             0 => {
-                let (sx, sy) = (rng.random_range(0.1..1.5), rng.random_range(0.3..3.0));
+                let (sx, sy) = (rng.random_range(0.1..1.0), rng.random_range(0.3..2.0));
                 let yaw = rng.random_range(-90.0..90.0);
                 format!(
                     "shape = \"box\"\ncenter_m = [{x:.3}, {y:.3}]\nsize_m = [{sx:.3}, {sy:.3}]\nyaw_deg = {yaw:.2}"
                 )
             }
             1 => {
-                let radius = rng.random_range(0.1..1.0);
+                let radius = rng.random_range(0.1..0.7);
                 format!("shape = \"cylinder\"\ncenter_m = [{x:.3}, {y:.3}]\nradius_m = {radius:.3}")
             }
             _ => {
-                let (corners, radius) = (rng.random_range(3..7), rng.random_range(0.3..1.4));
+                let (corners, radius) = (rng.random_range(3..7), rng.random_range(0.3..0.9));
                 let turn: f64 = rng.random_range(0.0..std::f64::consts::TAU);
                 let vertices: Vec<String> = (0..corners)
                     .map(|c| turn + std::f64::consts::TAU * c as f64 / corners as f64)

@@ -148,13 +148,25 @@ impl OptionSet {
     }
 
     /// D_o, S_o and the next waypoint of an option (as an index) from where the team is.
+    ///
+    /// An opening is behind the team once the team is out of its straight part; until then the way goes on to the end of that part, at the
+    /// opening's risk.
     pub fn remaining(&self, progress: &Progress, option: usize) -> Remaining {
+        let next = self.next(progress, option);
+        let position = progress.position;
+        if let Some(crossing) = progress.inside {
+            let rest = &progress.rests_outside[option];
+            let exit = self.passages[crossing.opening].portal(crossing.into);
+            let onward = self.length_after(crossing, rest, option);
+            let risk = self.risk_with(self.risk(rest, option), crossing);
+            return Remaining { length: (exit - position).norm() + onward, risk, next };
+        }
         let rest = &progress.rests[option];
-        let length = match rest.ahead(&self.options[option]).next() {
-            None => self.to_target(progress),
-            Some(next) => self.through(progress, next) + self.beyond(rest, option),
+        let length = match next {
+            Waypoint::Target => self.roadmap.distance(position, TARGET),
+            Waypoint::Opening(crossing) => self.through(position, crossing) + self.beyond(rest, option),
         };
-        Remaining { length, risk: self.risk(rest, option), next: self.next(progress, option) }
+        Remaining { length, risk: self.risk(rest, option), next }
     }
 
     /// What an option leads to next from where the team is.
@@ -167,19 +179,22 @@ impl OptionSet {
     pub fn path(&self, progress: &Progress, option: usize) -> Option<Path> {
         let mut path = Path::default();
         let mut at = progress.position;
-        let mut inside = progress.inside;
-        for crossing in progress.rests[option].ahead(&self.options[option]) {
+        let mut rests = &progress.rests;
+        if let Some(crossing) = progress.inside {
+            let exit = self.passages[crossing.opening].portal(crossing.into);
+            path.line(at, exit);
+            at = exit;
+            rests = &progress.rests_outside;
+        }
+        for crossing in rests[option].ahead(&self.options[option]) {
             let passage = &self.passages[crossing.opening];
-            if !goes_straight_on(passage, at, inside, crossing) {
-                at = self.leave(&mut path, at, inside);
+            if !passage.holds(at, 1 - crossing.into) {
                 self.lead(&mut path, &mut at, portal_site(crossing.opening, 1 - crossing.into))?;
             }
             path.line(at, passage.center);
             path.line(passage.center, passage.portal(crossing.into));
             at = passage.portal(crossing.into);
-            inside = None;
         }
-        at = self.leave(&mut path, at, inside);
         self.lead(&mut path, &mut at, TARGET)?;
         Some(path)
     }
@@ -190,39 +205,21 @@ impl OptionSet {
         found.then_some(())
     }
 
-    /// Adds the way out of the straight part that the team is in.
-    fn leave(&self, path: &mut Path, at: Point, inside: Option<Crossing>) -> Point {
-        let Some(crossing) = inside else { return at };
-        let exit = self.passages[crossing.opening].portal(crossing.into);
-        path.line(at, exit);
-        exit
-    }
-
-    /// Length from where the team is to a site, first out of the straight part that it is in.
-    fn to_site(&self, progress: &Progress, site: usize) -> f64 {
-        match progress.inside {
-            None => self.roadmap.distance(progress.position, site),
-            Some(crossing) => {
-                let exit = self.passages[crossing.opening].portal(crossing.into);
-                let exit_site = portal_site(crossing.opening, crossing.into);
-                (exit - progress.position).norm() + self.roadmap.between(exit_site, site)
-            }
+    /// Length from `position` to the end of the passage of `next`.
+    fn through(&self, position: Point, next: Crossing) -> f64 {
+        let passage = &self.passages[next.opening];
+        if passage.holds(position, 1 - next.into) {
+            (passage.center - position).norm() + passage.reach[next.into]
+        } else {
+            self.roadmap.distance(position, portal_site(next.opening, 1 - next.into)) + self.straight(next)
         }
     }
 
-    fn to_target(&self, progress: &Progress) -> f64 {
-        self.to_site(progress, TARGET)
-    }
-
-    /// Length from where the team is to the end of the passage of `next`.
-    fn through(&self, progress: &Progress, next: Crossing) -> f64 {
-        let passage = &self.passages[next.opening];
-        if goes_straight_on(passage, progress.position, progress.inside, next) {
-            (passage.center - progress.position).norm() + passage.reach[next.into]
-        } else {
-            self.to_site(progress, portal_site(next.opening, 1 - next.into))
-                + passage.reach[0]
-                + passage.reach[1]
+    /// Length from the end of a passage to the target.
+    fn length_after(&self, crossing: Crossing, rest: &Rest, option: usize) -> f64 {
+        match rest.ahead(&self.options[option]).next() {
+            None => self.roadmap.between(portal_site(crossing.opening, crossing.into), TARGET),
+            Some(next) => self.leg(crossing, next) + self.straight(next) + self.beyond(rest, option),
         }
     }
 
@@ -246,7 +243,11 @@ impl OptionSet {
 
     fn risk(&self, rest: &Rest, option: usize) -> f64 {
         let ahead = self.options[option].risk_left[rest.place];
-        rest.back.iter().fold(ahead, |risk, c| 1.0 - (1.0 - risk) * (1.0 - self.passages[c.opening].risk))
+        rest.back.iter().fold(ahead, |risk, &crossing| self.risk_with(risk, crossing))
+    }
+
+    fn risk_with(&self, risk: f64, crossing: Crossing) -> f64 {
+        1.0 - (1.0 - risk) * (1.0 - self.passages[crossing.opening].risk)
     }
 
     /// Length between two passages: from the end of one to the beginning of the next.
@@ -278,7 +279,7 @@ impl OptionSet {
                 Some(&next) => self.leg(crossings[i], next) + self.straight(next) + after[i + 1],
                 None => self.roadmap.between(portal_site(crossings[i].opening, crossings[i].into), TARGET),
             };
-            risk_left[i] = 1.0 - (1.0 - risk_left[i + 1]) * (1.0 - self.passages[crossings[i].opening].risk);
+            risk_left[i] = self.risk_with(risk_left[i + 1], crossings[i]);
         }
         PathOption { name, crossings, regions, after, risk_left }
     }
@@ -329,14 +330,6 @@ impl OptionSet {
         shortest(arrived)
             .map(|(_, way)| way)
             .ok_or_else(|| not_walkable(listed.openings.len(), "the target".to_owned()))
-    }
-}
-
-/// Whether the team stands in the straight part before a crossing, so that it goes on without aligning itself first.
-fn goes_straight_on(passage: &Passage, at: Point, inside: Option<Crossing>, next: Crossing) -> bool {
-    match inside {
-        Some(crossing) => crossing.back() == next,
-        None => passage.holds(at, 1 - next.into),
     }
 }
 

@@ -9,9 +9,11 @@ use crate::geometry::Point;
 pub struct Progress {
     /// Position of the team, m, world frame.
     pub position: Point,
-    /// The crossing whose straight part, beyond the gap, the team has not left yet.
+    /// The crossing that the team is in the midst of: beyond the gap, but not out of the straight part.
     pub(super) inside: Option<Crossing>,
     pub(super) rests: Vec<Rest>,
+    /// What `rests` will be once the team is out of the straight part; meaningful while `inside` is set.
+    pub(super) rests_outside: Vec<Rest>,
 }
 
 /// What is left of one option.
@@ -52,7 +54,8 @@ fn visit(option: &PathOption, place: usize, region: usize) -> Option<usize> {
 
 impl Progress {
     pub(super) fn new(position: Point, options: usize) -> Self {
-        Self { position, inside: None, rests: vec![Rest::default(); options] }
+        let rests = vec![Rest::default(); options];
+        Self { position, inside: None, rests_outside: rests.clone(), rests }
     }
 
     pub(super) fn advance(
@@ -73,14 +76,31 @@ impl Progress {
             .min_by(|a, b| a.0.total_cmp(&b.0))
         {
             walked = t;
-            self.inside = Some(crossing);
-            for (rest, option) in self.rests.iter_mut().zip(options) {
-                rest.cross(option, crossing, region_after(crossing));
+            if self.inside.take_if(|c| c.back() == crossing).is_none() {
+                self.leave();
+                self.enter(crossing, options, region_after(crossing));
             }
         }
-        self.inside = self.inside.filter(|c| {
+        let is_inside = |c: Crossing| {
             let passage = &passages[c.opening];
             passage.holds(to, c.into) && passage.depth(to, c.into) < passage.reach[c.into]
-        });
+        };
+        if self.inside.is_some_and(|c| !is_inside(c)) {
+            self.leave();
+        }
+    }
+
+    fn enter(&mut self, crossing: Crossing, options: &[PathOption], region: usize) {
+        self.inside = Some(crossing);
+        self.rests_outside.clone_from(&self.rests);
+        for (rest, option) in self.rests_outside.iter_mut().zip(options) {
+            rest.cross(option, crossing, region);
+        }
+    }
+
+    fn leave(&mut self) {
+        if self.inside.take().is_some() {
+            std::mem::swap(&mut self.rests, &mut self.rests_outside);
+        }
     }
 }

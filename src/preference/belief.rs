@@ -100,3 +100,47 @@ impl Belief {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    fn sample(alpha: f64, gamma: f64, weight: f64) -> WeightedSample {
+        WeightedSample { perception: Perception { alpha, gamma }, weight }
+    }
+
+    #[test]
+    fn closed_form_weights_are_normalised_and_drawn_in_proportion() {
+        let belief = Belief::samples(vec![sample(0.6, 0.7, 1e308), sample(0.8, 0.9, 1.5e308)]).unwrap();
+        let Belief::Samples(set) = &belief else { panic!("an empirical belief was built") };
+        assert!((set.samples()[1].weight - 0.6).abs() < 1e-15);
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let second = (0..5000).filter(|_| belief.sample(&mut rng).alpha == 0.8).count();
+        assert!((second as f64 / 5000.0 - 0.6).abs() < 0.03);
+    }
+
+    #[test]
+    fn closed_form_bad_samples_are_refused() {
+        assert_eq!(Belief::samples(Vec::new()), Err(PreferenceError::NoSamples));
+        for bad in [
+            sample(0.0, 1.0, 1.0),
+            sample(1.0, f64::NAN, 1.0),
+            sample(1.0, 1.0, f64::INFINITY),
+            sample(1.0, 1.0, -1.0),
+        ] {
+            let error = Belief::samples(vec![sample(0.7, 0.7, 1.0), bad]).unwrap_err();
+            assert!(matches!(error, PreferenceError::Sample { index: 1, .. }), "{error}");
+        }
+    }
+
+    #[test]
+    fn paper_default_ranges() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        for _ in 0..100 {
+            let Perception { alpha, gamma } = Belief::default().sample(&mut rng);
+            assert!((0.55..=0.95).contains(&alpha) && (0.5..=1.1).contains(&gamma));
+        }
+    }
+}

@@ -53,12 +53,80 @@ impl Nodes {
 
 /// Mean of `D^alpha` for `alpha` uniform on `[lower, upper]`: `(D^upper - D^lower) / (ln D (upper - lower))`.
 pub(super) fn uniform_perceived_length(length: f64, lower: f64, upper: f64) -> f64 {
-    if length == 0.0 {
-        return 0.0;
+    if length == 0.0 || length == f64::INFINITY {
+        return length;
     }
     let log_length = length.ln();
     let exponent = log_length * (upper - lower);
     // (exp(x) - 1) / x, whose limit at 0 is 1: near D = 1 the closed form is 0 / 0.
     let growth = if exponent == 0.0 { 1.0 } else { exponent.exp_m1() / exponent };
     (lower * log_length).exp() * growth
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Mean over a marginal by the midpoint rule, extrapolated once; compensated, or rounding would be all one sees.
+    fn slow_mean(marginal: &Marginal, function: impl Fn(f64) -> f64) -> f64 {
+        let range = marginal.upper() - marginal.lower();
+        let midpoint = |points: u32| -> f64 {
+            let at = |k: u32| marginal.lower() + range * (f64::from(k) + 0.5) / f64::from(points);
+            let (mut sum, mut lost) = (0.0, 0.0);
+            for k in 0..points {
+                let term = function(at(k)) * marginal.density(at(k)) * range / f64::from(points) - lost;
+                let next = sum + term;
+                lost = (next - sum) - term;
+                sum = next;
+            }
+            sum
+        };
+        (4.0 * midpoint(40_000) - midpoint(20_000)) / 3.0
+    }
+
+    #[test]
+    fn closed_form_uniform_lengths() {
+        let alpha = Marginal::uniform(0.55, 0.95).unwrap();
+        for length in [0.0, 1e-12, 0.3, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.5, 18.0649, 1e4] {
+            let found = uniform_perceived_length(length, 0.55, 0.95);
+            let wanted = slow_mean(&alpha, |alpha| length.powf(alpha));
+            assert!((found - wanted).abs() < 1e-12 * (1.0 + wanted), "{length}: {found} and {wanted}");
+        }
+        assert_eq!(uniform_perceived_length(1.0, 0.55, 0.95), 1.0);
+    }
+
+    #[test]
+    fn closed_form_normal_lengths() {
+        // exp(mean L + std^2 L^2 / 2) times the ratio of the shifted and the plain probability between the bounds.
+        let (mean, std, lower, upper) = (0.75, 0.1, 0.55, 0.95);
+        let mass = |shift: f64| {
+            let cdf = |x: f64| 0.5 * libm::erfc(-(x - mean - shift) / std / std::f64::consts::SQRT_2);
+            cdf(upper) - cdf(lower)
+        };
+        let nodes = Nodes::new(&Marginal::truncated_normal(mean, std, lower, upper).unwrap());
+        for length in [0.01f64, 0.5, 1.0, 3.0, 18.0, 400.0] {
+            let log = length.ln();
+            let wanted = (mean * log + 0.5 * (std * log).powi(2)).exp() * mass(std * std * log) / mass(0.0);
+            let found = nodes.perceived_length(length);
+            assert!((found - wanted).abs() < 1e-12 * (1.0 + wanted), "{length}: {found} and {wanted}");
+        }
+        assert_eq!(nodes.perceived_length(0.0), 0.0);
+    }
+
+    #[test]
+    fn closed_form_risks() {
+        let ranges = [
+            Marginal::uniform(0.5, 1.1).unwrap(),
+            Marginal::uniform(0.05, 5.0).unwrap(),
+            Marginal::truncated_normal(0.8, 0.02, 0.5, 1.1).unwrap(),
+        ];
+        for (gamma, tolerance) in ranges.iter().zip([1e-12, 1e-9, 1e-12]) {
+            let nodes = Nodes::new(gamma);
+            for risk in [0.0, 1e-12, 0.001, 0.05, 0.3679, 0.5, 0.9, 0.999, 1.0 - 1e-12, 1.0] {
+                let found = nodes.perceived_risk(risk);
+                let wanted = slow_mean(gamma, |gamma| super::super::perceived_risk(risk, gamma));
+                assert!((found - wanted).abs() < tolerance, "{gamma} {risk}: {found} and {wanted}");
+            }
+        }
+    }
 }

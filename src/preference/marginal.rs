@@ -226,3 +226,88 @@ impl From<Marginal> for String {
         marginal.to_string()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    fn examples() -> [Marginal; 5] {
+        [
+            Marginal::uniform(0.55, 0.95).unwrap(),
+            Marginal::truncated_normal(0.75, 0.1, 0.55, 0.95).unwrap(),
+            Marginal::truncated_normal(0.75, 1e6, 0.55, 0.95).unwrap(),
+            Marginal::truncated_normal(0.75, 0.003, 0.5, 1.1).unwrap(),
+            Marginal::truncated_normal(0.1, 0.05, 0.5, 1.1).unwrap(),
+        ]
+    }
+
+    #[test]
+    fn closed_form_density_is_the_slope_of_the_distribution() {
+        for marginal in examples() {
+            let range = marginal.upper() - marginal.lower();
+            assert_eq!((marginal.cdf(marginal.lower()), marginal.cdf(marginal.upper())), (0.0, 1.0));
+            for k in 1..200 {
+                let (value, step) = (marginal.lower() + range * f64::from(k) / 200.0, 1e-6 * range);
+                let slope = (marginal.cdf(value + step) - marginal.cdf(value - step)) / (2.0 * step);
+                let density = marginal.density(value);
+                assert!((slope - density).abs() < 1e-6 * (1.0 / range + density), "{marginal} at {value}");
+            }
+        }
+    }
+
+    #[test]
+    fn closed_form_quantile_inverts_the_distribution() {
+        for marginal in examples() {
+            for k in 0..=50 {
+                let probability = f64::from(k) / 50.0;
+                let value = marginal.quantile(probability);
+                assert!(
+                    (marginal.cdf(value) - probability).abs() < 1e-12,
+                    "{marginal} at {probability}: {value}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn closed_form_wide_normal_is_uniform() {
+        let [uniform, _, wide, ..] = examples();
+        for value in [0.56, 0.7, 0.9] {
+            assert!((uniform.cdf(value) - wide.cdf(value)).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn closed_form_samples_have_the_mean_and_stay_inside() {
+        let marginal = Marginal::truncated_normal(0.75, 0.1, 0.55, 0.95).unwrap();
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let draws: Vec<f64> = (0..4000).map(|_| marginal.sample(&mut rng)).collect();
+        assert!(draws.iter().all(|draw| (0.55..=0.95).contains(draw)));
+        assert!((draws.iter().sum::<f64>() / 4000.0 - 0.75).abs() < 0.006);
+    }
+
+    #[test]
+    fn closed_form_text_round_trip() {
+        for marginal in examples() {
+            assert_eq!(marginal.to_string().parse::<Marginal>().unwrap(), marginal);
+        }
+        assert_eq!(" normal( 0.75, 0.1 ,0.55,0.95 )".parse::<Marginal>().unwrap(), examples()[1]);
+    }
+
+    #[test]
+    fn closed_form_bad_parameters_are_refused_with_their_numbers() {
+        let refused = |text: &str| text.parse::<Marginal>().unwrap_err();
+        assert_eq!(refused("uniform(0.9,0.5)"), PreferenceError::Bounds { lower: 0.9, upper: 0.5 });
+        assert_eq!(refused("uniform(0,0.5)"), PreferenceError::Bounds { lower: 0.0, upper: 0.5 });
+        assert!(matches!(refused("uniform(0.1,inf)"), PreferenceError::Bounds { .. }));
+        assert!(matches!(refused("uniform(NaN,1)"), PreferenceError::Bounds { .. }));
+        assert!(matches!(refused("normal(0.7,0,0.5,1)"), PreferenceError::Shape { .. }));
+        assert!(matches!(refused("normal(-9,0.1,0.5,1)"), PreferenceError::NoMass { .. }));
+        for text in ["", "uniform", "uniform(1,2", "uniform(1)", "beta(1,2)", "uniform(a,b)", "normal(1,2)"] {
+            assert_eq!(refused(text), PreferenceError::Syntax { text: text.to_owned() });
+        }
+        assert!(refused("uniform(0.9,0.5)").to_string().contains("0.9"));
+    }
+}

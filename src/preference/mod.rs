@@ -22,9 +22,12 @@ mod curve;
 mod envelope;
 mod error;
 mod expectation;
+mod margin;
 mod marginal;
 mod perception;
 mod predictor;
+#[cfg(test)]
+mod reference;
 mod rule;
 mod strips;
 

@@ -5,7 +5,7 @@ use std::num::NonZeroUsize;
 use gauss_quad::GaussLegendre;
 
 /// Nodes per strip: exact for polynomials up to degree 13, and on the paper's whole range good to about 1e-10 already.
-pub(super) const NODES: usize = 7;
+pub(super) const NODES: usize = 10;
 
 /// Equally spaced points, both ends included, at which a certificate is interpolated between the nodes.
 pub(super) const FINE: usize = 17;
@@ -51,7 +51,7 @@ impl Rule {
         let pairs = gauss_legendre(NonZeroUsize::new(NODES).unwrap_or(NonZeroUsize::MIN));
         let nodes: Samples = std::array::from_fn(|q| pairs[q].0);
         let weights: Samples = std::array::from_fn(|q| pairs[q].1);
-        let coefficients = [2, 3, 5, 6].map(|degree| {
+        let coefficients = [3, 4, 8, 9].map(|degree| {
             let scale = (2 * degree + 1) as f64 / 2.0;
             std::array::from_fn(|q| scale * weights[q] * legendre(degree, nodes[q]))
         });
@@ -70,42 +70,38 @@ impl Rule {
     /// The Legendre coefficients of an analytic function decay geometrically; their rate between degrees 2, 3 and 5, 6 is
     /// carried on to degree 14, the first the rule does not integrate exactly.
     pub fn error(&self, values: &Samples) -> f64 {
-        let [c2, c3, c5, c6] = self.coefficients.each_ref().map(|row| dot(row, values).abs());
-        let (early, late) = (c2.max(c3), c5.max(c6));
+        let [c3, c4, c8, c9] = self.coefficients.each_ref().map(|row| dot(row, values).abs());
+        let (early, late) = (c3.max(c4), c8.max(c9));
         if late == 0.0 {
             return 0.0;
         }
-        let cubed = (late / early).min(1.0);
-        // late * rate^8 with rate^3 = late / early; 8/3 rounded down keeps a margin.
-        late * cubed * cubed * cubed.sqrt()
+        let rate = (late / early).min(1.0);
+        late * rate * rate.sqrt()
     }
 
-    /// Where a function, positive at all nodes, might fall below 0 between them; `None` if it keeps clear of it.
+    /// Where a function, positive at all nodes, might fall below 0 between them; nothing if it keeps clear of it.
     ///
     /// Judged by the interpolating polynomial, its highest coefficients (how far it may be off) and its curvature (how far it
-    /// may dip between fine points). An end at which the function is known to reach 0 is left out.
-    pub fn dip(&self, values: &Samples, zero_left: bool, zero_right: bool) -> Option<f64> {
+    /// may dip between fine points). The ends themselves are left to the caller, who knows them.
+    pub fn dips(&self, values: &Samples) -> impl Iterator<Item = f64> + use<> {
         let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
         let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if lowest > highest - lowest {
-            return None;
+        let clear = lowest > highest - lowest;
+        let (mut fine, mut doubt) = ([0.0; FINE], 0.0);
+        if !clear {
+            fine = std::array::from_fn(|point| dot(&self.interpolation[point], values));
+            doubt = dot(&self.coefficients[2], values).abs() + dot(&self.coefficients[3], values).abs();
         }
-        let fine: [f64; FINE] = std::array::from_fn(|point| dot(&self.interpolation[point], values));
-        let doubt = dot(&self.coefficients[2], values).abs() + dot(&self.coefficients[3], values).abs();
-        let points = usize::from(zero_left)..FINE - usize::from(zero_right);
-        let (mut worst, mut place) = (0.0, None);
-        for point in points {
-            let inner = point.clamp(1, FINE - 2);
-            let curvature = fine[inner - 1] - 2.0 * fine[inner] + fine[inner + 1];
-            let bound = fine[point] - 0.25 * curvature.abs() - doubt;
-            if bound < worst {
-                let slope = 0.5 * (fine[inner + 1] - fine[inner - 1]);
-                let bottom = if curvature > 0.0 { (-slope / curvature).clamp(-1.0, 1.0) } else { 0.0 };
-                let at = if point == inner { point as f64 + bottom } else { point as f64 };
-                (worst, place) = (bound, Some(-1.0 + 2.0 * at / (FINE - 1) as f64));
-            }
-        }
-        place
+        let points = if clear { 1..1 } else { 1..FINE - 1 };
+        points.filter_map(move |point| {
+            let (before, here, after) = (fine[point - 1], fine[point], fine[point + 1]);
+            let valley = (here <= before || point == 1) && (here <= after || point == FINE - 2);
+            let curvature = before - 2.0 * here + after;
+            let bottom =
+                if curvature > 0.0 { (0.5 * (before - after) / curvature).clamp(-1.0, 1.0) } else { 0.0 };
+            let near = here - 0.25 * curvature.abs() - doubt <= 0.0;
+            (valley && near).then_some(-1.0 + 2.0 * (point as f64 + bottom) / (FINE - 1) as f64)
+        })
     }
 }
 

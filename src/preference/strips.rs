@@ -8,6 +8,7 @@
 use super::Marginal;
 use super::curve::{Curve, Pair, turning_point};
 use super::envelope::Envelope;
+use super::margin::{Margin, Rival};
 use super::rule::{NODES, Rule, Samples};
 
 /// Largest estimated error of one end of an interval, as a probability, that a strip is accepted with.
@@ -38,20 +39,12 @@ struct Edge {
     gamma: f64,
     start: usize,
     count: usize,
-    /// Rank of the option that joins or leaves here, if that is why the strip ends.
-    event: usize,
 }
 
-const NO_EVENT: usize = usize::MAX;
-
-/// A curve that does not win in a strip.
+/// A curve that does not win in a strip, and the index of the breakpoint of the envelope at which it comes nearest.
 #[derive(Debug, Clone, Copy)]
 struct Loser {
-    /// Compared with the nearest winner in the order of slopes.
-    pair: Pair,
-    /// True if the loser is the left one of the pair.
-    on_left: bool,
-    /// Index of the breakpoint of the envelope at which it comes nearest.
+    rival: Rival,
     breakpoint: usize,
 }
 
@@ -77,8 +70,6 @@ pub(super) struct Strips {
     breakpoints: Vec<f64>,
     /// Probability up to each inner breakpoint times the density of `gamma`, at the nodes.
     marks: Vec<Samples>,
-    /// Density of `gamma` at the nodes.
-    densities: Samples,
     /// Lengths of the winners' intervals, then margins of the losers, at the nodes.
     certificates: Vec<Samples>,
     /// Nodes evaluated since the count was last reset.
@@ -98,7 +89,6 @@ impl Strips {
             losers: Vec::new(),
             breakpoints: Vec::new(),
             marks: Vec::new(),
-            densities: [0.0; NODES],
             certificates: Vec::new(),
             nodes: 0,
         }
@@ -148,7 +138,7 @@ impl Strips {
         self.envelope.winners(gamma);
         let start = self.winners.len();
         self.winners.extend(self.envelope.stack.iter().map(|winner| winner.rank));
-        Edge { gamma, start, count: self.winners.len() - start, event: NO_EVENT }
+        Edge { gamma, start, count: self.winners.len() - start }
     }
 
     fn sequence(&self, edge: Edge) -> &[usize] {
@@ -165,10 +155,7 @@ impl Strips {
         }
         if self.sequence(left) != self.sequence(right) {
             match self.event(left, right, range) {
-                Some((gamma, rank)) => {
-                    self.todo.push((Edge { gamma, event: rank, ..right }, right));
-                    self.todo.push((left, Edge { gamma, event: rank, ..left }));
-                }
+                Some((gamma, rank)) => self.cut_at_event(left, right, gamma, rank),
                 None => self.cut(left, right, 0.5 * (left.gamma + right.gamma)),
             }
             return;
@@ -182,6 +169,20 @@ impl Strips {
         let middle = self.edge(gamma);
         self.todo.push((middle, right));
         self.todo.push((left, middle));
+    }
+
+    /// Cuts where an option of this rank joins or leaves, provided that nothing else happened to the envelope in between.
+    fn cut_at_event(&mut self, left: Edge, right: Edge, gamma: f64, rank: usize) {
+        let middle = self.edge(gamma);
+        let others = |edge: Edge| self.sequence(edge).iter().filter(move |&&other| other != rank);
+        let (at_left, at_right) = if others(middle).eq(others(left)) {
+            // On the verge it is rounding that decides whether the option is in; each side keeps what it has at its other end.
+            (Edge { gamma, ..left }, Edge { gamma, ..right })
+        } else {
+            (middle, middle)
+        };
+        self.todo.push((at_right, right));
+        self.todo.push((left, at_left));
     }
 
     /// Adds a strip too short to matter, or one given up on: the envelope at its middle stands for all of it.
@@ -210,39 +211,11 @@ impl Strips {
         if long[place + 1..] != short[place..] {
             return None;
         }
+        let (before, after) = (place.checked_sub(1).map(|k| long[k]), long.get(place + 1).copied());
         let rank = long[place];
-        let before = place.checked_sub(1).map(|k| long[k]);
-        let after = long.get(place + 1).copied();
         let mut margin = Margin::new(&self.envelope, rank, before, after);
-        let (mut a, mut b) = (left.gamma, right.gamma);
-        let (mut at_a, mut at_b) = (margin.at(&mut self.envelope, a), margin.at(&mut self.envelope, b));
-        let bracketed = at_a * at_b < 0.0;
-        if !bracketed {
-            return None;
-        }
-        // False position; an end that stays twice has its value reduced so that it moves (Anderson and Bjorck).
-        let (mut last, mut moved_a, mut moved_b) = (f64::INFINITY, false, false);
-        for step in 0..100 {
-            let secant = (a * at_b - b * at_a) / (at_b - at_a);
-            let next = if secant > a && secant < b && step < 30 { secant } else { 0.5 * (a + b) };
-            if (next - last).abs() <= EVENT * range || next <= a || next >= b {
-                return Some((next, rank));
-            }
-            last = next;
-            let value = margin.at(&mut self.envelope, next);
-            if value == 0.0 {
-                return Some((next, rank));
-            }
-            let reduced = |old: f64| if value / old < 1.0 { 1.0 - value / old } else { 0.5 };
-            if (value < 0.0) == (at_a < 0.0) {
-                at_b *= if moved_a { reduced(at_a) } else { 1.0 };
-                (a, at_a, moved_a, moved_b) = (next, value, true, false);
-            } else {
-                at_a *= if moved_b { reduced(at_b) } else { 1.0 };
-                (b, at_b, moved_a, moved_b) = (next, value, false, true);
-            }
-        }
-        None
+        let found = margin.root(&mut self.envelope, left.gamma, right.gamma, EVENT * range);
+        found.map(|gamma| (gamma, rank))
     }
 
     /// Integrates a strip whose ends have the same winners; says where to cut it if they are not the winners all through it,
@@ -266,7 +239,7 @@ impl Strips {
             return Verdict::CutAt(middle);
         }
         let weight = |node: usize| half * self.rule.weights[node];
-        let total: f64 = (0..NODES).map(|node| weight(node) * self.densities[node]).sum();
+        let total = domain.gamma.cdf(right.gamma) - domain.gamma.cdf(left.gamma);
         let mut end = total * domain.alpha.cdf(self.envelope.upper);
         for place in (0..left.count).rev() {
             let start = match place.checked_sub(1) {
@@ -303,8 +276,8 @@ impl Strips {
                 continue;
             }
             let before = breakpoint.checked_sub(1).map(|k| ranks[k]);
-            let (pair, on_left) = compared(&self.envelope, rank, before, ranks.get(breakpoint).copied());
-            self.losers.push(Loser { pair, on_left, breakpoint });
+            let rival = Rival::new(&self.envelope, rank, before, ranks.get(breakpoint).copied());
+            self.losers.push(Loser { rival, breakpoint });
         }
         self.marks.clear();
         self.marks.resize(self.pairs.len(), [0.0; NODES]);
@@ -319,7 +292,6 @@ impl Strips {
         let envelope = &mut self.envelope;
         envelope.set_gamma(gamma);
         let density = domain.gamma.density(gamma);
-        self.densities[node] = density;
         let winners = self.pairs.len() + 1;
         self.breakpoints[0] = envelope.lower;
         self.breakpoints[winners] = envelope.upper;
@@ -335,8 +307,7 @@ impl Strips {
             holds &= length > 0.0;
         }
         for (place, loser) in self.losers.iter().enumerate() {
-            let difference = envelope.difference(&loser.pair, self.breakpoints[loser.breakpoint]);
-            let margin = if loser.on_left { difference } else { -difference };
+            let margin = loser.rival.margin(envelope, self.breakpoints[loser.breakpoint]);
             self.certificates[winners + place][node] = margin;
             holds &= margin >= 0.0;
         }
@@ -345,71 +316,18 @@ impl Strips {
 
     /// A `gamma` between the nodes at which the winners turn out to be others, if a certificate comes near enough to 0 to ask.
     fn doubt(&mut self, left: Edge, right: Edge, middle: f64, half: f64) -> Option<f64> {
-        for place in 0..self.certificates.len() {
-            let rank = match place.checked_sub(left.count) {
-                Some(loser) => self.losers[loser].rank(),
-                None => self.winners[left.start + place],
-            };
-            // Where the option itself joins or leaves its certificate is 0 by construction.
-            let dip = self.rule.dip(&self.certificates[place], left.event == rank, right.event == rank);
-            let Some(gamma) = dip.map(|x| middle + half * x) else { continue };
-            if gamma > left.gamma && gamma < right.gamma {
-                self.nodes += 1;
-                self.envelope.winners(gamma);
-                let found = self.envelope.stack.iter().map(|winner| &winner.rank);
-                if !found.eq(self.sequence(left)) {
-                    return Some(gamma);
+        for certificate in &self.certificates {
+            for gamma in self.rule.dips(certificate).map(|x| middle + half * x) {
+                if gamma > left.gamma && gamma < right.gamma {
+                    self.nodes += 1;
+                    self.envelope.winners(gamma);
+                    let found = self.envelope.stack.iter().map(|winner| &winner.rank);
+                    if !found.eq(&self.winners[left.start..left.start + left.count]) {
+                        return Some(gamma);
+                    }
                 }
             }
         }
         None
-    }
-}
-
-impl Loser {
-    fn rank(&self) -> usize {
-        if self.on_left { self.pair.left } else { self.pair.right }
-    }
-}
-
-/// The pair of a curve and the nearer in length of its neighbours among the winners; true if the curve is the left one.
-fn compared(envelope: &Envelope, rank: usize, before: Option<usize>, after: Option<usize>) -> (Pair, bool) {
-    let log = |rank: usize| envelope.curves[rank].log_length;
-    let distance = |other: usize| (log(other) - log(rank)).abs();
-    match (before, after) {
-        (Some(before), Some(after)) if distance(after) < distance(before) => {
-            (envelope.pair(rank, after), true)
-        }
-        (Some(before), _) => (envelope.pair(before, rank), false),
-        (None, after) => (envelope.pair(rank, after.unwrap_or(rank)), true),
-    }
-}
-
-/// The margin by which a curve stays above the envelope of its neighbours, as a function of `gamma`; negative where it wins.
-struct Margin {
-    pair: Pair,
-    on_left: bool,
-    neighbours: Option<Pair>,
-    /// Where to compare if a neighbour is missing: the end of the range of `alpha`.
-    end: f64,
-    ranks: [usize; 3],
-}
-
-impl Margin {
-    fn new(envelope: &Envelope, rank: usize, before: Option<usize>, after: Option<usize>) -> Self {
-        let (pair, on_left) = compared(envelope, rank, before, after);
-        let neighbours = before.zip(after).map(|(before, after)| envelope.pair(before, after));
-        let end = if before.is_none() { envelope.lower } else { envelope.upper };
-        Self { pair, on_left, neighbours, end, ranks: [rank, before.unwrap_or(rank), after.unwrap_or(rank)] }
-    }
-
-    fn at(&mut self, envelope: &mut Envelope, gamma: f64) -> f64 {
-        envelope.set_gamma_of(&self.ranks, gamma);
-        let alpha = match &mut self.neighbours {
-            Some(pair) => envelope.crossing(pair),
-            None => self.end,
-        };
-        let difference = envelope.difference(&self.pair, alpha);
-        if self.on_left { difference } else { -difference }
     }
 }

@@ -5,17 +5,16 @@
 //! and arcs that keep clear of every obstacle and cross no barrier; Dijkstra's algorithm from each site gives exact distances. A query from
 //! a free point adds its own tangents only.
 
-use crate::geometry::{
-    Bounds, Footprint, Path, Piece, Point, Vector, angle_of, cross, direction, left_of, segments_cross,
-};
+mod disc;
+mod space;
+
+pub(super) use space::Space;
+
+use crate::geometry::{Path, Piece, Point, angle_of};
+use disc::{Disc, SAME_ANGLE, bitangent, touch_from};
 use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::{EdgeRef, Reversed};
 use std::f64::consts::{PI, TAU};
-
-/// Paths run exactly at the clearance where they touch; distances are compared with this much slack, m.
-const SLACK: f64 = 1e-7;
-/// Angles closer than this are the same, rad.
-const SAME_ANGLE: f64 = 1e-9;
 
 /// The free space of a team, with what its shortest paths are made of.
 #[derive(Clone, Debug)]
@@ -26,24 +25,6 @@ pub(super) struct Roadmap {
     rings: Vec<Vec<Stop>>,
     graph: DiGraph<(), Way>,
     sites: Vec<Site>,
-}
-
-/// Obstacles and barriers: what a path must keep clear of, and what it must not cross.
-#[derive(Clone, Debug)]
-pub(super) struct Space {
-    obstacles: Vec<(Footprint, Bounds)>,
-    barriers: Vec<[Point; 2]>,
-    clearance: f64,
-}
-
-/// A disc that strings bend around.
-#[derive(Clone, Debug)]
-struct Disc {
-    obstacle: usize,
-    center: Point,
-    radius: f64,
-    /// For a corner: the outward normals of its two sides, first the one met first counter-clockwise. A taut string touches between them.
-    between: Option<[Vector; 2]>,
 }
 
 /// A graph node on a ring: where a line touches the disc, and whether one may go on along the ring to the next stop.
@@ -94,121 +75,6 @@ struct Site {
 enum Approach {
     Straight,
     Around { ring: usize, touch: Point, from_angle: f64, sweep: f64, next: NodeIndex },
-}
-
-impl Space {
-    pub fn new(
-        obstacles: impl Iterator<Item = Footprint>,
-        barriers: Vec<[Point; 2]>,
-        clearance: f64,
-    ) -> Self {
-        let obstacles = obstacles.map(|o| (o.clone(), o.bounds())).collect();
-        Self { obstacles, barriers, clearance }
-    }
-
-    /// Whether the team can walk straight from `a` to `b`.
-    pub fn is_clear(&self, a: Point, b: Point) -> bool {
-        self.is_clear_by(a, b, self.clearance)
-    }
-
-    /// Whether the straight way from `a` to `b` keeps clear of the obstacles; barriers may be crossed.
-    pub fn is_clear_of_obstacles(&self, a: Point, b: Point) -> bool {
-        self.keeps(a, b, self.clearance)
-    }
-
-    fn keeps(&self, a: Point, b: Point, clearance: f64) -> bool {
-        self.obstacles.iter().all(|(o, bounds)| o.clears_segment(*bounds, a, b, clearance - SLACK))
-    }
-
-    fn is_clear_by(&self, a: Point, b: Point, clearance: f64) -> bool {
-        self.keeps(a, b, clearance) && !self.barriers.iter().any(|[c, d]| segments_cross(a, b, *c, *d))
-    }
-
-    /// Distance (m) from `p` to the nearest obstacle.
-    fn clearance_at(&self, p: Point) -> f64 {
-        self.obstacles.iter().map(|(o, _)| o.distance_to_point(p)).fold(f64::INFINITY, f64::min)
-    }
-
-    /// Whether the arc keeps clear: since no distance changes faster than the way walked, an arc whose middle has more room than half its
-    /// length is clear as a whole; others are halved.
-    fn is_arc_clear(&self, disc: &Disc, from_angle: f64, sweep: f64) -> bool {
-        let crosses_barrier = self.barriers.iter().any(|[a, b]| arc_crosses(disc, from_angle, sweep, *a, *b));
-        // from one taut angle of a corner to another it is less than half a turn; more is the way through the obstacle
-        let through = disc.between.is_some() && sweep.abs() > PI;
-        if crosses_barrier || through || !disc.is_taut(from_angle) || !disc.is_taut(from_angle + sweep) {
-            return false;
-        }
-        let half = disc.radius * sweep.abs() / 2.0;
-        let middle = disc.at(from_angle + sweep / 2.0);
-        self.obstacles
-            .iter()
-            .enumerate()
-            // a taut arc touches its own obstacle, and no more
-            .filter(|(i, _)| *i != disc.obstacle)
-            .map(|(_, obstacle)| obstacle)
-            .filter(|(_, bounds)| {
-                let near = bounds.grown(self.clearance + half);
-                near.min <= middle && middle <= near.max
-            })
-            .all(|(obstacle, _)| self.is_arc_clear_of(obstacle, disc, from_angle, sweep, 0))
-    }
-
-    fn is_arc_clear_of(
-        &self,
-        obstacle: &Footprint,
-        disc: &Disc,
-        from_angle: f64,
-        sweep: f64,
-        depth: u32,
-    ) -> bool {
-        let room = obstacle.distance_to_point(disc.at(from_angle + sweep / 2.0)) - self.clearance;
-        let half = disc.radius * sweep.abs() / 2.0;
-        if room >= half {
-            return true;
-        }
-        if room < -SLACK {
-            return false;
-        }
-        // where walls share a corner, an arc touches both all along: room 0 at any depth
-        depth == 12
-            || [from_angle, from_angle + sweep / 2.0]
-                .iter()
-                .all(|&from| self.is_arc_clear_of(obstacle, disc, from, sweep / 2.0, depth + 1))
-    }
-}
-
-impl Disc {
-    fn all_of(obstacle: usize, footprint: &Footprint, clearance: f64) -> Vec<Self> {
-        match footprint {
-            Footprint::Disc { center, radius } => {
-                vec![Self { obstacle, center: *center, radius: radius + clearance, between: None }]
-            }
-            Footprint::Polygon(corners) => {
-                let n = corners.len();
-                let normal = |i: usize| -left_of(corners[(i + 1) % n] - corners[i]).normalize();
-                (0..n)
-                    .map(|i| Self {
-                        obstacle,
-                        center: corners[i],
-                        radius: clearance,
-                        between: Some([normal((i + n - 1) % n), normal(i)]),
-                    })
-                    .collect()
-            }
-        }
-    }
-
-    fn at(&self, angle: f64) -> Point {
-        self.center + direction(angle) * self.radius
-    }
-
-    /// Whether a taut string may touch the disc at `angle`.
-    fn is_taut(&self, angle: f64) -> bool {
-        self.between.is_none_or(|[first, last]| {
-            let d = direction(angle);
-            cross(first, d) >= -SAME_ANGLE && cross(d, last) >= -SAME_ANGLE
-        })
-    }
 }
 
 impl Roadmap {
@@ -387,7 +253,12 @@ impl Roadmap {
             if nearest + least.max(0.0) >= shortest {
                 continue;
             }
-            let (touch, to_touch) = touch_from(disc, turn(ring), p);
+            let (mut touch, mut to_touch) = touch_from(disc, turn(ring), p);
+            if clearance < self.space.clearance {
+                // from nearer to a wall than its corner's disc, the tangent ends before the corner: go where the disc's arc begins
+                touch = disc.at(disc.nearest_taut(angle_of(touch - disc.center)));
+                to_touch = (touch - p).norm();
+            }
             let from_angle = angle_of(touch - disc.center);
             let Some((next, sweep, known_open)) = self.next_stop(ring, from_angle) else { continue };
             let onward = goal.from_node[next.index()];
@@ -421,42 +292,10 @@ fn turn(ring: usize) -> f64 {
     if ring.is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
-/// Where a line from `p` touches the disc so that going on turns by `turn`, and the line's length, m. From within the disc (a team nearer
-/// to an obstacle than its clearance): straight out.
-fn touch_from(disc: &Disc, turn: f64, p: Point) -> (Point, f64) {
-    let v = disc.center - p;
-    let squared = v.norm_squared();
-    let line = squared - disc.radius * disc.radius;
-    if line <= 0.0 {
-        let distance = squared.sqrt();
-        let out = if distance > 0.0 { -v / distance } else { Vector::x() };
-        return (disc.center + out * disc.radius, disc.radius - distance);
-    }
-    let line = line.sqrt();
-    let along = (v * line - left_of(v) * (turn * disc.radius)) / squared;
-    (p + along * line, line)
-}
-
 fn tangent_from(disc: &Disc, ring: usize, p: Point, space: &Space) -> Option<(Point, f64)> {
     let (touch, length) = touch_from(disc, turn(ring), p);
     let taut = disc.is_taut(angle_of(touch - disc.center));
     (taut && space.is_clear(p, touch)).then_some((touch, length))
-}
-
-/// The line that leaves the first disc turning one way and touches the second turning another; `None` where one disc covers the other.
-///
-/// With v from centre to centre and k = turn_2 r_2 - turn_1 r_1, the unit direction u of the line satisfies v = L u + k left(u).
-fn bitangent([a, b]: [&Disc; 2], turns: [f64; 2]) -> Option<(Point, Point)> {
-    let v = b.center - a.center;
-    let k = turns[1] * b.radius - turns[0] * a.radius;
-    let squared = v.norm_squared();
-    let line = squared - k * k;
-    if line <= 0.0 || squared == 0.0 {
-        return None;
-    }
-    let along = (v * line.sqrt() - left_of(v) * k) / squared;
-    let left = left_of(along);
-    Some((a.center - left * (turns[0] * a.radius), b.center - left * (turns[1] * b.radius)))
 }
 
 /// Joins the stops of a ring in its direction of travel by the arcs that are clear.
@@ -491,18 +330,5 @@ fn link(ring: usize, disc: &Disc, stops: &mut [Stop], space: &Space, graph: &mut
     }
 }
 
-/// Whether the arc crosses the segment `a b`.
-fn arc_crosses(disc: &Disc, from_angle: f64, sweep: f64, a: Point, b: Point) -> bool {
-    let (d, f) = (b - a, a - disc.center);
-    let (qa, qb, qc) = (d.norm_squared(), f.dot(&d), f.norm_squared() - disc.radius * disc.radius);
-    let discriminant = qb * qb - qa * qc;
-    if discriminant <= 0.0 || qa == 0.0 {
-        return false;
-    }
-    let root = discriminant.sqrt();
-    [(-qb - root) / qa, (-qb + root) / qa].into_iter().filter(|t| (0.0..=1.0).contains(t)).any(|t| {
-        let angle = angle_of(f + d * t);
-        let ahead = ((angle - from_angle) * sweep.signum()).rem_euclid(TAU);
-        ahead > 0.0 && ahead < sweep.abs()
-    })
-}
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,145 @@
+//! Choice probabilities and expected costs of typical and of many options, against a plain grid over the two parameters.
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use cocarry::preference::{Belief, ChoiceDistribution, Predictor, Prospect};
+use criterion::{BenchmarkId, Criterion, criterion_group};
+
+const RISK_WEIGHT: f64 = 10.0;
+
+/// Points per parameter at which the grid's error for the options below has come down to 1e-6 and stays there (see `grid_errors`).
+const GRID: usize = 8000;
+
+/// Environment 4 at its start: lengths in metres, risks from the widths of the openings (0.5 m robot), so that all four can win.
+fn environment_4() -> [Prospect; 4] {
+    [(18.0658, 1.0966), (28.5424, 2.4739), (13.3412, 0.7253), (18.0649, 1.0965)]
+        .map(|(length, width)| Prospect::new(length, 0.5 / width))
+}
+
+/// Options along a trade-off of length against risk, so that none is dominated and many can win: the hard case.
+fn trade_off(options: usize) -> Vec<Prospect> {
+    let at = |k: usize| (k as f64 + 0.5) / options as f64;
+    (0..options).map(|k| Prospect::new(10.0 + 25.0 * at(k), 0.95 - 0.9 * at(k))).collect()
+}
+
+/// The plain way: the midpoints of `points` by `points` cells, powers and risks computed once per column and row.
+fn grid(prospects: &[Prospect], points: usize) -> Vec<f64> {
+    let options = prospects.len();
+    let middle =
+        |lower: f64, upper: f64, k: usize| lower + (upper - lower) * (k as f64 + 0.5) / points as f64;
+    let mut lengths = Vec::with_capacity(points * options);
+    for k in 0..points {
+        let alpha = middle(0.55, 0.95, k);
+        lengths.extend(prospects.iter().map(|prospect| prospect.length.powf(alpha)));
+    }
+    let mut wins = vec![0u64; options];
+    let mut risks = vec![0.0; options];
+    for row in 0..points {
+        let gamma = middle(0.5, 1.1, row);
+        for (risk, prospect) in risks.iter_mut().zip(prospects) {
+            *risk = RISK_WEIGHT * (-(-prospect.risk.ln()).powf(gamma)).exp();
+        }
+        for column in lengths.chunks_exact(options) {
+            let (mut best, mut lowest) = (0, f64::INFINITY);
+            for (option, (length, risk)) in column.iter().zip(&risks).enumerate() {
+                if length + risk < lowest {
+                    (best, lowest) = (option, length + risk);
+                }
+            }
+            wins[best] += 1;
+        }
+    }
+    wins.iter().map(|&count| count as f64 / (points * points) as f64).collect()
+}
+
+fn predictor() -> Predictor {
+    Predictor::new(Belief::default(), RISK_WEIGHT).expect("valid parameters")
+}
+
+fn probabilities(criterion: &mut Criterion) {
+    let (mut predictor, mut choice) = (predictor(), ChoiceDistribution::default());
+    let options = environment_4();
+    criterion.bench_function("predict/environment_4", |b| {
+        b.iter(|| predictor.predict(black_box(&options), &mut choice))
+    });
+    let mut slow = criterion.benchmark_group("grid");
+    slow.sample_size(10).warm_up_time(Duration::from_millis(100)).measurement_time(Duration::from_secs(1));
+    slow.bench_function(BenchmarkId::new("environment_4", GRID), |b| {
+        b.iter(|| grid(black_box(&options), GRID))
+    });
+    slow.finish();
+    let mut many = criterion.benchmark_group("predict/trade_off");
+    for count in [4, 8, 16, 32, 64] {
+        let options = trade_off(count);
+        many.bench_function(BenchmarkId::from_parameter(count), |b| {
+            b.iter(|| predictor.predict(black_box(&options), &mut choice));
+        });
+    }
+    many.finish();
+}
+
+fn costs(criterion: &mut Criterion) {
+    let (mut predictor, mut costs) = (predictor(), Vec::new());
+    let options = environment_4();
+    criterion.bench_function("expected_costs/environment_4", |b| {
+        b.iter(|| predictor.expected_costs(black_box(&options), &mut costs));
+    });
+}
+
+/// Least time of one call over several rounds, seconds.
+fn seconds(calls: u32, mut call: impl FnMut()) -> f64 {
+    let round = |call: &mut dyn FnMut()| {
+        let start = Instant::now();
+        (0..calls).for_each(|_| call());
+        start.elapsed().as_secs_f64() / f64::from(calls)
+    };
+    (0..5).map(|_| round(&mut call)).fold(f64::INFINITY, f64::min)
+}
+
+/// What the groups above amount to, as ratios.
+fn ratios() {
+    let (mut predictor, mut choice) = (predictor(), ChoiceDistribution::default());
+    let options = environment_4();
+    predictor.predict(&options, &mut choice);
+    println!("\nGrid of n x n midpoints, Environment 4:");
+    let mut fast = 0.0;
+    for points in [1000, 2000, 4000, GRID] {
+        let found = grid(&options, points);
+        let error = found.iter().zip(choice.probabilities()).map(|(g, p)| (g - p).abs()).fold(0.0, f64::max);
+        fast = seconds(2000, || predictor.predict(black_box(&options), &mut choice));
+        let start = Instant::now();
+        black_box(grid(black_box(&options), points));
+        let slow = start.elapsed().as_secs_f64();
+        println!(
+            "  n = {points:5}  largest error {error:8.1e}  {:9.2} ms  {:8.0} x predict",
+            slow * 1e3,
+            slow / fast
+        );
+    }
+    println!("  predict: {:.2} us, {} nodes", fast * 1e6, predictor.nodes_evaluated());
+    println!("Options on a trade-off, time per node of gamma against n log2 n:");
+    for count in [4, 8, 16, 32, 64] {
+        let options = trade_off(count);
+        let time = seconds(200, || predictor.predict(black_box(&options), &mut choice));
+        let nodes = predictor.nodes_evaluated() as f64;
+        let n = count as f64;
+        println!(
+            "  n = {count:2}  {:8.2} us  {nodes:4} nodes  {:6.1} ns per node  {:5.2} ns / (n log2 n)",
+            time * 1e6,
+            time * 1e9 / nodes,
+            time * 1e9 / nodes / (n * n.log2()),
+        );
+    }
+}
+
+criterion_group!(benches, probabilities, costs);
+
+fn main() {
+    benches();
+    Criterion::default().configure_from_args().final_summary();
+    // `cargo test --benches` only checks that the benches run.
+    if std::env::args().any(|argument| argument == "--bench") {
+        ratios();
+    }
+}

@@ -1,0 +1,78 @@
+//! Where a team went, and how stubborn its human was, in; checked tracks, to be drawn, out.
+
+use super::DrawingError;
+use crate::coordination::Mode;
+use crate::episode::Tick;
+use crate::geometry::Point;
+
+/// Positions farther out than this (m) are refused.
+const FARTHEST: f64 = 1e7;
+/// Stubbornness is drawn as if it were at most this; charts end far below.
+const MOST_STUBBORN: f64 = 1e6;
+
+/// Where a team went, and how its human's stubbornness grew.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Track {
+    /// What the legend calls it.
+    pub label: String,
+    /// Position at every step, m, world frame.
+    pub positions: Vec<Point>,
+    /// Step at which the human took the lead.
+    pub transition: Option<usize>,
+    /// phi at every step; empty where there is none.
+    pub stubbornness: Vec<f64>,
+}
+
+impl Track {
+    /// The track of an episode from its ticks, with the point that its last step led to.
+    pub fn new(label: impl Into<String>, ticks: &[Tick], end: Option<Point>) -> Self {
+        let led_by_robot = ticks.iter().take_while(|t| t.mode == Mode::RobotLed).count();
+        let human_leads_from_the_start = led_by_robot == 0;
+        Self {
+            label: label.into(),
+            positions: ticks.iter().map(|t| t.position).chain(end).collect(),
+            transition: (!human_leads_from_the_start && led_by_robot < ticks.len()).then_some(led_by_robot),
+            stubbornness: match human_leads_from_the_start {
+                true => Vec::new(),
+                false => ticks.iter().map(|t| t.stubbornness).collect(),
+            },
+        }
+    }
+
+    pub(super) fn check(&self) -> Result<(), DrawingError> {
+        let bad = |quantity, step, value| DrawingError::NotDrawable {
+            track: self.label.clone(),
+            quantity,
+            step,
+            value,
+        };
+        for (step, p) in self.positions.iter().enumerate() {
+            if let Some(value) = [p.x, p.y].into_iter().find(|c| c.is_nan() || c.abs() > FARTHEST) {
+                return Err(bad("position", step, value));
+            }
+        }
+        if let Some(step) = self.stubbornness.iter().position(|phi| phi.is_nan()) {
+            return Err(bad("stubbornness", step, self.stubbornness[step]));
+        }
+        match self.transition {
+            Some(transition) if transition >= self.positions.len() => Err(DrawingError::Transition {
+                track: self.label.clone(),
+                transition,
+                positions: self.positions.len(),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// (k, phi) up to the transition, after which phi stays as it is.
+    pub(super) fn stubbornness_by_step(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let steps = self.transition.map_or(usize::MAX, |t| t.saturating_add(1));
+        let drawn = self.stubbornness.iter().take(steps).enumerate();
+        drawn.map(|(k, phi)| (k as f64, phi.clamp(0.0, MOST_STUBBORN)))
+    }
+
+    /// (k, phi) of the transition.
+    pub(super) fn transition_point(&self) -> Option<(f64, f64)> {
+        self.stubbornness_by_step().nth(self.transition?)
+    }
+}

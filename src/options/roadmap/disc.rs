@@ -1,0 +1,111 @@
+//! An obstacle's outline and a clearance in; the discs that taut strings bend around, and the lines tangent to them, out.
+
+use crate::geometry::{Footprint, Point, Vector, angle_of, cross, direction, left_of};
+use std::f64::consts::TAU;
+
+/// Angles closer than this are the same, rad.
+pub(super) const SAME_ANGLE: f64 = 1e-9;
+
+/// A disc that strings bend around.
+#[derive(Clone, Debug)]
+pub(in crate::options) struct Disc {
+    pub obstacle: usize,
+    pub center: Point,
+    pub radius: f64,
+    /// For a corner: the outward normals of its two sides, first the one met first counter-clockwise. A taut string touches between them.
+    pub between: Option<[Vector; 2]>,
+}
+
+impl Disc {
+    pub fn all_of(obstacle: usize, footprint: &Footprint, clearance: f64) -> Vec<Self> {
+        match footprint {
+            Footprint::Disc { center, radius } => {
+                vec![Self { obstacle, center: *center, radius: radius + clearance, between: None }]
+            }
+            Footprint::Polygon(corners) => {
+                let n = corners.len();
+                let normal = |i: usize| -left_of(corners[(i + 1) % n] - corners[i]).normalize();
+                (0..n)
+                    .map(|i| Self {
+                        obstacle,
+                        center: corners[i],
+                        radius: clearance,
+                        between: Some([normal((i + n - 1) % n), normal(i)]),
+                    })
+                    .collect()
+            }
+        }
+    }
+
+    /// The point of the circle at `angle`.
+    pub fn at(&self, angle: f64) -> Point {
+        self.center + direction(angle) * self.radius
+    }
+
+    /// Whether a taut string may touch the disc at `angle`.
+    pub fn is_taut(&self, angle: f64) -> bool {
+        self.between.is_none_or(|[first, last]| {
+            let d = direction(angle);
+            cross(first, d) >= -SAME_ANGLE && cross(d, last) >= -SAME_ANGLE
+        })
+    }
+
+    /// `angle`, or the nearest angle at which a taut string may touch the disc.
+    pub fn nearest_taut(&self, angle: f64) -> f64 {
+        match self.between {
+            Some([first, last]) if !self.is_taut(angle) => {
+                let d = direction(angle);
+                angle_of(if d.dot(&first) >= d.dot(&last) { first } else { last })
+            }
+            _ => angle,
+        }
+    }
+}
+
+/// Where a line from `p` touches the disc so that going on turns by `turn`, and the line's length, m. From within the disc (a team nearer
+/// to an obstacle than its clearance): straight out.
+pub(super) fn touch_from(disc: &Disc, turn: f64, p: Point) -> (Point, f64) {
+    let v = disc.center - p;
+    let squared = v.norm_squared();
+    let line = squared - disc.radius * disc.radius;
+    if line <= 0.0 {
+        let distance = squared.sqrt();
+        let out = if distance > 0.0 { -v / distance } else { Vector::x() };
+        return (disc.center + out * disc.radius, disc.radius - distance);
+    }
+    let line = line.sqrt();
+    let along = (v * line - left_of(v) * (turn * disc.radius)) / squared;
+    (p + along * line, line)
+}
+
+/// The line that leaves the first disc turning one way and touches the second turning another; `None` where one disc covers the other.
+///
+/// With v from centre to centre and k = turn_2 r_2 - turn_1 r_1, the unit direction u of the line satisfies v = L u + k left(u).
+pub(super) fn bitangent([a, b]: [&Disc; 2], turns: [f64; 2]) -> Option<(Point, Point)> {
+    let v = b.center - a.center;
+    let k = turns[1] * b.radius - turns[0] * a.radius;
+    let squared = v.norm_squared();
+    let line = squared - k * k;
+    if line <= 0.0 || squared == 0.0 {
+        return None;
+    }
+    let along = (v * line.sqrt() - left_of(v) * k) / squared;
+    let left = left_of(along);
+    Some((a.center - left * (turns[0] * a.radius), b.center - left * (turns[1] * b.radius)))
+}
+
+/// Whether the arc crosses the segment `a b`.
+pub(super) fn arc_crosses(disc: &Disc, from_angle: f64, sweep: f64, a: Point, b: Point) -> bool {
+    let (d, f) = (b - a, a - disc.center);
+    let (qa, qb, qc) = (d.norm_squared(), f.dot(&d), f.norm_squared() - disc.radius * disc.radius);
+    let discriminant = qb * qb - qa * qc;
+    if discriminant <= 0.0 || qa == 0.0 {
+        return false;
+    }
+    let root = discriminant.sqrt();
+    [(-qb - root) / qa, (-qb + root) / qa].into_iter().filter(|t| (0.0..=1.0).contains(t)).any(|t| {
+        let angle = angle_of(f + d * t);
+        let ahead = ((angle - from_angle) * sweep.signum()).rem_euclid(TAU);
+        ahead > 0.0 && ahead < sweep.abs()
+    })
+}

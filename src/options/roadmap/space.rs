@@ -1,0 +1,98 @@
+//! Obstacles, barriers and a clearance in; whether a line or an arc can be walked out.
+
+use super::disc::{Disc, arc_crosses};
+use crate::geometry::{Bounds, Footprint, Point, segments_cross};
+use std::f64::consts::PI;
+
+/// Paths run exactly at the clearance where they touch; distances are compared with this much slack, m.
+const SLACK: f64 = 1e-7;
+
+/// Obstacles and barriers: what a path must keep clear of, and what it must not cross.
+#[derive(Clone, Debug)]
+pub(in crate::options) struct Space {
+    pub(super) obstacles: Vec<(Footprint, Bounds)>,
+    barriers: Vec<[Point; 2]>,
+    pub(super) clearance: f64,
+}
+
+impl Space {
+    pub fn new(
+        obstacles: impl Iterator<Item = Footprint>,
+        barriers: Vec<[Point; 2]>,
+        clearance: f64,
+    ) -> Self {
+        let obstacles = obstacles.map(|o| (o.clone(), o.bounds())).collect();
+        Self { obstacles, barriers, clearance }
+    }
+
+    /// Whether the team can walk straight from `a` to `b`.
+    pub fn is_clear(&self, a: Point, b: Point) -> bool {
+        self.is_clear_by(a, b, self.clearance)
+    }
+
+    /// Whether the straight way from `a` to `b` keeps clear of the obstacles; barriers may be crossed.
+    pub fn is_clear_of_obstacles(&self, a: Point, b: Point) -> bool {
+        self.keeps(a, b, self.clearance)
+    }
+
+    fn keeps(&self, a: Point, b: Point, clearance: f64) -> bool {
+        self.obstacles.iter().all(|(o, bounds)| o.clears_segment(*bounds, a, b, clearance - SLACK))
+    }
+
+    /// As [`Space::is_clear`], with another clearance, m.
+    pub fn is_clear_by(&self, a: Point, b: Point, clearance: f64) -> bool {
+        self.keeps(a, b, clearance) && !self.barriers.iter().any(|[c, d]| segments_cross(a, b, *c, *d))
+    }
+
+    /// Distance (m) from `p` to the nearest obstacle.
+    pub fn clearance_at(&self, p: Point) -> f64 {
+        self.obstacles.iter().map(|(o, _)| o.distance_to_point(p)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether the arc keeps clear: since no distance changes faster than the way walked, an arc whose middle has more room than half its
+    /// length is clear as a whole; others are halved.
+    pub fn is_arc_clear(&self, disc: &Disc, from_angle: f64, sweep: f64) -> bool {
+        let crosses_barrier = self.barriers.iter().any(|[a, b]| arc_crosses(disc, from_angle, sweep, *a, *b));
+        // from one taut angle of a corner to another it is less than half a turn; more is the way through the obstacle
+        let through = disc.between.is_some() && sweep.abs() > PI;
+        if crosses_barrier || through || !disc.is_taut(from_angle) || !disc.is_taut(from_angle + sweep) {
+            return false;
+        }
+        let half = disc.radius * sweep.abs() / 2.0;
+        let middle = disc.at(from_angle + sweep / 2.0);
+        self.obstacles
+            .iter()
+            .enumerate()
+            // a taut arc touches its own obstacle, and no more
+            .filter(|(i, _)| *i != disc.obstacle)
+            .map(|(_, obstacle)| obstacle)
+            .filter(|(_, bounds)| {
+                let near = bounds.grown(self.clearance + half);
+                near.min <= middle && middle <= near.max
+            })
+            .all(|(obstacle, _)| self.is_arc_clear_of(obstacle, disc, from_angle, sweep, 0))
+    }
+
+    fn is_arc_clear_of(
+        &self,
+        obstacle: &Footprint,
+        disc: &Disc,
+        from_angle: f64,
+        sweep: f64,
+        depth: u32,
+    ) -> bool {
+        let room = obstacle.distance_to_point(disc.at(from_angle + sweep / 2.0)) - self.clearance;
+        let half = disc.radius * sweep.abs() / 2.0;
+        if room >= half {
+            return true;
+        }
+        if room < -SLACK {
+            return false;
+        }
+        // where walls share a corner, an arc touches both all along: room 0 at any depth
+        depth == 12
+            || [from_angle, from_angle + sweep / 2.0]
+                .iter()
+                .all(|&from| self.is_arc_clear_of(obstacle, disc, from, sweep / 2.0, depth + 1))
+    }
+}

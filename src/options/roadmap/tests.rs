@@ -1,0 +1,137 @@
+//! The roadmap against the slow, obvious way: a dense visibility graph around outlines made of many short sides.
+
+use super::*;
+use crate::geometry::{Footprint, Vector, direction};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+const CLEARANCE: f64 = 0.25;
+const SIDES: usize = 48;
+
+fn random_space(rng: &mut ChaCha8Rng) -> Space {
+    let outlines: Vec<Footprint> = (0..7)
+        .map(|_| {
+            let center = Point::new(rng.random_range(1.0..9.0), rng.random_range(0.0..6.0));
+            let radius = rng.random_range(0.2..1.2);
+            if rng.random_bool(0.4) {
+                return Footprint::Disc { center, radius };
+            }
+            let (corners, turn) = (rng.random_range(3..6), rng.random_range(0.0..TAU));
+            let corner = |i: usize| center + direction(turn + TAU * i as f64 / corners as f64) * radius;
+            Footprint::Polygon((0..corners).map(corner).collect())
+        })
+        .collect();
+    Space::new(outlines.into_iter(), Vec::new(), CLEARANCE)
+}
+
+/// Shortest way along straight lines between the corners of polygons drawn around the discs.
+fn slow_distance(space: &Space, from: Point, to: Point) -> f64 {
+    let mut points = vec![from, to];
+    for (i, (outline, _)) in space.obstacles.iter().enumerate() {
+        for disc in Disc::all_of(i, outline, CLEARANCE) {
+            let outer = disc.radius / (PI / SIDES as f64).cos();
+            let corner = |s: usize| disc.center + direction(TAU * s as f64 / SIDES as f64) * outer;
+            points.extend((0..SIDES).map(corner).filter(|p| space.is_clear(*p, *p)));
+        }
+    }
+    let mut left = vec![f64::INFINITY; points.len()];
+    let mut done = vec![false; points.len()];
+    left[0] = 0.0;
+    while let Some(i) = (0..points.len()).filter(|&i| !done[i]).min_by(|&a, &b| left[a].total_cmp(&left[b])) {
+        if i == 1 || left[i].is_infinite() {
+            break;
+        }
+        done[i] = true;
+        for j in 0..points.len() {
+            let length = left[i] + (points[j] - points[i]).norm();
+            if !done[j] && length < left[j] && space.is_clear(points[i], points[j]) {
+                left[j] = length;
+            }
+        }
+    }
+    left[1]
+}
+
+#[test]
+fn property_distances_agree_with_a_dense_visibility_graph() {
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let (mut compared, mut bent) = (0, 0);
+    while compared < 25 {
+        let space = random_space(&mut rng);
+        let ends =
+            [Point::new(0.0, rng.random_range(0.0..6.0)), Point::new(10.0, rng.random_range(0.0..6.0))];
+        if ends.iter().any(|p| space.clearance_at(*p) < CLEARANCE) {
+            continue;
+        }
+        let slow = slow_distance(&space, ends[0], ends[1]);
+        let roadmap = Roadmap::new(space, &ends);
+        let exact = roadmap.distance(ends[0], 1);
+        assert_eq!(exact, roadmap.between(0, 1), "the query and the table disagree");
+        // the slow way goes around circumscribed polygons: never shorter, and longer by less than their excess
+        assert!(exact <= slow + 1e-9, "exact {exact}, slow {slow}");
+        assert!(slow <= exact * 1.003, "exact {exact}, slow {slow}");
+        compared += 1;
+        bent += usize::from(exact > (ends[1] - ends[0]).norm() + 1e-6);
+    }
+    assert!(bent > 15, "too few of the worlds were worth comparing: {bent}");
+}
+
+#[test]
+fn property_paths_have_the_length_that_is_said_and_keep_clear() {
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    for _ in 0..60 {
+        let space = random_space(&mut rng);
+        let ends = [Point::new(0.0, 3.0), Point::new(10.0, rng.random_range(0.0..6.0))];
+        if ends.iter().any(|p| space.clearance_at(*p) < CLEARANCE) {
+            continue;
+        }
+        let roadmap = Roadmap::new(space, &ends);
+        let mut path = Path::default();
+        assert!(roadmap.extend(&mut path, ends[0], 1));
+        assert!((path.length() - roadmap.distance(ends[0], 1)).abs() < 1e-9);
+        let mut before = ends[0];
+        for i in 0..=500 {
+            let p = path.point_at(path.length() * f64::from(i) / 500.0).unwrap();
+            assert!(roadmap.space.clearance_at(p) > CLEARANCE - 1e-5, "{p} has no room");
+            assert!((p - before).norm() <= path.length() / 500.0 + 1e-9, "the path jumps at {p}");
+            before = p;
+        }
+        assert!((before - ends[1]).norm() < 1e-9);
+    }
+}
+
+#[test]
+fn closed_form_a_string_around_a_pillar() {
+    let pillar = Footprint::Disc { center: Point::new(0.0, 0.0), radius: 0.75 };
+    let space = Space::new([pillar].into_iter(), Vec::new(), CLEARANCE);
+    let ends = [Point::new(-2.0, 0.0), Point::new(2.0, 0.0)];
+    // two tangents of length sqrt(3) and an arc of pi / 3 on the unit circle
+    let expected = 2.0 * 3f64.sqrt() + PI / 3.0;
+    let roadmap = Roadmap::new(space, &ends);
+    assert!((roadmap.between(0, 1) - expected).abs() < 1e-12);
+}
+
+#[test]
+fn closed_form_a_barrier_is_walked_around() {
+    let pillars =
+        [Point::new(0.0, 1.0), Point::new(0.0, -1.0)].map(|center| Footprint::Disc { center, radius: 0.2 });
+    let ends = [Point::new(-3.0, 0.0), Point::new(3.0, 0.0)];
+    let barrier = [Point::new(0.0, -0.8), Point::new(0.0, 0.8)];
+    let open = Roadmap::new(Space::new(pillars.clone().into_iter(), Vec::new(), CLEARANCE), &ends);
+    let closed = Roadmap::new(Space::new(pillars.into_iter(), vec![barrier], CLEARANCE), &ends);
+    assert_eq!(open.between(0, 1), 6.0);
+    assert!(closed.between(0, 1) > 6.3);
+}
+
+#[test]
+fn issue_a_team_too_near_to_an_obstacle_still_finds_its_way() {
+    let wall = Footprint::Polygon(
+        [(-1.0, -0.1), (1.0, -0.1), (1.0, 0.1), (-1.0, 0.1)].map(|(x, y)| Point::new(x, y)).to_vec(),
+    );
+    let ends = [Point::new(0.0, -2.0), Point::new(0.0, 2.0)];
+    let roadmap = Roadmap::new(Space::new([wall].into_iter(), Vec::new(), CLEARANCE), &ends);
+    let near = ends[1] - Vector::new(0.0, 1.7);
+    assert!((roadmap.distance(near, 1) - 1.7).abs() < 1e-12);
+    assert!(roadmap.distance(near, 0).is_finite());
+}

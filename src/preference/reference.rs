@@ -1,0 +1,369 @@
+//! The slow obvious way to the same numbers, and the fast way held against it.
+//!
+//! At one `gamma`: all pairwise crossings by bisection, and between neighbouring crossings whoever is cheapest in the middle.
+//! Over `gamma`: Simpson's rule, halved blindly until it agrees with itself. Nothing is shared with the code under test.
+
+use proptest::prelude::*;
+
+use super::*;
+
+const RISK_WEIGHT: f64 = 10.0;
+
+/// Cost of option `i` minus that of option `j`; differences of like numbers are taken before the exponentials.
+fn difference(i: Prospect, j: Prospect, alpha: f64, gamma: f64) -> f64 {
+    let power = |base: f64, other: f64| {
+        if other > 0.0 && (base - other).abs() < 1e-2 * other {
+            other.powf(alpha) * (alpha * ((base - other) / other).ln_1p()).exp_m1()
+        } else {
+            base.powf(alpha) - other.powf(alpha)
+        }
+    };
+    let (p, q) = (-i.risk.ln(), -j.risk.ln());
+    let risks = if i.risk == j.risk {
+        0.0
+    } else if (i.risk - j.risk).abs() < 1e-2 * j.risk.min(1.0 - j.risk) {
+        let excess = q.powf(gamma) * (gamma * (-((i.risk - j.risk) / j.risk).ln_1p() / q).ln_1p()).exp_m1();
+        (-q.powf(gamma)).exp() * (-excess).exp_m1()
+    } else {
+        (-p.powf(gamma)).exp() - (-q.powf(gamma)).exp()
+    };
+    power(i.length, j.length) + RISK_WEIGHT * risks
+}
+
+/// Probability over `alpha` that each option is the cheapest at `gamma`.
+fn shares(options: &[Prospect], alpha: &Marginal, gamma: f64) -> Vec<f64> {
+    let (lower, upper) = (alpha.lower(), alpha.upper());
+    let mut cuts = vec![lower, upper];
+    for i in 0..options.len() {
+        for j in 0..i {
+            let f = |alpha: f64| difference(options[i], options[j], alpha, gamma);
+            let (a, b) = (options[i].length.ln(), options[j].length.ln());
+            // Where the derivative a exp(a x) - b exp(b x) changes sign.
+            let turn = ((b / a).ln() / (a - b)).clamp(lower, upper);
+            let turn = if turn.is_nan() { upper } else { turn };
+            for (mut from, mut to) in [(lower, turn), (turn, upper)] {
+                if (f(from) < 0.0) == (f(to) < 0.0) {
+                    continue;
+                }
+                let rises = f(from) < 0.0;
+                for _ in 0..50 {
+                    let middle = 0.5 * (from + to);
+                    if (f(middle) < 0.0) == rises { from = middle } else { to = middle }
+                }
+                cuts.push(0.5 * (from + to));
+            }
+        }
+    }
+    cuts.sort_by(f64::total_cmp);
+    let mut shares = vec![0.0; options.len()];
+    for piece in cuts.windows(2) {
+        let middle = 0.5 * (piece[0] + piece[1]);
+        let mut best = 0;
+        for i in 1..options.len() {
+            if difference(options[i], options[best], middle, gamma) < 0.0 {
+                best = i;
+            }
+        }
+        shares[best] += alpha.cdf(piece[1]) - alpha.cdf(piece[0]);
+    }
+    shares
+}
+
+/// Probability of each option, with at least `panels` panels over `gamma`, halved until Simpson's rule changes by `tolerance`.
+fn probabilities(
+    options: &[Prospect],
+    alpha: &Marginal,
+    gamma: &Marginal,
+    panels: usize,
+    tolerance: f64,
+) -> Vec<f64> {
+    type Point = (f64, Vec<f64>);
+    let at =
+        |x: f64| -> Point { (x, shares(options, alpha, x).iter().map(|s| s * gamma.density(x)).collect()) };
+    let simpson =
+        |a: &Point, m: &Point, b: &Point, o: usize| (b.0 - a.0) / 6.0 * (a.1[o] + 4.0 * m.1[o] + b.1[o]);
+    let grid = |k: usize| gamma.lower() + (gamma.upper() - gamma.lower()) * k as f64 / panels as f64;
+    let mut todo: Vec<(Point, Point, Point)> = Vec::new();
+    for k in 0..panels {
+        todo.push((at(grid(k)), at(0.5 * (grid(k) + grid(k + 1))), at(grid(k + 1))));
+    }
+    let mut sums = vec![0.0; options.len()];
+    while let Some((a, m, b)) = todo.pop() {
+        let (p, q) = (at(0.5 * (a.0 + m.0)), at(0.5 * (m.0 + b.0)));
+        let coarse: Vec<f64> = (0..options.len()).map(|o| simpson(&a, &m, &b, o)).collect();
+        let fine: Vec<f64> =
+            (0..options.len()).map(|o| simpson(&a, &p, &m, o) + simpson(&m, &q, &b, o)).collect();
+        let change = coarse.iter().zip(&fine).map(|(c, f)| (c - f).abs()).fold(0.0, f64::max);
+        if change <= tolerance || b.0 - a.0 < 1e-11 {
+            sums.iter_mut()
+                .zip(coarse.iter().zip(&fine))
+                .for_each(|(sum, (c, f))| *sum += f + (f - c) / 15.0);
+        } else {
+            todo.push((a, p, m.clone()));
+            todo.push((m, q, b));
+        }
+    }
+    sums
+}
+
+fn predicted(options: &[Prospect], belief: Belief) -> Vec<f64> {
+    let mut choice = ChoiceDistribution::default();
+    Predictor::new(belief, RISK_WEIGHT).unwrap().predict(options, &mut choice);
+    choice.probabilities().to_vec()
+}
+
+fn error(options: &[Prospect], alpha: Marginal, gamma: Marginal) -> f64 {
+    let reference = probabilities(options, &alpha, &gamma, 64, 1e-12);
+    let found = predicted(options, Belief::Independent { alpha, gamma });
+    found.iter().zip(&reference).map(|(f, r)| (f - r).abs()).fold(0.0, f64::max)
+}
+
+fn paper_ranges() -> (Marginal, Marginal) {
+    (Marginal::uniform(0.55, 0.95).unwrap(), Marginal::uniform(0.5, 1.1).unwrap())
+}
+
+fn options_of(pairs: &[(f64, f64)]) -> Vec<Prospect> {
+    pairs.iter().map(|&(length, risk)| Prospect::new(length, risk)).collect()
+}
+
+#[test]
+fn closed_form_reference_agrees_with_itself() {
+    let (alpha, gamma) = paper_ranges();
+    for pairs in [
+        [(18.0658, 0.45596), (28.5424, 0.2021), (13.3412, 0.6894), (18.0649, 0.456)],
+        [(0.3, 0.5), (0.7, 0.42), (0.9, 0.39), (2.5, 0.3)],
+        [(15.4348, 0.5423), (15.434801, 0.542299), (17.7575, 0.4069), (31.0082, 0.2019)],
+    ] {
+        let options = options_of(&pairs);
+        let used = probabilities(&options, &alpha, &gamma, 64, 1e-12);
+        let finer = probabilities(&options, &alpha, &gamma, 1024, 1e-14);
+        assert!((used.iter().sum::<f64>() - 1.0).abs() < 1e-10);
+        for (used, finer) in used.iter().zip(finer) {
+            assert!((used - finer).abs() < 1e-10, "{options:?}: {used} and {finer}");
+        }
+    }
+}
+
+#[test]
+fn closed_form_gamma_alone_decides_between_no_metre_and_one() {
+    // Costs c_r S^(gamma) and 1: the first wins where (-ln S)^gamma > ln c_r.
+    let risk = 0.0586f64;
+    let turn = RISK_WEIGHT.ln().ln() / (-risk.ln()).ln();
+    let found = predicted(&options_of(&[(0.0, risk), (1.0, 0.0)]), Belief::default());
+    assert!((found[0] - (1.1 - turn) / 0.6).abs() < 1e-10, "{found:?}");
+}
+
+#[test]
+fn closed_form_alpha_alone_decides_between_certainties() {
+    // Costs c_r and D^alpha.
+    let turn = RISK_WEIGHT.ln() / 25f64.ln();
+    let found = predicted(&options_of(&[(0.0, 1.0), (25.0, 0.0)]), Belief::default());
+    assert!((found[1] - (turn - 0.55) / 0.4).abs() < 1e-12, "{found:?}");
+}
+
+#[test]
+fn closed_form_trivial_cases() {
+    assert!(predicted(&[], Belief::default()).is_empty());
+    assert_eq!(predicted(&options_of(&[(3.0, 0.2)]), Belief::default()), [1.0]);
+    let same = (10.0, 0.4);
+    assert_eq!(predicted(&options_of(&[(11.0, 0.4), same, same]), Belief::default()), [0.0, 1.0, 0.0]);
+    let mut choice = ChoiceDistribution::default();
+    let mut careless = Predictor::new(Belief::default(), 0.0).unwrap();
+    careless.predict(&options_of(&[(2.0, 0.0), (0.5, 0.9), (0.5, 0.8)]), &mut choice);
+    assert_eq!(choice.probabilities(), [0.0, 0.0, 1.0]);
+    assert!(Predictor::new(Belief::default(), -1.0).is_err());
+    assert!(Predictor::new(Belief::default(), f64::NAN).is_err());
+}
+
+#[test]
+fn closed_form_samples_are_counted() {
+    let options = options_of(&[(17.4006, 0.3626), (14.3308, 0.5474), (21.3552, 0.2474)]);
+    let mut samples = Vec::new();
+    for i in 0..150 {
+        for j in 0..150 {
+            let alpha = 0.55 + 0.4 * (f64::from(i) + 0.5) / 150.0;
+            let gamma = 0.5 + 0.6 * (f64::from(j) + 0.5) / 150.0;
+            samples.push(WeightedSample { perception: Perception { alpha, gamma }, weight: 3.0 });
+        }
+    }
+    let sampled = Belief::samples(samples).unwrap();
+    let exact = predicted(&options, Belief::default());
+    for (found, exact) in predicted(&options, sampled.clone()).iter().zip(exact) {
+        assert!((found - exact).abs() < 1e-3, "{found} and {exact}");
+    }
+    let (mut from_samples, mut from_ranges) = (Vec::new(), Vec::new());
+    Predictor::new(sampled, RISK_WEIGHT).unwrap().expected_costs(&options, &mut from_samples);
+    Predictor::new(Belief::default(), RISK_WEIGHT).unwrap().expected_costs(&options, &mut from_ranges);
+    for (found, exact) in from_samples.iter().zip(from_ranges) {
+        assert!((found - exact).abs() < 1e-3, "{found} and {exact}");
+    }
+}
+
+#[test]
+fn closed_form_a_used_predictor_gives_the_bits_of_a_new_one() {
+    let one = options_of(&[(17.4006, 0.3626), (14.3308, 0.5474), (21.3552, 0.2474)]);
+    let other = options_of(&[(0.4, 0.6), (0.9, 0.5), (0.5, 0.55), (3.0, 0.1), (31.0, 0.0)]);
+    let mut used = Predictor::new(Belief::default(), RISK_WEIGHT).unwrap();
+    let mut choice = ChoiceDistribution::default();
+    for options in [&one, &other, &one, &other] {
+        used.predict(options, &mut choice);
+        assert_eq!(choice.probabilities(), predicted(options, Belief::default()));
+    }
+}
+
+#[test]
+fn issue_touch_between_end_and_first_node_was_missed() {
+    // The second option wins on 3e-8 of the range only, around gamma = 0.512, next to its lower end.
+    let (alpha, gamma) = paper_ranges();
+    let pairs = [(11.46225353379041, 0.9729145490859513), (22.794765248922726, 0.8534584620330853)];
+    assert!(error(&options_of(&pairs), alpha, gamma) < 1e-9);
+}
+
+#[test]
+fn issue_event_found_across_another_one_was_believed() {
+    // Taking the first change of sign for the only event cost accuracy or hundreds of nodes here.
+    let pairs = [
+        (24.66036713517763, 0.5417497202441988),
+        (11.432153350600233, 0.8094370988258288),
+        (12.675196972644013, 0.8508608580591442),
+        (20.214207106267956, 0.6217578555626991),
+    ];
+    let (mut predictor, mut choice) = (Predictor::default(), ChoiceDistribution::default());
+    predictor.predict(&options_of(&pairs), &mut choice);
+    assert!(predictor.nodes_evaluated() < 100, "{} nodes", predictor.nodes_evaluated());
+    let (alpha, gamma) = paper_ranges();
+    assert!(error(&options_of(&pairs), alpha, gamma) < 1e-9);
+}
+
+/// Lengths and risks at which something is 0, infinite, equal or turns around.
+fn awkward() -> impl Strategy<Value = (f64, f64)> {
+    let lengths = [0.0, 1e-300, 1e-9, 0.1, 0.5, 0.9999, 1.0, 1.0 + 1e-9, 1.5, 2.0, 10.0, 20.0, 20.000001];
+    let risks = [0.0, 1e-12, 0.1, 0.10001, 0.3, 0.5, 0.9, 1.0 - 1e-12, 1.0];
+    (prop::sample::select(lengths.to_vec()), prop::sample::select(risks.to_vec()))
+}
+
+/// Options on a noisy trade-off of length against risk: few are dominated, many can win.
+fn trade_off(count: std::ops::RangeInclusive<usize>, scale: f64) -> impl Strategy<Value = Vec<Prospect>> {
+    let option = (0.0..1.0, 0.0..0.02).prop_map(move |(u, noise)| (scale * (0.3 + u), 0.9 - 0.8 * u + noise));
+    prop::collection::vec(option, count).prop_map(|pairs| options_of(&pairs))
+}
+
+fn config(cases: u32) -> ProptestConfig {
+    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
+}
+
+proptest! {
+    #![proptest_config(config(48))]
+
+    #[test]
+    fn property_random_options(pairs in prop::collection::vec((0.0..40.0, 0.0..=1.0), 1..=5)) {
+        let (alpha, gamma) = paper_ranges();
+        prop_assert!(error(&options_of(&pairs), alpha, gamma) < 1e-9);
+    }
+
+    #[test]
+    fn property_nearly_there(pairs in prop::collection::vec((0.0..1.3, 0.0..=1.0), 2..=5)) {
+        let (alpha, gamma) = paper_ranges();
+        prop_assert!(error(&options_of(&pairs), alpha, gamma) < 1e-9);
+    }
+
+    #[test]
+    fn property_nearly_there_trade_off(options in trade_off(2..=4, 0.7)) {
+        let (alpha, gamma) = paper_ranges();
+        prop_assert!(error(&options, alpha, gamma) < 1e-9);
+    }
+
+    #[test]
+    fn property_trade_off(options in trade_off(2..=5, 25.0)) {
+        let (alpha, gamma) = paper_ranges();
+        prop_assert!(error(&options, alpha, gamma) < 1e-9);
+    }
+
+    #[test]
+    fn property_awkward_options(pairs in prop::collection::vec(awkward(), 1..=5)) {
+        let (alpha, gamma) = paper_ranges();
+        prop_assert!(error(&options_of(&pairs), alpha, gamma) < 1e-9);
+    }
+
+    #[test]
+    fn property_near_ties(
+        pairs in prop::collection::vec((8.0..30.0, 0.2..0.9), 2..=3),
+        longer in 0.0..2e-6,
+        safer in 0.0..2e-7,
+    ) {
+        let mut options = options_of(&pairs);
+        options.push(Prospect::new(pairs[0].0 + longer, pairs[0].1 - safer));
+        let (alpha, gamma) = paper_ranges();
+        prop_assert!(error(&options, alpha, gamma) < 1e-9);
+    }
+
+    #[test]
+    fn property_truncated_normals(options in trade_off(2..=4, 25.0), a in 0.01..0.3, b in 0.01..0.3, mean in 0.5..0.9) {
+        let alpha = Marginal::truncated_normal(mean, a, 0.55, 0.95).unwrap();
+        let gamma = Marginal::truncated_normal(0.8, b, 0.5, 1.1).unwrap();
+        prop_assert!(error(&options, alpha, gamma) < 1e-9);
+    }
+
+    #[test]
+    fn property_wide_ranges(options in trade_off(2..=4, 15.0)) {
+        let (alpha, gamma) = (Marginal::uniform(0.1, 2.0).unwrap(), Marginal::uniform(0.1, 4.0).unwrap());
+        prop_assert!(error(&options, alpha, gamma) < 1e-9);
+    }
+
+    #[test]
+    fn property_order_does_not_matter(options in trade_off(2..=12, 25.0)) {
+        let forward = predicted(&options, Belief::default());
+        let reversed: Vec<_> = options.iter().rev().copied().collect();
+        for (a, b) in forward.iter().zip(predicted(&reversed, Belief::default()).iter().rev()) {
+            prop_assert!((a - b).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn property_any_floats_give_a_distribution(
+        pairs in prop::collection::vec((prop::num::f64::ANY, prop::num::f64::ANY), 1..=6),
+        weight in 0.0..1e300,
+    ) {
+        let (mut choice, mut costs) = (ChoiceDistribution::default(), Vec::new());
+        let mut predictor = Predictor::new(Belief::default(), weight).unwrap();
+        predictor.predict(&options_of(&pairs), &mut choice);
+        predictor.expected_costs(&options_of(&pairs), &mut costs);
+        prop_assert!((choice.probabilities().iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        prop_assert!(choice.probabilities().iter().all(|&p| p >= 0.0));
+        prop_assert_eq!(choice.len(), pairs.len());
+        prop_assert!(costs.iter().all(|cost| *cost >= 0.0));
+    }
+}
+
+proptest! {
+    #![proptest_config(config(6))]
+
+    #[test]
+    fn property_twelve_options(options in trade_off(6..=12, 25.0)) {
+        let (alpha, gamma) = paper_ranges();
+        prop_assert!(error(&options, alpha, gamma) < 1e-9);
+    }
+
+    #[test]
+    fn property_option_that_barely_touches(options in trade_off(2..=3, 25.0), length in 10.0..30.0, off in -1e-5..1e-5) {
+        let steps = |lower: f64, upper: f64, count: u32| {
+            (0..=count).map(move |k| lower + (upper - lower) * f64::from(k) / f64::from(count))
+        };
+        let wins = |risk: f64| {
+            steps(0.5, 1.1, 200).any(|gamma| steps(0.55, 0.95, 40).any(|alpha| {
+                let cost = |option| subjective_cost(option, RISK_WEIGHT, Perception { alpha, gamma });
+                options.iter().all(|&option| cost(Prospect::new(length, risk)) < cost(option))
+            }))
+        };
+        // The risk up to which the option still wins somewhere, and a little off it.
+        let (mut below, mut above) = (0.0f64, 1.0f64);
+        for _ in 0..20 {
+            let middle = 0.5 * (below + above);
+            if wins(middle) { below = middle } else { above = middle }
+        }
+        let mut all = options.clone();
+        all.push(Prospect::new(length, f64::clamp(below + off, 0.0, 1.0)));
+        let (alpha, gamma) = paper_ranges();
+        prop_assert!(error(&all, alpha, gamma) < 1e-9);
+    }
+}

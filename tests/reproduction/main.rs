@@ -1,0 +1,58 @@
+//! The paper's tables, within the tolerances that the README states.
+
+use cocarry::coordination::Method;
+use cocarry::episode::{Outcome, Settings};
+use cocarry::experiments::{h1, h2};
+use cocarry::preference::Predictor;
+
+#[test]
+fn paper_table_1() {
+    let rows = h1::table(&Predictor::default()).expect("built-in worlds");
+    assert_eq!(rows.len(), 16);
+    let (mean, worst) = h1::differences(&rows);
+    assert!(worst <= 2.5, "largest difference {worst} percentage points");
+    assert!(mean <= 1.0, "mean difference {mean} percentage points");
+    for environment in rows.chunks(4) {
+        let ranking = |value: fn(&h1::Row) -> f64| {
+            let mut order: Vec<usize> = (0..4).collect();
+            order.sort_by(|&a, &b| value(&environment[b]).total_cmp(&value(&environment[a])));
+            order
+        };
+        let (ours, paper) = (ranking(|r| r.ours_percent), ranking(|r| r.paper_percent));
+        assert_eq!(ours, paper, "environment {}", environment[0].environment);
+    }
+}
+
+#[test]
+fn paper_table_2() {
+    let rows = h2::table(&Settings::default(), 0, &|| ()).expect("built-in worlds");
+    assert_eq!(rows.len(), 16);
+    for row in &rows {
+        let tolerance = if row.environment == 2 { 0.10 } else { 0.08 };
+        let off = row.ours_mean / row.paper_mean - 1.0;
+        assert!(off.abs() <= tolerance, "{row:?}: {:.1} %", 100.0 * off);
+        assert_eq!(row.not_arrived, 0, "{row:?}");
+    }
+    for environment in rows.chunks(4) {
+        assert_eq!(environment[0].method, Method::WithoutModel);
+        let costs: Vec<f64> = environment.iter().map(|r| r.ours_mean).collect();
+        assert!(costs.is_sorted_by(|a, b| a >= b), "{costs:?}");
+        assert!(costs[0] > costs[3], "{costs:?}");
+    }
+}
+
+#[test]
+fn paper_environment_4_example() {
+    let (_, runs) = h2::example(&Settings::default()).expect("a built-in world");
+    for run in &runs {
+        assert_eq!(run.summary.outcome, Outcome::Arrived);
+        let Some((step, option)) = run.paper else { continue };
+        assert_eq!(run.ended_on, option, "eta {:?}", run.eta);
+        if let Some(step) = step {
+            let ours = run.summary.transition.expect("a transition").step;
+            assert!(ours.abs_diff(step) <= 8, "eta {:?}: step {ours}, paper {step}", run.eta);
+        }
+    }
+    // the human starts out preferring option 4
+    assert!(runs.iter().all(|run| run.ticks[0].preferred == 3));
+}

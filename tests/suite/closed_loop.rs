@@ -1,0 +1,105 @@
+//! Whole episodes: what must hold of every one of them.
+
+use crate::support::{load, repository, world_files};
+use cocarry::coordination::{self, Method, Mode};
+use cocarry::episode::{Outcome, Settings, Tick, run};
+use cocarry::experiments::cycles;
+use cocarry::experiments::paper::EXAMPLE_HUMAN;
+use cocarry::preference::Perception;
+
+fn settings(method: Method, eta: f64) -> Settings {
+    let coordination = coordination::Settings { eta, ..coordination::Settings::default() };
+    Settings { method, coordination, ..Settings::default() }
+}
+
+fn ticks(world: &str, settings: &Settings, human: Perception) -> (cocarry::episode::Summary, Vec<Tick>) {
+    let (_, set) = load(&repository(world));
+    let mut ticks = Vec::new();
+    let summary = run(&set, settings, human, |t| ticks.push(t.clone()));
+    (summary, ticks)
+}
+
+#[test]
+fn property_every_episode_keeps_its_books() {
+    for file in world_files() {
+        let (_, set) = load(&file);
+        for method in [Method::Mutual, Method::WithoutModel, Method::RobotLed] {
+            for (alpha, gamma) in [(0.56, 1.05), (0.747, 0.765), (0.94, 0.55)] {
+                let mut ticks: Vec<Tick> = Vec::new();
+                let settings = settings(method, 5.0);
+                let summary = run(&set, &settings, Perception { alpha, gamma }, |t| ticks.push(t.clone()));
+                assert_eq!(summary.outcome, Outcome::Arrived, "{}", file.display());
+                assert_eq!(summary.steps as usize, ticks.len());
+                let total: f64 = ticks.iter().map(|t| t.objective_cost).sum();
+                assert!((total - summary.accumulated_cost).abs() < 1e-9 * total);
+                for (k, tick) in ticks.iter().enumerate() {
+                    assert_eq!(tick.step as usize, k);
+                    let sum: f64 = tick.options.iter().map(|o| o.probability).sum();
+                    assert!((sum - 1.0).abs() < 1e-12, "P sums to {sum}");
+                    let chosen = &tick.options[tick.executed];
+                    assert_eq!(tick.objective_cost, chosen.remaining.length + 10.0 * chosen.remaining.risk);
+                }
+                for pair in ticks.windows(2) {
+                    assert!(pair[1].stubbornness >= pair[0].stubbornness);
+                    assert!(pair[0].mode == Mode::RobotLed || pair[1].mode == Mode::HumanLed);
+                    assert!((pair[1].position - pair[0].position).norm() <= 0.1 + 1e-9);
+                }
+            }
+        }
+    }
+}
+
+/// g(k) of eq. (5), summed again from what the ticks say.
+#[test]
+fn property_discomfort_is_the_sum_of_the_misaligned_probabilities() {
+    let (_, ticks) = ticks("worlds/environment-1.toml", &settings(Method::RobotLed, 10.5), EXAMPLE_HUMAN);
+    let mut g = 0.0;
+    for tick in &ticks {
+        g += tick.options.iter().filter(|o| o.misaligned).map(|o| o.probability).sum::<f64>();
+        assert!((tick.discomfort - g).abs() < 1e-9);
+        let phi = 0.1 * (g / 10.5).exp();
+        assert!((tick.stubbornness - phi).abs() < 1e-9 * phi);
+    }
+    assert!(g > 1.0);
+    assert!(ticks[0].options.iter().all(|o| !o.misaligned), "g(0) = 0");
+}
+
+#[test]
+fn closed_form_in_the_example_only_the_options_through_other_openings_are_misaligned() {
+    let (_, ticks) = ticks("worlds/environment-4.toml", &settings(Method::Mutual, 15.0), EXAMPLE_HUMAN);
+    let misaligned: Vec<bool> = ticks[1].options.iter().map(|o| o.misaligned).collect();
+    assert_eq!(misaligned, [true, true, false, true]);
+}
+
+#[test]
+fn a_robot_that_leads_to_the_end_never_hands_over() {
+    let settings = settings(Method::RobotLed, 1.0);
+    let (summary, ticks) = ticks("worlds/environment-4.toml", &settings, EXAMPLE_HUMAN);
+    assert!(ticks.iter().all(|t| t.mode == Mode::RobotLed));
+    assert!(ticks.last().unwrap().stubbornness > 1.0);
+    assert_eq!(summary.transition, None);
+}
+
+#[test]
+fn without_the_model_the_first_choice_is_kept() {
+    let (summary, ticks) =
+        ticks("worlds/environment-4.toml", &settings(Method::WithoutModel, 5.0), EXAMPLE_HUMAN);
+    assert!(ticks.iter().all(|t| t.mode == Mode::HumanLed && t.executed == ticks[0].preferred));
+    assert_eq!(summary.changes, 0);
+}
+
+#[test]
+fn an_episode_that_is_cut_short_says_so() {
+    let settings = Settings { tick_limit: Some(5), ..Settings::default() };
+    let (summary, ticks) = ticks("worlds/environment-4.toml", &settings, EXAMPLE_HUMAN);
+    assert_eq!((summary.outcome, ticks.len()), (Outcome::OutOfTime, 5));
+}
+
+/// Sec. IV-B.2: no locked cycles. `cocarry reproduce cycles` does the same over 10,000 worlds.
+#[test]
+fn paper_no_locked_cycles_in_random_worlds() {
+    let findings = cycles::search(150, 0, &Settings::default(), &|| ());
+    assert_eq!(findings.counterexamples, []);
+    assert!(findings.with_choice > 75, "{} worlds had a choice", findings.with_choice);
+    assert!(findings.with_changes > 0);
+}

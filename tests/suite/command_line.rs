@@ -1,0 +1,118 @@
+//! What the program prints and writes, as its users rely on it.
+
+use crate::support::{cocarry, json, stderr, stdout};
+
+#[test]
+fn without_arguments_a_good_default_runs() {
+    let output = cocarry(&[]);
+    assert_eq!(output.status.code(), Some(0));
+    let text = stdout(&output);
+    for part in ["Environment 4", "takes the lead", "arrived at B on option 3", "accumulated objective cost"]
+    {
+        assert!(text.contains(part), "{part:?} is missing from:\n{text}");
+    }
+}
+
+#[test]
+fn json_of_a_world_has_the_agreed_keys() {
+    let world = json(&["world", "environment-4", "--json"]);
+    let options = world["options"].as_array().unwrap();
+    assert_eq!(options.len(), 4);
+    let mut sum = 0.0;
+    for option in options {
+        assert!(option["name"].is_string() && option["openings"].is_array());
+        let number = |key: &str| option[key].as_f64().unwrap_or_else(|| panic!("{key}"));
+        assert!((number("objective") - number("length_m") - 10.0 * number("risk")).abs() < 1e-9);
+        sum += number("probability");
+    }
+    assert!((sum - 1.0).abs() < 1e-12);
+    assert_eq!(world["openings"].as_array().unwrap().len(), 4);
+}
+
+#[test]
+fn json_of_the_tables_has_flat_rows_with_the_agreed_keys() {
+    let keys = |claim: &str| {
+        let table = json(&["reproduce", claim, "--json"]);
+        let rows = table["rows"].as_array().unwrap().clone();
+        assert_eq!(rows.len(), 16);
+        rows[0].as_object().unwrap().keys().cloned().collect::<Vec<_>>()
+    };
+    let h1 = keys("h1");
+    for key in ["environment", "option", "human_percent", "paper_percent", "ours_percent"] {
+        assert!(h1.iter().any(|k| k == key), "{key}");
+    }
+    let h2 = keys("h2");
+    for key in ["environment", "method", "eta", "paper_mean", "ours_mean", "sample_mean", "sample_std"] {
+        assert!(h2.iter().any(|k| k == key), "{key}");
+    }
+}
+
+#[test]
+fn every_tick_is_written_as_csv_and_as_json_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let [csv_file, jsonl_file, svg_file] =
+        ["t.csv", "t.jsonl", "t.svg"].map(|name| folder.path().join(name).to_str().unwrap().to_owned());
+    let summary = json(&["run", "--json", "--seed", "1", "--ticks", &csv_file, "--svg", &svg_file]);
+    json(&["run", "--json", "--seed", "1", "--ticks", &jsonl_file]);
+    let steps = summary["steps"].as_u64().unwrap() as usize;
+    let mut reader = csv::Reader::from_path(&csv_file).unwrap();
+    let headers = reader.headers().unwrap().clone();
+    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    let text = std::fs::read_to_string(&jsonl_file).unwrap();
+    let lines: Vec<serde_json::Value> = text.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    assert_eq!((rows.len(), lines.len()), (steps, steps));
+    let column = |name: &str| headers.iter().position(|h| h == name).unwrap_or_else(|| panic!("{name}"));
+    for (row, line) in rows.iter().zip(&lines) {
+        let number = |name: &str| row[column(name)].parse::<f64>().unwrap();
+        assert_eq!(number("x_m"), line["x_m"].as_f64().unwrap());
+        assert_eq!(number("length_m[3]"), line["options"][2]["length_m"].as_f64().unwrap());
+        assert_eq!(number("probability[4]"), line["options"][3]["probability"].as_f64().unwrap());
+    }
+    let last = &lines[steps - 1]["accumulated_cost_m"];
+    assert_eq!(last.as_f64(), summary["accumulated_objective_cost_m"].as_f64());
+    assert!(std::fs::read_to_string(&svg_file).unwrap().contains("</svg>"));
+    let names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert_eq!(names.len(), 3, "nothing else is left behind: {names:?}");
+}
+
+#[test]
+fn a_team_that_does_not_arrive_ends_with_3() {
+    let output = cocarry(&["run", "--max-steps", "10", "--json"]);
+    assert_eq!(output.status.code(), Some(3));
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&told["outcome"], &told["steps"]), (&"out-of-time".into(), &10.into()));
+}
+
+#[test]
+fn an_output_that_cannot_be_written_ends_with_4() {
+    for flag in ["--ticks", "--svg"] {
+        let output = cocarry(&["run", flag, "no/such/folder/file.csv"]);
+        assert_eq!(output.status.code(), Some(4));
+        assert!(stderr(&output).contains("no/such/folder/file.csv"), "{}", stderr(&output));
+    }
+}
+
+#[test]
+fn a_belief_other_than_the_paper_changes_the_probabilities() {
+    let probability = |arguments: &[&str]| {
+        let world = json(&[&["world", "environment-4", "--json"], arguments].concat());
+        world["options"][2]["probability"].as_f64().unwrap()
+    };
+    let paper = probability(&[]);
+    assert_eq!(probability(&["--belief-alpha", "uniform(0.55,0.95)"]), paper);
+    let narrow = probability(&[
+        "--belief-alpha",
+        "normal(0.9,0.02,0.55,0.95)",
+        "--belief-gamma",
+        "normal(1.05,0.02,0.5,1.1)",
+    ]);
+    assert!((narrow - paper).abs() > 0.1, "{narrow} and {paper}");
+}
+
+#[test]
+fn help_names_every_command_and_exit_code() {
+    let text = stdout(&cocarry(&["--help"]));
+    for part in ["run", "world", "reproduce", "Exit codes", "2 bad input", "3 the team did not arrive"] {
+        assert!(text.contains(part), "{part:?} is missing from:\n{text}");
+    }
+}

@@ -1,0 +1,44 @@
+//! The commands of the README, as they are written there.
+
+use crate::support::{cocarry, repository, stderr};
+
+#[test]
+fn the_commands_of_the_readme_run() {
+    let readme = std::fs::read_to_string(repository("README.md")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let mut run = 0;
+    let mut in_shell = false;
+    for line in readme.lines() {
+        if line.starts_with("```") {
+            in_shell = line == "```sh";
+            continue;
+        }
+        let command = line.split('#').next().unwrap_or("").trim();
+        let Some(arguments) = command.strip_prefix("cocarry").filter(|_| in_shell) else { continue };
+        // pictures and logs go elsewhere than into the repository; long searches are shortened
+        let arguments: Vec<String> = arguments
+            .split_whitespace()
+            .map(|word| match word {
+                "10000" => "20".to_owned(),
+                word if word.ends_with(".svg") || word.ends_with(".csv") || word.ends_with(".jsonl") => {
+                    folder.path().join(word.replace('/', "-")).to_str().unwrap().to_owned()
+                }
+                word => word.to_owned(),
+            })
+            .collect();
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let output = cocarry(&arguments);
+        assert!(output.status.success(), "{line}: {}", stderr(&output));
+        run += 1;
+    }
+    assert!(run >= 5, "only {run} commands were found");
+}
+
+#[test]
+fn the_test_command_of_the_readme_is_the_one_that_ci_runs() {
+    let readme = std::fs::read_to_string(repository("README.md")).unwrap();
+    let ci = std::fs::read_to_string(repository(".ci/run")).unwrap();
+    let command = readme.lines().find(|line| line.starts_with("cargo test")).expect("a test command");
+    let command = command.split('#').next().unwrap().trim();
+    assert!(ci.lines().any(|line| line.trim() == command), "`{command}` is not in .ci/run");
+}

@@ -1,0 +1,52 @@
+//! The program as a user runs it, and the worlds that the tests run in.
+
+use cocarry::options::OptionSet;
+use cocarry::world::World;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A file of the repository.
+pub fn repository(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// Runs the program in the repository's folder.
+pub fn cocarry(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_cocarry"))
+        .args(arguments)
+        .current_dir(repository("."))
+        .output()
+        .expect("the program starts")
+}
+
+pub fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).expect("UTF-8")
+}
+
+pub fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).expect("UTF-8")
+}
+
+/// Runs the program, which must end with 0, and reads its JSON.
+pub fn json(arguments: &[&str]) -> serde_json::Value {
+    let output = cocarry(arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+/// All world files of the repository, by name.
+pub fn world_files() -> Vec<PathBuf> {
+    let folder = std::fs::read_dir(repository("worlds")).expect("the folder of worlds");
+    let mut files: Vec<PathBuf> = folder
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.extension().is_some_and(|e| e == "toml"))
+        .collect();
+    files.sort();
+    files
+}
+
+pub fn load(path: &Path) -> (World, OptionSet) {
+    let world = World::load(path).unwrap_or_else(|e| panic!("{e}"));
+    let set = OptionSet::new(&world, 10.0).unwrap_or_else(|e| panic!("{e}"));
+    (world, set)
+}

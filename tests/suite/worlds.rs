@@ -1,0 +1,217 @@
+//! World files, what is measured in them, and the options that come of them.
+
+use crate::support::{load, repository, world_files};
+use cocarry::geometry::Point;
+use cocarry::options::{OptionSet, Waypoint};
+use cocarry::world::World;
+use parry3d::math::{Pose, Vec3};
+use parry3d::query::distance;
+use parry3d::shape::Segment;
+use proptest::prelude::*;
+
+#[test]
+fn every_world_of_the_repository_loads_and_offers_options() {
+    let files = world_files();
+    assert!(files.len() >= 5, "{files:?}");
+    for file in files {
+        let (world, set) = load(&file);
+        assert!(!set.options().is_empty(), "{}", world.file);
+        let start = set.begin();
+        for (i, option) in set.options().iter().enumerate() {
+            let left = set.remaining(&start, i);
+            let path = set.path(&start, i).expect("a path");
+            assert!((path.length() - left.length).abs() < 1e-9, "{}: option {}", world.file, option.name);
+            assert!((0.0..1.0).contains(&left.risk));
+        }
+    }
+}
+
+#[test]
+fn the_free_form_world_declares_nothing_and_has_openings_and_options() {
+    let (world, set) = load(&repository("worlds/free-form.toml"));
+    assert!(world.openings_detected && world.listed_options.is_empty());
+    assert!(world.openings.len() >= 8, "{} openings", world.openings.len());
+    assert!(set.options().len() > 1 && set.is_cut);
+    for opening in &world.openings {
+        assert!(opening.width > 0.5 && opening.width <= 2.5, "{}", opening.width);
+    }
+}
+
+#[test]
+fn enumerated_options_come_cheapest_first_and_enter_no_region_twice() {
+    let (world, set) = load(&repository("worlds/free-form.toml"));
+    let start = set.begin();
+    let costs: Vec<f64> = (0..set.options().len())
+        .map(|o| set.remaining(&start, o))
+        .map(|left| left.length + 10.0 * left.risk)
+        .collect();
+    assert!(costs.is_sorted(), "{costs:?}");
+    for option in set.options() {
+        let mut openings: Vec<usize> = option.crossings.iter().map(|c| c.opening).collect();
+        openings.sort_unstable();
+        openings.dedup();
+        assert_eq!(openings.len(), option.crossings.len(), "an opening is crossed twice");
+    }
+    // the whole list, by a world file that allows for it, begins with the same ones
+    let text = std::fs::read_to_string(repository("worlds/free-form.toml")).unwrap();
+    let more = World::parse("more", &text.replace("option_limit = 8", "option_limit = 64")).unwrap();
+    let more = OptionSet::new(&more, 10.0).unwrap();
+    assert_eq!(world.option_limit, 8);
+    for (few, many) in set.options().iter().zip(more.options()) {
+        assert_eq!(few.crossings, many.crossings);
+    }
+}
+
+#[test]
+fn closed_form_the_paper_environments_have_the_widths_that_their_walls_leave() {
+    for file in world_files().iter().filter(|f| f.to_string_lossy().contains("environment")) {
+        let (world, _) = load(file);
+        for opening in &world.openings {
+            // both walls run along y
+            let [a, b] = opening.between.map(|i| world.obstacles[i].footprint.bounds());
+            let gap = (b.min.y - a.max.y).max(a.min.y - b.max.y);
+            assert!((opening.width - gap).abs() < 1e-9, "{}: {} not {gap}", opening.name, opening.width);
+            assert!((opening.center().x - (a.min.x + a.max.x) / 2.0).abs() < 1e-9);
+            assert!(opening.axis().y.abs() < 1e-9);
+        }
+    }
+}
+
+/// The openings that the paper's environments declare are the ones that would be detected.
+#[test]
+fn openings_that_are_declared_are_also_detected() {
+    for file in world_files().iter().filter(|f| f.to_string_lossy().contains("environment")) {
+        let (declared, _) = load(file);
+        let text = std::fs::read_to_string(file).unwrap();
+        let detected = World::parse("stripped", &text[..text.find("[[opening]]").unwrap()]).unwrap();
+        for opening in &declared.openings {
+            let found = detected.openings.iter().any(|d| {
+                let (mut a, mut b) = (d.between, opening.between);
+                a.sort_unstable();
+                b.sort_unstable();
+                a == b && (d.width - opening.width).abs() < 1e-12
+            });
+            assert!(found, "{}: {} is not detected", declared.file, opening.name);
+        }
+    }
+}
+
+#[test]
+fn closed_form_between_four_pillars_only_the_sides_count_as_openings() {
+    let mut text =
+        "name = \"pillars\"\nrobot_width_m = 0.5\nstart_m = [-5.0, 0.0]\ntarget_m = [5.0, 0.0]\n".to_owned();
+    for (i, (x, y)) in [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].iter().enumerate() {
+        text += &format!(
+            "[[obstacle]]\nname = \"p{i}\"\nshape = \"cylinder\"\ncenter_m = [{x}, {y}]\nradius_m = 0.3\nheight_m = 1\n"
+        );
+    }
+    let world = World::parse("pillars", &text).unwrap();
+    let pairs: Vec<_> = world.openings.iter().map(|o| o.between).collect();
+    assert_eq!(pairs, [[0, 1], [0, 3], [1, 2], [2, 3]]);
+    for opening in &world.openings {
+        assert!((opening.width - 1.4).abs() < 1e-6, "{}", opening.width);
+        assert!((opening.risk(0.5) - 0.5 / opening.width).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn closed_form_risk_is_zero_in_free_passage_and_one_where_nothing_passes() {
+    let (world, _) = load(&repository("worlds/environment-4.toml"));
+    let opening = &world.openings[0];
+    assert_eq!(opening.risk(opening.width / 6.0), 0.0);
+    assert_eq!(opening.risk(opening.width * 2.0), 1.0);
+}
+
+/// The hand-written distances to outlines against parry's to the solids that are made of the same entries.
+#[test]
+fn property_footprints_agree_with_parry() {
+    let (world, _) = load(&repository("worlds/free-form.toml"));
+    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    let coordinate = || -1.0..15.0f64;
+    let points = (coordinate(), coordinate(), coordinate(), coordinate());
+    runner
+        .run(&points, |(ax, ay, bx, by)| {
+            for obstacle in &world.obstacles {
+                let (pose, shape) = obstacle.solid();
+                let height = obstacle.height / 2.0;
+                let segment = Segment::new(Vec3::new(ax, ay, height), Vec3::new(bx, by, height));
+                let parry = distance(&Pose::IDENTITY, &segment, &pose, &*shape).expect("supported").distance;
+                let ours = obstacle.footprint.distance_to_segment(Point::new(ax, ay), Point::new(bx, by));
+                prop_assert!((parry - ours).abs() < 1e-5, "{}: {parry} and {ours}", obstacle.name);
+            }
+            Ok(())
+        })
+        .unwrap();
+}
+
+/// Walking any option to its end, D falls by the step and S never rises, and what is said to be next is passed in order.
+#[test]
+fn property_what_is_left_of_an_option_shrinks_as_it_is_walked() {
+    for file in world_files() {
+        let (world, set) = load(&file);
+        for (o, option) in set.options().iter().enumerate() {
+            let mut progress = set.begin();
+            let path = set.path(&progress, o).unwrap();
+            let mut before = set.remaining(&progress, o);
+            let mut passed = Vec::new();
+            let steps = (path.length() / 0.1).ceil() as usize;
+            for k in 1..=steps {
+                set.advance(&mut progress, path.point_at(0.1 * k as f64).unwrap());
+                let left = set.remaining(&progress, o);
+                let step = if k == steps { before.length } else { 0.1 };
+                assert!(
+                    (before.length - left.length - step).abs() < 1e-6,
+                    "{}: option {} at {}: {} m left, then {} m",
+                    world.file,
+                    option.name,
+                    progress.position,
+                    before.length,
+                    left.length
+                );
+                assert!(left.risk <= before.risk + 1e-12);
+                if let (Waypoint::Opening(crossing), true) = (before.next, before.next != left.next) {
+                    passed.push(crossing);
+                }
+                before = left;
+            }
+            assert_eq!(passed, option.crossings, "{}: option {}", world.file, option.name);
+            assert_eq!(before.next, Waypoint::Target);
+        }
+    }
+}
+
+/// An option that the team has left leads back through the opening just crossed, at its length and risk.
+#[test]
+fn closed_form_an_option_that_was_left_leads_back() {
+    let (world, set) = load(&repository("worlds/environment-4.toml"));
+    let (walked, other) = (2, 3);
+    let mut progress = set.begin();
+    let path = set.path(&progress, walked).unwrap();
+    let opening = &world.openings[set.options()[walked].crossings[0].opening];
+    while progress.position.x < opening.center().x + 1.5 {
+        let along = path.length() - set.remaining(&progress, walked).length + 0.1;
+        set.advance(&mut progress, path.point_at(along).unwrap());
+    }
+    // both options lead straight to the target from here: they share the region
+    assert_eq!(set.remaining(&progress, walked).risk, 0.0);
+    assert_eq!(set.remaining(&progress, other), set.remaining(&progress, walked));
+
+    let (world, set) = load(&repository("worlds/environment-1.toml"));
+    let (through_2, direct) = (1, 3);
+    let mut progress = set.begin();
+    let path = set.path(&progress, through_2).unwrap();
+    let crossing = set.options()[through_2].crossings[0];
+    let center = world.openings[crossing.opening].center();
+    let mut along = 0.0;
+    while progress.position.x < center.x + 1.2 {
+        along += 0.1;
+        set.advance(&mut progress, path.point_at(along).unwrap());
+    }
+    let left = set.remaining(&progress, direct);
+    assert_eq!(left.next, Waypoint::Opening(crossing.back()));
+    let risks =
+        [crossing.opening, set.options()[direct].crossings[0].opening].map(|i| world.openings[i].risk(0.5));
+    assert!((left.risk - (1.0 - (1.0 - risks[0]) * (1.0 - risks[1]))).abs() < 1e-12);
+    let back = (progress.position - center).norm() + (center - world.start).norm();
+    assert!(left.length > back, "{} m is shorter than the way back, {back} m", left.length);
+}
