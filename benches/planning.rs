@@ -71,7 +71,12 @@ fn report() {
     let worlds = worlds();
     for (world, set) in &worlds {
         let episode = at_step(set, &settings);
-        let tick = median(|| episode.clone(), |e| drop(black_box(e.step())));
+        let tick = median(
+            || episode.clone(),
+            |e| {
+                black_box(e.step());
+            },
+        );
         let anew = median(|| (), |()| drop(black_box(OptionSet::new(world, 10.0)))) + tick;
         println!(
             "  {:20} {:2} options: {:6.2} us, {:4.2} of the budget; planning anew takes {:4.0} times as long",

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Debug)]
 pub(super) struct ModelArguments {
     /// Weight of risk against distance, c_r, in metres
-    #[arg(long, value_name = "M", default_value_t = preference::RISK_WEIGHT, value_parser = positive)]
+    #[arg(long, value_name = "M", default_value_t = preference::RISK_WEIGHT, value_parser = positive, allow_negative_numbers = true)]
     pub risk_weight: f64,
     /// Distribution of alpha that the robot assumes: uniform(LOWER,UPPER) or normal(MEAN,STD,LOWER,UPPER)
     #[arg(long, value_name = "DIST", default_value = "uniform(0.55,0.95)")]

@@ -30,16 +30,16 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value_t = MethodArgument::Mutual)]
     method: MethodArgument,
     /// The human's perception of distance (D^alpha); drawn from the belief if not given
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = positive, allow_negative_numbers = true)]
     alpha: Option<f64>,
     /// The human's perception of risk (Prelec's gamma); drawn from the belief if not given
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = positive, allow_negative_numbers = true)]
     gamma: Option<f64>,
     /// Tolerance of the human: the larger, the slower stubbornness grows (paper: 5, 10.5, 15)
-    #[arg(long, default_value_t = coordination::Settings::default().eta, value_parser = positive)]
+    #[arg(long, default_value_t = coordination::Settings::default().eta, value_parser = positive, allow_negative_numbers = true)]
     eta: f64,
     /// Stubbornness at the start, in (0, 1]
-    #[arg(long, value_name = "PHI", default_value_t = coordination::Settings::default().initial_stubbornness, value_parser = initial_stubbornness)]
+    #[arg(long, value_name = "PHI", default_value_t = coordination::Settings::default().initial_stubbornness, value_parser = initial_stubbornness, allow_negative_numbers = true)]
     initial_stubbornness: f64,
     /// Seed from which the human is drawn
     #[arg(long, default_value_t = 0)]

@@ -164,7 +164,7 @@ impl OptionSet {
         let rest = &progress.rests[option];
         let length = match next {
             Waypoint::Target => self.roadmap.distance(position, TARGET),
-            Waypoint::Opening(crossing) => self.through(position, crossing) + self.beyond(rest, option),
+            Waypoint::Opening(crossing) => self.through(progress, crossing) + self.beyond(rest, option),
         };
         Remaining { length, risk: self.risk(rest, option), next }
     }
@@ -188,7 +188,11 @@ impl OptionSet {
         }
         for crossing in rests[option].ahead(&self.options[option]) {
             let passage = &self.passages[crossing.opening];
-            if !passage.holds(at, 1 - crossing.into) {
+            if at == progress.position && progress.aligned == Some(crossing) {
+                let foot = passage.foot(at, 1 - crossing.into);
+                path.line(at, foot);
+                at = foot;
+            } else {
                 self.lead(&mut path, &mut at, portal_site(crossing.opening, 1 - crossing.into))?;
             }
             path.line(at, passage.center);
@@ -205,11 +209,12 @@ impl OptionSet {
         found.then_some(())
     }
 
-    /// Length from `position` to the end of the passage of `next`.
-    fn through(&self, position: Point, next: Crossing) -> f64 {
-        let passage = &self.passages[next.opening];
-        if passage.holds(position, 1 - next.into) {
-            (passage.center - position).norm() + passage.reach[next.into]
+    /// Length from where the team is to the end of the passage of `next`.
+    fn through(&self, progress: &Progress, next: Crossing) -> f64 {
+        let (passage, position) = (&self.passages[next.opening], progress.position);
+        if progress.aligned == Some(next) {
+            let foot = passage.foot(position, 1 - next.into);
+            (foot - position).norm() + (passage.center - foot).norm() + passage.reach[next.into]
         } else {
             self.roadmap.distance(position, portal_site(next.opening, 1 - next.into)) + self.straight(next)
         }

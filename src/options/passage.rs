@@ -88,6 +88,18 @@ impl Passage {
         (0.0..=self.reach[side]).contains(&depth) && self.off_axis(p) <= self.half_corridor
     }
 
+    /// Whether a team that steps from `from` to `to` is in the straight part on a side after it, having come in through that part's end:
+    /// with this step, or before (`already`). Who comes in from the side is not aligned.
+    pub fn aligns(&self, from: Point, to: Point, side: usize, already: bool) -> bool {
+        let end = self.reach[side] - 1e-9;
+        self.holds(to, side) && self.depth(to, side) < end && (already || self.depth(from, side) >= end)
+    }
+
+    /// From a point of the straight part, onto its axis.
+    pub fn foot(&self, p: Point, side: usize) -> Point {
+        self.center + self.outward(side) * self.depth(p, side)
+    }
+
     /// Where on the step from `a` to `b` (0 to 1) the gap is crossed, and the side that the step leads to.
     pub fn crossed(&self, a: Point, b: Point) -> Option<(f64, usize)> {
         let (before, after) = (self.depth(a, 1), self.depth(b, 1));

@@ -11,6 +11,8 @@ pub struct Progress {
     pub position: Point,
     /// The crossing that the team is in the midst of: beyond the gap, but not out of the straight part.
     pub(super) inside: Option<Crossing>,
+    /// The crossing that the team is aligned for: in the straight part before the gap, having come in through its end.
+    pub(super) aligned: Option<Crossing>,
     pub(super) rests: Vec<Rest>,
     /// What `rests` will be once the team is out of the straight part; meaningful while `inside` is set.
     pub(super) rests_outside: Vec<Rest>,
@@ -55,7 +57,7 @@ fn visit(option: &PathOption, place: usize, region: usize) -> Option<usize> {
 impl Progress {
     pub(super) fn new(position: Point, options: usize) -> Self {
         let rests = vec![Rest::default(); options];
-        Self { position, inside: None, rests_outside: rests.clone(), rests }
+        Self { position, inside: None, aligned: None, rests_outside: rests.clone(), rests }
     }
 
     pub(super) fn advance(
@@ -88,6 +90,12 @@ impl Progress {
         if self.inside.is_some_and(|c| !is_inside(c)) {
             self.leave();
         }
+        self.aligned = passages
+            .iter()
+            .enumerate()
+            .flat_map(|(opening, p)| [0, 1].map(|into| (p, Crossing { opening, into })))
+            .find(|(p, c)| p.aligns(from, to, 1 - c.into, self.aligned == Some(*c)))
+            .map(|(_, crossing)| crossing);
     }
 
     fn enter(&mut self, crossing: Crossing, options: &[PathOption], region: usize) {

@@ -12,8 +12,8 @@ pub(super) struct WorldFile {
     #[serde(default)]
     pub note: String,
     pub robot_width_m: Spanned<f64>,
-    pub start_m: Spanned<[f64; 2]>,
-    pub target_m: Spanned<[f64; 2]>,
+    pub start_m: Spanned<Pair<f64>>,
+    pub target_m: Spanned<Pair<f64>>,
     pub option_limit: Option<Spanned<i64>>,
     #[serde(default, rename = "obstacle")]
     pub obstacles: Vec<Spanned<ObstacleEntry>>,
@@ -29,11 +29,11 @@ pub(super) struct WorldFile {
 pub(super) struct ObstacleEntry {
     pub name: String,
     pub shape: ShapeEntry,
-    pub center_m: Option<[f64; 2]>,
-    pub size_m: Option<[f64; 2]>,
+    pub center_m: Option<Pair<f64>>,
+    pub size_m: Option<Pair<f64>>,
     pub yaw_deg: Option<f64>,
     pub radius_m: Option<f64>,
-    pub vertices_m: Option<Vec<[f64; 2]>>,
+    pub vertices_m: Option<Vec<Pair<f64>>>,
     pub height_m: f64,
 }
 
@@ -50,7 +50,7 @@ pub(super) enum ShapeEntry {
 #[serde(deny_unknown_fields)]
 pub(super) struct OpeningEntry {
     pub name: String,
-    pub between: [String; 2],
+    pub between: Pair<String>,
 }
 
 /// One `[[option]]`.
@@ -59,6 +59,20 @@ pub(super) struct OpeningEntry {
 pub(super) struct OptionEntry {
     pub name: Option<String>,
     pub openings: Vec<String>,
+}
+
+/// Two values; more or fewer are an error.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(try_from = "Vec<T>")]
+pub(super) struct Pair<T>(pub [T; 2]);
+
+impl<T> TryFrom<Vec<T>> for Pair<T> {
+    type Error = String;
+
+    fn try_from(values: Vec<T>) -> Result<Self, String> {
+        let n = values.len();
+        values.try_into().map(Self).map_err(|_| format!("expected two values, found {n}"))
+    }
 }
 
 /// A file's name and text, to say where something stands in it.

@@ -12,7 +12,7 @@ pub use obstacle::Obstacle;
 pub use opening::{FREE_PASSAGE, Opening};
 
 use crate::geometry::{Bounds, Point};
-use file::{OptionEntry, Source, WorldFile};
+use file::{OptionEntry, Pair, Source, WorldFile};
 use obstacle::Check;
 use std::collections::BTreeSet;
 use toml::Spanned;
@@ -151,12 +151,12 @@ fn obstacles(source: Source, entries: &WorldFile) -> Result<Vec<Obstacle>, World
 fn endpoint(
     source: Source,
     field: &str,
-    spanned: &Spanned<[f64; 2]>,
+    spanned: &Spanned<Pair<f64>>,
     obstacles: &[Obstacle],
     robot_width: f64,
 ) -> Result<Point, WorldError> {
     let place = source.place(spanned, "world");
-    let point = Check { place: &place }.point(field, *spanned.get_ref())?;
+    let point = Check { place: &place }.point(field, spanned.get_ref().0)?;
     let needed = robot_width / 2.0;
     let nearest = obstacles
         .iter()
@@ -199,7 +199,7 @@ fn declared_openings(
             if !names.insert(&entry.name) {
                 return Err(WorldError::Duplicate { place, kind: "opening" });
             }
-            let [first, second] = &entry.between;
+            let Pair([first, second]) = &entry.between;
             let between = [find(first, &place)?, find(second, &place)?];
             if between[0] == between[1] {
                 return Err(WorldError::SameObstacle { place, obstacle: first.clone() });

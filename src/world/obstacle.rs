@@ -1,7 +1,7 @@
 //! An obstacle's entry in the world file in; a validated upright obstacle with its outline and its solid out.
 
 use super::error::{Place, WorldError};
-use super::file::{ObstacleEntry, ShapeEntry};
+use super::file::{ObstacleEntry, Pair, ShapeEntry};
 use crate::geometry::{Footprint, Point, cross, direction, left_of};
 use parry3d::math::{Pose, Vec3};
 use parry3d::shape::SharedShape;
@@ -55,15 +55,15 @@ impl Obstacle {
         let height = check.size("height_m", entry.height_m)?;
         let solid = match entry.shape {
             ShapeEntry::Box => {
-                let size = entry.size_m.ok_or_else(|| missing("size_m"))?;
+                let size = entry.size_m.ok_or_else(|| missing("size_m"))?.0;
                 Solid::Box {
-                    center: check.point("center_m", entry.center_m.ok_or_else(|| missing("center_m"))?)?,
+                    center: check.point("center_m", entry.center_m.ok_or_else(|| missing("center_m"))?.0)?,
                     size: [check.size("size_m[0]", size[0])?, check.size("size_m[1]", size[1])?],
                     yaw: check.angle("yaw_deg", entry.yaw_deg.unwrap_or(0.0))?.to_radians(),
                 }
             }
             ShapeEntry::Cylinder => Solid::Cylinder {
-                center: check.point("center_m", entry.center_m.ok_or_else(|| missing("center_m"))?)?,
+                center: check.point("center_m", entry.center_m.ok_or_else(|| missing("center_m"))?.0)?,
                 radius: check.size("radius_m", entry.radius_m.ok_or_else(|| missing("radius_m"))?)?,
             },
             ShapeEntry::Polygon => {
@@ -175,7 +175,7 @@ impl Check<'_> {
     }
 
     /// Convex corners in counter-clockwise order.
-    fn convex(&self, vertices: &[[f64; 2]]) -> Result<Vec<Point>, WorldError> {
+    fn convex(&self, vertices: &[Pair<f64>]) -> Result<Vec<Point>, WorldError> {
         let n = vertices.len();
         if !(3..=64).contains(&n) {
             return Err(WorldError::Corners { place: self.place.clone(), count: n });
@@ -183,7 +183,7 @@ impl Check<'_> {
         let corners: Vec<Point> = vertices
             .iter()
             .enumerate()
-            .map(|(i, v)| self.point(&format!("vertices_m[{i}]"), *v))
+            .map(|(i, v)| self.point(&format!("vertices_m[{i}]"), v.0))
             .collect::<Result<_, _>>()?;
         let area: f64 =
             (0..n).map(|i| cross(corners[i].coords, corners[(i + 1) % n].coords)).sum::<f64>() / 2.0;
