@@ -54,6 +54,14 @@ pub fn segments_cross(a: Point, b: Point, c: Point, d: Point) -> bool {
     cross(ab, c - a) * cross(ab, d - a) < 0.0 && cross(cd, a - c) * cross(cd, b - c) < 0.0
 }
 
+/// Whether the segments `a b` and `c d` cross or touch, an end within `tolerance` (m) of the line through `c d` counting as on it.
+pub fn segments_meet(a: Point, b: Point, c: Point, d: Point, tolerance: f64) -> bool {
+    let (ab, cd) = (b - a, d - c);
+    let near = tolerance * cd.norm();
+    let side = |p: Point| Some(cross(cd, p - c)).filter(|s| s.abs() > near).unwrap_or(0.0);
+    side(a) * side(b) <= 0.0 && cross(ab, c - a) * cross(ab, d - a) <= 0.0
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -72,5 +80,9 @@ mod tests {
         assert!(segments_cross(p(0., -1.), p(0., 1.), p(-1., 0.), p(1., 0.)));
         assert!(!segments_cross(p(0., 0.), p(0., 1.), p(-1., 0.), p(1., 0.)));
         assert!(!segments_cross(p(2., -1.), p(2., 1.), p(-1., 0.), p(1., 0.)));
+        assert!(segments_meet(p(0., 0.), p(0., 1.), p(-1., 0.), p(1., 0.), 1e-9));
+        assert!(segments_meet(p(0., 1e-10), p(0., 1.), p(-1., 0.), p(1., 0.), 1e-9));
+        assert!(!segments_meet(p(2., 0.), p(2., 1.), p(-1., 0.), p(1., 0.), 1e-9));
+        assert!(!segments_meet(p(0., 0.1), p(0., 1.), p(-1., 0.), p(1., 0.), 1e-9));
     }
 }

@@ -38,6 +38,8 @@ impl Crossing {
 
 /// Off the axis by more than this (m), the team is not in the straight part of a passage.
 const OFF_AXIS: f64 = 0.1;
+/// Within this (m) of the axis, or of the end of the straight part, the team is on it up to rounding.
+const ON_AXIS: f64 = 1e-6;
 
 impl Passage {
     /// The passage through `opening`, straight for up to `alignment` (m) on either side, less where an obstacle or another opening leaves
@@ -88,11 +90,13 @@ impl Passage {
         (0.0..=self.reach[side]).contains(&depth) && self.off_axis(p) <= self.half_corridor
     }
 
-    /// Whether a team that steps from `from` to `to` is in the straight part on a side after it, having come in through that part's end:
-    /// with this step, or before (`already`). Who comes in from the side is not aligned.
+    /// Whether a team that steps from `from` to `to` is aligned in the straight part on a side after it: it was so before (`already`), it
+    /// came in through that part's end, or it walks on the axis. Who merely crosses the straight part is not aligned.
     pub fn aligns(&self, from: Point, to: Point, side: usize, already: bool) -> bool {
-        let end = self.reach[side] - 1e-9;
-        self.holds(to, side) && self.depth(to, side) < end && (already || self.depth(from, side) >= end)
+        let end = self.reach[side] - ON_AXIS;
+        self.holds(to, side)
+            && self.depth(to, side) < end
+            && (already || self.depth(from, side) >= end || self.off_axis(to) <= ON_AXIS)
     }
 
     /// From a point of the straight part, onto its axis.

@@ -1,5 +1,7 @@
 //! Options as curves over `alpha`: which can win at all, and where two of them cross.
 
+use std::cmp::Ordering;
+
 use super::Prospect;
 
 /// An option whose perceived length is a curve `D^alpha` over the distance perception.
@@ -53,7 +55,8 @@ pub(super) fn pareto_front(prospects: &[Prospect], risk_matters: bool, front: &m
         prospects.iter().enumerate().map(|(option, prospect)| Curve::new(option, prospect.clamped())),
     );
     front.sort_unstable_by(|a, b| {
-        a.length.total_cmp(&b.length).then(a.risk.total_cmp(&b.risk)).then(a.option.cmp(&b.option))
+        let by_risk = if risk_matters { a.risk.total_cmp(&b.risk) } else { Ordering::Equal };
+        a.length.total_cmp(&b.length).then(by_risk).then(a.option.cmp(&b.option))
     });
     let mut lowest = f64::INFINITY;
     front.retain(|curve| {

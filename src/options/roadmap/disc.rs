@@ -1,5 +1,6 @@
 //! An obstacle's outline and a clearance in; the discs that taut strings bend around, and the lines tangent to them, out.
 
+use super::space::SLACK;
 use crate::geometry::{Footprint, Point, Vector, angle_of, cross, direction, left_of};
 use std::f64::consts::TAU;
 
@@ -46,7 +47,9 @@ impl Disc {
     pub fn is_taut(&self, angle: f64) -> bool {
         self.between.is_none_or(|[first, last]| {
             let d = direction(angle);
-            cross(first, d) >= -SAME_ANGLE && cross(d, last) >= -SAME_ANGLE
+            // a string that dips by SLACK along a side meets the corner's circle this much too early
+            let early = (2.0 * SLACK / self.radius).sqrt();
+            cross(first, d) >= -early && cross(d, last) >= -early
         })
     }
 
@@ -94,7 +97,7 @@ pub(super) fn bitangent([a, b]: [&Disc; 2], turns: [f64; 2]) -> Option<(Point, P
     Some((a.center - left * (turns[0] * a.radius), b.center - left * (turns[1] * b.radius)))
 }
 
-/// Whether the arc crosses the segment `a b`.
+/// Whether the arc crosses or touches the segment `a b`.
 pub(super) fn arc_crosses(disc: &Disc, from_angle: f64, sweep: f64, a: Point, b: Point) -> bool {
     let (d, f) = (b - a, a - disc.center);
     let (qa, qb, qc) = (d.norm_squared(), f.dot(&d), f.norm_squared() - disc.radius * disc.radius);
@@ -106,6 +109,6 @@ pub(super) fn arc_crosses(disc: &Disc, from_angle: f64, sweep: f64, a: Point, b:
     [(-qb - root) / qa, (-qb + root) / qa].into_iter().filter(|t| (0.0..=1.0).contains(t)).any(|t| {
         let angle = angle_of(f + d * t);
         let ahead = ((angle - from_angle) * sweep.signum()).rem_euclid(TAU);
-        ahead > 0.0 && ahead < sweep.abs()
+        ahead <= sweep.abs() + SAME_ANGLE || ahead >= TAU - SAME_ANGLE
     })
 }

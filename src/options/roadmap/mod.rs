@@ -12,8 +12,10 @@ pub(super) use space::Space;
 
 use crate::geometry::{Path, Piece, Point, angle_of};
 use disc::{Disc, SAME_ANGLE, bitangent, touch_from};
-use petgraph::graph::{DiGraph, NodeIndex};
+use petgraph::Direction;
+use petgraph::graph::{DiGraph, EdgeIndex, NodeIndex};
 use petgraph::visit::{EdgeRef, Reversed};
+use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
 
 /// The free space of a team, with what its shortest paths are made of.
@@ -65,6 +67,8 @@ struct Site {
     node: NodeIndex,
     /// Distance to the site from every node, m; infinite where there is no way.
     from_node: Vec<f64>,
+    /// The way on from every node.
+    onward: Vec<Option<EdgeIndex>>,
     /// Rings from which the site can be reached, with a lower bound of the distance from any stop on them, nearest first.
     rings: Vec<(usize, f64)>,
     component: usize,
@@ -149,6 +153,7 @@ impl Roadmap {
         for (n, distance) in found {
             from_node[n.index()] = distance;
         }
+        let onward = self.onward(node, &from_node);
         let mut rings: Vec<(usize, f64)> = self
             .rings
             .iter()
@@ -160,7 +165,25 @@ impl Roadmap {
             .filter(|(_, nearest)| nearest.is_finite())
             .collect();
         rings.sort_by(|a, b| a.1.total_cmp(&b.1));
-        Site { point, node, from_node, rings, component }
+        Site { point, node, from_node, onward, rings, component }
+    }
+
+    /// The first edge of a shortest way from every node: a breadth-first tree over the edges that shortest ways consist of, since following
+    /// these edges freely may go around a loop of length 0.
+    fn onward(&self, goal: NodeIndex, from_node: &[f64]) -> Vec<Option<EdgeIndex>> {
+        let mut onward = vec![None; self.graph.node_count()];
+        let mut queue = VecDeque::from([goal]);
+        while let Some(to) = queue.pop_front() {
+            for edge in self.graph.edges_directed(to, Direction::Incoming) {
+                let from = edge.source();
+                let shortest = from_node[to.index()] + edge.weight().length() == from_node[from.index()];
+                if shortest && from != goal && onward[from.index()].is_none() {
+                    onward[from.index()] = Some(edge.id());
+                    queue.push_back(from);
+                }
+            }
+        }
+        onward
     }
 
     fn components(&self) -> Vec<usize> {
@@ -208,20 +231,16 @@ impl Roadmap {
             }
         };
         while node != goal.node {
-            let onward = self
-                .graph
-                .edges(node)
-                .map(|e| (e.weight().length() + goal.from_node[e.target().index()], e))
-                .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.target().cmp(&b.1.target())));
-            let Some((_, edge)) = onward else { return false };
-            match *edge.weight() {
+            let Some(edge) = goal.onward[node.index()] else { return false };
+            match self.graph[edge] {
                 Way::Line { from, to, .. } => path.line(from, to),
                 Way::Arc { disc, from_angle, sweep, .. } => {
                     let Disc { center, radius, .. } = self.discs[disc];
                     path.push(Piece::Arc { center, radius, from_angle, sweep });
                 }
             }
-            node = edge.target();
+            let Some((_, next)) = self.graph.edge_endpoints(edge) else { return false };
+            node = next;
         }
         true
     }

@@ -1,11 +1,11 @@
 //! Obstacles, barriers and a clearance in; whether a line or an arc can be walked out.
 
 use super::disc::{Disc, arc_crosses};
-use crate::geometry::{Bounds, Footprint, Point, segments_cross};
+use crate::geometry::{Bounds, Footprint, Point, segments_meet};
 use std::f64::consts::PI;
 
 /// Paths run exactly at the clearance where they touch; distances are compared with this much slack, m.
-const SLACK: f64 = 1e-7;
+pub(super) const SLACK: f64 = 1e-9;
 
 /// Obstacles and barriers: what a path must keep clear of, and what it must not cross.
 #[derive(Clone, Debug)]
@@ -30,9 +30,9 @@ impl Space {
         self.is_clear_by(a, b, self.clearance)
     }
 
-    /// Whether the straight way from `a` to `b` keeps clear of the obstacles; barriers may be crossed.
+    /// Whether the straight way from `a` to `b` keeps the whole clearance, without slack; barriers may be crossed.
     pub fn is_clear_of_obstacles(&self, a: Point, b: Point) -> bool {
-        self.keeps(a, b, self.clearance)
+        self.keeps(a, b, self.clearance + SLACK)
     }
 
     fn keeps(&self, a: Point, b: Point, clearance: f64) -> bool {
@@ -41,7 +41,7 @@ impl Space {
 
     /// As [`Space::is_clear`], with another clearance, m.
     pub fn is_clear_by(&self, a: Point, b: Point, clearance: f64) -> bool {
-        self.keeps(a, b, clearance) && !self.barriers.iter().any(|[c, d]| segments_cross(a, b, *c, *d))
+        self.keeps(a, b, clearance) && !self.barriers.iter().any(|[c, d]| segments_meet(a, b, *c, *d, SLACK))
     }
 
     /// Distance (m) from `p` to the nearest obstacle.
