@@ -231,7 +231,7 @@ fn example_text(runs: &[ExampleRun]) -> String {
 }
 
 fn tracks(world: &World, runs: &[ExampleRun]) -> Vec<Track> {
-    let label = |run: &ExampleRun| run.eta.map_or("without model".to_owned(), |eta| format!("eta = {eta}"));
+    let label = |run: &ExampleRun| run.eta.map_or("without model".to_owned(), |eta| format!("η = {eta}"));
     runs.iter().map(|run| Track::new(label(run), &run.ticks, Some(world.target))).collect()
 }
 

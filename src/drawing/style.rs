@@ -51,7 +51,7 @@ impl Look {
 
     /// A line through `points` (px), edged in white so that what lies below it stays readable.
     pub fn draw(self, points: &[Point], width: f64) -> Group {
-        let edge = stroke(points, "#ffffff", width + 1.4);
+        let edge = stroke(points, "#ffffff", width + 0.8);
         let line = stroke(points, self.colour, width);
         let group = Group::new();
         if self.dash.is_empty() {
@@ -79,11 +79,11 @@ impl Look {
 
 /// Widths of lines, px, that grow with probability and differ from each other.
 pub(super) fn widths_by_probability(probabilities: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut widths: Vec<f64> = probabilities.map(|p| 1.8 + 6.2 * p.min(1.0)).collect();
+    let mut widths: Vec<f64> = probabilities.map(|p| 1.4 + 9.0 * p.min(1.0)).collect();
     let mut order: Vec<usize> = (0..widths.len()).collect();
     // of equally wide lines the later one is the narrower
     order.sort_by(|&a, &b| widths[a].total_cmp(&widths[b]).then(b.cmp(&a)));
-    let step = (8.0 / widths.len().max(1) as f64).min(1.3);
+    let step = (8.0 / widths.len().max(1) as f64).min(1.6);
     for pair in order.windows(2) {
         widths[pair[1]] = widths[pair[1]].max(widths[pair[0]] + step);
     }

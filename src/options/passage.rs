@@ -99,6 +99,13 @@ impl Passage {
             && (already || self.depth(from, side) >= end || self.off_axis(to) <= ON_AXIS)
     }
 
+    /// Whether a team that came through the gap to a side is still in the straight part there. Off the axis near the part's end it is not: it
+    /// has turned the corner there between two steps.
+    pub fn keeps(&self, p: Point, side: usize) -> bool {
+        let turned = self.off_axis(p) > ON_AXIS && (p - self.portal(side)).norm() <= OFF_AXIS;
+        self.holds(p, side) && self.depth(p, side) < self.reach[side] && !turned
+    }
+
     /// From a point of the straight part, onto its axis.
     pub fn foot(&self, p: Point, side: usize) -> Point {
         self.center + self.outward(side) * self.depth(p, side)

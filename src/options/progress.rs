@@ -83,11 +83,7 @@ impl Progress {
                 self.enter(crossing, options, region_after(crossing));
             }
         }
-        let is_inside = |c: Crossing| {
-            let passage = &passages[c.opening];
-            passage.holds(to, c.into) && passage.depth(to, c.into) < passage.reach[c.into]
-        };
-        if self.inside.is_some_and(|c| !is_inside(c)) {
+        if self.inside.is_some_and(|c| !passages[c.opening].keeps(to, c.into)) {
             self.leave();
         }
         self.aligned = passages

@@ -42,3 +42,13 @@ fn the_test_command_of_the_readme_is_the_one_that_ci_runs() {
     let command = command.split('#').next().unwrap().trim();
     assert!(ci.lines().any(|line| line.trim() == command), "`{command}` is not in .ci/run");
 }
+
+#[test]
+fn the_world_of_the_readme_is_a_world() {
+    let readme = std::fs::read_to_string(repository("README.md")).unwrap();
+    let (_, rest) = readme.split_once("```toml\n").expect("a world file");
+    let (text, _) = rest.split_once("```").expect("its end");
+    let world = cocarry::world::World::parse("README.md", text).unwrap_or_else(|e| panic!("{e}"));
+    let set = cocarry::options::OptionSet::new(&world, 10.0).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(set.options().len(), 2);
+}
