@@ -188,7 +188,7 @@ impl OptionSet {
         }
         for crossing in rests[option].ahead(&self.options[option]) {
             let passage = &self.passages[crossing.opening];
-            if at == progress.position && progress.aligned == Some(crossing) {
+            if at == progress.position && progress.aligned.contains(&crossing) {
                 let foot = passage.foot(at, 1 - crossing.into);
                 path.line(at, foot);
                 at = foot;
@@ -212,7 +212,7 @@ impl OptionSet {
     /// Length from where the team is to the end of the passage of `next`.
     fn through(&self, progress: &Progress, next: Crossing) -> f64 {
         let (passage, position) = (&self.passages[next.opening], progress.position);
-        if progress.aligned == Some(next) {
+        if progress.aligned.contains(&next) {
             let foot = passage.foot(position, 1 - next.into);
             (foot - position).norm() + (passage.center - foot).norm() + passage.reach[next.into]
         } else {

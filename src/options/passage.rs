@@ -90,13 +90,12 @@ impl Passage {
         (0.0..=self.reach[side]).contains(&depth) && self.off_axis(p) <= self.half_corridor
     }
 
-    /// Whether a team that steps from `from` to `to` is aligned in the straight part on a side after it: it was so before (`already`), it
-    /// came in through that part's end, or it walks on the axis. Who merely crosses the straight part is not aligned.
-    pub fn aligns(&self, from: Point, to: Point, side: usize, already: bool) -> bool {
-        let end = self.reach[side] - ON_AXIS;
-        self.holds(to, side)
-            && self.depth(to, side) < end
-            && (already || self.depth(from, side) >= end || self.off_axis(to) <= ON_AXIS)
+    /// Whether a team at `p` is aligned in the straight part on a side: it walks on the axis, or it did so before (`already`) and has not
+    /// left the straight part. Who merely crosses the straight part is not aligned.
+    pub fn aligns(&self, p: Point, side: usize, already: bool) -> bool {
+        self.holds(p, side)
+            && self.depth(p, side) < self.reach[side] - ON_AXIS
+            && (already || self.off_axis(p) <= ON_AXIS)
     }
 
     /// Whether a team that came through the gap to a side is still in the straight part there. Off the axis near the part's end it is not: it

@@ -11,8 +11,8 @@ pub struct Progress {
     pub position: Point,
     /// The crossing that the team is in the midst of: beyond the gap, but not out of the straight part.
     pub(super) inside: Option<Crossing>,
-    /// The crossing that the team is aligned for: in the straight part before the gap, having come in through its end.
-    pub(super) aligned: Option<Crossing>,
+    /// The crossings that the team is aligned for: in the straight part before the gap. Mostly one; straight parts may overlap.
+    pub(super) aligned: Vec<Crossing>,
     pub(super) rests: Vec<Rest>,
     /// What `rests` will be once the team is out of the straight part; meaningful while `inside` is set.
     pub(super) rests_outside: Vec<Rest>,
@@ -57,7 +57,7 @@ fn visit(option: &PathOption, place: usize, region: usize) -> Option<usize> {
 impl Progress {
     pub(super) fn new(position: Point, options: usize) -> Self {
         let rests = vec![Rest::default(); options];
-        Self { position, inside: None, aligned: None, rests_outside: rests.clone(), rests }
+        Self { position, inside: None, aligned: Vec::new(), rests_outside: rests.clone(), rests }
     }
 
     pub(super) fn advance(
@@ -86,12 +86,17 @@ impl Progress {
         if self.inside.is_some_and(|c| !passages[c.opening].keeps(to, c.into)) {
             self.leave();
         }
-        self.aligned = passages
-            .iter()
-            .enumerate()
-            .flat_map(|(opening, p)| [0, 1].map(|into| (p, Crossing { opening, into })))
-            .find(|(p, c)| p.aligns(from, to, 1 - c.into, self.aligned == Some(*c)))
-            .map(|(_, crossing)| crossing);
+        let was_aligned = self.aligned.len();
+        for (opening, passage) in passages.iter().enumerate() {
+            for into in [0, 1] {
+                let crossing = Crossing { opening, into };
+                let already = self.aligned[..was_aligned].contains(&crossing);
+                if passage.aligns(to, 1 - into, already) {
+                    self.aligned.push(crossing);
+                }
+            }
+        }
+        self.aligned.drain(..was_aligned);
     }
 
     fn enter(&mut self, crossing: Crossing, options: &[PathOption], region: usize) {

@@ -100,6 +100,12 @@ pub enum WorldError {
         /// Its y, m.
         y: f64,
     },
+    /// A shape that is too thin for its length.
+    #[error("{place}: its proportions are too extreme for a solid: use corners and a height of like size")]
+    Extreme {
+        /// Where.
+        place: Place,
+    },
     /// A name that nothing has.
     #[error("{place}: there is no {kind} `{name}`; there are: {known}")]
     Unknown {

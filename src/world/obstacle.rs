@@ -3,8 +3,8 @@
 use super::error::{Place, WorldError};
 use super::file::{ObstacleEntry, Pair, ShapeEntry};
 use crate::geometry::{Footprint, Point, cross, direction, left_of};
-use parry3d::math::{Pose, Vec3};
-use parry3d::shape::SharedShape;
+use parry3d::math::{Pose, Rotation, Vec3};
+use parry3d::shape::{Shape, SharedShape};
 
 /// Coordinates beyond this (m) are refused: a slip of units, and out of reach of the tolerances used.
 const FARTHEST: f64 = 1e4;
@@ -21,6 +21,7 @@ pub struct Obstacle {
     /// Height, m.
     pub height: f64,
     solid: Solid,
+    shape: SharedShape,
 }
 
 /// How the outline is made, which is also what its solid is made from.
@@ -71,37 +72,21 @@ impl Obstacle {
                 Solid::Prism { corners: check.convex(vertices)? }
             }
         };
-        Ok(Self { name: entry.name.clone(), footprint: solid.footprint(), height, solid })
+        let shape = solid.shape(height).ok_or_else(|| WorldError::Extreme { place: place.clone() })?;
+        Ok(Self { name: entry.name.clone(), footprint: solid.footprint(), height, solid, shape })
     }
 
     /// The solid as a parry shape with its pose, `world_from_solid`; its foot is at z = 0.
-    pub fn solid(&self) -> (Pose, SharedShape) {
-        let half_height = self.height / 2.0;
-        let lifted = |p: Point| Vec3::new(p.x, p.y, half_height);
-        match &self.solid {
-            Solid::Box { center, size, yaw } => (
-                Pose::from_parts(lifted(*center), parry3d::math::Rotation::from_rotation_z(*yaw)),
-                SharedShape::cuboid(size[0] / 2.0, size[1] / 2.0, half_height),
-            ),
+    pub fn solid(&self) -> (Pose, &dyn Shape) {
+        let middle = self.middle();
+        let translation = Vec3::new(middle.x, middle.y, self.height / 2.0);
+        let rotation = match &self.solid {
+            Solid::Box { yaw, .. } => Rotation::from_rotation_z(*yaw),
             // parry's cylinder stands along y
-            Solid::Cylinder { center, radius } => (
-                Pose::from_parts(
-                    lifted(*center),
-                    parry3d::math::Rotation::from_rotation_x(std::f64::consts::FRAC_PI_2),
-                ),
-                SharedShape::cylinder(half_height, *radius),
-            ),
-            Solid::Prism { corners } => {
-                let middle = centroid(corners);
-                let points: Vec<Vec3> = [-half_height, half_height]
-                    .into_iter()
-                    .flat_map(|z| corners.iter().map(move |c| Vec3::new(c.x - middle.x, c.y - middle.y, z)))
-                    .collect();
-                let shape =
-                    SharedShape::convex_hull(&points).expect("corners checked to be convex, with an area");
-                (Pose::from_translation(lifted(middle)), shape)
-            }
-        }
+            Solid::Cylinder { .. } => Rotation::from_rotation_x(std::f64::consts::FRAC_PI_2),
+            Solid::Prism { .. } => Rotation::IDENTITY,
+        };
+        (Pose::from_parts(translation, rotation), &*self.shape)
     }
 
     /// What the world file calls the shape.
@@ -123,6 +108,22 @@ impl Obstacle {
 }
 
 impl Solid {
+    /// The shape around its middle; `None` where parry cannot make one of so extreme proportions.
+    fn shape(&self, height: f64) -> Option<SharedShape> {
+        let half_height = height / 2.0;
+        match self {
+            Self::Box { size, .. } => Some(SharedShape::cuboid(size[0] / 2.0, size[1] / 2.0, half_height)),
+            Self::Cylinder { radius, .. } => Some(SharedShape::cylinder(half_height, *radius)),
+            Self::Prism { corners } => {
+                let middle = centroid(corners);
+                let level =
+                    |z: f64| corners.iter().map(move |c| Vec3::new(c.x - middle.x, c.y - middle.y, z));
+                let points: Vec<Vec3> = level(-half_height).chain(level(half_height)).collect();
+                SharedShape::convex_hull(&points)
+            }
+        }
+    }
+
     fn footprint(&self) -> Footprint {
         match self {
             Self::Box { center, size, yaw } => {

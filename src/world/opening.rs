@@ -46,7 +46,7 @@ impl Opening {
 pub(super) fn measure(obstacles: &[Obstacle], between: [usize; 2]) -> Option<Opening> {
     let [first, second] = between.map(|i| &obstacles[i]);
     let ((pose1, shape1), (pose2, shape2)) = (first.solid(), second.solid());
-    let found = closest_points(&pose1, &*shape1, &pose2, &*shape2, f64::MAX).ok()?;
+    let found = closest_points(&pose1, shape1, &pose2, shape2, f64::MAX).ok()?;
     let ClosestPoints::WithinMargin(p1, p2) = found else {
         return None;
     };

@@ -1,6 +1,7 @@
 //! World files, what is measured in them, and the options that come of them.
 
 use crate::support::{load, repository, world_files};
+use cocarry::experiments::cycles::random_world;
 use cocarry::geometry::Point;
 use cocarry::options::{OptionSet, Waypoint};
 use cocarry::world::World;
@@ -8,6 +9,9 @@ use parry3d::math::{Pose, Vec3};
 use parry3d::query::distance;
 use parry3d::shape::Segment;
 use proptest::prelude::*;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
 
 #[test]
 fn every_world_of_the_repository_loads_and_offers_options() {
@@ -135,7 +139,7 @@ fn property_footprints_agree_with_parry() {
                 let (pose, shape) = obstacle.solid();
                 let height = obstacle.height / 2.0;
                 let segment = Segment::new(Vec3::new(ax, ay, height), Vec3::new(bx, by, height));
-                let parry = distance(&Pose::IDENTITY, &segment, &pose, &*shape).expect("supported").distance;
+                let parry = distance(&Pose::IDENTITY, &segment, &pose, shape).expect("supported").distance;
                 let ours = obstacle.footprint.distance_to_segment(Point::new(ax, ay), Point::new(bx, by));
                 prop_assert!((parry - ours).abs() < 1e-5, "{}: {parry} and {ours}", obstacle.name);
             }
@@ -144,40 +148,94 @@ fn property_footprints_agree_with_parry() {
         .unwrap();
 }
 
-/// Walking any option to its end, D falls by the step and S never rises, and what is said to be next is passed in order.
+/// Walks an option to its end: D falls by the step, S never rises, and the openings are passed in order.
+fn walk(world: &World, set: &OptionSet, o: usize) {
+    let option = &set.options()[o];
+    let context = || format!("{}: option {}", world.file, option.name);
+    let mut progress = set.begin();
+    let path = set.path(&progress, o).unwrap_or_else(|| panic!("{}: no path", context()));
+    let mut before = set.remaining(&progress, o);
+    assert!((path.length() - before.length).abs() < 1e-9, "{}", context());
+    let mut passed = Vec::new();
+    let steps = (path.length() / 0.1).ceil() as usize;
+    for k in 1..=steps {
+        set.advance(&mut progress, path.point_at(0.1 * k as f64).unwrap());
+        let left = set.remaining(&progress, o);
+        let step = if k == steps { before.length } else { 0.1 };
+        let (was, is, at) = (before.length, left.length, progress.position);
+        assert!((was - is - step).abs() < 1e-6, "{} at {at}: {was} m left, then {is} m", context());
+        assert!(left.risk <= before.risk + 1e-12, "{} at {at}", context());
+        if let (Waypoint::Opening(crossing), true) = (before.next, before.next != left.next) {
+            passed.push(crossing);
+        }
+        before = left;
+    }
+    assert_eq!(passed, option.crossings, "{}", context());
+    assert_eq!(before.next, Waypoint::Target);
+}
+
 #[test]
 fn property_what_is_left_of_an_option_shrinks_as_it_is_walked() {
     for file in world_files() {
         let (world, set) = load(&file);
-        for (o, option) in set.options().iter().enumerate() {
-            let mut progress = set.begin();
-            let path = set.path(&progress, o).unwrap();
-            let mut before = set.remaining(&progress, o);
-            let mut passed = Vec::new();
-            let steps = (path.length() / 0.1).ceil() as usize;
-            for k in 1..=steps {
-                set.advance(&mut progress, path.point_at(0.1 * k as f64).unwrap());
-                let left = set.remaining(&progress, o);
-                let step = if k == steps { before.length } else { 0.1 };
-                assert!(
-                    (before.length - left.length - step).abs() < 1e-6,
-                    "{}: option {} at {}: {} m left, then {} m",
-                    world.file,
-                    option.name,
-                    progress.position,
-                    before.length,
-                    left.length
-                );
-                assert!(left.risk <= before.risk + 1e-12);
-                if let (Waypoint::Opening(crossing), true) = (before.next, before.next != left.next) {
-                    passed.push(crossing);
-                }
-                before = left;
-            }
-            assert_eq!(passed, option.crossings, "{}: option {}", world.file, option.name);
-            assert_eq!(before.next, Waypoint::Target);
+        for o in 0..set.options().len() {
+            walk(&world, &set, o);
         }
     }
+}
+
+#[test]
+fn property_options_of_random_worlds_can_be_walked() {
+    let mut walked = 0;
+    for seed in 0..120 {
+        let text = random_world(&mut ChaCha8Rng::seed_from_u64(seed));
+        let Ok(world) = World::parse(&format!("random world {seed}"), &text) else { continue };
+        let Ok(set) = OptionSet::new(&world, 10.0) else { continue };
+        for o in 0..set.options().len() {
+            walk(&world, &set, o);
+            walked += 1;
+        }
+    }
+    assert!(walked > 200, "only {walked} options were walked");
+}
+
+/// Whatever numbers stand in a world file, it is a world or it is refused.
+#[test]
+fn property_no_numbers_make_a_world_file_panic() {
+    let text = std::fs::read_to_string(repository("worlds/free-form.toml")).unwrap();
+    let is_digit = |c: char| c.is_ascii_digit() || c == '.' || c == '-';
+    let spots: Vec<(usize, usize)> = text
+        .match_indices(|c: char| c == '[' || c == ' ')
+        .map(|(at, _)| at + 1)
+        .filter(|&at| text[at..].starts_with(|c: char| c.is_ascii_digit() || c == '-'))
+        .map(|at| (at, at + text[at..].find(|c| !is_digit(c)).unwrap_or(0)))
+        .collect();
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let values =
+        ["0.0", "-1.0", "1e-9", "0.001", "0.5", "3.0", "6.9", "1e4", "1e5", "nan", "inf", "-0.0", "1e300"];
+    let (mut worlds, mut refused) = (0, 0);
+    for _ in 0..600 {
+        let mut spoiled = text.clone();
+        for _ in 0..rng.random_range(1..4) {
+            let (from, to) = spots[rng.random_range(0..spots.len())];
+            let value = values[rng.random_range(0..values.len())];
+            // only where the earlier replacements left the length alone
+            if spoiled.len() == text.len() {
+                spoiled.replace_range(from..to, value);
+            }
+        }
+        match World::parse("spoiled", &spoiled) {
+            Err(error) => {
+                assert!(error.to_string().contains("spoiled"), "{error}");
+                refused += 1;
+            }
+            Ok(world) => {
+                let _ = OptionSet::new(&world, 10.0).map(|set| set.remaining(&set.begin(), 0));
+                worlds += 1;
+            }
+        }
+    }
+    assert!(worlds > 50 && refused > 50, "{worlds} worlds, {refused} refused");
 }
 
 /// An option that the team has left leads back through the opening just crossed, at its length and risk.
