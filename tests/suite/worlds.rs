@@ -205,7 +205,7 @@ fn property_no_numbers_make_a_world_file_panic() {
     let text = std::fs::read_to_string(repository("worlds/free-form.toml")).unwrap();
     let is_digit = |c: char| c.is_ascii_digit() || c == '.' || c == '-';
     let spots: Vec<(usize, usize)> = text
-        .match_indices(|c: char| c == '[' || c == ' ')
+        .match_indices(['[', ' '])
         .map(|(at, _)| at + 1)
         .filter(|&at| text[at..].starts_with(|c: char| c.is_ascii_digit() || c == '-'))
         .map(|at| (at, at + text[at..].find(|c| !is_digit(c)).unwrap_or(0)))
