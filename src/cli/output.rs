@@ -2,9 +2,11 @@
 
 use anyhow::{Context, Error};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_HORIZONTAL_ONLY};
-use indicatif::{ProgressBar, ProgressStyle};
-use std::io::{IsTerminal, Write};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::Write;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 /// Why a command stopped, which decides the exit code.
 pub(super) enum Failure {
@@ -72,15 +74,34 @@ pub(super) fn table_text(table: &Table) -> String {
     text.lines().map(|line| line.trim_end().to_owned() + "\n").collect()
 }
 
-/// A progress bar for `total` units, shown once two seconds have passed, if a person is looking.
-pub(super) fn progress(total: usize, what: &str) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
+/// A progress bar, for people: it appears once the work has taken two seconds, and never where standard error is no terminal.
+pub(super) struct Progress {
+    bar: ProgressBar,
+    begun: Instant,
+    is_shown: AtomicBool,
+}
+
+impl Progress {
+    /// For `total` units of work.
+    pub fn new(total: usize, what: &str) -> Self {
+        let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}  {per_sec}  {eta} left")
+            .unwrap_or_else(|_| ProgressStyle::default_bar());
+        let bar = ProgressBar::with_draw_target(Some(total as u64), ProgressDrawTarget::hidden());
+        bar.set_style(style);
+        bar.set_message(what.to_owned());
+        Self { bar, begun: Instant::now(), is_shown: AtomicBool::new(false) }
     }
-    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}  {per_sec}  {eta} left")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    let bar = ProgressBar::new(total as u64).with_style(style).with_message(what.to_owned());
-    // the first draw comes with the first tick: work that is done by then never shows a bar
-    bar.enable_steady_tick(std::time::Duration::from_secs(2));
-    bar
+
+    /// One unit is done.
+    pub fn step(&self) {
+        self.bar.inc(1);
+        if self.begun.elapsed() >= Duration::from_secs(2) && !self.is_shown.swap(true, Ordering::Relaxed) {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
+    }
+
+    /// All is done: the bar goes away.
+    pub fn finish(self) {
+        self.bar.finish_and_clear();
+    }
 }

@@ -1,6 +1,6 @@
 //! `cocarry reproduce`: the paper's claims and tables, the paper's figures beside ours.
 
-use super::output::{Failure, input, print, print_json, progress, table, table_text, write_file};
+use super::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
 use crate::coordination::Method;
 use crate::drawing::{self, Track};
 use crate::episode::{Outcome, Settings};
@@ -129,12 +129,12 @@ fn run_h1(arguments: &H1) -> Result<(), Failure> {
 
 fn run_h2(arguments: &H2) -> Result<(), Failure> {
     let settings = Settings::default();
-    let bar = progress(h2::EPISODES, "Table II");
+    let bar = Progress::new(h2::EPISODES, "Table II");
     let rows = arguments
         .common
-        .on_threads(|| h2::table(&settings, arguments.seed, &|| bar.inc(1)))?
+        .on_threads(|| h2::table(&settings, arguments.seed, &|| bar.step()))?
         .map_err(input)?;
-    bar.finish_and_clear();
+    bar.finish();
     let (world, runs) = h2::example(&settings).map_err(input)?;
     if let Some(path) = &arguments.svg {
         let svg = drawing::adaptation(&world, &tracks(&world, &runs), settings.period)
@@ -250,11 +250,11 @@ fn example_json(run: &ExampleRun) -> Value {
 
 fn run_cycles(arguments: &Cycles) -> Result<(), Failure> {
     let settings = Settings::default();
-    let bar = progress(arguments.worlds, "random worlds");
+    let bar = Progress::new(arguments.worlds, "random worlds");
     let findings = arguments
         .common
-        .on_threads(|| cycles::search(arguments.worlds, arguments.seed, &settings, &|| bar.inc(1)))?;
-    bar.finish_and_clear();
+        .on_threads(|| cycles::search(arguments.worlds, arguments.seed, &settings, &|| bar.step()))?;
+    bar.finish();
     if let Some(folder) = &arguments.keep {
         for found in &findings.counterexamples {
             let head = format!(
