@@ -3,6 +3,7 @@
 use super::model::{ModelArguments, load_world};
 use super::output::{Failure, input, print, print_json, table, table_text, write_file};
 use crate::drawing;
+use crate::episode::prospects;
 use crate::geometry::Footprint;
 use crate::options::OptionSet;
 use crate::preference::{ChoiceDistribution, Predictor, Prospect, objective_cost};
@@ -59,13 +60,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 }
 
 fn offers(world: &World, set: &OptionSet, predictor: &mut Predictor) -> Vec<Offer> {
-    let start = set.begin();
-    let prospects: Vec<Prospect> = (0..set.options().len())
-        .map(|o| {
-            let left = set.remaining(&start, o);
-            Prospect { length: left.length, risk: left.risk }
-        })
-        .collect();
+    let prospects = prospects(set, &set.begin());
     let mut choice = ChoiceDistribution::default();
     let mut expected = Vec::new();
     predictor.predict(&prospects, &mut choice);

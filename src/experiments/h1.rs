@@ -1,8 +1,9 @@
 //! H1, Table I: the choice distribution of the model against the participants' answers and the paper's model output.
 
 use super::paper::{BuiltInError, ENVIRONMENTS};
+use crate::episode::prospects;
 use crate::options::OptionSet;
-use crate::preference::{ChoiceDistribution, Predictor, Prospect};
+use crate::preference::{ChoiceDistribution, Predictor};
 use serde::Serialize;
 
 /// One cell of Table I.
@@ -30,13 +31,7 @@ pub fn table(predictor: &Predictor) -> Result<Vec<Row>, BuiltInError> {
     let mut choice = ChoiceDistribution::default();
     for environment in &ENVIRONMENTS {
         let set = OptionSet::new(&environment.world()?, predictor.risk_weight())?;
-        let start = set.begin();
-        let prospects: Vec<Prospect> = (0..set.options().len())
-            .map(|o| {
-                let left = set.remaining(&start, o);
-                Prospect { length: left.length, risk: left.risk }
-            })
-            .collect();
+        let prospects = prospects(&set, &set.begin());
         predictor.predict(&prospects, &mut choice);
         for (o, option) in set.options().iter().enumerate() {
             rows.push(Row {

@@ -39,22 +39,6 @@ pub enum OptionError {
         /// Half of the robot's width, m.
         clearance: f64,
     },
-    /// The middle of an opening is not free: a third obstacle stands in it.
-    #[error(
-        "{file}: opening `{opening}`: its middle ({x:.4}, {y:.4}) is not {clearance} m clear of the obstacles"
-    )]
-    Blocked {
-        /// The world file.
-        file: String,
-        /// The opening.
-        opening: String,
-        /// Its middle's x, m.
-        x: f64,
-        /// Its middle's y, m.
-        y: f64,
-        /// Half of the robot's width, m.
-        clearance: f64,
-    },
 }
 
 /// What closes the way to a target.

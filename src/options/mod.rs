@@ -90,7 +90,7 @@ impl OptionSet {
         let clearance = world.robot_width / 2.0;
         let barriers = world.openings.iter().map(|o| o.ends).collect();
         let space = Space::new(world.obstacles.iter().map(|o| o.footprint.clone()), barriers, clearance);
-        let passages = passages(world, &space)?;
+        let passages = passages(world, &space);
         let portals = passages.iter().flat_map(|p| [p.portal(0), p.portal(1)]);
         let sites: Vec<Point> = [world.start, world.target].into_iter().chain(portals).collect();
         let roadmap = Roadmap::new(space, &sites);
@@ -338,23 +338,15 @@ impl OptionSet {
     }
 }
 
-fn passages(world: &World, space: &Space) -> Result<Vec<Passage>, OptionError> {
+fn passages(world: &World, space: &Space) -> Vec<Passage> {
     world
         .openings
         .iter()
         .enumerate()
         .map(|(i, opening)| {
-            let others: Vec<_> =
-                world.openings.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, o)| o.clone()).collect();
-            Passage::new(opening, &others, space, world.robot_width, ALIGNMENT).ok_or_else(|| {
-                OptionError::Blocked {
-                    file: world.file.clone(),
-                    opening: opening.name.clone(),
-                    x: opening.center().x,
-                    y: opening.center().y,
-                    clearance: world.robot_width / 2.0,
-                }
-            })
+            let others: Vec<[Point; 2]> =
+                world.openings.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, o)| o.ends).collect();
+            Passage::new(opening, &others, space, world.robot_width, ALIGNMENT)
         })
         .collect()
 }

@@ -43,35 +43,32 @@ const ON_AXIS: f64 = 1e-6;
 
 impl Passage {
     /// The passage through `opening`, straight for up to `alignment` (m) on either side, less where an obstacle or another opening leaves
-    /// less; `None` where not even its middle is clear.
+    /// less.
     pub fn new(
         opening: &Opening,
-        others: &[Opening],
+        others: &[[Point; 2]],
         space: &Space,
         robot_width: f64,
         alignment: f64,
-    ) -> Option<Self> {
+    ) -> Self {
         let (center, axis) = (opening.center(), opening.axis());
-        if !space.is_clear_of_obstacles(center, center) {
-            return None;
-        }
         let reach = [-axis, axis].map(|outward| {
             let free = others
                 .iter()
-                .filter_map(|other| meets(center, outward, other.ends))
+                .filter_map(|gap| meets(center, outward, *gap))
                 // two openings that face each other share the way between them
                 .map(|distance| distance / 2.0)
                 .fold(alignment, f64::min);
             longest_clear(center, outward, free, space)
         });
-        Some(Self {
+        Self {
             center,
             axis,
             reach,
             risk: opening.risk(robot_width),
             half_width: opening.width / 2.0,
             half_corridor: ((opening.width - robot_width) / 2.0).min(OFF_AXIS),
-        })
+        }
     }
 
     /// The end of the straight part on a side.

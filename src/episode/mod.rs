@@ -3,131 +3,21 @@
 //! [`Episode::step`] is the paper's algorithm: observe, evaluate the options, predict the choice, accumulate stubbornness, decide the mode,
 //! choose the option, walk. The plant is the planning level's: a team that walks its path exactly.
 
-use crate::coordination::{self, Coordinator, Method, Mode, is_misaligned, robot_choice};
-use crate::geometry::{Path, Point};
+mod outcome;
+mod settings;
+mod tick;
+
+pub use outcome::{Outcome, Summary, Transition};
+pub use settings::Settings;
+pub use tick::{OptionTick, Tick};
+
+use crate::coordination::{Coordinator, Method, Mode, is_misaligned, robot_choice};
+use crate::geometry::Path;
 use crate::options::{OptionSet, Progress, Remaining, Waypoint};
 use crate::preference::{ChoiceDistribution, Perception, Predictor, Prospect, human_choice, objective_cost};
 
 /// Options longer than this (m), or without a way, are predicted as if they were this long: far beyond what anyone would choose.
 const FARTHEST: f64 = 1e6;
-
-/// Everything about an episode but the world and the human.
-#[derive(Clone, Debug)]
-pub struct Settings {
-    /// What the robot believes of the human's (alpha, gamma), and c_r.
-    pub predictor: Predictor,
-    /// phi(0) and eta.
-    pub coordination: coordination::Settings,
-    /// How the team decides who leads.
-    pub method: Method,
-    /// Control period, s: one planning step k.
-    pub period: f64,
-    /// Walking speed of the team, m/s.
-    pub speed: f64,
-    /// Ticks after which the episode ends without arrival; by default ten times what the longest option takes.
-    pub tick_limit: Option<u64>,
-    /// Whether P_o is also evaluated while the human leads. The planning level makes no use of it then; ticks that are looked at do.
-    pub predict_while_human_leads: bool,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            predictor: Predictor::default(),
-            coordination: coordination::Settings::default(),
-            method: Method::Mutual,
-            period: 0.2,
-            speed: 0.5,
-            tick_limit: None,
-            predict_while_human_leads: true,
-        }
-    }
-}
-
-/// What was observed and decided in one planning step.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Tick {
-    /// k, from 0.
-    pub step: u64,
-    /// Simulated time at the beginning of the step, s.
-    pub time: f64,
-    /// Position of the team at the beginning of the step, m, world frame.
-    pub position: Point,
-    /// Direction of travel during the step, rad.
-    pub heading: f64,
-    /// Who leads.
-    pub mode: Mode,
-    /// phi(k).
-    pub stubbornness: f64,
-    /// g(k).
-    pub discomfort: f64,
-    /// The option that is executed.
-    pub executed: usize,
-    /// The option that this human would choose from here.
-    pub preferred: usize,
-    /// J of the executed option, m.
-    pub objective_cost: f64,
-    /// Sum of `objective_cost` up to and with this step, m.
-    pub accumulated_cost: f64,
-    /// Every option as it is from here, in the order of the option set.
-    pub options: Vec<OptionTick>,
-}
-
-/// One option in one planning step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OptionTick {
-    /// D_o, S_o and the next waypoint.
-    pub remaining: Remaining,
-    /// J_o, eq. (1), m.
-    pub objective: f64,
-    /// J~_o, the expected subjective cost of eq. (6), m; evaluated while the robot leads, else NaN.
-    pub expected: f64,
-    /// P_o, eq. (4); NaN where it was not evaluated.
-    pub probability: f64,
-    /// omega_o: whether the team is moving toward something else than this option's next waypoint.
-    pub misaligned: bool,
-}
-
-/// How an episode ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
-    /// The team stands at the target.
-    Arrived,
-    /// The tick limit passed before.
-    OutOfTime,
-    /// No way leads on from where the team stands.
-    NoWay,
-}
-
-/// The one transition from robot-led to human-led.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Transition {
-    /// k at which phi first exceeded 1.
-    pub step: u64,
-    /// Where the team was, m, world frame.
-    pub position: Point,
-}
-
-/// What is worth knowing of an episode afterwards.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Summary {
-    /// How it ended.
-    pub outcome: Outcome,
-    /// Planning steps taken.
-    pub steps: u64,
-    /// Way walked, m.
-    pub walked: f64,
-    /// Sum over the steps of J of the option executed, m.
-    pub accumulated_cost: f64,
-    /// The option executed first.
-    pub first_option: usize,
-    /// The option executed last.
-    pub last_option: usize,
-    /// How often the executed option changed.
-    pub changes: u32,
-    /// The transition of the mode, if there was one.
-    pub transition: Option<Transition>,
-}
 
 /// An episode under way. A clone goes on independently and identically.
 #[derive(Clone, Debug)]
@@ -148,6 +38,15 @@ pub struct Episode<'a> {
     prospects: Vec<Prospect>,
     choice: ChoiceDistribution,
     expected: Vec<f64>,
+}
+
+/// What is left of every option from where the team is, as it is perceived, in the order of the option set.
+pub fn prospects(options: &OptionSet, progress: &Progress) -> Vec<Prospect> {
+    (0..options.options().len()).map(|o| prospect(options.remaining(progress, o))).collect()
+}
+
+fn prospect(remaining: Remaining) -> Prospect {
+    Prospect { length: remaining.length.min(FARTHEST), risk: remaining.risk }
 }
 
 /// Runs an episode to its end; `on_tick` sees every step.
@@ -243,7 +142,7 @@ impl<'a> Episode<'a> {
         self.prospects.clear();
         for o in 0..self.options.options().len() {
             let remaining = self.options.remaining(&self.progress, o);
-            let prospect = Prospect { length: remaining.length.min(FARTHEST), risk: remaining.risk };
+            let prospect = prospect(remaining);
             self.prospects.push(prospect);
             self.tick.options.push(OptionTick {
                 remaining,
@@ -343,39 +242,5 @@ impl<'a> Episode<'a> {
         self.summary.walked += along - self.along;
         self.along = along;
         self.summary.steps += 1;
-    }
-}
-
-impl Tick {
-    fn empty(position: Point) -> Self {
-        Self {
-            step: 0,
-            time: 0.0,
-            position,
-            heading: 0.0,
-            mode: Mode::RobotLed,
-            stubbornness: 0.0,
-            discomfort: 0.0,
-            executed: 0,
-            preferred: 0,
-            objective_cost: 0.0,
-            accumulated_cost: 0.0,
-            options: Vec::new(),
-        }
-    }
-}
-
-impl Summary {
-    fn empty() -> Self {
-        Self {
-            outcome: Outcome::OutOfTime,
-            steps: 0,
-            walked: 0.0,
-            accumulated_cost: 0.0,
-            first_option: 0,
-            last_option: 0,
-            changes: 0,
-            transition: None,
-        }
     }
 }

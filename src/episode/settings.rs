@@ -1,0 +1,37 @@
+//! What an episode is run with: belief, coordination, method, period, speed; documented defaults.
+
+use crate::coordination::{self, Method};
+use crate::preference::Predictor;
+
+/// Everything about an episode but the world and the human.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// What the robot believes of the human's (alpha, gamma), and c_r.
+    pub predictor: Predictor,
+    /// phi(0) and eta.
+    pub coordination: coordination::Settings,
+    /// How the team decides who leads.
+    pub method: Method,
+    /// Control period, s: one planning step k.
+    pub period: f64,
+    /// Walking speed of the team, m/s.
+    pub speed: f64,
+    /// Ticks after which the episode ends without arrival; by default ten times what the longest option takes.
+    pub tick_limit: Option<u64>,
+    /// Whether P_o is also evaluated while the human leads. The planning level makes no use of it then; ticks that are looked at do.
+    pub predict_while_human_leads: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            predictor: Predictor::default(),
+            coordination: coordination::Settings::default(),
+            method: Method::Mutual,
+            period: 0.2,
+            speed: 0.5,
+            tick_limit: None,
+            predict_while_human_leads: true,
+        }
+    }
+}
