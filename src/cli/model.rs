@@ -74,9 +74,14 @@ pub(super) fn load_world(path: &Path) -> Result<World, Failure> {
     }
 }
 
-/// A finite number greater than 0.
+/// eta, or c_r in metres: beyond a million, a slip.
 pub(super) fn positive(text: &str) -> Result<f64, String> {
-    number(text, "a number greater than 0", |v| v > 0.0)
+    number(text, "a number greater than 0 and at most 1000000", |v| v > 0.0 && v <= 1e6)
+}
+
+/// alpha or gamma of a human: around 1, and never far from it.
+pub(super) fn perception(text: &str) -> Result<f64, String> {
+    number(text, "a number greater than 0 and at most 10", |v| v > 0.0 && v <= 10.0)
 }
 
 /// phi(0).

@@ -1,6 +1,6 @@
 //! `cocarry run`: a world and a human in; one episode, told, tabulated, drawn or logged tick by tick, out.
 
-use super::model::{ModelArguments, initial_stubbornness, load_world, positive};
+use super::model::{ModelArguments, initial_stubbornness, load_world, perception, positive};
 use super::output::{Failure, input, print, print_json, table, table_text, write_file};
 use super::tick_log;
 use crate::coordination::{self, Method};
@@ -30,10 +30,10 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value_t = MethodArgument::Mutual)]
     method: MethodArgument,
     /// The human's perception of distance (D^alpha); drawn from the belief if not given
-    #[arg(long, value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_parser = perception, allow_negative_numbers = true)]
     alpha: Option<f64>,
     /// The human's perception of risk (Prelec's gamma); drawn from the belief if not given
-    #[arg(long, value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_parser = perception, allow_negative_numbers = true)]
     gamma: Option<f64>,
     /// Tolerance of the human: the larger, the slower stubbornness grows (paper: 5, 10.5, 15)
     #[arg(long, default_value_t = coordination::Settings::default().eta, value_parser = positive, allow_negative_numbers = true)]

@@ -23,7 +23,7 @@ impl std::fmt::Display for Place {
 #[derive(Debug, Error)]
 pub enum WorldError {
     /// The file cannot be read.
-    #[error("{file}: cannot be read: {source}")]
+    #[error("{file}: cannot be read")]
     Read {
         /// The file.
         file: String,
@@ -31,7 +31,7 @@ pub enum WorldError {
         source: std::io::Error,
     },
     /// The file is not the TOML that a world file is made of.
-    #[error("{file}: {source}")]
+    #[error("{file}: not a valid world file")]
     Syntax {
         /// The file.
         file: String,

@@ -83,13 +83,14 @@ fn a_missing_file() {
     assert_eq!(output.status.code(), Some(2));
     let error = stderr(&output);
     assert!(error.contains("worlds/no-such-world.toml") && error.contains("environment-1"), "{error}");
+    assert_eq!(error.matches("No such file").count(), 1, "{error}");
 }
 
 #[test]
 fn a_folder_instead_of_a_file() {
     let output = cocarry(&["run", "worlds"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("worlds: cannot be read"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("worlds: cannot be read: "), "{}", stderr(&output));
 }
 
 #[test]
@@ -265,7 +266,9 @@ fn an_option_limit_of_nothing() {
 
 #[test]
 fn numbers_on_the_command_line() {
-    let cases: [(&[&str], &str); 9] = [
+    let cases: [(&[&str], &str); 11] = [
+        (&["run", "--alpha", "70"], "at most 10"),
+        (&["world", "environment-1", "--risk-weight", "1e300"], "at most 1000000"),
         (&["run", "--eta", "0"], "greater than 0"),
         (&["run", "--eta", "nan"], "greater than 0"),
         (&["run", "--alpha", "-1"], "--alpha"),

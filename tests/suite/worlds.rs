@@ -3,7 +3,7 @@
 use crate::support::{load, repository, world_files};
 use cocarry::experiments::cycles::random_world;
 use cocarry::geometry::Point;
-use cocarry::options::{OptionSet, Waypoint};
+use cocarry::options::{OptionSet, Progress, Waypoint};
 use cocarry::world::World;
 use parry3d::math::{Pose, Vec3};
 use parry3d::query::distance;
@@ -238,33 +238,50 @@ fn property_no_numbers_make_a_world_file_panic() {
     assert!(worlds > 50 && refused > 50, "{worlds} worlds, {refused} refused");
 }
 
+/// The team after walking an option from the start until it is `beyond` metres past the first opening.
+fn past_first_opening(world: &World, set: &OptionSet, option: usize, beyond: f64) -> Progress {
+    let mut progress = set.begin();
+    let path = set.path(&progress, option).unwrap();
+    let center = world.openings[set.options()[option].crossings[0].opening].center();
+    let steps = (path.length() / 0.1) as usize;
+    for k in 1..steps {
+        set.advance(&mut progress, path.point_at(0.1 * k as f64).unwrap());
+        if progress.position.x >= center.x + beyond {
+            return progress;
+        }
+    }
+    panic!("the opening is not passed");
+}
+
+/// Two options that meet in a region share their rest.
+#[test]
+fn closed_form_options_that_meet_share_their_rest() {
+    let (world, set) = load(&repository("worlds/environment-4.toml"));
+    let progress = past_first_opening(&world, &set, 2, 1.5);
+    assert_eq!(set.remaining(&progress, 2).risk, 0.0);
+    assert_eq!(set.remaining(&progress, 2).next, Waypoint::Target);
+    assert_eq!(set.remaining(&progress, 3), set.remaining(&progress, 2));
+}
+
+/// The opening under way counts, at its risk, until the team is out of its straight part.
+#[test]
+fn closed_form_an_opening_counts_until_its_straight_part_is_left() {
+    let (world, set) = load(&repository("worlds/environment-4.toml"));
+    let opening = &world.openings[set.options()[2].crossings[0].opening];
+    let inside = past_first_opening(&world, &set, 2, 0.5);
+    assert!((set.remaining(&inside, 2).risk - opening.risk(0.5)).abs() < 1e-12);
+    // another option goes on to the end of the straight part as well, then shares the rest
+    assert_eq!(set.remaining(&inside, 3).length, set.remaining(&inside, 2).length);
+}
+
 /// An option that the team has left leads back through the opening just crossed, at its length and risk.
 #[test]
 fn closed_form_an_option_that_was_left_leads_back() {
-    let (world, set) = load(&repository("worlds/environment-4.toml"));
-    let (walked, other) = (2, 3);
-    let mut progress = set.begin();
-    let path = set.path(&progress, walked).unwrap();
-    let opening = &world.openings[set.options()[walked].crossings[0].opening];
-    while progress.position.x < opening.center().x + 1.5 {
-        let along = path.length() - set.remaining(&progress, walked).length + 0.1;
-        set.advance(&mut progress, path.point_at(along).unwrap());
-    }
-    // both options lead straight to the target from here: they share the region
-    assert_eq!(set.remaining(&progress, walked).risk, 0.0);
-    assert_eq!(set.remaining(&progress, other), set.remaining(&progress, walked));
-
     let (world, set) = load(&repository("worlds/environment-1.toml"));
     let (through_2, direct) = (1, 3);
-    let mut progress = set.begin();
-    let path = set.path(&progress, through_2).unwrap();
     let crossing = set.options()[through_2].crossings[0];
     let center = world.openings[crossing.opening].center();
-    let mut along = 0.0;
-    while progress.position.x < center.x + 1.2 {
-        along += 0.1;
-        set.advance(&mut progress, path.point_at(along).unwrap());
-    }
+    let progress = past_first_opening(&world, &set, through_2, 1.2);
     let left = set.remaining(&progress, direct);
     assert_eq!(left.next, Waypoint::Opening(crossing.back()));
     let risks =
