@@ -1,6 +1,6 @@
 //! The integral over `gamma`: strips in which the same options win in the same order, each integrated by one Gauss rule.
 //!
-//! Within a strip every end of a winner's interval of `alpha` is an analytic function of `gamma`, so a rule of seven nodes
+//! Within a strip every end of a winner's interval of `alpha` is an analytic function of `gamma`, so a rule of ten nodes
 //! converges fast; at a strip's end an option joins or leaves the envelope. Three things make sure no such event is missed:
 //! the envelope at both ends of a strip, the check at every node that the assumed winners are the winners, and the
 //! certificates (the margin by which a loser loses, the length a winner wins) interpolated between the nodes.
