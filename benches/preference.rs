@@ -12,7 +12,7 @@ const RISK_WEIGHT: f64 = 10.0;
 /// (1500 to 9000 by 500, then 10000, 12000 and 16000) 5500 is the last to miss it, by 1.2e-6.
 const GRID: usize = 6000;
 
-/// Environment 4 at its start: lengths in metres, risks from the widths of the openings (0.5 m robot), so that all four can win.
+/// Near Environment 4 at its start: lengths in metres, risks from the widths of the openings (0.5 m robot), so that all four can win.
 fn environment_4() -> [Prospect; 4] {
     [(18.0658, 1.0966), (28.5424, 2.4739), (13.3412, 0.7253), (18.0649, 1.0965)]
         .map(|(length, width)| Prospect::new(length, 0.5 / width))

@@ -69,8 +69,7 @@ impl<'a> Episode<'a> {
         let n = options.options().len();
         let progress = options.begin();
         let per_step = settings.speed * settings.period;
-        let longest =
-            (0..n).map(|o| options.remaining(&progress, o).length).fold(0.0, f64::max).min(FARTHEST);
+        let longest = prospects(options, &progress).iter().map(|p| p.length).fold(0.0, f64::max);
         let tick_limit = settings.tick_limit.unwrap_or((10.0 * longest / per_step).ceil() as u64 + 1);
         Self {
             options,

@@ -1,7 +1,7 @@
 //! An opening and the free space in; the straight way through it out.
 
 use super::roadmap::Space;
-use crate::geometry::{Point, Vector};
+use crate::geometry::{Point, Vector, cross};
 use crate::world::Opening;
 
 /// An opening as it is walked: straight through its middle, perpendicular to the gap.
@@ -124,13 +124,12 @@ impl Passage {
     }
 
     fn off_axis(&self, p: Point) -> f64 {
-        crate::geometry::cross(self.axis, p - self.center).abs()
+        cross(self.axis, p - self.center).abs()
     }
 }
 
 /// Distance (m) along a ray at which it meets a segment.
 fn meets(from: Point, toward: Vector, [a, b]: [Point; 2]) -> Option<f64> {
-    use crate::geometry::cross;
     let along = b - a;
     let slope = cross(toward, along);
     if slope == 0.0 {

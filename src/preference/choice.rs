@@ -13,15 +13,6 @@ pub struct ChoiceDistribution {
 }
 
 impl ChoiceDistribution {
-    /// The distribution over `options` options that is sure of option `chosen`; empty if there is no such option.
-    pub fn certain(options: usize, chosen: usize) -> Self {
-        let mut distribution = Self::default();
-        if chosen < options {
-            distribution.set_certain(options, chosen);
-        }
-        distribution
-    }
-
     /// Normalises non-negative finite `weights`; `None` if one is negative or not finite, or if none is positive.
     pub fn from_weights(weights: &[f64]) -> Option<Self> {
         let mut distribution = Self { probabilities: weights.to_vec() };
@@ -31,11 +22,6 @@ impl ChoiceDistribution {
     /// All probabilities, in the order of the options.
     pub fn probabilities(&self) -> &[f64] {
         &self.probabilities
-    }
-
-    /// Probability of option `option`; 0 for an option that does not exist.
-    pub fn get(&self, option: usize) -> f64 {
-        self.probabilities.get(option).copied().unwrap_or(0.0)
     }
 
     /// The most probable option; ties go to the lower index. 0 without options.
@@ -96,12 +82,9 @@ mod tests {
         let distribution = ChoiceDistribution::from_weights(&[1.0, 3.0, 3.0]).unwrap();
         assert!((distribution.probabilities().iter().sum::<f64>() - 1.0).abs() < 1e-15);
         assert_eq!(distribution.most_likely(), 1);
-        assert_eq!(distribution.get(7), 0.0);
         assert_eq!(ChoiceDistribution::from_weights(&[0.0, 0.0]), None);
         assert_eq!(ChoiceDistribution::from_weights(&[]), None);
         assert_eq!(ChoiceDistribution::from_weights(&[1.0, -0.1]), None);
         assert_eq!(ChoiceDistribution::from_weights(&[1.0, f64::NAN]), None);
-        assert_eq!(ChoiceDistribution::certain(2, 1).probabilities(), [0.0, 1.0]);
-        assert!(ChoiceDistribution::certain(2, 2).is_empty());
     }
 }

@@ -156,7 +156,7 @@ impl Predictor {
 mod tests {
     use super::*;
 
-    /// The start values of the paper's four environments, lengths in metres and risks, as rebuilt for `worlds/`.
+    /// Start values of the first calibration of the paper's four environments, lengths in metres and risks, rounded to four digits.
     const ENVIRONMENTS: [[(f64, f64); 4]; 4] = [
         [(41.8638, 0.6598), (17.4006, 0.3626), (14.3308, 0.5474), (21.3552, 0.2474)],
         [(12.7239, 0.9737), (14.2601, 0.9332), (23.0, 0.9131), (19.3294, 0.7824)],

@@ -4,7 +4,7 @@ use super::obstacle::Obstacle;
 use crate::geometry::{Point, Vector, left_of};
 use parry3d::query::{ClosestPoints, closest_points};
 
-/// An opening this many robot widths wide or wider is free passage (Sec. III-A, footnote 1).
+/// An opening wider than this many robot widths is free passage (Sec. III-A, footnote 1).
 pub const FREE_PASSAGE: f64 = 5.0;
 
 /// Outline parts within this distance (m) of the closest ones count as closest too: parallel faces.
@@ -57,8 +57,8 @@ pub(super) fn measure(obstacles: &[Obstacle], between: [usize; 2]) -> Option<Ope
     }
     let toward = (p2 - p1) / width;
     let left = left_of(toward);
-    let (part1, _) = first.footprint.farthest_part(toward, PARALLEL);
-    let (part2, _) = second.footprint.farthest_part(-toward, PARALLEL);
+    let part1 = first.footprint.farthest_part(toward, PARALLEL);
+    let part2 = second.footprint.farthest_part(-toward, PARALLEL);
     // the second obstacle's axis points the other way
     let (low, high) = (part1[0].max(-part2[1]), part1[1].min(-part2[0]));
     let shift = if low < high { (low + high) / 2.0 - left.dot(&p1.coords) } else { 0.0 };

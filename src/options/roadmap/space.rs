@@ -32,16 +32,17 @@ impl Space {
 
     /// Whether the straight way from `a` to `b` keeps the whole clearance, without slack; barriers may be crossed.
     pub fn is_clear_of_obstacles(&self, a: Point, b: Point) -> bool {
-        self.keeps(a, b, self.clearance + SLACK)
+        self.keeps(a, b, self.clearance)
     }
 
-    fn keeps(&self, a: Point, b: Point, clearance: f64) -> bool {
-        self.obstacles.iter().all(|(o, bounds)| o.clears_segment(*bounds, a, b, clearance - SLACK))
+    fn keeps(&self, a: Point, b: Point, distance: f64) -> bool {
+        self.obstacles.iter().all(|(o, bounds)| o.clears_segment(*bounds, a, b, distance))
     }
 
     /// As [`Space::is_clear`], with another clearance, m.
     pub fn is_clear_by(&self, a: Point, b: Point, clearance: f64) -> bool {
-        self.keeps(a, b, clearance) && !self.barriers.iter().any(|[c, d]| segments_meet(a, b, *c, *d, SLACK))
+        self.keeps(a, b, clearance - SLACK)
+            && !self.barriers.iter().any(|[c, d]| segments_meet(a, b, *c, *d, SLACK))
     }
 
     /// Distance (m) from `p` to the nearest obstacle.
