@@ -64,4 +64,5 @@ pub mod experiments;
 pub mod geometry;
 pub mod options;
 pub mod preference;
+pub mod robot;
 pub mod world;

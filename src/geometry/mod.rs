@@ -4,9 +4,11 @@
 
 mod footprint;
 mod path;
+mod spatial;
 
 pub use footprint::{Bounds, Footprint};
 pub use path::{Path, Piece};
+pub use spatial::{PlanarPose, Pose, rotation_vector};
 
 /// A point of the plane, metres in the world frame.
 pub type Point = nalgebra::Point2<f64>;

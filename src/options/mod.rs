@@ -14,7 +14,7 @@ mod trajectory;
 pub use error::{Blockage, OptionError};
 pub use passage::Crossing;
 pub use progress::Progress;
-pub use trajectory::{PlanarPose, nominal_trajectory};
+pub use trajectory::nominal_trajectory;
 
 use crate::geometry::{Path, Point};
 use crate::world::{ListedOption, World};

@@ -1,15 +1,6 @@
 //! A path and a walking speed in; the nominal trajectory s(t), positions with yaw, out.
 
-use crate::geometry::{Path, Point, wrap_angle};
-
-/// A position with a heading.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlanarPose {
-    /// Position, m, world frame.
-    pub position: Point,
-    /// Heading, rad, counter-clockwise from the world's x.
-    pub yaw: f64,
-}
+use crate::geometry::{Path, PlanarPose, wrap_angle};
 
 /// The pose at each of `steps` ticks of `period` (s) after now, walking `path` at `speed` (m/s) from its beginning with heading `yaw` (rad).
 ///
@@ -37,6 +28,7 @@ pub fn nominal_trajectory(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Point;
 
     #[test]
     fn closed_form_a_corner_is_turned_at_the_yaw_rate() {

@@ -1,0 +1,50 @@
+//! Planar and spatial poses and rotation vectors.
+
+use super::Point;
+use nalgebra::{IsometryMatrix3, Rotation3, UnitQuaternion, Vector3};
+
+/// A pose in space, `target_from_source`: rotation matrix and translation (m).
+pub type Pose = IsometryMatrix3<f64>;
+
+/// A position of the plane with a heading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlanarPose {
+    /// Position, m, world frame.
+    pub position: Point,
+    /// Heading, rad, counter-clockwise from the world's x.
+    pub yaw: f64,
+}
+
+impl PlanarPose {
+    /// The level pose in space at this position, `height` (m) above the floor.
+    pub fn at_height(&self, height: f64) -> Pose {
+        let translation = Vector3::new(self.position.x, self.position.y, height);
+        Pose::from_parts(translation.into(), Rotation3::from_axis_angle(&Vector3::z_axis(), self.yaw))
+    }
+}
+
+/// The rotation vector (axis times angle in [0, pi], rad) of a rotation: its logarithm. Exact to rounding for any angle.
+pub fn rotation_vector(rotation: &Rotation3<f64>) -> Vector3<f64> {
+    let m = rotation.matrix();
+    let sine = Vector3::new(m.m32 - m.m23, m.m13 - m.m31, m.m21 - m.m12) / 2.0;
+    let (sin, cos) = (sine.norm(), (m.trace() - 1.0) / 2.0);
+    // near half a turn the axis is lost in `sine`; the quaternion still has it
+    if cos < -0.9 {
+        return UnitQuaternion::from_rotation_matrix(rotation).scaled_axis();
+    }
+    if sin < 1e-12 { sine } else { sine * (sin.atan2(cos) / sin) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_the_logarithm_undoes_the_exponential() {
+        let axis = Vector3::new(1.0, -2.0, 0.5).normalize();
+        for angle in [0.0, 1e-13, 1e-9, 1e-3, 0.4, 1.5, 2.6, 2.7, 3.0, 3.1415926] {
+            let back = rotation_vector(&Rotation3::new(axis * angle));
+            assert!((back - axis * angle).norm() < 1e-12, "{angle}: {}", (back - axis * angle).norm());
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! A [`Configuration`] in; the grasp's pose and the whole-body Jacobian out. No allocation.
+
+use super::{Configuration, Drive, InputJacobian, InputVector, MAX_JOINTS, Motion, Robot};
+use crate::geometry::{PlanarPose, Pose, direction, wrap_angle};
+use nalgebra::{Rotation3, Vector3};
+
+/// Where the grasp is and how it moves, at one configuration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kinematics {
+    /// `world_from_grasp`.
+    pub grasp: Pose,
+    /// The whole-body Jacobian J(q); B(q) of eq. (7) is the control period times it.
+    pub jacobian: InputJacobian,
+}
+
+impl Robot {
+    /// `world_from_grasp` at a configuration.
+    pub fn grasp_pose(&self, q: &Configuration) -> Pose {
+        let last = self.chain.iter().fold(q.base.at_height(0.0), |before, link| {
+            let position = link.ratio * q.joints[link.joint] + link.offset;
+            let joint = before * link.before_from_joint;
+            match link.motion {
+                Motion::Revolute => joint * Rotation3::from_axis_angle(&link.axis, position),
+                Motion::Prismatic => joint * nalgebra::Translation3::from(link.axis.scale(position)),
+            }
+        });
+        last * self.last_from_grasp
+    }
+
+    /// The grasp's pose and the whole-body Jacobian at a configuration.
+    pub fn kinematics(&self, q: &Configuration) -> Kinematics {
+        let mut jacobian = InputJacobian::zeros();
+        // origin and axis of every column in world axes, until the grasp is known
+        let mut moments = [(0, Vector3::zeros(), Vector3::zeros()); 2 * MAX_JOINTS];
+        let mut turning = 0;
+        let mut frame = q.base.at_height(0.0);
+        for link in &self.chain {
+            frame *= link.before_from_joint;
+            let axis = frame.rotation * link.axis.into_inner();
+            let position = link.ratio * q.joints[link.joint] + link.offset;
+            let column = link.joint + 2;
+            match link.motion {
+                Motion::Revolute => {
+                    moments[turning] = (column, frame.translation.vector, axis * link.ratio);
+                    turning += 1;
+                    frame.rotation *= Rotation3::from_axis_angle(&link.axis, position);
+                }
+                Motion::Prismatic => {
+                    let mut linear = jacobian.fixed_view_mut::<3, 1>(0, column);
+                    linear += axis * link.ratio;
+                    frame.translation.vector += axis * position;
+                }
+            }
+        }
+        let grasp = frame * self.last_from_grasp;
+        let at = grasp.translation.vector;
+        for &(column, origin, axis) in &moments[..turning] {
+            let mut linear = jacobian.fixed_view_mut::<3, 1>(0, column);
+            linear += axis.cross(&(at - origin));
+            let mut angular = jacobian.fixed_view_mut::<3, 1>(3, column);
+            angular += axis;
+        }
+        let ahead = direction(q.base.yaw);
+        let lever = at.xy() - q.base.position.coords;
+        for (column, side) in [(0, -1.0), (1, 1.0)] {
+            let turn = side / self.drive.track;
+            jacobian[(0, column)] = ahead.x / 2.0 - lever.y * turn;
+            jacobian[(1, column)] = ahead.y / 2.0 + lever.x * turn;
+            jacobian[(5, column)] = turn;
+        }
+        Kinematics { grasp, jacobian }
+    }
+
+    /// The configuration after `seconds` of constant input: wheels without sideways motion on an exact arc, joints at constant rates.
+    pub fn advance(&self, q: &Configuration, input: &InputVector, seconds: f64) -> Configuration {
+        let joints = input.fixed_rows::<MAX_JOINTS>(2) * seconds;
+        Configuration {
+            base: self.drive.roll(&q.base, [input[0] * seconds, input[1] * seconds]),
+            joints: q.joints + joints,
+        }
+    }
+
+    /// A configuration whose grasp is at `world_from_grasp`, near `joints`, with the base left where it is; `None` if Newton's iteration
+    /// does not come within `tolerance` (m and rad) of it in a few steps.
+    pub fn close(&self, q: &Configuration, world_from_grasp: &Pose, tolerance: f64) -> Option<Configuration> {
+        const STEPS: usize = 12;
+        let mut q = *q;
+        for _ in 0..STEPS {
+            let Kinematics { grasp, jacobian } = self.kinematics(&q);
+            let error = pose_difference(world_from_grasp, &grasp);
+            if error.norm() <= tolerance {
+                return Some(q);
+            }
+            let arm = jacobian.fixed_columns::<MAX_JOINTS>(2);
+            // least-norm step; the damping is far below the square of any singular value that matters
+            let gram = arm * arm.transpose() + nalgebra::Matrix6::identity() * 1e-12;
+            q.joints += arm.transpose() * gram.cholesky()?.solve(&error);
+        }
+        None
+    }
+}
+
+/// What separates a pose from another: translation (m), then rotation vector (rad) of `to * from^-1`, in world axes.
+pub fn pose_difference(to: &Pose, from: &Pose) -> nalgebra::Vector6<f64> {
+    let linear = to.translation.vector - from.translation.vector;
+    let angular = crate::geometry::rotation_vector(&(to.rotation * from.rotation.inverse()));
+    nalgebra::Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
+}
+
+impl Drive {
+    /// Where the base is after the left and the right rim have rolled so far (m), each at constant speed: on an exact arc.
+    pub fn roll(&self, base: &PlanarPose, [left, right]: [f64; 2]) -> PlanarPose {
+        let turn = (right - left) / self.track;
+        let half = turn / 2.0;
+        // the chord of the arc: its length over the arc's is sin(half) / half
+        let ratio = if half.abs() < 1e-4 { 1.0 - half * half / 6.0 } else { half.sin() / half };
+        let chord = (left + right) / 2.0 * ratio;
+        PlanarPose {
+            position: base.position + direction(base.yaw + half) * chord,
+            yaw: wrap_angle(base.yaw + turn),
+        }
+    }
+}
