@@ -57,6 +57,7 @@
 //! ```
 
 pub mod cli;
+pub mod control;
 pub mod coordination;
 pub mod drawing;
 pub mod episode;
@@ -65,4 +66,5 @@ pub mod geometry;
 pub mod options;
 pub mod preference;
 pub mod robot;
+pub mod simulation;
 pub mod world;

@@ -66,6 +66,8 @@ enum MethodArgument {
     Mutual,
     /// The human leads from start to end, on the option preferred at the start
     WithoutModel,
+    /// The human leads from start to end, choosing anew at every step
+    HumanLed,
     /// The robot leads from start to end
     RobotLed,
 }
@@ -75,6 +77,7 @@ impl From<MethodArgument> for Method {
         match argument {
             MethodArgument::Mutual => Self::Mutual,
             MethodArgument::WithoutModel => Self::WithoutModel,
+            MethodArgument::HumanLed => Self::HumanLed,
             MethodArgument::RobotLed => Self::RobotLed,
         }
     }

@@ -21,6 +21,8 @@ pub enum Method {
     Mutual,
     /// The baseline of Table II: the human leads from start to end, on the option preferred at the start.
     WithoutModel,
+    /// The human leads from start to end, choosing anew at every step: the situation of Table III.
+    HumanLed,
     /// The baseline of hypothesis H2 as worded: the robot leads from start to end.
     RobotLed,
 }
@@ -53,7 +55,10 @@ pub struct Coordinator {
 impl Coordinator {
     /// At the start: g(0) = 0.
     pub fn new(settings: Settings, method: Method) -> Self {
-        let mode = if method == Method::WithoutModel { Mode::HumanLed } else { Mode::RobotLed };
+        let mode = match method {
+            Method::WithoutModel | Method::HumanLed => Mode::HumanLed,
+            Method::Mutual | Method::RobotLed => Mode::RobotLed,
+        };
         Self { settings, method, discomfort: 0.0, mode }
     }
 

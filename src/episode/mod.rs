@@ -1,20 +1,26 @@
 //! A world's options, a human and settings in; one co-transportation episode, tick by tick, and its outcome out.
 //!
 //! [`Episode::step`] is the paper's algorithm: observe, evaluate the options, predict the choice, accumulate stubbornness, decide the mode,
-//! choose the option, walk. The plant is the planning level's: a team that walks its path exactly.
+//! choose the option, prepare the pose and control the robot, walk. Without a robot, the team is a point that walks its path exactly: the
+//! planning level. With one, the human walks so, and the robot holds the other end.
 
+mod carrier;
 mod outcome;
 mod settings;
 mod tick;
 
-pub use outcome::{Outcome, Summary, Transition};
+pub use carrier::Manipulator;
+pub use outcome::{ControlSummary, Outcome, Summary, Transition};
 pub use settings::Settings;
-pub use tick::{OptionTick, Tick};
+pub use tick::{OptionTick, Pursuit, RobotTick, Tick};
+
+use carrier::{Carrier, Situation, Walk};
 
 use crate::coordination::{Coordinator, Method, Mode, is_misaligned, robot_choice};
 use crate::geometry::Path;
 use crate::options::{OptionSet, Progress, Remaining, Waypoint};
 use crate::preference::{ChoiceDistribution, Perception, Predictor, Prospect, human_choice, objective_cost};
+use crate::robot::Configuration;
 
 /// Options longer than this (m), or without a way, are predicted as if they were this long: far beyond what anyone would choose.
 const FARTHEST: f64 = 1e6;
@@ -38,6 +44,7 @@ pub struct Episode<'a> {
     prospects: Vec<Prospect>,
     choice: ChoiceDistribution,
     expected: Vec<f64>,
+    carrier: Option<Carrier<'a>>,
 }
 
 /// What is left of every option from where the team is, as it is perceived, in the order of the option set.
@@ -86,8 +93,22 @@ impl<'a> Episode<'a> {
             prospects: Vec::with_capacity(n),
             choice: ChoiceDistribution::default(),
             expected: Vec::with_capacity(n),
+            carrier: None,
             progress,
         }
+    }
+
+    /// The same episode with a robot at the other end of the object. Before the first step only.
+    pub fn with_robot(mut self, manipulator: Manipulator<'a>) -> Self {
+        let Settings { period, speed, yaw_rate, .. } = *self.settings;
+        let options = self.options.options().len();
+        self.carrier = Some(Carrier::new(manipulator, Walk { period, speed, yaw_rate }, options));
+        self
+    }
+
+    /// Where the robot is: after the last step taken; `None` without a robot or before the first step.
+    pub fn configuration(&self) -> Option<&Configuration> {
+        self.carrier.as_ref().and_then(Carrier::configuration)
     }
 
     /// The last step taken.
@@ -102,8 +123,13 @@ impl<'a> Episode<'a> {
 
     /// The same episode from here on with another human. While the robot leads, the human's parameters make no difference.
     pub fn with_human(mut self, human: Perception) -> Self {
-        self.human = human;
+        self.change_preference(human);
         self
+    }
+
+    /// From here on the human perceives risk and distance differently. The robot is not told.
+    pub fn change_preference(&mut self, human: Perception) {
+        self.human = human;
     }
 
     /// Takes one planning step, or says how the episode ended.
@@ -118,6 +144,7 @@ impl<'a> Episode<'a> {
         self.accumulate_stubbornness(); //      g(k), phi(k), mode     eq. (5)
         let option = self.choose(); //          o*(k) or o_h           eq. (6), (3)
         self.execute(option);
+        self.control(); //                      q*, u                  eq. (8), (7)
         self.walk();
         None
     }
@@ -155,7 +182,7 @@ impl<'a> Episode<'a> {
 
     fn predict_choice(&mut self) {
         let robot_leads = self.coordinator.mode() == Mode::RobotLed;
-        if robot_leads || self.settings.predict_while_human_leads {
+        if robot_leads || self.settings.predict_while_human_leads || self.carrier.is_some() {
             self.predictor.predict(&self.prospects, &mut self.choice);
             for (tick, p) in self.tick.options.iter_mut().zip(self.choice.probabilities()) {
                 tick.probability = *p;
@@ -227,6 +254,18 @@ impl<'a> Episode<'a> {
         self.summary.last_option = option;
     }
 
+    fn control(&mut self) {
+        let Some(carrier) = &mut self.carrier else { return };
+        self.tick.robot = Some(carrier.decide(&Situation {
+            mode: self.tick.mode,
+            options: self.options,
+            progress: &self.progress,
+            choice: &self.choice,
+            path: &self.path,
+            along: self.along,
+        }));
+    }
+
     fn walk(&mut self) {
         let along = self.along + self.settings.speed * self.settings.period;
         let length = self.path.length();
@@ -241,5 +280,9 @@ impl<'a> Episode<'a> {
         self.summary.walked += along - self.along;
         self.along = along;
         self.summary.steps += 1;
+        if let (Some(carrier), Some(tick)) = (&mut self.carrier, &mut self.tick.robot) {
+            carrier.act(&self.progress, &self.path, along, tick);
+            self.summary.control.get_or_insert_default().add(tick);
+        }
     }
 }

@@ -1,5 +1,7 @@
 //! How an episode ended, and what is worth knowing of it afterwards.
 
+use super::RobotTick;
+use crate::control::SolveOutcome;
 use crate::geometry::Point;
 
 /// How an episode ended.
@@ -41,6 +43,50 @@ pub struct Summary {
     pub changes: u32,
     /// The transition of the mode, if there was one.
     pub transition: Option<Transition>,
+    /// What the robot's part cost, in an episode that has one.
+    pub control: Option<ControlSummary>,
+}
+
+/// The control cost C of an episode (Sec. V-C), and what went with it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct ControlSummary {
+    /// Sum of ||x - s||_Q^2.
+    pub tracking: f64,
+    /// Sum of ||u||_R^2.
+    pub effort: f64,
+    /// Sum of kappa ||q* - q_c||^2.
+    pub pose: f64,
+    /// Sum of squared distances between grasp and reference, m^2.
+    pub squared_error: f64,
+    /// Steps in which a limit was active.
+    pub constrained_steps: u64,
+    /// Steps without a solution of eq. (7).
+    pub fallback_steps: u64,
+    /// Steps in which eq. (8) chose another configuration.
+    pub pose_changes: u64,
+    /// Steps in which the base overlapped an obstacle.
+    pub overlapping_steps: u64,
+}
+
+impl ControlSummary {
+    /// C.
+    pub fn cost(&self) -> f64 {
+        self.tracking + self.effort + self.pose
+    }
+
+    pub(super) fn add(&mut self, tick: &RobotTick) {
+        self.tracking += tick.tracking_cost;
+        self.effort += tick.control_effort;
+        self.pose += tick.pose_cost;
+        self.squared_error += tick.position_error * tick.position_error;
+        match tick.outcome {
+            SolveOutcome::Unconstrained => {}
+            SolveOutcome::Constrained { .. } => self.constrained_steps += 1,
+            SolveOutcome::Fallback(_) => self.fallback_steps += 1,
+        }
+        self.pose_changes += u64::from(tick.pursuit.is_some_and(|p| p.candidate != 0));
+        self.overlapping_steps += u64::from(tick.base_clearance < 0.0);
+    }
 }
 
 impl Summary {
@@ -54,6 +100,7 @@ impl Summary {
             last_option: 0,
             changes: 0,
             transition: None,
+            control: None,
         }
     }
 }

@@ -16,9 +16,12 @@ pub struct Settings {
     pub period: f64,
     /// Walking speed of the team, m/s.
     pub speed: f64,
+    /// The fastest the human turns, rad/s: the reference's yaw follows the path's tangent no faster.
+    pub yaw_rate: f64,
     /// Ticks after which the episode ends without arrival; by default ten times what the longest option takes.
     pub tick_limit: Option<u64>,
-    /// Whether P_o is also evaluated while the human leads. The planning level makes no use of it then; ticks that are looked at do.
+    /// Whether P_o is also evaluated while the human leads. A robot needs it then, and makes sure of it; the planning level does not, but
+    /// ticks that are looked at do.
     pub predict_while_human_leads: bool,
 }
 
@@ -30,6 +33,7 @@ impl Default for Settings {
             method: Method::Mutual,
             period: 0.2,
             speed: 0.5,
+            yaw_rate: 0.8,
             tick_limit: None,
             predict_while_human_leads: true,
         }

@@ -1,8 +1,10 @@
 //! One planning step as data: what was observed, predicted and decided.
 
+use crate::control::SolveOutcome;
 use crate::coordination::Mode;
-use crate::geometry::Point;
+use crate::geometry::{PlanarPose, Point};
 use crate::options::Remaining;
+use crate::robot::{Configuration, InputVector};
 
 /// What was observed and decided in one planning step.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +33,75 @@ pub struct Tick {
     pub accumulated_cost: f64,
     /// Every option as it is from here, in the order of the option set.
     pub options: Vec<OptionTick>,
+    /// What the robot did, in an episode that has one.
+    pub robot: Option<RobotTick>,
+}
+
+/// The robot in one planning step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RobotTick {
+    /// q_c: where it is at the beginning of the step.
+    pub configuration: Configuration,
+    /// s: where the human is at the beginning of the step, as the pose that the grasp should have.
+    pub human: PlanarPose,
+    /// What it does to follow, while the human leads.
+    pub pursuit: Option<Pursuit>,
+    /// u: rim speeds, m/s, and joint rates, rad/s (prismatic: m/s).
+    pub input: InputVector,
+    /// How eq. (7) was solved.
+    pub outcome: SolveOutcome,
+    /// The least singular value of B(q*), m or rad for a unit input.
+    pub least_singular_value: f64,
+    /// Distance between grasp and reference at the end of the step, m.
+    pub position_error: f64,
+    /// Angle between them, rad.
+    pub orientation_error: f64,
+    /// ||x - s||_Q^2 at the end of the step.
+    pub tracking_cost: f64,
+    /// ||u||_R^2.
+    pub control_effort: f64,
+    /// kappa ||q* - q_c||^2.
+    pub pose_cost: f64,
+    /// Distance between the base and the nearest obstacle at the beginning of the step, m; negative where they overlap, infinite without
+    /// obstacles.
+    pub base_clearance: f64,
+}
+
+/// How the robot follows the human in one planning step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pursuit {
+    /// The option that it takes the human to be on.
+    pub tracked: usize,
+    /// The configuration that eq. (8) chose; 0 is the one it was in.
+    pub candidate: usize,
+    /// |Q|.
+    pub candidates: usize,
+    /// How many of eq. (8)'s problems had to be solved with limits.
+    pub constrained: usize,
+}
+
+impl RobotTick {
+    /// The step's part of the control cost C (Sec. V-C).
+    pub fn cost(&self) -> f64 {
+        self.tracking_cost + self.control_effort + self.pose_cost
+    }
+
+    pub(super) fn at(configuration: &Configuration, human: PlanarPose) -> Self {
+        Self {
+            configuration: *configuration,
+            human,
+            pursuit: None,
+            input: InputVector::zeros(),
+            outcome: SolveOutcome::Unconstrained,
+            least_singular_value: 0.0,
+            position_error: 0.0,
+            orientation_error: 0.0,
+            tracking_cost: 0.0,
+            control_effort: 0.0,
+            pose_cost: 0.0,
+            base_clearance: 0.0,
+        }
+    }
 }
 
 /// One option in one planning step.
@@ -63,6 +134,7 @@ impl Tick {
             objective_cost: 0.0,
             accumulated_cost: 0.0,
             options: Vec::new(),
+            robot: None,
         }
     }
 }

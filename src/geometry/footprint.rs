@@ -3,7 +3,7 @@
 //! These are the innermost operations of every path query, so they are written out for the two outlines that occur.
 //! `tests/suite` compares them with parry's general distance.
 
-use super::{Point, Vector, cross, segments_cross, squared_distance_to_segment};
+use super::{Point, Vector, cross, nearest_on_segment, segments_cross, squared_distance_to_segment};
 
 /// A convex outline on the floor, metres in the world frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,6 +85,32 @@ impl Footprint {
                 .fold(f64::INFINITY, f64::min)
                 .sqrt(),
             Self::Disc { center, radius } => ((p - center).norm() - radius).max(0.0),
+        }
+    }
+
+    /// Signed distance (m) from the outline to `p`, negative inside, and the unit vector along which it grows.
+    pub fn separation(&self, p: Point) -> (f64, Vector) {
+        match self {
+            Self::Polygon(corners) => {
+                // the edge whose line `p` is farthest outside of (or least inside of)
+                let outside = edges(corners)
+                    .map(|(a, b)| {
+                        let outward = -super::left_of((b - a).normalize());
+                        ((p - a).dot(&outward), outward)
+                    })
+                    .fold((f64::NEG_INFINITY, Vector::zeros()), |x, y| if y.0 > x.0 { y } else { x });
+                let distance = self.distance_to_point(p);
+                let nearest = edges(corners).map(|(a, b)| nearest_on_segment(p, a, b)).find(|n| {
+                    // beyond a corner the distance grows away from it
+                    distance > 1e-9 && ((p - n).norm() - distance).abs() < 1e-12
+                });
+                nearest.map_or(outside, |n| (distance, (p - n) / distance))
+            }
+            Self::Disc { center, radius } => {
+                let away = p - center;
+                let direction = away.try_normalize(0.0).unwrap_or(Vector::x());
+                (away.norm() - radius, direction)
+            }
         }
     }
 

@@ -41,12 +41,17 @@ pub fn cross(a: Vector, b: Vector) -> f64 {
     a.x * b.y - a.y * b.x
 }
 
-/// Squared distance (m^2) from `p` to the segment from `a` to `b`.
-pub fn squared_distance_to_segment(p: Point, a: Point, b: Point) -> f64 {
+/// The point of the segment from `a` to `b` that is nearest to `p`.
+pub fn nearest_on_segment(p: Point, a: Point, b: Point) -> Point {
     let ab = b - a;
     let length_squared = ab.norm_squared();
     let t = if length_squared > 0.0 { ((p - a).dot(&ab) / length_squared).clamp(0.0, 1.0) } else { 0.0 };
-    (p - (a + ab * t)).norm_squared()
+    a + ab * t
+}
+
+/// Squared distance (m^2) from `p` to the segment from `a` to `b`.
+pub fn squared_distance_to_segment(p: Point, a: Point, b: Point) -> f64 {
+    (p - nearest_on_segment(p, a, b)).norm_squared()
 }
 
 /// Whether the segments `a b` and `c d` cross in a point inside both; touching is not crossing.

@@ -78,6 +78,12 @@ impl Path {
         self.push(Piece::Line { from, to });
     }
 
+    /// Makes the path empty; its memory stays.
+    pub fn clear(&mut self) {
+        self.pieces.clear();
+        self.ends.clear();
+    }
+
     /// Length, m.
     pub fn length(&self) -> f64 {
         self.ends.last().copied().unwrap_or(0.0)

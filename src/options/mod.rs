@@ -14,7 +14,7 @@ mod trajectory;
 pub use error::{Blockage, OptionError};
 pub use passage::Crossing;
 pub use progress::Progress;
-pub use trajectory::nominal_trajectory;
+pub use trajectory::{nominal_trajectory, turned};
 
 use crate::geometry::{Path, Point};
 use crate::world::{ListedOption, World};
@@ -178,6 +178,13 @@ impl OptionSet {
     /// The path that is left of an option from where the team is; its length is [`Remaining::length`]. `None` where there is no way.
     pub fn path(&self, progress: &Progress, option: usize) -> Option<Path> {
         let mut path = Path::default();
+        self.write_path(progress, option, &mut path).then_some(path)
+    }
+
+    /// [`OptionSet::path`] into a path that is there already, without allocating once it is long enough. False, with the path cut short, where
+    /// there is no way.
+    pub fn write_path(&self, progress: &Progress, option: usize, path: &mut Path) -> bool {
+        path.clear();
         let mut at = progress.position;
         let mut rests = &progress.rests;
         if let Some(crossing) = progress.inside {
@@ -192,21 +199,20 @@ impl OptionSet {
                 let foot = passage.foot(at, 1 - crossing.into);
                 path.line(at, foot);
                 at = foot;
-            } else {
-                self.lead(&mut path, &mut at, portal_site(crossing.opening, 1 - crossing.into))?;
+            } else if !self.lead(path, &mut at, portal_site(crossing.opening, 1 - crossing.into)) {
+                return false;
             }
             path.line(at, passage.center);
             path.line(passage.center, passage.portal(crossing.into));
             at = passage.portal(crossing.into);
         }
-        self.lead(&mut path, &mut at, TARGET)?;
-        Some(path)
+        self.lead(path, &mut at, TARGET)
     }
 
-    fn lead(&self, path: &mut Path, at: &mut Point, site: usize) -> Option<()> {
+    fn lead(&self, path: &mut Path, at: &mut Point, site: usize) -> bool {
         let found = self.roadmap.extend(path, *at, site);
         *at = self.roadmap.point(site);
-        found.then_some(())
+        found
     }
 
     /// Length from where the team is to the end of the passage of `next`.

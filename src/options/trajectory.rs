@@ -1,28 +1,31 @@
-//! A path and a walking speed in; the nominal trajectory s(t), positions with yaw, out.
+//! A path and a walking speed in; the nominal trajectory s(t), poses tick by tick, out.
 
 use crate::geometry::{Path, PlanarPose, wrap_angle};
 
-/// The pose at each of `steps` ticks of `period` (s) after now, walking `path` at `speed` (m/s) from its beginning with heading `yaw` (rad).
+/// The pose at each tick of `period` (s) after now, walking `path` at `speed` (m/s) from `walked` (m) along it with heading `yaw` (rad).
 ///
 /// The position is exactly on the path; the yaw turns toward the path's tangent at no more than `yaw_rate` (rad/s), so that corners are turned
-/// at a walkable rate. At the path's end the pose stays. An empty path gives nothing.
+/// at a walkable rate. At the path's end it stands still. An empty path gives nothing.
 pub fn nominal_trajectory(
     path: &Path,
+    walked: f64,
     yaw: f64,
     speed: f64,
     yaw_rate: f64,
     period: f64,
-    steps: usize,
 ) -> impl Iterator<Item = PlanarPose> + '_ {
-    let most = yaw_rate * period;
     let mut yaw = yaw;
-    (1..=steps).map_while(move |t| {
-        let walked = speed * period * t as f64;
+    (1..).map_while(move |t| {
+        let walked = walked + speed * period * f64::from(t);
         let position = path.point_at(walked)?;
-        let tangent = path.heading_at(walked)?;
-        yaw = wrap_angle(yaw + wrap_angle(tangent - yaw).clamp(-most, most));
+        yaw = turned(yaw, path.heading_at(walked)?, yaw_rate * period);
         Some(PlanarPose { position, yaw })
     })
+}
+
+/// The heading `yaw` after it has turned toward `tangent` by no more than `most`; rad.
+pub fn turned(yaw: f64, tangent: f64, most: f64) -> f64 {
+    wrap_angle(yaw + wrap_angle(tangent - yaw).clamp(-most, most))
 }
 
 #[cfg(test)]
@@ -35,7 +38,7 @@ mod tests {
         let mut path = Path::default();
         path.line(Point::new(0.0, 0.0), Point::new(1.0, 0.0));
         path.line(Point::new(1.0, 0.0), Point::new(1.0, 5.0));
-        let poses: Vec<_> = nominal_trajectory(&path, 0.0, 0.5, 0.8, 0.2, 40).collect();
+        let poses: Vec<_> = nominal_trajectory(&path, 0.0, 0.0, 0.5, 0.8, 0.2).take(40).collect();
         assert_eq!(poses.len(), 40);
         assert!((poses[4].position - Point::new(0.5, 0.0)).norm() < 1e-12);
         for pair in poses.windows(2) {

@@ -1,0 +1,180 @@
+//! A configuration in; the set Q of eq. (8) out: configurations that hold the grasp where it is and can be reached within one period.
+
+use super::limits::Limits;
+use crate::robot::{Configuration, InputJacobian, InputVector, Kinematics, MAX_INPUTS, MAX_JOINTS, Robot};
+use nalgebra::SMatrix;
+
+/// Configurations that eq. (8) chooses among.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CandidateSet {
+    /// The present one only: no pose optimisation.
+    None,
+    /// Self-motion of the arm, the base standing still.
+    Arm,
+    /// Self-motion of base and arm together.
+    WholeBody,
+}
+
+/// A configuration to choose, and what it takes to get there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Candidate {
+    /// Where it is.
+    pub configuration: Configuration,
+    /// Mean rates of the way there over one period: rim speeds, m/s, and joint rates, rad/s.
+    pub rates: InputVector,
+}
+
+/// Candidates to either side of the present configuration; with it, the paper's |Q| = 15.
+pub const PER_SIDE: usize = 7;
+/// The grasp stays where it is to this (m and rad).
+const CLOSED: f64 = 1e-9;
+/// Below this, a direction of self-motion is none.
+const DEGENERATE: f64 = 1e-6;
+
+/// The candidates from configuration `q` of a robot with these limits, reachable in one `period` (s): `q` itself first, then steps outward on
+/// alternating sides. A side on which a joint limit leaves no room has none.
+///
+/// With one direction of self-motion (the arm of seven joints), seven equal steps to either side along it, up to the rate limits; with more,
+/// the seven are dealt to the directions in turn. The steps follow the direction at `q`, and Newton's iteration returns the grasp to its pose.
+pub fn candidates(
+    robot: &Robot,
+    limits: &Limits,
+    q: &Configuration,
+    at: &Kinematics,
+    set: CandidateSet,
+    period: f64,
+    found: &mut Vec<Candidate>,
+) {
+    found.clear();
+    found.push(Candidate { configuration: *q, rates: InputVector::zeros() });
+    let arm_only = match set {
+        CandidateSet::None => return,
+        CandidateSet::Arm => true,
+        CandidateSet::WholeBody => false,
+    };
+    let basis = self_motions(robot, &at.jacobian, arm_only);
+    for (d, direction) in basis.directions().enumerate() {
+        let levels = (PER_SIDE + basis.count - 1 - d) / basis.count;
+        for side in [1.0, -1.0] {
+            let outward = direction * side;
+            let mut reach = reach(robot, limits, q, &outward, period);
+            for _ in 0..4 {
+                let last = found.len();
+                let excess = side_of(robot, limits, q, at, &(outward * reach), levels, period, found);
+                if excess <= 1.0 {
+                    break;
+                }
+                // closing the loop took a joint beyond its rate: a little less
+                found.truncate(last);
+                reach *= 0.999 / excess;
+            }
+        }
+    }
+}
+
+/// Adds the equal steps up to `outermost` (rates); returns how many times the most restricted rate is exceeded.
+#[allow(clippy::too_many_arguments)]
+fn side_of(
+    robot: &Robot,
+    limits: &Limits,
+    q: &Configuration,
+    at: &Kinematics,
+    outermost: &InputVector,
+    levels: usize,
+    period: f64,
+    found: &mut Vec<Candidate>,
+) -> f64 {
+    if outermost.norm() * period < DEGENERATE {
+        return 0.0;
+    }
+    let mut before = InputVector::zeros();
+    let mut correction = InputVector::zeros();
+    let mut excess: f64 = 0.0;
+    for level in 1..=levels {
+        let step = outermost * (level as f64 / levels as f64);
+        // the loop's closure so far is a good guess of what the next step needs
+        let guess = robot.advance(q, &(step + correction), period);
+        let Some(closed) = robot.close(&guess, &at.grasp, CLOSED) else { break };
+        let mut rates = step;
+        rates.fixed_rows_mut::<MAX_JOINTS>(2).copy_from(&((closed.joints - q.joints) / period));
+        correction = rates - step + (rates - step - correction);
+        let within = robot
+            .joints
+            .iter()
+            .enumerate()
+            .all(|(i, joint)| (joint.lower..=joint.upper).contains(&closed.joints[i]));
+        excess = excess.max(largest_share(&rates, limits));
+        if !within || rates == before {
+            break;
+        }
+        before = rates;
+        found.push(Candidate { configuration: closed, rates });
+    }
+    excess
+}
+
+fn largest_share(rates: &InputVector, limits: &Limits) -> f64 {
+    let shares = rates.iter().zip(limits.rates()).filter(|(_, limit)| **limit > 0.0);
+    shares.map(|(rate, limit)| rate.abs() / limit).fold(0.0, f64::max)
+}
+
+/// How often `direction` (rates) fits into one period, by rates and by joint positions.
+fn reach(robot: &Robot, limits: &Limits, q: &Configuration, direction: &InputVector, period: f64) -> f64 {
+    let mut reach = 1.0 / largest_share(direction, limits);
+    for (i, joint) in robot.joints.iter().enumerate() {
+        let rate = direction[i + 2];
+        let room = if rate > 0.0 { joint.upper - q.joints[i] } else { joint.lower - q.joints[i] };
+        if rate != 0.0 {
+            reach = reach.min((room / (rate * period)).max(0.0));
+        }
+    }
+    if reach.is_finite() { reach } else { 0.0 }
+}
+
+/// An orthonormal basis of the inputs that do not move the grasp.
+struct Basis {
+    vectors: [InputVector; MAX_INPUTS],
+    count: usize,
+}
+
+impl Basis {
+    fn directions(&self) -> impl Iterator<Item = &InputVector> {
+        self.vectors[..self.count].iter()
+    }
+}
+
+/// Gram-Schmidt with pivoting on the columns of the null-space projector I - J^+ J: the same basis for the same J.
+fn self_motions(robot: &Robot, jacobian: &InputJacobian, arm_only: bool) -> Basis {
+    let mut j = *jacobian;
+    let first = if arm_only { 2 } else { 0 };
+    j.fixed_columns_mut::<2>(0).scale_mut(if arm_only { 0.0 } else { 1.0 });
+    let eigen = (j * j.transpose()).symmetric_eigen();
+    let largest = eigen.eigenvalues.max();
+    let mut projector = SMatrix::<f64, MAX_INPUTS, MAX_INPUTS>::zeros();
+    let last = 2 + robot.joint_count();
+    for i in first..last {
+        projector[(i, i)] = 1.0;
+    }
+    let mut rank = 0;
+    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        if *value > 1e-10 * largest {
+            let row = j.tr_mul(&vector);
+            projector -= row * row.transpose() / *value;
+            rank += 1;
+        }
+    }
+    let count = (last - first).saturating_sub(rank).min(PER_SIDE);
+    let mut basis = Basis { vectors: [InputVector::zeros(); MAX_INPUTS], count: 0 };
+    for _ in 0..count {
+        let pivot = (first..last)
+            .max_by(|&a, &b| projector[(a, a)].total_cmp(&projector[(b, b)]).then(b.cmp(&a)))
+            .filter(|&i| projector[(i, i)] > DEGENERATE);
+        let Some(pivot) = pivot else { break };
+        let vector = projector.column(pivot) / projector[(pivot, pivot)].sqrt();
+        projector -= vector * vector.transpose();
+        basis.vectors[basis.count] = vector;
+        basis.count += 1;
+    }
+    basis
+}

@@ -1,0 +1,88 @@
+//! P_o and an observed step of the human in; the option that the robot tracks out.
+
+use crate::geometry::{Point, Vector, angle_of};
+
+/// The robot's estimate of where the human is going. It knows P_o and what it sees, not the human's parameters.
+///
+/// P_o is weighed by how likely the observed direction of the last step is if the human were on option o: exp(c cos(observed - expected)), with
+/// the expected direction that of o's path from where the human was.
+#[derive(Clone, Debug)]
+pub struct Intent {
+    concentration: f64,
+    /// Where the human was, m, world frame.
+    before: Option<Point>,
+    /// Where each option led from there: the displacement of one step.
+    expected: Vec<Vector>,
+    weights: Vec<f64>,
+    speed: Option<f64>,
+}
+
+impl Intent {
+    /// Nothing seen yet. `concentration` is c, at least 0.
+    pub fn new(concentration: f64) -> Self {
+        Self { concentration, before: None, expected: Vec::new(), weights: Vec::new(), speed: None }
+    }
+
+    /// Takes note of where the human is now, one `period` (s) after the last time, and returns the most probable option; ties go to the lower
+    /// index. `probabilities` is P_o from here.
+    pub fn observe(&mut self, position: Point, probabilities: &[f64], period: f64) -> usize {
+        let step = self.before.map(|before| position - before);
+        self.speed = step.map(|step| step.norm() / period);
+        self.weights.clear();
+        self.weights.extend(probabilities.iter().enumerate().map(|(o, p)| {
+            let likelihood = match (step, self.expected.get(o)) {
+                (Some(step), Some(expected)) if step.norm() > 0.0 && expected.norm() > 0.0 => {
+                    (self.concentration * ((angle_of(step) - angle_of(*expected)).cos() - 1.0)).exp()
+                }
+                _ => 1.0,
+            };
+            p * likelihood
+        }));
+        self.before = Some(position);
+        let mut best = 0;
+        for (o, weight) in self.weights.iter().enumerate() {
+            if *weight > self.weights[best] {
+                best = o;
+            }
+        }
+        best
+    }
+
+    /// Speed of the last step, m/s; `None` before there was one.
+    pub fn speed(&self) -> Option<f64> {
+        self.speed
+    }
+
+    /// Takes note of where the options lead from here: where the human would be one step on.
+    pub fn expect(&mut self, steps: impl Iterator<Item = Vector>) {
+        self.expected.clear();
+        self.expected.extend(steps);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_the_observed_direction_outweighs_a_prior() {
+        let mut intent = Intent::new(20.0);
+        // nothing seen: the prior decides
+        assert_eq!(intent.observe(Point::origin(), &[0.6, 0.4], 0.2), 0);
+        assert_eq!(intent.speed(), None);
+        intent.expect([Vector::new(0.1, 0.0), Vector::new(0.07, 0.07)].into_iter());
+        assert_eq!(intent.observe(Point::new(0.07, 0.07), &[0.6, 0.4], 0.2), 1);
+        assert!((intent.speed().unwrap() - 0.07 * 2f64.sqrt() / 0.2).abs() < 1e-12);
+        // the same direction from two options: the prior again
+        intent.expect([Vector::new(0.1, 0.0), Vector::new(0.1, 0.0)].into_iter());
+        assert_eq!(intent.observe(Point::new(0.17, 0.07), &[0.4, 0.6], 0.2), 1);
+    }
+
+    #[test]
+    fn a_human_who_stands_still_tells_nothing() {
+        let mut intent = Intent::new(20.0);
+        intent.observe(Point::origin(), &[0.2, 0.8], 0.2);
+        intent.expect([Vector::new(0.1, 0.0), Vector::new(0.0, 0.1)].into_iter());
+        assert_eq!(intent.observe(Point::origin(), &[0.2, 0.8], 0.2), 1);
+    }
+}

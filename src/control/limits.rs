@@ -1,0 +1,173 @@
+//! What a robot can do in a tick in; the constraints of eq. (7) and their violations out.
+
+use super::{HORIZON, Inputs};
+use crate::robot::{Configuration, InputVector, JointVector, Robot};
+use nalgebra::SMatrix;
+
+/// A violation below this (m/s, rad/s; for half-planes m) is rounding.
+pub const TOLERANCE: f64 = 1e-9;
+
+/// The constraints on u(0..H-1): rates, joint positions, and half-planes for the base.
+#[derive(Clone, Debug)]
+pub struct Limits {
+    /// Number of inputs that exist.
+    inputs: usize,
+    /// Largest input of u(0) and of u(1..), either way.
+    rates: InputVector,
+    /// What the motion to another configuration already takes of the first rates, m/s and rad/s.
+    taken: InputVector,
+    /// How far the sum of a joint's rates may go down and up, rad/s: the way to the position limits over the period.
+    room: [JointVector; 2],
+    /// Where the base may be.
+    pub half_planes: Vec<HalfPlane>,
+}
+
+/// A bound, linear in the wheels' inputs, on where the base is after `step` periods.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HalfPlane {
+    /// Coefficients of the rim speeds, left and right, a column a step; s.
+    pub coefficients: SMatrix<f64, 2, HORIZON>,
+    /// The weighted sum must not exceed this, m.
+    pub bound: f64,
+}
+
+/// One linear constraint `a . u <= b`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Row {
+    /// `sign * u_input(step)` is bounded.
+    Rate { input: usize, step: usize, sign: f64 },
+    /// `sign * (u_input(0) + .. + u_input(step))` is bounded.
+    Position { input: usize, step: usize, sign: f64 },
+    /// A half-plane, as an index.
+    Base(usize),
+}
+
+impl Limits {
+    /// No inputs yet: filled by [`Limits::set`].
+    pub fn new(robot: &Robot) -> Self {
+        let mut rates = InputVector::zeros();
+        rates[0] = robot.drive.rim_speed_limit;
+        rates[1] = robot.drive.rim_speed_limit;
+        for (rate, joint) in rates.iter_mut().skip(2).zip(&robot.joints) {
+            *rate = joint.rate_limit;
+        }
+        Self {
+            inputs: 2 + robot.joint_count(),
+            rates,
+            taken: InputVector::zeros(),
+            room: [JointVector::zeros(); 2],
+            half_planes: Vec::new(),
+        }
+    }
+
+    /// Largest inputs, either way: m/s and rad/s.
+    pub fn rates(&self) -> &InputVector {
+        &self.rates
+    }
+
+    /// The limits at configuration `q`, when the motion that led there in this same `period` (s) took `taken` of the rates.
+    ///
+    /// A joint that is beyond its limit, by rounding or because something pushed it, may stay but not go farther: standing still is always
+    /// allowed.
+    pub fn set(&mut self, robot: &Robot, q: &Configuration, taken: &InputVector, period: f64) {
+        self.taken = *taken;
+        self.half_planes.clear();
+        for (i, joint) in robot.joints.iter().enumerate() {
+            self.room[0][i] = ((joint.lower - q.joints[i]) / period).min(0.0);
+            self.room[1][i] = ((joint.upper - q.joints[i]) / period).max(0.0);
+        }
+    }
+
+    fn rate_bound(&self, input: usize, step: usize, sign: f64) -> f64 {
+        let taken = if step == 0 { sign * self.taken[input] } else { 0.0 };
+        (self.rates[input] - taken).max(0.0)
+    }
+
+    fn position_bound(&self, input: usize, sign: f64) -> f64 {
+        if sign > 0.0 { self.room[1][input - 2] } else { -self.room[0][input - 2] }
+    }
+
+    /// b of a row.
+    pub fn bound(&self, row: Row) -> f64 {
+        match row {
+            Row::Rate { input, step, sign } => self.rate_bound(input, step, sign),
+            Row::Position { input, sign, .. } => self.position_bound(input, sign),
+            Row::Base(i) => self.half_planes[i].bound,
+        }
+    }
+
+    /// Calls `on_violation` for every constraint that `u` violates by more than [`TOLERANCE`], with the excess `a . u - b`.
+    pub fn violations(&self, u: &Inputs, mut on_violation: impl FnMut(Row, f64)) {
+        for input in 0..self.inputs {
+            let mut sum = 0.0;
+            for step in 0..HORIZON {
+                let value = u[(input, step)];
+                let sign = value.signum();
+                let excess = sign * value - self.rate_bound(input, step, sign);
+                if excess > TOLERANCE {
+                    on_violation(Row::Rate { input, step, sign }, excess);
+                }
+                if input >= 2 {
+                    sum += value;
+                    let sign = sum.signum();
+                    let excess = sign * sum - self.position_bound(input, sign);
+                    if excess > TOLERANCE {
+                        on_violation(Row::Position { input, step, sign }, excess);
+                    }
+                }
+            }
+        }
+        for (i, plane) in self.half_planes.iter().enumerate() {
+            let excess = plane.coefficients.dot(&u.fixed_rows::<2>(0)) - plane.bound;
+            if excess > TOLERANCE {
+                on_violation(Row::Base(i), excess);
+            }
+        }
+    }
+
+    /// Whether `u` violates nothing.
+    pub fn allow(&self, u: &Inputs) -> bool {
+        let mut allowed = true;
+        self.violations(u, |_, _| allowed = false);
+        allowed
+    }
+
+    /// a of a row.
+    pub fn coefficients(&self, row: Row) -> Inputs {
+        let mut a = Inputs::zeros();
+        match row {
+            Row::Rate { input, step, sign } => a[(input, step)] = sign,
+            Row::Position { input, step, sign } => a.row_mut(input).columns_mut(0, step + 1).fill(sign),
+            Row::Base(i) => a.fixed_rows_mut::<2>(0).copy_from(&self.half_planes[i].coefficients),
+        }
+        a
+    }
+
+    /// `a . x` for the row's a.
+    pub fn product(&self, row: Row, x: &Inputs) -> f64 {
+        match row {
+            Row::Rate { input, step, sign } => sign * x[(input, step)],
+            Row::Position { input, step, sign } => sign * x.row(input).columns(0, step + 1).sum(),
+            Row::Base(i) => self.half_planes[i].coefficients.dot(&x.fixed_rows::<2>(0)),
+        }
+    }
+
+    /// The first of `u`, scaled down as a whole until it violates no hard limit, and nothing after it: where no solution was found.
+    pub fn scaled_first(&self, u: &Inputs) -> Inputs {
+        let mut scale: f64 = 1.0;
+        for input in 0..self.inputs {
+            let value = u[(input, 0)];
+            let sign = value.signum();
+            let mut bound = self.rate_bound(input, 0, sign);
+            if input >= 2 {
+                bound = bound.min(self.position_bound(input, sign));
+            }
+            if value.abs() > bound {
+                scale = scale.min(bound / value.abs());
+            }
+        }
+        let mut first = Inputs::zeros();
+        first.set_column(0, &(u.column(0) * scale));
+        first
+    }
+}

@@ -1,0 +1,59 @@
+//! A robot's configuration and the nominal trajectories of the options in; the inputs of eq. (7) and the configuration of eq. (8) out.
+//!
+//! All quantities are relative to where the grasp is now: x(0) = 0, and a reference s(t) is what separates it from the grasp's present pose
+//! (translation in metres, rotation vector in radians, world axes).
+
+mod active_set;
+mod candidates;
+mod closed_form;
+mod intent;
+mod limits;
+mod mpc;
+mod obstacles;
+mod pose;
+mod qp;
+mod settings;
+
+pub use candidates::{Candidate, CandidateSet, candidates};
+pub use closed_form::ClosedForm;
+pub use intent::Intent;
+pub use limits::{HalfPlane, Limits};
+pub use mpc::{Failure, Mpc, Plan, SolveOutcome};
+pub use obstacles::BaseObstacles;
+pub use pose::{PoseChoice, PoseCriterion, PoseOptimiser, PoseProblem, manipulability, motion_cost};
+pub use settings::Settings;
+
+use crate::geometry::{PlanarPose, Pose};
+use crate::robot::{MAX_INPUTS, pose_difference};
+use nalgebra::SMatrix;
+
+/// H of eq. (7).
+pub const HORIZON: usize = 8;
+
+/// s(1..H) of eq. (7): a column a step, relative to the grasp's present pose, world axes; m, then rad.
+pub type Reference = SMatrix<f64, 6, HORIZON>;
+/// u(0..H-1) of eq. (7): a column a step, rows as in [`InputVector`](crate::robot::InputVector).
+pub type Inputs = SMatrix<f64, MAX_INPUTS, HORIZON>;
+
+/// The reference that a nominal trajectory (the poses after 1, 2, ... periods) is for a grasp at `world_from_grasp` that carries level at
+/// `height` (m). A trajectory that ends early stays at its last pose; one without poses asks the grasp to stay.
+pub fn reference(
+    trajectory: impl Iterator<Item = PlanarPose>,
+    world_from_grasp: &Pose,
+    height: f64,
+) -> Reference {
+    let mut reference = Reference::zeros();
+    let mut steps = 0;
+    for (t, pose) in trajectory.take(HORIZON).enumerate() {
+        reference.set_column(t, &pose_difference(&pose.at_height(height), world_from_grasp));
+        steps = t + 1;
+    }
+    for t in steps.max(1)..HORIZON {
+        let last = reference.column(t - 1).into_owned();
+        reference.set_column(t, &last);
+    }
+    reference
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,232 @@
+//! Eq. (8): candidates, the options' references and their weights in; the configuration that is best prepared out.
+//!
+//! The winner is the exact minimum over all candidates, found without solving most problems: the optimum without limits bounds the cost of
+//! every (candidate, option) from below, and eq. (7) is solved with limits only where that bound can still win.
+
+use super::candidates::{Candidate, candidates};
+use super::limits::Limits;
+use super::obstacles::BaseObstacles;
+use super::{ClosedForm, Mpc, Reference, Settings};
+use crate::robot::{Configuration, InputJacobian, Kinematics, MAX_JOINTS, Robot};
+
+/// What eq. (8) chooses by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PoseCriterion {
+    /// Eq. (8): the options' costs, weighted by P_o.
+    Expected,
+    /// Eq. (8) with the same weight for every option.
+    Uniform,
+    /// Eq. (8) for the option that is being tracked, alone.
+    Tracked,
+    /// Not eq. (8): the largest manipulability sqrt(det(J J')) of the arm (Yoshikawa 1985).
+    Manipulability,
+}
+
+/// Costs closer than this are equal, and the earlier candidate wins: the present configuration first, then those nearest to it.
+pub const TIE: f64 = 1e-9;
+
+/// The outcome of eq. (8).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoseChoice {
+    /// Which candidate: 0 is the present configuration.
+    pub index: usize,
+    /// The winner.
+    pub candidate: Candidate,
+    /// kappa ||q* - q_c||^2, the cost of going there.
+    pub motion_cost: f64,
+    /// How many candidates there were.
+    pub candidates: usize,
+    /// How many of eq. (7)'s problems were solved with limits.
+    pub solved: usize,
+}
+
+/// Solves eq. (8); keeps memory between calls.
+#[derive(Clone, Debug, Default)]
+pub struct PoseOptimiser {
+    candidates: Vec<Candidate>,
+    forms: Vec<ClosedForm>,
+    /// Lower bounds of weight times cost, a row of options a candidate.
+    bounds: Vec<f64>,
+    /// Lower bound, then value, of each candidate's total.
+    totals: Vec<f64>,
+    order: Vec<usize>,
+}
+
+/// What eq. (8) is solved for.
+#[derive(Clone, Copy, Debug)]
+pub struct PoseProblem<'a> {
+    /// The robot.
+    pub robot: &'a Robot,
+    /// Where it is, q_c.
+    pub configuration: &'a Configuration,
+    /// Its kinematics there.
+    pub kinematics: &'a Kinematics,
+    /// s_o(1..H) of every option.
+    pub references: &'a [Reference],
+    /// The weight of every option: P_o.
+    pub weights: &'a [f64],
+    /// What keeps the base off, if anything does.
+    pub obstacles: Option<&'a BaseObstacles>,
+    /// Control period, s.
+    pub period: f64,
+}
+
+impl PoseOptimiser {
+    /// The candidate of least sum_o P_o G_o(q) + kappa ||q - q_c||^2, each G_o with all limits.
+    pub fn choose(
+        &mut self,
+        problem: &PoseProblem,
+        settings: &Settings,
+        limits: &mut Limits,
+        mpc: &mut Mpc,
+    ) -> PoseChoice {
+        let PoseProblem { robot, configuration, kinematics, period, .. } = *problem;
+        candidates(
+            robot,
+            limits,
+            configuration,
+            kinematics,
+            settings.candidates,
+            period,
+            &mut self.candidates,
+        );
+        let mut solved = 0;
+        let index = match (self.candidates.len(), settings.criterion) {
+            (1, _) => 0,
+            (_, PoseCriterion::Manipulability) => self.most_manipulable(robot),
+            _ => {
+                self.bound(problem, settings);
+                self.least(problem, limits, mpc, &mut solved)
+            }
+        };
+        let candidate = self.candidates[index];
+        let motion_cost = motion_cost(&candidate, configuration, settings);
+        PoseChoice { index, candidate, motion_cost, candidates: self.candidates.len(), solved }
+    }
+
+    /// The candidates of the last call.
+    pub fn candidates(&self) -> &[Candidate] {
+        &self.candidates
+    }
+
+    fn most_manipulable(&mut self, robot: &Robot) -> usize {
+        self.totals.clear();
+        self.totals.extend(
+            self.candidates.iter().map(|c| -manipulability(&robot.kinematics(&c.configuration).jacobian)),
+        );
+        first_within_tie(&self.totals)
+    }
+
+    fn bound(&mut self, problem: &PoseProblem, settings: &Settings) {
+        self.forms.clear();
+        self.bounds.clear();
+        self.totals.clear();
+        for candidate in &self.candidates {
+            let jacobian = problem.robot.kinematics(&candidate.configuration).jacobian;
+            let form =
+                ClosedForm::new(&(jacobian * problem.period), settings.state_weight, settings.input_weight);
+            let mut total = motion_cost(candidate, problem.configuration, settings);
+            for (reference, weight) in problem.references.iter().zip(problem.weights) {
+                let bound = if *weight > 0.0 { weight * form.cost(reference) } else { 0.0 };
+                self.bounds.push(bound);
+                total += bound;
+            }
+            self.forms.push(form);
+            self.totals.push(total);
+        }
+    }
+
+    /// Turns bounds into values, in the order of the bounds, as long as a bound is no greater than the best value.
+    fn least(
+        &mut self,
+        problem: &PoseProblem,
+        limits: &mut Limits,
+        mpc: &mut Mpc,
+        solved: &mut usize,
+    ) -> usize {
+        self.order.clear();
+        self.order.extend(0..self.candidates.len());
+        let totals = &self.totals;
+        self.order.sort_unstable_by(|&a, &b| totals[a].total_cmp(&totals[b]).then(a.cmp(&b)));
+        let options = problem.references.len();
+        let mut best = f64::INFINITY;
+        for &c in &self.order {
+            if self.totals[c] > best + TIE {
+                self.totals[c] = f64::INFINITY;
+                continue;
+            }
+            set_limits(limits, problem, &self.candidates[c]);
+            for o in 0..options {
+                let weight = problem.weights[o];
+                if weight <= 0.0 {
+                    continue;
+                }
+                let (reference, bound) = (&problem.references[o], self.bounds[c * options + o]);
+                let value = weight
+                    * constrained_cost(
+                        problem,
+                        &self.candidates[c],
+                        &self.forms[c],
+                        limits,
+                        reference,
+                        mpc,
+                        solved,
+                    );
+                self.totals[c] += value - bound;
+                if self.totals[c] > best + TIE {
+                    self.totals[c] = f64::INFINITY;
+                    break;
+                }
+            }
+            best = best.min(self.totals[c]);
+        }
+        first_within_tie(&self.totals)
+    }
+}
+
+fn set_limits(limits: &mut Limits, problem: &PoseProblem, candidate: &Candidate) {
+    limits.set(problem.robot, &candidate.configuration, &candidate.rates, problem.period);
+}
+
+/// G_o at a candidate, with all limits.
+fn constrained_cost(
+    problem: &PoseProblem,
+    candidate: &Candidate,
+    form: &ClosedForm,
+    limits: &mut Limits,
+    reference: &Reference,
+    mpc: &mut Mpc,
+    solved: &mut usize,
+) -> f64 {
+    if let Some(obstacles) = problem.obstacles {
+        let inputs = form.inputs(reference);
+        obstacles.half_planes(
+            &problem.robot.drive,
+            &candidate.configuration.base,
+            &inputs,
+            problem.period,
+            limits,
+        );
+    }
+    let plan = mpc.solve(form, limits, reference);
+    *solved += usize::from(plan.outcome != super::SolveOutcome::Unconstrained);
+    plan.cost
+}
+
+/// kappa ||q - q_c||^2. Motion of the base is priced as an input, by its rates: unpriced, it would be a free way out.
+pub fn motion_cost(candidate: &Candidate, from: &Configuration, settings: &Settings) -> f64 {
+    let arm = (candidate.configuration.joints - from.joints).norm_squared();
+    settings.pose_weight * (arm + candidate.rates.fixed_rows::<2>(0).norm_squared())
+}
+
+/// Yoshikawa's measure of the arm, sqrt(det(J J')), from the whole-body Jacobian.
+pub fn manipulability(jacobian: &InputJacobian) -> f64 {
+    let arm = jacobian.fixed_columns::<MAX_JOINTS>(2);
+    (arm * arm.transpose()).determinant().max(0.0).sqrt()
+}
+
+fn first_within_tie(totals: &[f64]) -> usize {
+    let least = totals.iter().copied().fold(f64::INFINITY, f64::min);
+    totals.iter().position(|t| *t <= least + TIE).unwrap_or(0)
+}

@@ -1,0 +1,37 @@
+//! The weights and choices of eqs. (7) and (8), with the paper's values as defaults.
+
+use super::{CandidateSet, PoseCriterion};
+
+/// Everything about the controller but the robot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Q = this times I_6.
+    pub state_weight: f64,
+    /// R = this times I.
+    pub input_weight: f64,
+    /// kappa of eq. (8).
+    pub pose_weight: f64,
+    /// Configurations that eq. (8) chooses among.
+    pub candidates: CandidateSet,
+    /// What it chooses by.
+    pub criterion: PoseCriterion,
+    /// Whether the base is kept out of obstacles. The paper's eq. (7) knows no obstacles.
+    pub obstacles: bool,
+    /// How sharply a walking direction tells options apart: concentration of a von Mises distribution about an option's direction.
+    pub direction_concentration: f64,
+}
+
+impl Default for Settings {
+    /// Sec. V-C: Q = 1000 I_6, R = I_9, kappa = 1; |Q| = 15 arm configurations. Directions are taken as known to about 13 degrees.
+    fn default() -> Self {
+        Self {
+            state_weight: 1000.0,
+            input_weight: 1.0,
+            pose_weight: 1.0,
+            candidates: CandidateSet::Arm,
+            criterion: PoseCriterion::Expected,
+            obstacles: true,
+            direction_concentration: 20.0,
+        }
+    }
+}
