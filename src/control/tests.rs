@@ -13,7 +13,7 @@ const PERIOD: f64 = 0.2;
 const N: usize = MAX_INPUTS * HORIZON;
 
 fn robot() -> Robot {
-    crate::robot::carrier_for_tests()
+    Robot::built_in().expect("the built-in robot")
 }
 
 /// A configuration inside the joint limits, its kinematics, and trajectories to follow from there: at walking speed, or `haste` times as fast.

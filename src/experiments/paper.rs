@@ -4,7 +4,7 @@
 //! is named at each figure.
 
 use crate::options::OptionError;
-use crate::preference::Perception;
+use crate::preference::{Perception, PreferenceError};
 use crate::world::{World, WorldError};
 use thiserror::Error;
 
@@ -22,7 +22,30 @@ pub struct Environment {
     pub model_percent: [f64; 4],
     /// Table II: mean accumulated objective cost, m, in the order of [`COLUMNS`].
     pub objective_cost: [f64; 4],
+    /// Table III: mean control cost C with pose optimisation, in the order of [`SETTINGS`].
+    pub control_cost_with: [f64; 4],
+    /// Table III: mean control cost C without it.
+    pub control_cost_without: [f64; 4],
 }
+
+/// A row of humans in Table III: alpha and gamma are uniform within half a range of a centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HumanSetting {
+    /// S1 to S4.
+    pub name: &'static str,
+    /// Centre and half-range of alpha.
+    pub alpha: [f64; 2],
+    /// Centre and half-range of gamma.
+    pub gamma: [f64; 2],
+}
+
+/// Table III's columns.
+pub const SETTINGS: [HumanSetting; 4] = [
+    HumanSetting { name: "S1", alpha: [0.65, 0.1], gamma: [0.6, 0.1] },
+    HumanSetting { name: "S2", alpha: [0.75, 0.2], gamma: [0.7, 0.2] },
+    HumanSetting { name: "S3", alpha: [0.8, 0.15], gamma: [0.85, 0.15] },
+    HumanSetting { name: "S4", alpha: [0.85, 0.1], gamma: [0.95, 0.15] },
+];
 
 /// Table II's rows: without the model, then with eta = 5, 10.5 and 15.
 pub const COLUMNS: [Option<f64>; 4] = [None, Some(5.0), Some(10.5), Some(15.0)];
@@ -44,6 +67,8 @@ pub const ENVIRONMENTS: [Environment; 4] = [
         human_percent: [5.0, 45.0, 40.0, 10.0],
         model_percent: [0.0, 39.5, 36.1, 24.4],
         objective_cost: [1939.67, 1925.38, 1916.11, 1755.42],
+        control_cost_with: [843.9, 781.5, 1546.5, 805.3],
+        control_cost_without: [1078.3, 992.7, 1759.1, 1315.1],
     },
     Environment {
         number: 2,
@@ -52,6 +77,8 @@ pub const ENVIRONMENTS: [Environment; 4] = [
         human_percent: [45.0, 13.5, 6.5, 35.0],
         model_percent: [51.6, 8.7, 0.0, 39.7],
         objective_cost: [1962.98, 1895.16, 1887.75, 1586.56],
+        control_cost_with: [1267.7, 1094.4, 1130.1, 1162.2],
+        control_cost_without: [2139.7, 1688.1, 1180.1, 1281.6],
     },
     Environment {
         number: 3,
@@ -61,6 +88,8 @@ pub const ENVIRONMENTS: [Environment; 4] = [
         human_percent: [12.5, 30.0, 47.5, 5.0],
         model_percent: [5.1, 35.5, 59.4, 0.0],
         objective_cost: [1946.48, 1927.35, 1853.84, 1826.19],
+        control_cost_with: [705.2, 639.3, 1003.8, 796.2],
+        control_cost_without: [732.8, 647.1, 1200.4, 1034.3],
     },
     Environment {
         number: 4,
@@ -69,6 +98,8 @@ pub const ENVIRONMENTS: [Environment; 4] = [
         human_percent: [8.0, 15.0, 41.0, 36.0],
         model_percent: [3.6, 18.3, 46.3, 31.8],
         objective_cost: [2279.98, 2213.82, 1767.07, 1767.07],
+        control_cost_with: [760.2, 1424.4, 822.1, 972.9],
+        control_cost_without: [890.9, 2332.5, 1136.6, 981.2],
     },
 ];
 
@@ -96,4 +127,7 @@ pub enum BuiltInError {
     /// Its options.
     #[error(transparent)]
     Options(#[from] OptionError),
+    /// The distribution of its humans.
+    #[error(transparent)]
+    Humans(#[from] PreferenceError),
 }

@@ -3,9 +3,21 @@
 //! Frames: `world` is on the floor, z up. `drive` is on the floor in the middle between the wheels, x ahead, y to the left: its pose is the
 //! base's. `grasp` is where the object is held, x ahead.
 
+mod arm;
+mod error;
+mod file;
 mod kinematics;
+mod link;
+mod load;
+mod mesh;
+mod posture;
+mod urdf;
+mod wheels;
 
+pub use error::{ArmFault, Place, PostureFault, RobotError, TreeFault};
 pub use kinematics::{Kinematics, pose_difference};
+pub use link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
+pub use wheels::WheelFault;
 
 use crate::geometry::{PlanarPose, Pose};
 use nalgebra::{SMatrix, SVector, Unit, Vector3};
@@ -38,6 +50,16 @@ pub struct Robot {
     pub grasp_height: f64,
     /// Postures to start from, in file order; at least one. All hold the grasp level, at [`Robot::grasp_height`], heading as the base.
     pub postures: Vec<Posture>,
+    /// All links, parents before children.
+    pub links: Vec<Link>,
+    /// The base: index into [`Robot::links`].
+    pub base_link: usize,
+    /// The link whose frame is the grasp's: index into [`Robot::links`].
+    pub grasp_link: usize,
+    /// The left and the right wheel: indices into [`Robot::links`].
+    pub wheel_links: [usize; 2],
+    /// From the drive's frame to the base link's; they differ by a translation.
+    pub(crate) drive_from_base: Pose,
     /// What the grasp's pose is made of, from the base outward.
     pub(crate) chain: Vec<ChainLink>,
     /// From the frame of the last joint of the chain to the grasp.
@@ -125,64 +147,5 @@ impl Robot {
     /// The posture of that name.
     pub fn posture(&self, name: &str) -> Option<&Posture> {
         self.postures.iter().find(|p| p.name == name)
-    }
-}
-
-#[cfg(test)]
-pub(crate) fn carrier_for_tests() -> Robot {
-    use nalgebra::{Rotation3, Translation3};
-    let t = |x: f64, z: f64| Pose::from_parts(Translation3::new(x, 0.0, z), Rotation3::identity());
-    let (x, y, z) = (Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis());
-    let inf = f64::INFINITY;
-    let spec = [
-        ("pan", t(0.033, 0.726), z, -1.6056, 1.6056, 1.256),
-        ("lift", t(0.117, 0.06), y, -1.221, 1.518, 1.454),
-        ("upper roll", t(0.219, 0.0), x, -inf, inf, 1.571),
-        ("elbow", t(0.133, 0.0), y, -2.251, 2.251, 1.521),
-        ("fore roll", t(0.197, 0.0), x, -inf, inf, 1.571),
-        ("wrist", t(0.1245, 0.0), y, -2.16, 2.16, 2.268),
-        ("wrist roll", t(0.1385, 0.0), x, -inf, inf, 2.268),
-    ];
-    let joints = spec
-        .iter()
-        .map(|s| ArmJoint {
-            name: s.0.to_owned(),
-            motion: Motion::Revolute,
-            lower: s.3,
-            upper: s.4,
-            rate_limit: s.5,
-            effort_limit: 1.0,
-        })
-        .collect();
-    let chain = spec
-        .iter()
-        .enumerate()
-        .map(|(i, s)| ChainLink {
-            before_from_joint: s.1,
-            axis: s.2,
-            motion: Motion::Revolute,
-            joint: i,
-            ratio: 1.0,
-            offset: 0.0,
-        })
-        .collect();
-    let (a, b, wx, wz): (f64, f64, f64, f64) = (0.352, 0.3215, 0.75 - 0.1385 - 0.16645, -0.086);
-    let d = wx.hypot(wz);
-    let inner = ((a * a + d * d - b * b) / (2.0 * a * d)).acos();
-    let bend = std::f64::consts::PI - ((a * a + b * b - d * d) / (2.0 * a * b)).acos();
-    let up = wz.atan2(wx) + inner;
-    let mut posture = JointVector::zeros();
-    posture[1] = -up;
-    posture[3] = bend;
-    posture[5] = up - bend;
-    Robot {
-        name: "carrier".to_owned(),
-        file: String::new(),
-        drive: Drive { track: 0.374, wheel_radius: 0.06, rim_speed_limit: 1.044, base_radius: 0.25 },
-        joints,
-        grasp_height: 0.7,
-        postures: vec![Posture { name: "elbow-up".to_owned(), joints: posture }],
-        chain,
-        last_from_grasp: t(0.16645, 0.0),
     }
 }

@@ -1,0 +1,301 @@
+//! H3, Table III: control cost of following a human who changes their mind, with and without pose optimisation, and with what the paper argues
+//! against without measuring it.
+//!
+//! The human leads from the start. (alpha, gamma) is drawn from a setting's sub-range, and redrawn once or twice at random steps of the first
+//! half; the robot only knows the full ranges. Every method meets the same humans: all comparisons are paired.
+
+use super::paper::{BuiltInError, ENVIRONMENTS, Environment, HumanSetting, SETTINGS};
+use super::{OnDone, in_parallel, mean_and_std, paired_p_value};
+use crate::control::{BaseObstacles, CandidateSet, PoseCriterion};
+use crate::coordination;
+use crate::episode::{ControlSummary, Episode, Manipulator, Outcome, Settings, prospects};
+use crate::options::OptionSet;
+use crate::preference::{Belief, Perception, human_choice};
+use crate::robot::{Posture, Robot};
+use crate::{control, preference};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use serde::Serialize;
+
+/// Random experiments a cell, as in the paper.
+pub const EPISODES: usize = 100;
+
+/// A way of choosing the configuration, by the name that rows carry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PoseMethod {
+    /// The paper's baseline: the arm is left as the inputs of eq. (7) move it.
+    WithoutPo,
+    /// Eq. (8) over 15 arm configurations: the paper's.
+    WithPo,
+    /// Eq. (8) over 15 configurations of base and arm.
+    WithPoWholeBody,
+    /// The most manipulable of the 15 arm configurations.
+    Manipulability,
+    /// Eq. (8) with equal weights for all options.
+    UniformWeights,
+    /// Eq. (8) for the tracked option alone.
+    TrackedOption,
+    /// Eq. (8) with the base kept out of obstacles.
+    WithPoObstacles,
+    /// The paper's baseline with the base kept out of obstacles.
+    WithoutPoObstacles,
+}
+
+impl PoseMethod {
+    /// All, the paper's two first.
+    pub const ALL: [Self; 8] = [
+        Self::WithoutPo,
+        Self::WithPo,
+        Self::WithPoWholeBody,
+        Self::Manipulability,
+        Self::UniformWeights,
+        Self::TrackedOption,
+        Self::WithoutPoObstacles,
+        Self::WithPoObstacles,
+    ];
+
+    /// Name, as in `--json`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::WithoutPo => "without-po",
+            Self::WithPo => "with-po",
+            Self::WithPoWholeBody => "with-po-whole-body",
+            Self::Manipulability => "manipulability",
+            Self::UniformWeights => "uniform-weights",
+            Self::TrackedOption => "tracked-option",
+            Self::WithPoObstacles => "with-po-obstacles",
+            Self::WithoutPoObstacles => "without-po-obstacles",
+        }
+    }
+
+    /// What the method is compared with.
+    pub fn baseline(self) -> Self {
+        match self {
+            Self::WithPoObstacles | Self::WithoutPoObstacles => Self::WithoutPoObstacles,
+            _ => Self::WithoutPo,
+        }
+    }
+
+    fn control(self, settings: &control::Settings) -> control::Settings {
+        let (candidates, criterion) = match self {
+            Self::WithoutPo | Self::WithoutPoObstacles => (CandidateSet::None, PoseCriterion::Expected),
+            Self::WithPo | Self::WithPoObstacles => (CandidateSet::Arm, PoseCriterion::Expected),
+            Self::WithPoWholeBody => (CandidateSet::WholeBody, PoseCriterion::Expected),
+            Self::Manipulability => (CandidateSet::Arm, PoseCriterion::Manipulability),
+            Self::UniformWeights => (CandidateSet::Arm, PoseCriterion::Uniform),
+            Self::TrackedOption => (CandidateSet::Arm, PoseCriterion::Tracked),
+        };
+        let obstacles = matches!(self, Self::WithPoObstacles | Self::WithoutPoObstacles);
+        control::Settings { candidates, criterion, obstacles, ..*settings }
+    }
+}
+
+/// What is run.
+#[derive(Clone, Copy, Debug)]
+pub struct Study<'a> {
+    /// The robot; every one of its postures is a start.
+    pub robot: &'a Robot,
+    /// Random experiments a cell.
+    pub episodes: usize,
+    /// Seed of the humans.
+    pub seed: u64,
+    /// The loop's settings; the human leads whatever they say.
+    pub episode: &'a Settings,
+    /// The controller's settings, but for what the methods vary.
+    pub control: control::Settings,
+}
+
+/// One method in one cell of Table III, from one start.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// Environment, 1 to 4.
+    pub environment: u32,
+    /// S1 to S4.
+    pub setting: &'static str,
+    /// How the configuration is chosen.
+    pub method: PoseMethod,
+    /// The posture that episodes start from.
+    pub start: String,
+    /// The paper's mean; none for what the paper does not report.
+    pub paper_mean: Option<f64>,
+    /// Mean control cost C.
+    pub ours_mean: f64,
+    /// Standard deviation of C over the humans.
+    pub ours_std: f64,
+    /// Mean over the method's baseline's mean.
+    pub ratio: f64,
+    /// Two-sided p-value of the paired t-test against the baseline; none for the baselines.
+    pub p_value: Option<f64>,
+    /// Episodes that cost less than the baseline's with the same human.
+    pub wins: usize,
+    /// Mean parts of C: tracking, effort, pose.
+    pub parts: [f64; 3],
+    /// Root mean square distance between grasp and reference, m.
+    pub position_error_rms: f64,
+    /// Share of the steps in which a limit was active.
+    pub constrained_share: f64,
+    /// Steps without a solution of eq. (7).
+    pub fallback_steps: u64,
+    /// Episodes in which the base overlapped an obstacle.
+    pub overlapping_episodes: usize,
+    /// Episodes that did not arrive.
+    pub not_arrived: usize,
+}
+
+impl Study<'_> {
+    /// Units of work, for a progress bar.
+    pub fn units(&self) -> usize {
+        ENVIRONMENTS.len() * SETTINGS.len() * self.robot.postures.len() * PoseMethod::ALL.len() * self.episodes
+    }
+
+    /// Table III, by environment, setting, start and method.
+    ///
+    /// # Errors
+    /// If a built-in world is not valid.
+    pub fn table(&self, on_done: OnDone) -> Result<Vec<Row>, BuiltInError> {
+        let mut rows = Vec::new();
+        for environment in &ENVIRONMENTS {
+            rows.extend(self.environment(environment, on_done)?);
+        }
+        Ok(rows)
+    }
+
+    fn environment(&self, environment: &Environment, on_done: OnDone) -> Result<Vec<Row>, BuiltInError> {
+        let world = environment.world()?;
+        let options = OptionSet::new(&world, self.episode.predictor.risk_weight())?;
+        let obstacles = BaseObstacles::new(&world);
+        let humans = SETTINGS
+            .iter()
+            .enumerate()
+            .map(|(s, setting)| {
+                let stream = u64::from(environment.number) * 16 + s as u64;
+                self.humans(setting, stream, &options)
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let settings = Settings { method: coordination::Method::HumanLed, ..self.episode.clone() };
+        // every episode of the environment, the last index varying fastest
+        let (starts, methods, n) = (&self.robot.postures, &PoseMethod::ALL, self.episodes);
+        let cells = SETTINGS.len() * starts.len() * methods.len();
+        let ends = in_parallel(cells * n, on_done, |i| {
+            let (cell, episode) = (i / n, i % n);
+            let (method, start) = (methods[cell % methods.len()], &starts[cell / methods.len() % starts.len()]);
+            let human = &humans[cell / methods.len() / starts.len()][episode];
+            let manipulator = Manipulator {
+                robot: self.robot,
+                posture: start.joints,
+                control: method.control(&self.control),
+                obstacles: &obstacles,
+            };
+            human.follow(Episode::new(&options, &settings, human.first).with_robot(manipulator))
+        });
+        Ok((0..SETTINGS.len() * starts.len())
+            .flat_map(|group| {
+                let all = &ends[group * methods.len() * n..][..methods.len() * n];
+                let (setting, start) = (group / starts.len(), &starts[group % starts.len()]);
+                methods.iter().enumerate().map(move |(m, _)| row(environment, setting, start, m, all, n))
+            })
+            .collect())
+    }
+
+    /// The humans of a cell: the same for every method and start.
+    fn humans(
+        &self,
+        setting: &HumanSetting,
+        stream: u64,
+        options: &OptionSet,
+    ) -> Result<Vec<ChangingHuman>, preference::PreferenceError> {
+        let range = |[center, half]: [f64; 2]| (center - half, center + half);
+        let belief = Belief::uniform(range(setting.alpha), range(setting.gamma))?;
+        let per_step = self.episode.speed * self.episode.period;
+        let ahead = prospects(options, &options.begin());
+        Ok((0..self.episodes)
+            .map(|episode| {
+                let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+                rng.set_stream((stream << 32) + episode as u64);
+                let first = belief.sample(&mut rng);
+                let preferred = human_choice(&ahead, self.episode.predictor.risk_weight(), first, None);
+                let half = (ahead[preferred].length / per_step / 2.0) as u64;
+                let mut changes = [None; 2];
+                let count = if rng.random::<bool>() { 2 } else { 1 };
+                for change in changes.iter_mut().take(count) {
+                    let step = rng.random_range(1..=half.max(1));
+                    *change = Some((step, belief.sample(&mut rng)));
+                }
+                ChangingHuman { first, changes }
+            })
+            .collect())
+    }
+}
+
+/// A human whose perception changes on the way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct ChangingHuman {
+    first: Perception,
+    /// Step and new perception.
+    changes: [Option<(u64, Perception)>; 2],
+}
+
+/// How one episode ended.
+struct End {
+    control: ControlSummary,
+    steps: u64,
+    arrived: bool,
+}
+
+impl ChangingHuman {
+    fn follow(&self, mut episode: Episode) -> End {
+        loop {
+            let step = episode.summary().steps;
+            for (_, perception) in self.changes.iter().flatten().filter(|(at, _)| *at == step) {
+                episode.change_preference(*perception);
+            }
+            if let Some(outcome) = episode.step() {
+                return End {
+                    control: episode.summary().control.unwrap_or_default(),
+                    steps: episode.summary().steps,
+                    arrived: outcome == Outcome::Arrived,
+                };
+            }
+        }
+    }
+}
+
+/// One method's row; `all` are the episodes of all methods of the cell.
+fn row(environment: &Environment, setting: usize, start: &Posture, method: usize, all: &[End], n: usize) -> Row {
+    let ends = |m: usize| &all[m * n..(m + 1) * n];
+    let costs = |m: usize| ends(m).iter().map(|e| e.control.cost()).collect::<Vec<_>>();
+    let this = PoseMethod::ALL[method];
+    let baseline = PoseMethod::ALL.iter().position(|m| *m == this.baseline()).unwrap_or(0);
+    let (ours, theirs) = (costs(method), costs(baseline));
+    let (ours_mean, ours_std) = mean_and_std(&ours);
+    let mean = |part: fn(&ControlSummary) -> f64| {
+        ends(method).iter().map(|e| part(&e.control)).sum::<f64>() / n as f64
+    };
+    let steps: u64 = ends(method).iter().map(|e| e.steps).sum();
+    let squared: f64 = ends(method).iter().map(|e| e.control.squared_error).sum();
+    let constrained: u64 = ends(method).iter().map(|e| e.control.constrained_steps).sum();
+    Row {
+        environment: environment.number,
+        setting: SETTINGS[setting].name,
+        method: this,
+        start: start.name.clone(),
+        paper_mean: match this {
+            PoseMethod::WithPo => Some(environment.control_cost_with[setting]),
+            PoseMethod::WithoutPo => Some(environment.control_cost_without[setting]),
+            _ => None,
+        },
+        ours_mean,
+        ours_std,
+        ratio: ours_mean / mean_and_std(&theirs).0,
+        p_value: (method != baseline).then(|| paired_p_value(&ours, &theirs)).flatten(),
+        wins: ours.iter().zip(&theirs).filter(|(a, b)| a < b).count(),
+        parts: [mean(|c| c.tracking), mean(|c| c.effort), mean(|c| c.pose)],
+        position_error_rms: (squared / steps as f64).sqrt(),
+        constrained_share: constrained as f64 / steps as f64,
+        fallback_steps: ends(method).iter().map(|e| e.control.fallback_steps).sum(),
+        overlapping_episodes: ends(method).iter().filter(|e| e.control.overlapping_steps > 0).count(),
+        not_arrived: ends(method).iter().filter(|e| !e.arrived).count(),
+    }
+}

@@ -1,0 +1,266 @@
+//! Links, and the joints held still, in; the arm from the base to the grasp out: its joints, its chain, and what every joint follows.
+
+use super::error::{ArmFault, Place, RobotError, known};
+use super::link::{Coupling, Joint, JointKind, Limits, Link};
+use super::urdf::Urdf;
+use super::{ArmJoint, ChainLink, MAX_JOINTS, Motion};
+use crate::geometry::Pose;
+use std::collections::BTreeMap;
+
+/// A joint under `[hold]`.
+pub(super) struct Hold<'a> {
+    pub joint: &'a str,
+    pub angle_deg: Option<f64>,
+    pub position_m: Option<f64>,
+    pub place: Place,
+}
+
+/// What moves the grasp.
+pub(super) struct Arm {
+    pub joints: Vec<ArmJoint>,
+    pub chain: Vec<ChainLink>,
+    pub last_from_grasp: Pose,
+}
+
+/// From where to where the arm goes: indices of links, and where the robot file names the grasp.
+pub(super) struct Ends {
+    pub base: usize,
+    pub grasp: usize,
+    pub drive_from_base: Pose,
+    pub place: Place,
+}
+
+impl Arm {
+    /// Finds the arm and tells every joint what it follows.
+    pub fn new(urdf: Urdf, links: &mut [Link], ends: &Ends, holds: &[Hold]) -> Result<Self, RobotError> {
+        let fault = |why| RobotError::NotAnArm { place: ends.place.clone(), why };
+        let path = path(links, ends).map_err(fault)?;
+        let moving = movable(urdf, links, &path)?;
+        let held = held(urdf, links, &moving, holds)?;
+        let driven: Vec<usize> = moving
+            .iter()
+            .copied()
+            .filter(|&i| !held.contains_key(&i) && joint(links, i).is_some_and(|j| j.mimic.is_none()))
+            .collect();
+        couple(urdf, links, &driven, &held)?;
+
+        let base = links[ends.base].name.clone();
+        if driven.is_empty() {
+            return Err(fault(ArmFault::NothingMoves { base }));
+        }
+        if driven.len() > MAX_JOINTS {
+            let joints = known(driven.iter().filter_map(|&i| joint(links, i)).map(|j| j.name.as_str()));
+            let (count, most) = (driven.len(), MAX_JOINTS);
+            return Err(fault(ArmFault::TooManyJoints { base, count, most, joints }));
+        }
+        let mut joints = Vec::with_capacity(driven.len());
+        for joint in driven.iter().filter_map(|&i| joint(links, i)) {
+            let Limits { lower, upper, rate, effort } = checked_limits(urdf, joint, true)?;
+            let (name, motion) = (joint.name.clone(), motion(joint.kind));
+            joints.push(ArmJoint { name, motion, lower, upper, rate_limit: rate, effort_limit: effort });
+        }
+        let mut chain = Vec::new();
+        let mut before = ends.drive_from_base;
+        for joint in path.iter().filter_map(|&i| joint(links, i)) {
+            let Coupling { joint: follows, ratio, offset } = joint.coupling;
+            let Some(follows) = follows else {
+                before *= joint.parent_from_link(offset);
+                continue;
+            };
+            if joint.mimic.is_some() {
+                tighten(urdf, joint, &mut joints[follows])?;
+            }
+            chain.push(ChainLink {
+                before_from_joint: before * joint.parent_from_joint,
+                axis: joint.axis,
+                motion: motion(joint.kind),
+                joint: follows,
+                ratio,
+                offset,
+            });
+            before = Pose::identity();
+        }
+        let (count, most) = (chain.len(), 2 * MAX_JOINTS);
+        if count > most {
+            return Err(fault(ArmFault::TooManyMoving { base, count, most }));
+        }
+        Ok(Self { joints, chain, last_from_grasp: before })
+    }
+}
+
+fn joint(links: &[Link], i: usize) -> Option<&Joint> {
+    links.get(i).and_then(|l| l.joint.as_ref())
+}
+
+fn joint_place(urdf: Urdf, joint: &Joint) -> Place {
+    urdf.place(format!("joint `{}`", joint.name))
+}
+
+fn motion(kind: JointKind) -> Motion {
+    if kind == JointKind::Prismatic { Motion::Prismatic } else { Motion::Revolute }
+}
+
+/// The links from behind the base to the grasp.
+fn path(links: &[Link], ends: &Ends) -> Result<Vec<usize>, ArmFault> {
+    if ends.base == ends.grasp {
+        return Err(ArmFault::GraspIsBase);
+    }
+    let mut path = vec![];
+    let mut at = ends.grasp;
+    while at != ends.base {
+        path.push(at);
+        let (base, root) = (&links[ends.base].name, &links[at].name);
+        at =
+            links[at].parent.ok_or_else(|| ArmFault::Elsewhere { base: base.clone(), root: root.clone() })?;
+    }
+    path.reverse();
+    Ok(path)
+}
+
+/// The links of the path that a joint moves.
+fn movable(urdf: Urdf, links: &[Link], path: &[usize]) -> Result<Vec<usize>, RobotError> {
+    let mut moving = Vec::new();
+    for &i in path {
+        let Some(joint) = joint(links, i) else { continue };
+        match joint.kind {
+            JointKind::Fixed => {}
+            JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic => moving.push(i),
+            JointKind::Floating | JointKind::Planar | JointKind::Spherical => {
+                let why = ArmFault::Kind { kind: joint.kind.name() };
+                return Err(RobotError::NotAnArm { place: joint_place(urdf, joint), why });
+            }
+        }
+    }
+    Ok(moving)
+}
+
+/// The positions (rad or m) of the joints that are held, by link.
+fn held(
+    urdf: Urdf,
+    links: &[Link],
+    moving: &[usize],
+    holds: &[Hold],
+) -> Result<BTreeMap<usize, f64>, RobotError> {
+    let mut held = BTreeMap::new();
+    for hold in holds {
+        let named = moving.iter().filter_map(|&i| joint(links, i).map(|j| (i, j)));
+        let Some((i, joint)) = named.clone().find(|(_, j)| j.name == hold.joint) else {
+            return Err(RobotError::Unknown {
+                place: hold.place.clone(),
+                kind: "moving joint between the base and the grasp",
+                name: hold.joint.to_owned(),
+                known: known(named.filter(|(_, j)| j.mimic.is_none()).map(|(_, j)| j.name.as_str())),
+            });
+        };
+        if let Some(mimic) = &joint.mimic {
+            let kind = format!("a joint of its own: it mimics `{}`, which may be held instead", mimic.joint);
+            return Err(RobotError::Missing { place: hold.place.clone(), needed: kind });
+        }
+        let (key, scale, given, other) = match joint.kind {
+            JointKind::Prismatic => ("position_m", 1.0, hold.position_m, hold.angle_deg),
+            _ => ("angle_deg", 1f64.to_radians(), hold.angle_deg, hold.position_m),
+        };
+        let (Some(value), None) = (given, other) else {
+            let (place, joint, kind) = (hold.place.clone(), joint.name.clone(), joint.kind.name());
+            return Err(RobotError::Unit { place, joint, kind, key });
+        };
+        let limits = checked_limits(urdf, joint, false)?;
+        let position = value * scale;
+        if !position.is_finite() || position < limits.lower || position > limits.upper {
+            return Err(RobotError::Number {
+                place: hold.place.clone(),
+                field: key.to_owned(),
+                value,
+                expected: format!("from {} to {}", limits.lower / scale, limits.upper / scale),
+            });
+        }
+        held.insert(i, position);
+    }
+    Ok(held)
+}
+
+/// Limits of a joint between the base and the grasp, which must have some.
+fn checked_limits(urdf: Urdf, joint: &Joint, needs_rate: bool) -> Result<Limits, RobotError> {
+    let limits = joint.limits;
+    let place = joint_place(urdf, joint);
+    if [limits.lower, limits.upper, limits.rate] == [0.0; 3] {
+        let needed =
+            format!("<limit> with lower, upper and velocity; a {} joint needs it", joint.kind.name());
+        return Err(RobotError::Missing { place, needed });
+    }
+    if limits.lower >= limits.upper {
+        return Err(RobotError::Limits { place, lower: limits.lower, upper: limits.upper });
+    }
+    if needs_rate && !(limits.rate > 0.0 && limits.rate.is_finite()) {
+        return Err(RobotError::Number {
+            place,
+            field: "limit velocity".to_owned(),
+            value: limits.rate,
+            expected: "greater than 0 and finite: the joint moves".to_owned(),
+        });
+    }
+    Ok(limits)
+}
+
+/// Tells every joint what it follows. A joint that mimics one that neither is driven nor held, such as one outside the arm, stays
+/// where that one's position 0 puts it.
+fn couple(
+    urdf: Urdf,
+    links: &mut [Link],
+    driven: &[usize],
+    held: &BTreeMap<usize, f64>,
+) -> Result<(), RobotError> {
+    for i in 0..links.len() {
+        let (master, ratio, offset) = followed(urdf, links, i)?;
+        let driver = driven.iter().position(|&d| d == master).filter(|_| ratio != 0.0);
+        let rest = held.get(&master).copied().unwrap_or(0.0);
+        let coupling = match driver {
+            Some(joint) => Coupling { joint: Some(joint), ratio, offset },
+            None => Coupling { joint: None, ratio, offset: ratio * rest + offset },
+        };
+        if let Some(joint) = &mut links[i].joint {
+            joint.coupling = coupling;
+        }
+    }
+    Ok(())
+}
+
+/// The link whose joint the joint of link `i` follows in the end, with ratio and offset; itself, 1 and 0 if it follows none.
+fn followed(urdf: Urdf, links: &[Link], i: usize) -> Result<(usize, f64, f64), RobotError> {
+    let (mut at, mut ratio, mut offset) = (i, 1.0, 0.0);
+    let mut seen = vec![i];
+    while let Some((follower, mimic)) = joint(links, at).and_then(|j| Some((j, j.mimic.as_ref()?))) {
+        let named = |l: &Link| l.joint.as_ref().is_some_and(|j| j.name == mimic.joint);
+        at = links.iter().position(named).ok_or_else(|| RobotError::Unknown {
+            place: joint_place(urdf, follower),
+            kind: "joint to mimic,",
+            name: mimic.joint.clone(),
+            known: known(links.iter().filter_map(|l| Some(l.joint.as_ref()?.name.as_str()))),
+        })?;
+        offset += ratio * mimic.offset;
+        ratio *= mimic.ratio;
+        seen.push(at);
+        if seen[..seen.len() - 1].contains(&at) {
+            let names = seen.iter().filter_map(|&s| joint(links, s)).map(|j| format!("`{}`", j.name));
+            let circle = names.collect::<Vec<_>>().join(" follows ");
+            return Err(RobotError::MimicCircle { place: joint_place(urdf, follower), circle });
+        }
+    }
+    Ok((at, ratio, offset))
+}
+
+/// Narrows an arm joint's limits so that a joint which follows it keeps its own.
+fn tighten(urdf: Urdf, follower: &Joint, arm_joint: &mut ArmJoint) -> Result<(), RobotError> {
+    let limits = checked_limits(urdf, follower, true)?;
+    let Coupling { ratio, offset, .. } = follower.coupling;
+    let ends = [limits.lower, limits.upper].map(|limit| (limit - offset) / ratio);
+    arm_joint.lower = arm_joint.lower.max(ends[0].min(ends[1]));
+    arm_joint.upper = arm_joint.upper.min(ends[0].max(ends[1]));
+    arm_joint.rate_limit = arm_joint.rate_limit.min(limits.rate / ratio.abs());
+    if arm_joint.lower >= arm_joint.upper {
+        let item = format!("joint `{}`, which `{}` mimics,", arm_joint.name, follower.name);
+        let (lower, upper) = (arm_joint.lower, arm_joint.upper);
+        return Err(RobotError::Limits { place: urdf.place(item), lower, upper });
+    }
+    Ok(())
+}

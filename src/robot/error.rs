@@ -1,0 +1,330 @@
+//! What can be wrong with a robot file or its URDF, each case with its file, item and numbers.
+
+use super::wheels::WheelFault;
+use thiserror::Error;
+
+/// Where in a robot file or a URDF something stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// The file as it was named by the caller.
+    pub file: String,
+    /// Line, counted from 1; `None` in a URDF.
+    pub line: Option<usize>,
+    /// The item, such as ``joint `elbow` ``.
+    pub item: String,
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self.line {
+            Some(line) => write!(f, "{}:{line}: {}", self.file, self.item),
+            None => write!(f, "{}: {}", self.file, self.item),
+        }
+    }
+}
+
+/// Why a robot was refused.
+#[derive(Debug, Error)]
+pub enum RobotError {
+    /// A file cannot be read.
+    #[error("{file}: cannot be read")]
+    Read {
+        /// The file.
+        file: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A file of another kind.
+    #[error("{file}: a robot is a robot file (.toml), or a URDF (.urdf or .xml) with a robot file beside it")]
+    Format {
+        /// The file.
+        file: String,
+    },
+    /// A xacro where a URDF belongs.
+    #[error("{file}: is a xacro, not a URDF; expand it first: `xacro {file} > {expanded}`")]
+    Xacro {
+        /// The file.
+        file: String,
+        /// What the URDF may be called.
+        expanded: String,
+    },
+    /// A URDF stands alone.
+    #[error(
+        "{urdf}: needs a robot file beside it, {needed}, which names urdf, base_link, grasp_frame, left_wheel, right_wheel, base_width_m, grasp_height_m and a [[posture]]"
+    )]
+    NoRobotFile {
+        /// The URDF.
+        urdf: String,
+        /// The file that is missing.
+        needed: String,
+    },
+    /// The robot file beside a URDF belongs to another one.
+    #[error("{place} = {found:?}: that is not {asked}, which was asked for")]
+    OtherUrdf {
+        /// Where the URDF is named.
+        place: Place,
+        /// The URDF that it names.
+        found: String,
+        /// The URDF that was to be loaded.
+        asked: String,
+    },
+    /// The file is not the TOML that a robot file is made of.
+    #[error("{file}: not a valid robot file")]
+    Syntax {
+        /// The file.
+        file: String,
+        /// Line, column, and what was expected there.
+        source: Box<toml::de::Error>,
+    },
+    /// The file is not the XML that a URDF is made of.
+    #[error("{file}: not a valid URDF")]
+    Urdf {
+        /// The file.
+        file: String,
+        /// What the parser said.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// A number is out of its range.
+    #[error("{place}: {field} = {value}; it must be {expected}")]
+    Number {
+        /// Where.
+        place: Place,
+        /// The key or attribute.
+        field: String,
+        /// The value found.
+        value: f64,
+        /// The values allowed.
+        expected: String,
+    },
+    /// Something that is needed is not there.
+    #[error("{place}: lacks {needed}")]
+    Missing {
+        /// Where.
+        place: Place,
+        /// What is missing.
+        needed: String,
+    },
+    /// A position in the unit of the other kind of joint.
+    #[error("{place}: `{joint}` is {kind}; give its position as {key}")]
+    Unit {
+        /// Where.
+        place: Place,
+        /// The joint.
+        joint: String,
+        /// Its kind.
+        kind: &'static str,
+        /// The key to use instead.
+        key: &'static str,
+    },
+    /// A name that nothing has.
+    #[error("{place}: there is no {kind} `{name}`; there are: {known}")]
+    Unknown {
+        /// Where.
+        place: Place,
+        /// Such as `link` or `joint`.
+        kind: &'static str,
+        /// The name asked for.
+        name: String,
+        /// The names that exist.
+        known: String,
+    },
+    /// Two items of one kind have the same name.
+    #[error("{place}: the name is used twice; every {kind} needs a name of its own")]
+    Duplicate {
+        /// The item.
+        place: Place,
+        /// Such as `link` or `joint`.
+        kind: &'static str,
+    },
+    /// The links do not form one tree.
+    #[error("{place}: {why}")]
+    NotATree {
+        /// The link.
+        place: Place,
+        /// In what way.
+        why: TreeFault,
+    },
+    /// From the base to the grasp there is no arm that can be used.
+    #[error("{place}: {why}")]
+    NotAnArm {
+        /// The grasp frame or the joint.
+        place: Place,
+        /// In what way.
+        why: ArmFault,
+    },
+    /// A wheel that cannot drive the base.
+    #[error("{place}: not a wheel: {why}")]
+    NotAWheel {
+        /// The joint.
+        place: Place,
+        /// In what way.
+        why: WheelFault,
+    },
+    /// A least position that is not below the largest.
+    #[error("{place}: limits upside down: lower {lower} must be below upper {upper}")]
+    Limits {
+        /// The joint.
+        place: Place,
+        /// Least position, rad or m.
+        lower: f64,
+        /// Largest position, rad or m.
+        upper: f64,
+    },
+    /// Joints that follow each other in a circle.
+    #[error("{place}: mimics itself: {circle}; a joint must follow one that moves on its own")]
+    MimicCircle {
+        /// The joint.
+        place: Place,
+        /// The joints in the order in which they follow each other.
+        circle: String,
+    },
+    /// A mesh that is not there.
+    #[error("{place}: there is no mesh `{mesh}`; looked for it at {looked}")]
+    Mesh {
+        /// The link.
+        place: Place,
+        /// The mesh as the URDF names it.
+        mesh: String,
+        /// Where it was looked for.
+        looked: String,
+    },
+    /// A posture that does not hold the object as it must.
+    #[error(
+        "{place}: the angles given hold the grasp {height:.4} m above the floor, tilted by {tilt_deg:.2} deg and heading {heading_deg:.2} deg from ahead; it must be level, heading ahead, at grasp_height_m = {needed} m: {why}"
+    )]
+    Posture {
+        /// The posture.
+        place: Place,
+        /// Height of the grasp at the angles given, m.
+        height: f64,
+        /// Between the grasp's z and upright, degrees.
+        tilt_deg: f64,
+        /// Between the grasp's x and the base's, seen from above, degrees.
+        heading_deg: f64,
+        /// Height needed, m.
+        needed: f64,
+        /// Why it could not be brought there.
+        why: PostureFault,
+    },
+}
+
+/// In what way links do not form one tree.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum TreeFault {
+    /// Two joints carry one link.
+    #[error("is the child of two joints, `{first}` and `{second}`; a URDF is a tree")]
+    TwoParents {
+        /// One joint.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// Two links hang on nothing.
+    #[error("hangs on nothing, and neither does `{other}`; a URDF has one root")]
+    TwoRoots {
+        /// The other root.
+        other: String,
+    },
+    /// Links carry each other.
+    #[error("carries itself: its parents lead back to it; a URDF is a tree")]
+    Circle,
+}
+
+/// In what way there is no arm from the base to the grasp.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ArmFault {
+    /// The grasp is the base.
+    #[error("is the base link itself; name the link at the end of the arm")]
+    GraspIsBase,
+    /// The grasp hangs elsewhere.
+    #[error("does not hang on `{base}`: its root is `{root}`")]
+    Elsewhere {
+        /// The base link.
+        base: String,
+        /// The last of the grasp's parents.
+        root: String,
+    },
+    /// No joint moves.
+    #[error("no joint between it and `{base}` moves on its own")]
+    NothingMoves {
+        /// The base link.
+        base: String,
+    },
+    /// Too many joints.
+    #[error(
+        "{count} joints move on their own between it and `{base}`, more than {most}; hold some of them still under [hold]: {joints}"
+    )]
+    TooManyJoints {
+        /// The base link.
+        base: String,
+        /// Their number.
+        count: usize,
+        /// The most there may be.
+        most: usize,
+        /// Their names.
+        joints: String,
+    },
+    /// Too many joints, those that mimic included.
+    #[error("{count} joints move between it and `{base}`, those that mimic included, more than {most}")]
+    TooManyMoving {
+        /// The base link.
+        base: String,
+        /// Their number.
+        count: usize,
+        /// The most there may be.
+        most: usize,
+    },
+    /// A joint of a kind that an arm cannot have.
+    #[error(
+        "is {kind}; between the base and the grasp a joint must be revolute, continuous, prismatic or fixed"
+    )]
+    Kind {
+        /// The joint's kind.
+        kind: &'static str,
+    },
+}
+
+/// Why a posture could not be brought to hold the object as it must.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum PostureFault {
+    /// No angles near those given do it.
+    #[error("no angles near those given do that")]
+    NoSolution,
+    /// The angles needed are not those given.
+    #[error(
+        "`{joint}` would have to move by {by:.4}, more than {most} (rad or m); give angles that are nearer"
+    )]
+    Far {
+        /// The joint that moves farthest beyond what is allowed.
+        joint: String,
+        /// How far, rad or m.
+        by: f64,
+        /// The most allowed, rad or m.
+        most: f64,
+    },
+    /// The angles needed are beyond a limit.
+    #[error(
+        "`{joint}` would have to be at {position:.6}, beyond its limits from {lower} to {upper} (rad or m)"
+    )]
+    Limit {
+        /// The joint.
+        joint: String,
+        /// Its position, rad or m.
+        position: f64,
+        /// Least position, rad or m.
+        lower: f64,
+        /// Largest position, rad or m.
+        upper: f64,
+    },
+}
+
+/// The names there are, for [`RobotError::Unknown`].
+pub(super) fn known<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    const MOST: usize = 12;
+    let names: Vec<String> = names.map(|n| format!("`{n}`")).collect();
+    match names.len() {
+        0 => "none".to_owned(),
+        n if n <= MOST => names.join(", "),
+        n => format!("{} and {} more", names[..MOST].join(", "), n - MOST),
+    }
+}

@@ -1,0 +1,104 @@
+//! A posture as a robot file has it in; the one beside it that holds the object level, at its height and heading ahead out.
+
+use super::error::{PostureFault, RobotError, known};
+use super::file::{PostureEntry, Source};
+use super::{Configuration, JointVector, Motion, Posture, Robot};
+use crate::geometry::{PlanarPose, Point, Pose};
+use nalgebra::{Rotation3, Vector3};
+use toml::Spanned;
+
+/// How near the grasp must come to its pose, m and rad.
+const TOLERANCE: f64 = 1e-12;
+/// How far a joint may move to bring the grasp there, rad.
+const MOST_TURN: f64 = 0.2;
+/// How far a joint may move to bring the grasp there, m.
+const MOST_SLIDE: f64 = 0.05;
+
+/// Reads a posture and closes it: x and y of the grasp stay what the angles given say, the rest becomes what it must be.
+pub(super) fn read(
+    source: Source,
+    spanned: &Spanned<PostureEntry>,
+    robot: &Robot,
+) -> Result<Posture, RobotError> {
+    let entry = spanned.get_ref();
+    let place = source.place(spanned, format!("posture `{}`", entry.name));
+    let given = angles(source, spanned, robot)?;
+    let base = PlanarPose { position: Point::origin(), yaw: 0.0 };
+    let start = Configuration { base, joints: given };
+    let grasp = robot.grasp_pose(&start);
+    let at = grasp.translation.vector;
+    let level = Vector3::new(at.x, at.y, robot.grasp_height);
+    let level = Pose::from_parts(level.into(), Rotation3::identity());
+    let fault = |why| {
+        let [up, ahead] = [Vector3::z(), Vector3::x()].map(|axis| grasp.rotation * axis);
+        RobotError::Posture {
+            place: place.clone(),
+            height: at.z,
+            tilt_deg: up.z.clamp(-1.0, 1.0).acos().to_degrees(),
+            heading_deg: ahead.y.atan2(ahead.x).to_degrees(),
+            needed: robot.grasp_height,
+            why,
+        }
+    };
+    let closed = robot.close(&start, &level, TOLERANCE).ok_or_else(|| fault(PostureFault::NoSolution))?;
+    for (i, joint) in robot.joints.iter().enumerate() {
+        let position = closed.joints[i];
+        let by = (position - given[i]).abs();
+        let most = if joint.motion == Motion::Prismatic { MOST_SLIDE } else { MOST_TURN };
+        if by > most {
+            return Err(fault(PostureFault::Far { joint: joint.name.clone(), by, most }));
+        }
+        let (lower, upper) = (joint.lower, joint.upper);
+        if !(lower..=upper).contains(&position) {
+            return Err(fault(PostureFault::Limit { joint: joint.name.clone(), position, lower, upper }));
+        }
+    }
+    Ok(Posture { name: entry.name.clone(), joints: closed.joints })
+}
+
+/// The positions given, one for every arm joint, rad or m.
+fn angles(source: Source, spanned: &Spanned<PostureEntry>, robot: &Robot) -> Result<JointVector, RobotError> {
+    let entry = spanned.get_ref();
+    let item = format!("posture `{}`", entry.name);
+    let mut joints = JointVector::zeros();
+    let mut is_given = vec![false; robot.joint_count()];
+    let angles = entry.angles_deg.iter().map(|given| (given, Motion::Revolute));
+    let positions = entry.positions_m.iter().map(|given| (given, Motion::Prismatic));
+    for ((name, value), motion) in angles.chain(positions) {
+        let place = source.place(value, item.clone());
+        let Some(i) = robot.joints.iter().position(|j| j.name == *name) else {
+            let (kind, name) = ("joint of the arm that moves on its own,", name.clone());
+            let known = known(robot.joints.iter().map(|j| j.name.as_str()));
+            return Err(RobotError::Unknown { place, kind, name, known });
+        };
+        if robot.joints[i].motion != motion {
+            let (kind, key) = match robot.joints[i].motion {
+                Motion::Revolute => ("revolute", "angles_deg"),
+                Motion::Prismatic => ("prismatic", "positions_m"),
+            };
+            return Err(RobotError::Unit { place, joint: name.clone(), kind, key });
+        }
+        let (number, largest, expected) = match motion {
+            Motion::Revolute => {
+                (value.get_ref().to_radians(), 3600.0, "an angle from -3600 to 3600 (degrees)")
+            }
+            Motion::Prismatic => (*value.get_ref(), 100.0, "a position from -100 to 100 (metres)"),
+        };
+        if value.get_ref().abs() > largest || !number.is_finite() {
+            let (value, expected) = (*value.get_ref(), expected.to_owned());
+            return Err(RobotError::Number { place, field: name.clone(), value, expected });
+        }
+        joints[i] = number;
+        is_given[i] = true;
+    }
+    match is_given.iter().position(|given| !given) {
+        None => Ok(joints),
+        Some(i) => {
+            let joint = &robot.joints[i];
+            let key = if joint.motion == Motion::Revolute { "angles_deg" } else { "positions_m" };
+            let needed =
+                format!("`{}` under {key}; every joint that moves on its own needs a position", joint.name);
+            Err(RobotError::Missing { place: source.place(spanned, item), needed })
+        }
+    }
+}

@@ -1,0 +1,312 @@
+//! The text of a URDF in; its links, parents before children and every number checked, out. The only file that knows `urdf_rs`.
+
+use super::error::{Place, RobotError, TreeFault};
+use super::link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
+use super::mesh;
+use crate::geometry::Pose;
+use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// The largest number that a URDF may contain: beyond it something is wrong, and squares lose their digits.
+const LARGEST: f64 = 1e6;
+
+/// A URDF that is being read: what errors call it, and the folder that meshes are looked for in.
+#[derive(Clone, Copy)]
+pub(super) struct Urdf<'a> {
+    pub file: &'a str,
+    pub folder: Option<&'a Path>,
+}
+
+impl Urdf<'_> {
+    pub fn place(self, item: String) -> Place {
+        Place { file: self.file.to_owned(), line: None, item }
+    }
+
+    /// The links of the URDF, parents before children, otherwise in the order of their joints.
+    pub fn links(self, text: &str) -> Result<Vec<Link>, RobotError> {
+        let urdf = urdf_rs::read_from_string(text)
+            .map_err(|e| RobotError::Urdf { file: self.file.to_owned(), source: Box::new(e) })?;
+        if urdf.links.is_empty() {
+            return Err(RobotError::Missing {
+                place: self.place("robot".to_owned()),
+                needed: "links".into(),
+            });
+        }
+        self.all_differ("link", urdf.links.iter().map(|l| &l.name))?;
+        self.all_differ("joint", urdf.joints.iter().map(|j| &j.name))?;
+        let colors = colors(&urdf);
+        let order = self.order(&urdf)?;
+        order
+            .into_iter()
+            .map(|Spot { link, parent, joint }| {
+                let link = &urdf.links[link];
+                let check = Check { urdf: self, item: format!("link `{}`", link.name) };
+                let shapes = |kind: &str, i: usize| Check {
+                    urdf: self,
+                    item: format!("link `{}`, {kind} {}", link.name, i + 1),
+                };
+                let visuals = link.visual.iter().enumerate().map(|(i, v)| {
+                    let color = v.material.as_ref().and_then(|m| colors.get(&m.name).copied());
+                    let color = color.map(|c| shapes("visual", i).color(c)).transpose()?;
+                    shapes("visual", i).geometry(&v.origin, &v.geometry, color)
+                });
+                let collisions = link.collision.iter().enumerate();
+                let collisions =
+                    collisions.map(|(i, c)| shapes("collision", i).geometry(&c.origin, &c.geometry, None));
+                Ok(Link {
+                    name: link.name.clone(),
+                    parent,
+                    joint: joint.map(|j| self.joint(&urdf.joints[j])).transpose()?,
+                    inertial: check.inertial(&link.inertial)?,
+                    visuals: visuals.collect::<Result<_, _>>()?,
+                    collisions: collisions.collect::<Result<_, _>>()?,
+                })
+            })
+            .collect()
+    }
+
+    fn all_differ<'n>(
+        self,
+        kind: &'static str,
+        names: impl Iterator<Item = &'n String>,
+    ) -> Result<(), RobotError> {
+        let mut seen = BTreeSet::new();
+        for name in names {
+            if !seen.insert(name) {
+                return Err(RobotError::Duplicate { place: self.place(format!("{kind} `{name}`")), kind });
+            }
+        }
+        Ok(())
+    }
+
+    /// Where every link of the URDF goes, or why it is not a tree.
+    fn order(self, urdf: &urdf_rs::Robot) -> Result<Vec<Spot>, RobotError> {
+        let names: Vec<&str> = urdf.links.iter().map(|l| l.name.as_str()).collect();
+        let index: BTreeMap<&str, usize> = names.iter().enumerate().map(|(i, &n)| (n, i)).collect();
+        let mut carrier: Vec<Option<usize>> = vec![None; names.len()];
+        let mut children: Vec<Vec<(usize, usize)>> = vec![Vec::new(); names.len()];
+        for (j, joint) in urdf.joints.iter().enumerate() {
+            let find = |name: &str| {
+                index.get(name).copied().ok_or_else(|| RobotError::Unknown {
+                    place: self.place(format!("joint `{}`", joint.name)),
+                    kind: "link",
+                    name: name.to_owned(),
+                    known: super::error::known(names.iter().copied()),
+                })
+            };
+            let (parent, child) = (find(&joint.parent.link)?, find(&joint.child.link)?);
+            if let Some(first) = carrier[child].replace(j) {
+                let why = TreeFault::TwoParents {
+                    first: urdf.joints[first].name.clone(),
+                    second: joint.name.clone(),
+                };
+                return Err(self.not_a_tree(names[child], why));
+            }
+            children[parent].push((j, child));
+        }
+        let mut roots = (0..names.len()).filter(|&i| carrier[i].is_none());
+        let root = roots.next();
+        if let (Some(root), Some(other)) = (root, roots.next()) {
+            return Err(self.not_a_tree(names[other], TreeFault::TwoRoots { other: names[root].to_owned() }));
+        }
+        let mut order: Vec<Spot> = Vec::with_capacity(names.len());
+        let mut placed = vec![false; names.len()];
+        let mut next: Vec<Spot> =
+            root.map(|link| Spot { link, parent: None, joint: None }).into_iter().collect();
+        while let Some(spot) = next.pop() {
+            placed[spot.link] = true;
+            let parent = Some(order.len());
+            next.extend(children[spot.link].iter().rev().map(|&(j, link)| Spot {
+                link,
+                parent,
+                joint: Some(j),
+            }));
+            order.push(spot);
+        }
+        match placed.iter().position(|placed| !placed) {
+            Some(astray) => Err(self.not_a_tree(names[astray], TreeFault::Circle)),
+            None => Ok(order),
+        }
+    }
+
+    fn not_a_tree(self, link: &str, why: TreeFault) -> RobotError {
+        RobotError::NotATree { place: self.place(format!("link `{link}`")), why }
+    }
+
+    fn joint(self, joint: &urdf_rs::Joint) -> Result<Joint, RobotError> {
+        use urdf_rs::JointType as Kind;
+        let check = Check { urdf: self, item: format!("joint `{}`", joint.name) };
+        let kind = match joint.joint_type {
+            Kind::Fixed => JointKind::Fixed,
+            Kind::Revolute => JointKind::Revolute,
+            Kind::Continuous => JointKind::Continuous,
+            Kind::Prismatic => JointKind::Prismatic,
+            Kind::Floating => JointKind::Floating,
+            Kind::Planar => JointKind::Planar,
+            Kind::Spherical => JointKind::Spherical,
+        };
+        let axis = match kind {
+            JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic => {
+                check.axis(&joint.axis.xyz.0)?
+            }
+            _ => Vector3::x_axis(),
+        };
+        let mimic = joint.mimic.as_ref().map(|m| {
+            let ratio = check.finite("mimic multiplier", m.multiplier.unwrap_or(1.0))?;
+            let offset = check.finite("mimic offset", m.offset.unwrap_or(0.0))?;
+            Ok(Mimic { joint: m.joint.clone(), ratio, offset })
+        });
+        Ok(Joint {
+            name: joint.name.clone(),
+            kind,
+            parent_from_joint: check.pose(&joint.origin)?,
+            axis,
+            limits: check.limits(kind, &joint.limit)?,
+            mimic: mimic.transpose()?,
+            coupling: Coupling { joint: None, ratio: 1.0, offset: 0.0 },
+        })
+    }
+}
+
+/// A link's place in the tree: indices of the link in the URDF, of the link that carries it among those placed, and of their joint.
+struct Spot {
+    link: usize,
+    parent: Option<usize>,
+    joint: Option<usize>,
+}
+
+/// The colours that materials have; one that is given a colour anywhere has it everywhere.
+fn colors(urdf: &urdf_rs::Robot) -> BTreeMap<String, [f64; 4]> {
+    let on_links = urdf.links.iter().flat_map(|l| &l.visual).filter_map(|v| v.material.as_ref());
+    let all = on_links.chain(&urdf.materials);
+    all.filter_map(|m| m.color.as_ref().map(|c| (m.name.clone(), c.rgba.0))).collect()
+}
+
+/// Checks of the numbers of one item.
+struct Check<'a> {
+    urdf: Urdf<'a>,
+    item: String,
+}
+
+impl Check<'_> {
+    fn number(&self, field: &str, value: f64, is_good: bool, expected: &str) -> Result<f64, RobotError> {
+        if is_good {
+            return Ok(value);
+        }
+        Err(RobotError::Number {
+            place: self.urdf.place(self.item.clone()),
+            field: field.to_owned(),
+            value,
+            expected: expected.to_owned(),
+        })
+    }
+
+    fn finite(&self, field: &str, value: f64) -> Result<f64, RobotError> {
+        self.number(field, value, value.abs() <= LARGEST, "a number from -1000000 to 1000000")
+    }
+
+    fn positive(&self, field: &str, value: f64) -> Result<f64, RobotError> {
+        self.number(field, value, value > 0.0 && value <= LARGEST, "greater than 0, at most 1000000")
+    }
+
+    fn vector(&self, field: &str, values: &[f64; 3]) -> Result<Vector3<f64>, RobotError> {
+        for (name, value) in ["[0]", "[1]", "[2]"].iter().zip(values) {
+            self.finite(&format!("{field}{name}"), *value)?;
+        }
+        Ok(Vector3::from(*values))
+    }
+
+    fn axis(&self, values: &[f64; 3]) -> Result<Unit<Vector3<f64>>, RobotError> {
+        let axis = self.vector("axis xyz", values)?;
+        Unit::try_new(axis, 1e-9).ok_or_else(|| RobotError::Number {
+            place: self.urdf.place(self.item.clone()),
+            field: "length of axis xyz".to_owned(),
+            value: axis.norm(),
+            expected: "greater than 0: say which way the joint moves".to_owned(),
+        })
+    }
+
+    fn pose(&self, origin: &urdf_rs::Pose) -> Result<Pose, RobotError> {
+        let xyz = self.vector("origin xyz", &origin.xyz.0)?;
+        let rpy = self.vector("origin rpy", &origin.rpy.0)?;
+        Ok(Pose::from_parts(xyz.into(), Rotation3::from_euler_angles(rpy.x, rpy.y, rpy.z)))
+    }
+
+    fn limits(&self, kind: JointKind, limit: &urdf_rs::JointLimit) -> Result<Limits, RobotError> {
+        let (lower, upper) = match kind {
+            JointKind::Revolute | JointKind::Prismatic => {
+                let lower = self.finite("limit lower", limit.lower)?;
+                (lower, self.finite("limit upper", limit.upper)?)
+            }
+            JointKind::Continuous => (f64::NEG_INFINITY, f64::INFINITY),
+            _ => (0.0, 0.0),
+        };
+        if lower > upper {
+            let place = self.urdf.place(self.item.clone());
+            return Err(RobotError::Limits { place, lower, upper });
+        }
+        let at_least_0 = |field, value: f64| self.number(field, value, value >= 0.0, "at least 0");
+        let rate = at_least_0("limit velocity", limit.velocity)?;
+        let effort = at_least_0("limit effort", limit.effort)?;
+        Ok(Limits { lower, upper, rate, effort: if effort > 0.0 { effort } else { f64::INFINITY } })
+    }
+
+    fn inertial(&self, inertial: &urdf_rs::Inertial) -> Result<Option<Inertial>, RobotError> {
+        let mass = inertial.mass.value;
+        self.number("mass", mass, (0.0..=LARGEST).contains(&mass), "from 0 to 1000000 kg")?;
+        let i = &inertial.inertia;
+        for (field, value) in
+            [("ixx", i.ixx), ("ixy", i.ixy), ("ixz", i.ixz), ("iyy", i.iyy), ("iyz", i.iyz), ("izz", i.izz)]
+        {
+            self.finite(field, value)?;
+        }
+        let inertia = Matrix3::new(i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz);
+        let center = self.pose(&inertial.origin)?;
+        let least = inertia.symmetric_eigenvalues().min();
+        let is_good = least >= -1e-9 * inertia.amax();
+        self.number("least principal moment of inertia", least, is_good, "at least 0")?;
+        let has_body = mass > 0.0 || inertia.amax() > 0.0;
+        Ok(has_body.then_some(Inertial { mass, center, inertia }))
+    }
+
+    fn color(&self, rgba: [f64; 4]) -> Result<[f32; 4], RobotError> {
+        for value in rgba {
+            self.number("color rgba", value, (0.0..=1.0).contains(&value), "from 0 to 1")?;
+        }
+        Ok(rgba.map(|c| c as f32))
+    }
+
+    fn geometry(
+        &self,
+        origin: &urdf_rs::Pose,
+        geometry: &urdf_rs::Geometry,
+        color: Option<[f32; 4]>,
+    ) -> Result<Geometry, RobotError> {
+        use urdf_rs::Geometry as G;
+        let round = |radius: &f64, length: &f64| {
+            Ok::<_, RobotError>((self.positive("radius", *radius)?, self.positive("length", *length)?))
+        };
+        let shape = match geometry {
+            G::Box { size } => {
+                size.iter().try_for_each(|s| self.positive("box size", *s).map(drop))?;
+                Shape::Box { size: Vector3::from(size.0) }
+            }
+            G::Cylinder { radius, length } => {
+                let (radius, length) = round(radius, length)?;
+                Shape::Cylinder { radius, length }
+            }
+            G::Capsule { radius, length } => {
+                let (radius, length) = round(radius, length)?;
+                Shape::Capsule { radius, length }
+            }
+            G::Sphere { radius } => Shape::Sphere { radius: self.positive("radius", *radius)? },
+            G::Mesh { filename, scale } => {
+                let scale = self.vector("mesh scale", &scale.map_or([1.0; 3], |s| s.0))?;
+                let place = || self.urdf.place(self.item.clone());
+                Shape::Mesh { file: mesh::find(filename, self.urdf.folder, place)?, scale }
+            }
+        };
+        Ok(Geometry { link_from_shape: self.pose(origin)?, shape, color })
+    }
+}

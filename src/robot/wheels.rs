@@ -1,0 +1,250 @@
+//! Links, the two joints that are said to be wheels and the width of the base in; the drive, and where it is in the base, out.
+
+use super::Drive;
+use super::error::{Place, RobotError};
+use super::link::{Geometry, JointKind, Link, Shape};
+use super::urdf::Urdf;
+use crate::geometry::Pose;
+use nalgebra::{Point3, Rotation3, Vector3};
+use thiserror::Error;
+
+/// How far two lengths may differ that must be the same, m.
+const SAME_LENGTH: f64 = 1e-3;
+/// How far two directions may differ that must be the same, rad.
+const SAME_DIRECTION: f64 = 1e-3;
+
+/// In what way a joint is not a wheel.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum WheelFault {
+    /// Another kind of joint.
+    #[error("its joint is {kind}; it must be continuous")]
+    Kind {
+        /// The joint's kind.
+        kind: &'static str,
+    },
+    /// It follows another joint.
+    #[error("it mimics `{joint}`; each wheel must turn on its own")]
+    Mimics {
+        /// The other joint.
+        joint: String,
+    },
+    /// It hangs elsewhere.
+    #[error("it does not hang on `{base}`; its root is `{root}`")]
+    Elsewhere {
+        /// The base link.
+        base: String,
+        /// The last of its parents.
+        root: String,
+    },
+    /// It hangs on something that moves.
+    #[error("it hangs on `{base}` through `{joint}`, which is {kind}; it must be fixed")]
+    Loose {
+        /// The base link.
+        base: String,
+        /// The joint between.
+        joint: String,
+        /// That joint's kind.
+        kind: &'static str,
+    },
+    /// It turns about another axis.
+    #[error("its axis is ({x:.4}, {y:.4}, {z:.4}) in the base; it must be along the base's y")]
+    Axis {
+        /// x.
+        x: f64,
+        /// y.
+        y: f64,
+        /// z.
+        z: f64,
+    },
+    /// No shape to measure.
+    #[error("it has no cylinder or sphere to measure; give wheel_radius_m in the robot file")]
+    NoRadius,
+    /// The shape does not turn about its middle.
+    #[error("its {shape} is {by_m:.4} m or {by_deg:.2} deg off the joint's axis; it must turn about its own")]
+    Eccentric {
+        /// Cylinder or sphere.
+        shape: &'static str,
+        /// Distance of the shape's middle from the axis, m.
+        by_m: f64,
+        /// Angle between the two axes, degrees.
+        by_deg: f64,
+    },
+    /// The two radii given differ.
+    #[error(
+        "its radius is {measured} m in the URDF, but wheel_radius_m = {given}; they must agree within 1 mm"
+    )]
+    Radius {
+        /// As measured, m.
+        measured: f64,
+        /// As given, m.
+        given: f64,
+    },
+    /// No rate limit.
+    #[error("limit velocity = {rate}; it must be greater than 0 and finite")]
+    Rate {
+        /// The limit found, rad/s.
+        rate: f64,
+    },
+    /// It is on the other side.
+    #[error("it is at y = {y:.4} m in the base; it must be on the {side}, where y is {sign}")]
+    Side {
+        /// Its middle, m.
+        y: f64,
+        /// left or right.
+        side: &'static str,
+        /// positive or negative.
+        sign: &'static str,
+    },
+    /// The two wheels do not mirror each other.
+    #[error("its {what} is {right} but that of `{left_joint}` is {left}; {rule}")]
+    Unlike {
+        /// What differs.
+        what: &'static str,
+        /// The other wheel.
+        left_joint: String,
+        /// Its value, SI.
+        left: f64,
+        /// This wheel's value, SI.
+        right: f64,
+        /// What must hold.
+        rule: &'static str,
+    },
+}
+
+/// A wheel as it stands in the base.
+struct Wheel {
+    /// In the base's frame, m.
+    middle: Point3<f64>,
+    radius: f64,
+    /// rad/s.
+    rate: f64,
+}
+
+/// What the robot file says of the wheels: indices of the links that they carry, left first, and the places of their names.
+pub(super) struct Wheels {
+    pub base: usize,
+    pub links: [usize; 2],
+    /// As given, m.
+    pub radius: Option<f64>,
+    pub base_radius: f64,
+}
+
+impl Wheels {
+    /// The drive, and `drive_from_base`: on the floor, between the wheels' middles.
+    pub fn measure(&self, urdf: Urdf, links: &[Link]) -> Result<(Drive, Pose), RobotError> {
+        let name = |i: usize| links[i].joint.as_ref().map_or("", |j| j.name.as_str());
+        let place = |i: usize| -> Place { urdf.place(format!("joint `{}`", name(i))) };
+        let [left, right] = [0, 1].map(|side| {
+            let fault = |why| RobotError::NotAWheel { place: place(self.links[side]), why };
+            self.wheel(links, self.links[side]).map_err(fault)
+        });
+        let [left, right] = [left?, right?];
+        let sides = [(left.middle.y, "left", "positive"), (-right.middle.y, "right", "negative")];
+        for (i, (y, side, sign)) in self.links.into_iter().zip(sides) {
+            if y <= 0.0 {
+                let y = if side == "left" { y } else { -y };
+                return Err(RobotError::NotAWheel {
+                    place: place(i),
+                    why: WheelFault::Side { y, side, sign },
+                });
+            }
+        }
+        for (what, left, right, tolerance, rule) in [
+            ("x in the base (m)", left.middle.x, right.middle.x, SAME_LENGTH, "they must be the same"),
+            (
+                "distance from the middle of the base (m)",
+                left.middle.y,
+                -right.middle.y,
+                SAME_LENGTH,
+                "they must be the same",
+            ),
+            ("z in the base (m)", left.middle.z, right.middle.z, SAME_LENGTH, "they must be the same"),
+            ("radius (m)", left.radius, right.radius, 1e-6, "they must be the same"),
+            ("limit velocity (rad/s)", left.rate, right.rate, 1e-6, "they must be the same"),
+        ] {
+            if (left - right).abs() > tolerance {
+                let left_joint = name(self.links[0]).to_owned();
+                let why = WheelFault::Unlike { what, left_joint, left, right, rule };
+                return Err(RobotError::NotAWheel { place: place(self.links[1]), why });
+            }
+        }
+        let middle = nalgebra::center(&left.middle, &right.middle);
+        let drive = Drive {
+            track: left.middle.y - right.middle.y,
+            wheel_radius: left.radius,
+            rim_speed_limit: left.rate * left.radius,
+            base_radius: self.base_radius,
+        };
+        let floor = Vector3::new(middle.x, middle.y, middle.z - left.radius);
+        Ok((drive, Pose::from_parts((-floor).into(), Rotation3::identity())))
+    }
+
+    fn wheel(&self, links: &[Link], i: usize) -> Result<Wheel, WheelFault> {
+        let base = || links[self.base].name.clone();
+        let elsewhere = |root: &Link| WheelFault::Elsewhere { base: base(), root: root.name.clone() };
+        let Some(joint) = &links[i].joint else { return Err(elsewhere(&links[i])) };
+        if joint.kind != JointKind::Continuous {
+            return Err(WheelFault::Kind { kind: joint.kind.name() });
+        }
+        if let Some(mimic) = &joint.mimic {
+            return Err(WheelFault::Mimics { joint: mimic.joint.clone() });
+        }
+        let mut base_from_wheel = joint.parent_from_joint;
+        let mut at = links[i].parent.unwrap_or(i);
+        while at != self.base {
+            let (Some(parent), Some(between)) = (links[at].parent, &links[at].joint) else {
+                return Err(elsewhere(&links[at]));
+            };
+            if between.kind != JointKind::Fixed {
+                let (joint, kind) = (between.name.clone(), between.kind.name());
+                return Err(WheelFault::Loose { base: base(), joint, kind });
+            }
+            base_from_wheel = between.parent_from_joint * base_from_wheel;
+            at = parent;
+        }
+        let axis = base_from_wheel.rotation * joint.axis.into_inner();
+        if axis.x.hypot(axis.z) > SAME_DIRECTION {
+            return Err(WheelFault::Axis { x: axis.x, y: axis.y, z: axis.z });
+        }
+        let rate = joint.limits.rate;
+        if !(rate > 0.0 && rate.is_finite()) {
+            return Err(WheelFault::Rate { rate });
+        }
+        let found = rolling(&links[i].collisions).or_else(|| rolling(&links[i].visuals));
+        let (radius, middle) = match (found, self.radius) {
+            (None, None) => return Err(WheelFault::NoRadius),
+            (None, Some(given)) => (given, Vector3::zeros()),
+            (Some((shape, measured)), given) => {
+                let middle = along_axis(shape, &joint.axis)?;
+                if let Some(given) = given.filter(|g| (g - measured).abs() > SAME_LENGTH) {
+                    return Err(WheelFault::Radius { measured, given });
+                }
+                (given.unwrap_or(measured), middle)
+            }
+        };
+        Ok(Wheel { middle: base_from_wheel * Point3::from(middle), radius, rate })
+    }
+}
+
+/// The cylinder or sphere of the largest radius, with it.
+fn rolling(shapes: &[Geometry]) -> Option<(&Geometry, f64)> {
+    let round = shapes.iter().filter_map(|g| match g.shape {
+        Shape::Cylinder { radius, .. } | Shape::Sphere { radius } => Some((g, radius)),
+        _ => None,
+    });
+    round.max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// The middle of a wheel's shape, which must turn about its own axis, in the wheel's frame.
+fn along_axis(geometry: &Geometry, axis: &Vector3<f64>) -> Result<Vector3<f64>, WheelFault> {
+    let middle = geometry.link_from_shape.translation.vector;
+    let by_m = axis.cross(&middle).norm();
+    let (shape, sine) = match geometry.shape {
+        Shape::Sphere { .. } => ("sphere", 0.0),
+        _ => ("cylinder", (geometry.link_from_shape.rotation * Vector3::z()).cross(axis).norm()),
+    };
+    if by_m > SAME_LENGTH || sine > SAME_DIRECTION {
+        return Err(WheelFault::Eccentric { shape, by_m, by_deg: sine.min(1.0).asin().to_degrees() });
+    }
+    Ok(axis * axis.dot(&middle))
+}
