@@ -147,7 +147,11 @@ pub struct Row {
 impl Study<'_> {
     /// Units of work, for a progress bar.
     pub fn units(&self) -> usize {
-        ENVIRONMENTS.len() * SETTINGS.len() * self.robot.postures.len() * PoseMethod::ALL.len() * self.episodes
+        ENVIRONMENTS.len()
+            * SETTINGS.len()
+            * self.robot.postures.len()
+            * PoseMethod::ALL.len()
+            * self.episodes
     }
 
     /// Table III, by environment, setting, start and method.
@@ -180,7 +184,8 @@ impl Study<'_> {
         let cells = SETTINGS.len() * starts.len() * methods.len();
         let ends = in_parallel(cells * n, on_done, |i| {
             let (cell, episode) = (i / n, i % n);
-            let (method, start) = (methods[cell % methods.len()], &starts[cell / methods.len() % starts.len()]);
+            let (method, start) =
+                (methods[cell % methods.len()], &starts[cell / methods.len() % starts.len()]);
             let human = &humans[cell / methods.len() / starts.len()][episode];
             let manipulator = Manipulator {
                 robot: self.robot,
@@ -263,7 +268,14 @@ impl ChangingHuman {
 }
 
 /// One method's row; `all` are the episodes of all methods of the cell.
-fn row(environment: &Environment, setting: usize, start: &Posture, method: usize, all: &[End], n: usize) -> Row {
+fn row(
+    environment: &Environment,
+    setting: usize,
+    start: &Posture,
+    method: usize,
+    all: &[End],
+    n: usize,
+) -> Row {
     let ends = |m: usize| &all[m * n..(m + 1) * n];
     let costs = |m: usize| ends(m).iter().map(|e| e.control.cost()).collect::<Vec<_>>();
     let this = PoseMethod::ALL[method];

@@ -1,6 +1,7 @@
 //! Links, and the joints held still, in; the arm from the base to the grasp out: its joints, its chain, and what every joint follows.
 
-use super::error::{ArmFault, Place, RobotError, known};
+use super::error::{Place, RobotError, known};
+use super::fault::ArmFault;
 use super::link::{Coupling, Joint, JointKind, Limits, Link};
 use super::urdf::Urdf;
 use super::{ArmJoint, ChainLink, MAX_JOINTS, Motion};

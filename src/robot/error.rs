@@ -1,6 +1,6 @@
 //! What can be wrong with a robot file or its URDF, each case with its file, item and numbers.
 
-use super::wheels::WheelFault;
+use super::fault::{ArmFault, PostureFault, TreeFault, WheelFault};
 use thiserror::Error;
 
 /// Where in a robot file or a URDF something stands.
@@ -205,116 +205,6 @@ pub enum RobotError {
         needed: f64,
         /// Why it could not be brought there.
         why: PostureFault,
-    },
-}
-
-/// In what way links do not form one tree.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum TreeFault {
-    /// Two joints carry one link.
-    #[error("is the child of two joints, `{first}` and `{second}`; a URDF is a tree")]
-    TwoParents {
-        /// One joint.
-        first: String,
-        /// The other.
-        second: String,
-    },
-    /// Two links hang on nothing.
-    #[error("hangs on nothing, and neither does `{other}`; a URDF has one root")]
-    TwoRoots {
-        /// The other root.
-        other: String,
-    },
-    /// Links carry each other.
-    #[error("carries itself: its parents lead back to it; a URDF is a tree")]
-    Circle,
-}
-
-/// In what way there is no arm from the base to the grasp.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum ArmFault {
-    /// The grasp is the base.
-    #[error("is the base link itself; name the link at the end of the arm")]
-    GraspIsBase,
-    /// The grasp hangs elsewhere.
-    #[error("does not hang on `{base}`: its root is `{root}`")]
-    Elsewhere {
-        /// The base link.
-        base: String,
-        /// The last of the grasp's parents.
-        root: String,
-    },
-    /// No joint moves.
-    #[error("no joint between it and `{base}` moves on its own")]
-    NothingMoves {
-        /// The base link.
-        base: String,
-    },
-    /// Too many joints.
-    #[error(
-        "{count} joints move on their own between it and `{base}`, more than {most}; hold some of them still under [hold]: {joints}"
-    )]
-    TooManyJoints {
-        /// The base link.
-        base: String,
-        /// Their number.
-        count: usize,
-        /// The most there may be.
-        most: usize,
-        /// Their names.
-        joints: String,
-    },
-    /// Too many joints, those that mimic included.
-    #[error("{count} joints move between it and `{base}`, those that mimic included, more than {most}")]
-    TooManyMoving {
-        /// The base link.
-        base: String,
-        /// Their number.
-        count: usize,
-        /// The most there may be.
-        most: usize,
-    },
-    /// A joint of a kind that an arm cannot have.
-    #[error(
-        "is {kind}; between the base and the grasp a joint must be revolute, continuous, prismatic or fixed"
-    )]
-    Kind {
-        /// The joint's kind.
-        kind: &'static str,
-    },
-}
-
-/// Why a posture could not be brought to hold the object as it must.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum PostureFault {
-    /// No angles near those given do it.
-    #[error("no angles near those given do that")]
-    NoSolution,
-    /// The angles needed are not those given.
-    #[error(
-        "`{joint}` would have to move by {by:.4}, more than {most} (rad or m); give angles that are nearer"
-    )]
-    Far {
-        /// The joint that moves farthest beyond what is allowed.
-        joint: String,
-        /// How far, rad or m.
-        by: f64,
-        /// The most allowed, rad or m.
-        most: f64,
-    },
-    /// The angles needed are beyond a limit.
-    #[error(
-        "`{joint}` would have to be at {position:.6}, beyond its limits from {lower} to {upper} (rad or m)"
-    )]
-    Limit {
-        /// The joint.
-        joint: String,
-        /// Its position, rad or m.
-        position: f64,
-        /// Least position, rad or m.
-        lower: f64,
-        /// Largest position, rad or m.
-        upper: f64,
     },
 }
 

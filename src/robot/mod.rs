@@ -5,19 +5,21 @@
 
 mod arm;
 mod error;
+mod fault;
 mod file;
 mod kinematics;
 mod link;
 mod load;
 mod mesh;
 mod posture;
+mod tree;
 mod urdf;
 mod wheels;
 
-pub use error::{ArmFault, Place, PostureFault, RobotError, TreeFault};
+pub use error::{Place, RobotError};
+pub use fault::{ArmFault, PostureFault, TreeFault, WheelFault};
 pub use kinematics::{Kinematics, pose_difference};
 pub use link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
-pub use wheels::WheelFault;
 
 use crate::geometry::{PlanarPose, Pose};
 use nalgebra::{SMatrix, SVector, Unit, Vector3};

@@ -1,6 +1,7 @@
 //! A posture as a robot file has it in; the one beside it that holds the object level, at its height and heading ahead out.
 
-use super::error::{PostureFault, RobotError, known};
+use super::error::{RobotError, known};
+use super::fault::PostureFault;
 use super::file::{PostureEntry, Source};
 use super::{Configuration, JointVector, Motion, Posture, Robot};
 use crate::geometry::{PlanarPose, Point, Pose};

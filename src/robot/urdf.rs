@@ -1,8 +1,9 @@
 //! The text of a URDF in; its links, parents before children and every number checked, out. The only file that knows `urdf_rs`.
 
-use super::error::{Place, RobotError, TreeFault};
+use super::error::{Place, RobotError};
 use super::link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
 use super::mesh;
+use super::tree::{self, Edge, Spot};
 use crate::geometry::Pose;
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,6 +11,8 @@ use std::path::Path;
 
 /// The largest number that a URDF may contain: beyond it something is wrong, and squares lose their digits.
 const LARGEST: f64 = 1e6;
+/// How deeply elements may be nested: the parser calls itself for each level.
+const DEEPEST: usize = 64;
 
 /// A URDF that is being read: what errors call it, and the folder that meshes are looked for in.
 #[derive(Clone, Copy)]
@@ -25,6 +28,13 @@ impl Urdf<'_> {
 
     /// The links of the URDF, parents before children, otherwise in the order of their joints.
     pub fn links(self, text: &str) -> Result<Vec<Link>, RobotError> {
+        let depth = depth(text);
+        Check { urdf: self, item: "robot".to_owned() }.number(
+            "depth of its elements",
+            depth as f64,
+            depth <= DEEPEST,
+            "at most 64",
+        )?;
         let urdf = urdf_rs::read_from_string(text)
             .map_err(|e| RobotError::Urdf { file: self.file.to_owned(), source: Box::new(e) })?;
         if urdf.links.is_empty() {
@@ -36,8 +46,10 @@ impl Urdf<'_> {
         self.all_differ("link", urdf.links.iter().map(|l| &l.name))?;
         self.all_differ("joint", urdf.joints.iter().map(|j| &j.name))?;
         let colors = colors(&urdf);
-        let order = self.order(&urdf)?;
-        order
+        let names = urdf.links.iter().map(|l| l.name.as_str()).collect();
+        let edges =
+            urdf.joints.iter().map(|j| Edge { joint: &j.name, parent: &j.parent.link, child: &j.child.link });
+        tree::order(self, names, &edges.collect::<Vec<_>>())?
             .into_iter()
             .map(|Spot { link, parent, joint }| {
                 let link = &urdf.links[link];
@@ -80,60 +92,6 @@ impl Urdf<'_> {
         Ok(())
     }
 
-    /// Where every link of the URDF goes, or why it is not a tree.
-    fn order(self, urdf: &urdf_rs::Robot) -> Result<Vec<Spot>, RobotError> {
-        let names: Vec<&str> = urdf.links.iter().map(|l| l.name.as_str()).collect();
-        let index: BTreeMap<&str, usize> = names.iter().enumerate().map(|(i, &n)| (n, i)).collect();
-        let mut carrier: Vec<Option<usize>> = vec![None; names.len()];
-        let mut children: Vec<Vec<(usize, usize)>> = vec![Vec::new(); names.len()];
-        for (j, joint) in urdf.joints.iter().enumerate() {
-            let find = |name: &str| {
-                index.get(name).copied().ok_or_else(|| RobotError::Unknown {
-                    place: self.place(format!("joint `{}`", joint.name)),
-                    kind: "link",
-                    name: name.to_owned(),
-                    known: super::error::known(names.iter().copied()),
-                })
-            };
-            let (parent, child) = (find(&joint.parent.link)?, find(&joint.child.link)?);
-            if let Some(first) = carrier[child].replace(j) {
-                let why = TreeFault::TwoParents {
-                    first: urdf.joints[first].name.clone(),
-                    second: joint.name.clone(),
-                };
-                return Err(self.not_a_tree(names[child], why));
-            }
-            children[parent].push((j, child));
-        }
-        let mut roots = (0..names.len()).filter(|&i| carrier[i].is_none());
-        let root = roots.next();
-        if let (Some(root), Some(other)) = (root, roots.next()) {
-            return Err(self.not_a_tree(names[other], TreeFault::TwoRoots { other: names[root].to_owned() }));
-        }
-        let mut order: Vec<Spot> = Vec::with_capacity(names.len());
-        let mut placed = vec![false; names.len()];
-        let mut next: Vec<Spot> =
-            root.map(|link| Spot { link, parent: None, joint: None }).into_iter().collect();
-        while let Some(spot) = next.pop() {
-            placed[spot.link] = true;
-            let parent = Some(order.len());
-            next.extend(children[spot.link].iter().rev().map(|&(j, link)| Spot {
-                link,
-                parent,
-                joint: Some(j),
-            }));
-            order.push(spot);
-        }
-        match placed.iter().position(|placed| !placed) {
-            Some(astray) => Err(self.not_a_tree(names[astray], TreeFault::Circle)),
-            None => Ok(order),
-        }
-    }
-
-    fn not_a_tree(self, link: &str, why: TreeFault) -> RobotError {
-        RobotError::NotATree { place: self.place(format!("link `{link}`")), why }
-    }
-
     fn joint(self, joint: &urdf_rs::Joint) -> Result<Joint, RobotError> {
         use urdf_rs::JointType as Kind;
         let check = Check { urdf: self, item: format!("joint `{}`", joint.name) };
@@ -169,11 +127,23 @@ impl Urdf<'_> {
     }
 }
 
-/// A link's place in the tree: indices of the link in the URDF, of the link that carries it among those placed, and of their joint.
-struct Spot {
-    link: usize,
-    parent: Option<usize>,
-    joint: Option<usize>,
+/// How deeply the elements of an XML text are nested.
+fn depth(text: &str) -> usize {
+    let (mut depth, mut deepest) = (0usize, 0);
+    let mut rest = text;
+    while let Some(at) = rest.find('<') {
+        rest = &rest[at + 1..];
+        let end = if rest.starts_with("!--") { rest.find("-->") } else { rest.find('>') };
+        let tag = &rest[..end.unwrap_or(rest.len())];
+        if tag.starts_with('/') {
+            depth = depth.saturating_sub(1);
+        } else if !tag.starts_with(['!', '?']) && !tag.ends_with('/') {
+            depth += 1;
+            deepest = deepest.max(depth);
+        }
+        rest = &rest[tag.len()..];
+    }
+    deepest
 }
 
 /// The colours that materials have; one that is given a colour anywhere has it everywhere.

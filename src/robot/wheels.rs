@@ -2,114 +2,16 @@
 
 use super::Drive;
 use super::error::{Place, RobotError};
+use super::fault::WheelFault;
 use super::link::{Geometry, JointKind, Link, Shape};
 use super::urdf::Urdf;
 use crate::geometry::Pose;
 use nalgebra::{Point3, Rotation3, Vector3};
-use thiserror::Error;
 
 /// How far two lengths may differ that must be the same, m.
 const SAME_LENGTH: f64 = 1e-3;
 /// How far two directions may differ that must be the same, rad.
 const SAME_DIRECTION: f64 = 1e-3;
-
-/// In what way a joint is not a wheel.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum WheelFault {
-    /// Another kind of joint.
-    #[error("its joint is {kind}; it must be continuous")]
-    Kind {
-        /// The joint's kind.
-        kind: &'static str,
-    },
-    /// It follows another joint.
-    #[error("it mimics `{joint}`; each wheel must turn on its own")]
-    Mimics {
-        /// The other joint.
-        joint: String,
-    },
-    /// It hangs elsewhere.
-    #[error("it does not hang on `{base}`; its root is `{root}`")]
-    Elsewhere {
-        /// The base link.
-        base: String,
-        /// The last of its parents.
-        root: String,
-    },
-    /// It hangs on something that moves.
-    #[error("it hangs on `{base}` through `{joint}`, which is {kind}; it must be fixed")]
-    Loose {
-        /// The base link.
-        base: String,
-        /// The joint between.
-        joint: String,
-        /// That joint's kind.
-        kind: &'static str,
-    },
-    /// It turns about another axis.
-    #[error("its axis is ({x:.4}, {y:.4}, {z:.4}) in the base; it must be along the base's y")]
-    Axis {
-        /// x.
-        x: f64,
-        /// y.
-        y: f64,
-        /// z.
-        z: f64,
-    },
-    /// No shape to measure.
-    #[error("it has no cylinder or sphere to measure; give wheel_radius_m in the robot file")]
-    NoRadius,
-    /// The shape does not turn about its middle.
-    #[error("its {shape} is {by_m:.4} m or {by_deg:.2} deg off the joint's axis; it must turn about its own")]
-    Eccentric {
-        /// Cylinder or sphere.
-        shape: &'static str,
-        /// Distance of the shape's middle from the axis, m.
-        by_m: f64,
-        /// Angle between the two axes, degrees.
-        by_deg: f64,
-    },
-    /// The two radii given differ.
-    #[error(
-        "its radius is {measured} m in the URDF, but wheel_radius_m = {given}; they must agree within 1 mm"
-    )]
-    Radius {
-        /// As measured, m.
-        measured: f64,
-        /// As given, m.
-        given: f64,
-    },
-    /// No rate limit.
-    #[error("limit velocity = {rate}; it must be greater than 0 and finite")]
-    Rate {
-        /// The limit found, rad/s.
-        rate: f64,
-    },
-    /// It is on the other side.
-    #[error("it is at y = {y:.4} m in the base; it must be on the {side}, where y is {sign}")]
-    Side {
-        /// Its middle, m.
-        y: f64,
-        /// left or right.
-        side: &'static str,
-        /// positive or negative.
-        sign: &'static str,
-    },
-    /// The two wheels do not mirror each other.
-    #[error("its {what} is {right} but that of `{left_joint}` is {left}; {rule}")]
-    Unlike {
-        /// What differs.
-        what: &'static str,
-        /// The other wheel.
-        left_joint: String,
-        /// Its value, SI.
-        left: f64,
-        /// This wheel's value, SI.
-        right: f64,
-        /// What must hold.
-        rule: &'static str,
-    },
-}
 
 /// A wheel as it stands in the base.
 struct Wheel {

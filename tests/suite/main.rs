@@ -1,10 +1,14 @@
 //! The fast tests, in one binary.
 
 mod bad_input;
+mod bad_robots;
+mod bad_urdfs;
 mod closed_loop;
 mod command_line;
 mod determinism;
 mod floors;
 mod readme;
+mod robots;
+mod spoiled_robot;
 mod support;
 mod worlds;

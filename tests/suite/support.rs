@@ -1,7 +1,11 @@
 //! The program as a user runs it, and the worlds that the tests run in.
 
+use cocarry::geometry::{PlanarPose, Point};
 use cocarry::options::OptionSet;
+use cocarry::robot::{Configuration, JointVector, Robot};
 use cocarry::world::World;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -49,4 +53,14 @@ pub fn load(path: &Path) -> (World, OptionSet) {
     let world = World::load(path).unwrap_or_else(|e| panic!("{e}"));
     let set = OptionSet::new(&world, 10.0).unwrap_or_else(|e| panic!("{e}"));
     (world, set)
+}
+
+/// A base anywhere near the origin, and joints within their limits, those without end within half a turn.
+pub fn random_configuration(robot: &Robot, rng: &mut ChaCha8Rng) -> Configuration {
+    let position = Point::new(rng.random_range(-3.0..3.0), rng.random_range(-3.0..3.0));
+    let mut joints = JointVector::zeros();
+    for (i, joint) in robot.joints.iter().enumerate() {
+        joints[i] = rng.random_range(joint.lower.max(-3.1)..joint.upper.min(3.1));
+    }
+    Configuration { base: PlanarPose { position, yaw: rng.random_range(-3.1..3.1) }, joints }
 }

@@ -1,0 +1,210 @@
+//! One case a fault in a robot file: a valid robot with one thing spoiled. The error must say what is wrong, with names and numbers.
+
+use crate::spoiled_robot::{Files, TOML, URDF, check, toml, urdf};
+use crate::support::random_configuration;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+#[test]
+fn the_robot_that_is_spoiled_is_valid() {
+    for name in [TOML, URDF] {
+        let files = Files::new();
+        let robot = files.load(name).expect("a valid robot");
+        assert!(robot.file.ends_with("carrier.toml"), "{}", robot.file);
+    }
+    // older versions of xacro leave their namespace behind
+    let left = "<robot name=\"carrier\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\">";
+    Files::new().with(URDF, "<robot name=\"carrier\">", left).load(TOML).expect("a valid robot");
+}
+
+#[test]
+fn files_that_are_missing_or_of_another_kind() {
+    let files = Files::new();
+    check(files.load_as_is("none.toml"), &["none.toml: cannot be read: No such file"]);
+    check(files.load_as_is("none.urdf"), &["none.toml: cannot be read"]);
+    check(files.load_as_is("carrier.yaml"), &["carrier.yaml", ".toml", ".urdf"]);
+    check(files.load_as_is(""), &[".toml", ".urdf"]);
+    std::fs::create_dir(files.folder.path().join("folder.toml")).expect("a folder");
+    check(files.load_as_is("folder.toml"), &["folder.toml: cannot be read: "]);
+}
+
+#[test]
+fn a_robot_file_that_names_a_missing_urdf() {
+    let files = Files::new().with(TOML, "urdf = \"carrier.urdf\"", "urdf = \"other.urdf\"");
+    files.says(&["other.urdf: cannot be read: No such file"]);
+    let here = ["carrier.toml:2: urdf = \"other.urdf\"", "carrier.urdf, which was asked for"];
+    check(files.load(URDF), &here);
+}
+
+#[test]
+fn a_urdf_without_a_robot_file() {
+    let files = Files::new();
+    std::fs::write(files.folder.path().join("alone.urdf"), &files.urdf).expect("a file");
+    let said = ["alone.urdf: needs a robot file beside it", "alone.toml", "grasp_frame", "[[posture]]"];
+    check(files.load_as_is("alone.urdf"), &said);
+}
+
+#[test]
+fn xacros() {
+    let hint = ["robot.urdf.xacro: is a xacro", "xacro ", "robot.urdf.xacro > ", "robot.urdf`"];
+    check(Files::new().load("robot.urdf.xacro"), &hint);
+    let named = Files::new().with(TOML, "urdf = \"carrier.urdf\"", "urdf = \"robot.urdf.xacro\"");
+    named.says(&hint);
+    let property = "<robot name=\"carrier\"><xacro:property name=\"r\" value=\"0.06\"/>";
+    urdf("<robot name=\"carrier\">", property, &["is a xacro", "carrier.urdf > ", "carrier.expanded.urdf"]);
+    urdf(
+        "<box size=\"0.09 0.13 0.07\"/></geometry>\n      <material",
+        "<box size=\"${w} 0.13 0.07\"/></geometry>\n      <material",
+        &["is a xacro"],
+    );
+}
+
+#[test]
+fn files_that_are_not_what_they_should_be() {
+    toml("base_width_m = 0.5", "base_width_m = = 0.5", &["not a valid robot file: ", "line 7"]);
+    toml(
+        "base_width_m = 0.5",
+        "base_width_m = 0.5\ncolour = 1",
+        &["not a valid robot file", "colour", "grasp_frame"],
+    );
+    toml("base_width_m = 0.5", "base_width_m = \"wide\"", &["line 7", "string"]);
+    toml("base_width_m = 0.5\n", "", &["base_width_m"]);
+    urdf("</robot>", "", &["not a valid URDF: "]);
+    urdf("velocity=\"1.256\"", "", &["not a valid URDF: ", "velocity"]);
+    let page = "<html><body>404</body></html>".to_owned();
+    Files { urdf: page, ..Files::new() }.says(&["carrier.urdf: robot: lacks links"]);
+    let deep = "<a>".repeat(100_000) + &"</a>".repeat(100_000);
+    Files { urdf: deep, ..Files::new() }.says(&["depth of its elements = 100000", "at most 64"]);
+}
+
+#[test]
+fn names_that_nothing_has() {
+    let base = ["base_link: there is no link `bass_link`", ":3:", "`base_link`, ", "and 5 more"];
+    toml("base_link = \"base_link\"", "base_link = \"bass_link\"", &base);
+    toml("= \"grasp_link\"", "= \"grip\"", &["grasp_frame: there is no link `grip`", ":4:"]);
+    toml(
+        "= \"left_wheel_joint\"",
+        "= \"left_wheel\"",
+        &["left_wheel: there is no joint `left_wheel`", ":5:"],
+    );
+    toml("= \"right_wheel_joint\"", "= \"wheel\"", &["right_wheel: there is no joint `wheel`", ":6:"]);
+}
+
+#[test]
+fn numbers_of_the_robot_file() {
+    for (value, said) in
+        [("0.0", "= 0;"), ("-1.0", "= -1;"), ("11.0", "= 11;"), ("nan", "= NaN;"), ("inf", "= inf;")]
+    {
+        let said = [":7: robot: base_width_m", said, "greater than 0 and at most 10"];
+        toml("base_width_m = 0.5", &format!("base_width_m = {value}"), &said);
+    }
+    toml("grasp_height_m = 0.7", "grasp_height_m = 3.5", &[":8:", "grasp_height_m = 3.5", "from 0 to 3"]);
+    let radius = "grasp_height_m = 0.7\nwheel_radius_m = 0.0";
+    toml("grasp_height_m = 0.7", radius, &[":9:", "wheel_radius_m = 0", "greater than 0"]);
+    let elbow = ["posture `elbow-up`", ":17:", "elbow_flex_joint = NaN", "(degrees)"];
+    toml("elbow_flex_joint = 95.527315", "elbow_flex_joint = nan", &elbow);
+    toml("elbow_flex_joint = 95.527315", "elbow_flex_joint = 1e300", &["elbow_flex_joint = 1", "3600"]);
+}
+
+#[test]
+fn postures_that_are_not_complete() {
+    toml("name = \"elbow-out\"", "name = \"elbow-up\"", &["posture `elbow-up`", "twice", ":23:"]);
+    toml(
+        "elbow_flex_joint = 95.527315\n",
+        "",
+        &["posture `elbow-up`", "lacks `elbow_flex_joint`", "angles_deg"],
+    );
+    let unknown = ["`elbow-up`", "`elbow_flex`", "`elbow_flex_joint`"];
+    toml("elbow_flex_joint = 95.527315", "elbow_flex = 95.5", &unknown);
+    let slides = "[posture.positions_m]\nwrist_flex_joint = -1.0\n#";
+    let unit = ["`elbow-up`", "`wrist_flex_joint` is revolute", "angles_deg"];
+    toml("wrist_flex_joint = -61.556035", slides, &unit);
+    let mut files = Files::new();
+    files.toml.truncate(files.toml.find("# The arm in").expect("the first posture"));
+    files.says(&["carrier.toml: robot: lacks a [[posture]]"]);
+}
+
+#[test]
+fn postures_that_do_not_hold_the_object_as_they_must() {
+    let far = ["`elbow-up`", "tilted by 45.53 deg", "grasp_height_m = 0.7 m", "would have to move", "0.2"];
+    toml("elbow_flex_joint = 95.527315", "elbow_flex_joint = 50.0", &far);
+    let high =
+        ["`elbow-up`", "0.7000 m above the floor", "grasp_height_m = 2.9 m", "no angles near those given"];
+    toml("grasp_height_m = 0.7", "grasp_height_m = 2.9", &high);
+    let heading = ["`elbow-up`", "heading 30.00 deg"];
+    toml("shoulder_pan_joint = 0.0", "shoulder_pan_joint = 30.0", &heading);
+    let limit = ["`elbow-up`", "`elbow_flex_joint` would have to be at 1.667", "from -2.251 to 1.5"];
+    urdf("lower=\"-2.251\" upper=\"2.251\"", "lower=\"-2.251\" upper=\"1.5\"", &limit[1..]);
+}
+
+#[test]
+fn joints_that_are_held() {
+    let hold = |entry: &str, said: &[&str]| {
+        toml("# The arm in the", &format!("[hold]\n{entry}\n# The arm in the"), said);
+    };
+    hold("elbow = { angle_deg = 1 }", &[":11: hold `elbow`: there is no moving joint", "`elbow_flex_joint`"]);
+    hold("left_finger_joint = { position_m = 0.01 }", &["no moving joint between", "`left_finger_joint`"]);
+    let beyond = ["hold `elbow_flex_joint`", "angle_deg = 150", "from -128.97", "to 128.97"];
+    hold("elbow_flex_joint = { angle_deg = 150 }", &beyond);
+    hold("elbow_flex_joint = { angle_deg = nan }", &["angle_deg = NaN"]);
+    let unit = ["`elbow_flex_joint` is revolute; give its position as angle_deg"];
+    hold("elbow_flex_joint = { position_m = 1 }", &unit);
+    hold("elbow_flex_joint = {}", &unit);
+    hold("elbow_flex_joint = { angle_deg = 1, position_m = 1 }", &unit);
+    hold("elbow_flex_joint = { angle_rad = 1 }", &["not a valid robot file", "angle_rad"]);
+    let mimic = "<mimic joint=\"elbow_flex_joint\"/><axis xyz=\"0 1 0\"/>";
+    Files::new()
+        .within("name=\"wrist_flex_joint\"", "<axis xyz=\"0 1 0\"/>", mimic)
+        .with(TOML, "# The arm in the", "[hold]\nwrist_flex_joint = { angle_deg = 1 }\n# The arm in the")
+        .says(&["carrier.toml:11: hold `wrist_flex_joint`", "mimics `elbow_flex_joint`"]);
+}
+
+/// Whatever stands in the two files, they make a robot or are refused.
+#[test]
+fn property_no_bytes_and_no_numbers_make_a_robot_panic() {
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let values =
+        ["0", "-1", "1e-9", "0.06", "1.5", "-0.2", "3.2", "1e5", "nan", "inf", "-inf", "1e300", "1e-300"];
+    let (mut robots, mut refused) = (0, 0);
+    for case in 0..400 {
+        let mut files = Files::new();
+        let text = if case % 4 == 0 { &mut files.toml } else { &mut files.urdf };
+        if case % 2 == 0 {
+            let mut bytes = std::mem::take(text).into_bytes();
+            let at = rng.random_range(0..bytes.len());
+            bytes[at] = rng.random_range(0..128);
+            *text = String::from_utf8(bytes).expect("ASCII");
+        } else {
+            let spots = number_spots(text);
+            let (from, to) = spots[rng.random_range(0..spots.len())];
+            text.replace_range(from..to, values[rng.random_range(0..values.len())]);
+        }
+        match files.load(TOML) {
+            Err(error) => {
+                assert!(error.contains("carrier."), "{error}");
+                refused += 1;
+            }
+            Ok(robot) => {
+                let q = random_configuration(&robot, &mut rng);
+                assert!(robot.kinematics(&q).jacobian.iter().all(|x| x.is_finite()));
+                assert!(
+                    robot.link_poses(&q).iter().all(|p| p.translation.vector.iter().all(|x| x.is_finite()))
+                );
+                robots += 1;
+            }
+        }
+    }
+    assert!(robots > 50 && refused > 50, "{robots} robots, {refused} refused");
+}
+
+/// From where to where numbers stand.
+fn number_spots(text: &str) -> Vec<(usize, usize)> {
+    let is_digit = |c: char| c.is_ascii_digit() || c == '.' || c == '-';
+    let starts = text.match_indices(['"', ' ']).map(|(at, _)| at + 1);
+    starts
+        .filter(|&at| text[at..].starts_with(|c: char| c.is_ascii_digit() || c == '-'))
+        .map(|at| (at, at + text[at..].find(|c| !is_digit(c)).unwrap_or(0)))
+        .filter(|(from, to)| to > from)
+        .collect()
+}
