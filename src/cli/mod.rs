@@ -3,6 +3,7 @@
 mod model;
 mod output;
 mod reproduce;
+mod robot;
 mod run;
 mod tick_log;
 mod world;

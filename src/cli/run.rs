@@ -2,10 +2,12 @@
 
 use super::model::{ModelArguments, initial_stubbornness, load_world, perception, positive};
 use super::output::{Failure, input, print, print_json, table, table_text, write_file};
+use super::robot::{Chosen, RobotArguments};
 use super::tick_log;
+use crate::control::BaseObstacles;
 use crate::coordination::{self, Method};
 use crate::drawing::{self, Track};
-use crate::episode::{self, Outcome, Settings, Summary, Tick};
+use crate::episode::{ControlSummary, Episode, Manipulator, Outcome, Settings, Summary, Tick};
 use crate::experiments::paper::EXAMPLE_HUMAN;
 use crate::geometry::Point;
 use crate::options::OptionSet;
@@ -49,6 +51,8 @@ pub(super) struct Arguments {
     max_steps: Option<u64>,
     #[command(flatten)]
     model: ModelArguments,
+    #[command(flatten)]
+    carrier: RobotArguments,
     /// Print one JSON object instead of text
     #[arg(long)]
     json: bool,
@@ -95,6 +99,7 @@ struct Told<'a> {
     world: &'a World,
     set: &'a OptionSet,
     settings: &'a Settings,
+    carrier: Option<&'a Chosen>,
     human: Perception,
     summary: Summary,
     ticks: Vec<Tick>,
@@ -129,11 +134,31 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         ..Settings::default()
     };
     let set = OptionSet::new(&world, settings.predictor.risk_weight()).map_err(input)?;
+    let carrier = arguments.carrier.load()?;
+    let obstacles = BaseObstacles::new(&world);
+    let mut episode = Episode::new(&set, &settings, human);
+    if let Some(Chosen { robot, posture, control }) = &carrier {
+        let manipulator =
+            Manipulator { robot, posture: posture.joints, control: *control, obstacles: &obstacles };
+        episode = episode.with_robot(manipulator);
+    }
     let mut ticks = Vec::new();
-    let summary = episode::run(&set, &settings, human, |tick| ticks.push(tick.clone()));
-    let told = Told { arguments, world: &world, set: &set, settings: &settings, human, summary, ticks };
+    while episode.step().is_none() {
+        ticks.push(episode.tick().clone());
+    }
+    let told = Told {
+        arguments,
+        world: &world,
+        set: &set,
+        settings: &settings,
+        carrier: carrier.as_ref(),
+        human,
+        summary: episode.summary().clone(),
+        ticks,
+    };
     if let Some(file) = &arguments.ticks {
-        file.write(&told.ticks, |o| &set.options()[o].name)?;
+        let joints = carrier.as_ref().map_or(&[][..], |c| &c.robot.joints);
+        file.write(&told.ticks, &tick_log::Names { options: &set, joints })?;
     }
     if let Some(path) = &arguments.svg {
         let svg = drawing::adaptation(&world, &[told.track()], settings.period)
@@ -216,7 +241,48 @@ impl Told<'_> {
         for event in self.events() {
             let _ = writeln!(text, "  {event}");
         }
-        text + &format!("  accumulated objective cost {:.2} m\n", summary.accumulated_cost)
+        text += &format!("  accumulated objective cost {:.2} m\n", summary.accumulated_cost);
+        if let (Some(carrier), Some(control)) = (self.carrier, &summary.control) {
+            text += &self.control_text(carrier, control);
+        }
+        text
+    }
+
+    fn control_text(&self, carrier: &Chosen, control: &ControlSummary) -> String {
+        let steps = self.summary.steps;
+        let mut text = format!(
+            "\nThe robot ({}, starting from `{}`)\n  control cost C {:.1}: tracking {:.1}, effort {:.1}, pose {:.1}\n",
+            carrier.robot.name,
+            carrier.posture.name,
+            control.cost(),
+            control.tracking,
+            control.effort,
+            control.pose
+        );
+        let _ = writeln!(
+            text,
+            "  tracking error {:.1} mm rms; limits active in {} of {steps} steps, configuration changed in {}",
+            1e3 * control.error_rms(steps),
+            control.constrained_steps,
+            control.pose_changes
+        );
+        if control.least_clearance.is_finite() {
+            let _ = writeln!(
+                text,
+                "  base at least {:.3} m clear of obstacles{}",
+                control.least_clearance,
+                if control.overlapping_steps > 0 {
+                    ": it overlaps one; this plant does not stop it"
+                } else {
+                    ""
+                }
+            );
+        }
+        if control.fallback_steps > 0 {
+            let _ =
+                writeln!(text, "  no solution of eq. (7) in {} steps: see --ticks", control.fallback_steps);
+        }
+        text
     }
 
     fn events(&self) -> Vec<String> {
@@ -320,6 +386,26 @@ impl Told<'_> {
             "time_s": self.seconds(summary.steps),
             "walked_m": summary.walked,
             "accumulated_objective_cost_m": summary.accumulated_cost,
+            "robot": self.carrier.map(|c| json!({
+                "name": c.robot.name,
+                "file": c.robot.file,
+                "posture": c.posture.name,
+                "candidates": c.control.candidates,
+                "criterion": c.control.criterion,
+                "obstacles_in_mpc": c.control.obstacles,
+            })),
+            "control": summary.control.map(|c| json!({
+                "cost": c.cost(),
+                "tracking": c.tracking,
+                "effort": c.effort,
+                "pose": c.pose,
+                "position_error_rms_m": c.error_rms(summary.steps),
+                "constrained_steps": c.constrained_steps,
+                "fallback_steps": c.fallback_steps,
+                "pose_changes": c.pose_changes,
+                "overlapping_steps": c.overlapping_steps,
+                "least_base_clearance_m": c.least_clearance,
+            })),
         })
     }
 }

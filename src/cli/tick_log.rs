@@ -1,8 +1,11 @@
 //! Ticks in; CSV or JSON lines out, one line a tick, every key with its unit.
 
 use super::output::{Failure, write_file};
+use crate::control::{Failure as SolveFailure, SolveOutcome};
 use crate::coordination::Mode;
-use crate::episode::Tick;
+use crate::episode::{RobotTick, Tick};
+use crate::options::OptionSet;
+use crate::robot::{ArmJoint, Motion};
 use anyhow::{Context, Error};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -31,24 +34,38 @@ pub(super) fn file(text: &str) -> Result<File, String> {
     Ok(File { path, format })
 }
 
+/// What indices in ticks stand for.
+pub(super) struct Names<'a> {
+    /// The options.
+    pub options: &'a OptionSet,
+    /// The arm's joints; none without a robot.
+    pub joints: &'a [ArmJoint],
+}
+
+impl Names<'_> {
+    fn option(&self, option: usize) -> &str {
+        &self.options.options()[option].name
+    }
+}
+
 impl File {
-    /// Writes all ticks; `name` gives an option's name.
-    pub fn write<'a>(&self, ticks: &[Tick], name: impl Fn(usize) -> &'a str) -> Result<(), Failure> {
+    /// Writes all ticks.
+    pub fn write(&self, ticks: &[Tick], names: &Names) -> Result<(), Failure> {
         let text = match self.format {
-            Format::Csv => csv(ticks, name).map_err(Failure::Output)?,
-            Format::JsonLines => ticks.iter().map(|t| json_line(t, &name).to_string() + "\n").collect(),
+            Format::Csv => csv(ticks, names).map_err(Failure::Output)?,
+            Format::JsonLines => ticks.iter().map(|t| json_line(t, names).to_string() + "\n").collect(),
         };
         write_file(&self.path, &text)
     }
 }
 
 /// The values of a tick that do not belong to an option, in the order of the columns. NaN does not occur among them.
-fn columns<'a>(tick: &Tick, name: impl Fn(usize) -> &'a str) -> [(&'static str, Value); 12] {
+fn columns(tick: &Tick, names: &Names) -> Vec<(String, Value)> {
     let mode = match tick.mode {
         Mode::RobotLed => "robot-led",
         Mode::HumanLed => "human-led",
     };
-    [
+    let columns = [
         ("step", json!(tick.step)),
         ("time_s", json!(tick.time)),
         ("x_m", json!(tick.position.x)),
@@ -57,11 +74,61 @@ fn columns<'a>(tick: &Tick, name: impl Fn(usize) -> &'a str) -> [(&'static str, 
         ("mode", json!(mode)),
         ("stubbornness", json!(tick.stubbornness)),
         ("discomfort", json!(tick.discomfort)),
-        ("executed", json!(name(tick.executed))),
-        ("preferred", json!(name(tick.preferred))),
+        ("executed", json!(names.option(tick.executed))),
+        ("preferred", json!(names.option(tick.preferred))),
         ("objective_cost_m", json!(tick.objective_cost)),
         ("accumulated_cost_m", json!(tick.accumulated_cost)),
-    ]
+    ];
+    let common = columns.into_iter().map(|(key, value)| (key.to_owned(), value));
+    common.chain(tick.robot.iter().flat_map(|robot| robot_columns(robot, names))).collect()
+}
+
+/// The values of the robot in a tick, in the order of the columns; null where there is none: what follows a human while the robot leads, and
+/// the distance to obstacles where there are none.
+fn robot_columns(robot: &RobotTick, names: &Names) -> Vec<(String, Value)> {
+    let pursuit = robot.pursuit;
+    let (base, human) = (robot.configuration.base, robot.human);
+    let outcome = match robot.outcome {
+        SolveOutcome::Unconstrained => "unconstrained",
+        SolveOutcome::Constrained { .. } => "constrained",
+        SolveOutcome::Fallback(SolveFailure::NotFinite) => "fallback: not finite",
+        SolveOutcome::Fallback(SolveFailure::NotSolved) => "fallback: not solved",
+    };
+    let active = match robot.outcome {
+        SolveOutcome::Constrained { active } => active,
+        _ => 0,
+    };
+    let fixed = [
+        ("human_x_m", json!(human.position.x)),
+        ("human_y_m", json!(human.position.y)),
+        ("human_yaw_deg", json!(human.yaw.to_degrees())),
+        ("base_x_m", json!(base.position.x)),
+        ("base_y_m", json!(base.position.y)),
+        ("base_yaw_deg", json!(base.yaw.to_degrees())),
+        ("base_clearance_m", json!(robot.base_clearance)),
+        ("tracked", json!(pursuit.map(|p| names.option(p.tracked)))),
+        ("pose_candidate", json!(pursuit.map(|p| p.candidate))),
+        ("pose_candidates", json!(pursuit.map(|p| p.candidates))),
+        ("pose_constrained_problems", json!(pursuit.map(|p| p.constrained))),
+        ("mpc_outcome", json!(outcome)),
+        ("mpc_active_limits", json!(active)),
+        ("least_singular_value", json!(robot.least_singular_value)),
+        ("position_error_m", json!(robot.position_error)),
+        ("orientation_error_deg", json!(robot.orientation_error.to_degrees())),
+        ("tracking_cost", json!(robot.tracking_cost)),
+        ("control_effort", json!(robot.control_effort)),
+        ("pose_cost", json!(robot.pose_cost)),
+        ("left_rim_m_per_s", json!(robot.input[0])),
+        ("right_rim_m_per_s", json!(robot.input[1])),
+    ];
+    let joints = names.joints.iter().enumerate().flat_map(|(i, joint)| {
+        let (unit, name) = (if joint.motion == Motion::Revolute { "rad" } else { "m" }, &joint.name);
+        [
+            (format!("position_{unit}[{name}]"), json!(robot.configuration.joints[i])),
+            (format!("rate_{unit}_per_s[{name}]"), json!(robot.input[i + 2])),
+        ]
+    });
+    fixed.into_iter().map(|(key, value)| (key.to_owned(), value)).chain(joints).collect()
 }
 
 /// The values of one option in a tick, in the order of the columns; null where a value was not evaluated.
@@ -77,12 +144,12 @@ fn option_columns(tick: &Tick, option: usize) -> [(&'static str, Value); 6] {
     ]
 }
 
-fn csv<'a>(ticks: &[Tick], name: impl Fn(usize) -> &'a str) -> Result<String, Error> {
+fn csv(ticks: &[Tick], names: &Names) -> Result<String, Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for (i, tick) in ticks.iter().enumerate() {
-        let common = columns(tick, &name).into_iter().map(|(key, value)| (key.to_owned(), value));
+        let common = columns(tick, names).into_iter();
         let options = (0..tick.options.len()).flat_map(|o| {
-            let name = name(o);
+            let name = names.option(o);
             option_columns(tick, o).into_iter().map(move |(key, value)| (format!("{key}[{name}]"), value))
         });
         let (keys, values): (Vec<String>, Vec<Value>) = common.chain(options).unzip();
@@ -99,13 +166,12 @@ fn csv<'a>(ticks: &[Tick], name: impl Fn(usize) -> &'a str) -> Result<String, Er
     String::from_utf8(bytes).context("CSV")
 }
 
-fn json_line<'a>(tick: &Tick, name: impl Fn(usize) -> &'a str) -> Value {
-    let mut line: serde_json::Map<String, Value> =
-        columns(tick, &name).into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+fn json_line(tick: &Tick, names: &Names) -> Value {
+    let mut line: serde_json::Map<String, Value> = columns(tick, names).into_iter().collect();
     let options = (0..tick.options.len())
         .map(|o| {
             let values = option_columns(tick, o).into_iter().map(|(key, value)| (key.to_owned(), value));
-            Value::Object([("name".to_owned(), json!(name(o)))].into_iter().chain(values).collect())
+            Value::Object([("name".to_owned(), json!(names.option(o)))].into_iter().chain(values).collect())
         })
         .collect();
     line.insert("options".to_owned(), Value::Array(options));

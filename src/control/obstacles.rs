@@ -7,6 +7,8 @@ use crate::robot::Drive;
 use crate::world::World;
 use nalgebra::SMatrix;
 
+/// The base keeps this much more (m) than its radius away: a bound that is paid for may be overstepped by millimetres.
+const MARGIN: f64 = 0.01;
 /// Obstacles farther from the base than this (m) at a step set no bound there.
 const FAR: f64 = 0.5;
 
@@ -26,7 +28,7 @@ impl BaseObstacles {
     /// each near obstacle at each step, linear in the inputs about these.
     ///
     /// With p(t) the base's place after t periods T along `inputs` and n the direction in which the obstacle's distance d grows, the bound is
-    /// n . (p(t) + dp(t)/du (u - inputs)) >= n . p(t) - (d - radius).
+    /// n . (p(t) + dp(t)/du (u - inputs)) >= n . p(t) - (d - radius - margin).
     pub fn half_planes(
         &self,
         drive: &Drive,
@@ -36,6 +38,7 @@ impl BaseObstacles {
         limits: &mut Limits,
     ) {
         limits.half_planes.clear();
+        limits.half_planes.reserve(HORIZON * self.outlines.len());
         let mut at = *base;
         let mut steps = [Step::default(); HORIZON];
         for t in 0..HORIZON {
@@ -53,7 +56,7 @@ impl BaseObstacles {
                 let now = coefficients.dot(&inputs.fixed_rows::<2>(0));
                 limits
                     .half_planes
-                    .push(HalfPlane { coefficients, bound: now + distance - drive.base_radius });
+                    .push(HalfPlane { coefficients, bound: now + distance - drive.base_radius - MARGIN });
             }
         }
     }

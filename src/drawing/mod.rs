@@ -8,6 +8,7 @@ mod chart;
 mod labels;
 mod legend;
 mod map;
+mod ratios;
 mod scene;
 mod style;
 mod text;
@@ -15,6 +16,7 @@ mod track;
 
 pub use adaptation::adaptation;
 pub use map::{MOST_LISTED, world_map};
+pub use ratios::{RatioPanel, RatioRow, cost_ratios};
 pub use track::Track;
 
 use thiserror::Error;

@@ -77,7 +77,8 @@ impl<'a> Carrier<'a> {
             poses: PoseOptimiser::default(),
             limits: Limits::new(manipulator.robot),
             mpc: Mpc::default(),
-            paths: vec![Path::default(); options],
+            // longer than the ways that worlds have: what is left of an option may grow when the team turns away from it
+            paths: (0..options).map(|_| Path::with_capacity(64)).collect(),
             references: Vec::with_capacity(options),
             weights: Vec::with_capacity(options),
             target: None,

@@ -48,7 +48,7 @@ pub struct Summary {
 }
 
 /// The control cost C of an episode (Sec. V-C), and what went with it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct ControlSummary {
     /// Sum of ||x - s||_Q^2.
     pub tracking: f64,
@@ -66,12 +66,35 @@ pub struct ControlSummary {
     pub pose_changes: u64,
     /// Steps in which the base overlapped an obstacle.
     pub overlapping_steps: u64,
+    /// The least distance between the base and an obstacle, m; infinite without obstacles.
+    pub least_clearance: f64,
+}
+
+impl Default for ControlSummary {
+    fn default() -> Self {
+        Self {
+            tracking: 0.0,
+            effort: 0.0,
+            pose: 0.0,
+            squared_error: 0.0,
+            constrained_steps: 0,
+            fallback_steps: 0,
+            pose_changes: 0,
+            overlapping_steps: 0,
+            least_clearance: f64::INFINITY,
+        }
+    }
 }
 
 impl ControlSummary {
     /// C.
     pub fn cost(&self) -> f64 {
         self.tracking + self.effort + self.pose
+    }
+
+    /// Root mean square distance between grasp and reference over so many steps, m.
+    pub fn error_rms(&self, steps: u64) -> f64 {
+        (self.squared_error / steps.max(1) as f64).sqrt()
     }
 
     pub(super) fn add(&mut self, tick: &RobotTick) {
@@ -86,6 +109,7 @@ impl ControlSummary {
         }
         self.pose_changes += u64::from(tick.pursuit.is_some_and(|p| p.candidate != 0));
         self.overlapping_steps += u64::from(tick.base_clearance < 0.0);
+        self.least_clearance = self.least_clearance.min(tick.base_clearance);
     }
 }
 

@@ -128,6 +128,8 @@ pub struct Row {
     pub ratio: f64,
     /// Two-sided p-value of the paired t-test against the baseline; none for the baselines.
     pub p_value: Option<f64>,
+    /// Episodes run.
+    pub episodes: usize,
     /// Episodes that cost less than the baseline's with the same human.
     pub wins: usize,
     /// Mean parts of C: tracking, effort, pose.
@@ -302,6 +304,7 @@ fn row(
         ours_std,
         ratio: ours_mean / mean_and_std(&theirs).0,
         p_value: (method != baseline).then(|| paired_p_value(&ours, &theirs)).flatten(),
+        episodes: n,
         wins: ours.iter().zip(&theirs).filter(|(a, b)| a < b).count(),
         parts: [mean(|c| c.tracking), mean(|c| c.effort), mean(|c| c.pose)],
         position_error_rms: (squared / steps as f64).sqrt(),

@@ -65,6 +65,11 @@ pub struct Path {
 }
 
 impl Path {
+    /// An empty path with room for so many pieces.
+    pub fn with_capacity(pieces: usize) -> Self {
+        Self { pieces: Vec::with_capacity(pieces), ends: Vec::with_capacity(pieces) }
+    }
+
     /// Adds a piece that begins where the path ends; a piece without length is left out.
     pub fn push(&mut self, piece: Piece) {
         if piece.length() > 0.0 {

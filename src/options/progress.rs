@@ -56,8 +56,10 @@ fn visit(option: &PathOption, place: usize, region: usize) -> Option<usize> {
 
 impl Progress {
     pub(super) fn new(position: Point, options: usize) -> Self {
-        let rests = vec![Rest::default(); options];
-        Self { position, inside: None, aligned: Vec::new(), rests_outside: rests.clone(), rests }
+        // room for what may happen on the way, so that steps do not allocate; cloning a vector would not keep it
+        let rests = || (0..options).map(|_| Rest { place: 0, back: Vec::with_capacity(8) }).collect();
+        let aligned = Vec::with_capacity(8);
+        Self { position, inside: None, aligned, rests_outside: rests(), rests: rests() }
     }
 
     pub(super) fn advance(

@@ -65,6 +65,9 @@ impl Arm {
         for joint in path.iter().filter_map(|&i| joint(links, i)) {
             let Coupling { joint: follows, ratio, offset } = joint.coupling;
             let Some(follows) = follows else {
+                if joint.mimic.is_some() && moves(joint.kind) {
+                    stands_within_limits(urdf, joint)?;
+                }
                 before *= joint.parent_from_link(offset);
                 continue;
             };
@@ -101,6 +104,10 @@ fn motion(kind: JointKind) -> Motion {
     if kind == JointKind::Prismatic { Motion::Prismatic } else { Motion::Revolute }
 }
 
+fn moves(kind: JointKind) -> bool {
+    matches!(kind, JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic)
+}
+
 /// The links from behind the base to the grasp.
 fn path(links: &[Link], ends: &Ends) -> Result<Vec<usize>, ArmFault> {
     if ends.base == ends.grasp {
@@ -123,13 +130,11 @@ fn movable(urdf: Urdf, links: &[Link], path: &[usize]) -> Result<Vec<usize>, Rob
     let mut moving = Vec::new();
     for &i in path {
         let Some(joint) = joint(links, i) else { continue };
-        match joint.kind {
-            JointKind::Fixed => {}
-            JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic => moving.push(i),
-            JointKind::Floating | JointKind::Planar | JointKind::Spherical => {
-                let why = ArmFault::Kind { kind: joint.kind.name() };
-                return Err(RobotError::NotAnArm { place: joint_place(urdf, joint), why });
-            }
+        if moves(joint.kind) {
+            moving.push(i);
+        } else if joint.kind != JointKind::Fixed {
+            let why = ArmFault::Kind { kind: joint.kind.name() };
+            return Err(RobotError::NotAnArm { place: joint_place(urdf, joint), why });
         }
     }
     Ok(moving)
@@ -248,6 +253,20 @@ fn followed(urdf: Urdf, links: &[Link], i: usize) -> Result<(usize, f64, f64), R
         }
     }
     Ok((at, ratio, offset))
+}
+
+/// Checks the position of a joint that mimics one that stands still.
+fn stands_within_limits(urdf: Urdf, joint: &Joint) -> Result<(), RobotError> {
+    let (limits, position) = (checked_limits(urdf, joint, false)?, joint.coupling.offset);
+    if (limits.lower..=limits.upper).contains(&position) {
+        return Ok(());
+    }
+    Err(RobotError::Number {
+        place: joint_place(urdf, joint),
+        field: "position that it mimics (rad or m)".to_owned(),
+        value: position,
+        expected: format!("from {} to {}", limits.lower, limits.upper),
+    })
 }
 
 /// Narrows an arm joint's limits so that a joint which follows it keeps its own.

@@ -127,6 +127,12 @@ pub enum WheelFault {
         /// The other joint.
         joint: String,
     },
+    /// The arm hangs on it.
+    #[error("the grasp, `{grasp}`, hangs on it")]
+    CarriesArm {
+        /// The link at the grasp.
+        grasp: String,
+    },
     /// It hangs elsewhere.
     #[error("it does not hang on `{base}`; its root is `{root}`")]
     Elsewhere {

@@ -109,7 +109,8 @@ fn build(source: Source, entries: &RobotFile, urdf: Urdf, text: &str) -> Result<
         carried_by(source, &links, "left_wheel", &entries.left_wheel)?,
         carried_by(source, &links, "right_wheel", &entries.right_wheel)?,
     ];
-    let wheels = Wheels { base, links: wheel_links, radius: radius.transpose()?, base_radius: width / 2.0 };
+    let wheels =
+        Wheels { base, grasp, links: wheel_links, radius: radius.transpose()?, base_radius: width / 2.0 };
     let (drive, drive_from_base) = wheels.measure(urdf, &links)?;
     let place = source.place(&entries.grasp_frame, format!("link `{}`", entries.grasp_frame.get_ref()));
     let holds: Vec<Hold> = entries

@@ -25,6 +25,7 @@ struct Wheel {
 /// What the robot file says of the wheels: indices of the links that they carry, left first, and the places of their names.
 pub(super) struct Wheels {
     pub base: usize,
+    pub grasp: usize,
     pub links: [usize; 2],
     /// As given, m.
     pub radius: Option<f64>,
@@ -90,6 +91,10 @@ impl Wheels {
         }
         if let Some(mimic) = &joint.mimic {
             return Err(WheelFault::Mimics { joint: mimic.joint.clone() });
+        }
+        let mut arm = std::iter::successors(Some(self.grasp), |&at| links[at].parent);
+        if arm.any(|at| at == i) {
+            return Err(WheelFault::CarriesArm { grasp: links[self.grasp].name.clone() });
         }
         let mut base_from_wheel = joint.parent_from_joint;
         let mut at = links[i].parent.unwrap_or(i);

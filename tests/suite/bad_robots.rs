@@ -134,8 +134,14 @@ fn postures_that_do_not_hold_the_object_as_they_must() {
     toml("grasp_height_m = 0.7", "grasp_height_m = 2.9", &high);
     let heading = ["`elbow-up`", "heading 30.00 deg"];
     toml("shoulder_pan_joint = 0.0", "shoulder_pan_joint = 30.0", &heading);
-    let limit = ["`elbow-up`", "`elbow_flex_joint` would have to be at 1.667", "from -2.251 to 1.5"];
-    urdf("lower=\"-2.251\" upper=\"2.251\"", "lower=\"-2.251\" upper=\"1.5\"", &limit[1..]);
+    let limit = [
+        "carrier.toml:11: posture `elbow-up`",
+        "`elbow_flex_joint` would have to be at 1.667",
+        "from -2.251 to 1.5",
+    ];
+    Files::new()
+        .with(URDF, "lower=\"-2.251\" upper=\"2.251\"", "lower=\"-2.251\" upper=\"1.5\"")
+        .says(&limit);
 }
 
 #[test]

@@ -118,6 +118,10 @@ fn mimics() {
         .says(&["mimics itself", "`wrist_flex_joint` follows `elbow_flex_joint`"]);
     let wild = "type=\"revolute\"><mimic joint=\"wrist_flex_joint\" multiplier=\"nan\"/>";
     item(elbow, "type=\"revolute\">", wild, &["mimic multiplier = NaN"]);
+    // the elbow stands where its master at 0 puts it, beyond its limits
+    let still = "type=\"revolute\"><mimic joint=\"left_finger_joint\" offset=\"3\"/>";
+    let said = ["position that it mimics", "= 3;", "from -2.251 to 2.251"];
+    item(elbow, "type=\"revolute\">", still, &said);
     // the elbow would have to be within its limits while the wrist is within its own
     let apart = "type=\"revolute\"><mimic joint=\"wrist_flex_joint\" offset=\"10\"/>";
     let said = ["joint `wrist_flex_joint`, which `elbow_flex_joint` mimics", "upside down"];
@@ -147,6 +151,14 @@ fn wheels_that_do_not_fit() {
         "origin xyz=\"0 -0.187 0.06\"",
         &["y = -0.1870 m", "left", "positive"],
     );
+    let elsewhere =
+        ["`left_wheel_joint`: not a wheel", "does not hang on `torso_link`; its root is `base_link`"];
+    let files = Files::new().with(TOML, "base_link = \"base_link\"", "base_link = \"torso_link\"");
+    files.says(&elsewhere);
+    let arm = ["joint `left_wheel_joint`: not a wheel", "the grasp, `grasp_link`, hangs on it"];
+    Files::new()
+        .within("name=\"torso_joint\"", "parent link=\"base_link\"", "parent link=\"left_wheel_link\"")
+        .says(&arm);
     let right = |from: &str, to: &str, said: &[&str]| {
         item("right_wheel_joint", from, to, &[&["not a wheel"], said].concat());
     };

@@ -1,5 +1,6 @@
 //! The fast tests, in one binary.
 
+mod allocation;
 mod bad_input;
 mod bad_robots;
 mod bad_urdfs;

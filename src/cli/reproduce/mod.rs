@@ -1,5 +1,7 @@
 //! `cocarry reproduce`: the paper's claims and tables, the paper's figures beside ours.
 
+mod h3;
+
 use super::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
 use crate::coordination::Method;
 use crate::drawing::{self, Track};
@@ -22,6 +24,8 @@ pub(super) enum Claim {
     H1(H1),
     /// Table II: objective cost with and without the mode transition, and the Environment 4 example
     H2(H2),
+    /// Table III: control cost with and without pose optimisation, when the human leads and changes their mind
+    H3(h3::Arguments),
     /// "No locked cycles" (Sec. IV-B): random worlds and humans, each episode run to its end
     Cycles(Cycles),
 }
@@ -82,6 +86,7 @@ pub(super) fn run(claim: &Claim) -> Result<ExitCode, Failure> {
     match claim {
         Claim::H1(arguments) => run_h1(arguments),
         Claim::H2(arguments) => run_h2(arguments),
+        Claim::H3(arguments) => h3::run(arguments),
         Claim::Cycles(arguments) => run_cycles(arguments),
     }?;
     Ok(ExitCode::SUCCESS)

@@ -1,0 +1,283 @@
+//! Control against the slow obvious way: the closed form and the constrained MPC against a sparse program in clarabel, pose optimisation
+//! against 15 x options such programs (same winner?), and a full control tick against its budget.
+
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, ZeroConeT};
+use cocarry::control::{
+    BaseObstacles, Candidate, ClosedForm, HORIZON, Limits, Mpc, PoseOptimiser, PoseProblem, Reference,
+    Settings, SolveOutcome, motion_cost,
+};
+use cocarry::coordination::Method;
+use cocarry::episode::{self, Episode, Manipulator};
+use cocarry::experiments::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
+use cocarry::geometry::{PlanarPose, Point, direction};
+use cocarry::options::OptionSet;
+use cocarry::robot::{Configuration, InputJacobian, InputVector, JointVector, Kinematics, Robot};
+use criterion::{Criterion, criterion_group};
+use nalgebra::Vector6;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rayon::prelude::*;
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+const PERIOD: f64 = 0.2;
+/// States on which the winner is compared.
+const STATES: u64 = 10_000;
+/// States on which the times are compared.
+const TIMED: u64 = 200;
+/// Budgets of a control tick.
+const FREE_BUDGET: Duration = Duration::from_micros(250);
+const LIMITED_BUDGET: Duration = Duration::from_millis(1);
+
+/// An arm anywhere inside its limits, and four ways that it may be led at walking speed.
+struct State {
+    q: Configuration,
+    at: Kinematics,
+    references: Vec<Reference>,
+    weights: [f64; 4],
+}
+
+fn random_state(robot: &Robot, seed: u64) -> State {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut joints = JointVector::zeros();
+    for (q, joint) in joints.iter_mut().zip(&robot.joints) {
+        *q = rng.random_range(joint.lower.max(-3.0)..joint.upper.min(3.0));
+    }
+    let base = PlanarPose { position: Point::new(1.0, -2.0), yaw: rng.random_range(-3.0..3.0) };
+    let q = Configuration { base, joints };
+    let at = robot.kinematics(&q);
+    let references = (0..4)
+        .map(|_| {
+            let heading = direction(rng.random_range(-3.0..3.0)) * (0.5 * PERIOD);
+            let turn = rng.random_range(-0.16..0.16);
+            let offset = Vector6::from_fn(|_, _| rng.random_range(-0.02..0.02));
+            let way = [heading.x, heading.y, 0.0, 0.0, 0.0, turn];
+            Reference::from_fn(|row, t| offset[row] + way[row] * (t + 1) as f64)
+        })
+        .collect();
+    State { q, at, references, weights: std::array::from_fn(|_| rng.random_range(0.0..1.0)) }
+}
+
+fn problem<'a>(robot: &'a Robot, state: &'a State) -> PoseProblem<'a> {
+    PoseProblem {
+        robot,
+        configuration: &state.q,
+        kinematics: &state.at,
+        references: &state.references,
+        weights: &state.weights,
+        obstacles: None,
+        period: PERIOD,
+    }
+}
+
+/// Eq. (7) with all limits as it is written: a sparse program over inputs, states and joint positions. Its cost.
+fn naive_mpc(robot: &Robot, b: &InputJacobian, candidate: &Candidate, reference: &Reference) -> f64 {
+    let n = robot.joint_count();
+    let m = n + 2;
+    let (states, positions) = (m * HORIZON, (m + 6) * HORIZON);
+    let size = positions + n * HORIZON;
+    let (input, state) = (|t: usize, i: usize| t * m + i, |t: usize, i: usize| states + t * 6 + i);
+    let position = |t: usize, i: usize| positions + t * n + i;
+    let mut weights = vec![0.0; size];
+    weights[..states].fill(2.0);
+    weights[states..positions].fill(2000.0);
+    let p = CscMatrix::new(size, size, (0..=size).collect(), (0..size).collect(), weights);
+    let mut linear = vec![0.0; size];
+    let mut constant = 0.0;
+    let (mut rows, mut columns, mut values, mut right) = (vec![], vec![], vec![], vec![]);
+    let mut row = 0;
+    let mut entry = |row: usize, column: usize, value: f64| {
+        rows.push(row);
+        columns.push(column);
+        values.push(value);
+    };
+    for t in 0..HORIZON {
+        for i in 0..6 {
+            linear[state(t, i)] = -2000.0 * reference[(i, t)];
+            constant += 1000.0 * reference[(i, t)].powi(2);
+            entry(row, state(t, i), 1.0);
+            if t > 0 {
+                entry(row, state(t - 1, i), -1.0);
+            }
+            for j in 0..m {
+                entry(row, input(t, j), -b[(i, j)]);
+            }
+            right.push(0.0);
+            row += 1;
+        }
+        for i in 0..n {
+            entry(row, position(t, i), 1.0);
+            if t > 0 {
+                entry(row, position(t - 1, i), -1.0);
+            }
+            entry(row, input(t, i + 2), -PERIOD);
+            right.push(if t == 0 { candidate.configuration.joints[i] } else { 0.0 });
+            row += 1;
+        }
+    }
+    let equalities = row;
+    for t in 0..HORIZON {
+        for j in 0..m {
+            let limit = if j < 2 { robot.drive.rim_speed_limit } else { robot.joints[j - 2].rate_limit };
+            let taken = if t == 0 { candidate.rates[j] } else { 0.0 };
+            for sign in [1.0, -1.0] {
+                entry(row, input(t, j), sign);
+                right.push(limit - sign * taken);
+                row += 1;
+            }
+        }
+        for (i, joint) in robot.joints.iter().enumerate() {
+            for (sign, limit) in [(1.0, joint.upper), (-1.0, -joint.lower)] {
+                if limit.is_finite() {
+                    entry(row, position(t, i), sign);
+                    right.push(limit);
+                    row += 1;
+                }
+            }
+        }
+    }
+    let a = CscMatrix::new_from_triplets(row, size, rows, columns, values);
+    let cones = [ZeroConeT(equalities), NonnegativeConeT(row - equalities)];
+    let settings = DefaultSettingsBuilder::default().verbose(false).build().expect("settings");
+    let mut solver = DefaultSolver::new(&p, &linear, &a, &right, &cones, settings).expect("a program");
+    solver.solve();
+    solver.solution.obj_val + constant
+}
+
+/// Eq. (8) by one such program for every candidate and option: all totals.
+fn naive_totals(robot: &Robot, state: &State, found: &[Candidate]) -> Vec<f64> {
+    let total = |candidate: &Candidate| {
+        let b = robot.kinematics(&candidate.configuration).jacobian * PERIOD;
+        let costs = state.references.iter().zip(state.weights);
+        costs.map(|(reference, weight)| weight * naive_mpc(robot, &b, candidate, reference)).sum::<f64>()
+            + motion_cost(candidate, &state.q, &Settings::default())
+    };
+    found.iter().map(total).collect()
+}
+
+fn mpc(c: &mut Criterion) {
+    let robot = Robot::built_in().expect("the built-in robot");
+    let state = random_state(&robot, 0);
+    let b = state.at.jacobian * PERIOD;
+    let mut limits = Limits::new(&robot);
+    limits.set(&robot, &state.q, &InputVector::zeros(), PERIOD);
+    let mut group = c.benchmark_group("mpc");
+    group.bench_function("closed form, factors and solution", |bench| {
+        bench.iter(|| black_box(ClosedForm::new(&b, 1000.0, 1.0).inputs(&state.references[0])));
+    });
+    let free = ClosedForm::new(&b, 1000.0, 1.0);
+    let (mut solver, hurried) = (Mpc::default(), state.references[0] * 4.0);
+    group.bench_function("with active limits", |bench| {
+        bench.iter(|| black_box(solver.solve(&free, &limits, &hurried)));
+    });
+    let candidate = Candidate { configuration: state.q, rates: InputVector::zeros() };
+    group.bench_function("naive, with active limits", |bench| {
+        bench.iter(|| black_box(naive_mpc(&robot, &b, &candidate, &hurried)));
+    });
+    group.finish();
+}
+
+fn report_pose() {
+    let robot = Robot::built_in().expect("the built-in robot");
+    let settings = Settings::default();
+    let (mut poses, mut solver, mut limits) = (PoseOptimiser::default(), Mpc::default(), Limits::new(&robot));
+    let (mut ours, mut theirs, mut programs) = (Duration::ZERO, Duration::ZERO, 0);
+    for seed in 0..TIMED {
+        let state = random_state(&robot, seed);
+        let begun = Instant::now();
+        black_box(poses.choose(&problem(&robot, &state), &settings, &mut limits, &mut solver));
+        ours += begun.elapsed();
+        let begun = Instant::now();
+        programs += 4 * black_box(naive_totals(&robot, &state, poses.candidates())).len();
+        theirs += begun.elapsed();
+    }
+    let per_state = |time: Duration| time.as_secs_f64() * 1e3 / TIMED as f64;
+    println!("\npose optimisation, {TIMED} random states, one thread");
+    println!("  exact, pruned:                     {:8.3} ms a state", per_state(ours));
+    println!(
+        "  naive, {:.0} programs in clarabel:    {:8.3} ms a state, {:.0} times as long",
+        programs as f64 / TIMED as f64,
+        per_state(theirs),
+        theirs.as_secs_f64() / ours.as_secs_f64()
+    );
+    let differences: Vec<f64> = (0..STATES)
+        .into_par_iter()
+        .filter_map(|seed| {
+            let state = random_state(&robot, seed);
+            let mut poses = PoseOptimiser::default();
+            let (mut solver, mut limits) = (Mpc::default(), Limits::new(&robot));
+            let chosen = poses.choose(&problem(&robot, &state), &settings, &mut limits, &mut solver);
+            let totals = naive_totals(&robot, &state, poses.candidates());
+            let least = totals.iter().copied().fold(f64::INFINITY, f64::min);
+            let other = totals.iter().position(|t| *t <= least).unwrap_or(0);
+            (other != chosen.index).then(|| (totals[chosen.index] - least) / least)
+        })
+        .collect();
+    let worst = differences.iter().copied().fold(0.0, f64::max);
+    println!(
+        "  same winner in {} of {STATES} states; in the others the two winners' costs differ by at most {worst:.1e} of themselves",
+        STATES as usize - differences.len()
+    );
+}
+
+/// Times of all human-led ticks of an episode, in those with limits active or those without.
+fn tick_times(environment: usize, speed: f64, limited: bool) -> (Vec<Duration>, usize) {
+    let robot = Robot::built_in().expect("the built-in robot");
+    let world = ENVIRONMENTS[environment].world().expect("a built-in world");
+    let options = OptionSet::new(&world, 10.0).expect("its options");
+    let obstacles = BaseObstacles::new(&world);
+    let settings = episode::Settings { method: Method::HumanLed, speed, ..episode::Settings::default() };
+    let posture = robot.postures[0].joints;
+    let manipulator =
+        Manipulator { robot: &robot, posture, control: Settings::default(), obstacles: &obstacles };
+    let (mut times, mut all) = (Vec::new(), 0);
+    for _ in 0..5 {
+        let mut episode = Episode::new(&options, &settings, EXAMPLE_HUMAN).with_robot(manipulator);
+        loop {
+            let begun = Instant::now();
+            let ended = black_box(episode.step()).is_some();
+            let took = begun.elapsed();
+            if ended {
+                break;
+            }
+            all += 1;
+            let robot = episode.tick().robot.expect("a robot");
+            let was_limited = robot.outcome != SolveOutcome::Unconstrained
+                || robot.pursuit.is_some_and(|p| p.constrained > 0);
+            if was_limited == limited {
+                times.push(took);
+            }
+        }
+    }
+    times.sort_unstable();
+    (times, all)
+}
+
+fn report_ticks() {
+    println!("\nfull control tick while the human leads: planning, 15 x 4 pose optimisation, MPC, obstacles");
+    for (environment, world) in ENVIRONMENTS.iter().enumerate() {
+        for (speed, limited, budget) in [(0.5, false, FREE_BUDGET), (1.5, true, LIMITED_BUDGET)] {
+            let (times, all) = tick_times(environment, speed, limited);
+            let Some(median) = times.get(times.len() / 2) else { continue };
+            println!(
+                "  Environment {} at {speed} m/s, {:3.0} % of ticks, limits {}: median {:6.1} us, {:4.2} of the budget",
+                world.number,
+                100.0 * times.len() as f64 / all as f64,
+                if limited { "active  " } else { "inactive" },
+                median.as_secs_f64() * 1e6,
+                median.as_secs_f64() / budget.as_secs_f64()
+            );
+        }
+    }
+}
+
+criterion_group!(benches, mpc);
+
+fn main() {
+    benches();
+    Criterion::default().configure_from_args().final_summary();
+    report_ticks();
+    report_pose();
+}

@@ -1,0 +1,123 @@
+//! The arguments that describe the plant and the robot in it; robot files loaded, choices checked against each other.
+
+use super::output::{Failure, input};
+use crate::control::{self, CandidateSet, PoseCriterion};
+use crate::robot::{Posture, Robot};
+use anyhow::anyhow;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// What carries, and how it is controlled.
+#[derive(Args, Debug)]
+pub(super) struct RobotArguments {
+    /// What the controller acts on
+    #[arg(long, value_enum, default_value_t = Plant::Kinematic)]
+    pub plant: Plant,
+    /// Robot file (TOML), or a URDF with a robot file of the same name beside it [default: the built-in carrier]
+    #[arg(long, value_name = "FILE")]
+    robot: Option<PathBuf>,
+    /// Posture to start from, by its name in the robot file [default: the first]
+    #[arg(long, value_name = "NAME")]
+    posture: Option<String>,
+    /// Configurations that pose optimisation chooses among while the human leads [default: arm]
+    #[arg(long, value_enum, value_name = "SET")]
+    pose: Option<PoseArgument>,
+    /// What pose optimisation chooses by [default: expected]
+    #[arg(long, value_enum, value_name = "CRITERION")]
+    pose_criterion: Option<CriterionArgument>,
+    /// Leave obstacles out of the robot's MPC, as the paper does
+    #[arg(long)]
+    no_obstacles: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Plant {
+    /// The planning level alone: the team is a point that walks its path exactly
+    Point,
+    /// The robot moves exactly as its inputs say, without dynamics
+    Kinematic,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum PoseArgument {
+    /// No pose optimisation
+    None,
+    /// Fifteen configurations of the arm
+    Arm,
+    /// Fifteen configurations of base and arm
+    WholeBody,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum CriterionArgument {
+    /// Eq. (8): costs of all options, weighted by P_o
+    Expected,
+    /// Costs of all options, equally weighted
+    Uniform,
+    /// The cost of the option that the robot takes the human to be on
+    Tracked,
+    /// Yoshikawa's manipulability of the arm instead of costs
+    Manipulability,
+}
+
+/// A robot to run with.
+pub(super) struct Chosen {
+    pub robot: Robot,
+    pub posture: Posture,
+    pub control: control::Settings,
+}
+
+impl RobotArguments {
+    /// The robot; none on the planning level alone.
+    pub fn load(&self) -> Result<Option<Chosen>, Failure> {
+        if self.plant == Plant::Point {
+            let given = [
+                ("--robot", self.robot.is_some()),
+                ("--posture", self.posture.is_some()),
+                ("--pose", self.pose.is_some()),
+                ("--pose-criterion", self.pose_criterion.is_some()),
+                ("--no-obstacles", self.no_obstacles),
+            ];
+            return match given.iter().find(|(_, is_given)| *is_given) {
+                None => Ok(None),
+                Some((flag, _)) => {
+                    Err(input(anyhow!("{flag} says something of a robot, but --plant point has none")))
+                }
+            };
+        }
+        let robot = load_robot(self.robot.as_deref())?;
+        let posture = match &self.posture {
+            None => robot.postures.first(),
+            Some(name) => robot.posture(name),
+        };
+        let Some(posture) = posture.cloned() else {
+            let known: Vec<_> = robot.postures.iter().map(|p| format!("`{}`", p.name)).collect();
+            let asked = self.posture.as_deref().unwrap_or_default();
+            let (file, known) = (&robot.file, known.join(", "));
+            return Err(input(anyhow!(
+                "--posture {asked}: {file} has no posture of that name; it has {known}"
+            )));
+        };
+        let control = control::Settings {
+            candidates: match self.pose.unwrap_or(PoseArgument::Arm) {
+                PoseArgument::None => CandidateSet::None,
+                PoseArgument::Arm => CandidateSet::Arm,
+                PoseArgument::WholeBody => CandidateSet::WholeBody,
+            },
+            criterion: match self.pose_criterion.unwrap_or(CriterionArgument::Expected) {
+                CriterionArgument::Expected => PoseCriterion::Expected,
+                CriterionArgument::Uniform => PoseCriterion::Uniform,
+                CriterionArgument::Tracked => PoseCriterion::Tracked,
+                CriterionArgument::Manipulability => PoseCriterion::Manipulability,
+            },
+            obstacles: !self.no_obstacles,
+            ..control::Settings::default()
+        };
+        Ok(Some(Chosen { robot, posture, control }))
+    }
+}
+
+/// The robot in a file, or the built-in one.
+pub(super) fn load_robot(file: Option<&std::path::Path>) -> Result<Robot, Failure> {
+    file.map_or_else(Robot::built_in, Robot::load).map_err(input)
+}
