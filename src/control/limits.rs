@@ -96,10 +96,10 @@ impl Limits {
         }
     }
 
-    /// Calls `on_violation` for every constraint that `u` violates by more than [`TOLERANCE`], with the excess `a . u - b`.
+    /// Calls `on_violation` for every constraint that `u` violates by more than [`TOLERANCE`], with the excess `a . u - b`: input by input,
+    /// rates before positions; then half-planes.
     pub fn violations(&self, u: &Inputs, mut on_violation: impl FnMut(Row, f64)) {
         for input in 0..self.inputs {
-            let mut sum = 0.0;
             for step in 0..HORIZON {
                 let value = u[(input, step)];
                 let sign = value.signum();
@@ -107,13 +107,14 @@ impl Limits {
                 if excess > TOLERANCE {
                     on_violation(Row::Rate { input, step, sign }, excess);
                 }
-                if input >= 2 {
-                    sum += value;
-                    let sign = sum.signum();
-                    let excess = sign * sum - self.position_bound(input, sign);
-                    if excess > TOLERANCE {
-                        on_violation(Row::Position { input, step, sign }, excess);
-                    }
+            }
+            let mut sum = 0.0;
+            for step in (0..HORIZON).filter(|_| input >= 2) {
+                sum += u[(input, step)];
+                let sign = sum.signum();
+                let excess = sign * sum - self.position_bound(input, sign);
+                if excess > TOLERANCE {
+                    on_violation(Row::Position { input, step, sign }, excess);
                 }
             }
         }

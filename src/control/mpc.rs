@@ -68,23 +68,51 @@ pub struct Mpc {
     interior_point_solves: u64,
 }
 
+enum Constrained {
+    Solved(Plan),
+    /// The cost exceeds what was asked for.
+    Above,
+    Unsolved,
+}
+
+/// The optimum without limits, if it is a number.
+fn finite_optimum(free: &ClosedForm, reference: &Reference) -> Option<Plan> {
+    let (inputs, cost) = (free.inputs(reference), free.cost(reference));
+    let is_finite = cost.is_finite() && inputs.iter().all(|u| u.is_finite());
+    is_finite.then_some(Plan { inputs, cost, outcome: SolveOutcome::Unconstrained })
+}
+
 impl Mpc {
     /// Solves eq. (7) for a reference. `limits` must be those of the configuration that `free` was made for.
     pub fn solve(&mut self, free: &ClosedForm, limits: &Limits, reference: &Reference) -> Plan {
-        let inputs = free.inputs(reference);
-        let cost = free.cost(reference);
-        if !(cost.is_finite() && inputs.iter().all(|u| u.is_finite())) {
-            let outcome = SolveOutcome::Fallback(Failure::NotFinite);
-            return Plan { inputs: Inputs::zeros(), cost: f64::INFINITY, outcome };
+        let failed = |inputs, failure| {
+            let outcome = SolveOutcome::Fallback(failure);
+            Plan { inputs, cost: f64::INFINITY, outcome }
+        };
+        let Some(optimum) = finite_optimum(free, reference) else {
+            return failed(Inputs::zeros(), Failure::NotFinite);
+        };
+        match self.constrain(free, limits, optimum, f64::INFINITY) {
+            Constrained::Solved(plan) => plan,
+            Constrained::Above | Constrained::Unsolved => {
+                failed(limits.scaled_first(&optimum.inputs), Failure::NotSolved)
+            }
         }
-        if limits.allow(&inputs) {
-            return Plan { inputs, cost, outcome: SolveOutcome::Unconstrained };
+    }
+
+    /// The plan of [`Mpc::solve`] if its cost is at most `cutoff`. `None` if it is more, which is mostly known sooner, or if there is none.
+    pub fn solve_below(
+        &mut self,
+        free: &ClosedForm,
+        limits: &Limits,
+        reference: &Reference,
+        cutoff: f64,
+    ) -> Option<Plan> {
+        let optimum = finite_optimum(free, reference)?;
+        match self.constrain(free, limits, optimum, cutoff) {
+            Constrained::Solved(plan) if plan.cost <= cutoff => Some(plan),
+            _ => None,
         }
-        self.solve_constrained(free, limits, &inputs, cost).unwrap_or_else(|| Plan {
-            inputs: limits.scaled_first(&inputs),
-            cost: f64::INFINITY,
-            outcome: SolveOutcome::Fallback(Failure::NotSolved),
-        })
     }
 
     /// How many duals had to be solved by clarabel, over all calls.
@@ -92,61 +120,100 @@ impl Mpc {
         self.interior_point_solves
     }
 
-    fn solve_constrained(
-        &mut self,
-        free: &ClosedForm,
-        limits: &Limits,
-        optimum: &Inputs,
-        free_cost: f64,
-    ) -> Option<Plan> {
+    fn constrain(&mut self, free: &ClosedForm, limits: &Limits, optimum: Plan, cutoff: f64) -> Constrained {
+        if limits.allow(&optimum.inputs) {
+            return Constrained::Solved(optimum);
+        }
         let inverse = free.inverse_hessian();
         self.rows.clear();
         self.responses.clear();
         self.excess.clear();
         self.positive.clear();
-        self.joining.clear();
-        limits.violations(optimum, |row, _| self.joining.push(row));
+        self.dual.clear();
+        self.find_joining(limits, &optimum.inputs);
         for _ in 0..ROUNDS {
-            self.join(&inverse, limits, optimum);
-            self.solve_dual()?;
-            let mut inputs = *optimum;
+            self.join(&inverse, limits, &optimum.inputs);
+            if self.solve_dual().is_none() {
+                return Constrained::Unsolved;
+            }
+            let mut inputs = optimum.inputs;
             for (m, response) in self.multipliers.iter().zip(&self.responses).filter(|(m, _)| **m > 0.0) {
                 inputs -= response * *m;
             }
-            // a row that has joined is settled by its multiplier; what is left of its violation is rounding, or paid for
-            let (rows, joining) = (&self.rows, &mut self.joining);
-            limits.violations(&inputs, |row, _| {
-                if !rows.contains(&row) {
-                    joining.push(row);
-                }
-            });
+            self.find_joining(limits, &inputs);
+            // with some of the constraints only, the optimum is a lower bound
+            let cost = optimum.cost + self.dual_value();
             if self.joining.is_empty() {
                 let active = self.multipliers.iter().filter(|m| **m > 0.0).count();
-                let outcome = SolveOutcome::Constrained { active };
-                return Some(Plan { inputs, cost: free_cost + self.dual_value(), outcome });
+                return Constrained::Solved(Plan {
+                    inputs,
+                    cost,
+                    outcome: SolveOutcome::Constrained { active },
+                });
+            }
+            if cost > cutoff {
+                return Constrained::Above;
             }
         }
-        None
+        Constrained::Unsolved
     }
 
-    /// Takes the joining rows in, expected to be active, and makes D anew.
+    /// The rows that `inputs` violates and that have not joined: those that have are settled by their multipliers, and what is left of their
+    /// violation is rounding, or paid for. A joint's positions follow from its rates: only when these are all right does a position join, the
+    /// worst. So rows that depend on each other rarely meet.
+    fn find_joining(&mut self, limits: &Limits, inputs: &Inputs) {
+        let (rows, joining) = (&self.rows, &mut self.joining);
+        joining.clear();
+        let mut worst = 0.0;
+        limits.violations(inputs, |row, excess| {
+            let position_of = |row: &Row| match row {
+                Row::Position { input, .. } => Some(*input),
+                _ => None,
+            };
+            let joint = position_of(&row);
+            let last = joining.last();
+            let last_is_rate = |i| matches!(last, Some(Row::Rate { input, .. }) if *input == i);
+            let last_is_position = |i| last.and_then(position_of) == Some(i);
+            match joint {
+                _ if rows.contains(&row) => {}
+                Some(i) if last_is_rate(i) => {}
+                Some(i) if last_is_position(i) => {
+                    if excess > worst {
+                        joining.pop();
+                        joining.push(row);
+                        worst = excess;
+                    }
+                }
+                _ => {
+                    joining.push(row);
+                    worst = excess;
+                }
+            }
+        });
+    }
+
+    /// Takes the joining rows in, expected to be active, and extends D by them.
     fn join(&mut self, inverse: &InverseHessian, limits: &Limits, optimum: &Inputs) {
+        let joined = self.joining.len();
         for row in self.joining.drain(..) {
             self.rows.push(row);
             self.responses.push(inverse.apply(&limits.coefficients(row)));
             self.excess.push(limits.product(row, optimum) - limits.bound(row));
             self.positive.push(true);
         }
-        let n = self.rows.len();
-        self.dual.clear();
+        let (n, before) = (self.rows.len(), self.rows.len() - joined);
+        // from the last row on, so that nothing is overwritten before it has moved
         self.dual.resize(n * n, 0.0);
-        for (i, &row) in self.rows.iter().enumerate() {
-            for (j, response) in self.responses.iter().enumerate().skip(i) {
-                let product = limits.product(row, response);
+        for i in (1..before).rev() {
+            self.dual.copy_within(i * before..(i + 1) * before, i * n);
+        }
+        for i in before..n {
+            for j in 0..=i {
+                let product = limits.product(self.rows[j], &self.responses[i]);
                 self.dual[i * n + j] = product;
                 self.dual[j * n + i] = product;
             }
-            if let Row::Base(_) = row {
+            if let Row::Base(_) = self.rows[i] {
                 self.dual[i * n + i] += 1.0 / SLACK_PRICE;
             }
         }
@@ -161,13 +228,8 @@ impl Mpc {
         if !self.qp.minimise(dual, excess, multipliers) {
             return None;
         }
-        // the interior point says which are positive (those that outweigh their slack); what they are exactly follows from that
-        let interior = multipliers.clone();
         for (i, is_positive) in positive.iter_mut().enumerate() {
-            *is_positive = interior[i] * dual[i * excess.len() + i] > slack(dual, excess, &interior, i);
-        }
-        if !self.active_set.minimise(dual, excess, positive, multipliers) {
-            multipliers.clone_from(&interior);
+            *is_positive = multipliers[i] * dual[i * excess.len() + i] > slack(dual, excess, multipliers, i);
         }
         Some(())
     }

@@ -6,7 +6,7 @@
 use super::candidates::{Candidate, candidates};
 use super::limits::Limits;
 use super::obstacles::BaseObstacles;
-use super::{ClosedForm, Mpc, Reference, Settings};
+use super::{ClosedForm, Mpc, Reference, Settings, SolveOutcome};
 use crate::robot::{Configuration, InputJacobian, Kinematics, MAX_JOINTS, Robot};
 
 /// What eq. (8) chooses by.
@@ -156,24 +156,20 @@ impl PoseOptimiser {
                 self.totals[c] = f64::INFINITY;
                 continue;
             }
-            set_limits(limits, problem, &self.candidates[c]);
-            for o in 0..options {
-                let weight = problem.weights[o];
-                if weight <= 0.0 {
+            let (candidate, form) = (&self.candidates[c], &self.forms[c]);
+            limits.set(problem.robot, &candidate.configuration, &candidate.rates, problem.period);
+            for (o, (reference, weight)) in problem.references.iter().zip(problem.weights).enumerate() {
+                if *weight <= 0.0 {
                     continue;
                 }
-                let (reference, bound) = (&problem.references[o], self.bounds[c * options + o]);
-                let value = weight
-                    * constrained_cost(
-                        problem,
-                        &self.candidates[c],
-                        &self.forms[c],
-                        limits,
-                        reference,
-                        mpc,
-                        solved,
-                    );
-                self.totals[c] += value - bound;
+                if let Some(obstacles) = problem.obstacles {
+                    let (drive, base) = (&problem.robot.drive, &candidate.configuration.base);
+                    obstacles.half_planes(drive, base, &form.inputs(reference), problem.period, limits);
+                }
+                let without = self.totals[c] - self.bounds[c * options + o];
+                let plan = mpc.solve_below(form, limits, reference, (best + TIE - without) / weight);
+                *solved += usize::from(plan.is_none_or(|p| p.outcome != SolveOutcome::Unconstrained));
+                self.totals[c] = plan.map_or(f64::INFINITY, |p| without + weight * p.cost);
                 if self.totals[c] > best + TIE {
                     self.totals[c] = f64::INFINITY;
                     break;
@@ -183,35 +179,6 @@ impl PoseOptimiser {
         }
         first_within_tie(&self.totals)
     }
-}
-
-fn set_limits(limits: &mut Limits, problem: &PoseProblem, candidate: &Candidate) {
-    limits.set(problem.robot, &candidate.configuration, &candidate.rates, problem.period);
-}
-
-/// G_o at a candidate, with all limits.
-fn constrained_cost(
-    problem: &PoseProblem,
-    candidate: &Candidate,
-    form: &ClosedForm,
-    limits: &mut Limits,
-    reference: &Reference,
-    mpc: &mut Mpc,
-    solved: &mut usize,
-) -> f64 {
-    if let Some(obstacles) = problem.obstacles {
-        let inputs = form.inputs(reference);
-        obstacles.half_planes(
-            &problem.robot.drive,
-            &candidate.configuration.base,
-            &inputs,
-            problem.period,
-            limits,
-        );
-    }
-    let plan = mpc.solve(form, limits, reference);
-    *solved += usize::from(plan.outcome != super::SolveOutcome::Unconstrained);
-    plan.cost
 }
 
 /// kappa ||q - q_c||^2. Motion of the base is priced as an input, by its rates: unpriced, it would be a free way out.
