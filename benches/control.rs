@@ -258,7 +258,9 @@ fn tick_times(environment: usize, share: f64) -> (Vec<Duration>, usize) {
 }
 
 fn report_ticks() {
-    println!("\nfull control tick while the human leads: planning, 15 x 4 pose optimisation, MPC, obstacles; all ticks");
+    println!(
+        "\nfull control tick while the human leads: planning, 15 x 4 pose optimisation, MPC, obstacles; all ticks"
+    );
     for (share, budget) in [(1.0, FREE_BUDGET), (SLOW, LIMITED_BUDGET)] {
         for (environment, world) in ENVIRONMENTS.iter().enumerate() {
             let (times, limited) = tick_times(environment, share);

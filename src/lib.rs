@@ -12,12 +12,15 @@
 //! cli            arguments -> text, tables, JSON, files
 //! experiments    one file per claim or table of the paper
 //! drawing        maps and curves as SVG
-//! episode        THE LOOP: observe, evaluate, predict, accumulate, decide, choose, walk
+//! episode        THE LOOP: observe, evaluate, predict, accumulate, decide, choose, prepare, control, walk
+//! simulation     what the controller acts on
+//! control        MPC, pose optimisation, the human's intent
 //! coordination   stubbornness phi(k), the mode, the robot's choice
 //! preference     perception of risk and distance, P_o, expected subjective cost
 //! options        openings in order, D_o and S_o from anywhere, shortest paths
 //! world          a TOML file -> obstacles, openings, start, target
-//! geometry       planar points, outlines, paths
+//! robot          a TOML file and a URDF -> drive, arm, grasp; forward kinematics and B(q)
+//! geometry       points, poses, outlines, paths
 //! ```
 //!
 //! # Notation
@@ -39,6 +42,13 @@
 //! | phi(k), g(k), eta, eq. (5) | [`coordination::Coordinator`], [`coordination::Settings`] | - |
 //! | omega_o(k) | [`coordination::is_misaligned`] | - |
 //! | o*(k), eq. (6) | [`coordination::robot_choice`] | - |
+//! | q, q_c | [`robot::Configuration`] | m, rad |
+//! | x, s | [`robot::Kinematics::grasp`], [`episode::RobotTick::human`]; in eq. (7) relative to the grasp: [`control::Reference`] | m, rad |
+//! | u, B(q), eq. (7) | [`robot::InputVector`], the period times [`robot::Kinematics::jacobian`] | m/s and rad/s, s |
+//! | H, Q, R, kappa | [`control::HORIZON`], [`control::Settings`] | - |
+//! | G_o, eq. (7) | [`control::Plan::cost`] | - |
+//! | Q (candidates), q*, eq. (8) | [`control::candidates`], [`control::PoseOptimiser`] | - |
+//! | C (Sec. V-C) | [`episode::ControlSummary::cost`] | - |
 //! | k | [`episode::Tick::step`], one control period of 0.2 s | - |
 //!
 //! ```

@@ -96,7 +96,7 @@ impl Limits {
         }
     }
 
-    /// Calls `on_violation` for every constraint that `u` violates by more than [`TOLERANCE`], with the excess `a . u - b`: input by input,
+    /// Calls `on_violation` for every constraint that `u` violates by more than 1e-9, with the excess `a . u - b`: input by input,
     /// rates before positions; then half-planes.
     pub fn violations(&self, u: &Inputs, mut on_violation: impl FnMut(Row, f64)) {
         for input in 0..self.inputs {

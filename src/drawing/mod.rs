@@ -1,4 +1,4 @@
-//! A world, its options and what became of them in; SVG pictures for a paper's column out.
+//! A world, its options and what became of them, or what that cost, in; SVG pictures for a paper's column out.
 //!
 //! Every function is pure: data in, the text of one SVG picture out, the same text for the same data. Pictures are [`WIDTH`] px wide, meant
 //! to be printed 88 mm wide. Lines differ in colour and in dash pattern, so that they survive print in grey.
@@ -70,6 +70,19 @@ pub enum DrawingError {
     Period {
         /// What was given.
         period: f64,
+    },
+    /// A figure of panels needs one.
+    #[error("there is nothing to draw: no panels were given")]
+    NoPanels,
+    /// A ratio of costs is negative, not a number or beyond all axes.
+    #[error("row `{row}`: the ratio {value} in environment {environment} cannot be drawn")]
+    Ratio {
+        /// The row's label.
+        row: String,
+        /// The environment.
+        environment: u32,
+        /// The ratio.
+        value: f64,
     },
     /// The chart library refused.
     #[error("the chart could not be drawn: {reason}")]

@@ -2,8 +2,10 @@
 
 use cocarry::coordination::Method;
 use cocarry::episode::{Outcome, Settings};
+use cocarry::experiments::h3::{PoseMethod, Study};
 use cocarry::experiments::{h1, h2};
 use cocarry::preference::Predictor;
+use cocarry::robot::Robot;
 
 #[test]
 fn paper_table_1() {
@@ -55,4 +57,31 @@ fn paper_environment_4_example() {
     }
     // the human starts out preferring option 4
     assert!(runs.iter().all(|run| run.ticks[0].preferred == 3));
+}
+
+/// `cocarry reproduce h3` does the same with 100 humans a cell and from every posture.
+#[test]
+fn paper_table_3() {
+    let mut robot = Robot::built_in().expect("the built-in robot");
+    robot.postures.truncate(1);
+    let study = Study {
+        robot: &robot,
+        episodes: 3,
+        seed: 0,
+        episode: &Settings::default(),
+        control: cocarry::control::Settings::default(),
+    };
+    let rows = study.table(&|| ()).expect("built-in worlds");
+    assert_eq!(rows.len(), 16 * PoseMethod::ALL.len());
+    assert!(rows.iter().all(|r| r.not_arrived == 0 && r.fallback_steps == 0));
+    let ratios =
+        |method| -> Vec<f64> { rows.iter().filter(|r| r.method == method).map(|r| r.ratio).collect() };
+    let mean = |method| ratios(method).iter().sum::<f64>() / 16.0;
+    let with_po = ratios(PoseMethod::WithPo);
+    assert!(with_po.iter().all(|r| *r < 1.0), "{with_po:?}");
+    assert!(mean(PoseMethod::WithPo) <= 0.80, "{}", mean(PoseMethod::WithPo));
+    // what the README says beyond the paper
+    assert!(mean(PoseMethod::Manipulability) > mean(PoseMethod::WithPo) + 0.1);
+    assert!((mean(PoseMethod::UniformWeights) - mean(PoseMethod::WithPo)).abs() < 0.01);
+    assert!(mean(PoseMethod::WithPoObstacles) <= 0.80);
 }

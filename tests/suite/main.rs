@@ -4,6 +4,7 @@ mod allocation;
 mod bad_input;
 mod bad_robots;
 mod bad_urdfs;
+mod carrying;
 mod closed_loop;
 mod command_line;
 mod determinism;

@@ -211,8 +211,11 @@ fn panels(rows: &[Row], starts: &[&str]) -> Vec<RatioPanel> {
                 label: label.to_owned(),
                 ratios: of(rows, start, *method).map(|r| (r.environment, r.ratio)).collect(),
             });
-            let first = (i == 0).then(|| paper.clone());
-            RatioPanel { title: format!("start: {start}"), rows: first.into_iter().chain(ours).collect() }
+            let papers = (i == 0).then(|| paper.clone());
+            RatioPanel {
+                title: format!("({}) episodes that start {start}", char::from(b'a' + (i % 26) as u8)),
+                rows: ours.chain(papers).collect(),
+            }
         })
         .collect()
 }

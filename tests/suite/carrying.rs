@@ -1,0 +1,183 @@
+//! Whole episodes with a robot: what must hold of every step.
+
+use crate::support::{cocarry, json, load, repository, stderr, stdout};
+use cocarry::control::{self, BaseObstacles, CandidateSet, PoseCriterion, SolveOutcome};
+use cocarry::coordination::{Method, Mode};
+use cocarry::episode::{Episode, Manipulator, Outcome, Settings, Summary, Tick};
+use cocarry::experiments::paper::EXAMPLE_HUMAN;
+use cocarry::robot::Robot;
+
+fn carry(world: &str, method: Method, control: control::Settings, robot: &Robot) -> (Summary, Vec<Tick>) {
+    let (world, options) = load(&repository(world));
+    let obstacles = BaseObstacles::new(&world);
+    let settings = Settings { method, ..Settings::default() };
+    let posture = robot.postures[0].joints;
+    let manipulator = Manipulator { robot, posture, control, obstacles: &obstacles };
+    let mut episode = Episode::new(&options, &settings, EXAMPLE_HUMAN).with_robot(manipulator);
+    let mut ticks = Vec::new();
+    while episode.step().is_none() {
+        ticks.push(episode.tick().clone());
+    }
+    (episode.summary().clone(), ticks)
+}
+
+fn carrier() -> Robot {
+    Robot::built_in().expect("the built-in robot")
+}
+
+#[test]
+fn property_every_step_of_the_robot_keeps_its_limits_and_its_books() {
+    let robot = carrier();
+    for set in [CandidateSet::None, CandidateSet::Arm, CandidateSet::WholeBody] {
+        for method in [Method::HumanLed, Method::Mutual] {
+            let control = control::Settings { candidates: set, ..control::Settings::default() };
+            let (summary, ticks) = carry("worlds/environment-4.toml", method, control, &robot);
+            assert_eq!(summary.outcome, Outcome::Arrived);
+            let total: f64 = ticks.iter().map(|t| t.robot.unwrap().cost()).sum();
+            let control = summary.control.unwrap();
+            assert!((control.cost() - total).abs() < 1e-9 * total);
+            assert_eq!(control.fallback_steps, 0);
+            for pair in ticks.windows(2) {
+                let (now, next) = (pair[0].robot.unwrap(), pair[1].robot.unwrap());
+                assert_eq!(now.pursuit.is_some(), pair[0].mode == Mode::HumanLed);
+                assert!(set != CandidateSet::None || now.pose_cost == 0.0);
+                for (i, joint) in robot.joints.iter().enumerate() {
+                    // pose change and input together
+                    let moved = next.configuration.joints[i] - now.configuration.joints[i];
+                    assert!(
+                        moved.abs() <= 0.2 * joint.rate_limit + 1e-8,
+                        "{} at {}",
+                        joint.name,
+                        pair[0].step
+                    );
+                    let there = next.configuration.joints[i];
+                    assert!((joint.lower - 1e-8..=joint.upper + 1e-8).contains(&there), "{}", joint.name);
+                }
+                let rolled = (next.configuration.base.position - now.configuration.base.position).norm();
+                assert!(rolled <= 0.2 * robot.drive.rim_speed_limit + 1e-8);
+                assert!((next.human.position - now.human.position).norm() <= 0.1 + 1e-9);
+                assert!((next.human.yaw - now.human.yaw).sin().abs() <= 0.16 + 1e-9);
+            }
+        }
+    }
+}
+
+#[test]
+fn closed_form_the_tracking_error_of_a_step_is_the_distance_to_the_human_after_it() {
+    let robot = carrier();
+    let (_, ticks) =
+        carry("worlds/environment-1.toml", Method::HumanLed, control::Settings::default(), &robot);
+    for pair in ticks.windows(2) {
+        let (now, next) = (pair[0].robot.unwrap(), pair[1].robot.unwrap());
+        let grasp = robot.grasp_pose(&next.configuration);
+        let off = (grasp.translation.vector - next.human.at_height(0.7).translation.vector).norm();
+        assert!((off - now.position_error).abs() < 1e-9, "step {}", pair[0].step);
+        let cost = 1000.0 * (now.position_error.powi(2) + now.orientation_error.powi(2));
+        assert!((cost - now.tracking_cost).abs() < 1e-9 * cost.max(1.0));
+        assert!((now.control_effort - now.input.norm_squared()).abs() < 1e-12);
+    }
+    let first = ticks[0].robot.unwrap();
+    let grasp = robot.grasp_pose(&first.configuration).translation.vector.xy();
+    assert!((grasp - ticks[0].position.coords).norm() < 1e-9, "the grasp starts at the team's start");
+}
+
+#[test]
+fn a_robot_that_leads_follows_the_path_it_chose() {
+    let (summary, _) =
+        carry("worlds/environment-4.toml", Method::RobotLed, control::Settings::default(), &carrier());
+    let control = summary.control.unwrap();
+    assert!(control.error_rms(summary.steps) < 0.01, "{control:?}");
+    assert_eq!(control.pose_changes, 0);
+}
+
+#[test]
+fn obstacles_in_the_mpc_keep_the_base_clear() {
+    let robot = carrier();
+    let with = |obstacles| {
+        let control = control::Settings { obstacles, ..control::Settings::default() };
+        let (_, ticks) = carry("worlds/environment-2.toml", Method::HumanLed, control, &robot);
+        let limited =
+            ticks.iter().filter(|t| t.robot.unwrap().outcome != SolveOutcome::Unconstrained).count();
+        (ticks.iter().map(|t| t.robot.unwrap().base_clearance).fold(f64::INFINITY, f64::min), limited)
+    };
+    let (without, _) = with(false);
+    let (kept, limited) = with(true);
+    assert!(without < 0.0, "the base overlaps an obstacle by itself: {without}");
+    assert!(kept > -0.002 && limited > 0, "{kept} m, {limited} steps");
+}
+
+#[test]
+fn the_criterion_decides_the_pose() {
+    let robot = carrier();
+    let cost = |criterion| {
+        let control = control::Settings { criterion, obstacles: false, ..control::Settings::default() };
+        let (summary, _) = carry("worlds/environment-3.toml", Method::HumanLed, control, &robot);
+        summary.control.unwrap().cost()
+    };
+    assert!(cost(PoseCriterion::Expected) < cost(PoseCriterion::Manipulability));
+}
+
+#[test]
+fn another_robot_carries_too() {
+    let robot = Robot::load(&repository("tests/fixtures/robots/six.toml")).unwrap_or_else(|e| panic!("{e}"));
+    let control = control::Settings { candidates: CandidateSet::WholeBody, ..control::Settings::default() };
+    let (summary, ticks) = carry("worlds/environment-4.toml", Method::HumanLed, control, &robot);
+    assert_eq!(summary.outcome, Outcome::Arrived);
+    assert!(summary.control.unwrap().error_rms(summary.steps) < 0.05, "{:?}", summary.control);
+    assert!(ticks.iter().any(|t| t.robot.unwrap().pursuit.is_some_and(|p| p.candidate != 0)));
+}
+
+#[test]
+fn ticks_carry_what_the_robot_did() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("ticks.csv");
+    let told = json(&["run", "--method", "human-led", "--json", "--ticks", file.to_str().unwrap()]);
+    let text = std::fs::read_to_string(&file).unwrap();
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let headings = reader.headers().unwrap().clone();
+    let column = |name: &str| headings.iter().position(|h| h == name).unwrap_or_else(|| panic!("{name}"));
+    let records: Vec<csv::StringRecord> = reader.records().map(|r| r.unwrap()).collect();
+    let sum = |name: &str| records.iter().map(|r| r[column(name)].parse::<f64>().unwrap()).sum::<f64>();
+    let control = &told["control"];
+    for (key, name) in [("tracking", "tracking_cost"), ("effort", "control_effort"), ("pose", "pose_cost")] {
+        let expected = control[key].as_f64().unwrap();
+        assert!((sum(name) - expected).abs() < 1e-9 * expected.max(1.0), "{name}");
+    }
+    assert!(
+        records
+            .iter()
+            .all(|r| &r[column("mpc_outcome")] == "unconstrained"
+                || &r[column("mpc_outcome")] == "constrained")
+    );
+    assert!(records.iter().all(|r| r[column("least_singular_value")].parse::<f64>().unwrap() > 0.0));
+    for name in [
+        "position_error_m",
+        "tracked",
+        "pose_candidate",
+        "position_rad[elbow_flex_joint]",
+        "rate_rad_per_s[wrist_roll_joint]",
+    ] {
+        column(name);
+    }
+}
+
+#[test]
+fn the_planning_level_alone_knows_no_robot() {
+    let told = json(&["run", "--plant", "point", "--json"]);
+    assert!(told["control"].is_null() && told["robot"].is_null());
+    let output = cocarry(&["run", "--plant", "point", "--pose", "arm"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("--pose says something of a robot, but --plant point has none"));
+}
+
+#[test]
+fn a_posture_or_robot_that_is_not_there_is_named() {
+    let output = cocarry(&["run", "--posture", "elbow-down"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = stderr(&output);
+    assert!(said.contains("elbow-down") && said.contains("`elbow-up`, `elbow-out`"), "{said}");
+    let output = cocarry(&["run", "--robot", "nowhere/robot.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("nowhere/robot.toml"));
+    assert_eq!(stdout(&output), "");
+}
