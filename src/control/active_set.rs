@@ -9,9 +9,10 @@ use super::limits::TOLERANCE;
 /// Steps of the first method, and of the second per multiplier.
 const BLOCK_STEPS: usize = 8;
 const SINGLE_STEPS: usize = 5;
-/// Added to D's diagonal, relative to it: rows may depend on each other (a rate and a position that bound the same input, say). A constraint
-/// is met to this times what it asks for.
+/// Added to D's diagonal, relative to it: rows may depend on each other (a rate and a position that bound the same input, say).
 const RIDGE: f64 = 1e-11;
+/// Solutions with the ridge, each of what the one before left.
+const PASSES: usize = 2;
 /// A multiplier this many times what its row alone would need holds rows that contradict each other.
 const CONTRADICTION: f64 = 1e8;
 
@@ -125,18 +126,21 @@ impl ActiveSet {
                 };
             }
         }
-        for i in 0..k {
-            let known: f64 = l[i * k..i * k + i].iter().zip(&x[..i]).map(|(l, x)| l * x).sum();
-            x[i] = (c[chosen[i]] - known) / l[i * k + i];
-        }
-        for i in (0..k).rev() {
-            let known: f64 = (i + 1..k).map(|p| l[p * k + i] * x[p]).sum();
-            x[i] = (x[i] - known) / l[i * k + i];
-        }
         self.trial.clear();
         self.trial.resize(n, 0.0);
-        for (&i, m) in chosen.iter().zip(x.iter()) {
-            self.trial[i] = *m;
+        // the first pass solves, the others take back what the ridge did to it
+        for _ in 0..PASSES {
+            for i in 0..k {
+                let known: f64 = l[i * k..i * k + i].iter().zip(&x[..i]).map(|(l, x)| l * x).sum();
+                x[i] = (-slack(d, c, &self.trial, chosen[i]) - known) / l[i * k + i];
+            }
+            for i in (0..k).rev() {
+                let known: f64 = (i + 1..k).map(|p| l[p * k + i] * x[p]).sum();
+                x[i] = (x[i] - known) / l[i * k + i];
+            }
+            for (&i, m) in chosen.iter().zip(x.iter()) {
+                self.trial[i] += m;
+            }
         }
     }
 }
