@@ -68,8 +68,8 @@ pub struct Mpc {
     interior_point_solves: u64,
 }
 
-enum Constrained {
-    Solved(Plan),
+/// Why there is no plan under limits.
+enum Stopped {
     /// The cost exceeds what was asked for.
     Above,
     Unsolved,
@@ -93,8 +93,8 @@ impl Mpc {
             return failed(Inputs::zeros(), Failure::NotFinite);
         };
         match self.constrain(free, limits, optimum, f64::INFINITY) {
-            Constrained::Solved(plan) => plan,
-            Constrained::Above | Constrained::Unsolved => {
+            Ok(plan) => plan,
+            Err(Stopped::Above | Stopped::Unsolved) => {
                 failed(limits.scaled_first(&optimum.inputs), Failure::NotSolved)
             }
         }
@@ -110,7 +110,7 @@ impl Mpc {
     ) -> Option<Plan> {
         let optimum = finite_optimum(free, reference)?;
         match self.constrain(free, limits, optimum, cutoff) {
-            Constrained::Solved(plan) if plan.cost <= cutoff => Some(plan),
+            Ok(plan) if plan.cost <= cutoff => Some(plan),
             _ => None,
         }
     }
@@ -120,9 +120,15 @@ impl Mpc {
         self.interior_point_solves
     }
 
-    fn constrain(&mut self, free: &ClosedForm, limits: &Limits, optimum: Plan, cutoff: f64) -> Constrained {
+    fn constrain(
+        &mut self,
+        free: &ClosedForm,
+        limits: &Limits,
+        optimum: Plan,
+        cutoff: f64,
+    ) -> Result<Plan, Stopped> {
         if limits.allow(&optimum.inputs) {
-            return Constrained::Solved(optimum);
+            return Ok(optimum);
         }
         let inverse = free.inverse_hessian();
         self.rows.clear();
@@ -134,7 +140,7 @@ impl Mpc {
         for _ in 0..ROUNDS {
             self.join(&inverse, limits, &optimum.inputs);
             if self.solve_dual().is_none() {
-                return Constrained::Unsolved;
+                return Err(Stopped::Unsolved);
             }
             let mut inputs = optimum.inputs;
             for (m, response) in self.multipliers.iter().zip(&self.responses).filter(|(m, _)| **m > 0.0) {
@@ -145,17 +151,13 @@ impl Mpc {
             let cost = optimum.cost + self.dual_value();
             if self.joining.is_empty() {
                 let active = self.multipliers.iter().filter(|m| **m > 0.0).count();
-                return Constrained::Solved(Plan {
-                    inputs,
-                    cost,
-                    outcome: SolveOutcome::Constrained { active },
-                });
+                return Ok(Plan { inputs, cost, outcome: SolveOutcome::Constrained { active } });
             }
             if cost > cutoff {
-                return Constrained::Above;
+                return Err(Stopped::Above);
             }
         }
-        Constrained::Unsolved
+        Err(Stopped::Unsolved)
     }
 
     /// The rows that `inputs` violates and that have not joined: those that have are settled by their multipliers, and what is left of their
