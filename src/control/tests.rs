@@ -202,6 +202,24 @@ fn the_constrained_solution_agrees_with_a_dense_program() {
 }
 
 #[test]
+fn closed_form_a_joint_may_use_the_way_to_its_limit_and_no_more() {
+    let robot = robot();
+    let mut q = Configuration {
+        base: PlanarPose { position: Point::origin(), yaw: 0.0 },
+        joints: robot.postures[0].joints,
+    };
+    let mut limits = Limits::new(&robot);
+    let (elbow, upper) = (3, robot.joints[3].upper);
+    let row = Row::Position { input: elbow + 2, step: 5, sign: 1.0 };
+    for (position, room) in [(upper - 0.05, 0.25), (upper, 0.0), (upper + 0.1, 0.0)] {
+        q.joints[elbow] = position;
+        limits.set(&robot, &q, &InputVector::zeros(), PERIOD);
+        assert!((limits.bound(row) - room).abs() < 1e-12);
+        assert!(limits.allow(&Inputs::zeros()), "standing still is always allowed");
+    }
+}
+
+#[test]
 fn a_reference_that_is_no_number_stops_the_robot() {
     let robot = robot();
     let q = Configuration {

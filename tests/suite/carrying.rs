@@ -65,7 +65,7 @@ fn property_every_step_of_the_robot_keeps_its_limits_and_its_books() {
 #[test]
 fn closed_form_the_tracking_error_of_a_step_is_the_distance_to_the_human_after_it() {
     let robot = carrier();
-    let (_, ticks) =
+    let (summary, ticks) =
         carry("worlds/environment-1.toml", Method::HumanLed, control::Settings::default(), &robot);
     for pair in ticks.windows(2) {
         let (now, next) = (pair[0].robot.unwrap(), pair[1].robot.unwrap());
@@ -76,6 +76,14 @@ fn closed_form_the_tracking_error_of_a_step_is_the_distance_to_the_human_after_i
         assert!((cost - now.tracking_cost).abs() < 1e-9 * cost.max(1.0));
         assert!((now.control_effort - now.input.norm_squared()).abs() < 1e-12);
     }
+    // kappa ||q* - q_c||^2 with kappa = 1: what moved the joints besides the input
+    for pair in ticks.windows(2) {
+        let (now, next) = (pair[0].robot.unwrap(), pair[1].robot.unwrap());
+        let by_input = now.input.fixed_rows::<8>(2) * 0.2;
+        let by_choice = next.configuration.joints - now.configuration.joints - by_input;
+        assert!((by_choice.norm_squared() - now.pose_cost).abs() < 1e-9, "step {}", pair[0].step);
+    }
+    assert!(summary.control.unwrap().pose > 0.1);
     let first = ticks[0].robot.unwrap();
     let grasp = robot.grasp_pose(&first.configuration).translation.vector.xy();
     assert!((grasp - ticks[0].position.coords).norm() < 1e-9, "the grasp starts at the team's start");
