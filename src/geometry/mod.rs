@@ -5,10 +5,12 @@
 mod footprint;
 mod path;
 mod spatial;
+mod tandem;
 
 pub use footprint::{Bounds, Footprint};
 pub use path::{Path, Piece};
 pub use spatial::{PlanarPose, Pose, rotation_vector};
+pub use tandem::Tandem;
 
 /// A point of the plane, metres in the world frame.
 pub type Point = nalgebra::Point2<f64>;

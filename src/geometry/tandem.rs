@@ -1,0 +1,144 @@
+//! A path and the length of what two carry along it in; where it is when its middle has come so far out.
+
+use super::{Path, PlanarPose, Point, angle_of, direction};
+
+/// A rigid object carried along paths, one carrier at either end.
+///
+/// Its ends lie on the chord between the points of the way half a length ahead of its middle and half a length behind: so a corner of the path
+/// becomes a gradual turn. What is behind the beginning of a path is the way walked before; what is ahead of its end goes straight on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tandem {
+    length: f64,
+    /// The way before the path under way, oldest point first; the last is where the path begins.
+    trail: Vec<Point>,
+}
+
+impl Tandem {
+    /// An object of this length (m), its middle at `start`, lying along `heading` (rad): as if it had come straight from behind.
+    pub fn new(length: f64, start: Point, heading: f64) -> Self {
+        Self { length, trail: vec![start - direction(heading) * length, start] }
+    }
+
+    /// Length of the object, m.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// The point of the way `walked` (m) along `path`: behind its beginning if negative, beyond its end if more than its length.
+    pub fn point(&self, path: &Path, walked: f64) -> Point {
+        let here = self.trail.last().copied().unwrap_or_default();
+        if walked >= 0.0 {
+            let beyond = walked - path.length();
+            let Some(point) = path.point_at(walked) else { return here };
+            let heading = path.heading_at(walked).unwrap_or(0.0);
+            return if beyond > 0.0 { point + direction(heading) * beyond } else { point };
+        }
+        let mut left = -walked;
+        let mut at = here;
+        for &before in self.trail.iter().rev().skip(1) {
+            let step = (before - at).norm();
+            if step >= left && step > 0.0 {
+                return at + (before - at) * (left / step);
+            }
+            left -= step;
+            at = before;
+        }
+        at
+    }
+
+    /// The object's middle and heading when it has come `walked` (m) along `path`.
+    pub fn pose(&self, path: &Path, walked: f64) -> PlanarPose {
+        let behind = self.point(path, walked - self.length / 2.0);
+        let ahead = self.point(path, walked + self.length / 2.0);
+        PlanarPose { position: nalgebra::center(&behind, &ahead), yaw: angle_of(ahead - behind) }
+    }
+
+    /// The object's end toward where it goes (`side` 1) or toward where it comes from (-1), for a pose of its middle.
+    pub fn end(&self, pose: &PlanarPose, side: f64) -> PlanarPose {
+        let reach = direction(pose.yaw) * (side * self.length / 2.0);
+        PlanarPose { position: pose.position + reach, yaw: pose.yaw }
+    }
+
+    /// How far along `path` an object is whose middle is at `position`: the nearest way, at or after `from` and within `reach` of it; m.
+    pub fn locate(&self, path: &Path, position: Point, from: f64, reach: f64) -> f64 {
+        const SAMPLES: usize = 16;
+        let distance = |walked: f64| (self.pose(path, walked).position - position).norm_squared();
+        let (mut low, mut high) = (from, (from + reach).min(path.length()).max(from));
+        let mut best = low;
+        for _ in 0..3 {
+            let step = (high - low) / SAMPLES as f64;
+            let samples = (0..=SAMPLES).map(|i| low + step * i as f64);
+            best = samples.min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap_or(low);
+            (low, high) = ((best - step).max(from), (best + step).min(high));
+        }
+        best
+    }
+
+    /// Takes note that `path` was walked for `walked` metres and is left there: another begins.
+    pub fn leave(&mut self, path: &Path, walked: f64) {
+        const STEP: f64 = 0.02;
+        let steps = (walked / STEP).ceil().max(1.0);
+        for i in 1..=steps as usize {
+            if let Some(point) = path.point_at(walked * i as f64 / steps) {
+                self.trail.push(point);
+            }
+        }
+        // only what an object's length behind may still be needed
+        let mut kept = 0.0;
+        let needed = self.trail.windows(2).rev().take_while(|pair| {
+            let is_needed = kept <= self.length;
+            kept += (pair[1] - pair[0]).norm();
+            is_needed
+        });
+        let from = self.trail.len() - 1 - needed.count();
+        self.trail.drain(..from);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn corner() -> Path {
+        let mut path = Path::default();
+        path.line(Point::new(0.0, 0.0), Point::new(2.0, 0.0));
+        path.line(Point::new(2.0, 0.0), Point::new(2.0, 2.0));
+        path
+    }
+
+    #[test]
+    fn closed_form_an_object_turns_gradually_round_a_corner() {
+        let (tandem, path) = (Tandem::new(1.2, Point::origin(), 0.0), corner());
+        assert_eq!(tandem.pose(&path, 0.0), PlanarPose { position: Point::origin(), yaw: 0.0 });
+        let at_corner = tandem.pose(&path, 2.0);
+        assert!((at_corner.position - Point::new(1.7, 0.3)).norm() < 1e-12);
+        assert!((at_corner.yaw - std::f64::consts::FRAC_PI_4).abs() < 1e-12);
+        let front = tandem.end(&at_corner, 1.0).position;
+        assert!((front - tandem.end(&at_corner, -1.0).position).norm() - 1.2 < 1e-12);
+        let at_end = tandem.pose(&path, 4.0);
+        assert!((at_end.position - Point::new(2.0, 2.0)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn property_a_place_on_the_way_is_found_again() {
+        let (tandem, path) = (Tandem::new(1.2, Point::origin(), 0.0), corner());
+        for i in 0..40 {
+            let walked = 0.1 * f64::from(i);
+            let position = tandem.pose(&path, walked).position;
+            let found = tandem.locate(&path, position, (walked - 0.1).max(0.0), 0.4);
+            assert!((found - walked).abs() < 1e-3, "{walked}: {found}");
+        }
+    }
+
+    #[test]
+    fn closed_form_the_way_behind_a_new_path_is_the_one_walked() {
+        let (mut tandem, path) = (Tandem::new(1.2, Point::origin(), 0.0), corner());
+        let (before, ahead) = (tandem.pose(&path, 2.5), tandem.pose(&path, 2.8));
+        tandem.leave(&path, 2.5);
+        let mut onward = Path::default();
+        onward.line(Point::new(2.0, 0.5), Point::new(2.0, 2.0));
+        assert!((tandem.pose(&onward, 0.0).position - before.position).norm() < 1e-9);
+        assert!((tandem.pose(&onward, 0.3).position - ahead.position).norm() < 1e-9);
+        assert!(tandem.trail.len() < 70);
+    }
+}
