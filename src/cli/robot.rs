@@ -3,6 +3,7 @@
 use super::output::{Failure, input};
 use crate::control::{self, CandidateSet, PoseCriterion};
 use crate::robot::{Posture, Robot};
+use crate::simulation::{HumanSettings, PhysicsSettings};
 use anyhow::anyhow;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -28,6 +29,9 @@ pub(super) struct RobotArguments {
     /// Leave obstacles out of the robot's MPC, as the paper does
     #[arg(long)]
     no_obstacles: bool,
+    /// How far the human's hand sways to either side with the gait, in metres; half as far up and down (--plant rapier) [default: 0.01]
+    #[arg(long, value_name = "M", value_parser = sway, allow_negative_numbers = true)]
+    sway: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -36,6 +40,8 @@ pub(super) enum Plant {
     Point,
     /// The robot moves exactly as its inputs say, without dynamics
     Kinematic,
+    /// Robot, object, human and obstacles as bodies, with dynamics and contacts (rapier)
+    Rapier,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -65,6 +71,8 @@ pub(super) struct Chosen {
     pub robot: Robot,
     pub posture: Posture,
     pub control: control::Settings,
+    /// The physical plant's settings; none on the kinematic plant.
+    pub physics: Option<PhysicsSettings>,
 }
 
 impl RobotArguments {
@@ -77,6 +85,7 @@ impl RobotArguments {
                 ("--pose", self.pose.is_some()),
                 ("--pose-criterion", self.pose_criterion.is_some()),
                 ("--no-obstacles", self.no_obstacles),
+                ("--sway", self.sway.is_some()),
             ];
             return match given.iter().find(|(_, is_given)| *is_given) {
                 None => Ok(None),
@@ -84,6 +93,11 @@ impl RobotArguments {
                     Err(input(anyhow!("{flag} says something of a robot, but --plant point has none")))
                 }
             };
+        }
+        if self.plant == Plant::Kinematic && self.sway.is_some() {
+            return Err(input(anyhow!(
+                "--sway is for --plant rapier: the kinematic plant's human walks exactly"
+            )));
         }
         let robot = load_robot(self.robot.as_deref())?;
         let posture = match &self.posture {
@@ -113,8 +127,23 @@ impl RobotArguments {
             obstacles: !self.no_obstacles,
             ..control::Settings::default()
         };
-        Ok(Some(Chosen { robot, posture, control }))
+        let physics = (self.plant == Plant::Rapier).then(|| physics(self.sway));
+        Ok(Some(Chosen { robot, posture, control, physics }))
     }
+}
+
+/// The physical plant with a human who sways so far (m).
+fn physics(sway: Option<f64>) -> PhysicsSettings {
+    let settings = PhysicsSettings::default();
+    let human = settings.human;
+    let human =
+        sway.map_or(human, |sway| HumanSettings { sway_lateral: sway, sway_vertical: sway / 2.0, ..human });
+    PhysicsSettings { human, ..settings }
+}
+
+fn sway(text: &str) -> Result<f64, String> {
+    let good = |v: &f64| (0.0..=0.1).contains(v);
+    text.parse().ok().filter(good).ok_or_else(|| "must be a number from 0 to 0.1".to_owned())
 }
 
 /// The robot in a file, or the built-in one.

@@ -1,7 +1,7 @@
 //! `cocarry run`: a world and a human in; one episode, told, tabulated, drawn or logged tick by tick, out.
 
 use super::model::{ModelArguments, initial_stubbornness, load_world, perception, positive};
-use super::output::{Failure, input, print, print_json, table, table_text, write_file};
+use super::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
 use super::robot::{Chosen, RobotArguments};
 use super::tick_log;
 use crate::control::BaseObstacles;
@@ -137,15 +137,23 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let carrier = arguments.carrier.load()?;
     let obstacles = BaseObstacles::new(&world);
     let mut episode = Episode::new(&set, &settings, human);
-    if let Some(Chosen { robot, posture, control }) = &carrier {
+    if let Some(Chosen { robot, posture, control, physics }) = &carrier {
         let manipulator =
             Manipulator { robot, posture: posture.joints, control: *control, obstacles: &obstacles };
-        episode = episode.with_robot(manipulator);
+        episode = match physics {
+            None => episode.with_robot(manipulator),
+            Some(physics) => {
+                episode.with_physics(manipulator, &world, physics, arguments.seed).map_err(input)?
+            }
+        };
     }
     let mut ticks = Vec::new();
+    let bar = Progress::new(episode.expected_steps() as usize, "episode");
     while episode.step().is_none() {
         ticks.push(episode.tick().clone());
+        bar.step();
     }
+    bar.finish();
     let told = Told {
         arguments,
         world: &world,
@@ -173,7 +181,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     }
     Ok(match told.summary.outcome {
         Outcome::Arrived => ExitCode::SUCCESS,
-        Outcome::OutOfTime | Outcome::NoWay => ExitCode::from(3),
+        _ => ExitCode::from(3),
     })
 }
 
@@ -278,6 +286,16 @@ impl Told<'_> {
                 }
             );
         }
+        if let Some(interaction) = &self.summary.interaction {
+            let _ = writeln!(
+                text,
+                "  the human's force on the object: mean {:.1} N, rms {:.1} N; either grip at most {:.0} N, yielding at most {:.1} cm",
+                interaction.mean_force(),
+                interaction.rms_force(),
+                interaction.peak_force,
+                100.0 * interaction.stretch
+            );
+        }
         if control.fallback_steps > 0 {
             let _ =
                 writeln!(text, "  no solution of eq. (7) in {} steps: see --ticks", control.fallback_steps);
@@ -331,7 +349,25 @@ impl Told<'_> {
             Outcome::Arrived => "arrived at B",
             Outcome::OutOfTime => "did not arrive: the step limit is reached",
             Outcome::NoWay => "did not arrive: no way leads on from here",
+            Outcome::Collided => "did not arrive: collided",
+            Outcome::Stuck => "did not arrive: stuck for ten seconds",
+            Outcome::Dropped => "did not arrive: the object fell",
+            Outcome::NonFinite => "did not arrive: the physics broke down",
         };
+        if let Some(contact) = &summary.collision {
+            let [first, second] = &contact.between;
+            events.push(format!(
+                "the {}'s {} touched {} at ({:.2}, {:.2}, {:.2}) m, {:.1} mm deep, {:.0} N",
+                first.party.name(),
+                first.name,
+                second.name,
+                contact.point.x,
+                contact.point.y,
+                contact.point.z,
+                1e3 * contact.depth,
+                contact.force
+            ));
+        }
         events.push(format!(
             "step {:>4} ({:5.1} s): {end} on option {} after {:.2} m",
             summary.steps,
@@ -377,11 +413,7 @@ impl Told<'_> {
                 "time_s": self.seconds(t.step),
                 "position_m": [t.position.x, t.position.y],
             })),
-            "outcome": match summary.outcome {
-                Outcome::Arrived => "arrived",
-                Outcome::OutOfTime => "out-of-time",
-                Outcome::NoWay => "no-way",
-            },
+            "outcome": summary.outcome.name(),
             "steps": summary.steps,
             "time_s": self.seconds(summary.steps),
             "walked_m": summary.walked,

@@ -1,17 +1,17 @@
 //! A manipulator that holds its end of the object: what it does in each step of the loop.
 
+use super::team::{KinematicTeam, Moved, Onward, PhysicalTeam, Walk};
 use super::tick::{Pursuit, RobotTick};
-use crate::control;
 use crate::control::{
-    BaseObstacles, ClosedForm, HORIZON, Inputs, Intent, Limits, Mpc, PoseCriterion, PoseOptimiser,
-    PoseProblem, Reference, reference,
+    self, BaseObstacles, Candidate, ClosedForm, Intent, Limits, Mpc, PoseCriterion, PoseOptimiser,
+    PoseProblem, Reference,
 };
 use crate::coordination::Mode;
-use crate::geometry::{Path, PlanarPose};
-use crate::options::{OptionSet, Progress, nominal_trajectory, turned};
+use crate::geometry::{Path, PlanarPose, Point, Pose};
+use crate::options::{OptionSet, Progress};
 use crate::preference::ChoiceDistribution;
-use crate::robot::{Configuration, InputVector, JointVector, Robot, pose_difference};
-use crate::simulation::KinematicPlant;
+use crate::robot::{Configuration, InputVector, JointVector, Robot};
+use crate::simulation::{KinematicPlant, Observation};
 
 /// Who carries, from which posture, controlled how.
 #[derive(Clone, Copy, Debug)]
@@ -26,22 +26,12 @@ pub struct Manipulator<'a> {
     pub obstacles: &'a BaseObstacles,
 }
 
-/// How the team moves: what the robot knows of its walk.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Walk {
-    pub period: f64,
-    pub speed: f64,
-    pub yaw_rate: f64,
-}
-
 /// The robot's side of an episode.
 #[derive(Clone, Debug)]
 pub(super) struct Carrier<'a> {
     manipulator: Manipulator<'a>,
     walk: Walk,
-    plant: Option<KinematicPlant<'a>>,
-    /// s(k): the human's state, as the pose that the grasp should have.
-    human: PlanarPose,
+    team: Team<'a>,
     intent: Intent,
     poses: PoseOptimiser,
     limits: Limits,
@@ -49,9 +39,15 @@ pub(super) struct Carrier<'a> {
     paths: Vec<Path>,
     references: Vec<Reference>,
     weights: Vec<f64>,
-    /// What the step decided: q* and u.
-    target: Option<Configuration>,
+    /// What the step decided: q* with the rates that lead there, and u.
+    target: Candidate,
     input: InputVector,
+}
+
+#[derive(Clone, Debug)]
+enum Team<'a> {
+    Kinematic(KinematicTeam<'a>),
+    Physical(Box<PhysicalTeam>),
 }
 
 /// What the loop knows when the robot is to act.
@@ -67,12 +63,25 @@ pub(super) struct Situation<'s> {
 }
 
 impl<'a> Carrier<'a> {
-    pub fn new(manipulator: Manipulator<'a>, walk: Walk, options: usize) -> Self {
+    /// On the kinematic plant, the grasp at `start`.
+    pub fn kinematic(manipulator: Manipulator<'a>, walk: Walk, options: usize, start: PlanarPose) -> Self {
+        let Manipulator { robot, posture, .. } = manipulator;
+        let plant = KinematicPlant::place(robot, &posture, &start);
+        Self::new(manipulator, walk, options, Team::Kinematic(KinematicTeam { robot, plant, human: start }))
+    }
+
+    /// On the physical plant.
+    pub fn physical(manipulator: Manipulator<'a>, walk: Walk, options: usize, team: PhysicalTeam) -> Self {
+        Self::new(manipulator, walk, options, Team::Physical(Box::new(team)))
+    }
+
+    fn new(manipulator: Manipulator<'a>, walk: Walk, options: usize, team: Team<'a>) -> Self {
+        let at_origin = PlanarPose { position: Point::origin(), yaw: 0.0 };
+        let configuration = Configuration { base: at_origin, joints: manipulator.posture };
         Self {
             manipulator,
             walk,
-            plant: None,
-            human: PlanarPose { position: Default::default(), yaw: 0.0 },
+            team,
             intent: Intent::new(manipulator.control.direction_concentration),
             poses: PoseOptimiser::default(),
             limits: Limits::new(manipulator.robot),
@@ -81,38 +90,52 @@ impl<'a> Carrier<'a> {
             paths: (0..options).map(|_| Path::with_capacity(64)).collect(),
             references: Vec::with_capacity(options),
             weights: Vec::with_capacity(options),
-            target: None,
+            target: Candidate { configuration, rates: InputVector::zeros() },
             input: InputVector::zeros(),
         }
     }
 
-    /// Where the robot is; `None` before the first step.
-    pub fn configuration(&self) -> Option<&Configuration> {
-        self.plant.as_ref().map(KinematicPlant::configuration)
+    /// Where the robot is.
+    pub fn configuration(&self) -> &Configuration {
+        match &self.team {
+            Team::Kinematic(team) => team.plant.configuration(),
+            Team::Physical(team) => &team.seen.configuration,
+        }
+    }
+
+    /// What is seen of the physical plant; `None` on the other.
+    pub fn observation(&self) -> Option<&Observation> {
+        match &self.team {
+            Team::Kinematic(_) => None,
+            Team::Physical(team) => Some(&team.seen),
+        }
+    }
+
+    /// The path under way is left `along` (m) on it for another that begins there.
+    pub fn turn(&mut self, path: &Path, along: f64) {
+        if let Team::Physical(team) = &mut self.team {
+            team.turn(path, along);
+        }
     }
 
     /// Decides q* (eq. 8, while the human leads) and u (eq. 7).
     pub fn decide(&mut self, situation: &Situation) -> RobotTick {
-        let Manipulator { robot, posture, control, obstacles } = self.manipulator;
-        let Walk { period, .. } = self.walk;
-        if self.plant.is_none() {
-            // the team starts facing its way
-            let yaw = situation.path.heading_at(situation.along).unwrap_or(0.0);
-            self.human = PlanarPose { position: situation.progress.position, yaw };
-            self.plant = Some(KinematicPlant::place(robot, &posture, &self.human));
-        }
-        let q = self
-            .plant
-            .as_ref()
-            .map_or(Configuration { base: self.human, joints: posture }, |p| *p.configuration());
+        let Manipulator { robot, control, obstacles, .. } = self.manipulator;
+        let period = self.walk.period;
+        let q = *self.configuration();
         let at = robot.kinematics(&q);
         let tracked = self.anticipate(situation, &at.grasp);
         let near = control.obstacles.then_some(obstacles);
-        let mut tick = RobotTick::at(&q, self.human);
-        let (candidate, to_track) = match tracked {
+        let human = match &self.team {
+            Team::Kinematic(team) => team.human,
+            Team::Physical(team) => team.human(situation.path),
+        };
+        let mut tick = RobotTick::at(&q, human);
+        self.target = Candidate { configuration: q, rates: InputVector::zeros() };
+        let to_track = match tracked {
             None => {
-                let path = self.reference(situation.path, situation.along, self.walk.speed, &at.grasp);
-                (crate::control::Candidate { configuration: q, rates: InputVector::zeros() }, path)
+                let onward = Onward { path: situation.path, along: situation.along, turn: None };
+                self.reference(&onward, self.walk.speed, situation.mode, &at.grasp)
             }
             Some(option) => {
                 let problem = PoseProblem {
@@ -132,25 +155,20 @@ impl<'a> Carrier<'a> {
                     constrained: chosen.solved,
                 });
                 tick.pose_cost = chosen.motion_cost;
-                (chosen.candidate, self.references[option])
+                self.target = chosen.candidate;
+                self.references[option]
             }
         };
-        let input_matrix = robot.kinematics(&candidate.configuration).jacobian * period;
+        let Candidate { configuration: target, rates } = self.target;
+        let input_matrix = robot.kinematics(&target).jacobian * period;
         let free = ClosedForm::new(&input_matrix, control.state_weight, control.input_weight);
-        self.limits.set(robot, &candidate.configuration, &candidate.rates, period);
+        self.limits.set(robot, &target, &rates, period);
         if let Some(obstacles) = near {
-            let inputs: Inputs = free.inputs(&to_track);
-            obstacles.half_planes(
-                &robot.drive,
-                &candidate.configuration.base,
-                &inputs,
-                period,
-                &mut self.limits,
-            );
+            let inputs = free.inputs(&to_track);
+            obstacles.half_planes(&robot.drive, &target.base, &inputs, period, &mut self.limits);
         }
         let plan = self.mpc.solve(&free, &self.limits, &to_track);
         self.input = plan.inputs.column(0).into_owned();
-        self.target = Some(candidate.configuration);
         tick.input = self.input;
         tick.outcome = plan.outcome;
         tick.least_singular_value = free.least_singular_value();
@@ -160,59 +178,74 @@ impl<'a> Carrier<'a> {
     }
 
     /// While the human leads: s_o(1..H) of every option, from where the human is, and which of them to track.
-    fn anticipate(&mut self, situation: &Situation, grasp: &crate::geometry::Pose) -> Option<usize> {
+    fn anticipate(&mut self, situation: &Situation, grasp: &Pose) -> Option<usize> {
         if situation.mode == Mode::RobotLed {
             return None;
         }
         let Walk { period, speed, .. } = self.walk;
         let probabilities = situation.choice.probabilities();
-        let position = situation.progress.position;
+        let position = match &self.team {
+            Team::Kinematic(team) => team.human.position,
+            Team::Physical(team) => team.seen.hand.translation.vector.xy().into(),
+        };
         let tracked = self.intent.observe(position, probabilities, period);
         let observed = self.intent.speed().unwrap_or(speed);
         self.references.clear();
         for option in 0..probabilities.len() {
             situation.options.write_path(situation.progress, option, &mut self.paths[option]);
-            let reference = self.reference(&self.paths[option], 0.0, observed, grasp);
+            let onward =
+                Onward { path: situation.path, along: situation.along, turn: Some(&self.paths[option]) };
+            let reference = self.reference(&onward, observed, situation.mode, grasp);
             self.references.push(reference);
         }
         let step = observed * period;
-        self.intent.expect(
-            self.paths.iter().map(|path| path.point_at(step).map_or(Default::default(), |p| p - position)),
-        );
+        let team = &self.team;
+        self.intent.expect(self.paths.iter().map(|path| match team {
+            Team::Kinematic(_) => path.point_at(step).map_or(Default::default(), |p| p - position),
+            Team::Physical(team) => {
+                let onward = Onward { path: situation.path, along: situation.along, turn: Some(path) };
+                team.hand_step(&onward, step)
+            }
+        }));
         self.weights.clear();
         let uniform = 1.0 / probabilities.len() as f64;
-        self.weights.extend(probabilities.iter().enumerate().map(|(option, p)| {
-            match self.manipulator.control.criterion {
-                PoseCriterion::Expected | PoseCriterion::Manipulability => *p,
-                PoseCriterion::Uniform => uniform,
-                PoseCriterion::Tracked => f64::from(u8::from(option == tracked)),
-            }
+        let criterion = self.manipulator.control.criterion;
+        self.weights.extend(probabilities.iter().enumerate().map(|(option, p)| match criterion {
+            PoseCriterion::Expected | PoseCriterion::Manipulability => *p,
+            PoseCriterion::Uniform => uniform,
+            PoseCriterion::Tracked => f64::from(u8::from(option == tracked)),
         }));
         Some(tracked)
     }
 
-    /// s(1..H) along a path from `along` (m), from the human's present heading.
-    fn reference(&self, path: &Path, along: f64, speed: f64, grasp: &crate::geometry::Pose) -> Reference {
-        let Walk { period, yaw_rate, .. } = self.walk;
-        let trajectory =
-            nominal_trajectory(path, along, self.human.yaw, speed, yaw_rate, period).take(HORIZON);
-        reference(trajectory, grasp, self.manipulator.robot.grasp_height)
+    /// s(1..H) along a way.
+    fn reference(&self, onward: &Onward, speed: f64, mode: Mode, grasp: &Pose) -> Reference {
+        match &self.team {
+            Team::Kinematic(team) => team.reference(onward, speed, &self.walk, grasp),
+            Team::Physical(team) => team.reference(onward, speed, mode, &self.walk, grasp),
+        }
     }
 
-    /// Moves the robot, now that the human has walked to where `path` is after `along` (m), and books what the step cost: ||x - s||_Q^2,
-    /// ||u||_R^2 and kappa ||q* - q_c||^2 (Sec. V-C).
-    pub fn act(&mut self, progress: &Progress, path: &Path, along: f64, tick: &mut RobotTick) {
-        let Walk { period, yaw_rate, .. } = self.walk;
-        if let Some(tangent) = path.heading_at(along) {
-            self.human.yaw = turned(self.human.yaw, tangent, yaw_rate * period);
-        }
-        self.human.position = progress.position;
-        let (Some(plant), Some(target)) = (&mut self.plant, self.target.take()) else { return };
-        plant.step(&target, &self.input, period);
-        let error =
-            pose_difference(&self.human.at_height(self.manipulator.robot.grasp_height), &plant.grasp());
-        tick.position_error = error.fixed_rows::<3>(0).norm();
-        tick.orientation_error = error.fixed_rows::<3>(3).norm();
-        tick.tracking_cost = self.manipulator.control.state_weight * error.norm_squared();
+    /// Moves the team and books what the step cost: ||x - s||_Q^2, ||u||_R^2 and kappa ||q* - q_c||^2 (Sec. V-C). Returns how far along
+    /// `path` the team is now, m: on the kinematic plant, where it walked to, `along` at `position`; on the physical one, where the object is.
+    pub fn act(
+        &mut self,
+        mode: Mode,
+        path: &Path,
+        (from, along, position): (f64, f64, Point),
+        tick: &mut RobotTick,
+    ) -> f64 {
+        let Candidate { configuration, rates } = self.target;
+        let moved: Moved = match &mut self.team {
+            Team::Kinematic(team) => {
+                team.step(&configuration, &self.input, (path, along, position), &self.walk)
+            }
+            Team::Physical(team) => team.step(&(rates + self.input), mode, (path, from), &self.walk),
+        };
+        tick.position_error = moved.error.fixed_rows::<3>(0).norm();
+        tick.orientation_error = moved.error.fixed_rows::<3>(3).norm();
+        tick.tracking_cost = self.manipulator.control.state_weight * moved.error.norm_squared();
+        tick.physics = moved.physics;
+        moved.along
     }
 }

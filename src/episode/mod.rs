@@ -7,21 +7,29 @@
 mod carrier;
 mod outcome;
 mod settings;
+mod team;
 mod tick;
 
 pub use carrier::Manipulator;
-pub use outcome::{ControlSummary, Outcome, Summary, Transition};
+pub use outcome::{ControlSummary, InteractionSummary, Outcome, Summary, Transition};
 pub use settings::Settings;
-pub use tick::{OptionTick, Pursuit, RobotTick, Tick};
+pub use tick::{OptionTick, PhysicsTick, Pursuit, RobotTick, Tick};
 
-use carrier::{Carrier, Situation, Walk};
+use carrier::{Carrier, Situation};
+use team::{PhysicalTeam, Walk};
 
 use crate::coordination::{Coordinator, Method, Mode, is_misaligned, robot_choice};
-use crate::geometry::Path;
+use crate::geometry::{Path, PlanarPose, Point};
 use crate::options::{OptionSet, Progress, Remaining, Waypoint};
 use crate::preference::{ChoiceDistribution, Perception, Predictor, Prospect, human_choice, objective_cost};
 use crate::robot::Configuration;
+use crate::simulation::{Failure, Observation, Party, PhysicalPlant, PhysicsError, PhysicsSettings};
+use crate::world::World;
 
+/// On the physical plant, the team is there when the object's middle is this near (m) to the end of its way.
+const THERE: f64 = 0.05;
+/// Steps without progress after which a team is stuck: ten seconds.
+const STUCK: u32 = 50;
 /// Options longer than this (m), or without a way, are predicted as if they were this long: far beyond what anyone would choose.
 const FARTHEST: f64 = 1e6;
 
@@ -45,6 +53,7 @@ pub struct Episode<'a> {
     choice: ChoiceDistribution,
     expected: Vec<f64>,
     carrier: Option<Carrier<'a>>,
+    steps_without_progress: u32,
 }
 
 /// What is left of every option from where the team is, as it is perceived, in the order of the option set.
@@ -94,21 +103,67 @@ impl<'a> Episode<'a> {
             choice: ChoiceDistribution::default(),
             expected: Vec::with_capacity(n),
             carrier: None,
+            steps_without_progress: 0,
             progress,
         }
     }
 
-    /// The same episode with a robot at the other end of the object. Before the first step only.
+    /// The same episode with a robot at the other end of the object, on the kinematic plant. Before the first step only.
     pub fn with_robot(mut self, manipulator: Manipulator<'a>) -> Self {
-        let Settings { period, speed, yaw_rate, .. } = *self.settings;
+        let start = self.starting_pose();
         let options = self.options.options().len();
-        self.carrier = Some(Carrier::new(manipulator, Walk { period, speed, yaw_rate }, options));
+        self.carrier = Some(Carrier::kinematic(manipulator, self.walk_settings(), options, start));
         self
     }
 
-    /// Where the robot is: after the last step taken; `None` without a robot or before the first step.
+    /// The same episode with robot, object and human as bodies, on the physical plant. Before the first step only. `seed` is the gait's.
+    ///
+    /// # Errors
+    /// [`PhysicsError`] if the team does not fit where it is to start, or a setting is out of its range.
+    pub fn with_physics(
+        mut self,
+        manipulator: Manipulator<'a>,
+        world: &World,
+        physics: &PhysicsSettings,
+        seed: u64,
+    ) -> Result<Self, PhysicsError> {
+        let start = self.starting_pose();
+        let Manipulator { robot, posture, .. } = manipulator;
+        let plant = PhysicalPlant::new(world, robot, &posture, &start, physics, seed)?;
+        let team = PhysicalTeam::new(plant, world.object.size[0], robot.grasp_height, &start);
+        let options = self.options.options().len();
+        self.carrier = Some(Carrier::physical(manipulator, self.walk_settings(), options, team));
+        Ok(self)
+    }
+
+    /// The team faces the way that it will take.
+    fn starting_pose(&self) -> PlanarPose {
+        let mut planned = self.clone();
+        planned.step();
+        PlanarPose { position: self.progress.position, yaw: planned.tick.heading }
+    }
+
+    fn walk_settings(&self) -> Walk {
+        let Settings { period, speed, yaw_rate, .. } = *self.settings;
+        Walk { period, speed, yaw_rate }
+    }
+
+    /// Where the robot is; `None` without one.
     pub fn configuration(&self) -> Option<&Configuration> {
-        self.carrier.as_ref().and_then(Carrier::configuration)
+        self.carrier.as_ref().map(Carrier::configuration)
+    }
+
+    /// What is seen of the physical plant; `None` on others.
+    pub fn observation(&self) -> Option<&Observation> {
+        self.carrier.as_ref().and_then(Carrier::observation)
+    }
+
+    /// Steps that the longest option takes: an episode without detours is not longer.
+    pub fn expected_steps(&self) -> u64 {
+        let per_step = self.settings.speed * self.settings.period;
+        let options = 0..self.options.options().len();
+        let lengths = options.map(|o| prospect(self.options.remaining(&self.progress, o)).length);
+        (lengths.fold(0.0, f64::max) / per_step).ceil() as u64
     }
 
     /// The last step taken.
@@ -150,9 +205,20 @@ impl<'a> Episode<'a> {
     }
 
     fn ended(&self) -> Option<Outcome> {
+        match &self.summary.failure {
+            Some(Failure::NonFinite { .. }) => return Some(Outcome::NonFinite),
+            Some(Failure::Dropped) => return Some(Outcome::Dropped),
+            None => {}
+        }
+        if self.summary.collision.is_some() {
+            return Some(Outcome::Collided);
+        }
         if self.underway && self.along >= self.path.length() {
             let at_target = self.progress.position == self.options.target();
             return Some(if at_target { Outcome::Arrived } else { Outcome::NoWay });
+        }
+        if self.steps_without_progress > STUCK {
+            return Some(Outcome::Stuck);
         }
         (self.summary.steps >= self.tick_limit).then_some(Outcome::OutOfTime)
     }
@@ -237,6 +303,9 @@ impl<'a> Episode<'a> {
     fn execute(&mut self, option: usize) {
         if !self.underway || option != self.tick.executed {
             // the first path and every change; a path under way is walked on as it is
+            if let Some(carrier) = &mut self.carrier {
+                carrier.turn(&self.path, self.along);
+            }
             self.path = self.options.path(&self.progress, option).unwrap_or_default();
             self.along = 0.0;
             if self.underway {
@@ -267,22 +336,45 @@ impl<'a> Episode<'a> {
     }
 
     fn walk(&mut self) {
-        let along = self.along + self.settings.speed * self.settings.period;
         let length = self.path.length();
+        let along = self.along + self.settings.speed * self.settings.period;
         // a last step shorter than rounding is not a step
-        let along = if along >= length - 1e-9 { length } else { along };
-        let to = match self.path.point_at(along) {
-            Some(_) if along == length => self.options.target(),
-            Some(point) => point,
-            None => self.progress.position,
-        };
+        let mut along = if along >= length - 1e-9 { length } else { along };
+        let mut to = self.point_at(along);
+        if let (Some(carrier), Some(tick)) = (&mut self.carrier, &mut self.tick.robot) {
+            let goal = (self.along, along, to);
+            let reached = carrier.act(self.tick.mode, &self.path, goal, tick);
+            self.summary.control.get_or_insert_default().add(tick);
+            if let Some(physics) = &tick.physics {
+                self.summary.interaction.get_or_insert_default().add(physics);
+                along = if reached >= length - THERE { length } else { reached };
+            }
+            to = self.point_at(along);
+        }
+        self.note_incidents();
+        let came_on = along - self.along > 0.1 * self.settings.speed * self.settings.period;
+        self.steps_without_progress = if came_on { 0 } else { self.steps_without_progress + 1 };
         self.options.advance(&mut self.progress, to);
         self.summary.walked += along - self.along;
         self.along = along;
         self.summary.steps += 1;
-        if let (Some(carrier), Some(tick)) = (&mut self.carrier, &mut self.tick.robot) {
-            carrier.act(&self.progress, &self.path, along, tick);
-            self.summary.control.get_or_insert_default().add(tick);
+    }
+
+    /// The point of the path under way after `along` (m).
+    fn point_at(&self, along: f64) -> Point {
+        match self.path.point_at(along) {
+            Some(_) if along == self.path.length() => self.options.target(),
+            Some(point) => point,
+            None => self.progress.position,
         }
+    }
+
+    /// Contacts with obstacles, and what broke.
+    fn note_incidents(&mut self) {
+        let Some(seen) = self.carrier.as_ref().and_then(Carrier::observation) else { return };
+        let with_obstacle =
+            seen.contacts.iter().find(|c| c.between.iter().any(|p| p.party == Party::Obstacle));
+        self.summary.collision = with_obstacle.cloned();
+        self.summary.failure.clone_from(&seen.failure);
     }
 }

@@ -1,8 +1,9 @@
 //! How an episode ended, and what is worth knowing of it afterwards.
 
-use super::RobotTick;
+use super::{PhysicsTick, RobotTick};
 use crate::control::SolveOutcome;
 use crate::geometry::Point;
+use crate::simulation::{Contact, Failure};
 
 /// How an episode ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +14,29 @@ pub enum Outcome {
     OutOfTime,
     /// No way leads on from where the team stands.
     NoWay,
+    /// Robot, object or human touched an obstacle: see [`Summary::collision`].
+    Collided,
+    /// The team did not come on for ten seconds.
+    Stuck,
+    /// The object fell.
+    Dropped,
+    /// A state stopped being a number: see [`Summary::failure`].
+    NonFinite,
+}
+
+impl Outcome {
+    /// Name, as in JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Arrived => "arrived",
+            Self::OutOfTime => "out-of-time",
+            Self::NoWay => "no-way",
+            Self::Collided => "collided",
+            Self::Stuck => "stuck",
+            Self::Dropped => "dropped",
+            Self::NonFinite => "non-finite",
+        }
+    }
 }
 
 /// The one transition from robot-led to human-led.
@@ -45,6 +69,54 @@ pub struct Summary {
     pub transition: Option<Transition>,
     /// What the robot's part cost, in an episode that has one.
     pub control: Option<ControlSummary>,
+    /// What robot, object and human did to each other, on the physical plant.
+    pub interaction: Option<InteractionSummary>,
+    /// The first contact with an obstacle, which ends an episode.
+    pub collision: Option<Contact>,
+    /// What broke, if anything did.
+    pub failure: Option<Failure>,
+}
+
+/// What robot, object and human did to each other over an episode.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct InteractionSummary {
+    /// Steps summed over.
+    pub steps: u64,
+    /// Sum of the human's force on the object, N (its root mean square in each step).
+    pub hand_force: f64,
+    /// Sum of its square, N^2.
+    pub squared_hand_force: f64,
+    /// Largest force in either grip, N.
+    pub peak_force: f64,
+    /// Work that the robot and the human did on the object, J.
+    pub work: [f64; 2],
+    /// Integral of the square of the object's jerk, m^2/s^5.
+    pub squared_jerk: f64,
+    /// The most that a grip yielded, m.
+    pub stretch: f64,
+}
+
+impl InteractionSummary {
+    pub(super) fn add(&mut self, tick: &PhysicsTick) {
+        self.steps += 1;
+        self.hand_force += tick.hand_force;
+        self.squared_hand_force += tick.hand_force * tick.hand_force;
+        self.peak_force = self.peak_force.max(tick.peak_force);
+        self.work[0] += tick.work[0];
+        self.work[1] += tick.work[1];
+        self.squared_jerk += tick.squared_jerk;
+        self.stretch = self.stretch.max(tick.stretch[0]).max(tick.stretch[1]);
+    }
+
+    /// Mean of the human's force on the object, N.
+    pub fn mean_force(&self) -> f64 {
+        self.hand_force / self.steps.max(1) as f64
+    }
+
+    /// Its root mean square, N.
+    pub fn rms_force(&self) -> f64 {
+        (self.squared_hand_force / self.steps.max(1) as f64).sqrt()
+    }
 }
 
 /// The control cost C of an episode (Sec. V-C), and what went with it.
@@ -125,6 +197,9 @@ impl Summary {
             changes: 0,
             transition: None,
             control: None,
+            interaction: None,
+            collision: None,
+            failure: None,
         }
     }
 }

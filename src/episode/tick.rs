@@ -1,10 +1,12 @@
 //! One planning step as data: what was observed, predicted and decided.
 
+use super::team::object_on_floor;
 use crate::control::SolveOutcome;
 use crate::coordination::Mode;
 use crate::geometry::{PlanarPose, Point};
 use crate::options::Remaining;
 use crate::robot::{Configuration, InputVector};
+use crate::simulation::{Clearance, Observation};
 
 /// What was observed and decided in one planning step.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,6 +67,54 @@ pub struct RobotTick {
     /// Distance between the base and the nearest obstacle at the beginning of the step, m; negative where they overlap, infinite without
     /// obstacles.
     pub base_clearance: f64,
+    /// What else there is to see of the physical plant.
+    pub physics: Option<PhysicsTick>,
+}
+
+/// The physical plant in one planning step. Forces are magnitudes over the step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhysicsTick {
+    /// The object's middle and heading at the end of the step, seen from above.
+    pub object: PlanarPose,
+    /// The human's hand at the end of the step, seen from above.
+    pub hand: PlanarPose,
+    /// Root mean square of the robot's force on the object, N.
+    pub grip_force: f64,
+    /// Root mean square of the human's force on the object, N.
+    pub hand_force: f64,
+    /// The larger of the two forces' peaks, N.
+    pub peak_force: f64,
+    /// How far the grips yielded at most: the robot's and the human's, m.
+    pub stretch: [f64; 2],
+    /// Work done on the object by the robot and by the human, J.
+    pub work: [f64; 2],
+    /// Integral of the square of the object's jerk, m^2/s^5.
+    pub squared_jerk: f64,
+    /// Least distance of robot, object or human to an obstacle at the end of the step, m; infinite without obstacles.
+    pub obstacle_distance: f64,
+    /// Distance between robot and human at the end of the step, m.
+    pub human_distance: f64,
+}
+
+impl PhysicsTick {
+    pub(super) fn of(seen: &Observation) -> Self {
+        let near = &seen.clearances;
+        let distance = |c: &Option<Clearance>| c.as_ref().map_or(f64::INFINITY, |c| c.distance);
+        Self {
+            object: object_on_floor(&seen.object),
+            hand: seen.hand_planar,
+            grip_force: seen.grip.rms,
+            hand_force: seen.hand_grip.rms,
+            peak_force: seen.grip.peak.max(seen.hand_grip.peak),
+            stretch: [seen.grip.stretch, seen.hand_grip.stretch],
+            work: [seen.grip.work, seen.hand_grip.work],
+            squared_jerk: seen.squared_jerk,
+            obstacle_distance: distance(&near.robot_obstacle)
+                .min(distance(&near.object_obstacle))
+                .min(distance(&near.human_obstacle)),
+            human_distance: distance(&near.robot_human),
+        }
+    }
 }
 
 /// How the robot follows the human in one planning step.
@@ -100,6 +150,7 @@ impl RobotTick {
             control_effort: 0.0,
             pose_cost: 0.0,
             base_clearance: 0.0,
+            physics: None,
         }
     }
 }

@@ -7,7 +7,7 @@ use nalgebra::{IsometryMatrix3, Rotation3, UnitQuaternion, Vector3};
 pub type Pose = IsometryMatrix3<f64>;
 
 /// A position of the plane with a heading.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PlanarPose {
     /// Position, m, world frame.
     pub position: Point,

@@ -48,8 +48,21 @@ impl Tandem {
 
     /// The object's middle and heading when it has come `walked` (m) along `path`.
     pub fn pose(&self, path: &Path, walked: f64) -> PlanarPose {
-        let behind = self.point(path, walked - self.length / 2.0);
-        let ahead = self.point(path, walked + self.length / 2.0);
+        self.pose_on(|walked| self.point(path, walked), walked)
+    }
+
+    /// The same when it turns onto `onward`, which begins `along` (m) on `path`, and has come `walked` (m) from there.
+    pub fn pose_after_turning(&self, path: &Path, along: f64, onward: &Path, walked: f64) -> PlanarPose {
+        let point = |walked: f64| match walked < 0.0 {
+            true => self.point(path, along + walked),
+            false => self.point(onward, walked),
+        };
+        self.pose_on(point, walked)
+    }
+
+    fn pose_on(&self, point: impl Fn(f64) -> Point, walked: f64) -> PlanarPose {
+        let behind = point(walked - self.length / 2.0);
+        let ahead = point(walked + self.length / 2.0);
         PlanarPose { position: nalgebra::center(&behind, &ahead), yaw: angle_of(ahead - behind) }
     }
 

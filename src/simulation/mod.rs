@@ -1,5 +1,11 @@
 //! Commands in; the state of the world one period later out. A plant is what the controller acts on.
 
+mod convert;
 mod kinematic;
+mod rapier;
 
 pub use kinematic::KinematicPlant;
+pub use rapier::{
+    Clearance, Clearances, Contact, Failure, Forces, HumanCommand, HumanSettings, Observation, Part, Party,
+    PhysicalPlant, PhysicsError, PhysicsSettings, Wrench,
+};

@@ -1,6 +1,7 @@
 //! The text of a world file in; its items as written, each with its line, out.
 
 use super::error::{Place, WorldError};
+use super::object::ObjectShape;
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -15,6 +16,7 @@ pub(super) struct WorldFile {
     pub start_m: Spanned<Pair<f64>>,
     pub target_m: Spanned<Pair<f64>>,
     pub option_limit: Option<Spanned<i64>>,
+    pub object: Option<ObjectEntry>,
     #[serde(default, rename = "obstacle")]
     pub obstacles: Vec<Spanned<ObstacleEntry>>,
     #[serde(default, rename = "opening")]
@@ -45,6 +47,16 @@ pub(super) enum ShapeEntry {
     Polygon,
 }
 
+/// The `[object]`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ObjectEntry {
+    #[serde(default)]
+    pub shape: ObjectShape,
+    pub size_m: Spanned<Values<f64, 3>>,
+    pub mass_kg: Spanned<f64>,
+}
+
 /// One `[[opening]]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -62,16 +74,21 @@ pub(super) struct OptionEntry {
 }
 
 /// Two values; more or fewer are an error.
+pub(super) type Pair<T> = Values<T, 2>;
+
+/// So many values; more or fewer are an error.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(try_from = "Vec<T>")]
-pub(super) struct Pair<T>(pub [T; 2]);
+#[serde(bound(deserialize = "T: Deserialize<'de>"))]
+pub(super) struct Values<T, const N: usize>(pub [T; N]);
 
-impl<T> TryFrom<Vec<T>> for Pair<T> {
+impl<T, const N: usize> TryFrom<Vec<T>> for Values<T, N> {
     type Error = String;
 
     fn try_from(values: Vec<T>) -> Result<Self, String> {
         let n = values.len();
-        values.try_into().map(Self).map_err(|_| format!("expected two values, found {n}"))
+        let expected = if N == 2 { "two" } else { "three" };
+        values.try_into().map(Self).map_err(|_| format!("expected {expected} values, found {n}"))
     }
 }
 

@@ -1,18 +1,28 @@
 //! A world file (TOML) in; a validated [`World`] out: obstacles, start, target, openings measured or detected.
 //!
-//! World files hold scenes, never gains. The planar layout is extruded: every obstacle stands upright on the floor z = 0.
+//! World files hold scenes, never gains. The planar layout is extruded: every obstacle stands upright on the floor z = 0. What is carried
+//! may be said in a table of its own; without one it is the beam that this example describes:
+//!
+//! ```toml
+//! [object]
+//! shape = "beam"            # beam, box or board: only what it is called; all are boxes
+//! size_m = [1.2, 0.1, 0.1]  # along the way (from the robot's end to the human's), across, high
+//! mass_kg = 4.0
+//! ```
 
 mod error;
 mod file;
+mod object;
 mod obstacle;
 mod opening;
 
 pub use error::{Place, WorldError};
+pub use object::{CarriedObject, ObjectShape};
 pub use obstacle::Obstacle;
 pub use opening::{FREE_PASSAGE, Opening};
 
 use crate::geometry::{Bounds, Point};
-use file::{OptionEntry, Pair, Source, WorldFile};
+use file::{OptionEntry, Pair, Source, Values, WorldFile};
 use obstacle::Check;
 use std::collections::BTreeSet;
 use toml::Spanned;
@@ -37,6 +47,8 @@ pub struct World {
     pub start: Point,
     /// Target B.
     pub target: Point,
+    /// What is carried.
+    pub object: CarriedObject,
     /// The obstacles, in file order.
     pub obstacles: Vec<Obstacle>,
     /// The openings, in file order; or detected, ordered by their obstacles.
@@ -83,6 +95,8 @@ impl World {
         let top = |spanned: &Spanned<f64>, item: &str| source.place(spanned, item);
         let robot_width = Check { place: &top(&entries.robot_width_m, "world") }
             .size("robot_width_m", *entries.robot_width_m.get_ref())?;
+        let object = entries.object.as_ref().map(|entry| CarriedObject::from_entry(source, entry));
+        let object = object.transpose()?.unwrap_or_default();
         let obstacles = obstacles(source, &entries)?;
         let start = endpoint(source, "start_m", &entries.start_m, &obstacles, robot_width)?;
         let target = endpoint(source, "target_m", &entries.target_m, &obstacles, robot_width)?;
@@ -101,6 +115,7 @@ impl World {
             robot_width,
             start,
             target,
+            object,
             obstacles,
             openings,
             openings_detected,
@@ -199,7 +214,7 @@ fn declared_openings(
             if !names.insert(&entry.name) {
                 return Err(WorldError::Duplicate { place, kind: "opening" });
             }
-            let Pair([first, second]) = &entry.between;
+            let Values([first, second]) = &entry.between;
             let between = [find(first, &place)?, find(second, &place)?];
             if between[0] == between[1] {
                 return Err(WorldError::SameObstacle { place, obstacle: first.clone() });

@@ -10,6 +10,11 @@ robot_width_m = 0.5
 start_m = [0.0, 0.0]
 target_m = [6.0, 0.0]
 
+[object]
+shape = "board"
+size_m = [1.6, 0.6, 0.04]
+mass_kg = 6.0
+
 [[obstacle]]
 name = "lower"
 shape = "box"
@@ -125,12 +130,12 @@ fn a_robot_without_width() {
 
 #[test]
 fn a_negative_size() {
-    spoil("radius_m = 0.5", "radius_m = -0.5", &["`pillar`", "radius_m = -0.5", ":20:"]);
+    spoil("radius_m = 0.5", "radius_m = -0.5", &["`pillar`", "radius_m = -0.5", ":25:"]);
 }
 
 #[test]
 fn a_size_that_is_not_a_number() {
-    let said = ["`lower`", "size_m[1] = NaN", ":6:"];
+    let said = ["`lower`", "size_m[1] = NaN", ":11:"];
     spoil(
         "center_m = [3.0, -5.5]\nsize_m = [0.2, 10.0]",
         "center_m = [3.0, -5.5]\nsize_m = [0.2, nan]",
@@ -141,6 +146,28 @@ fn a_size_that_is_not_a_number() {
 #[test]
 fn a_coordinate_out_of_reach() {
     spoil("target_m = [6.0, 0.0]", "target_m = [inf, 0.0]", &["target_m[0] = inf", ":4:"]);
+}
+
+#[test]
+fn an_object_without_mass() {
+    spoil("mass_kg = 6.0", "mass_kg = 0.0", &[":9:", "object", "mass_kg = 0", "0.1 to 40"]);
+    spoil("mass_kg = 6.0\n", "", &["mass_kg"]);
+    spoil("mass_kg = 6.0", "mass_kg = nan", &["mass_kg = NaN"]);
+}
+
+#[test]
+fn an_object_of_the_wrong_size() {
+    let size = "size_m = [1.6, 0.6, 0.04]";
+    spoil(size, "size_m = [0.2, 0.6, 0.04]", &[":8:", "object", "size_m[0] = 0.2", "0.3 to 4"]);
+    spoil(size, "size_m = [1.6, 1.6, 0.04]", &[":8:", "size_m[1] = 1.6", "0.02 to 1"]);
+    spoil(size, "size_m = [1.6, 0.6, inf]", &[":8:", "size_m[2] = inf", "0.02 to 1"]);
+    spoil(size, "size_m = [1.6, 0.6]", &["size_m", "three values, found 2"]);
+}
+
+#[test]
+fn an_object_of_an_unknown_shape() {
+    spoil("shape = \"board\"", "shape = \"sofa\"", &["sofa", "beam", "box", "board"]);
+    spoil("shape = \"board\"", "shape = \"board\"\ncolour = 1", &["colour", "mass_kg"]);
 }
 
 #[test]
@@ -182,7 +209,7 @@ fn a_polygon_with_two_corners() {
 
 #[test]
 fn two_obstacles_of_one_name() {
-    spoil("name = \"upper\"", "name = \"lower\"", &["obstacle `lower`", "twice", ":13:"]);
+    spoil("name = \"upper\"", "name = \"lower\"", &["obstacle `lower`", "twice", ":18:"]);
 }
 
 #[test]

@@ -290,3 +290,13 @@ fn closed_form_an_option_that_was_left_leads_back() {
     let back = (progress.position - center).norm() + (center - world.start).norm();
     assert!(left.length > back, "{} m is shorter than the way back, {back} m", left.length);
 }
+
+#[test]
+fn what_is_carried_is_a_beam_unless_the_file_says_otherwise() {
+    let text = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [0, 0]\ntarget_m = [9, 0]\n";
+    let object = World::parse("w.toml", text).unwrap().object;
+    assert_eq!((object.shape.name(), object.size, object.mass), ("beam", [1.2, 0.1, 0.1], 4.0));
+    let text = format!("{text}[object]\nshape = \"board\"\nsize_m = [2, 0.8, 0.03]\nmass_kg = 9\n");
+    let object = World::parse("w.toml", &text).unwrap().object;
+    assert_eq!((object.shape.name(), object.size, object.mass), ("board", [2.0, 0.8, 0.03], 9.0));
+}

@@ -1,0 +1,273 @@
+//! A robot and commanded rates in; a rapier multibody that follows them with limited efforts out, and its measured configuration.
+//!
+//! The base is a planar joint with velocity motors: it moves along its heading and turns, never sideways. The arm's motors are springs
+//! and dampers that follow an integrated position reference with the commanded rate; they are part of the multibody's own equations,
+//! solved exactly, where rapier's motor constraints would need hundreds of sweeps to hold up an object that outweighs the wrist. Links
+//! have no weight: gravity compensation is taken to be perfect, so that the motors carry the object and the dynamics only.
+
+use super::clusters::{Cluster, clusters, moving};
+use super::motor::{Motor, joint_data};
+use super::parts::{Group, Parts};
+use super::{Party, PhysicsSettings};
+use crate::geometry::{PlanarPose, Point, Pose, Vector, direction, wrap_angle};
+use crate::robot::{Configuration, InputVector, JointVector, MAX_JOINTS, Robot};
+use crate::simulation::convert::{self, to_matrix, to_vector};
+use rapier3d::prelude::{
+    GenericJoint, GenericJointBuilder, JointAxesMask, JointAxis, MassProperties, MotorModel,
+    MultibodyJointHandle, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle,
+};
+use serde::{Deserialize, Serialize};
+
+/// Base motors: per unit of velocity, and the most they exert along each axis (N) and in turning (Nm): what the wheels' grip on the
+/// floor bears.
+const BASE_DAMPING: f64 = 100_000.0;
+const BASE_FORCE: f64 = 800.0;
+const BASE_TORQUE: f64 = 400.0;
+/// A robot as rapier moves it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Articulation {
+    drive: MultibodyJointHandle,
+    motors: Vec<Motor>,
+    /// Body of every cluster with the name of its first link, to say what went wrong.
+    bodies: Vec<(String, RigidBodyHandle)>,
+    /// Of every link of the robot: its body, and where it is in it.
+    links: Vec<(RigidBodyHandle, Pose)>,
+    /// The body that holds the object, and the grasp in it.
+    gripper: (RigidBodyHandle, Pose),
+    /// Positions that the arm's joints are to have.
+    reference: JointVector,
+    rates: JointVector,
+    rate_limits: JointVector,
+    /// Speeds that the rims are to have, and those that they are to have by now, m/s: the wheels' motors change them only so fast.
+    wanted_rims: [f64; 2],
+    rims: [f64; 2],
+    rim_limit: f64,
+    rim_acceleration: f64,
+    track: f64,
+    wheel_radius: f64,
+    wheel_angles: [f64; 2],
+}
+
+/// What a robot is doing.
+pub(super) struct Measured {
+    pub configuration: Configuration,
+    pub rim_speeds: [f64; 2],
+    pub joint_rates: JointVector,
+    pub joint_efforts: JointVector,
+}
+
+impl Articulation {
+    /// Puts a robot into a world.
+    pub fn new(
+        world: &mut PhysicsWorld,
+        parts: &mut Parts,
+        robot: &Robot,
+        start: &Configuration,
+        settings: &PhysicsSettings,
+    ) -> Option<Self> {
+        let anchor = world.insert_body(RigidBodyBuilder::fixed());
+        let clusters = clusters(robot);
+        let mut motors = Vec::new();
+        let mut handles: Vec<RigidBodyHandle> = Vec::with_capacity(clusters.len());
+        let mut drive = None;
+        for cluster in &clusters {
+            let body = insert(world, parts, robot, cluster);
+            match (cluster.parent, moving(robot, cluster.link)) {
+                (Some((parent, frame)), Some((joint, driver))) => {
+                    let data = joint_data(joint, &robot.joints[driver], frame);
+                    let handle = world.multibody_joints.insert(handles[parent], body, data, true)?;
+                    motors.push(Motor::new(handle, joint, driver, robot));
+                }
+                _ => {
+                    let planar = JointAxesMask::LIN_Z | JointAxesMask::ANG_X | JointAxesMask::ANG_Y;
+                    let data = GenericJointBuilder::new(planar).contacts_enabled(false).build();
+                    drive = Some(world.multibody_joints.insert(anchor, body, data, true)?);
+                }
+            }
+            handles.push(body);
+        }
+        let drive = drive?;
+        let mut links = vec![(handles[0], Pose::identity()); robot.links.len()];
+        for (cluster, handle) in clusters.iter().zip(&handles) {
+            for (link, at) in &cluster.links {
+                links[*link] = (*handle, *at);
+            }
+        }
+        let mut rate_limits = JointVector::zeros();
+        for (limit, joint) in rate_limits.iter_mut().zip(&robot.joints) {
+            *limit = joint.rate_limit;
+        }
+        let articulation = Self {
+            drive,
+            motors,
+            bodies: clusters
+                .iter()
+                .zip(&handles)
+                .map(|(c, handle)| (robot.links[c.link].name.clone(), *handle))
+                .collect(),
+            gripper: links[robot.grasp_link],
+            links,
+            reference: start.joints,
+            rates: JointVector::zeros(),
+            rate_limits,
+            wanted_rims: [0.0; 2],
+            rims: [0.0; 2],
+            rim_limit: robot.drive.rim_speed_limit,
+            rim_acceleration: settings.rim_acceleration,
+            track: robot.drive.track,
+            wheel_radius: robot.drive.wheel_radius,
+            wheel_angles: [0.0; 2],
+        };
+        articulation.settle(world, start)?;
+        Some(articulation)
+    }
+
+    /// Brings the multibody to its first configuration.
+    fn settle(&self, world: &mut PhysicsWorld, start: &Configuration) -> Option<()> {
+        let ids = |handle: MultibodyJointHandle| world.multibody_joints.get(handle).map(|(_, id)| id);
+        let drive = ids(self.drive)?;
+        let ids_of_motors: Vec<usize> = self.motors.iter().map(|m| ids(m.handle)).collect::<Option<_>>()?;
+        let (body, _) = world.multibody_joints.get_mut(self.drive)?;
+        body.set_self_contacts_enabled(false);
+        // settles what the root is, before degrees of freedom are counted
+        body.forward_kinematics(&world.bodies, true);
+        let mut positions = vec![0.0; body.ndofs()];
+        let first = body.link(drive)?.assembly_id();
+        let PlanarPose { position, yaw } = start.base;
+        positions.get_mut(first..first + 3)?.copy_from_slice(&[position.x, position.y, yaw]);
+        for (motor, id) in self.motors.iter().zip(&ids_of_motors) {
+            *positions.get_mut(body.link(*id)?.assembly_id())? =
+                motor.ratio * start.joints[motor.joint] + motor.offset;
+        }
+        body.apply_displacements(&positions);
+        body.forward_kinematics(&world.bodies, false);
+        body.update_rigid_bodies(&mut world.bodies, true);
+        // rapier puts 0.1 Nms/rad on every joint without being asked
+        body.damping_mut().fill(0.0);
+        for (motor, id) in self.motors.iter().zip(ids_of_motors) {
+            let first = body.link(id)?.assembly_id();
+            *body.damping_mut().get_mut(first)? = motor.damping;
+        }
+        Some(())
+    }
+
+    /// The rates of a control period, cut to the robot's limits.
+    pub fn command(&mut self, rates: &InputVector) {
+        let joints = rates.fixed_rows::<MAX_JOINTS>(2).into_owned();
+        self.rates = joints.zip_map(&self.rate_limits, |rate, limit| rate.clamp(-limit, limit));
+        self.wanted_rims = [rates[0], rates[1]].map(|rim| rim.clamp(-self.rim_limit, self.rim_limit));
+    }
+
+    /// Sets all motors for a step of `dt` seconds. `None` if the bodies are gone.
+    pub fn drive(&mut self, world: &mut PhysicsWorld, dt: f64) -> Option<()> {
+        let most = self.rim_acceleration * dt;
+        for (rim, wanted) in self.rims.iter_mut().zip(self.wanted_rims) {
+            *rim += (wanted - *rim).clamp(-most, most);
+        }
+        let [left, right] = self.rims;
+        let (speed, turn) = ((left + right) / 2.0, (right - left) / self.track);
+        let (body, id) = world.multibody_joints.get_mut(self.drive)?;
+        let drive = body.link_mut(id)?;
+        let heading = drive.joint().coords()[5];
+        // the heading in the middle of the step
+        let velocity = direction(heading + turn * dt / 2.0) * speed;
+        let data = &mut drive.joint.data;
+        set_velocity(data, JointAxis::LinX, velocity.x, BASE_FORCE);
+        set_velocity(data, JointAxis::LinY, velocity.y, BASE_FORCE);
+        set_velocity(data, JointAxis::AngZ, turn, BASE_TORQUE);
+
+        self.reference += self.rates * dt;
+        for motor in &mut self.motors {
+            motor.drive(world, &mut self.reference, &self.rates, dt)?;
+        }
+        Some(())
+    }
+
+    /// Turns the wheels, after a step of `dt` seconds.
+    pub fn roll(&mut self, world: &PhysicsWorld, dt: f64) {
+        let speeds = self.rim_speeds(world);
+        for (angle, speed) in self.wheel_angles.iter_mut().zip(speeds) {
+            *angle += speed * dt / self.wheel_radius;
+        }
+    }
+
+    /// How far the wheels have turned, rad: left, right.
+    pub fn wheel_angles(&self) -> [f64; 2] {
+        self.wheel_angles
+    }
+
+    /// Where it is and how it moves.
+    pub fn measure(&self, world: &PhysicsWorld) -> Measured {
+        let mut joints = JointVector::zeros();
+        let mut joint_rates = JointVector::zeros();
+        let mut joint_efforts = JointVector::zeros();
+        for motor in self.motors.iter().filter(|m| m.is_own) {
+            let Some((position, rate)) = motor.state(world) else { continue };
+            let j = motor.joint;
+            (joints[j], joint_rates[j], joint_efforts[j]) = (position, rate, motor.effort(position, rate));
+        }
+        let configuration = Configuration { base: self.base(world), joints };
+        Measured { configuration, rim_speeds: self.rim_speeds(world), joint_rates, joint_efforts }
+    }
+
+    /// `world_from_grasp`.
+    pub fn grasp(&self, world: &PhysicsWorld) -> Pose {
+        let (body, at) = self.gripper;
+        world.bodies.get(body).map_or(Pose::identity(), |b| convert::pose(b.position()) * at)
+    }
+
+    /// `world_from_link` of every link, in the order of the robot's.
+    pub fn link_poses(&self, world: &PhysicsWorld) -> Vec<Pose> {
+        let pose =
+            |handle| world.bodies.get(handle).map_or(Pose::identity(), |b| convert::pose(b.position()));
+        self.links.iter().map(|(handle, at)| pose(*handle) * at).collect()
+    }
+
+    /// The body that holds the object, and the grasp in it.
+    pub fn gripper(&self) -> (RigidBodyHandle, Pose) {
+        self.gripper
+    }
+
+    /// The bodies with the names of their first links.
+    pub fn bodies(&self) -> &[(String, RigidBodyHandle)] {
+        &self.bodies
+    }
+
+    fn base(&self, world: &PhysicsWorld) -> PlanarPose {
+        let at = world.multibody_joints.get(self.drive).and_then(|(body, id)| body.link(id));
+        let coords = at.map_or([0.0; 6], |link| link.joint().coords());
+        PlanarPose { position: Point::new(coords[0], coords[1]), yaw: wrap_angle(coords[5]) }
+    }
+
+    fn rim_speeds(&self, world: &PhysicsWorld) -> [f64; 2] {
+        let Some((body, id)) = world.multibody_joints.get(self.drive) else { return [0.0; 2] };
+        let Some(link) = body.link(id) else { return [0.0; 2] };
+        let rates = body.joint_velocity(link);
+        let speed = Vector::new(rates[0], rates[1]).dot(&direction(link.joint().coords()[5]));
+        [-0.5, 0.5].map(|side| speed + side * self.track * rates[2])
+    }
+}
+
+/// The body of a cluster, with the shapes of its links.
+fn insert(world: &mut PhysicsWorld, parts: &mut Parts, robot: &Robot, cluster: &Cluster) -> RigidBodyHandle {
+    let mass = MassProperties::with_inertia_matrix(
+        to_vector(&cluster.center),
+        cluster.mass,
+        to_matrix(&cluster.inertia),
+    );
+    let body =
+        RigidBodyBuilder::dynamic().additional_mass_properties(mass).gravity_scale(0.0).can_sleep(false);
+    let body = world.insert_body(body);
+    let group = if cluster.parent.is_none() { Group::Base } else { Group::Arm };
+    for (link, cluster_from_link) in &cluster.links {
+        let link = &robot.links[*link];
+        parts.add_link(world, body, link, cluster_from_link, (Party::Robot, group));
+    }
+    body
+}
+
+fn set_velocity(data: &mut GenericJoint, axis: JointAxis, velocity: f64, most: f64) {
+    data.set_motor_model(axis, MotorModel::ForceBased);
+    data.set_motor_velocity(axis, velocity, BASE_DAMPING);
+    data.set_motor_max_force(axis, most);
+}

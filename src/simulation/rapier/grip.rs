@@ -1,0 +1,114 @@
+//! Two bodies and where on them in; a spring-damper in all six directions between them out, and the wrench that it exerts.
+
+use super::Wrench;
+use crate::geometry::Pose;
+use crate::simulation::convert::{self, to_rapier};
+use nalgebra::{Rotation3, Vector3};
+use rapier3d::prelude::{
+    GenericJointBuilder, ImpulseJointHandle, JointAxesMask, JointAxis, MotorModel, PhysicsWorld,
+    RigidBodyHandle,
+};
+use serde::{Deserialize, Serialize};
+
+const LINEAR: [JointAxis; 3] = [JointAxis::LinX, JointAxis::LinY, JointAxis::LinZ];
+const ANGULAR: [JointAxis; 3] = [JointAxis::AngX, JointAxis::AngY, JointAxis::AngZ];
+
+/// How firmly something is held.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Firmness {
+    /// N/m.
+    pub linear: f64,
+    /// Nm/rad.
+    pub angular: f64,
+    /// The most force, N, and torque, Nm.
+    pub most: [f64; 2],
+}
+
+/// The robot's gripper.
+pub(super) const GRIPPER: Firmness = Firmness { linear: 20_000.0, angular: 1000.0, most: [2000.0, 400.0] };
+/// A human's hand, as stiff as an arm that walks along.
+pub(super) const HAND: Firmness = Firmness { linear: 600.0, angular: 10.0, most: [500.0, 100.0] };
+
+/// A grip on the object.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct Grip {
+    joint: ImpulseJointHandle,
+    holder: RigidBodyHandle,
+    object: RigidBodyHandle,
+    holder_from_grip: Pose,
+    object_from_grip: Pose,
+}
+
+/// What a grip does at one instant.
+pub(super) struct Hold {
+    /// On the object, in world axes.
+    pub wrench: Wrench,
+    /// How fast the place moves where it holds.
+    pub velocity: Vector3<f64>,
+    /// How fast the object turns.
+    pub turning: Vector3<f64>,
+    /// Distance between the two points joined, m.
+    pub stretch: f64,
+}
+
+impl Grip {
+    /// `load` (kg) is what the grip carries when it is not stretched: its springs are set so that the object does not sag.
+    pub fn new(
+        world: &mut PhysicsWorld,
+        (holder, holder_from_grip): (RigidBodyHandle, Pose),
+        (object, object_from_grip): (RigidBodyHandle, Pose),
+        firmness: Firmness,
+        load: f64,
+    ) -> Self {
+        let Firmness { linear, angular, most } = firmness;
+        // critical for the load at one end
+        let damping = 2.0 * (linear * load).sqrt();
+        let angular_damping = damping * angular / linear;
+        let mut joint = GenericJointBuilder::new(JointAxesMask::empty())
+            .contacts_enabled(false)
+            .local_frame1(to_rapier(&holder_from_grip))
+            .local_frame2(to_rapier(&object_from_grip));
+        for axis in LINEAR {
+            let rest = if axis == JointAxis::LinZ { load * super::GRAVITY / linear } else { 0.0 };
+            joint = joint
+                .motor_model(axis, MotorModel::ForceBased)
+                .motor_position(axis, rest, linear, damping)
+                .motor_max_force(axis, most[0]);
+        }
+        for axis in ANGULAR {
+            joint = joint
+                .motor_model(axis, MotorModel::ForceBased)
+                .motor_position(axis, 0.0, angular, angular_damping)
+                .motor_max_force(axis, most[1]);
+        }
+        let joint = world.impulse_joints.insert(holder, object, joint.build(), true);
+        Self { joint, holder, object, holder_from_grip, object_from_grip }
+    }
+
+    /// The axes that the next step reckons in: the holder's, in the world. `None` if the holder is gone.
+    pub fn axes(&self, world: &PhysicsWorld) -> Option<Rotation3<f64>> {
+        let holder = world.bodies.get(self.holder)?;
+        Some((convert::pose(holder.position()) * self.holder_from_grip).rotation)
+    }
+
+    /// What the grip did in the last step, of `dt` seconds, which began with these axes. `None` if the bodies are gone.
+    pub fn hold(&self, world: &PhysicsWorld, axes: &Rotation3<f64>, dt: f64) -> Option<Hold> {
+        let joint = world.impulse_joints.get(self.joint)?;
+        let holder = world.bodies.get(self.holder)?;
+        let object = world.bodies.get(self.object)?;
+        let world_from_grip = convert::pose(holder.position()) * self.holder_from_grip;
+        let at = convert::pose(object.position()) * self.object_from_grip;
+        // rapier books the impulse on the first body; springs are motors
+        let impulse = |i: usize| -(joint.impulses[i] + joint.data.motors[i].impulse) / dt;
+        let angular = |i: usize| -joint.data.motors[3 + i].impulse / dt;
+        Some(Hold {
+            wrench: Wrench {
+                force: axes * Vector3::new(impulse(0), impulse(1), impulse(2)),
+                torque: axes * Vector3::new(angular(0), angular(1), angular(2)),
+            },
+            velocity: convert::vector(object.velocity_at_point(convert::to_vector(&at.translation.vector))),
+            turning: convert::vector(object.angvel()),
+            stretch: (at.translation.vector - world_from_grip.translation.vector).norm(),
+        })
+    }
+}

@@ -1,0 +1,279 @@
+//! What the human is told and feels in; where the hand is a physics step later out. Walks in the plane; sway comes on top.
+
+use super::HumanSettings;
+use crate::geometry::{PlanarPose, Pose, Vector, direction, left_of, wrap_angle};
+use nalgebra::{Rotation3, Vector3};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// What the human does in a control period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum HumanCommand {
+    /// Leads: walks so that the hand is there when the period ends, within its limits.
+    Walk {
+        /// Where the hand is to be.
+        hand: PlanarPose,
+    },
+    /// Follows: the hand goes where the object's front end leads it.
+    Follow,
+}
+
+/// A walking human slows down where the next step would stretch the grip beyond this (m), and stops at twice as much.
+const COMFORTABLE_STRETCH: f64 = 0.05;
+/// How quickly an error of position is made up, 1/s, and one of velocity, 1/s. Together they do not overshoot.
+const POSITION_GAIN: f64 = 6.0;
+const VELOCITY_GAIN: f64 = 40.0;
+/// Limits of turning: rad/s and rad/s^2.
+const TURN_LIMIT: f64 = 2.0;
+const TURN_ACCELERATION_LIMIT: f64 = 8.0;
+/// Time constant with which a following human takes up the robot's velocity, s.
+const FEELING_TIME: f64 = 0.05;
+/// Speed (m/s) from which on the gait sways fully, and the time constant (s) with which the sway changes.
+const STRIDING_SPEED: f64 = 0.4;
+const SWAY_TIME: f64 = 0.3;
+/// Every sway differs from the mean by up to this part of it.
+const SWAY_VARIATION: f64 = 0.2;
+
+/// What the human knows of the object.
+pub(super) struct Felt {
+    /// Where its front end is.
+    pub end: PlanarPose,
+    /// How the robot's gripper would move it, m/s and rad/s. Its own velocity will not do: part of that is the hand's, and a human who
+    /// follows it follows themselves.
+    pub velocity: Vector,
+    pub yaw_rate: f64,
+}
+
+/// The human's hand.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Walker {
+    settings: HumanSettings,
+    /// Where the hand is but for its sway, its velocity (m/s) and its turning (rad/s).
+    at: PlanarPose,
+    velocity: Vector,
+    yaw_rate: f64,
+    pace: Option<Pace>,
+    /// The robot's velocity and turning, as a follower has taken them up.
+    led: (Vector, f64),
+    sway: Sway,
+}
+
+/// The straight line that a walking human's hand is to follow during a control period.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Pace {
+    at: PlanarPose,
+    velocity: Vector,
+    yaw_rate: f64,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Sway {
+    /// Of the sideways movement, rad.
+    phase: f64,
+    /// Present sizes to the side and upward, m, and those that they tend to before walking speed comes in.
+    size: [f64; 2],
+    drawn: [f64; 2],
+    generator: ChaCha8Rng,
+}
+
+impl Walker {
+    pub fn new(at: PlanarPose, settings: HumanSettings, seed: u64) -> Self {
+        let mut generator = ChaCha8Rng::seed_from_u64(seed);
+        let phase = generator.random_range(0.0..TAU);
+        let drawn = [settings.sway_lateral, settings.sway_vertical];
+        let sway = Sway { phase, size: [0.0; 2], drawn, generator };
+        Self {
+            settings,
+            at,
+            velocity: Vector::zeros(),
+            yaw_rate: 0.0,
+            pace: None,
+            led: (Vector::zeros(), 0.0),
+            sway,
+        }
+    }
+
+    /// Where the hand is but for its sway.
+    pub fn planar(&self) -> PlanarPose {
+        self.at
+    }
+
+    /// Where the hand is, carrying at `height` (m): x ahead, level.
+    pub fn hand(&self, height: f64) -> Pose {
+        let (sin, cos) = (self.sway.phase.sin(), (2.0 * self.sway.phase).cos());
+        let [side, up] = [self.sway.size[0] * sin, self.sway.size[1] * cos];
+        let position = self.at.position + left_of(direction(self.at.yaw)) * side;
+        PlanarPose { position, yaw: self.at.yaw }.at_height(height + up)
+    }
+
+    /// The middle of the torso, `ahead` of the hand and `height` above the floor (m).
+    pub fn torso(&self, ahead: f64, height: f64) -> Pose {
+        let position = self.at.position + direction(self.at.yaw) * ahead;
+        Pose::from_parts(
+            Vector3::new(position.x, position.y, height).into(),
+            Rotation3::from_axis_angle(&Vector3::z_axis(), self.at.yaw),
+        )
+    }
+
+    /// A control period (s) begins.
+    pub fn begin(&mut self, command: &HumanCommand, period: f64) {
+        match *command {
+            HumanCommand::Follow => self.pace = None,
+            HumanCommand::Walk { hand } => {
+                let from = self.pace.map_or(self.at, |p| p.at);
+                let velocity = limited((hand.position - from.position) / period, self.settings.speed_limit);
+                let yaw_rate = (wrap_angle(hand.yaw - from.yaw) / period).clamp(-TURN_LIMIT, TURN_LIMIT);
+                self.pace = Some(Pace { at: from, velocity, yaw_rate });
+                self.led = (self.velocity, self.yaw_rate);
+            }
+        }
+    }
+
+    /// One physics step of `dt` seconds.
+    pub fn step(&mut self, felt: &Felt, dt: f64) {
+        let (goal, velocity, yaw_rate) = match &mut self.pace {
+            Some(pace) => {
+                // only a human who pulls is held back
+                let pull = pace.at.position - felt.end.position;
+                let stretch = if pull.dot(&pace.velocity) > 0.0 { pull.norm() } else { 0.0 };
+                let share = (2.0 - stretch / COMFORTABLE_STRETCH).clamp(0.0, 1.0);
+                pace.at.position += pace.velocity * (share * dt);
+                pace.at.yaw += pace.yaw_rate * share * dt;
+                (pace.at, pace.velocity * share, pace.yaw_rate * share)
+            }
+            None => {
+                let share = dt / (FEELING_TIME + dt);
+                self.led.0 += (felt.velocity - self.led.0) * share;
+                self.led.1 += (felt.yaw_rate - self.led.1) * share;
+                (felt.end, self.led.0, self.led.1)
+            }
+        };
+        self.approach(goal, velocity, yaw_rate, dt);
+        self.sway.step(&self.settings, self.velocity.norm(), dt);
+    }
+
+    /// Toward `goal`, which moves itself, within the limits.
+    fn approach(&mut self, goal: PlanarPose, velocity: Vector, yaw_rate: f64, dt: f64) {
+        let HumanSettings { speed_limit, acceleration_limit, .. } = self.settings;
+        let error = goal.position - self.at.position;
+        let distance = error.norm();
+        // no faster than what can still be braked
+        let gain =
+            if distance > 0.0 { POSITION_GAIN.min((acceleration_limit / distance).sqrt()) } else { 0.0 };
+        let wanted = limited(velocity + error * gain, speed_limit);
+        self.velocity += limited((wanted - self.velocity) * VELOCITY_GAIN, acceleration_limit) * dt;
+        self.at.position += self.velocity * dt;
+
+        let error = wrap_angle(goal.yaw - self.at.yaw);
+        let wanted = (yaw_rate + POSITION_GAIN * error).clamp(-TURN_LIMIT, TURN_LIMIT);
+        let change = VELOCITY_GAIN * (wanted - self.yaw_rate);
+        self.yaw_rate += change.clamp(-TURN_ACCELERATION_LIMIT, TURN_ACCELERATION_LIMIT) * dt;
+        self.at.yaw = wrap_angle(self.at.yaw + self.yaw_rate * dt);
+    }
+}
+
+impl Sway {
+    fn step(&mut self, settings: &HumanSettings, speed: f64, dt: f64) {
+        let mean = [settings.sway_lateral, settings.sway_vertical];
+        if mean == [0.0; 2] {
+            return;
+        }
+        self.phase += TAU * settings.step_frequency * dt;
+        if self.phase >= TAU {
+            self.phase -= TAU;
+            for (drawn, mean) in self.drawn.iter_mut().zip(mean) {
+                *drawn = mean * self.generator.random_range(1.0 - SWAY_VARIATION..1.0 + SWAY_VARIATION);
+            }
+        }
+        let stride = (speed / STRIDING_SPEED).min(1.0);
+        for (size, drawn) in self.size.iter_mut().zip(self.drawn) {
+            *size += (drawn * stride - *size) * dt / SWAY_TIME;
+        }
+    }
+}
+
+/// The vector, or one of that direction as long as the limit.
+fn limited(vector: Vector, limit: f64) -> Vector {
+    let norm = vector.norm();
+    if norm > limit { vector * (limit / norm) } else { vector }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Point;
+
+    const DT: f64 = 1.0 / 240.0;
+    const START: PlanarPose = PlanarPose { position: Point::new(0.0, 0.0), yaw: 0.0 };
+
+    fn felt(at: &Walker) -> Felt {
+        Felt { end: at.planar(), velocity: Vector::zeros(), yaw_rate: 0.0 }
+    }
+
+    #[test]
+    fn a_walker_is_on_time_and_keeps_its_limits() {
+        let settings = HumanSettings::default();
+        let mut walker = Walker::new(START, settings, 1);
+        let mut before = walker.velocity;
+        for tick in 1..=40 {
+            let angle = 0.05 * f64::from(tick);
+            let goal =
+                PlanarPose { position: Point::new(2.0 * angle.sin(), 2.0 - 2.0 * angle.cos()), yaw: angle };
+            walker.begin(&HumanCommand::Walk { hand: goal }, 0.2);
+            for _ in 0..48 {
+                let felt = felt(&walker);
+                walker.step(&felt, DT);
+                assert!((walker.velocity - before).norm() <= settings.acceleration_limit * DT + 1e-12);
+                assert!(walker.velocity.norm() <= settings.speed_limit + 1e-12);
+                before = walker.velocity;
+            }
+            if tick > 8 {
+                let late = (goal.position - walker.planar().position).norm();
+                assert!(late < 3e-3, "tick {tick}: {late} m");
+                assert!((walker.planar().yaw - angle).abs() < 0.01);
+            }
+        }
+    }
+
+    #[test]
+    fn a_walker_waits_for_an_object_that_stays_behind() {
+        let mut walker = Walker::new(START, HumanSettings::default().steady(), 1);
+        for tick in 1..=30 {
+            let goal = PlanarPose { position: Point::new(0.1 * f64::from(tick), 0.0), yaw: 0.0 };
+            walker.begin(&HumanCommand::Walk { hand: goal }, 0.2);
+            for _ in 0..48 {
+                walker.step(&Felt { end: START, velocity: Vector::zeros(), yaw_rate: 0.0 }, DT);
+            }
+        }
+        let at = walker.planar().position.x;
+        assert!(at > 0.08 && at < 0.105, "{at} m");
+    }
+
+    #[test]
+    fn sway_stays_near_its_size_and_stops_with_the_walk() {
+        let settings = HumanSettings::default();
+        let mut walker = Walker::new(START, settings, 3);
+        let mut most = [0.0_f64; 2];
+        for tick in 1..=100 {
+            let walked = 0.1 * f64::from(tick.min(50));
+            let goal = PlanarPose { position: Point::new(walked, 0.0), yaw: 0.0 };
+            walker.begin(&HumanCommand::Walk { hand: goal }, 0.2);
+            if tick == 90 {
+                most = [0.0; 2];
+            }
+            for _ in 0..48 {
+                let felt = felt(&walker);
+                walker.step(&felt, DT);
+                let hand = walker.hand(0.7).translation.vector;
+                most = [most[0].max(hand.y.abs()), most[1].max((hand.z - 0.7).abs())];
+            }
+            if tick == 50 {
+                assert!((0.008..0.0121).contains(&most[0]) && (0.004..0.0061).contains(&most[1]), "{most:?}");
+            }
+        }
+        assert!(most[0] < 1e-4 && most[1] < 1e-4, "{most:?}");
+    }
+}

@@ -1,0 +1,140 @@
+//! A joint of the arm and what it is to do in; the spring and the damper that make it do so, with a limited effort, out.
+
+use crate::geometry::Pose;
+use crate::robot::{ArmJoint, Joint, JointKind, JointVector, Robot};
+use crate::simulation::convert::{to_rapier, to_vector};
+use rapier3d::prelude::{
+    GenericJoint, GenericJointBuilder, JointAxesMask, JointAxis, MultibodyJointHandle, PhysicsWorld,
+};
+use serde::{Deserialize, Serialize};
+
+/// Under its full effort a joint yields by one over this, rad or m.
+const STIFFNESS_PER_EFFORT: f64 = 300.0;
+/// 1/s.
+const STIFFNESS_PER_DAMPING: f64 = 50.0;
+/// Effort that a motor without a limit is made for, Nm or N.
+const UNLIMITED_EFFORT: f64 = 200.0;
+/// How far a joint's reference may run ahead of the joint while the motor is too weak, rad or m: what is beyond is given up.
+const WINDUP: f64 = 0.02;
+/// How near to its limit a joint is stopped, rad or m.
+const NEAR: f64 = 0.1;
+
+/// The motor of a joint.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct Motor {
+    pub handle: MultibodyJointHandle,
+    /// The arm joint that it is, or follows: its position is `ratio * (that joint's) + offset`.
+    pub joint: usize,
+    pub ratio: f64,
+    pub offset: f64,
+    slides: bool,
+    /// It is that joint's own.
+    pub is_own: bool,
+    /// The most it exerts, Nm or N.
+    most: f64,
+    /// Nm/rad or N/m, and the same over s.
+    stiffness: f64,
+    pub damping: f64,
+    limits: [f64; 2],
+    /// Where the spring would be without force: what it was set to in the last step.
+    rest: f64,
+}
+
+impl Motor {
+    /// The motor of `joint`, which is or follows the robot's arm joint `driver`.
+    pub fn new(handle: MultibodyJointHandle, joint: &Joint, driver: usize, robot: &Robot) -> Self {
+        // infinity cannot be written down
+        let effort = if joint.limits.effort > 0.0 { joint.limits.effort.min(1e9) } else { 1e9 };
+        let stiffness = STIFFNESS_PER_EFFORT * effort.min(UNLIMITED_EFFORT);
+        let ArmJoint { lower, upper, .. } = robot.joints[driver];
+        Self {
+            handle,
+            joint: driver,
+            ratio: joint.coupling.ratio,
+            offset: joint.coupling.offset,
+            slides: joint.kind == JointKind::Prismatic,
+            is_own: joint.mimic.is_none(),
+            most: effort,
+            stiffness,
+            damping: stiffness / STIFFNESS_PER_DAMPING,
+            limits: [lower.max(-1e9), upper.min(1e9)],
+            rest: 0.0,
+        }
+    }
+
+    /// Sets the motor for a step of `dt` seconds, toward the joint's `reference` with its rate; takes back a reference that it cannot
+    /// follow. `None` if the bodies are gone.
+    pub fn drive(
+        &mut self,
+        world: &mut PhysicsWorld,
+        reference: &mut JointVector,
+        rates: &JointVector,
+        dt: f64,
+    ) -> Option<()> {
+        let (position, moving) = self.state(world)?;
+        let wanted = &mut reference[self.joint];
+        if self.is_own {
+            let within = wanted.clamp(position - WINDUP, position + WINDUP);
+            *wanted = within.clamp(self.limits[0], self.limits[1]);
+        }
+        self.aim(self.ratio * *wanted + self.offset, self.ratio * rates[self.joint], position, moving, dt);
+        let (body, id) = world.multibody_joints.get_mut(self.handle)?;
+        let joint = &mut body.link_mut(id)?.joint;
+        joint.set_spring(self.coordinate(), self.stiffness, self.rest);
+        // a stop costs a constraint in every step: only where it may be met
+        let [lower, upper] = self.limits;
+        let is_near = self.is_own && (position < lower + NEAR || position > upper - NEAR);
+        joint.data.limit_axes = if is_near { self.axis().into() } else { JointAxesMask::empty() };
+        Some(())
+    }
+
+    /// Position and rate of the joint.
+    pub fn state(&self, world: &PhysicsWorld) -> Option<(f64, f64)> {
+        let (body, id) = world.multibody_joints.get(self.handle)?;
+        let link = body.link(id)?;
+        Some((link.joint().coords()[self.coordinate()], *body.joint_velocity(link).get(0)?))
+    }
+
+    /// What it exerted in the last step, which ended with this position and rate: it is implicit, so that this is exact.
+    pub fn effort(&self, position: f64, rate: f64) -> f64 {
+        self.stiffness * (self.rest - position) - self.damping * rate
+    }
+
+    /// Sets the spring for a step of `dt` seconds, toward a position and a rate. The effort, which is implicit, is cut to its limit as if the
+    /// joint went on as it moves: a change of rate in the step adds to it.
+    fn aim(&mut self, target: f64, rate: f64, position: f64, moving: f64, dt: f64) {
+        let Self { stiffness, damping, most, .. } = *self;
+        let rest = target + damping / stiffness * rate;
+        let without = position + dt * moving + damping / stiffness * moving;
+        self.rest = without + (rest - without).clamp(-most / stiffness, most / stiffness);
+    }
+
+    fn axis(&self) -> JointAxis {
+        if self.slides { JointAxis::LinX } else { JointAxis::AngX }
+    }
+
+    /// Where rapier keeps the joint's position.
+    fn coordinate(&self) -> usize {
+        if self.slides { 0 } else { 3 }
+    }
+}
+
+/// The joint between two clusters, with limits.
+pub(super) fn joint_data(joint: &Joint, driver: &ArmJoint, frame: Pose) -> GenericJoint {
+    let slides = joint.kind == JointKind::Prismatic;
+    let (locked, axis) = if slides {
+        (JointAxesMask::LOCKED_PRISMATIC_AXES, JointAxis::LinX)
+    } else {
+        (JointAxesMask::LOCKED_REVOLUTE_AXES, JointAxis::AngX)
+    };
+    // rapier's joints move about or along x: one basis on both sides
+    let basis = rapier3d::math::Pose::from_rotation(GenericJoint::complete_ang_frame(to_vector(&joint.axis)));
+    let mut data = GenericJointBuilder::new(locked)
+        .contacts_enabled(false)
+        .local_frame1(to_rapier(&frame) * basis)
+        .local_frame2(basis);
+    if joint.mimic.is_none() && driver.lower.is_finite() && driver.upper.is_finite() {
+        data = data.limits(axis, [driver.lower, driver.upper]);
+    }
+    data.build()
+}

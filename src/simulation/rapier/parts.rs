@@ -1,0 +1,140 @@
+//! Shapes with their names in; colliders that know whose they are out.
+
+use super::{Part, Party};
+use crate::geometry::Pose;
+use crate::robot::{Link, Shape};
+use crate::simulation::convert::to_rapier;
+use rapier3d::prelude::{
+    ActiveCollisionTypes, Collider, ColliderBuilder, ColliderHandle, InteractionGroups, InteractionTestMode,
+    PhysicsWorld, RigidBodyHandle,
+};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::FRAC_PI_2;
+
+/// What may touch what. The robot's own parts never touch each other, nor the arm or the hand what they hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Group {
+    Base,
+    Arm,
+    Object,
+    Torso,
+    Hand,
+    Obstacle,
+}
+
+impl Group {
+    fn bit(self) -> u32 {
+        1 << self as u32
+    }
+
+    fn touches(self) -> &'static [Group] {
+        use Group::{Arm, Base, Hand, Object, Obstacle, Torso};
+        match self {
+            Base => &[Object, Torso, Hand, Obstacle],
+            Arm => &[Torso, Hand, Obstacle],
+            Object => &[Base, Torso, Obstacle],
+            Torso => &[Base, Arm, Object, Obstacle],
+            Hand => &[Base, Arm, Obstacle],
+            Obstacle => &[Base, Arm, Object, Torso, Hand],
+        }
+    }
+
+    fn interaction(self) -> InteractionGroups {
+        let filter = self.touches().iter().fold(0, |bits, group| bits | group.bit());
+        InteractionGroups::new(self.bit().into(), filter.into(), InteractionTestMode::And)
+    }
+}
+
+/// Everything that can be touched, by number: a collider carries the number of its part.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Parts {
+    parts: Vec<Part>,
+    colliders: Vec<(Party, ColliderHandle)>,
+    /// Links with shapes that physics leaves out.
+    left_out: Vec<String>,
+}
+
+impl Parts {
+    /// Adds one shape.
+    pub fn add(
+        &mut self,
+        world: &mut PhysicsWorld,
+        body: Option<RigidBodyHandle>,
+        shape: ColliderBuilder,
+        name: &str,
+        (party, group): (Party, Group),
+    ) {
+        let known = self.parts.iter().position(|p| p.party == party && p.name == name);
+        let number = known.unwrap_or_else(|| {
+            self.parts.push(Part { party, name: name.to_owned() });
+            self.parts.len() - 1
+        });
+        let collider = shape
+            .density(0.0)
+            .collision_groups(group.interaction())
+            // the human is kinematic, and obstacles are fixed: seen only if asked for
+            .active_collision_types(ActiveCollisionTypes::default() | ActiveCollisionTypes::KINEMATIC_FIXED)
+            .user_data(number as u128);
+        let handle = match body {
+            Some(body) => world.colliders.insert_with_parent(collider, body, &mut world.bodies),
+            None => world.colliders.insert(collider),
+        };
+        self.colliders.push((party, handle));
+    }
+
+    /// Adds the shapes that a link touches with.
+    pub fn add_link(
+        &mut self,
+        world: &mut PhysicsWorld,
+        body: RigidBodyHandle,
+        link: &Link,
+        body_from_link: &Pose,
+        kind: (Party, Group),
+    ) {
+        let quarter = rapier3d::math::Rotation::from_rotation_x(FRAC_PI_2);
+        for geometry in &link.collisions {
+            let at = to_rapier(&(body_from_link * geometry.link_from_shape));
+            let (shape, at) = match geometry.shape {
+                Shape::Box { size } => {
+                    (ColliderBuilder::cuboid(size.x / 2.0, size.y / 2.0, size.z / 2.0), at)
+                }
+                // rapier's cylinder stands along y
+                Shape::Cylinder { radius, length } => {
+                    (ColliderBuilder::cylinder(length / 2.0, radius), at * quarter)
+                }
+                Shape::Capsule { radius, length } => (ColliderBuilder::capsule_z(length / 2.0, radius), at),
+                Shape::Sphere { radius } => (ColliderBuilder::ball(radius), at),
+                Shape::Mesh { .. } => {
+                    self.left_out.push(link.name.clone());
+                    continue;
+                }
+            };
+            self.add(world, Some(body), shape.position(at), &link.name, kind);
+        }
+    }
+
+    /// Links with mesh shapes, which physics leaves out.
+    pub fn left_out(&self) -> &[String] {
+        &self.left_out
+    }
+
+    /// The part that a collider belongs to.
+    pub fn number(collider: &Collider) -> usize {
+        collider.user_data as usize
+    }
+
+    /// The part of that number.
+    pub fn part(&self, number: usize) -> Option<&Part> {
+        self.parts.get(number)
+    }
+
+    /// The colliders of a party.
+    pub fn of<'w>(
+        &'w self,
+        world: &'w PhysicsWorld,
+        party: Party,
+    ) -> impl Iterator<Item = &'w Collider> + Clone {
+        let own = self.colliders.iter().filter(move |(owner, _)| *owner == party);
+        own.filter_map(|(_, handle)| world.colliders.get(*handle))
+    }
+}

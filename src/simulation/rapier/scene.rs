@@ -1,0 +1,143 @@
+//! Where the team starts in; the physical plant with all its bodies and grips out.
+
+use super::articulation::Articulation;
+use super::grip::{GRIPPER, Grip, HAND};
+use super::human::Walker;
+use super::parts::{Group, Parts};
+use super::tally::Tally;
+use super::{
+    GRAVITY, HAND_RADIUS, Party, PhysicalPlant, PhysicsError, PhysicsSettings, TORSO_AHEAD, TORSO_HEIGHT,
+    TORSO_RADIUS,
+};
+use crate::geometry::{PlanarPose, Pose, direction};
+use crate::robot::{JointVector, Robot};
+use crate::simulation::KinematicPlant;
+use crate::simulation::convert::to_rapier;
+use crate::world::World;
+use nalgebra::Matrix3;
+use rapier3d::math::Vector;
+use rapier3d::parry::query::intersection_test;
+use rapier3d::prelude::{ColliderBuilder, MassProperties, PhysicsWorld, RigidBodyBuilder, SharedShape};
+
+/// What a plant is made of.
+pub(super) struct Scene<'a> {
+    pub world: &'a World,
+    pub robot: &'a Robot,
+    pub joints: &'a JointVector,
+    pub team: &'a PlanarPose,
+    pub settings: &'a PhysicsSettings,
+    pub seed: u64,
+}
+
+impl Scene<'_> {
+    /// The plant at rest. `None` if rapier does not take the robot.
+    pub fn build(&self) -> Option<PhysicalPlant> {
+        let Self { robot, joints, team, settings, .. } = *self;
+        let object = &self.world.object;
+        let (reach, height) = (object.size[0] / 2.0, robot.grasp_height);
+        let along = direction(team.yaw) * reach;
+        let rear = PlanarPose { position: team.position - along, yaw: team.yaw };
+        let front = PlanarPose { position: team.position + along, yaw: team.yaw };
+        let start = *KinematicPlant::place(robot, joints, &rear).configuration();
+
+        let mut world = PhysicsWorld::new();
+        world.gravity = Vector::new(0.0, 0.0, -GRAVITY);
+        let parameters = &mut world.integration_parameters;
+        parameters.num_solver_iterations = 1;
+        parameters.num_internal_pgs_iterations = settings.sweeps;
+        // depths are reported: they must be of now
+        parameters.contact_recycling = false;
+
+        let mut parts = Parts::default();
+        let articulation = Articulation::new(&mut world, &mut parts, robot, &start, settings)?;
+        for obstacle in &self.world.obstacles {
+            let (at, shape) = obstacle.solid();
+            let shape = ColliderBuilder::new(SharedShape(shape.clone_dyn().into())).position(at);
+            parts.add(&mut world, None, shape, &obstacle.name, (Party::Obstacle, Group::Obstacle));
+        }
+
+        let [x, y, z] = object.size;
+        let squares = [y * y + z * z, x * x + z * z, x * x + y * y];
+        let inertia = Matrix3::from_diagonal(&nalgebra::Vector3::from(squares)) * (object.mass / 12.0);
+        let mass = MassProperties::with_inertia_matrix(
+            Vector::ZERO,
+            object.mass,
+            crate::simulation::convert::to_matrix(&inertia),
+        );
+        let object_body = world.insert_body(
+            RigidBodyBuilder::dynamic()
+                .pose(to_rapier(&team.at_height(height)))
+                .additional_mass_properties(mass)
+                .can_sleep(false),
+        );
+        let shape = ColliderBuilder::cuboid(x / 2.0, y / 2.0, z / 2.0);
+        let name = object.shape.name();
+        parts.add(&mut world, Some(object_body), shape, name, (Party::Object, Group::Object));
+
+        let human = Walker::new(front, settings.human, self.seed);
+        let mut kinematic = |pose: Pose| {
+            world.insert_body(
+                RigidBodyBuilder::kinematic_position_based().pose(to_rapier(&pose)).can_sleep(false),
+            )
+        };
+        let hand_body = kinematic(human.hand(height));
+        let torso_body = kinematic(human.torso(TORSO_AHEAD, TORSO_HEIGHT / 2.0));
+        let shape = ColliderBuilder::ball(HAND_RADIUS);
+        parts.add(&mut world, Some(hand_body), shape, "hand", (Party::Human, Group::Hand));
+        let shape = ColliderBuilder::capsule_z(TORSO_HEIGHT / 2.0 - TORSO_RADIUS, TORSO_RADIUS);
+        parts.add(&mut world, Some(torso_body), shape, "torso", (Party::Human, Group::Torso));
+
+        let load = object.mass / 2.0;
+        let end = |x: f64| (object_body, Pose::translation(x, 0.0, 0.0));
+        let gripper = Grip::new(&mut world, articulation.gripper(), end(-reach), GRIPPER, load);
+        let hand = Grip::new(&mut world, (hand_body, Pose::identity()), end(reach), HAND, load);
+        // a step without time puts the colliders where their bodies are
+        world.integration_parameters.dt = 0.0;
+        world.step();
+        world.integration_parameters.dt = settings.step();
+        Some(PhysicalPlant {
+            world,
+            settings: *settings,
+            parts,
+            robot: articulation,
+            object: object_body,
+            object_name: name.to_owned(),
+            reach,
+            height,
+            gripper,
+            hand,
+            hand_body,
+            torso_body,
+            human,
+            steps: 0,
+            tally: Tally::default(),
+            failure: None,
+        })
+    }
+}
+
+impl PhysicalPlant {
+    /// Refuses a start inside an obstacle.
+    pub(super) fn check_start(&self, world: &World, team: &PlanarPose) -> Result<(), PhysicsError> {
+        let name = |c| self.parts.part(Parts::number(c)).map_or(String::new(), |p| p.name.clone());
+        for party in [Party::Robot, Party::Object, Party::Human] {
+            for own in self.parts.of(&self.world, party) {
+                for obstacle in self.parts.of(&self.world, Party::Obstacle) {
+                    let meets =
+                        intersection_test(own.position(), own.shape(), obstacle.position(), obstacle.shape());
+                    if meets.is_ok_and(|m| m.intersecting) {
+                        return Err(PhysicsError::Occupied {
+                            file: world.file.clone(),
+                            part: party.name(),
+                            name: name(own),
+                            obstacle: name(obstacle),
+                            x: team.position.x,
+                            y: team.position.y,
+                        });
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,82 @@
+//! How the physical plant is stepped and how its human moves, with the values that were found to serve.
+
+use super::PhysicsError;
+use serde::{Deserialize, Serialize};
+
+/// How the physical plant is stepped, and what bounds robot and human.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PhysicsSettings {
+    /// Physics steps per second of simulated time, Hz. A control period has `round(period * rate_hz)` of them.
+    pub rate_hz: f64,
+    /// Sweeps of the solver over all constraints in a step. With few, the arm gives way under its load.
+    pub sweeps: usize,
+    /// How fast the speed of a wheel's rim may change, m/s^2: what the wheels' motors can do with the robot's mass.
+    pub rim_acceleration: f64,
+    /// The human.
+    pub human: HumanSettings,
+}
+
+impl Default for PhysicsSettings {
+    fn default() -> Self {
+        Self { rate_hz: 240.0, sweeps: 16, rim_acceleration: 1.5, human: HumanSettings::default() }
+    }
+}
+
+/// How the human's hand moves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HumanSettings {
+    /// The fastest the hand goes, m/s.
+    pub speed_limit: f64,
+    /// The fastest its velocity changes, m/s^2.
+    pub acceleration_limit: f64,
+    /// How far a walking human's hand sways to either side, m.
+    pub sway_lateral: f64,
+    /// How far it goes up and down, m.
+    pub sway_vertical: f64,
+    /// Sways from side to side and back per second, Hz; up and down goes twice as fast.
+    pub step_frequency: f64,
+}
+
+impl Default for HumanSettings {
+    fn default() -> Self {
+        Self {
+            speed_limit: 1.0,
+            acceleration_limit: 1.5,
+            sway_lateral: 0.01,
+            sway_vertical: 0.005,
+            step_frequency: 0.9,
+        }
+    }
+}
+
+impl HumanSettings {
+    /// The same human without sway.
+    pub fn steady(self) -> Self {
+        Self { sway_lateral: 0.0, sway_vertical: 0.0, ..self }
+    }
+}
+
+impl PhysicsSettings {
+    /// Length of a physics step, s.
+    pub fn step(&self) -> f64 {
+        1.0 / self.rate_hz
+    }
+
+    pub(super) fn check(&self) -> Result<(), PhysicsError> {
+        let human = &self.human;
+        let ranges = [
+            ("rate_hz", self.rate_hz, 60.0, 10_000.0),
+            ("sweeps", self.sweeps as f64, 1.0, 1000.0),
+            ("rim_acceleration", self.rim_acceleration, 0.01, 1000.0),
+            ("human.speed_limit", human.speed_limit, 0.01, 10.0),
+            ("human.acceleration_limit", human.acceleration_limit, 0.01, 100.0),
+            ("human.sway_lateral", human.sway_lateral, 0.0, 0.2),
+            ("human.sway_vertical", human.sway_vertical, 0.0, 0.2),
+            ("human.step_frequency", human.step_frequency, 0.01, 10.0),
+        ];
+        match ranges.into_iter().find(|(_, value, least, most)| !(least..=most).contains(&value)) {
+            Some((field, value, least, most)) => Err(PhysicsError::Setting { field, value, least, most }),
+            None => Ok(()),
+        }
+    }
+}
