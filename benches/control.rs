@@ -4,7 +4,7 @@
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, ZeroConeT};
 use cocarry::control::{
-    BaseObstacles, Candidate, ClosedForm, HORIZON, Limits, Mpc, PoseOptimiser, PoseProblem, Reference,
+    Candidate, ClosedForm, HORIZON, Limits, Mpc, PoseOptimiser, PoseProblem, Reference, RobotObstacles,
     Settings, SolveOutcome, motion_cost,
 };
 use cocarry::coordination::Method;
@@ -232,7 +232,7 @@ fn tick_times(environment: usize, share: f64) -> (Vec<Duration>, usize) {
     }
     let world = ENVIRONMENTS[environment].world().expect("a built-in world");
     let options = OptionSet::new(&world, 10.0).expect("its options");
-    let obstacles = BaseObstacles::new(&world);
+    let obstacles = RobotObstacles::new(&world);
     let settings = episode::Settings { method: Method::HumanLed, ..episode::Settings::default() };
     let posture = robot.postures[0].joints;
     let manipulator =

@@ -1,7 +1,7 @@
 //! The arguments that describe the plant and the robot in it; robot files loaded, choices checked against each other.
 
 use super::output::{Failure, input};
-use crate::control::{self, CandidateSet, PoseCriterion};
+use crate::control::{self, Avoid, CandidateSet, PoseCriterion};
 use crate::robot::{Posture, Robot};
 use crate::simulation::{HumanSettings, PhysicsSettings};
 use anyhow::anyhow;
@@ -124,7 +124,7 @@ impl RobotArguments {
                 CriterionArgument::Tracked => PoseCriterion::Tracked,
                 CriterionArgument::Manipulability => PoseCriterion::Manipulability,
             },
-            obstacles: !self.no_obstacles,
+            avoid: if self.no_obstacles { Avoid::Nothing } else { Avoid::Robot },
             ..control::Settings::default()
         };
         let physics = (self.plant == Plant::Rapier).then(|| physics(self.sway));

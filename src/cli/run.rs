@@ -4,7 +4,7 @@ use super::model::{ModelArguments, initial_stubbornness, load_world, perception,
 use super::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
 use super::robot::{Chosen, RobotArguments};
 use super::tick_log;
-use crate::control::BaseObstacles;
+use crate::control::RobotObstacles;
 use crate::coordination::{self, Method};
 use crate::drawing::{self, Track};
 use crate::episode::{ControlSummary, Episode, Manipulator, Outcome, Settings, Summary, Tick};
@@ -135,7 +135,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     };
     let set = OptionSet::new(&world, settings.predictor.risk_weight()).map_err(input)?;
     let carrier = arguments.carrier.load()?;
-    let obstacles = BaseObstacles::new(&world);
+    let obstacles = RobotObstacles::new(&world);
     let mut episode = Episode::new(&set, &settings, human);
     if let Some(Chosen { robot, posture, control, physics }) = &carrier {
         let manipulator =
@@ -424,7 +424,7 @@ impl Told<'_> {
                 "posture": c.posture.name,
                 "candidates": c.control.candidates,
                 "criterion": c.control.criterion,
-                "obstacles_in_mpc": c.control.obstacles,
+                "avoid": c.control.avoid,
             })),
             "control": summary.control.map(|c| json!({
                 "cost": c.cost(),

@@ -3,7 +3,7 @@
 use super::output::{Failure, write_file};
 use crate::control::{Failure as SolveFailure, SolveOutcome};
 use crate::coordination::Mode;
-use crate::episode::{RobotTick, Tick};
+use crate::episode::{PhysicsTick, RobotTick, Tick};
 use crate::options::OptionSet;
 use crate::robot::{ArmJoint, Motion};
 use anyhow::{Context, Error};
@@ -128,7 +128,33 @@ fn robot_columns(robot: &RobotTick, names: &Names) -> Vec<(String, Value)> {
             (format!("rate_{unit}_per_s[{name}]"), json!(robot.input[i + 2])),
         ]
     });
-    fixed.into_iter().map(|(key, value)| (key.to_owned(), value)).chain(joints).collect()
+    let physics = robot.physics.iter().flat_map(|physics| physics_columns(physics));
+    let named = |(key, value): (&str, Value)| (key.to_owned(), value);
+    fixed.into_iter().map(named).chain(joints).chain(physics.map(named)).collect()
+}
+
+/// The values of the physical plant in a tick, in the order of the columns; null for a distance where there is nothing to be near to.
+fn physics_columns(physics: &PhysicsTick) -> [(&'static str, Value); 17] {
+    let (object, hand) = (physics.object, physics.hand);
+    [
+        ("object_x_m", json!(object.position.x)),
+        ("object_y_m", json!(object.position.y)),
+        ("object_yaw_deg", json!(object.yaw.to_degrees())),
+        ("hand_x_m", json!(hand.position.x)),
+        ("hand_y_m", json!(hand.position.y)),
+        ("hand_yaw_deg", json!(hand.yaw.to_degrees())),
+        ("grip_force_n", json!(physics.grip_force)),
+        ("hand_force_n", json!(physics.hand_force)),
+        ("peak_force_n", json!(physics.peak_force)),
+        ("grip_stretch_m", json!(physics.stretch[0])),
+        ("hand_stretch_m", json!(physics.stretch[1])),
+        ("robot_work_j", json!(physics.work[0])),
+        ("human_work_j", json!(physics.work[1])),
+        ("squared_jerk_m2_per_s5", json!(physics.squared_jerk)),
+        ("obstacle_distance_m", json!(physics.obstacle_distance)),
+        ("human_distance_m", json!(physics.human_distance)),
+        ("pace_m", json!(physics.pace)),
+    ]
 }
 
 /// The values of one option in a tick, in the order of the columns; null where a value was not evaluated.

@@ -2,12 +2,11 @@
 
 use super::{HORIZON, Inputs};
 use crate::robot::{Configuration, InputVector, JointVector, Robot};
-use nalgebra::SMatrix;
 
 /// A violation below this (m/s, rad/s; for half-planes m) is rounding.
 pub const TOLERANCE: f64 = 1e-9;
 
-/// The constraints on u(0..H-1): rates, joint positions, and half-planes for the base.
+/// The constraints on u(0..H-1): rates, joint positions, and half-planes for base and arm.
 #[derive(Clone, Debug)]
 pub struct Limits {
     /// Number of inputs that exist.
@@ -18,15 +17,15 @@ pub struct Limits {
     taken: InputVector,
     /// How far the sum of a joint's rates may go down and up, rad/s: the way to the position limits over the period.
     room: [JointVector; 2],
-    /// Where the base may be.
+    /// Where the robot may be.
     pub half_planes: Vec<HalfPlane>,
 }
 
-/// A bound, linear in the wheels' inputs, on where the base is after `step` periods.
+/// A bound, linear in the inputs, on where a point of the robot is after some periods.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfPlane {
-    /// Coefficients of the rim speeds, left and right, a column a step; s.
-    pub coefficients: SMatrix<f64, 2, HORIZON>,
+    /// Coefficients of the inputs, a column a step; s.
+    pub coefficients: Inputs,
     /// The weighted sum must not exceed this, m.
     pub bound: f64,
 }
@@ -39,7 +38,7 @@ pub enum Row {
     /// `sign * (u_input(0) + .. + u_input(step))` is bounded.
     Position { input: usize, step: usize, sign: f64 },
     /// A half-plane, as an index.
-    Base(usize),
+    Place(usize),
 }
 
 impl Limits {
@@ -92,7 +91,7 @@ impl Limits {
         match row {
             Row::Rate { input, step, sign } => self.rate_bound(input, step, sign),
             Row::Position { input, sign, .. } => self.position_bound(input, sign),
-            Row::Base(i) => self.half_planes[i].bound,
+            Row::Place(i) => self.half_planes[i].bound,
         }
     }
 
@@ -119,9 +118,9 @@ impl Limits {
             }
         }
         for (i, plane) in self.half_planes.iter().enumerate() {
-            let excess = plane.coefficients.dot(&u.fixed_rows::<2>(0)) - plane.bound;
+            let excess = plane.coefficients.dot(u) - plane.bound;
             if excess > TOLERANCE {
-                on_violation(Row::Base(i), excess);
+                on_violation(Row::Place(i), excess);
             }
         }
     }
@@ -139,7 +138,7 @@ impl Limits {
         match row {
             Row::Rate { input, step, sign } => a[(input, step)] = sign,
             Row::Position { input, step, sign } => a.row_mut(input).columns_mut(0, step + 1).fill(sign),
-            Row::Base(i) => a.fixed_rows_mut::<2>(0).copy_from(&self.half_planes[i].coefficients),
+            Row::Place(i) => return self.half_planes[i].coefficients,
         }
         a
     }
@@ -149,7 +148,7 @@ impl Limits {
         match row {
             Row::Rate { input, step, sign } => sign * x[(input, step)],
             Row::Position { input, step, sign } => sign * x.row(input).columns(0, step + 1).sum(),
-            Row::Base(i) => self.half_planes[i].coefficients.dot(&x.fixed_rows::<2>(0)),
+            Row::Place(i) => self.half_planes[i].coefficients.dot(x),
         }
     }
 

@@ -19,7 +19,7 @@ pub use closed_form::ClosedForm;
 pub use intent::Intent;
 pub use limits::{HalfPlane, Limits};
 pub use mpc::{Failure, Mpc, Plan, SolveOutcome};
-pub use obstacles::BaseObstacles;
+pub use obstacles::{Avoid, RobotObstacles};
 pub use pose::{PoseChoice, PoseCriterion, PoseOptimiser, PoseProblem, manipulability, motion_cost};
 pub use settings::Settings;
 

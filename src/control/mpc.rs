@@ -215,7 +215,7 @@ impl Mpc {
                 self.dual[i * n + j] = product;
                 self.dual[j * n + i] = product;
             }
-            if let Row::Base(_) = self.rows[i] {
+            if let Row::Place(_) = self.rows[i] {
                 self.dual[i * n + i] += 1.0 / SLACK_PRICE;
             }
         }

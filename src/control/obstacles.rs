@@ -1,35 +1,73 @@
-//! A world's obstacles and the way that the base would take in; half-planes that keep the base off them out.
+//! A world's obstacles and the way that the robot would take in; half-planes that keep base and arm off them out.
 
 use super::limits::{HalfPlane, Limits};
 use super::{HORIZON, Inputs};
 use crate::geometry::{Footprint, PlanarPose, Point, Vector, direction, left_of};
-use crate::robot::Drive;
+use crate::robot::{Configuration, Drive, InputVector, Robot};
 use crate::world::World;
 use nalgebra::SMatrix;
 
-/// The base keeps this much more (m) than its radius away: a bound that is paid for may be overstepped by millimetres.
+/// Base and arm keep this much more (m) than their radius away: a bound that is paid for may be overstepped by millimetres.
 const MARGIN: f64 = 0.01;
 /// Obstacles farther from the base than this (m) at a step set no bound there.
 const FAR: f64 = 0.5;
 
-/// The outlines that the base must keep off.
-#[derive(Clone, Debug)]
-pub struct BaseObstacles {
-    outlines: Vec<Footprint>,
+/// The arm is taken as balls of this radius (m) around its joints.
+const ARM_RADIUS: f64 = 0.08;
+/// Obstacles farther from an arm's joint than this (m) set no bound there, those farther than this from the base none for the whole arm.
+const FAR_FROM_ARM: f64 = 0.25;
+const OUT_OF_REACH: f64 = 2.5;
+
+/// What of the robot is kept out of obstacles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Avoid {
+    /// Nothing: the paper's eq. (7) knows no obstacles.
+    Nothing,
+    /// The base.
+    Base,
+    /// Base and arm.
+    Robot,
 }
 
-impl BaseObstacles {
+/// The outlines that the robot must keep off, with their heights.
+#[derive(Clone, Debug)]
+pub struct RobotObstacles {
+    outlines: Vec<(Footprint, f64)>,
+}
+
+impl RobotObstacles {
     /// Those of a world.
     pub fn new(world: &World) -> Self {
-        Self { outlines: world.obstacles.iter().map(|o| o.footprint.clone()).collect() }
+        Self { outlines: world.obstacles.iter().map(|o| (o.footprint.clone(), o.height)).collect() }
     }
 
-    /// Replaces the half-planes in `limits`: for a base that starts at `base` and would move by `inputs`, the plane that separates it from
-    /// each near obstacle at each step, linear in the inputs about these.
+    /// Replaces the half-planes in `limits`: for a robot that starts at `q` and would move by `inputs`, the plane that separates its base, and
+    /// its arm's joints, from each near obstacle at each step, linear in the inputs about these.
     ///
-    /// With p(t) the base's place after t periods T along `inputs` and n the direction in which the obstacle's distance d grows, the bound is
-    /// n . (p(t) + dp(t)/du (u - inputs)) >= n . p(t) - (d - radius - margin).
+    /// With p(t) a point's place after t periods T along `inputs` and n the direction in which the obstacle's distance d grows, the bound is
+    /// n . (p(t) + dp(t)/du (u - inputs)) >= n . p(t) - (d - radius - margin). The base rolls on arcs; the arm's points move as their
+    /// Jacobians at `q` say.
     pub fn half_planes(
+        &self,
+        avoid: Avoid,
+        robot: &Robot,
+        q: &Configuration,
+        inputs: &Inputs,
+        period: f64,
+        limits: &mut Limits,
+    ) {
+        limits.half_planes.clear();
+        limits.half_planes.reserve(HORIZON * self.outlines.len() * (2 + 2 * robot.joint_count()));
+        if avoid != Avoid::Nothing {
+            self.keep_base_off(&robot.drive, &q.base, inputs, period, limits);
+        }
+        if avoid == Avoid::Robot {
+            self.keep_arm_off(robot, q, inputs, period, limits);
+        }
+    }
+
+    fn keep_base_off(
         &self,
         drive: &Drive,
         base: &PlanarPose,
@@ -37,8 +75,6 @@ impl BaseObstacles {
         period: f64,
         limits: &mut Limits,
     ) {
-        limits.half_planes.clear();
-        limits.half_planes.reserve(HORIZON * self.outlines.len());
         let mut at = *base;
         let mut steps = [Step::default(); HORIZON];
         for t in 0..HORIZON {
@@ -47,23 +83,65 @@ impl BaseObstacles {
             let ahead = direction(at.yaw + turn * period / 2.0);
             steps[t] = Step { ahead, speed: (left + right) / 2.0 };
             at = drive.roll(&at, [left * period, right * period]);
-            for outline in &self.outlines {
+            for (outline, _) in &self.outlines {
                 let (distance, away) = outline.separation(at.position);
                 if distance > drive.base_radius + FAR {
                     continue;
                 }
-                let coefficients = gradient(&steps[..=t], away, drive.track, period) * -1.0;
-                let now = coefficients.dot(&inputs.fixed_rows::<2>(0));
-                limits
-                    .half_planes
-                    .push(HalfPlane { coefficients, bound: now + distance - drive.base_radius - MARGIN });
+                let mut coefficients = Inputs::zeros();
+                let gradient = gradient(&steps[..=t], away, drive.track, period);
+                coefficients.fixed_rows_mut::<2>(0).copy_from(&-gradient);
+                let bound = coefficients.dot(inputs) + distance - drive.base_radius - MARGIN;
+                limits.half_planes.push(HalfPlane { coefficients, bound });
             }
         }
     }
 
+    /// Every second step: an arm does not get past an obstacle between two.
+    fn keep_arm_off(
+        &self,
+        robot: &Robot,
+        q: &Configuration,
+        inputs: &Inputs,
+        period: f64,
+        limits: &mut Limits,
+    ) {
+        let base = q.base.position;
+        robot.arm_points(q, |point, jacobian| {
+            // what is above the base is kept off with it
+            if (point.xy() - base.coords).norm() + ARM_RADIUS <= robot.drive.base_radius {
+                return;
+            }
+            for (outline, height) in &self.outlines {
+                if point.z - ARM_RADIUS > *height || outline.separation(base).0 > OUT_OF_REACH {
+                    continue;
+                }
+                let mut moved = InputVector::zeros();
+                for t in 0..HORIZON {
+                    moved += inputs.column(t);
+                    if t % 2 == 0 {
+                        continue;
+                    }
+                    let at = point + jacobian * moved * period;
+                    let (distance, away) = outline.separation(Point::new(at.x, at.y));
+                    if distance > ARM_RADIUS + FAR_FROM_ARM {
+                        continue;
+                    }
+                    let toward = jacobian.fixed_rows::<2>(0).tr_mul(&away) * -period;
+                    let mut coefficients = Inputs::zeros();
+                    for step in 0..=t {
+                        coefficients.set_column(step, &toward);
+                    }
+                    let bound = toward.dot(&moved) + distance - ARM_RADIUS - MARGIN;
+                    limits.half_planes.push(HalfPlane { coefficients, bound });
+                }
+            }
+        });
+    }
+
     /// Distance (m) between the base and the nearest obstacle, negative where they overlap; infinite without obstacles.
     pub fn clearance(&self, base: Point, radius: f64) -> f64 {
-        self.outlines.iter().map(|o| o.separation(base).0 - radius).fold(f64::INFINITY, f64::min)
+        self.outlines.iter().map(|(o, _)| o.separation(base).0 - radius).fold(f64::INFINITY, f64::min)
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::candidates::{Candidate, candidates};
 use super::limits::Limits;
-use super::obstacles::BaseObstacles;
+use super::obstacles::{Avoid, RobotObstacles};
 use super::{ClosedForm, Mpc, Reference, Settings, SolveOutcome};
 use crate::robot::{Configuration, InputJacobian, Kinematics, MAX_JOINTS, Robot};
 
@@ -66,8 +66,8 @@ pub struct PoseProblem<'a> {
     pub references: &'a [Reference],
     /// The weight of every option: P_o.
     pub weights: &'a [f64],
-    /// What keeps the base off, if anything does.
-    pub obstacles: Option<&'a BaseObstacles>,
+    /// The obstacles, and what is kept out of them.
+    pub obstacles: Option<(&'a RobotObstacles, Avoid)>,
     /// Control period, s.
     pub period: f64,
 }
@@ -162,9 +162,9 @@ impl PoseOptimiser {
                 if *weight <= 0.0 {
                     continue;
                 }
-                if let Some(obstacles) = problem.obstacles {
-                    let (drive, base) = (&problem.robot.drive, &candidate.configuration.base);
-                    obstacles.half_planes(drive, base, &form.inputs(reference), problem.period, limits);
+                if let Some((obstacles, avoid)) = problem.obstacles {
+                    let (q, inputs) = (&candidate.configuration, form.inputs(reference));
+                    obstacles.half_planes(avoid, problem.robot, q, &inputs, problem.period, limits);
                 }
                 let without = self.totals[c] - self.bounds[c * options + o];
                 let plan = mpc.solve_below(form, limits, reference, (best + TIE - without) / weight);

@@ -1,6 +1,6 @@
 //! The weights and choices of eqs. (7) and (8), with the paper's values as defaults.
 
-use super::{CandidateSet, PoseCriterion};
+use super::{Avoid, CandidateSet, PoseCriterion};
 
 /// Everything about the controller but the robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,8 +15,8 @@ pub struct Settings {
     pub candidates: CandidateSet,
     /// What it chooses by.
     pub criterion: PoseCriterion,
-    /// Whether the base is kept out of obstacles. The paper's eq. (7) knows no obstacles.
-    pub obstacles: bool,
+    /// What is kept out of obstacles. The paper's eq. (7) knows none.
+    pub avoid: Avoid,
     /// How sharply a walking direction tells options apart: concentration of a von Mises distribution about an option's direction.
     pub direction_concentration: f64,
 }
@@ -30,7 +30,7 @@ impl Default for Settings {
             pose_weight: 1.0,
             candidates: CandidateSet::Arm,
             criterion: PoseCriterion::Expected,
-            obstacles: true,
+            avoid: Avoid::Robot,
             direction_concentration: 20.0,
         }
     }

@@ -3,8 +3,8 @@
 use super::team::{KinematicTeam, Moved, Onward, PhysicalTeam, Walk};
 use super::tick::{Pursuit, RobotTick};
 use crate::control::{
-    self, BaseObstacles, Candidate, ClosedForm, Intent, Limits, Mpc, PoseCriterion, PoseOptimiser,
-    PoseProblem, Reference,
+    self, Avoid, Candidate, ClosedForm, Intent, Limits, Mpc, PoseCriterion, PoseOptimiser, PoseProblem,
+    Reference, RobotObstacles,
 };
 use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose};
@@ -23,7 +23,7 @@ pub struct Manipulator<'a> {
     /// The controller.
     pub control: control::Settings,
     /// The obstacles of the world.
-    pub obstacles: &'a BaseObstacles,
+    pub obstacles: &'a RobotObstacles,
 }
 
 /// The robot's side of an episode.
@@ -125,7 +125,7 @@ impl<'a> Carrier<'a> {
         let q = *self.configuration();
         let at = robot.kinematics(&q);
         let tracked = self.anticipate(situation, &at.grasp);
-        let near = control.obstacles.then_some(obstacles);
+        let near = (control.avoid != Avoid::Nothing).then_some((obstacles, control.avoid));
         let human = match &self.team {
             Team::Kinematic(team) => team.human,
             Team::Physical(team) => team.human(situation.path),
@@ -163,9 +163,8 @@ impl<'a> Carrier<'a> {
         let input_matrix = robot.kinematics(&target).jacobian * period;
         let free = ClosedForm::new(&input_matrix, control.state_weight, control.input_weight);
         self.limits.set(robot, &target, &rates, period);
-        if let Some(obstacles) = near {
-            let inputs = free.inputs(&to_track);
-            obstacles.half_planes(&robot.drive, &target.base, &inputs, period, &mut self.limits);
+        if let Some((obstacles, avoid)) = near {
+            obstacles.half_planes(avoid, robot, &target, &free.inputs(&to_track), period, &mut self.limits);
         }
         let plan = self.mpc.solve(&free, &self.limits, &to_track);
         self.input = plan.inputs.column(0).into_owned();

@@ -148,13 +148,13 @@ impl PhysicalTeam {
             self.pace = (self.pace + walk.speed * walk.period).min(path.length());
         }
         let goal = self.tandem.pose(path, self.pace);
+        let hand = self.tandem.end(&goal, 1.0);
+        // the body walks on the way, whoever leads: it sees where that goes
+        let body = self.tandem.point(path, self.pace + self.tandem.length() / 2.0 + WALKS_AHEAD);
+        self.plant.face(Some(angle_of(body - hand.position)));
         let command = match mode {
             Mode::RobotLed => HumanCommand::Follow,
-            Mode::HumanLed => {
-                let hand = self.tandem.end(&goal, 1.0).position;
-                let walks_at = self.tandem.point(path, self.pace + self.tandem.length() / 2.0 + WALKS_AHEAD);
-                HumanCommand::Walk { hand: PlanarPose { position: hand, yaw: angle_of(walks_at - hand) } }
-            }
+            Mode::HumanLed => HumanCommand::Walk { hand },
         };
         self.seen = self.plant.step(rates, &command, walk.period);
         let object = object_on_floor(&self.seen.object);
@@ -163,7 +163,7 @@ impl PhysicalTeam {
         Moved {
             along,
             error: pose_difference(&grasp, &self.seen.grasp),
-            physics: Some(PhysicsTick::of(&self.seen)),
+            physics: Some(PhysicsTick::of(&self.seen, self.pace - along)),
         }
     }
 

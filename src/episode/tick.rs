@@ -94,10 +94,12 @@ pub struct PhysicsTick {
     pub obstacle_distance: f64,
     /// Distance between robot and human at the end of the step, m.
     pub human_distance: f64,
+    /// How far ahead of the object who leads means to be at the end of the step, along the way, m.
+    pub pace: f64,
 }
 
 impl PhysicsTick {
-    pub(super) fn of(seen: &Observation) -> Self {
+    pub(super) fn of(seen: &Observation, pace: f64) -> Self {
         let near = &seen.clearances;
         let distance = |c: &Option<Clearance>| c.as_ref().map_or(f64::INFINITY, |c| c.distance);
         Self {
@@ -113,6 +115,7 @@ impl PhysicsTick {
                 .min(distance(&near.object_obstacle))
                 .min(distance(&near.human_obstacle)),
             human_distance: distance(&near.robot_human),
+            pace,
         }
     }
 }

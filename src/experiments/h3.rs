@@ -6,7 +6,7 @@
 
 use super::paper::{BuiltInError, ENVIRONMENTS, Environment, HumanSetting, SETTINGS};
 use super::{OnDone, in_parallel, mean_and_std, paired_p_value};
-use crate::control::{BaseObstacles, CandidateSet, PoseCriterion};
+use crate::control::{Avoid, CandidateSet, PoseCriterion, RobotObstacles};
 use crate::coordination;
 use crate::episode::{ControlSummary, Episode, Manipulator, Outcome, Settings, prospects};
 use crate::options::OptionSet;
@@ -87,8 +87,11 @@ impl PoseMethod {
             Self::UniformWeights => (CandidateSet::Arm, PoseCriterion::Uniform),
             Self::TrackedOption => (CandidateSet::Arm, PoseCriterion::Tracked),
         };
-        let obstacles = matches!(self, Self::WithPoObstacles | Self::WithoutPoObstacles);
-        control::Settings { candidates, criterion, obstacles, ..*settings }
+        let avoid = match self {
+            Self::WithPoObstacles | Self::WithoutPoObstacles => Avoid::Base,
+            _ => Avoid::Nothing,
+        };
+        control::Settings { candidates, criterion, avoid, ..*settings }
     }
 }
 
@@ -171,7 +174,7 @@ impl Study<'_> {
     fn environment(&self, environment: &Environment, on_done: OnDone) -> Result<Vec<Row>, BuiltInError> {
         let world = environment.world()?;
         let options = OptionSet::new(&world, self.episode.predictor.risk_weight())?;
-        let obstacles = BaseObstacles::new(&world);
+        let obstacles = RobotObstacles::new(&world);
         let humans = SETTINGS
             .iter()
             .enumerate()

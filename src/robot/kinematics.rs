@@ -1,6 +1,6 @@
 //! A [`Configuration`] in; the grasp's pose and the whole-body Jacobian out. No allocation.
 
-use super::{Configuration, Drive, InputJacobian, InputVector, MAX_JOINTS, Motion, Robot};
+use super::{Configuration, Drive, InputJacobian, InputVector, MAX_JOINTS, Motion, PointJacobian, Robot};
 use crate::geometry::{PlanarPose, Pose, direction, wrap_angle};
 use nalgebra::{Rotation3, Vector3};
 
@@ -69,6 +69,45 @@ impl Robot {
             jacobian[(5, column)] = turn;
         }
         Kinematics { grasp, jacobian }
+    }
+
+    /// Calls `on_point` for every moving joint of the arm, from the base outward, and at last for the grasp: where it is (m, world frame) and the
+    /// derivative of that with respect to the inputs, a column an input as in [`InputVector`]. No allocation.
+    pub fn arm_points(&self, q: &Configuration, mut on_point: impl FnMut(Vector3<f64>, &PointJacobian)) {
+        let mut axes = [(0, Motion::Revolute, Vector3::zeros(), Vector3::zeros()); 2 * MAX_JOINTS];
+        let ahead = direction(q.base.yaw);
+        let jacobian = |at: &Vector3<f64>, axes: &[(usize, Motion, Vector3<f64>, Vector3<f64>)]| {
+            let mut jacobian = PointJacobian::zeros();
+            for &(column, motion, origin, axis) in axes {
+                let mut linear = jacobian.column_mut(column);
+                linear += match motion {
+                    Motion::Revolute => axis.cross(&(at - origin)),
+                    Motion::Prismatic => axis,
+                };
+            }
+            let lever = at.xy() - q.base.position.coords;
+            for (column, side) in [(0, -1.0), (1, 1.0)] {
+                let turn = side / self.drive.track;
+                jacobian[(0, column)] = ahead.x / 2.0 - lever.y * turn;
+                jacobian[(1, column)] = ahead.y / 2.0 + lever.x * turn;
+            }
+            jacobian
+        };
+        let mut frame = q.base.at_height(0.0);
+        for (i, link) in self.chain.iter().enumerate() {
+            frame *= link.before_from_joint;
+            let at = frame.translation.vector;
+            on_point(at, &jacobian(&at, &axes[..i]));
+            let axis = frame.rotation * link.axis.into_inner();
+            let position = link.ratio * q.joints[link.joint] + link.offset;
+            axes[i] = (link.joint + 2, link.motion, at, axis * link.ratio);
+            match link.motion {
+                Motion::Revolute => frame.rotation *= Rotation3::from_axis_angle(&link.axis, position),
+                Motion::Prismatic => frame.translation.vector += axis * position,
+            }
+        }
+        let at = (frame * self.last_from_grasp).translation.vector;
+        on_point(at, &jacobian(&at, &axes[..self.chain.len()]));
     }
 
     /// The configuration after `seconds` of constant input: wheels without sideways motion on an exact arc, joints at constant rates.

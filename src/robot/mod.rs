@@ -37,6 +37,9 @@ pub type InputVector = SVector<f64, MAX_INPUTS>;
 /// [`InputVector`], those beyond are 0.
 pub type InputJacobian = SMatrix<f64, 6, MAX_INPUTS>;
 
+/// d(a point's velocity) / du, world axes: columns as in [`InputJacobian`].
+pub type PointJacobian = SMatrix<f64, 3, MAX_INPUTS>;
+
 /// A mobile manipulator on two driven wheels.
 #[derive(Clone, Debug)]
 pub struct Robot {

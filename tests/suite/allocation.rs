@@ -1,7 +1,7 @@
 //! A control tick allocates nothing once it is warm.
 
 use crate::support::{load, repository};
-use cocarry::control::{self, BaseObstacles, SolveOutcome};
+use cocarry::control::{self, RobotObstacles, SolveOutcome};
 use cocarry::coordination::Method;
 use cocarry::episode::{Episode, Manipulator, Settings};
 use cocarry::experiments::paper::EXAMPLE_HUMAN;
@@ -14,7 +14,7 @@ const WARM: u64 = 60;
 fn a_warm_control_tick_allocates_nothing() {
     let robot = Robot::built_in().expect("the built-in robot");
     let (world, options) = load(&repository("worlds/environment-4.toml"));
-    let obstacles = BaseObstacles::new(&world);
+    let obstacles = RobotObstacles::new(&world);
     for method in [Method::HumanLed, Method::RobotLed] {
         let settings = Settings { method, ..Settings::default() };
         let posture = robot.postures[0].joints;

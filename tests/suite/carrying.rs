@@ -1,7 +1,7 @@
 //! Whole episodes with a robot: what must hold of every step.
 
 use crate::support::{cocarry, json, load, repository, stderr, stdout};
-use cocarry::control::{self, BaseObstacles, CandidateSet, PoseCriterion, SolveOutcome};
+use cocarry::control::{self, Avoid, CandidateSet, PoseCriterion, RobotObstacles, SolveOutcome};
 use cocarry::coordination::{Method, Mode};
 use cocarry::episode::{Episode, Manipulator, Outcome, Settings, Summary, Tick};
 use cocarry::experiments::paper::EXAMPLE_HUMAN;
@@ -9,7 +9,7 @@ use cocarry::robot::Robot;
 
 fn carry(world: &str, method: Method, control: control::Settings, robot: &Robot) -> (Summary, Vec<Tick>) {
     let (world, options) = load(&repository(world));
-    let obstacles = BaseObstacles::new(&world);
+    let obstacles = RobotObstacles::new(&world);
     let settings = Settings { method, ..Settings::default() };
     let posture = robot.postures[0].joints;
     let manipulator = Manipulator { robot, posture, control, obstacles: &obstacles };
@@ -101,15 +101,15 @@ fn a_robot_that_leads_follows_the_path_it_chose() {
 #[test]
 fn obstacles_in_the_mpc_keep_the_base_clear() {
     let robot = carrier();
-    let with = |obstacles| {
-        let control = control::Settings { obstacles, ..control::Settings::default() };
+    let with = |avoid| {
+        let control = control::Settings { avoid, ..control::Settings::default() };
         let (_, ticks) = carry("worlds/environment-2.toml", Method::HumanLed, control, &robot);
         let limited =
             ticks.iter().filter(|t| t.robot.unwrap().outcome != SolveOutcome::Unconstrained).count();
         (ticks.iter().map(|t| t.robot.unwrap().base_clearance).fold(f64::INFINITY, f64::min), limited)
     };
-    let (without, _) = with(false);
-    let (kept, limited) = with(true);
+    let (without, _) = with(Avoid::Nothing);
+    let (kept, limited) = with(Avoid::Base);
     assert!(without < 0.0, "the base overlaps an obstacle by itself: {without}");
     assert!(kept > -0.002 && limited > 0, "{kept} m, {limited} steps");
 }
@@ -118,7 +118,7 @@ fn obstacles_in_the_mpc_keep_the_base_clear() {
 fn the_criterion_decides_the_pose() {
     let robot = carrier();
     let cost = |criterion| {
-        let control = control::Settings { criterion, obstacles: false, ..control::Settings::default() };
+        let control = control::Settings { criterion, avoid: Avoid::Nothing, ..control::Settings::default() };
         let (summary, _) = carry("worlds/environment-3.toml", Method::HumanLed, control, &robot);
         summary.control.unwrap().cost()
     };

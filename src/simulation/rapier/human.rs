@@ -26,6 +26,8 @@ const COMFORTABLE_STRETCH: f64 = 0.05;
 /// How quickly an error of position is made up, 1/s, and one of velocity, 1/s. Together they do not overshoot.
 const POSITION_GAIN: f64 = 6.0;
 const VELOCITY_GAIN: f64 = 40.0;
+/// How quickly the body turns to where it is to face, 1/s.
+const BODY_GAIN: f64 = 10.0;
 /// Limits of turning: rad/s and rad/s^2.
 const TURN_LIMIT: f64 = 2.0;
 const TURN_ACCELERATION_LIMIT: f64 = 8.0;
@@ -58,6 +60,9 @@ pub(super) struct Walker {
     pace: Option<Pace>,
     /// The robot's velocity and turning, as a follower has taken them up.
     led: (Vector, f64),
+    /// Which way the body faces, and which way it turns to; none: the hand's. rad.
+    facing: f64,
+    turns_to: Option<f64>,
     sway: Sway,
 }
 
@@ -92,6 +97,8 @@ impl Walker {
             yaw_rate: 0.0,
             pace: None,
             led: (Vector::zeros(), 0.0),
+            facing: at.yaw,
+            turns_to: None,
             sway,
         }
     }
@@ -111,11 +118,16 @@ impl Walker {
 
     /// The middle of the torso, `ahead` of the hand and `height` above the floor (m).
     pub fn torso(&self, ahead: f64, height: f64) -> Pose {
-        let position = self.at.position + direction(self.at.yaw) * ahead;
+        let position = self.at.position + direction(self.facing) * ahead;
         Pose::from_parts(
             Vector3::new(position.x, position.y, height).into(),
-            Rotation3::from_axis_angle(&Vector3::z_axis(), self.at.yaw),
+            Rotation3::from_axis_angle(&Vector3::z_axis(), self.facing),
         )
+    }
+
+    /// From here on the body turns to face that way (rad), walking ahead of the hand there; with `None`, the way that the hand heads.
+    pub fn face(&mut self, yaw: Option<f64>) {
+        self.turns_to = yaw;
     }
 
     /// A control period (s) begins.
@@ -152,6 +164,8 @@ impl Walker {
             }
         };
         self.approach(goal, velocity, yaw_rate, dt);
+        let turn = wrap_angle(self.turns_to.unwrap_or(self.at.yaw) - self.facing);
+        self.facing += (turn * BODY_GAIN).clamp(-TURN_LIMIT, TURN_LIMIT) * dt;
         self.sway.step(&self.settings, self.velocity.norm(), dt);
     }
 

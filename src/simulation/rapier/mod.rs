@@ -126,6 +126,12 @@ impl PhysicalPlant {
         self.observe()
     }
 
+    /// From here on the human's body turns to face that way (rad) and walks ahead of the hand there: one looks where one goes. With `None`,
+    /// the way that the hand heads.
+    pub fn face(&mut self, yaw: Option<f64>) {
+        self.human.face(yaw.filter(|yaw| yaw.is_finite()));
+    }
+
     /// What there is to see now; forces, contacts, work and jerk are those of the last period.
     pub fn observe(&self) -> Observation {
         let measured = self.robot.measure(&self.world);
