@@ -248,7 +248,7 @@ fn tick_times(environment: usize, share: f64) -> (Vec<Duration>, usize) {
                 break;
             }
             let robot = episode.tick().robot.expect("a robot");
-            let in_pose = robot.pursuit.is_some_and(|p| p.constrained > 0);
+            let in_pose = robot.preparation.is_some_and(|p| p.constrained > 0);
             limited += usize::from(in_pose || robot.outcome != SolveOutcome::Unconstrained);
             times.push(took);
         }

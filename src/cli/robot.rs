@@ -26,6 +26,9 @@ pub(super) struct RobotArguments {
     /// What pose optimisation chooses by [default: expected]
     #[arg(long, value_enum, value_name = "CRITERION")]
     pose_criterion: Option<CriterionArgument>,
+    /// Optimise the pose also while the robot leads, for its own way; the paper does so only while it follows
+    #[arg(long)]
+    prepare_while_leading: bool,
     /// Leave obstacles out of the robot's MPC, as the paper does
     #[arg(long)]
     no_obstacles: bool,
@@ -85,6 +88,7 @@ impl RobotArguments {
                 ("--pose", self.pose.is_some()),
                 ("--pose-criterion", self.pose_criterion.is_some()),
                 ("--no-obstacles", self.no_obstacles),
+                ("--prepare-while-leading", self.prepare_while_leading),
                 ("--sway", self.sway.is_some()),
             ];
             return match given.iter().find(|(_, is_given)| *is_given) {
@@ -124,6 +128,7 @@ impl RobotArguments {
                 CriterionArgument::Tracked => PoseCriterion::Tracked,
                 CriterionArgument::Manipulability => PoseCriterion::Manipulability,
             },
+            prepare_while_leading: self.prepare_while_leading,
             avoid: if self.no_obstacles { Avoid::Nothing } else { Avoid::Robot },
             ..control::Settings::default()
         };

@@ -86,7 +86,7 @@ fn columns(tick: &Tick, names: &Names) -> Vec<(String, Value)> {
 /// The values of the robot in a tick, in the order of the columns; null where there is none: what follows a human while the robot leads, and
 /// the distance to obstacles where there are none.
 fn robot_columns(robot: &RobotTick, names: &Names) -> Vec<(String, Value)> {
-    let pursuit = robot.pursuit;
+    let preparation = robot.preparation;
     let (base, human) = (robot.configuration.base, robot.human);
     let outcome = match robot.outcome {
         SolveOutcome::Unconstrained => "unconstrained",
@@ -106,10 +106,10 @@ fn robot_columns(robot: &RobotTick, names: &Names) -> Vec<(String, Value)> {
         ("base_y_m", json!(base.position.y)),
         ("base_yaw_deg", json!(base.yaw.to_degrees())),
         ("base_clearance_m", json!(robot.base_clearance)),
-        ("tracked", json!(pursuit.map(|p| names.option(p.tracked)))),
-        ("pose_candidate", json!(pursuit.map(|p| p.candidate))),
-        ("pose_candidates", json!(pursuit.map(|p| p.candidates))),
-        ("pose_constrained_problems", json!(pursuit.map(|p| p.constrained))),
+        ("tracked", json!(preparation.and_then(|p| p.tracked).map(|o| names.option(o)))),
+        ("pose_candidate", json!(preparation.map(|p| p.candidate))),
+        ("pose_candidates", json!(preparation.map(|p| p.candidates))),
+        ("pose_constrained_problems", json!(preparation.map(|p| p.constrained))),
         ("mpc_outcome", json!(outcome)),
         ("mpc_active_limits", json!(active)),
         ("least_singular_value", json!(robot.least_singular_value)),

@@ -13,9 +13,9 @@ const MARGIN: f64 = 0.01;
 const FAR: f64 = 0.5;
 
 /// The arm is taken as balls of this radius (m) around its joints.
-const ARM_RADIUS: f64 = 0.08;
+const ARM_RADIUS: f64 = 0.1;
 /// Obstacles farther from an arm's joint than this (m) set no bound there, those farther than this from the base none for the whole arm.
-const FAR_FROM_ARM: f64 = 0.25;
+const FAR_FROM_ARM: f64 = 0.3;
 const OUT_OF_REACH: f64 = 2.5;
 
 /// What of the robot is kept out of obstacles.

@@ -15,6 +15,8 @@ pub struct Settings {
     pub candidates: CandidateSet,
     /// What it chooses by.
     pub criterion: PoseCriterion,
+    /// Whether eq. (8) also chooses the configuration while the robot leads, for the way that it leads on. The paper's does not.
+    pub prepare_while_leading: bool,
     /// What is kept out of obstacles. The paper's eq. (7) knows none.
     pub avoid: Avoid,
     /// How sharply a walking direction tells options apart: concentration of a von Mises distribution about an option's direction.
@@ -30,6 +32,7 @@ impl Default for Settings {
             pose_weight: 1.0,
             candidates: CandidateSet::Arm,
             criterion: PoseCriterion::Expected,
+            prepare_while_leading: false,
             avoid: Avoid::Robot,
             direction_concentration: 20.0,
         }

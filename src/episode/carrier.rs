@@ -1,7 +1,7 @@
 //! A manipulator that holds its end of the object: what it does in each step of the loop.
 
 use super::team::{KinematicTeam, Moved, Onward, PhysicalTeam, Walk};
-use super::tick::{Pursuit, RobotTick};
+use super::tick::{Preparation, RobotTick};
 use crate::control::{
     self, Avoid, Candidate, ClosedForm, Intent, Limits, Mpc, PoseCriterion, PoseOptimiser, PoseProblem,
     Reference, RobotObstacles,
@@ -131,34 +131,37 @@ impl<'a> Carrier<'a> {
             Team::Physical(team) => team.human(situation.path),
         };
         let mut tick = RobotTick::at(&q, human);
+        if tracked.is_none() {
+            // the robot knows its own way
+            let onward = Onward { path: situation.path, along: situation.along, turn: None };
+            let way = self.reference(&onward, self.walk.speed, situation.mode, &at.grasp);
+            self.references.clear();
+            self.references.push(way);
+            self.weights.clear();
+            self.weights.push(1.0);
+        }
+        let to_track = self.references[tracked.unwrap_or(0)];
         self.target = Candidate { configuration: q, rates: InputVector::zeros() };
-        let to_track = match tracked {
-            None => {
-                let onward = Onward { path: situation.path, along: situation.along, turn: None };
-                self.reference(&onward, self.walk.speed, situation.mode, &at.grasp)
-            }
-            Some(option) => {
-                let problem = PoseProblem {
-                    robot,
-                    configuration: &q,
-                    kinematics: &at,
-                    references: &self.references,
-                    weights: &self.weights,
-                    obstacles: near,
-                    period,
-                };
-                let chosen = self.poses.choose(&problem, &control, &mut self.limits, &mut self.mpc);
-                tick.pursuit = Some(Pursuit {
-                    tracked: option,
-                    candidate: chosen.index,
-                    candidates: chosen.candidates,
-                    constrained: chosen.solved,
-                });
-                tick.pose_cost = chosen.motion_cost;
-                self.target = chosen.candidate;
-                self.references[option]
-            }
-        };
+        if tracked.is_some() || control.prepare_while_leading {
+            let problem = PoseProblem {
+                robot,
+                configuration: &q,
+                kinematics: &at,
+                references: &self.references,
+                weights: &self.weights,
+                obstacles: near,
+                period,
+            };
+            let chosen = self.poses.choose(&problem, &control, &mut self.limits, &mut self.mpc);
+            tick.preparation = Some(Preparation {
+                tracked,
+                candidate: chosen.index,
+                candidates: chosen.candidates,
+                constrained: chosen.solved,
+            });
+            tick.pose_cost = chosen.motion_cost;
+            self.target = chosen.candidate;
+        }
         let Candidate { configuration: target, rates } = self.target;
         let input_matrix = robot.kinematics(&target).jacobian * period;
         let free = ClosedForm::new(&input_matrix, control.state_weight, control.input_weight);

@@ -13,7 +13,7 @@ mod tick;
 pub use carrier::Manipulator;
 pub use outcome::{ControlSummary, InteractionSummary, Outcome, Summary, Transition};
 pub use settings::Settings;
-pub use tick::{OptionTick, PhysicsTick, Pursuit, RobotTick, Tick};
+pub use tick::{OptionTick, PhysicsTick, Preparation, RobotTick, Tick};
 
 use carrier::{Carrier, Situation};
 use team::{PhysicalTeam, Walk};

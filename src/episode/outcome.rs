@@ -179,7 +179,7 @@ impl ControlSummary {
             SolveOutcome::Constrained { .. } => self.constrained_steps += 1,
             SolveOutcome::Fallback(_) => self.fallback_steps += 1,
         }
-        self.pose_changes += u64::from(tick.pursuit.is_some_and(|p| p.candidate != 0));
+        self.pose_changes += u64::from(tick.preparation.is_some_and(|p| p.candidate != 0));
         self.overlapping_steps += u64::from(tick.base_clearance < 0.0);
         self.least_clearance = self.least_clearance.min(tick.base_clearance);
     }

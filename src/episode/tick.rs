@@ -46,8 +46,8 @@ pub struct RobotTick {
     pub configuration: Configuration,
     /// s: where the human is at the beginning of the step, as the pose that the grasp should have.
     pub human: PlanarPose,
-    /// What it does to follow, while the human leads.
-    pub pursuit: Option<Pursuit>,
+    /// The pose that it prepared: while the human leads, or always if it is told so.
+    pub preparation: Option<Preparation>,
     /// u: rim speeds, m/s, and joint rates, rad/s (prismatic: m/s).
     pub input: InputVector,
     /// How eq. (7) was solved.
@@ -120,11 +120,11 @@ impl PhysicsTick {
     }
 }
 
-/// How the robot follows the human in one planning step.
+/// How the robot prepared itself in one planning step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Pursuit {
-    /// The option that it takes the human to be on.
-    pub tracked: usize,
+pub struct Preparation {
+    /// The option that it takes the human to be on; none while it leads.
+    pub tracked: Option<usize>,
     /// The configuration that eq. (8) chose; 0 is the one it was in.
     pub candidate: usize,
     /// |Q|.
@@ -143,7 +143,7 @@ impl RobotTick {
         Self {
             configuration: *configuration,
             human,
-            pursuit: None,
+            preparation: None,
             input: InputVector::zeros(),
             outcome: SolveOutcome::Unconstrained,
             least_singular_value: 0.0,

@@ -31,7 +31,7 @@ fn a_warm_control_tick_allocates_nothing() {
             let tick = episode.tick();
             let robot = tick.robot.expect("a robot");
             let free = robot.outcome == SolveOutcome::Unconstrained
-                && robot.pursuit.is_none_or(|p| p.constrained == 0);
+                && robot.preparation.is_none_or(|p| p.constrained == 0);
             if tick.step > WARM && free {
                 assert_eq!(allocated.count_total, 0, "{method:?}, step {}", tick.step);
                 looked_at += 1;

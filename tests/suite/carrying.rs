@@ -39,7 +39,7 @@ fn property_every_step_of_the_robot_keeps_its_limits_and_its_books() {
             assert_eq!(control.fallback_steps, 0);
             for pair in ticks.windows(2) {
                 let (now, next) = (pair[0].robot.unwrap(), pair[1].robot.unwrap());
-                assert_eq!(now.pursuit.is_some(), pair[0].mode == Mode::HumanLed);
+                assert_eq!(now.preparation.is_some(), pair[0].mode == Mode::HumanLed);
                 assert!(set != CandidateSet::None || now.pose_cost == 0.0);
                 for (i, joint) in robot.joints.iter().enumerate() {
                     // pose change and input together
@@ -132,7 +132,7 @@ fn another_robot_carries_too() {
     let (summary, ticks) = carry("worlds/environment-4.toml", Method::HumanLed, control, &robot);
     assert_eq!(summary.outcome, Outcome::Arrived);
     assert!(summary.control.unwrap().error_rms(summary.steps) < 0.05, "{:?}", summary.control);
-    assert!(ticks.iter().any(|t| t.robot.unwrap().pursuit.is_some_and(|p| p.candidate != 0)));
+    assert!(ticks.iter().any(|t| t.robot.unwrap().preparation.is_some_and(|p| p.candidate != 0)));
 }
 
 #[test]

@@ -359,3 +359,33 @@ fn meshes_are_found_beside_the_urdf_and_in_packages() {
         assert_eq!(file.file_name(), Path::new(mesh).file_name());
     }
 }
+
+/// The points that obstacles are kept off: where the links' frames are, and how these move.
+#[test]
+fn property_the_arms_points_and_their_jacobians_agree_with_finite_differences() {
+    let six = Robot::load(&repository("tests/fixtures/robots/six.toml")).unwrap_or_else(|e| panic!("{e}"));
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    for robot in [Robot::built_in().unwrap_or_else(|e| panic!("{e}")), six] {
+        for _ in 0..50 {
+            let q = random_configuration(&robot, &mut rng);
+            let points = |q: &Configuration| {
+                let mut found = Vec::new();
+                robot.arm_points(q, |point, jacobian| found.push((point, *jacobian)));
+                found
+            };
+            let here = points(&q);
+            let grasp = robot.grasp_pose(&q).translation.vector;
+            assert!((here.last().expect("the grasp").0 - grasp).norm() < 1e-12);
+            for input in 0..robot.joint_count() + 2 {
+                let mut u = InputVector::zeros();
+                u[input] = 1.0;
+                let step = 1e-6;
+                let (ahead, behind) = (robot.advance(&q, &u, step), robot.advance(&q, &-u, step));
+                for ((here, ahead), behind) in here.iter().zip(points(&ahead)).zip(points(&behind)) {
+                    let slope = (ahead.0 - behind.0) / (2.0 * step);
+                    assert!((slope - here.1.column(input)).norm() < 1e-6, "input {input}");
+                }
+            }
+        }
+    }
+}
