@@ -13,7 +13,7 @@
 //! experiments    one file per claim or table of the paper
 //! drawing        maps and curves as SVG
 //! episode        THE LOOP: observe, evaluate, predict, accumulate, decide, choose, prepare, control, walk
-//! simulation     what the controller acts on
+//! simulation     what the controller acts on: exact kinematics, or bodies with dynamics and contacts
 //! control        MPC, pose optimisation, the human's intent
 //! coordination   stubbornness phi(k), the mode, the robot's choice
 //! preference     perception of risk and distance, P_o, expected subjective cost

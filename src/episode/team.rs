@@ -149,9 +149,7 @@ impl PhysicalTeam {
         }
         let goal = self.tandem.pose(path, self.pace);
         let hand = self.tandem.end(&goal, 1.0);
-        // the body walks on the way, whoever leads: it sees where that goes
-        let body = self.tandem.point(path, self.pace + self.tandem.length() / 2.0 + WALKS_AHEAD);
-        self.plant.face(Some(angle_of(body - hand.position)));
+        self.plant.face(Some(angle_of(self.body(path, hand.position) - hand.position)));
         let command = match mode {
             Mode::RobotLed => HumanCommand::Follow,
             Mode::HumanLed => HumanCommand::Walk { hand },
@@ -165,6 +163,15 @@ impl PhysicalTeam {
             error: pose_difference(&grasp, &self.seen.grasp),
             physics: Some(PhysicsTick::of(&self.seen, self.pace - along)),
         }
+    }
+
+    /// Where the human's body walks: on the way, whoever leads, since it sees where that goes; as far from the hand as it is.
+    fn body(&self, path: &Path, hand: Point) -> Point {
+        const STEP: f64 = 0.02;
+        let front = self.pace + self.tandem.length() / 2.0;
+        let mut ahead = (0..50).map(|i| self.tandem.point(path, front + STEP * f64::from(i)));
+        let far_enough = ahead.find(|point| (point - hand).norm() >= WALKS_AHEAD);
+        far_enough.unwrap_or_else(|| self.tandem.point(path, front + WALKS_AHEAD))
     }
 
     /// The path under way is left `along` (m) on it for another that begins there.

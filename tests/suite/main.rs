@@ -9,6 +9,7 @@ mod closed_loop;
 mod command_line;
 mod determinism;
 mod floors;
+mod physical_carrying;
 mod physics;
 mod readme;
 mod robots;

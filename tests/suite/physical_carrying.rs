@@ -1,0 +1,137 @@
+//! Whole episodes on the physical plant.
+
+use crate::support::{cocarry, json, load, repository, stderr, stdout};
+use cocarry::control::{self, RobotObstacles};
+use cocarry::coordination::{Method, Mode};
+use cocarry::episode::{Episode, Manipulator, Outcome, Settings, Summary, Tick};
+use cocarry::experiments::paper::EXAMPLE_HUMAN;
+use cocarry::robot::Robot;
+use cocarry::simulation::{Party, PhysicsSettings};
+
+fn steady() -> PhysicsSettings {
+    let settings = PhysicsSettings::default();
+    PhysicsSettings { human: settings.human.steady(), ..settings }
+}
+
+fn carry(world: &str, method: Method, physics: Option<PhysicsSettings>) -> (Summary, Vec<Tick>) {
+    let robot = Robot::built_in().expect("the built-in robot");
+    let (world, options) = load(&repository(world));
+    let obstacles = RobotObstacles::new(&world);
+    let settings = Settings { method, ..Settings::default() };
+    let posture = robot.postures[0].joints;
+    let control = control::Settings::default();
+    let manipulator = Manipulator { robot: &robot, posture, control, obstacles: &obstacles };
+    let episode = Episode::new(&options, &settings, EXAMPLE_HUMAN);
+    let mut episode = match &physics {
+        None => episode.with_robot(manipulator),
+        Some(physics) => {
+            episode.with_physics(manipulator, &world, physics, 1).unwrap_or_else(|e| panic!("{e}"))
+        }
+    };
+    let mut ticks = Vec::new();
+    while episode.step().is_none() {
+        ticks.push(episode.tick().clone());
+    }
+    (episode.summary().clone(), ticks)
+}
+
+/// With a steady human, physics changes how the team gets there, not where it goes.
+#[test]
+fn without_sway_the_episode_is_the_kinematic_plants() {
+    for world in ["worlds/environment-1.toml", "worlds/environment-3.toml", "worlds/environment-4.toml"] {
+        for method in [Method::Mutual, Method::WithoutModel] {
+            let (physical, _) = carry(world, method, Some(steady()));
+            let (kinematic, _) = carry(world, method, None);
+            assert_eq!(physical.outcome, Outcome::Arrived, "{world}: {:?}", physical.collision);
+            assert_eq!(physical.last_option, kinematic.last_option, "{world}");
+            let ratio = physical.accumulated_cost / kinematic.accumulated_cost;
+            assert!((ratio - 1.0).abs() < 0.05, "{world}: {ratio}");
+            match (physical.transition, kinematic.transition) {
+                (Some(a), Some(b)) => assert!(a.step.abs_diff(b.step) <= 3, "{world}: {a:?} {b:?}"),
+                (a, b) => assert_eq!(a, b, "{world}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn property_the_team_stays_together_on_its_way() {
+    let (summary, ticks) =
+        carry("worlds/environment-4.toml", Method::HumanLed, Some(PhysicsSettings::default()));
+    assert_eq!(summary.outcome, Outcome::Arrived);
+    for tick in &ticks {
+        let physics = tick.robot.expect("a robot").physics.expect("physics");
+        assert_eq!(tick.mode, Mode::HumanLed);
+        assert!((physics.object.position - tick.position).norm() < 0.6, "step {}", tick.step);
+        assert!(physics.hand_force > 10.0, "the human carries a part of the weight");
+        assert!(physics.obstacle_distance > 0.0 && physics.human_distance > 0.0);
+        assert!(physics.stretch[0] < 0.03, "the gripper holds: {:?}", physics.stretch);
+    }
+    for pair in ticks.windows(2) {
+        let moved = (pair[1].position - pair[0].position).norm();
+        assert!(moved < 0.25, "step {}: {moved} m", pair[0].step);
+    }
+    let interaction = summary.interaction.expect("physics");
+    assert_eq!(interaction.steps, summary.steps);
+    assert!(interaction.rms_force() < 25.0, "{} N", interaction.rms_force());
+    assert!(interaction.work[0] + interaction.work[1] > 0.0, "friction and acceleration cost work");
+}
+
+#[test]
+fn two_runs_give_the_same_bits() {
+    let arguments = ["run", "environment-3", "--plant", "rapier", "--seed", "9", "--json"];
+    assert_eq!(stdout(&cocarry(&arguments)), stdout(&cocarry(&arguments)));
+    // as text: what was not evaluated is NaN
+    let run = || {
+        format!("{:?}", carry("worlds/environment-4.toml", Method::Mutual, Some(PhysicsSettings::default())))
+    };
+    assert!(run() == run(), "the ticks differ");
+}
+
+#[test]
+fn the_gait_depends_on_the_seed_and_its_size() {
+    let cost = |arguments: &[&str]| {
+        let common = ["run", "--plant", "rapier", "--alpha", "0.7", "--gamma", "0.8", "--json"];
+        json(&[&common[..], arguments].concat())["control"]["cost"].as_f64().expect("a cost")
+    };
+    assert_ne!(cost(&["--seed", "1"]), cost(&["--seed", "2"]));
+    assert_eq!(cost(&["--seed", "1", "--sway", "0"]), cost(&["--seed", "2", "--sway", "0"]));
+}
+
+/// Environment 2's walls leave no room for an arm that reaches round their corners: see the README.
+#[test]
+fn a_collision_ends_the_episode_and_is_told() {
+    let arguments = ["run", "environment-2", "--plant", "rapier", "--seed", "1"];
+    let output = cocarry(&arguments);
+    assert_eq!(output.status.code(), Some(3));
+    let said = stdout(&output);
+    assert!(said.contains("touched wall-") && said.contains("did not arrive: collided"), "{said}");
+    let (summary, ticks) = carry("worlds/environment-2.toml", Method::Mutual, Some(steady()));
+    assert_eq!(summary.outcome, Outcome::Collided);
+    let contact = summary.collision.expect("a contact");
+    assert_eq!(contact.between[1].party, Party::Obstacle);
+    assert_eq!(summary.steps as usize, ticks.len());
+}
+
+#[test]
+fn a_world_without_room_for_the_team_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("narrow.toml");
+    let text = std::fs::read_to_string(repository("worlds/environment-4.toml")).unwrap();
+    let behind = "\n[[obstacle]]\nname = \"behind\"\nshape = \"cylinder\"\ncenter_m = [-1.4, 1.0]\nradius_m = 1.0\nheight_m = 1.0\n";
+    std::fs::write(&file, text + behind).unwrap();
+    let output = cocarry(&["run", file.to_str().unwrap(), "--plant", "rapier"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = stderr(&output);
+    assert!(said.contains("narrow.toml") && said.contains("`behind`"), "{said}");
+}
+
+#[test]
+fn sway_is_for_the_physical_plant() {
+    let output = cocarry(&["run", "--sway", "0.02"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("--plant rapier"));
+    let output = cocarry(&["run", "--plant", "rapier", "--sway", "2"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("from 0 to 0.1"));
+}
