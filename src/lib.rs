@@ -47,7 +47,7 @@
 //! | u, B(q), eq. (7) | [`robot::InputVector`], the period times [`robot::Kinematics::jacobian`] | m/s and rad/s, s |
 //! | H, Q, R, kappa | [`control::HORIZON`], [`control::Settings`] | - |
 //! | G_o, eq. (7) | [`control::Plan::cost`] | - |
-//! | Q (candidates), q*, eq. (8) | [`control::candidates`], [`control::PoseOptimiser`] | - |
+//! | Q (candidates), q*, eq. (8) | [`control::Neighbourhood::candidates`], [`control::PoseOptimiser`] | - |
 //! | C (Sec. V-C) | [`episode::ControlSummary::cost`] | - |
 //! | k | [`episode::Tick::step`], one control period of 0.2 s | - |
 //!

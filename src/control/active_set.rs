@@ -162,6 +162,7 @@ pub fn slack(d: &[f64], c: &[f64], multipliers: &[f64], i: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::qp::Qp;
     use super::*;
     use rand::RngExt;
     use rand_chacha::ChaCha8Rng;
@@ -184,6 +185,12 @@ mod tests {
             let mut multipliers = Vec::new();
             let mut positive: Vec<bool> = (0..n).map(|_| rng.random_range(0..2) == 0).collect();
             assert!(ActiveSet::default().minimise(&d, &c, &mut positive, &mut multipliers));
+            let mut slow = Vec::new();
+            if c.iter().any(|c| *c > 0.0) {
+                assert!(Qp::default().minimise(&d, &c, &mut slow));
+                let largest = slow.iter().zip(&multipliers).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                assert!(largest < 1e-5, "{largest} from the interior point's");
+            }
             for (i, m) in multipliers.iter().enumerate() {
                 let slack = slack(&d, &c, &multipliers, i);
                 assert!(*m >= 0.0 && slack >= -1e-9 && (m * slack).abs() < 1e-9, "{m} {slack}");

@@ -32,104 +32,100 @@ const CLOSED: f64 = 1e-9;
 /// Below this, a direction of self-motion is none.
 const DEGENERATE: f64 = 1e-6;
 
-/// The candidates from configuration `q` of a robot with these limits, reachable in one `period` (s): `q` itself first, then steps outward on
-/// alternating sides. A side on which a joint limit leaves no room has none.
-///
-/// With one direction of self-motion (the arm of seven joints), seven equal steps to either side along it, up to the rate limits; with more,
-/// the seven are dealt to the directions in turn. The steps follow the direction at `q`, and Newton's iteration returns the grasp to its pose.
-pub fn candidates(
-    robot: &Robot,
-    limits: &Limits,
-    q: &Configuration,
-    at: &Kinematics,
-    set: CandidateSet,
-    period: f64,
-    found: &mut Vec<Candidate>,
-) {
-    found.clear();
-    found.push(Candidate { configuration: *q, rates: InputVector::zeros() });
-    let arm_only = match set {
-        CandidateSet::None => return,
-        CandidateSet::Arm => true,
-        CandidateSet::WholeBody => false,
-    };
-    let basis = self_motions(robot, &at.jacobian, arm_only);
-    for (d, direction) in basis.directions().enumerate() {
-        let levels = (PER_SIDE + basis.count - 1 - d) / basis.count;
-        for side in [1.0, -1.0] {
-            let outward = direction * side;
-            let mut reach = reach(robot, limits, q, &outward, period);
-            for _ in 0..4 {
-                let last = found.len();
-                let excess = side_of(robot, limits, q, at, &(outward * reach), levels, period, found);
-                if excess <= 1.0 {
-                    break;
+/// Where candidates are looked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Neighbourhood<'a> {
+    /// The robot.
+    pub robot: &'a Robot,
+    /// The present configuration, q_c.
+    pub configuration: &'a Configuration,
+    /// Its kinematics there.
+    pub kinematics: &'a Kinematics,
+    /// The robot's rate limits.
+    pub limits: &'a Limits,
+    /// Control period, s.
+    pub period: f64,
+}
+
+impl Neighbourhood<'_> {
+    /// The candidates that can be reached in one period, into `found`: the present configuration first, then steps outward on alternating
+    /// sides. A side on which a joint limit leaves no room has none.
+    ///
+    /// With one direction of self-motion (the arm of seven joints), seven equal steps to either side along it, up to the rate limits; with
+    /// more, the seven are dealt to the directions in turn. The steps follow the direction at the present configuration, and Newton's
+    /// iteration returns the grasp to its pose.
+    pub fn candidates(&self, set: CandidateSet, found: &mut Vec<Candidate>) {
+        found.clear();
+        found.push(Candidate { configuration: *self.configuration, rates: InputVector::zeros() });
+        let arm_only = match set {
+            CandidateSet::None => return,
+            CandidateSet::Arm => true,
+            CandidateSet::WholeBody => false,
+        };
+        let basis = self_motions(self.robot, &self.kinematics.jacobian, arm_only);
+        for (d, direction) in basis.directions().enumerate() {
+            let levels = (PER_SIDE + basis.count - 1 - d) / basis.count;
+            for side in [1.0, -1.0] {
+                let outward = direction * side;
+                let mut reach = self.reach(&outward);
+                for _ in 0..4 {
+                    let before = found.len();
+                    let excess = self.side(&(outward * reach), levels, found);
+                    if excess <= 1.0 {
+                        break;
+                    }
+                    // closing the loop took a joint beyond its rate: a little less
+                    found.truncate(before);
+                    reach *= 0.999 / excess;
                 }
-                // closing the loop took a joint beyond its rate: a little less
-                found.truncate(last);
-                reach *= 0.999 / excess;
             }
         }
     }
-}
 
-/// Adds the equal steps up to `outermost` (rates); returns how many times the most restricted rate is exceeded.
-#[allow(clippy::too_many_arguments)]
-fn side_of(
-    robot: &Robot,
-    limits: &Limits,
-    q: &Configuration,
-    at: &Kinematics,
-    outermost: &InputVector,
-    levels: usize,
-    period: f64,
-    found: &mut Vec<Candidate>,
-) -> f64 {
-    if outermost.norm() * period < DEGENERATE {
-        return 0.0;
-    }
-    let mut before = InputVector::zeros();
-    let mut correction = InputVector::zeros();
-    let mut excess: f64 = 0.0;
-    for level in 1..=levels {
-        let step = outermost * (level as f64 / levels as f64);
-        // the loop's closure so far is a good guess of what the next step needs
-        let guess = robot.advance(q, &(step + correction), period);
-        let Some(closed) = robot.close(&guess, &at.grasp, CLOSED) else { break };
-        let mut rates = step;
-        rates.fixed_rows_mut::<MAX_JOINTS>(2).copy_from(&((closed.joints - q.joints) / period));
-        correction = rates - step + (rates - step - correction);
-        let within = robot
-            .joints
-            .iter()
-            .enumerate()
-            .all(|(i, joint)| (joint.lower..=joint.upper).contains(&closed.joints[i]));
-        excess = excess.max(largest_share(&rates, limits));
-        if !within || rates == before {
-            break;
+    /// Adds the equal steps up to `outermost` (rates); returns how many times the most restricted rate is exceeded.
+    fn side(&self, outermost: &InputVector, levels: usize, found: &mut Vec<Candidate>) -> f64 {
+        let Self { robot, configuration: q, kinematics, period, .. } = *self;
+        if outermost.norm() * period < DEGENERATE {
+            return 0.0;
         }
-        before = rates;
-        found.push(Candidate { configuration: closed, rates });
-    }
-    excess
-}
-
-fn largest_share(rates: &InputVector, limits: &Limits) -> f64 {
-    let shares = rates.iter().zip(limits.rates()).filter(|(_, limit)| **limit > 0.0);
-    shares.map(|(rate, limit)| rate.abs() / limit).fold(0.0, f64::max)
-}
-
-/// How often `direction` (rates) fits into one period, by rates and by joint positions.
-fn reach(robot: &Robot, limits: &Limits, q: &Configuration, direction: &InputVector, period: f64) -> f64 {
-    let mut reach = 1.0 / largest_share(direction, limits);
-    for (i, joint) in robot.joints.iter().enumerate() {
-        let rate = direction[i + 2];
-        let room = if rate > 0.0 { joint.upper - q.joints[i] } else { joint.lower - q.joints[i] };
-        if rate != 0.0 {
-            reach = reach.min((room / (rate * period)).max(0.0));
+        // what the loop's closure took so far, extrapolated, is a good guess of what the next step needs
+        let mut correction = InputVector::zeros();
+        let mut excess: f64 = 0.0;
+        for level in 1..=levels {
+            let step = outermost * (level as f64 / levels as f64);
+            let guess = robot.advance(q, &(step + correction), period);
+            let Some(closed) = robot.close(&guess, &kinematics.grasp, CLOSED) else { break };
+            let mut rates = step;
+            rates.fixed_rows_mut::<MAX_JOINTS>(2).copy_from(&((closed.joints - q.joints) / period));
+            correction = (rates - step) * 2.0 - correction;
+            excess = excess.max(self.largest_share(&rates));
+            let joints = robot.joints.iter().zip(closed.joints.iter());
+            if !joints.into_iter().all(|(joint, there)| (joint.lower..=joint.upper).contains(there)) {
+                break;
+            }
+            found.push(Candidate { configuration: closed, rates });
         }
+        excess
     }
-    if reach.is_finite() { reach } else { 0.0 }
+
+    /// The largest rate as a multiple of its limit.
+    fn largest_share(&self, rates: &InputVector) -> f64 {
+        let shares = rates.iter().zip(self.limits.rates()).filter(|(_, limit)| **limit > 0.0);
+        shares.map(|(rate, limit)| rate.abs() / limit).fold(0.0, f64::max)
+    }
+
+    /// How often `direction` (rates) fits into one period, by rates and by joint positions.
+    fn reach(&self, direction: &InputVector) -> f64 {
+        let mut reach = 1.0 / self.largest_share(direction);
+        for (i, joint) in self.robot.joints.iter().enumerate() {
+            let (rate, at) = (direction[i + 2], self.configuration.joints[i]);
+            let room = if rate > 0.0 { joint.upper - at } else { joint.lower - at };
+            if rate != 0.0 {
+                reach = reach.min((room / (rate * self.period)).max(0.0));
+            }
+        }
+        if reach.is_finite() { reach } else { 0.0 }
+    }
 }
 
 /// An orthonormal basis of the inputs that do not move the grasp.

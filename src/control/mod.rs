@@ -14,7 +14,7 @@ mod pose;
 mod qp;
 mod settings;
 
-pub use candidates::{Candidate, CandidateSet, candidates};
+pub use candidates::{Candidate, CandidateSet, Neighbourhood};
 pub use closed_form::ClosedForm;
 pub use intent::Intent;
 pub use limits::{HalfPlane, Limits};

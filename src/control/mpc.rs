@@ -64,8 +64,6 @@ pub struct Mpc {
     dual: Vec<f64>,
     positive: Vec<bool>,
     multipliers: Vec<f64>,
-    /// Duals that clarabel was asked for, over all calls.
-    interior_point_solves: u64,
 }
 
 /// Why there is no plan under limits.
@@ -113,11 +111,6 @@ impl Mpc {
             Ok(plan) if plan.cost <= cutoff => Some(plan),
             _ => None,
         }
-    }
-
-    /// How many duals had to be solved by clarabel, over all calls.
-    pub fn interior_point_solves(&self) -> u64 {
-        self.interior_point_solves
     }
 
     fn constrain(
@@ -226,7 +219,6 @@ impl Mpc {
         if self.active_set.minimise(dual, excess, positive, multipliers) {
             return Some(());
         }
-        self.interior_point_solves += 1;
         if !self.qp.minimise(dual, excess, multipliers) {
             return None;
         }

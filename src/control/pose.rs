@@ -3,7 +3,7 @@
 //! The winner is the exact minimum over all candidates, found without solving most problems: the optimum without limits bounds the cost of
 //! every (candidate, option) from below, and eq. (7) is solved with limits only where that bound can still win.
 
-use super::candidates::{Candidate, candidates};
+use super::candidates::{Candidate, Neighbourhood};
 use super::limits::Limits;
 use super::obstacles::{Avoid, RobotObstacles};
 use super::{ClosedForm, Mpc, Reference, Settings, SolveOutcome};
@@ -82,15 +82,8 @@ impl PoseOptimiser {
         mpc: &mut Mpc,
     ) -> PoseChoice {
         let PoseProblem { robot, configuration, kinematics, period, .. } = *problem;
-        candidates(
-            robot,
-            limits,
-            configuration,
-            kinematics,
-            settings.candidates,
-            period,
-            &mut self.candidates,
-        );
+        let around = Neighbourhood { robot, configuration, kinematics, limits, period };
+        around.candidates(settings.candidates, &mut self.candidates);
         let mut solved = 0;
         let index = match (self.candidates.len(), settings.criterion) {
             (1, _) => 0,

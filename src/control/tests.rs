@@ -245,7 +245,14 @@ fn candidates_hold_the_grasp_and_keep_all_limits() {
         for _ in 0..100 {
             let (q, at, _) = random_state(&robot, &mut rng, 1.0);
             limits.set(&robot, &q, &InputVector::zeros(), PERIOD);
-            candidates(&robot, &limits, &q, &at, set, PERIOD, &mut found);
+            let around = Neighbourhood {
+                robot: &robot,
+                configuration: &q,
+                kinematics: &at,
+                limits: &limits,
+                period: PERIOD,
+            };
+            around.candidates(set, &mut found);
             assert_eq!(found[0].configuration, q);
             assert!(found.len() <= 15);
             full += usize::from(found.len() == 15);
