@@ -438,6 +438,24 @@ impl Told<'_> {
                 "overlapping_steps": c.overlapping_steps,
                 "least_base_clearance_m": c.least_clearance,
             })),
+            "interaction": summary.interaction.map(|i| json!({
+                "hand_force_mean_n": i.mean_force(),
+                "hand_force_rms_n": i.rms_force(),
+                "peak_force_n": i.peak_force,
+                "robot_work_j": i.work[0],
+                "human_work_j": i.work[1],
+                "squared_jerk_m2_per_s5": i.squared_jerk,
+                "largest_stretch_m": i.stretch,
+            })),
+            "collision": summary.collision.as_ref().map(|c| json!({
+                "between": c.between.each_ref().map(|part| json!({
+                    "party": part.party.name(),
+                    "name": part.name,
+                })),
+                "point_m": [c.point.x, c.point.y, c.point.z],
+                "depth_m": c.depth,
+                "force_n": c.force,
+            })),
         })
     }
 }

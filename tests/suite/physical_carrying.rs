@@ -106,6 +106,10 @@ fn a_collision_ends_the_episode_and_is_told() {
     assert_eq!(output.status.code(), Some(3));
     let said = stdout(&output);
     assert!(said.contains("touched wall-") && said.contains("did not arrive: collided"), "{said}");
+    let told = cocarry(&[&arguments[..], &["--json"]].concat());
+    let told: serde_json::Value = serde_json::from_slice(&told.stdout).expect("JSON");
+    assert_eq!(told["collision"]["between"][1]["party"], "obstacle");
+    assert!(told["interaction"]["hand_force_rms_n"].as_f64().expect("a force") > 10.0);
     let (summary, ticks) = carry("worlds/environment-2.toml", Method::Mutual, Some(steady()));
     assert_eq!(summary.outcome, Outcome::Collided);
     let contact = summary.collision.expect("a contact");
