@@ -25,6 +25,15 @@ pub struct ActiveSet {
 }
 
 impl ActiveSet {
+    /// With memory for so many multipliers.
+    pub fn with_room(n: usize) -> Self {
+        Self {
+            chosen: Vec::with_capacity(n),
+            factor: Vec::with_capacity(n * n + n),
+            trial: Vec::with_capacity(n),
+        }
+    }
+
     /// Finds the minimiser for D (given by rows) and c, with `positive` saying which multipliers are expected to be positive. False if it was
     /// not found: then `multipliers` is unspecified.
     pub fn minimise(

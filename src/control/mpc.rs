@@ -12,6 +12,8 @@ use super::{ClosedForm, Inputs, Reference};
 
 /// Rounds in which violated constraints may join; each adds at least one.
 const ROUNDS: usize = 40;
+/// Constraints that memory is kept for.
+const ROOM: usize = 160;
 /// What a half-plane's violation costs: this times its square (m), a thousand times what the same tracking error costs.
 const SLACK_PRICE: f64 = 1e6;
 
@@ -50,7 +52,7 @@ pub enum Failure {
 }
 
 /// Solves eq. (7); keeps solvers and memory between calls. Results do not depend on earlier calls.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Mpc {
     qp: Qp,
     active_set: ActiveSet,
@@ -64,6 +66,23 @@ pub struct Mpc {
     dual: Vec<f64>,
     positive: Vec<bool>,
     multipliers: Vec<f64>,
+}
+
+impl Default for Mpc {
+    /// With room for as many constraints as have been seen to join, so that later calls need not allocate.
+    fn default() -> Self {
+        Self {
+            qp: Qp::default(),
+            active_set: ActiveSet::with_room(ROOM),
+            rows: Vec::with_capacity(ROOM),
+            joining: Vec::with_capacity(ROOM),
+            responses: Vec::with_capacity(ROOM),
+            excess: Vec::with_capacity(ROOM),
+            dual: Vec::with_capacity(ROOM * ROOM),
+            positive: Vec::with_capacity(ROOM),
+            multipliers: Vec::with_capacity(ROOM),
+        }
+    }
 }
 
 /// Why there is no plan under limits.

@@ -220,6 +220,25 @@ fn closed_form_a_joint_may_use_the_way_to_its_limit_and_no_more() {
 }
 
 #[test]
+fn closed_form_the_fallback_keeps_every_hard_limit() {
+    let (robot, mut rng) = (robot(), ChaCha8Rng::seed_from_u64(8));
+    let mut limits = Limits::new(&robot);
+    for _ in 0..50 {
+        let (q, ..) = random_state(&robot, &mut rng, 1.0);
+        limits.set(&robot, &q, &InputVector::zeros(), PERIOD);
+        let wild =
+            Inputs::from_fn(
+                |i, _| if i < robot.joint_count() + 2 { rng.random_range(-9.0..9.0) } else { 0.0 },
+            );
+        let first = limits.scaled_first(&wild);
+        assert!(limits.allow(&first));
+        let scale = first[(0, 0)] / wild[(0, 0)];
+        assert!((first.column(0) - wild.column(0) * scale).amax() < 1e-12, "scaled as a whole");
+        assert_eq!(first.columns(1, HORIZON - 1).amax(), 0.0);
+    }
+}
+
+#[test]
 fn a_reference_that_is_no_number_stops_the_robot() {
     let robot = robot();
     let q = Configuration {

@@ -13,52 +13,89 @@ pub struct Kinematics {
     pub jacobian: InputJacobian,
 }
 
+/// A moving joint of the chain, world axes.
+#[derive(Clone, Copy)]
+struct Axis {
+    /// The input that moves it.
+    column: usize,
+    motion: Motion,
+    origin: Vector3<f64>,
+    /// Times its ratio.
+    direction: Vector3<f64>,
+}
+
+impl Axis {
+    const NONE: Self = Self {
+        column: 0,
+        motion: Motion::Revolute,
+        origin: Vector3::new(0.0, 0.0, 0.0),
+        direction: Vector3::new(0.0, 0.0, 0.0),
+    };
+}
+
 impl Robot {
     /// `world_from_grasp` at a configuration.
     pub fn grasp_pose(&self, q: &Configuration) -> Pose {
-        let last = self.chain.iter().fold(q.base.at_height(0.0), |before, link| {
-            let position = link.ratio * q.joints[link.joint] + link.offset;
-            let joint = before * link.before_from_joint;
-            match link.motion {
-                Motion::Revolute => joint * Rotation3::from_axis_angle(&link.axis, position),
-                Motion::Prismatic => joint * nalgebra::Translation3::from(link.axis.scale(position)),
-            }
-        });
-        last * self.last_from_grasp
+        self.follow_chain(q, |_, _| ()).1
     }
 
     /// The grasp's pose and the whole-body Jacobian at a configuration.
     pub fn kinematics(&self, q: &Configuration) -> Kinematics {
+        let (axes, grasp) = self.follow_chain(q, |_, _| ());
+        let axes = &axes[..self.chain.len()];
         let mut jacobian = InputJacobian::zeros();
-        // origin and axis of every column in world axes, until the grasp is known
-        let mut moments = [(0, Vector3::zeros(), Vector3::zeros()); 2 * MAX_JOINTS];
-        let mut turning = 0;
+        jacobian.fixed_rows_mut::<3>(0).copy_from(&self.point_jacobian(q, &grasp.translation.vector, axes));
+        for axis in axes.iter().filter(|a| a.motion == Motion::Revolute) {
+            let mut angular = jacobian.fixed_view_mut::<3, 1>(3, axis.column);
+            angular += axis.direction;
+        }
+        jacobian[(5, 0)] = -1.0 / self.drive.track;
+        jacobian[(5, 1)] = 1.0 / self.drive.track;
+        Kinematics { grasp, jacobian }
+    }
+
+    /// Calls `on_point` for every moving joint of the arm, from the base outward, and at last for the grasp: where it is (m, world frame) and
+    /// the derivative of that with respect to the inputs, a column an input as in [`InputVector`]. No allocation.
+    pub fn arm_points(&self, q: &Configuration, mut on_point: impl FnMut(Vector3<f64>, &PointJacobian)) {
+        let (axes, grasp) =
+            self.follow_chain(q, |at, before| on_point(at, &self.point_jacobian(q, &at, before)));
+        let at = grasp.translation.vector;
+        on_point(at, &self.point_jacobian(q, &at, &axes[..self.chain.len()]));
+    }
+
+    /// The axes of the chain's joints (as many as it has) and `world_from_grasp`. `on_joint` sees where each joint is and the axes before it.
+    fn follow_chain(
+        &self,
+        q: &Configuration,
+        mut on_joint: impl FnMut(Vector3<f64>, &[Axis]),
+    ) -> ([Axis; 2 * MAX_JOINTS], Pose) {
+        let mut axes = [Axis::NONE; 2 * MAX_JOINTS];
         let mut frame = q.base.at_height(0.0);
-        for link in &self.chain {
+        for (i, link) in self.chain.iter().enumerate() {
             frame *= link.before_from_joint;
-            let axis = frame.rotation * link.axis.into_inner();
+            let origin = frame.translation.vector;
+            on_joint(origin, &axes[..i]);
+            let direction = frame.rotation * link.axis.into_inner();
             let position = link.ratio * q.joints[link.joint] + link.offset;
-            let column = link.joint + 2;
-            match link.motion {
-                Motion::Revolute => {
-                    moments[turning] = (column, frame.translation.vector, axis * link.ratio);
-                    turning += 1;
-                    frame.rotation *= Rotation3::from_axis_angle(&link.axis, position);
-                }
-                Motion::Prismatic => {
-                    let mut linear = jacobian.fixed_view_mut::<3, 1>(0, column);
-                    linear += axis * link.ratio;
-                    frame.translation.vector += axis * position;
-                }
+            let motion = link.motion;
+            axes[i] = Axis { column: link.joint + 2, motion, origin, direction: direction * link.ratio };
+            match motion {
+                Motion::Revolute => frame.rotation *= Rotation3::from_axis_angle(&link.axis, position),
+                Motion::Prismatic => frame.translation.vector += direction * position,
             }
         }
-        let grasp = frame * self.last_from_grasp;
-        let at = grasp.translation.vector;
-        for &(column, origin, axis) in &moments[..turning] {
-            let mut linear = jacobian.fixed_view_mut::<3, 1>(0, column);
-            linear += axis.cross(&(at - origin));
-            let mut angular = jacobian.fixed_view_mut::<3, 1>(3, column);
-            angular += axis;
+        (axes, frame * self.last_from_grasp)
+    }
+
+    /// How a point at `at` (m, world frame) moves that the wheels and the joints of these axes carry.
+    fn point_jacobian(&self, q: &Configuration, at: &Vector3<f64>, axes: &[Axis]) -> PointJacobian {
+        let mut jacobian = PointJacobian::zeros();
+        for axis in axes {
+            let mut linear = jacobian.column_mut(axis.column);
+            linear += match axis.motion {
+                Motion::Revolute => axis.direction.cross(&(at - axis.origin)),
+                Motion::Prismatic => axis.direction,
+            };
         }
         let ahead = direction(q.base.yaw);
         let lever = at.xy() - q.base.position.coords;
@@ -66,48 +103,8 @@ impl Robot {
             let turn = side / self.drive.track;
             jacobian[(0, column)] = ahead.x / 2.0 - lever.y * turn;
             jacobian[(1, column)] = ahead.y / 2.0 + lever.x * turn;
-            jacobian[(5, column)] = turn;
         }
-        Kinematics { grasp, jacobian }
-    }
-
-    /// Calls `on_point` for every moving joint of the arm, from the base outward, and at last for the grasp: where it is (m, world frame) and the
-    /// derivative of that with respect to the inputs, a column an input as in [`InputVector`]. No allocation.
-    pub fn arm_points(&self, q: &Configuration, mut on_point: impl FnMut(Vector3<f64>, &PointJacobian)) {
-        let mut axes = [(0, Motion::Revolute, Vector3::zeros(), Vector3::zeros()); 2 * MAX_JOINTS];
-        let ahead = direction(q.base.yaw);
-        let jacobian = |at: &Vector3<f64>, axes: &[(usize, Motion, Vector3<f64>, Vector3<f64>)]| {
-            let mut jacobian = PointJacobian::zeros();
-            for &(column, motion, origin, axis) in axes {
-                let mut linear = jacobian.column_mut(column);
-                linear += match motion {
-                    Motion::Revolute => axis.cross(&(at - origin)),
-                    Motion::Prismatic => axis,
-                };
-            }
-            let lever = at.xy() - q.base.position.coords;
-            for (column, side) in [(0, -1.0), (1, 1.0)] {
-                let turn = side / self.drive.track;
-                jacobian[(0, column)] = ahead.x / 2.0 - lever.y * turn;
-                jacobian[(1, column)] = ahead.y / 2.0 + lever.x * turn;
-            }
-            jacobian
-        };
-        let mut frame = q.base.at_height(0.0);
-        for (i, link) in self.chain.iter().enumerate() {
-            frame *= link.before_from_joint;
-            let at = frame.translation.vector;
-            on_point(at, &jacobian(&at, &axes[..i]));
-            let axis = frame.rotation * link.axis.into_inner();
-            let position = link.ratio * q.joints[link.joint] + link.offset;
-            axes[i] = (link.joint + 2, link.motion, at, axis * link.ratio);
-            match link.motion {
-                Motion::Revolute => frame.rotation *= Rotation3::from_axis_angle(&link.axis, position),
-                Motion::Prismatic => frame.translation.vector += axis * position,
-            }
-        }
-        let at = (frame * self.last_from_grasp).translation.vector;
-        on_point(at, &jacobian(&at, &axes[..self.chain.len()]));
+        jacobian
     }
 
     /// The configuration after `seconds` of constant input: wheels without sideways motion on an exact arc, joints at constant rates.
