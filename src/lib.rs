@@ -12,6 +12,7 @@
 //! cli            arguments -> text, tables, JSON, files
 //! experiments    one file per claim or table of the paper
 //! drawing        maps and curves as SVG
+//! scenario       all that settles an episode, as text; from it the episode again, without the files
 //! episode        THE LOOP: observe, evaluate, predict, accumulate, decide, choose, prepare, control, walk
 //! simulation     what the controller acts on: exact kinematics, or bodies with dynamics and contacts
 //! control        MPC, pose optimisation, the human's intent
@@ -76,5 +77,6 @@ pub mod geometry;
 pub mod options;
 pub mod preference;
 pub mod robot;
+pub mod scenario;
 pub mod simulation;
 pub mod world;

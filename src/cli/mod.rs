@@ -5,7 +5,9 @@ mod output;
 mod reproduce;
 mod robot;
 mod run;
+mod scenario;
 mod tick_log;
+mod told;
 mod world;
 
 use clap::{Parser, Subcommand};

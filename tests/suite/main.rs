@@ -13,6 +13,7 @@ mod physical_carrying;
 mod physics;
 mod readme;
 mod robots;
+mod scenarios;
 mod spoiled_robot;
 mod support;
 mod worlds;
