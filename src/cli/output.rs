@@ -41,11 +41,11 @@ pub(super) fn is_broken_pipe(error: &Error) -> bool {
 }
 
 /// Writes a file whole: beside its name first, renamed when finished, so that no half-written file carries the name.
-pub(super) fn write_file(path: &Path, text: &str) -> Result<(), Failure> {
+pub(super) fn write_file(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), Failure> {
     let mut partial = path.as_os_str().to_owned();
     partial.push(".partial");
     let partial = Path::new(&partial);
-    let written = std::fs::write(partial, text).and_then(|()| std::fs::rename(partial, path));
+    let written = std::fs::write(partial, contents).and_then(|()| std::fs::rename(partial, path));
     written.with_context(|| format!("{}: cannot be written", path.display())).map_err(|error| {
         // what is left of a failed attempt is of no use; if it cannot be removed either, the first error is the one to report
         let _ = std::fs::remove_file(partial);

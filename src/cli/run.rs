@@ -2,12 +2,14 @@
 
 use super::output::{Failure, Progress, input, print, print_json, write_file};
 use super::scenario::ScenarioArguments;
+use super::snapshots::SnapshotArguments;
 use super::tick_log;
 use super::told::Told;
 use crate::drawing;
-use crate::episode::Outcome;
+use crate::episode::{Outcome, State};
 use crate::experiments::paper::EXAMPLE_HUMAN;
 use crate::preference::Perception;
+use crate::scenario::Snapshot;
 use anyhow::Context;
 use clap::Args;
 use std::path::PathBuf;
@@ -18,10 +20,12 @@ use std::process::ExitCode;
 pub(super) struct Arguments {
     #[command(flatten)]
     scenario: ScenarioArguments,
+    #[command(flatten)]
+    snapshots: SnapshotArguments,
     /// Print one JSON object instead of text
     #[arg(long)]
     json: bool,
-    /// Write every tick to this file: .csv, or .jsonl for JSON lines
+    /// Write every tick to this file: .csv, or .jsonl for JSON lines (with --resume, those from there on)
     #[arg(long, value_name = "FILE", value_parser = tick_log::file)]
     ticks: Option<tick_log::File>,
     /// Draw trajectory and stubbornness into this file
@@ -44,16 +48,28 @@ pub(super) fn example() -> Result<ExitCode, Failure> {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let stage = arguments.scenario.scenario()?.prepare().map_err(input)?;
-    let mut episode = stage.episode().map_err(input)?;
+    let (scenario, state) = match arguments.snapshots.load()? {
+        None => (arguments.scenario.scenario()?, None),
+        Some(Snapshot { scenario, state, .. }) => (scenario, Some(state)),
+    };
+    let resumed = state.as_ref().map(State::steps);
+    let stage = scenario.prepare().map_err(input)?;
+    let episode = match state {
+        None => stage.episode(),
+        Some(state) => stage.resume(state),
+    };
+    let mut episode = episode.map_err(input)?;
+    let mut saves = arguments.snapshots.saves(resumed)?;
     let mut ticks = Vec::new();
     let bar = Progress::new(episode.expected_steps() as usize, "episode");
+    saves.write(&stage, &episode)?;
     while episode.step().is_none() {
         ticks.push(episode.tick().clone());
+        saves.write(&stage, &episode)?;
         bar.step();
     }
     bar.finish();
-    let told = Told { stage: &stage, summary: episode.summary().clone(), ticks };
+    let told = Told { stage: &stage, resumed, summary: episode.summary().clone(), ticks };
     if let Some(file) = &arguments.ticks {
         let joints = stage.robot().map_or(&[][..], |robot| &robot.joints);
         file.write(&told.ticks, &tick_log::Names { options: stage.options(), joints })?;
@@ -69,6 +85,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     } else {
         print(&told.as_text())?;
     }
+    saves.finish(told.summary.steps)?;
     Ok(match told.summary.outcome {
         Outcome::Arrived => ExitCode::SUCCESS,
         _ => ExitCode::from(3),

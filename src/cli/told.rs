@@ -3,7 +3,7 @@
 use super::output::{table, table_text};
 use crate::coordination::{self, Method};
 use crate::drawing::Track;
-use crate::episode::{ControlSummary, Outcome, Settings, Summary, Tick};
+use crate::episode::{ControlSummary, Outcome, Settings, Summary, Tick, Transition};
 use crate::geometry::Point;
 use crate::preference::Perception;
 use crate::robot::Robot;
@@ -14,7 +14,10 @@ use std::fmt::Write;
 /// An episode that is over, with all that is told of it.
 pub(super) struct Told<'a> {
     pub stage: &'a Stage,
+    /// The step that it went on from; none if it was run from its beginning.
+    pub resumed: Option<u64>,
     pub summary: Summary,
+    /// Its ticks, from there on.
     pub ticks: Vec<Tick>,
 }
 
@@ -46,6 +49,10 @@ impl Told<'_> {
         self.ticks.windows(2).filter(|w| w[0].executed != w[1].executed).map(|w| (w[0].executed, &w[1]))
     }
 
+    fn place(&self, step: u64, at: Point) -> String {
+        format!("step {step:>4} ({:5.1} s) at ({:.2}, {:.2}) m", self.seconds(step), at.x, at.y)
+    }
+
     fn seconds(&self, step: u64) -> f64 {
         step as f64 * self.settings().period
     }
@@ -64,9 +71,11 @@ impl Told<'_> {
         let coordination::Settings { eta, initial_stubbornness } = self.settings().coordination;
         let mut text = format!("{} ({})\n", world.name, world.file);
         let method = self.method().name();
+        let from =
+            self.resumed.map_or("the start".to_owned(), |step| format!("step {step}, where it went on"));
         let Perception { alpha, gamma } = self.stage.scenario().human;
         text += &format!(
-            "human: alpha {alpha:.4}, gamma {gamma:.4}; method {method}, eta {eta}, phi(0) {initial_stubbornness}\n\nOptions at the start\n"
+            "human: alpha {alpha:.4}, gamma {gamma:.4}; method {method}, eta {eta}, phi(0) {initial_stubbornness}\n\nOptions at {from}\n"
         );
         let headings = ["option", "openings", "D (m)", "risk S", "cost J (m)", "subjective J~ (m)", "P (%)"];
         let mut options = table(headings, 2);
@@ -142,36 +151,35 @@ impl Told<'_> {
 
     fn events(&self) -> Vec<String> {
         let summary = &self.summary;
-        let Some(first) = self.ticks.first() else {
+        if summary.steps == 0 {
             return vec!["no step was taken".to_owned()];
-        };
+        }
         let leader = |tick: &Tick| match tick.mode {
             coordination::Mode::RobotLed => "the robot leads",
             coordination::Mode::HumanLed => "the human leads",
         };
-        let at = |tick: &Tick| {
-            format!(
-                "step {:>4} ({:5.1} s) at ({:.2}, {:.2}) m",
-                tick.step, tick.time, tick.position.x, tick.position.y
+        let at = |tick: &Tick| self.place(tick.step, tick.position);
+        let begin = self.ticks.first().map(|first| {
+            (
+                first.step,
+                format!(
+                    "{}: {} on option {}; this human prefers option {}",
+                    at(first),
+                    leader(first),
+                    self.option_name(first.executed),
+                    self.option_name(first.preferred)
+                ),
             )
-        };
-        let mut events = vec![(
-            first.step,
-            format!(
-                "{}: {} on option {}; this human prefers option {}",
-                at(first),
-                leader(first),
-                self.option_name(first.executed),
-                self.option_name(first.preferred)
-            ),
-        )];
-        if let Some(tick) = summary.transition.and_then(|t| self.ticks.get(t.step as usize)) {
-            let event = format!(
-                "{}: stubbornness passes 1 ({:.3}), the human takes the lead",
-                at(tick),
-                tick.stubbornness
-            );
-            events.push((tick.step, event));
+        });
+        let mut events: Vec<_> = begin.into_iter().collect();
+        if let Some(Transition { step, position }) = summary.transition {
+            let told = self.ticks.iter().find(|tick| tick.step == step);
+            let stubbornness = told.map_or(String::new(), |tick| format!(" ({:.3})", tick.stubbornness));
+            let place = self.place(step, position);
+            events.push((
+                step,
+                format!("{place}: stubbornness passes 1{stubbornness}, the human takes the lead"),
+            ));
         }
         for (before, tick) in self.changes() {
             let (from, to) = (self.option_name(before), self.option_name(tick.executed));
@@ -218,7 +226,7 @@ impl Told<'_> {
     pub fn as_json(&self) -> Value {
         let (world, scenario, settings) = (self.stage.world(), self.stage.scenario(), self.settings());
         let summary = &self.summary;
-        json!({
+        let mut told = json!({
             "world": world.name,
             "file": world.file,
             "human": { "alpha": scenario.human.alpha, "gamma": scenario.human.gamma },
@@ -294,7 +302,11 @@ impl Told<'_> {
                 "depth_m": c.depth,
                 "force_n": c.force,
             })),
-        })
+        });
+        if let Some(step) = self.resumed {
+            told["resumed_at_step"] = json!(step);
+        }
+        told
     }
 }
 

@@ -6,13 +6,14 @@ use crate::geometry::{Point, Vector, angle_of};
 ///
 /// P_o is weighed by how likely the observed direction of the last step is if the human were on option o: exp(c cos(observed - expected)), with
 /// the expected direction that of o's path from where the human was.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Intent {
     concentration: f64,
     /// Where the human was, m, world frame.
     before: Option<Point>,
     /// Where each option led from there: the displacement of one step.
     expected: Vec<Vector>,
+    #[serde(skip)]
     weights: Vec<f64>,
     speed: Option<f64>,
 }

@@ -29,7 +29,7 @@ pub struct Plan {
 }
 
 /// How a plan was found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum SolveOutcome {
     /// In closed form: no limit is active.
     Unconstrained,
@@ -43,7 +43,7 @@ pub enum SolveOutcome {
 }
 
 /// Why there is no solution.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Failure {
     /// Something that came in is no finite number.
     NotFinite,

@@ -4,7 +4,7 @@ use crate::options::Waypoint;
 use serde::{Deserialize, Serialize};
 
 /// Who leads the team.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
     /// phi(k) <= 1: the robot chooses the path.
@@ -57,7 +57,7 @@ impl Default for Settings {
 }
 
 /// The stubbornness of the human and the mode that follows from it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coordinator {
     settings: Settings,
     method: Method,

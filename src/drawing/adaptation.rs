@@ -133,6 +133,7 @@ mod tests {
 
     fn track(label: &str) -> Track {
         Track {
+            first_step: 0,
             label: label.to_owned(),
             positions: (0..4).map(|i| Point::new(f64::from(i), 0.0)).collect(),
             transition: Some(2),

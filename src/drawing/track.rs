@@ -15,6 +15,8 @@ const MOST_STUBBORN: f64 = 1e6;
 pub struct Track {
     /// What the legend calls it.
     pub label: String,
+    /// The step that it begins with.
+    pub first_step: u64,
     /// Position at every step, m, world frame.
     pub positions: Vec<Point>,
     /// Step at which the human took the lead.
@@ -30,6 +32,7 @@ impl Track {
         let human_leads_from_the_start = led_by_robot == 0;
         Self {
             label: label.into(),
+            first_step: ticks.first().map_or(0, |t| t.step),
             positions: ticks.iter().map(|t| t.position).chain(end).collect(),
             transition: (!human_leads_from_the_start && led_by_robot < ticks.len()).then_some(led_by_robot),
             stubbornness: match human_leads_from_the_start {
@@ -68,7 +71,7 @@ impl Track {
     pub(super) fn stubbornness_by_step(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         let steps = self.transition.map_or(usize::MAX, |t| t.saturating_add(1));
         let drawn = self.stubbornness.iter().take(steps).enumerate();
-        drawn.map(|(k, phi)| (k as f64, phi.clamp(0.0, MOST_STUBBORN)))
+        drawn.map(|(i, phi)| ((self.first_step + i as u64) as f64, phi.clamp(0.0, MOST_STUBBORN)))
     }
 
     /// (k, phi) of the transition.

@@ -12,6 +12,7 @@ use crate::options::{OptionSet, Progress};
 use crate::preference::ChoiceDistribution;
 use crate::robot::{Configuration, InputVector, JointVector, Robot};
 use crate::simulation::{KinematicPlant, Observation};
+use serde::{Deserialize, Serialize};
 
 /// Who carries, from which posture, controlled how.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +51,26 @@ enum Team<'a> {
     Physical(Box<PhysicalTeam>),
 }
 
+/// All of a carrier that later steps depend on, but for what it was made with.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct CarrierState {
+    intent: Intent,
+    team: TeamState,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+enum TeamState {
+    Kinematic { human: PlanarPose, configuration: Configuration },
+    Physical(Box<PhysicalTeam>),
+}
+
+impl CarrierState {
+    /// Whether it is one of the physical plant.
+    pub fn is_physical(&self) -> bool {
+        matches!(self.team, TeamState::Physical(_))
+    }
+}
+
 /// What the loop knows when the robot is to act.
 pub(super) struct Situation<'s> {
     pub mode: Mode,
@@ -73,6 +94,38 @@ impl<'a> Carrier<'a> {
     /// On the physical plant.
     pub fn physical(manipulator: Manipulator<'a>, walk: Walk, options: usize, team: PhysicalTeam) -> Self {
         Self::new(manipulator, walk, options, Team::Physical(Box::new(team)))
+    }
+
+    /// As it was when [`Carrier::state`] was asked for.
+    pub fn resumed(manipulator: Manipulator<'a>, walk: Walk, options: usize, state: CarrierState) -> Self {
+        let robot = manipulator.robot;
+        let team = match state.team {
+            TeamState::Kinematic { human, configuration } => {
+                let plant = KinematicPlant::at(robot, configuration);
+                Team::Kinematic(KinematicTeam { robot, plant, human })
+            }
+            TeamState::Physical(team) => Team::Physical(team),
+        };
+        Self { intent: state.intent, ..Self::new(manipulator, walk, options, team) }
+    }
+
+    /// What it has come to.
+    pub fn state(&self) -> CarrierState {
+        #[rustfmt::skip]
+        let Self {
+            intent, team,
+            // given
+            manipulator: _, walk: _,
+            // memory, and what every step decides anew
+            poses: _, limits: _, mpc: _, paths: _, references: _, weights: _, target: _, input: _,
+        } = self;
+        let team = match team {
+            Team::Kinematic(KinematicTeam { robot: _, plant, human }) => {
+                TeamState::Kinematic { human: *human, configuration: *plant.configuration() }
+            }
+            Team::Physical(team) => TeamState::Physical(team.clone()),
+        };
+        CarrierState { intent: intent.clone(), team }
     }
 
     fn new(manipulator: Manipulator<'a>, walk: Walk, options: usize, team: Team<'a>) -> Self {

@@ -7,12 +7,14 @@
 mod carrier;
 mod outcome;
 mod settings;
+mod state;
 mod team;
 mod tick;
 
 pub use carrier::Manipulator;
 pub use outcome::{ControlSummary, InteractionSummary, Outcome, Summary, Transition};
 pub use settings::Settings;
+pub use state::{Misfit, State};
 pub use tick::{OptionTick, PhysicsTick, Preparation, RobotTick, Tick};
 
 use carrier::{Carrier, Situation};

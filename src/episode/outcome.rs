@@ -4,9 +4,10 @@ use super::{PhysicsTick, RobotTick};
 use crate::control::SolveOutcome;
 use crate::geometry::Point;
 use crate::simulation::{Contact, Failure};
+use serde::{Deserialize, Serialize};
 
 /// How an episode ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Outcome {
     /// The team stands at the target.
     Arrived,
@@ -40,7 +41,7 @@ impl Outcome {
 }
 
 /// The one transition from robot-led to human-led.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Transition {
     /// k at which phi first exceeded 1.
     pub step: u64,
@@ -49,7 +50,7 @@ pub struct Transition {
 }
 
 /// What is worth knowing of an episode afterwards.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// How it ended.
     pub outcome: Outcome,
@@ -78,7 +79,7 @@ pub struct Summary {
 }
 
 /// What robot, object and human did to each other over an episode.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InteractionSummary {
     /// Steps summed over.
     pub steps: u64,
@@ -120,7 +121,7 @@ impl InteractionSummary {
 }
 
 /// The control cost C of an episode (Sec. V-C), and what went with it.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ControlSummary {
     /// Sum of ||x - s||_Q^2.
     pub tracking: f64,

@@ -45,7 +45,7 @@ pub(super) struct KinematicTeam<'a> {
 }
 
 /// A team on the physical plant: the object's ends ride on the path, the robot's end behind.
-#[derive(Clone)]
+#[derive(Clone, serde::Serialize, serde::Deserialize)]
 pub(super) struct PhysicalTeam {
     plant: PhysicalPlant,
     tandem: Tandem,

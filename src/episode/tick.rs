@@ -7,9 +7,10 @@ use crate::geometry::{PlanarPose, Point};
 use crate::options::Remaining;
 use crate::robot::{Configuration, InputVector};
 use crate::simulation::{Clearance, Observation};
+use serde::{Deserialize, Serialize};
 
 /// What was observed and decided in one planning step.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tick {
     /// k, from 0.
     pub step: u64,
@@ -40,7 +41,7 @@ pub struct Tick {
 }
 
 /// The robot in one planning step.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RobotTick {
     /// q_c: where it is at the beginning of the step.
     pub configuration: Configuration,
@@ -72,7 +73,7 @@ pub struct RobotTick {
 }
 
 /// The physical plant in one planning step. Forces are magnitudes over the step.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PhysicsTick {
     /// The object's middle and heading at the end of the step, seen from above.
     pub object: PlanarPose,
@@ -121,7 +122,7 @@ impl PhysicsTick {
 }
 
 /// How the robot prepared itself in one planning step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Preparation {
     /// The option that it takes the human to be on; none while it leads.
     pub tracked: Option<usize>,
@@ -159,7 +160,7 @@ impl RobotTick {
 }
 
 /// One option in one planning step.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OptionTick {
     /// D_o, S_o and the next waypoint.
     pub remaining: Remaining,

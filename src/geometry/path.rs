@@ -3,7 +3,7 @@
 use super::{Point, angle_of, direction, left_of};
 
 /// One piece of a path.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Piece {
     /// A straight line.
     Line {
@@ -57,11 +57,26 @@ impl Piece {
 }
 
 /// A connected path, walked by distance from its first point.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(from = "Vec<Piece>", into = "Vec<Piece>")]
 pub struct Path {
     pieces: Vec<Piece>,
     /// Distance walked at the end of each piece, m.
     ends: Vec<f64>,
+}
+
+impl From<Vec<Piece>> for Path {
+    fn from(pieces: Vec<Piece>) -> Self {
+        let mut path = Self::with_capacity(pieces.len());
+        pieces.into_iter().for_each(|piece| path.push(piece));
+        path
+    }
+}
+
+impl From<Path> for Vec<Piece> {
+    fn from(path: Path) -> Self {
+        path.pieces
+    }
 }
 
 impl Path {

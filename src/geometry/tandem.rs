@@ -6,7 +6,7 @@ use super::{Path, PlanarPose, Point, angle_of, direction};
 ///
 /// Its ends lie on the chord between the points of the way half a length ahead of its middle and half a length behind: so a corner of the path
 /// becomes a gradual turn. What is behind the beginning of a path is the way walked before; what is ahead of its end goes straight on.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Tandem {
     length: f64,
     /// The way before the path under way, oldest point first; the last is where the path begins.

@@ -21,6 +21,7 @@ use crate::world::{ListedOption, World};
 use passage::Passage;
 use progress::Rest;
 use roadmap::{Roadmap, Space};
+use serde::{Deserialize, Serialize};
 
 /// How far the team walks straight before and after an opening, m: human, object and robot in tandem are about 2.5 m long and must be
 /// straight when they enter.
@@ -62,7 +63,7 @@ pub struct PathOption {
 }
 
 /// What is left of an option from where the team is.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Remaining {
     /// D_o, m. Infinite where there is no way.
     pub length: f64,
@@ -73,7 +74,7 @@ pub struct Remaining {
 }
 
 /// The next thing on an option's way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Waypoint {
     /// An opening, walked in one direction.
     Opening(Crossing),
@@ -140,6 +141,11 @@ impl OptionSet {
     /// The team at the start, with every option ahead of it.
     pub fn begin(&self) -> Progress {
         Progress::new(self.start, self.options.len())
+    }
+
+    /// Whether this is the progress of a team on these options: one that was read from a file may not be.
+    pub fn knows(&self, progress: &Progress) -> bool {
+        progress.is_among(&self.passages, &self.options)
     }
 
     /// Moves the team in a straight step to `to`, and keeps book of the openings that it goes through.

@@ -21,7 +21,7 @@ pub(super) struct Passage {
 }
 
 /// A passage walked in one direction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Crossing {
     /// The opening, as an index into the world's openings.
     pub opening: usize,

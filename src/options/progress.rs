@@ -3,9 +3,10 @@
 use super::PathOption;
 use super::passage::{Crossing, Passage};
 use crate::geometry::Point;
+use serde::{Deserialize, Serialize};
 
 /// Where the team is, and where that is on every option.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
     /// Position of the team, m, world frame.
     pub position: Point,
@@ -19,7 +20,7 @@ pub struct Progress {
 }
 
 /// What is left of one option.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Rest {
     /// How many of the option's crossings are behind the team (or behind the point that it comes back to).
     pub place: usize,
@@ -60,6 +61,20 @@ impl Progress {
         let rests = || (0..options).map(|_| Rest { place: 0, back: Vec::with_capacity(8) }).collect();
         let aligned = Vec::with_capacity(8);
         Self { position, inside: None, aligned, rests_outside: rests(), rests: rests() }
+    }
+
+    /// Whether this is a place among these passages and options.
+    pub(super) fn is_among(&self, passages: &[Passage], options: &[PathOption]) -> bool {
+        let is_crossing = |c: &Crossing| c.opening < passages.len() && c.into < 2;
+        let are_rests = |rests: &[Rest]| {
+            let is_rest = |(rest, option): (&Rest, &PathOption)| {
+                rest.place <= option.crossings.len() && rest.back.iter().all(is_crossing)
+            };
+            rests.len() == options.len() && rests.iter().zip(options).all(is_rest)
+        };
+        let crossings = self.inside.iter().chain(&self.aligned).all(is_crossing);
+        let position = self.position.iter().all(|c| c.is_finite());
+        position && crossings && are_rests(&self.rests) && are_rests(&self.rests_outside)
     }
 
     pub(super) fn advance(

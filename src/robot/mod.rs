@@ -136,7 +136,7 @@ pub(crate) struct ChainLink {
 }
 
 /// Where the base stands and how the arm is bent: q.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Configuration {
     /// The drive frame in the world.
     pub base: PlanarPose,

@@ -1,5 +1,6 @@
 //! What can be wrong with a scenario, each case with its key and value.
 
+use crate::episode::Misfit;
 use crate::options::OptionError;
 use crate::robot::RobotError;
 use crate::simulation::PhysicsError;
@@ -44,6 +45,9 @@ pub enum ScenarioError {
     /// The robot's texts are not a valid robot.
     #[error(transparent)]
     Robot(#[from] RobotError),
+    /// A state to go on from does not belong to the scenario.
+    #[error(transparent)]
+    State(#[from] Misfit),
     /// The physical plant cannot be set up so.
     #[error(transparent)]
     Physics(#[from] PhysicsError),

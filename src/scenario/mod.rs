@@ -23,9 +23,11 @@
 
 mod check;
 mod error;
+mod snapshot;
 mod stage;
 
 pub use error::ScenarioError;
+pub use snapshot::{Snapshot, SnapshotError};
 pub use stage::Stage;
 
 use crate::control;

@@ -25,6 +25,11 @@ impl<'a> KinematicPlant<'a> {
         Self { robot, configuration: Configuration { base, joints: *joints } }
     }
 
+    /// A robot that is there already.
+    pub fn at(robot: &'a Robot, configuration: Configuration) -> Self {
+        Self { robot, configuration }
+    }
+
     /// Where the robot is.
     pub fn configuration(&self) -> &Configuration {
         &self.configuration

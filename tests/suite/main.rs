@@ -14,6 +14,7 @@ mod physics;
 mod readme;
 mod robots;
 mod scenarios;
+mod snapshots;
 mod spoiled_robot;
 mod support;
 mod worlds;

@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// The state of the physical plant, and what happened in the last control period.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Observation {
     /// Simulated time, s.
     pub time: f64,
@@ -47,7 +47,7 @@ pub struct Observation {
 }
 
 /// Nearest distances after a period; `None` where there are no two such bodies.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Clearances {
     /// Between the robot and an obstacle.
     pub robot_obstacle: Option<Clearance>,
@@ -60,7 +60,7 @@ pub struct Clearances {
 }
 
 /// The nearest of all pairs.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Clearance {
     /// m; 0 where they touch.
     pub distance: f64,
@@ -131,7 +131,7 @@ pub struct Part {
 }
 
 /// Two parts that touched during a control period.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
     /// Which two, in the order of [`Party`].
     pub between: [Part; 2],

@@ -1,0 +1,111 @@
+//! The arguments of snapshots in; an episode to go on from, and files of the ticks asked for, out.
+
+use super::output::{Failure, input, write_file};
+use crate::episode::Episode;
+use crate::scenario::{Snapshot, Stage};
+use anyhow::anyhow;
+use clap::Args;
+use std::path::PathBuf;
+
+/// The arguments that settle a scenario: with a snapshot, it is settled.
+const SETTLED: [&str; 20] = [
+    "world",
+    "method",
+    "alpha",
+    "gamma",
+    "eta",
+    "initial_stubbornness",
+    "seed",
+    "max_steps",
+    "risk_weight",
+    "belief_alpha",
+    "belief_gamma",
+    "belief_samples",
+    "plant",
+    "robot",
+    "posture",
+    "pose",
+    "pose_criterion",
+    "prepare_while_leading",
+    "no_obstacles",
+    "sway",
+];
+
+/// Where an episode is cut, and gone on with.
+#[derive(Args, Debug)]
+pub(super) struct SnapshotArguments {
+    /// Save the episode after so many steps: `--resume FILE` goes on from there. May be given several times; ends with 2 if the episode does
+    /// not come so far
+    #[arg(long, num_args = 2, value_names = ["TICK", "FILE"])]
+    save_at: Vec<String>,
+    /// Go on with an episode that was saved, to the end and to the same bits. World, human, team and robot are in the file. What is told
+    /// of single ticks begins there; sums are of the whole episode
+    #[arg(long, value_name = "FILE", conflicts_with_all = SETTLED)]
+    resume: Option<PathBuf>,
+}
+
+/// Snapshots to write, the earliest first.
+pub(super) struct Saves(Vec<Save>);
+
+struct Save {
+    tick: u64,
+    file: PathBuf,
+    is_written: bool,
+}
+
+impl SnapshotArguments {
+    /// The snapshot to go on from.
+    pub fn load(&self) -> Result<Option<Snapshot>, Failure> {
+        let Some(file) = &self.resume else { return Ok(None) };
+        let snapshot = Snapshot::load(file).map_err(input)?;
+        let (theirs, ours) = (&snapshot.written_by, env!("CARGO_PKG_VERSION"));
+        if theirs != ours {
+            eprintln!(
+                "note: {} was written by cocarry {theirs}; with {ours} the episode may go on differently",
+                file.display()
+            );
+        }
+        Ok(Some(snapshot))
+    }
+
+    /// The snapshots to write of an episode that begins, or goes on after `resumed` steps.
+    pub fn saves(&self, resumed: Option<u64>) -> Result<Saves, Failure> {
+        let save = |pair: &[String]| {
+            let [tick, file] = pair else { return Err(anyhow!("--save-at takes TICK and FILE")) };
+            let Ok(tick) = tick.parse() else {
+                return Err(anyhow!("--save-at {tick} {file}: TICK must be a whole number of steps"));
+            };
+            match resumed.filter(|&from| tick < from) {
+                Some(from) => Err(anyhow!("--save-at {tick} {file}: the snapshot is of step {from} already")),
+                None => Ok(Save { tick, file: file.into(), is_written: false }),
+            }
+        };
+        self.save_at.chunks(2).map(save).collect::<Result<_, _>>().map(Saves).map_err(Failure::Input)
+    }
+}
+
+impl Saves {
+    /// Writes what is due.
+    pub fn write(&mut self, stage: &Stage, episode: &Episode) -> Result<(), Failure> {
+        let steps = episode.summary().steps;
+        for save in self.0.iter_mut().filter(|save| save.tick == steps) {
+            let bytes = stage.snapshot(episode).bytes().map_err(|e| Failure::Output(e.into()))?;
+            write_file(&save.file, bytes)?;
+            save.is_written = true;
+        }
+        Ok(())
+    }
+
+    /// The episode is over after so many steps: what was not due is not written.
+    pub fn finish(&self, steps: u64) -> Result<(), Failure> {
+        match self.0.iter().find(|save| !save.is_written) {
+            None => Ok(()),
+            Some(Save { tick, file, .. }) => {
+                let file = file.display();
+                Err(input(anyhow!(
+                    "--save-at {tick} {file}: the episode ended after {steps} steps; {file} is not written"
+                )))
+            }
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! An episode saved and gone on with is the episode that was never cut, to the last bit; a damaged snapshot is refused and named.
+
+use crate::support::{cocarry, stderr, stdout};
+use cocarry::control;
+use cocarry::coordination::{self, Method};
+use cocarry::episode::{Episode, Settings};
+use cocarry::experiments::paper;
+use cocarry::robot::Robot;
+use cocarry::scenario::{Carrier, Plant, Scenario, Snapshot, SnapshotError, Stage};
+use cocarry::simulation::PhysicsSettings;
+use std::path::Path;
+
+fn scenario(plant: Plant, method: Method) -> Scenario {
+    let world = paper::ENVIRONMENTS[3].world().unwrap_or_else(|e| panic!("{e}"));
+    let coordination = coordination::Settings { eta: 5.0, ..coordination::Settings::default() };
+    let settings = Settings { method, coordination, ..Settings::default() };
+    Scenario { seed: 5, world: world.into(), human: paper::EXAMPLE_HUMAN, settings, plant }
+}
+
+fn plants() -> [Plant; 3] {
+    let robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
+    let posture = robot.postures[0].name.clone();
+    let carrier = Carrier { posture, control: control::Settings::default(), robot: robot.texts };
+    let physics = PhysicsSettings::default();
+    assert!(physics.human.sway_lateral > 0.0, "the gait's generator matters");
+    [Plant::Point, Plant::Kinematic { carrier: carrier.clone() }, Plant::Rapier { carrier, physics }]
+}
+
+fn stage(scenario: Scenario) -> Stage {
+    scenario.prepare().unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// The ticks that are left, and the summary, to the last bit. As text: what was not evaluated is NaN.
+fn rest(mut episode: Episode) -> Vec<String> {
+    let mut bits = Vec::new();
+    while episode.step().is_none() {
+        bits.push(format!("{:?}", episode.tick()));
+    }
+    bits.push(format!("{:?}", episode.summary()));
+    bits
+}
+
+fn parse(bytes: &[u8]) -> Result<Snapshot, SnapshotError> {
+    Snapshot::parse("cut.snapshot", bytes)
+}
+
+/// An episode's snapshot after so many steps, as a file's contents.
+fn saved(stage: &Stage, steps: u64) -> Vec<u8> {
+    let mut episode = stage.episode().unwrap_or_else(|e| panic!("{e}"));
+    for _ in 0..steps {
+        assert_eq!(episode.step(), None);
+    }
+    stage.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn an_episode_gone_on_with_is_the_one_never_cut() {
+    for plant in plants() {
+        let name = plant.name();
+        let stage_of_whole = stage(scenario(plant, Method::Mutual));
+        let whole = stage_of_whole.episode().unwrap_or_else(|e| panic!("{e}"));
+        let transition = {
+            let mut episode = whole.clone();
+            while episode.step().is_none() {}
+            assert!(episode.summary().changes > 0, "{name}: the option changes");
+            episode.summary().transition.expect("a transition").step
+        };
+        let whole = rest(whole);
+        let end = whole.len() as u64 - 1;
+        for cut in [0, 1, transition - 1, transition, transition + 1, (transition + end) / 2, end] {
+            let snapshot = parse(&saved(&stage_of_whole, cut)).unwrap_or_else(|e| panic!("{e}"));
+            assert_eq!(snapshot.state.steps(), cut);
+            let stage = stage(snapshot.scenario);
+            let episode = stage.resume(snapshot.state).unwrap_or_else(|e| panic!("{e}"));
+            assert!(rest(episode) == whole[cut as usize..], "{name}: cut after {cut} of {end} steps");
+        }
+    }
+}
+
+/// Nothing is lost on the way through a file that a later snapshot would show.
+#[test]
+fn a_snapshot_of_an_episode_gone_on_with_is_the_one_of_the_episode_never_cut() {
+    for plant in plants() {
+        let name = plant.name();
+        let whole = stage(scenario(plant, Method::HumanLed));
+        let early = parse(&saved(&whole, 20)).unwrap_or_else(|e| panic!("{e}"));
+        let stage = stage(early.scenario);
+        let mut episode = stage.resume(early.state).unwrap_or_else(|e| panic!("{e}"));
+        for _ in 20..50 {
+            assert_eq!(episode.step(), None);
+        }
+        let late = stage.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"));
+        assert!(late == saved(&whole, 50), "{name}: the files differ");
+    }
+}
+
+#[test]
+fn a_cut_or_flipped_snapshot_is_refused() {
+    let [_, kinematic, rapier] = plants().map(|plant| saved(&stage(scenario(plant, Method::Mutual)), 30));
+    for (bytes, stride) in [(kinematic, 97), (rapier, 9973)] {
+        assert!(parse(&bytes).is_ok());
+        for at in (0..bytes.len()).step_by(stride) {
+            let error = parse(&bytes[..at]).map(|s| s.state.steps()).expect_err("cut").to_string();
+            assert!(error.contains("cut.snapshot: "), "{error}");
+            let mut flipped = bytes.clone();
+            flipped[at] ^= 1 << (at % 8);
+            let error = parse(&flipped).map(|s| s.state.steps()).expect_err("flipped").to_string();
+            assert!(error.contains("cut.snapshot: "), "{error}");
+        }
+        let longer = [&bytes[..], &[0]].concat();
+        assert!(matches!(parse(&longer), Err(SnapshotError::Length { .. })));
+    }
+}
+
+#[test]
+fn a_snapshot_of_another_format_says_so() {
+    let mut bytes = saved(&stage(scenario(Plant::Point, Method::Mutual)), 3);
+    let version = &bytes[21..21 + usize::from(bytes[20])];
+    assert_eq!(version, env!("CARGO_PKG_VERSION").as_bytes());
+    bytes[16] += 1;
+    let error = parse(&bytes).map(|s| s.state.steps()).expect_err("another format").to_string();
+    for part in ["format 2", "this program reads format 1", env!("CARGO_PKG_VERSION")] {
+        assert!(error.contains(part), "{error}");
+    }
+}
+
+#[test]
+fn a_state_of_another_scenario_is_refused() {
+    let [point, kinematic, rapier] = plants();
+    let point = stage(scenario(point, Method::Mutual));
+    let kinematic = stage(scenario(kinematic, Method::Mutual));
+    let rapier = stage(scenario(rapier, Method::Mutual));
+    let state = |of: &Stage| of.episode().unwrap_or_else(|e| panic!("{e}")).state();
+    let refused =
+        |stage: &Stage, of: &Stage| stage.resume(state(of)).map(|_| ()).expect_err("misfit").to_string();
+    assert!(refused(&point, &kinematic).contains("robot"));
+    assert!(refused(&kinematic, &point).contains("robot"));
+    assert!(refused(&kinematic, &rapier).contains("plant"));
+    let door = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [0, 0]\ntarget_m = [9, 0]\n";
+    let world = cocarry::world::World::parse("w.toml", door).unwrap_or_else(|e| panic!("{e}"));
+    let other = stage(Scenario { world: world.into(), ..scenario(Plant::Point, Method::Mutual) });
+    assert!(refused(&other, &point).contains("place"));
+}
+
+/// The rows of a table of ticks, without its heading.
+fn rows(file: &Path) -> Vec<String> {
+    let text = std::fs::read_to_string(file).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+    text.lines().skip(1).map(str::to_owned).collect()
+}
+
+#[test]
+fn another_process_goes_on_with_the_same_bits() {
+    for plant in ["point", "kinematic", "rapier"] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+        let (first, second, svg) = (path("20.snapshot"), path("60.snapshot"), path("rest.svg"));
+        let (all, left) = (path("all.csv"), path("left.csv"));
+        let run = |arguments: &[&str]| {
+            let output = cocarry(&[&["run"], arguments, &["--json"]].concat());
+            assert!(output.status.success(), "{plant}: {}", stderr(&output));
+            serde_json::from_str::<serde_json::Value>(&stdout(&output)).expect("JSON")
+        };
+        let asked = ["environment-1", "--plant", plant, "--seed", "4", "--eta", "5", "--ticks", &all];
+        let saves = ["--save-at", "60", &second, "--save-at", "20", &first];
+        let whole = run(&[&asked[..], &saves].concat());
+        for (snapshot, step) in [(&first, 20), (&second, 60)] {
+            let told = run(&["--resume", snapshot, "--ticks", &left, "--svg", &svg]);
+            assert!(rows(Path::new(&left)) == rows(Path::new(&all))[step..], "{plant}: the ticks differ");
+            assert_eq!(told["resumed_at_step"], step);
+            // these tell of single ticks: from the snapshot on
+            let of_ticks = ["options", "preferred_at_start", "option_changes", "resumed_at_step"];
+            let expected = whole.as_object().expect("an object").iter();
+            for (key, value) in expected.filter(|(key, _)| !of_ticks.contains(&key.as_str())) {
+                assert_eq!(&told[key], value, "{plant}: {key}");
+            }
+        }
+        // what is saved on the way, from there on or from the beginning, is the same
+        let again = path("again.snapshot");
+        run(&["--resume", &first, "--save-at", "60", &again]);
+        assert!(std::fs::read(&again).expect("a file") == std::fs::read(&second).expect("a file"), "{plant}");
+    }
+}
+
+#[test]
+fn what_is_told_of_an_episode_gone_on_with() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("end.snapshot").to_str().expect("UTF-8").to_owned();
+    let whole = cocarry(&["run", "--alpha", "0.747", "--gamma", "0.765", "--save-at", "60", &file]);
+    let told = cocarry(&["run", "--resume", &file]);
+    assert_eq!((whole.status.code(), told.status.code()), (Some(0), Some(0)), "{}", stderr(&told));
+    let (whole, told) = (stdout(&whole), stdout(&told));
+    for part in ["Options at step 60", "step   60", "the human takes the lead"] {
+        assert!(told.contains(part), "{part:?} is missing from:\n{told}");
+    }
+    let end =
+        |text: &str| text.lines().skip_while(|l| !l.contains("arrived at B")).collect::<Vec<_>>().join("\n");
+    assert_eq!(end(&told), end(&whole));
+    assert!(end(&told).lines().count() >= 4, "{told}");
+}
+
+fn refused(arguments: &[&str], said: &[&str]) {
+    let output = cocarry(arguments);
+    let error = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+    assert!(error.starts_with("error: ") && !error.contains("panicked"), "{error}");
+    for part in said {
+        assert!(error.contains(part), "{part:?} is missing from: {error}");
+    }
+}
+
+#[test]
+fn what_cannot_be_gone_on_with_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let (file, bad) = (path("good.snapshot"), path("bad.snapshot"));
+    let run = ["run", "--plant", "point", "--max-steps", "50", "--save-at", "10", &file];
+    assert_eq!(cocarry(&run).status.code(), Some(3));
+    let bytes = std::fs::read(&file).expect("a file");
+    let resume = |contents: &[u8], said: &str| {
+        std::fs::write(&bad, contents).expect("a file");
+        refused(&["run", "--resume", &bad], &["bad.snapshot: ", said]);
+    };
+    resume(&[], "not a snapshot");
+    resume(b"name = \"a world\"\n", "not a snapshot");
+    resume(&bytes[..7], "damaged snapshot: it has 7 bytes");
+    resume(&bytes[..bytes.len() - 1], "bytes where");
+    let mut flipped = bytes.clone();
+    flipped[bytes.len() / 2] ^= 4;
+    resume(&flipped, "checksum");
+    refused(&["run", "--resume", &path("none.snapshot")], &["none.snapshot: cannot be read"]);
+    refused(&["run", "--resume", folder.path().to_str().expect("UTF-8")], &["cannot be read"]);
+    for other in [&["environment-1"][..], &["--eta", "5"], &["--risk-weight", "3"], &["--plant", "point"]] {
+        refused(&[&["run", "--resume", &file], other].concat(), &["--resume", "cannot be used with"]);
+    }
+    refused(&["run", "--resume", &file, "--save-at", "9", &bad], &["--save-at 9", "step 10"]);
+    refused(&["run", "--save-at", "ten", &bad], &["--save-at ten", "whole number"]);
+}
+
+#[test]
+fn a_step_that_is_never_reached_is_told_after_the_outcome() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("late.snapshot");
+    let name = file.to_str().expect("UTF-8");
+    let arguments = ["run", "--plant", "point", "--save-at", "100000", name];
+    refused(&arguments, &["--save-at 100000", "the episode ended after", "late.snapshot is not written"]);
+    assert!(stdout(&cocarry(&arguments)).contains("arrived at B"));
+    assert!(!file.exists());
+    let output = cocarry(&["run", "--plant", "point", "--save-at", "3", "no-such-folder/x.snapshot"]);
+    assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+}
