@@ -68,10 +68,13 @@ fn an_episode_gone_on_with_is_the_one_never_cut() {
         let whole = rest(whole);
         let end = whole.len() as u64 - 1;
         for cut in [0, 1, transition - 1, transition, transition + 1, (transition + end) / 2, end] {
-            let snapshot = parse(&saved(&stage_of_whole, cut)).unwrap_or_else(|e| panic!("{e}"));
+            let bytes = saved(&stage_of_whole, cut);
+            let snapshot = parse(&bytes).unwrap_or_else(|e| panic!("{e}"));
             assert_eq!(snapshot.state.steps(), cut);
             let stage = stage(snapshot.scenario);
             let episode = stage.resume(snapshot.state).unwrap_or_else(|e| panic!("{e}"));
+            let again = stage.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"));
+            assert!(again == bytes, "{name}: something is lost after {cut} steps");
             assert!(rest(episode) == whole[cut as usize..], "{name}: cut after {cut} of {end} steps");
         }
     }
