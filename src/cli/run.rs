@@ -1,6 +1,6 @@
 //! `cocarry run`: a world and a human in; one episode, told, tabulated, drawn or logged tick by tick, out.
 
-use super::output::{Failure, Progress, input, print, print_json, write_file};
+use super::output::{Failure, Progress, print, print_json, write_file};
 use super::scenario::ScenarioArguments;
 use super::snapshots::SnapshotArguments;
 use super::tick_log;
@@ -28,7 +28,7 @@ pub(super) struct Arguments {
     /// Write every tick to this file: .csv, or .jsonl for JSON lines (with --resume, those from there on)
     #[arg(long, value_name = "FILE", value_parser = tick_log::file)]
     ticks: Option<tick_log::File>,
-    /// Draw trajectory and stubbornness into this file
+    /// Draw trajectory and stubbornness into this file (with --resume, likewise)
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
 }
@@ -53,12 +53,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         Some(Snapshot { scenario, state, .. }) => (scenario, Some(state)),
     };
     let resumed = state.as_ref().map(State::steps);
-    let stage = scenario.prepare().map_err(input)?;
+    let refused = |error| arguments.snapshots.refused(error);
+    let stage = scenario.prepare().map_err(refused)?;
     let episode = match state {
         None => stage.episode(),
         Some(state) => stage.resume(state),
     };
-    let mut episode = episode.map_err(input)?;
+    let mut episode = episode.map_err(refused)?;
     let mut saves = arguments.snapshots.saves(resumed)?;
     let mut ticks = Vec::new();
     let bar = Progress::new(episode.expected_steps() as usize, "episode");

@@ -2,8 +2,8 @@
 
 use super::output::{Failure, input, write_file};
 use crate::episode::Episode;
-use crate::scenario::{Snapshot, Stage};
-use anyhow::anyhow;
+use crate::scenario::{ScenarioError, Snapshot, Stage};
+use anyhow::{Error, anyhow};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -66,6 +66,14 @@ impl SnapshotArguments {
             );
         }
         Ok(Some(snapshot))
+    }
+
+    /// The error about a scenario, which is the snapshot's where there is one.
+    pub fn refused(&self, error: ScenarioError) -> Failure {
+        match &self.resume {
+            None => input(error),
+            Some(file) => input(Error::from(error).context(file.display().to_string())),
+        }
     }
 
     /// The snapshots to write of an episode that begins, or goes on after `resumed` steps.

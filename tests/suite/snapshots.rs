@@ -145,6 +145,20 @@ fn a_state_of_another_scenario_is_refused() {
     assert!(refused(&other, &point).contains("place"));
 }
 
+/// How long it has been stuck already is part of an episode.
+#[test]
+fn an_episode_that_is_stuck_stays_so() {
+    let [_, _, mut plant] = plants();
+    let Plant::Rapier { carrier, .. } = &mut plant else { panic!("the physical plant") };
+    // wheels that hardly turn
+    carrier.robot.urdf = carrier.robot.urdf.replace("velocity=\"17.4\"", "velocity=\"0.1\"");
+    let whole = stage(scenario(plant, Method::RobotLed));
+    let end = rest(whole.episode().unwrap_or_else(|e| panic!("{e}")));
+    assert!(end.last().expect("a summary").contains("Stuck"), "{:?}", end.last());
+    let snapshot = parse(&saved(&whole, 40)).unwrap_or_else(|e| panic!("{e}"));
+    assert!(rest(whole.resume(snapshot.state).unwrap_or_else(|e| panic!("{e}"))) == end[40..]);
+}
+
 /// The rows of a table of ticks, without its heading.
 fn rows(file: &Path) -> Vec<String> {
     let text = std::fs::read_to_string(file).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
@@ -230,6 +244,12 @@ fn what_cannot_be_gone_on_with_is_named() {
     let mut flipped = bytes.clone();
     flipped[bytes.len() / 2] ^= 4;
     resume(&flipped, "checksum");
+    // with the right checksum
+    let mut forged = bytes[..bytes.len() - 4].to_vec();
+    let name = forged.windows(12).position(|w| w == b"name = \"xi3\"").expect("an opening");
+    forged[name + 10] = b'1';
+    forged.extend(crc32fast::hash(&forged).to_le_bytes());
+    resume(&forged, "opening `xi1`");
     refused(&["run", "--resume", &path("none.snapshot")], &["none.snapshot: cannot be read"]);
     refused(&["run", "--resume", folder.path().to_str().expect("UTF-8")], &["cannot be read"]);
     for other in [&["environment-1"][..], &["--eta", "5"], &["--risk-weight", "3"], &["--plant", "point"]] {
