@@ -70,6 +70,7 @@ fn problem<'a>(robot: &'a Robot, state: &'a State) -> PoseProblem<'a> {
         references: &state.references,
         weights: &state.weights,
         obstacles: None,
+        rims: None,
         period: PERIOD,
     }
 }

@@ -1,6 +1,6 @@
 //! What a robot can do in a tick in; the constraints of eq. (7) and their violations out.
 
-use super::{HORIZON, Inputs};
+use super::{HORIZON, Inputs, Rims};
 use crate::robot::{Configuration, InputVector, JointVector, Robot};
 
 /// A violation below this (m/s, rad/s; for half-planes m) is rounding.
@@ -28,6 +28,20 @@ pub struct HalfPlane {
     pub coefficients: Inputs,
     /// The weighted sum must not exceed this, m.
     pub bound: f64,
+    /// What exceeding it costs: this times the square of the excess (m).
+    pub price: f64,
+}
+
+impl HalfPlane {
+    /// Takes the base's inputs for settled: what is left bounds the arm's.
+    pub fn settle_base(&mut self, rims: &Rims) {
+        for (t, rims) in rims.iter().enumerate() {
+            for (side, rim) in rims.iter().enumerate() {
+                self.bound -= self.coefficients[(side, t)] * rim;
+                self.coefficients[(side, t)] = 0.0;
+            }
+        }
+    }
 }
 
 /// One linear constraint `a . u <= b`.

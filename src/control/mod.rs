@@ -6,16 +6,19 @@
 mod active_set;
 mod candidates;
 mod closed_form;
+mod follow;
 mod intent;
 mod limits;
 mod mpc;
 mod obstacles;
 mod pose;
 mod qp;
+mod rolling;
 mod settings;
 
 pub use candidates::{Candidate, CandidateSet, Neighbourhood};
 pub use closed_form::ClosedForm;
+pub use follow::{Follower, Rims, hold_base_to, rolled, seen_from_base, set_base};
 pub use intent::Intent;
 pub use limits::{HalfPlane, Limits};
 pub use mpc::{Failure, Mpc, Plan, SolveOutcome};

@@ -14,8 +14,6 @@ use super::{ClosedForm, Inputs, Reference};
 const ROUNDS: usize = 40;
 /// Constraints that memory is kept for.
 const ROOM: usize = 160;
-/// What a half-plane's violation costs: this times its square (m), a thousand times what the same tracking error costs.
-const SLACK_PRICE: f64 = 1e6;
 
 /// The solution of eq. (7).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -227,8 +225,8 @@ impl Mpc {
                 self.dual[i * n + j] = product;
                 self.dual[j * n + i] = product;
             }
-            if let Row::Place(_) = self.rows[i] {
-                self.dual[i * n + i] += 1.0 / SLACK_PRICE;
+            if let Row::Place(place) = self.rows[i] {
+                self.dual[i * n + i] += 1.0 / limits.half_planes[place].price;
             }
         }
     }

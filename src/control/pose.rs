@@ -4,9 +4,10 @@
 //! every (candidate, option) from below, and eq. (7) is solved with limits only where that bound can still win.
 
 use super::candidates::{Candidate, Neighbourhood};
+use super::follow::set_base;
 use super::limits::Limits;
 use super::obstacles::{Avoid, RobotObstacles};
-use super::{ClosedForm, Mpc, Reference, Settings, SolveOutcome};
+use super::{ClosedForm, Mpc, Reference, Rims, Settings, SolveOutcome};
 use crate::robot::{Configuration, InputJacobian, Kinematics, MAX_JOINTS, Robot};
 
 /// What eq. (8) chooses by.
@@ -68,6 +69,8 @@ pub struct PoseProblem<'a> {
     pub weights: &'a [f64],
     /// The obstacles, and what is kept out of them.
     pub obstacles: Option<(&'a RobotObstacles, Avoid)>,
+    /// Rim speeds of the base, where these are settled: then the references are what is left for the arm, and only the arm is optimised.
+    pub rims: Option<&'a Rims>,
     /// Control period, s.
     pub period: f64,
 }
@@ -116,7 +119,10 @@ impl PoseOptimiser {
         self.bounds.clear();
         self.totals.clear();
         for candidate in &self.candidates {
-            let jacobian = problem.robot.kinematics(&candidate.configuration).jacobian;
+            let mut jacobian = problem.robot.kinematics(&candidate.configuration).jacobian;
+            if problem.rims.is_some() {
+                jacobian.fixed_columns_mut::<2>(0).fill(0.0);
+            }
             let form =
                 ClosedForm::new(&(jacobian * problem.period), settings.state_weight, settings.input_weight);
             let mut total = motion_cost(candidate, problem.configuration, settings);
@@ -156,8 +162,14 @@ impl PoseOptimiser {
                     continue;
                 }
                 if let Some((obstacles, avoid)) = problem.obstacles {
-                    let (q, inputs) = (&candidate.configuration, form.inputs(reference));
+                    let (q, mut inputs) = (&candidate.configuration, form.inputs(reference));
+                    if let Some(rims) = problem.rims {
+                        set_base(&mut inputs, rims);
+                    }
                     obstacles.half_planes(avoid, problem.robot, q, &inputs, problem.period, limits);
+                    if let Some(rims) = problem.rims {
+                        limits.half_planes.iter_mut().for_each(|plane| plane.settle_base(rims));
+                    }
                 }
                 let without = self.totals[c] - self.bounds[c * options + o];
                 let plan = mpc.solve_below(form, limits, reference, (best + TIE - without) / weight);

@@ -330,6 +330,7 @@ fn the_pose_chosen_is_the_exact_minimum_over_candidates() {
             references: &references,
             weights: &weights,
             obstacles: None,
+            rims: None,
             period: PERIOD,
         };
         let choice = poses.choose(&problem, &settings, &mut limits, &mut mpc);
@@ -361,6 +362,7 @@ fn in_the_planar_posture_both_ways_out_are_equal_and_the_first_is_taken() {
         references: &[straight],
         weights: &[1.0],
         obstacles: None,
+        rims: None,
         period: PERIOD,
     };
     let (mut poses, mut mpc, mut limits) = (PoseOptimiser::default(), Mpc::default(), Limits::new(&robot));

@@ -1,10 +1,10 @@
 //! A manipulator that holds its end of the object: what it does in each step of the loop.
 
-use super::team::{KinematicTeam, Moved, Onward, PhysicalTeam, Walk};
+use super::team::{ACCELERATION, KinematicTeam, Moved, Onward, PhysicalTeam, Walk};
 use super::tick::{Preparation, RobotTick};
 use crate::control::{
-    self, Avoid, Candidate, ClosedForm, Intent, Limits, Mpc, PoseCriterion, PoseOptimiser, PoseProblem,
-    Reference, RobotObstacles,
+    self, Avoid, Candidate, ClosedForm, Follower, Intent, Limits, Mpc, PoseCriterion, PoseOptimiser,
+    PoseProblem, Reference, Rims, RobotObstacles, hold_base_to, rolled, seen_from_base, set_base,
 };
 use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose};
@@ -40,6 +40,11 @@ pub(super) struct Carrier<'a> {
     paths: Vec<Path>,
     references: Vec<Reference>,
     weights: Vec<f64>,
+    /// A way that turns onto an option's path, and the one that the grasp has gone.
+    onto: Path,
+    way: Vec<Point>,
+    /// How far the base was behind the grasp at the start, m: as far it follows.
+    distance: f64,
     /// What the step decided: q* with the rates that lead there, and u.
     target: Candidate,
     input: InputVector,
@@ -115,9 +120,9 @@ impl<'a> Carrier<'a> {
         let Self {
             intent, team,
             // given
-            manipulator: _, walk: _,
+            manipulator: _, walk: _, distance: _,
             // memory, and what every step decides anew
-            poses: _, limits: _, mpc: _, paths: _, references: _, weights: _, target: _, input: _,
+            poses: _, limits: _, mpc: _, paths: _, references: _, weights: _, onto: _, way: _, target: _, input: _,
         } = self;
         let team = match team {
             Team::Kinematic(KinematicTeam { robot: _, plant, human }) => {
@@ -131,6 +136,7 @@ impl<'a> Carrier<'a> {
     fn new(manipulator: Manipulator<'a>, walk: Walk, options: usize, team: Team<'a>) -> Self {
         let at_origin = PlanarPose { position: Point::origin(), yaw: 0.0 };
         let configuration = Configuration { base: at_origin, joints: manipulator.posture };
+        let distance = manipulator.robot.grasp_pose(&configuration).translation.vector.x;
         Self {
             manipulator,
             walk,
@@ -143,6 +149,9 @@ impl<'a> Carrier<'a> {
             paths: (0..options).map(|_| Path::with_capacity(64)).collect(),
             references: Vec::with_capacity(options),
             weights: Vec::with_capacity(options),
+            onto: Path::with_capacity(64),
+            way: Vec::with_capacity(64),
+            distance,
             target: Candidate { configuration, rates: InputVector::zeros() },
             input: InputVector::zeros(),
         }
@@ -164,10 +173,15 @@ impl<'a> Carrier<'a> {
         }
     }
 
-    /// The path under way is left `along` (m) on it for another that begins there.
-    pub fn turn(&mut self, path: &Path, along: f64) {
-        if let Team::Physical(team) = &mut self.team {
-            team.turn(path, along);
+    /// The path under way is left `along` (m) on it for `next`, which begins there. Returns the path that the team walks then;
+    /// `None` if there is no room to turn.
+    pub fn turn(&mut self, path: &Path, along: f64, next: Path) -> Option<Path> {
+        match &mut self.team {
+            Team::Kinematic(_) => Some(next),
+            Team::Physical(team) => {
+                let obstacles = self.manipulator.obstacles;
+                team.turn(path, along, &next, |point| obstacles.clearance(point, 0.0))
+            }
         }
     }
 
@@ -181,7 +195,7 @@ impl<'a> Carrier<'a> {
         let near = (control.avoid != Avoid::Nothing).then_some((obstacles, control.avoid));
         let human = match &self.team {
             Team::Kinematic(team) => team.human,
-            Team::Physical(team) => team.human(situation.path),
+            Team::Physical(team) => team.human(),
         };
         let mut tick = RobotTick::at(&q, human);
         if tracked.is_none() {
@@ -193,7 +207,13 @@ impl<'a> Carrier<'a> {
             self.weights.clear();
             self.weights.push(1.0);
         }
-        let to_track = self.references[tracked.unwrap_or(0)];
+        // on the physical plant, the base follows the way that the grasp has gone, and the arm does the rest
+        let rims = self.base_on_way(situation);
+        if let Some(rims) = &rims {
+            for reference in &mut self.references {
+                *reference = seen_from_base(reference, &at.grasp, &q.base, &robot.drive, rims, period);
+            }
+        }
         self.target = Candidate { configuration: q, rates: InputVector::zeros() };
         if tracked.is_some() || control.prepare_while_leading {
             let problem = PoseProblem {
@@ -203,6 +223,7 @@ impl<'a> Carrier<'a> {
                 references: &self.references,
                 weights: &self.weights,
                 obstacles: near,
+                rims: rims.as_ref(),
                 period,
             };
             let chosen = self.poses.choose(&problem, &control, &mut self.limits, &mut self.mpc);
@@ -216,11 +237,22 @@ impl<'a> Carrier<'a> {
             self.target = chosen.candidate;
         }
         let Candidate { configuration: target, rates } = self.target;
-        let input_matrix = robot.kinematics(&target).jacobian * period;
-        let free = ClosedForm::new(&input_matrix, control.state_weight, control.input_weight);
+        let jacobian = robot.kinematics(&target).jacobian;
+        let free = ClosedForm::new(&(jacobian * period), control.state_weight, control.input_weight);
         self.limits.set(robot, &target, &rates, period);
+        let mut to_track = self.references[tracked.unwrap_or(0)];
+        if let Some(rims) = &rims {
+            to_track += rolled(&jacobian, rims, period);
+        }
         if let Some((obstacles, avoid)) = near {
-            obstacles.half_planes(avoid, robot, &target, &free.inputs(&to_track), period, &mut self.limits);
+            let mut about = free.inputs(&to_track);
+            if let Some(rims) = &rims {
+                set_base(&mut about, rims);
+            }
+            obstacles.half_planes(avoid, robot, &target, &about, period, &mut self.limits);
+        }
+        if let Some(rims) = &rims {
+            hold_base_to(rims, &mut self.limits);
         }
         let plan = self.mpc.solve(&free, &self.limits, &to_track);
         self.input = plan.inputs.column(0).into_owned();
@@ -230,6 +262,22 @@ impl<'a> Carrier<'a> {
         tick.control_effort = control.input_weight * self.input.norm_squared();
         tick.base_clearance = obstacles.clearance(q.base.position, robot.drive.base_radius);
         tick
+    }
+
+    /// Rim speeds with which the base follows on the way; `None` on the kinematic plant, which has no obstacles to get caught at.
+    fn base_on_way(&mut self, situation: &Situation) -> Option<Rims> {
+        let Team::Physical(team) = &self.team else { return None };
+        let seen = self.intent.speed().unwrap_or(0.0);
+        let (pace, speed) = team.pace(situation.mode, (situation.path, situation.along), seen);
+        team.write_way_walked(situation.path, pace, &mut self.way);
+        let Configuration { base, .. } = team.seen.configuration;
+        let follower = Follower {
+            way: &self.way,
+            speeds: [speed.min(self.walk.speed), self.walk.speed],
+            acceleration: ACCELERATION,
+            distance: self.distance,
+        };
+        Some(follower.rims(&self.manipulator.robot.drive, &base, team.seen.rim_speeds, self.walk.period))
     }
 
     /// While the human leads: s_o(1..H) of every option, from where the human is, and which of them to track.
@@ -244,10 +292,17 @@ impl<'a> Carrier<'a> {
             Team::Physical(team) => team.seen.hand.translation.vector.xy().into(),
         };
         let tracked = self.intent.observe(position, probabilities, period);
-        let observed = self.intent.speed().unwrap_or(speed);
+        let observed = match &self.team {
+            Team::Kinematic(_) => self.intent.speed().unwrap_or(speed),
+            Team::Physical(_) => self.intent.speed().unwrap_or(0.0),
+        };
         self.references.clear();
         for option in 0..probabilities.len() {
             situation.options.write_path(situation.progress, option, &mut self.paths[option]);
+            if let Team::Physical(team) = &self.team {
+                team.write_way_onto(situation.path, situation.along, &self.paths[option], &mut self.onto);
+                std::mem::swap(&mut self.onto, &mut self.paths[option]);
+            }
             let onward =
                 Onward { path: situation.path, along: situation.along, turn: Some(&self.paths[option]) };
             let reference = self.reference(&onward, observed, situation.mode, grasp);

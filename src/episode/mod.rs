@@ -10,6 +10,7 @@ mod settings;
 mod state;
 mod team;
 mod tick;
+mod way;
 
 pub use carrier::Manipulator;
 pub use outcome::{ControlSummary, InteractionSummary, Outcome, Summary, Transition};
@@ -303,26 +304,35 @@ impl<'a> Episode<'a> {
     }
 
     fn execute(&mut self, option: usize) {
-        if !self.underway || option != self.tick.executed {
-            // the first path and every change; a path under way is walked on as it is
-            if let Some(carrier) = &mut self.carrier {
-                carrier.turn(&self.path, self.along);
-            }
+        if !self.underway {
             self.path = self.options.path(&self.progress, option).unwrap_or_default();
-            self.along = 0.0;
-            if self.underway {
-                self.summary.changes += 1;
-            } else {
-                self.summary.first_option = option;
-            }
+            self.tick.executed = option;
+            self.summary.first_option = option;
+            self.underway = true;
+        } else if option != self.tick.executed {
+            self.turn_onto(option);
         }
-        self.underway = true;
-        self.tick.executed = option;
-        self.tick.objective_cost = self.tick.options[option].objective;
+        let executed = self.tick.executed;
+        self.tick.objective_cost = self.tick.options[executed].objective;
         self.tick.heading = self.path.heading_at(self.along).unwrap_or(self.tick.heading);
         self.summary.accumulated_cost += self.tick.objective_cost;
         self.tick.accumulated_cost = self.summary.accumulated_cost;
-        self.summary.last_option = option;
+        self.summary.last_option = executed;
+    }
+
+    /// A path under way is walked on as it is, until another option is chosen and, on the physical plant, there is room to turn.
+    fn turn_onto(&mut self, option: usize) {
+        let next = self.options.path(&self.progress, option).unwrap_or_default();
+        let path = match &mut self.carrier {
+            None => Some(next),
+            Some(carrier) => carrier.turn(&self.path, self.along, next),
+        };
+        if let Some(path) = path {
+            self.path = path;
+            self.along = 0.0;
+            self.tick.executed = option;
+            self.summary.changes += 1;
+        }
     }
 
     fn control(&mut self) {

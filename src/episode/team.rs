@@ -1,9 +1,10 @@
 //! The two plants as the loop sees them: what the robot observes of the human, where the grasp should be, and what a step makes of it.
 
 use super::tick::PhysicsTick;
-use crate::control::{HORIZON, Reference, reference};
+use super::way::{WALKS_AHEAD, Way};
+use crate::control::{Follower, HORIZON, Reference, reference};
 use crate::coordination::Mode;
-use crate::geometry::{Path, PlanarPose, Point, Pose, Tandem, Vector, angle_of, direction};
+use crate::geometry::{Path, PlanarPose, Point, Pose, Vector, angle_of, wrap_angle};
 use crate::options::{nominal_trajectory, turned};
 use crate::robot::{Configuration, InputVector, Robot, pose_difference};
 use crate::simulation::{HumanCommand, KinematicPlant, Observation, PhysicalPlant};
@@ -22,7 +23,7 @@ pub(super) struct Onward<'s> {
     /// The path under way, and how far along it the team is, m.
     pub path: &'s Path,
     pub along: f64,
-    /// The path to turn onto here; none to go on.
+    /// The path to turn onto; none to go on. On the physical plant, it begins where the human's body is.
     pub turn: Option<&'s Path>,
 }
 
@@ -48,19 +49,27 @@ pub(super) struct KinematicTeam<'a> {
 #[derive(Clone, serde::Serialize, serde::Deserialize)]
 pub(super) struct PhysicalTeam {
     plant: PhysicalPlant,
-    tandem: Tandem,
+    way: Way,
     height: f64,
     /// How far along the path who leads means to be, m: ahead of the object by what the grips yield.
     pace: f64,
+    /// How fast the pace goes, m/s.
+    hurry: f64,
+    /// Where who leads means the object to be.
+    goal: PlanarPose,
     pub seen: Observation,
 }
 
+/// How quickly a team comes to its walking speed, m/s^2.
+pub(super) const ACCELERATION: f64 = 0.5;
+/// A team slows down where the object has to turn farther (rad) than it can in a step, to a tenth at so much more.
+const LAG: [f64; 2] = [0.1, 0.4];
+/// What is out of place is moved into it at this many times the walking speed.
+const CATCH_UP: f64 = 1.5;
+/// Points that are kept of the way walked: as far back as a base is.
+const WAY_POINTS: u32 = 50;
 /// Who leads waits for the object when it is this far (m) behind.
 const PATIENCE: f64 = 0.15;
-/// How far ahead of the hand the human walks, m.
-const WALKS_AHEAD: f64 = 0.35;
-/// How far (m) the object may come in one step.
-const REACH: f64 = 0.4;
 
 impl KinematicTeam<'_> {
     pub fn reference(&self, onward: &Onward, speed: f64, walk: &Walk, grasp: &Pose) -> Reference {
@@ -92,47 +101,75 @@ impl PhysicalTeam {
     /// A team at rest, its object's middle at `team`.
     pub fn new(plant: PhysicalPlant, object_length: f64, height: f64, team: &PlanarPose) -> Self {
         let seen = plant.observe();
-        let tandem = Tandem::new(object_length, team.position, team.yaw);
-        Self { plant, tandem, height, pace: 0.0, seen }
+        let way = Way::new(object_length, team);
+        Self { plant, way, height, pace: 0.0, hurry: 0.0, goal: *team, seen }
     }
 
     /// Where the grasp should be for the human where they are, as a pose on the floor.
-    pub fn human(&self, path: &Path) -> PlanarPose {
-        self.tandem.end(&self.tandem.pose(path, self.pace), -1.0)
+    pub fn human(&self) -> PlanarPose {
+        self.way.end(&self.goal, -1.0)
     }
 
-    /// How far the hand is ahead of the object's front end, along the object, m: what the robot sees of the pace.
-    fn lead(&self) -> f64 {
-        let object = object_on_floor(&self.seen.object);
-        let front = self.tandem.end(&object, 1.0).position;
+    /// How far the hand is ahead of where it would be with the object's middle `along` (m) on `path`, m: what the robot sees of the pace.
+    fn lead(&self, path: &Path, along: f64) -> f64 {
+        const STEP: f64 = 0.02;
         let hand: Point = self.seen.hand.translation.vector.xy().into();
-        (hand - front).dot(&direction(object.yaw)).clamp(-PATIENCE, PATIENCE)
+        let distance = |walked: f64| {
+            let front = self.way.end(&self.way.pose(path, along + walked), 1.0);
+            (front.position - hand).norm_squared()
+        };
+        let leads = (0..=25).map(|i| STEP * f64::from(i) - 0.1);
+        leads.min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap_or(0.0)
+    }
+
+    /// How far along `path` (m) the object is to be now, and how fast that goes (m/s), as the robot knows it: from what it means to do while it
+    /// leads, else from the hand, which it sees move at `speed` (m/s).
+    pub fn pace(&self, mode: Mode, (path, along): (&Path, f64), speed: f64) -> (f64, f64) {
+        match mode {
+            Mode::RobotLed => (self.pace, self.hurry),
+            Mode::HumanLed => (along + self.lead(path, along), speed),
+        }
+    }
+
+    /// The way of the grasp so far, from where it is to be when the object has come to `pace` back to where the base surely is, m.
+    pub fn write_way_walked(&self, path: &Path, pace: f64, way: &mut Vec<Point>) {
+        way.clear();
+        let behind = (0..WAY_POINTS).rev().map(|i| self.way.half() + Follower::STEP * f64::from(i));
+        way.extend(behind.map(|behind| self.way.point(path, pace - behind)));
     }
 
     fn pose(&self, onward: &Onward, walked: f64) -> PlanarPose {
         match onward.turn {
-            None => self.tandem.pose(onward.path, onward.along + walked),
-            Some(turn) => self.tandem.pose_after_turning(onward.path, onward.along, turn, walked),
+            None => self.way.pose(onward.path, onward.along + walked),
+            Some(onto) => self.way.pose_after_turning(onward.path, onward.along, onto, walked),
         }
     }
 
     /// s(1..H) of the grasp along a way: from the pace while the robot leads, from where the hand is seen while the human does.
     pub fn reference(&self, onward: &Onward, speed: f64, mode: Mode, walk: &Walk, grasp: &Pose) -> Reference {
-        let ahead = match mode {
-            Mode::RobotLed => self.pace - onward.along,
-            Mode::HumanLed => self.lead(),
-        };
-        let grasps = (1..=HORIZON).map(|t| {
-            let walked = ahead + speed * walk.period * t as f64;
-            self.tandem.end(&self.pose(onward, walked), -1.0)
+        let (pace, mut hurry) = self.pace(mode, (onward.path, onward.along), speed);
+        let mut ahead = pace - onward.along;
+        let mut at = if mode == Mode::RobotLed { self.goal } else { self.held_by_hand() };
+        let grasps = (1..=HORIZON).map(|_| {
+            hurry = (hurry + ACCELERATION * walk.period).min(walk.speed);
+            ahead += hurry * walk.period;
+            at = brought_to(&at, &self.pose(onward, ahead), walk);
+            self.way.end(&at, -1.0)
         });
         reference(grasps, grasp, self.height)
     }
 
+    /// Where the object would be if it were where the hand is.
+    fn held_by_hand(&self) -> PlanarPose {
+        let yaw = object_on_floor(&self.seen.object).yaw;
+        let hand = PlanarPose { position: self.seen.hand.translation.vector.xy().into(), yaw };
+        PlanarPose { position: self.way.end(&hand, -1.0).position, yaw }
+    }
+
     /// Where the hand would go in one step along a way.
     pub fn hand_step(&self, onward: &Onward, step: f64) -> Vector {
-        let ahead = self.lead();
-        let hand = |walked: f64| self.tandem.end(&self.pose(onward, walked), 1.0).position;
+        let ahead = self.lead(onward.path, onward.along);
+        let hand = |walked: f64| self.way.end(&self.pose(onward, walked), 1.0).position;
         hand(ahead + step) - hand(ahead)
     }
 
@@ -144,11 +181,16 @@ impl PhysicalTeam {
         (path, along): (&Path, f64),
         walk: &Walk,
     ) -> Moved {
-        if self.pace - along < PATIENCE {
-            self.pace = (self.pace + walk.speed * walk.period).min(path.length());
-        }
-        let goal = self.tandem.pose(path, self.pace);
-        let hand = self.tandem.end(&goal, 1.0);
+        let lag = wrap_angle(self.way.pose(path, self.pace).yaw - self.goal.yaw).abs();
+        let most = walk.speed * ((LAG[1] - lag) / (LAG[1] - LAG[0])).clamp(0.1, 1.0);
+        self.hurry = match self.pace - along < PATIENCE {
+            true => (self.hurry + ACCELERATION * walk.period).min(most),
+            false => 0.0,
+        };
+        self.pace = (self.pace + self.hurry * walk.period).min(path.length());
+        self.goal = brought_to(&self.goal, &self.way.pose(path, self.pace), walk);
+        let goal = self.goal;
+        let hand = self.way.end(&goal, 1.0);
         self.plant.face(Some(angle_of(self.body(path, hand.position) - hand.position)));
         let command = match mode {
             Mode::RobotLed => HumanCommand::Follow,
@@ -156,8 +198,8 @@ impl PhysicalTeam {
         };
         self.seen = self.plant.step(rates, &command, walk.period);
         let object = object_on_floor(&self.seen.object);
-        let along = self.tandem.locate(path, object.position, along, REACH);
-        let grasp = self.tandem.end(&goal, -1.0).at_height(self.height);
+        let along = self.way.locate(path, object.position, along, self.pace);
+        let grasp = self.way.end(&goal, -1.0).at_height(self.height);
         Moved {
             along,
             error: pose_difference(&grasp, &self.seen.grasp),
@@ -168,16 +210,28 @@ impl PhysicalTeam {
     /// Where the human's body walks: on the way, whoever leads, since it sees where that goes; as far from the hand as it is.
     fn body(&self, path: &Path, hand: Point) -> Point {
         const STEP: f64 = 0.02;
-        let front = self.pace + self.tandem.length() / 2.0;
-        let mut ahead = (0..50).map(|i| self.tandem.point(path, front + STEP * f64::from(i)));
+        let point = |ahead: f64| self.way.point(path, self.pace + self.way.half() + ahead);
+        let mut ahead = (0..50).map(|i| point(STEP * f64::from(i)));
         let far_enough = ahead.find(|point| (point - hand).norm() >= WALKS_AHEAD);
-        far_enough.unwrap_or_else(|| self.tandem.point(path, front + WALKS_AHEAD))
+        far_enough.unwrap_or_else(|| point(WALKS_AHEAD))
     }
 
-    /// The path under way is left `along` (m) on it for another that begins there.
-    pub fn turn(&mut self, path: &Path, along: f64) {
-        self.tandem.leave(path, along);
+    /// Writes the way on which whoever walks ahead would turn onto `next`, from `along` (m) on `path`.
+    pub fn write_way_onto(&self, path: &Path, along: f64, next: &Path, way: &mut Path) {
+        self.way.write_onto(path, along, next, way);
+    }
+
+    /// The path under way is left `along` (m) on it for `next`. Returns the path that the object's middle walks; `None` if there is no room.
+    pub fn turn(
+        &mut self,
+        path: &Path,
+        along: f64,
+        next: &Path,
+        clearance: impl Fn(Point) -> f64,
+    ) -> Option<Path> {
+        let way = self.way.turn(path, along, next, clearance)?;
         self.pace -= along;
+        Some(way)
     }
 }
 
@@ -187,6 +241,17 @@ impl std::fmt::Debug for PhysicalTeam {
             .field("pace", &self.pace)
             .field("seen", &self.seen)
             .finish_non_exhaustive()
+    }
+}
+
+/// A step from where the object is toward where it is to be: no faster than it can be carried there.
+fn brought_to(at: &PlanarPose, goal: &PlanarPose, walk: &Walk) -> PlanarPose {
+    let way = goal.position - at.position;
+    let most = CATCH_UP * walk.speed * walk.period;
+    let share = if way.norm() > most { most / way.norm() } else { 1.0 };
+    PlanarPose {
+        position: at.position + way * share,
+        yaw: turned(at.yaw, goal.yaw, walk.yaw_rate * walk.period),
     }
 }
 

@@ -6,11 +6,13 @@ mod footprint;
 mod path;
 mod spatial;
 mod tandem;
+mod turning;
 
 pub use footprint::{Bounds, Footprint};
 pub use path::{Path, Piece};
 pub use spatial::{PlanarPose, Pose, rotation_vector};
 pub use tandem::Tandem;
+pub use turning::{Arc, write_turn_onto};
 
 /// A point of the plane, metres in the world frame.
 pub type Point = nalgebra::Point2<f64>;

@@ -26,14 +26,14 @@ pub enum Piece {
 }
 
 impl Piece {
-    fn length(&self) -> f64 {
+    pub(super) fn length(&self) -> f64 {
         match self {
             Self::Line { from, to } => (to - from).norm(),
             Self::Arc { radius, sweep, .. } => radius * sweep.abs(),
         }
     }
 
-    fn point_at(&self, walked: f64) -> Point {
+    pub(super) fn point_at(&self, walked: f64) -> Point {
         match *self {
             Self::Line { from, to } => {
                 let length = (to - from).norm();
@@ -56,13 +56,26 @@ impl Piece {
     }
 }
 
+impl Piece {
+    /// What is left of it after `walked` metres.
+    fn rest(&self, walked: f64) -> Self {
+        match *self {
+            Self::Line { to, .. } => Self::Line { from: self.point_at(walked), to },
+            Self::Arc { center, radius, from_angle, sweep } => {
+                let gone = sweep.signum() * walked / radius;
+                Self::Arc { center, radius, from_angle: from_angle + gone, sweep: sweep - gone }
+            }
+        }
+    }
+}
+
 /// A connected path, walked by distance from its first point.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(from = "Vec<Piece>", into = "Vec<Piece>")]
 pub struct Path {
     pieces: Vec<Piece>,
     /// Distance walked at the end of each piece, m.
-    ends: Vec<f64>,
+    pub(super) ends: Vec<f64>,
 }
 
 impl From<Vec<Piece>> for Path {
@@ -96,6 +109,17 @@ impl Path {
     /// Adds a straight line.
     pub fn line(&mut self, from: Point, to: Point) {
         self.push(Piece::Line { from, to });
+    }
+
+    /// Adds what is left of `path` after `walked` metres of it.
+    pub fn push_rest(&mut self, path: &Path, walked: f64) {
+        let mut begun = 0.0;
+        for (piece, end) in path.pieces.iter().zip(&path.ends) {
+            if *end > walked {
+                self.push(piece.rest((walked - begun).max(0.0)));
+            }
+            begun = *end;
+        }
     }
 
     /// Makes the path empty; its memory stays.

@@ -1,6 +1,13 @@
 //! A path and the length of what two carry along it in; where it is when its middle has come so far out.
 
-use super::{Path, PlanarPose, Point, angle_of, direction};
+use super::{Path, PlanarPose, Point, Vector, angle_of, direction};
+
+/// How much of the way behind the object (m) is kept: as much as the base of a robot may be behind.
+const BEHIND: f64 = 2.0;
+
+/// Carriers walk round corners: they are where the mean is of the points of the way this far (m) behind and ahead of them.
+const ROUNDING: f64 = 0.25;
+const ROUND_POINTS: i32 = 3;
 
 /// A rigid object carried along paths, one carrier at either end.
 ///
@@ -16,7 +23,7 @@ pub struct Tandem {
 impl Tandem {
     /// An object of this length (m), its middle at `start`, lying along `heading` (rad): as if it had come straight from behind.
     pub fn new(length: f64, start: Point, heading: f64) -> Self {
-        Self { length, trail: vec![start - direction(heading) * length, start] }
+        Self { length, trail: vec![start - direction(heading) * (length + BEHIND), start] }
     }
 
     /// Length of the object, m.
@@ -61,8 +68,13 @@ impl Tandem {
     }
 
     fn pose_on(&self, point: impl Fn(f64) -> Point, walked: f64) -> PlanarPose {
-        let behind = point(walked - self.length / 2.0);
-        let ahead = point(walked + self.length / 2.0);
+        let round = |walked: f64| {
+            let points = (-ROUND_POINTS..=ROUND_POINTS)
+                .map(|i| point(walked + ROUNDING * f64::from(i) / f64::from(ROUND_POINTS)).coords);
+            Point::from(points.sum::<Vector>() / f64::from(2 * ROUND_POINTS + 1))
+        };
+        let behind = round(walked - self.length / 2.0);
+        let ahead = round(walked + self.length / 2.0);
         PlanarPose { position: nalgebra::center(&behind, &ahead), yaw: angle_of(ahead - behind) }
     }
 
@@ -87,24 +99,12 @@ impl Tandem {
         best
     }
 
-    /// Takes note that `path` was walked for `walked` metres and is left there: another begins.
+    /// Takes note that `path` is left `walked` (m) on it: another begins there.
     pub fn leave(&mut self, path: &Path, walked: f64) {
-        const STEP: f64 = 0.02;
-        let steps = (walked / STEP).ceil().max(1.0);
-        for i in 1..=steps as usize {
-            if let Some(point) = path.point_at(walked * i as f64 / steps) {
-                self.trail.push(point);
-            }
-        }
-        // only what an object's length behind may still be needed
-        let mut kept = 0.0;
-        let needed = self.trail.windows(2).rev().take_while(|pair| {
-            let is_needed = kept <= self.length;
-            kept += (pair[1] - pair[0]).norm();
-            is_needed
-        });
-        let from = self.trail.len() - 1 - needed.count();
-        self.trail.drain(..from);
+        const STEP: f64 = 0.04;
+        let steps = ((self.length + BEHIND) / STEP).ceil() as usize;
+        let trail: Vec<_> = (0..=steps).rev().map(|i| self.point(path, walked - STEP * i as f64)).collect();
+        self.trail = trail;
     }
 }
 
@@ -152,6 +152,6 @@ mod tests {
         onward.line(Point::new(2.0, 0.5), Point::new(2.0, 2.0));
         assert!((tandem.pose(&onward, 0.0).position - before.position).norm() < 1e-9);
         assert!((tandem.pose(&onward, 0.3).position - ahead.position).norm() < 1e-9);
-        assert!(tandem.trail.len() < 70);
+        assert!(tandem.trail.len() < 90);
     }
 }

@@ -1,0 +1,149 @@
+//! The way that the grasp has gone and where the base is in; the rim speeds with which the base follows on that way out.
+//!
+//! DEVIATION (eq. 7): left to the weights of eq. (7), a base comes a metre behind the grasp and cuts the corners of the way between; the horizon
+//! sees too late that there is a wall. The way that the grasp has gone is free, so on the physical plant the base keeps to it.
+
+use super::limits::{HalfPlane, Limits};
+use super::{HORIZON, Inputs, Reference};
+use crate::geometry::{PlanarPose, Point, Pose, angle_of, nearest_on_segment, wrap_angle};
+use crate::robot::{Drive, InputJacobian, pose_difference};
+use nalgebra::Rotation3;
+
+/// How far ahead (m) on the way the base looks.
+const LOOK_AHEAD: f64 = 0.4;
+/// How quickly it makes up for what it is too near or too far behind the grasp, 1/s.
+const SPACING_GAIN: f64 = 1.0;
+/// How quickly its rims change speed at most, m/s^2.
+const ACCELERATION: f64 = 1.2;
+/// How quickly it turns on the spot to a way that leads elsewhere, 1/s.
+const TURN_GAIN: f64 = 3.0;
+/// What leaving the rim speeds that follow the way costs: this times the square (m/s) of what they differ by.
+const PRICE: f64 = 1e4;
+
+/// Rim speeds of the base over the horizon, left and right, m/s.
+pub type Rims = [[f64; 2]; HORIZON];
+
+/// A base that follows a way.
+pub struct Follower<'w> {
+    /// Points [`Follower::STEP`] apart along the way, m; the last is where the grasp is to be now.
+    pub way: &'w [Point],
+    /// Speed of the grasp along it now, and the one that it comes to, m/s.
+    pub speeds: [f64; 2],
+    /// How quickly it does, m/s^2.
+    pub acceleration: f64,
+    /// How far the base is to be behind the grasp along the way, m.
+    pub distance: f64,
+}
+
+impl Follower<'_> {
+    /// m.
+    pub const STEP: f64 = 0.05;
+
+    /// Pure pursuit (Coulter 1992) of a point 0.4 m ahead on the way, at the speed that keeps the distance, within what the rims can do. `rims`
+    /// are the speeds that the rims have now, m/s.
+    pub fn rims(&self, drive: &Drive, base: &PlanarPose, rims: [f64; 2], period: f64) -> Rims {
+        let (mut at, mut last) = (*base, rims);
+        let [mut pace, most] = self.speeds;
+        let mut ahead = 0.0;
+        std::array::from_fn(|_| {
+            let along = self.locate(at.position);
+            let goal = self.point(along + LOOK_AHEAD) - at.position;
+            let behind = (self.way.len() - 1) as f64 * Self::STEP + ahead - along;
+            pace = (pace + self.acceleration * period).min(most);
+            ahead += pace * period;
+            let bearing = wrap_angle(angle_of(goal) - at.yaw);
+            let speed = (pace + SPACING_GAIN * (behind - self.distance)).max(0.0) * bearing.cos().max(0.0);
+            let turn = if bearing.cos() > 0.0 && goal.norm() > 1e-3 {
+                2.0 * bearing.sin() / goal.norm() * speed
+                    + TURN_GAIN * (1.0 - bearing.cos()) * bearing.signum()
+            } else {
+                TURN_GAIN * bearing
+            };
+            let rims = [speed - turn * drive.track / 2.0, speed + turn * drive.track / 2.0];
+            let fastest = rims[0].abs().max(rims[1].abs());
+            let scale = if fastest > drive.rim_speed_limit { drive.rim_speed_limit / fastest } else { 1.0 };
+            let change = ACCELERATION * period;
+            let rims = std::array::from_fn(|i| (rims[i] * scale).clamp(last[i] - change, last[i] + change));
+            last = rims;
+            at = drive.roll(&at, rims.map(|rim| rim * period));
+            rims
+        })
+    }
+
+    /// How far along the way the nearest point of it is; where it passes twice, the later time.
+    fn locate(&self, at: Point) -> f64 {
+        let mut best = (f64::INFINITY, 0.0);
+        for (i, pair) in self.way.windows(2).enumerate() {
+            let foot = nearest_on_segment(at, pair[0], pair[1]);
+            let distance = (at - foot).norm_squared();
+            if distance <= best.0 {
+                best = (distance, i as f64 * Self::STEP + (foot - pair[0]).norm());
+            }
+        }
+        best.1
+    }
+
+    fn point(&self, along: f64) -> Point {
+        let i = (along / Self::STEP).floor() as usize;
+        match self.way.get(i..i + 2) {
+            Some([a, b]) => a + (b - a) * (along / Self::STEP - i as f64),
+            _ => self.way.last().copied().unwrap_or_default(),
+        }
+    }
+}
+
+/// Adds bounds to `limits` that hold the base to these rim speeds. They are softer than those that keep it off obstacles.
+pub fn hold_base_to(rims: &Rims, limits: &mut Limits) {
+    for (t, rims) in rims.iter().enumerate() {
+        for (side, rim) in rims.iter().enumerate() {
+            for sign in [1.0, -1.0] {
+                let mut coefficients = Inputs::zeros();
+                coefficients[(side, t)] = sign;
+                limits.half_planes.push(HalfPlane { coefficients, bound: sign * rim, price: PRICE });
+            }
+        }
+    }
+}
+
+/// Sets the base's inputs.
+pub fn set_base(inputs: &mut Inputs, rims: &Rims) {
+    for (t, rims) in rims.iter().enumerate() {
+        (inputs[(0, t)], inputs[(1, t)]) = (rims[0], rims[1]);
+    }
+}
+
+/// What is left of `reference` for the arm when the base rolls with these rim speeds: as it is seen from where the base is then, in
+/// world axes of now. So the prediction is right for a base that turns.
+pub fn seen_from_base(
+    reference: &Reference,
+    grasp: &Pose,
+    base: &PlanarPose,
+    drive: &Drive,
+    rims: &Rims,
+    period: f64,
+) -> Reference {
+    let mut seen = *reference;
+    let mut at = *base;
+    let here = base.at_height(0.0);
+    for (t, rims) in rims.iter().enumerate() {
+        at = drive.roll(&at, rims.map(|rim| rim * period));
+        let goal = Pose::from_parts(
+            (grasp.translation.vector + reference.fixed_view::<3, 1>(0, t)).into(),
+            Rotation3::new(reference.fixed_view::<3, 1>(3, t).into_owned()) * grasp.rotation,
+        );
+        let from_there = here * at.at_height(0.0).inverse() * goal;
+        seen.set_column(t, &pose_difference(&from_there, grasp));
+    }
+    seen
+}
+
+/// What B says of a base that rolls so, to be added to what is left for the arm.
+pub fn rolled(jacobian: &InputJacobian, rims: &Rims, period: f64) -> Reference {
+    let mut rolled = Reference::zeros();
+    let mut so_far = nalgebra::Vector6::zeros();
+    for (t, rims) in rims.iter().enumerate() {
+        so_far += (jacobian.column(0) * rims[0] + jacobian.column(1) * rims[1]) * period;
+        rolled.set_column(t, &so_far);
+    }
+    rolled
+}

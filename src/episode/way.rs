@@ -1,0 +1,136 @@
+//! The paths that a team with an object takes in; where the object and the carriers' bodies are on the way that they walk out.
+//!
+//! A team does not turn on the spot: whoever walks ahead goes on from where they are, in an arc onto the new path, and the others follow on the
+//! same way. Where there is no room for that, in a doorway say, the team does not turn.
+
+use crate::geometry::{Arc, Path, PlanarPose, Point, Tandem, angle_of, direction, write_turn_onto};
+
+/// The arcs in which a team turns onto another path: the first with which there is room. The robot follows at some distance, so that its
+/// arm has to bend as the way does in between; it cannot bend back.
+const ARCS: [Arc; 2] = [Arc { radius: 0.5, most: 1.4 }, Arc { radius: 1.0, most: 4.5 }];
+/// Room (m) that the team wants around the points of its way, and around the object's axis.
+const BODY_ROOM: f64 = 0.249;
+const OBJECT_ROOM: f64 = 0.1;
+/// How far ahead of the hand the human walks, m.
+pub(super) const WALKS_AHEAD: f64 = 0.35;
+/// How far (m) the object may come in one step.
+const REACH: f64 = 0.4;
+/// How far (m) the object may be ahead of where it is to be.
+const YIELD: f64 = 0.05;
+/// What is anticipated of a way beyond its end, m.
+const BEYOND: f64 = 1.0;
+/// Steps in which a way is taken over, m.
+const STEP: f64 = 0.05;
+
+/// The way of a team.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub(super) struct Way {
+    tandem: Tandem,
+}
+
+impl Way {
+    /// A team whose object, of this length (m), is at `start` with its middle.
+    pub fn new(length: f64, start: &PlanarPose) -> Self {
+        Self { tandem: Tandem::new(length, start.position, start.yaw) }
+    }
+
+    /// The object when its middle has come `walked` (m) along `path`.
+    pub fn pose(&self, path: &Path, walked: f64) -> PlanarPose {
+        self.tandem.pose(path, walked)
+    }
+
+    /// The same if the team turns onto `onto` when it has come `along` (m); `onto` begins where the human's body is then.
+    pub fn pose_after_turning(&self, path: &Path, along: f64, onto: &Path, walked: f64) -> PlanarPose {
+        let body = self.body_ahead();
+        self.tandem.pose_after_turning(path, along + body, onto, walked - body)
+    }
+
+    /// The point of the way that is `walked` (m) from the beginning of `path`.
+    pub fn point(&self, path: &Path, walked: f64) -> Point {
+        self.tandem.point(path, walked)
+    }
+
+    /// The object's end toward the human (`side` 1) or the robot (-1).
+    pub fn end(&self, pose: &PlanarPose, side: f64) -> PlanarPose {
+        self.tandem.end(pose, side)
+    }
+
+    /// Half the object's length, m.
+    pub fn half(&self) -> f64 {
+        self.tandem.length() / 2.0
+    }
+
+    /// How far the human's body is ahead of the object's middle, m.
+    fn body_ahead(&self) -> f64 {
+        self.half() + WALKS_AHEAD
+    }
+
+    /// How far along `path` (m) an object is whose middle is at `position`, if it was at `from` a step ago and is to be at `to`. It is no
+    /// farther than that, but for a little that the grips yield.
+    pub fn locate(&self, path: &Path, position: Point, from: f64, to: f64) -> f64 {
+        self.tandem.locate(path, position, from, (to + YIELD - from).clamp(0.0, REACH))
+    }
+
+    /// Where the human's body is when the object's middle has come `along` (m), and where it heads, rad.
+    fn body(&self, path: &Path, along: f64) -> (Point, f64) {
+        let [before, at] = [-0.1, 0.0].map(|ahead| self.point(path, along + self.body_ahead() + ahead));
+        (at, angle_of(at - before))
+    }
+
+    /// Writes the way from where the human's body is, when the object's middle has come `along` (m) on `path`, onto `next`, which begins at the
+    /// middle. Not looked at whether it is free: what somebody would expect.
+    pub fn write_onto(&self, path: &Path, along: f64, next: &Path, way: &mut Path) {
+        let (body, heading) = self.body(path, along);
+        let is_there = next.length() <= self.body_ahead() + 0.5;
+        if is_there || !ARCS.iter().any(|arc| write_turn_onto(next, body, heading, *arc, |_| true, way)) {
+            // straight on
+            way.clear();
+            way.line(body, body + direction(heading) * BEYOND);
+        }
+    }
+
+    /// The team, its object's middle `along` (m) on `path`, turns onto `next`, which begins there. Returns the path that the middle walks
+    /// instead of `next`: on to where the human's body is, and in an arc onto `next`. `None` if there is no room for that here.
+    pub fn turn(
+        &mut self,
+        path: &Path,
+        along: f64,
+        next: &Path,
+        clearance: impl Fn(Point) -> f64,
+    ) -> Option<Path> {
+        let (body, heading) = self.body(path, along);
+        let is_free = |point| clearance(point) > BODY_ROOM;
+        let mut onto = Path::default();
+        ARCS.iter().find(|arc| {
+            write_turn_onto(next, body, heading, **arc, is_free, &mut onto)
+                && self.is_room_for_object(path, along, &onto, &clearance)
+        })?;
+        let mut way = Path::default();
+        let steps = (self.body_ahead() / STEP).ceil();
+        let step = self.body_ahead() / steps;
+        for i in 0..steps as usize {
+            let [from, to] = [i, i + 1].map(|i| self.point(path, along + step * i as f64));
+            way.line(from, to);
+        }
+        way.push_rest(&onto, 0.0);
+        self.tandem.leave(path, along);
+        Some(way)
+    }
+
+    /// Whether the object, whose axis cuts corners, touches nothing while it turns.
+    fn is_room_for_object(
+        &self,
+        path: &Path,
+        along: f64,
+        onto: &Path,
+        clearance: impl Fn(Point) -> f64,
+    ) -> bool {
+        (0..70).map(|i| 0.08 * f64::from(i)).all(|walked| {
+            let pose = self.pose_after_turning(path, along, onto, walked);
+            (-2..=2).all(|i| {
+                let point = pose.position + direction(pose.yaw) * (self.half() * f64::from(i) / 2.0);
+                clearance(point) > OBJECT_ROOM
+            })
+        })
+    }
+}

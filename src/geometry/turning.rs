@@ -1,0 +1,106 @@
+//! Where somebody walks and the path that they are to be on in; a way that turns onto it in an arc out.
+
+use super::{Path, Piece, Point, angle_of, direction, left_of, wrap_angle};
+use std::f64::consts::TAU;
+
+/// What a bend where the arc's tangent meets the path counts as, in metres of way a radian.
+const BEND: f64 = 1.0;
+/// Bends of more than this (rad) are no choice.
+const SHARPEST: f64 = 1.1;
+/// How far along the path (m) somebody looks for where to join it, and in which steps.
+const REACH: f64 = 6.0;
+const STEP: f64 = 0.3;
+
+/// How somebody turns.
+#[derive(Clone, Copy, Debug)]
+pub struct Arc {
+    /// m.
+    pub radius: f64,
+    /// By what angle at most, rad.
+    pub most: f64,
+}
+
+/// An arc and its tangent onto a path.
+struct Turn {
+    arc: Piece,
+    tangent: [Point; 2],
+    /// Where the path is joined, m along it.
+    joined: f64,
+    /// Length to the end of the path, bends included, m.
+    cost: f64,
+}
+
+/// Writes the way of somebody at `from` who walks with `heading` (rad) and turns onto `path` into `way`: `arc`, its
+/// tangent to a point of the path, and the rest of the path. Among all points, and left and right, the shortest that is free, by what
+/// `is_free` says of arc and tangent, at points some centimetres apart. False, with `way` empty, if there is none.
+pub fn write_turn_onto(
+    path: &Path,
+    from: Point,
+    heading: f64,
+    arc: Arc,
+    is_free: impl Fn(Point) -> bool,
+    way: &mut Path,
+) -> bool {
+    way.clear();
+    let mut best: Option<Turn> = None;
+    let ends = path.ends.iter().copied();
+    let steps = (1..).map(|i| STEP * f64::from(i)).take_while(|along| *along < path.length());
+    for joined in ends.chain(steps).filter(|along| *along <= REACH || *along == path.length()) {
+        for side in [1.0, -1.0] {
+            let Some(turn) = turn_to(path, joined, from, heading, Arc { radius: side * arc.radius, ..arc })
+            else {
+                continue;
+            };
+            if best.as_ref().is_none_or(|best| turn.cost < best.cost) && turn.is_free(&is_free) {
+                best = Some(turn);
+            }
+        }
+    }
+    let Some(Turn { arc, tangent: [leave, join], joined, .. }) = best else { return false };
+    way.push(arc);
+    way.line(leave, join);
+    way.push_rest(path, joined);
+    true
+}
+
+/// The turn to the point `joined` (m) along the path; a positive radius is to the left. `None` where the circle is in the way, or the bend is
+/// too sharp.
+fn turn_to(path: &Path, joined: f64, from: Point, heading: f64, arc: Arc) -> Option<Turn> {
+    let join = path.point_at(joined)?;
+    let (side, radius) = (arc.radius.signum(), arc.radius.abs());
+    let center = from + left_of(direction(heading)) * (side * radius);
+    let toward = join - center;
+    if toward.norm() <= radius {
+        return None;
+    }
+    let from_angle = angle_of(from - center);
+    let leave_angle = angle_of(toward) - side * (radius / toward.norm()).acos();
+    // as little as rounding the other way round is no round trip
+    let turned = (side * (leave_angle - from_angle) + 1e-9).rem_euclid(TAU) - 1e-9;
+    let sweep = side * turned.max(0.0);
+    let leave = center + direction(leave_angle) * radius;
+    // after the end of the path there is nothing to bend to
+    let bend = if joined < path.length() {
+        let onward = path.heading_at(joined + 1e-6)?;
+        wrap_angle(onward - angle_of(join - leave)).abs()
+    } else {
+        0.0
+    };
+    if bend > SHARPEST || turned > arc.most {
+        return None;
+    }
+    let cost = radius * turned + (join - leave).norm() + path.length() - joined + BEND * bend;
+    Some(Turn { arc: Piece::Arc { center, radius, from_angle, sweep }, tangent: [leave, join], joined, cost })
+}
+
+impl Turn {
+    fn is_free(&self, is_free: &impl Fn(Point) -> bool) -> bool {
+        const APART: f64 = 0.08;
+        let [leave, join] = self.tangent;
+        let line = Piece::Line { from: leave, to: join };
+        [self.arc, line].iter().all(|piece| {
+            let steps = (piece.length() / APART).ceil().max(1.0);
+            (1..=steps as usize).all(|i| is_free(piece.point_at(piece.length() * i as f64 / steps)))
+        })
+    }
+}
