@@ -267,7 +267,7 @@ impl<'a> Carrier<'a> {
     /// Rim speeds with which the base follows on the way; `None` on the kinematic plant, which has no obstacles to get caught at.
     fn base_on_way(&mut self, situation: &Situation) -> Option<Rims> {
         let Team::Physical(team) = &self.team else { return None };
-        let seen = self.intent.speed().unwrap_or(0.0);
+        let seen = self.intent.speed().unwrap_or(team.hurry);
         let (pace, speed) = team.pace(situation.mode, (situation.path, situation.along), seen);
         team.write_way_walked(situation.path, pace, &mut self.way);
         let Configuration { base, .. } = team.seen.configuration;
@@ -294,7 +294,8 @@ impl<'a> Carrier<'a> {
         let tracked = self.intent.observe(position, probabilities, period);
         let observed = match &self.team {
             Team::Kinematic(_) => self.intent.speed().unwrap_or(speed),
-            Team::Physical(_) => self.intent.speed().unwrap_or(0.0),
+            // before the hand was seen to move, the team goes as the robot led it
+            Team::Physical(team) => self.intent.speed().unwrap_or(team.hurry),
         };
         self.references.clear();
         for option in 0..probabilities.len() {

@@ -54,7 +54,7 @@ pub(super) struct PhysicalTeam {
     /// How far along the path who leads means to be, m: ahead of the object by what the grips yield.
     pace: f64,
     /// How fast the pace goes, m/s.
-    hurry: f64,
+    pub hurry: f64,
     /// Where who leads means the object to be.
     goal: PlanarPose,
     pub seen: Observation,

@@ -150,8 +150,9 @@ mod tests {
         tandem.leave(&path, 2.5);
         let mut onward = Path::default();
         onward.line(Point::new(2.0, 0.5), Point::new(2.0, 2.0));
-        assert!((tandem.pose(&onward, 0.0).position - before.position).norm() < 1e-9);
-        assert!((tandem.pose(&onward, 0.3).position - ahead.position).norm() < 1e-9);
+        // what is behind is kept in steps of a few centimetres
+        assert!((tandem.pose(&onward, 0.0).position - before.position).norm() < 2e-3);
+        assert!((tandem.pose(&onward, 0.3).position - ahead.position).norm() < 2e-3);
         assert!(tandem.trail.len() < 90);
     }
 }
