@@ -13,7 +13,7 @@ use std::path::PathBuf;
 #[derive(Args, Debug)]
 pub(super) struct RobotArguments {
     /// What the controller acts on
-    #[arg(long, value_enum, default_value_t = PlantArgument::Kinematic)]
+    #[arg(long, value_enum, default_value_t = PlantArgument::Rapier)]
     plant: PlantArgument,
     /// Robot file (TOML), or a URDF with a robot file of the same name beside it [default: the built-in carrier]
     #[arg(long, value_name = "FILE")]
@@ -95,6 +95,11 @@ impl RobotArguments {
                 "--sway is for --plant rapier: the kinematic plant's human walks exactly"
             )));
         }
+        if self.plant == PlantArgument::Rapier && matches!(self.pose, Some(PoseArgument::WholeBody)) {
+            return Err(input(anyhow!(
+                "--pose whole-body is for --plant kinematic: with bodies, the base follows the way and is not optimised"
+            )));
+        }
         let robot = load_robot(self.robot.as_deref())?;
         let posture = match &self.posture {
             None => robot.postures.first(),
@@ -133,7 +138,7 @@ impl RobotArguments {
 }
 
 /// The physical plant with a human who sways so far (m).
-fn physics(sway: Option<f64>) -> PhysicsSettings {
+pub(super) fn physics(sway: Option<f64>) -> PhysicsSettings {
     let settings = PhysicsSettings::default();
     let human = settings.human;
     let human =
@@ -141,7 +146,8 @@ fn physics(sway: Option<f64>) -> PhysicsSettings {
     PhysicsSettings { human, ..settings }
 }
 
-fn sway(text: &str) -> Result<f64, String> {
+/// How far the hand sways, m.
+pub(super) fn sway(text: &str) -> Result<f64, String> {
     let good = |v: &f64| (0.0..=0.1).contains(v);
     text.parse().ok().filter(good).ok_or_else(|| "must be a number from 0 to 0.1".to_owned())
 }

@@ -17,7 +17,7 @@ const PRICE: f64 = 1e6;
 /// The arm is taken as balls of this radius (m) around its joints.
 const ARM_RADIUS: f64 = 0.1;
 /// Obstacles farther from an arm's joint than this (m) set no bound there, those farther than this from the base none for the whole arm.
-const FAR_FROM_ARM: f64 = 0.3;
+const FAR_FROM_ARM: f64 = 0.6;
 const OUT_OF_REACH: f64 = 2.5;
 
 /// What of the robot is kept out of obstacles.
@@ -91,7 +91,6 @@ impl RobotObstacles {
         }
     }
 
-    /// Every second step: an arm does not get past an obstacle between two.
     fn keep_arm_off(
         &self,
         robot: &Robot,
@@ -115,9 +114,6 @@ impl RobotObstacles {
                 let mut moved = InputVector::zeros();
                 for t in 0..HORIZON {
                     moved += inputs.column(t);
-                    if t % 2 == 0 {
-                        continue;
-                    }
                     // as the base carries the point, and as the arm moves it on the base
                     let then = rolling.pose(t);
                     let turned = nalgebra::Rotation2::new(then.yaw - base.yaw);

@@ -47,7 +47,7 @@ pub struct Row {
 /// If a built-in world is not valid.
 pub fn table(settings: &Settings, seed: u64, on_done: OnDone) -> Result<Vec<Row>, BuiltInError> {
     let grid = humans_on_grid(settings.predictor.belief());
-    let sample = humans_at_random(settings.predictor.belief(), seed);
+    let sample = humans_at_random(settings.predictor.belief(), seed, SAMPLES);
     let mut rows = Vec::new();
     for environment in &ENVIRONMENTS {
         let set = OptionSet::new(&environment.world()?, settings.predictor.risk_weight())?;
@@ -91,7 +91,7 @@ fn cell(
 }
 
 /// The settings of a column of Table II.
-fn with_eta(settings: &Settings, eta: Option<f64>) -> Settings {
+pub(super) fn with_eta(settings: &Settings, eta: Option<f64>) -> Settings {
     let method = if eta.is_some() { Method::Mutual } else { Method::WithoutModel };
     let coordination =
         coordination::Settings { eta: eta.unwrap_or(settings.coordination.eta), ..settings.coordination };
@@ -136,9 +136,10 @@ fn humans_on_grid(belief: &Belief) -> Vec<Perception> {
     }
 }
 
-fn humans_at_random(belief: &Belief, seed: u64) -> Vec<Perception> {
+/// The first `n` humans of a seed.
+pub(super) fn humans_at_random(belief: &Belief, seed: u64, n: usize) -> Vec<Perception> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    (0..SAMPLES).map(|_| belief.sample(&mut rng)).collect()
+    (0..n).map(|_| belief.sample(&mut rng)).collect()
 }
 
 /// One of the four runs of the Environment 4 example.

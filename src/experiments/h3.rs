@@ -12,6 +12,7 @@ use crate::episode::{ControlSummary, Episode, Manipulator, Outcome, Settings, pr
 use crate::options::OptionSet;
 use crate::preference::{Belief, Perception, human_choice};
 use crate::robot::{Posture, Robot};
+use crate::simulation::{PhysicsError, PhysicsSettings};
 use crate::{control, preference};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -55,6 +56,10 @@ impl PoseMethod {
         Self::WithoutPoObstacles,
         Self::WithPoObstacles,
     ];
+
+    /// Those that there are on the physical plant: there, obstacles are always kept off, and the base follows its way.
+    pub const PHYSICAL: [Self; 5] =
+        [Self::WithoutPo, Self::WithPo, Self::Manipulability, Self::UniformWeights, Self::TrackedOption];
 
     /// Name, as in `--json`.
     pub fn name(self) -> &'static str {
@@ -108,6 +113,8 @@ pub struct Study<'a> {
     pub episode: &'a Settings,
     /// The controller's settings, but for what the methods vary.
     pub control: control::Settings,
+    /// The physical plant; without, episodes run on the kinematic one, as the paper's do.
+    pub physics: Option<PhysicsSettings>,
 }
 
 /// One method in one cell of Table III, from one start.
@@ -123,7 +130,7 @@ pub struct Row {
     pub start: String,
     /// The paper's mean; none for what the paper does not report.
     pub paper_mean: Option<f64>,
-    /// Mean control cost C.
+    /// Mean control cost C of the episodes that arrived, and whose baseline's did.
     pub ours_mean: f64,
     /// Standard deviation of C over the humans.
     pub ours_std: f64,
@@ -152,11 +159,15 @@ pub struct Row {
 impl Study<'_> {
     /// Units of work, for a progress bar.
     pub fn units(&self) -> usize {
-        ENVIRONMENTS.len()
-            * SETTINGS.len()
-            * self.robot.postures.len()
-            * PoseMethod::ALL.len()
-            * self.episodes
+        ENVIRONMENTS.len() * SETTINGS.len() * self.robot.postures.len() * self.methods().len() * self.episodes
+    }
+
+    /// What is compared.
+    pub fn methods(&self) -> &'static [PoseMethod] {
+        match self.physics {
+            None => &PoseMethod::ALL,
+            Some(_) => &PoseMethod::PHYSICAL,
+        }
     }
 
     /// Table III, by environment, setting, start and method.
@@ -185,26 +196,42 @@ impl Study<'_> {
             .collect::<Result<Vec<_>, _>>()?;
         let settings = Settings { method: coordination::Method::HumanLed, ..self.episode.clone() };
         // every episode of the environment, the last index varying fastest
-        let (starts, methods, n) = (&self.robot.postures, &PoseMethod::ALL, self.episodes);
+        let (starts, methods, n) = (&self.robot.postures, self.methods(), self.episodes);
         let cells = SETTINGS.len() * starts.len() * methods.len();
         let ends = in_parallel(cells * n, on_done, |i| {
             let (cell, episode) = (i / n, i % n);
             let (method, start) =
                 (methods[cell % methods.len()], &starts[cell / methods.len() % starts.len()]);
             let human = &humans[cell / methods.len() / starts.len()][episode];
-            let manipulator = Manipulator {
+            let mut manipulator = Manipulator {
                 robot: self.robot,
                 posture: start.joints,
                 control: method.control(&self.control),
                 obstacles: &obstacles,
             };
-            human.follow(Episode::new(&options, &settings, human.first).with_robot(manipulator))
+            let begun = Episode::new(&options, &settings, human.first);
+            let begun = match &self.physics {
+                None => begun.with_robot(manipulator),
+                Some(physics) => {
+                    manipulator.control.avoid = Avoid::Robot;
+                    begun.with_physics(
+                        manipulator,
+                        &world,
+                        physics,
+                        self.seed.wrapping_add(episode as u64),
+                    )?
+                }
+            };
+            Ok(human.follow(begun))
         });
+        let ends = ends.into_iter().collect::<Result<Vec<_>, PhysicsError>>()?;
         Ok((0..SETTINGS.len() * starts.len())
             .flat_map(|group| {
                 let all = &ends[group * methods.len() * n..][..methods.len() * n];
                 let (setting, start) = (group / starts.len(), &starts[group % starts.len()]);
-                methods.iter().enumerate().map(move |(m, _)| row(environment, setting, start, m, all, n))
+                (0..methods.len())
+                    .map(move |m| row(environment, setting, start, (methods, m), all, n))
+                    .collect::<Vec<_>>()
             })
             .collect())
     }
@@ -277,14 +304,16 @@ fn row(
     environment: &Environment,
     setting: usize,
     start: &Posture,
-    method: usize,
+    (methods, method): (&[PoseMethod], usize),
     all: &[End],
     n: usize,
 ) -> Row {
     let ends = |m: usize| &all[m * n..(m + 1) * n];
-    let costs = |m: usize| ends(m).iter().map(|e| e.control.cost()).collect::<Vec<_>>();
-    let this = PoseMethod::ALL[method];
-    let baseline = PoseMethod::ALL.iter().position(|m| *m == this.baseline()).unwrap_or(0);
+    let this = methods[method];
+    let baseline = methods.iter().position(|m| *m == this.baseline()).unwrap_or(0);
+    // what is cut short costs less: pairs of which either did not arrive do not count
+    let both = |i: usize| ends(method)[i].arrived && ends(baseline)[i].arrived;
+    let costs = |m: usize| (0..n).filter(|&i| both(i)).map(|i| ends(m)[i].control.cost()).collect::<Vec<_>>();
     let (ours, theirs) = (costs(method), costs(baseline));
     let (ours_mean, ours_std) = mean_and_std(&ours);
     let mean = |part: fn(&ControlSummary) -> f64| {

@@ -1,9 +1,11 @@
 //! One file per claim or table: what the paper says, our run, side by side. Episodes run in parallel; results are ordered by index, so
 //! that every figure is the same for any number of threads.
 
+pub mod contacts;
 pub mod cycles;
 pub mod h1;
 pub mod h2;
+pub mod h2_physical;
 pub mod h3;
 pub mod paper;
 

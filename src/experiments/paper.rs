@@ -5,6 +5,7 @@
 
 use crate::options::OptionError;
 use crate::preference::{Perception, PreferenceError};
+use crate::simulation::PhysicsError;
 use crate::world::{World, WorldError};
 use thiserror::Error;
 
@@ -130,4 +131,7 @@ pub enum BuiltInError {
     /// The distribution of its humans.
     #[error(transparent)]
     Humans(#[from] PreferenceError),
+    /// Its bodies.
+    #[error(transparent)]
+    Physics(#[from] PhysicsError),
 }

@@ -2,12 +2,13 @@
 
 use super::super::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
 use super::super::robot::load_robot;
-use super::Common;
+use super::{Common, TablePlant};
 use crate::control;
 use crate::drawing::{self, RatioPanel, RatioRow};
 use crate::episode::Settings;
 use crate::experiments::h3::{EPISODES, PoseMethod, Row, Study};
 use crate::experiments::paper::{ENVIRONMENTS, SETTINGS};
+use crate::simulation::PhysicsSettings;
 use anyhow::Context;
 use clap::Args;
 use serde_json::json;
@@ -18,9 +19,12 @@ use std::path::PathBuf;
 pub(in super::super) struct Arguments {
     #[command(flatten)]
     common: Common,
-    /// Random humans in each of the 16 cells
-    #[arg(long, default_value_t = EPISODES as u64, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
-    episodes: u64,
+    /// What the controller acts on: `kinematic`, as in the paper, or `rapier`, where the team has bodies
+    #[arg(long, value_enum, default_value_t = TablePlant::Kinematic)]
+    plant: TablePlant,
+    /// Random humans in each of the 16 cells [default: 100; 20 with --plant rapier, where an episode takes fifty times as long]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
+    episodes: Option<u64>,
     /// Seed of the humans
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -35,12 +39,16 @@ pub(in super::super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let robot = load_robot(arguments.robot.as_deref())?;
     let settings = Settings::default();
+    let physics = (arguments.plant == TablePlant::Rapier).then(PhysicsSettings::default);
+    let default = if physics.is_some() { EPISODES / 5 } else { EPISODES };
+    let episodes = arguments.episodes.map_or(default, |n| n as usize);
     let study = Study {
         robot: &robot,
-        episodes: arguments.episodes as usize,
+        episodes,
         seed: arguments.seed,
         episode: &settings,
         control: control::Settings::default(),
+        physics,
     };
     let bar = Progress::new(study.units(), "Table III");
     let rows = arguments.common.on_threads(|| study.table(&|| bar.step()))?.map_err(input)?;
@@ -57,7 +65,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         return print_json(&json!({
             "table": "III",
             "robot": robot.name,
-            "episodes": arguments.episodes,
+            "plant": arguments.plant.name(),
+            "episodes": episodes,
             "seed": arguments.seed,
             "start": starts[0],
             "mean_ratio": mean_ratio(&rows, starts[0], PoseMethod::WithPo),
@@ -67,9 +76,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let mut text = side_by_side(&rows, starts[0]);
     for start in &starts {
-        text += &ratios(&rows, start);
+        text += &ratios(&rows, start, study.methods());
     }
-    print(&(text + &notes(&rows)))
+    print(&(text + &notes(&rows, study.methods())))
 }
 
 fn of<'a>(rows: &'a [Row], start: &'a str, method: PoseMethod) -> impl Iterator<Item = &'a Row> {
@@ -128,21 +137,14 @@ fn side_by_side(rows: &[Row], start: &str) -> String {
 }
 
 /// Every method's cost over its baseline's.
-fn ratios(rows: &[Row], start: &str) -> String {
-    let headings = [
-        "environment",
-        "setting",
-        "with PO",
-        "whole-body",
-        "manipulability",
-        "uniform weights",
-        "tracked option",
-        "with PO, obstacles",
-    ];
-    let mut shown = table(headings, 0);
+fn ratios(rows: &[Row], start: &str, methods: &[PoseMethod]) -> String {
+    let compared = || COMPARED.into_iter().filter(|(method, _)| methods.contains(method));
+    let mut shown = table(["environment", "setting"], 0);
+    let headings = ["environment", "setting"].into_iter().chain(compared().map(|(_, label)| label));
+    shown.set_header(headings);
     for environment in &ENVIRONMENTS {
         for setting in &SETTINGS {
-            let cell = |method| {
+            let cell = |(method, _)| {
                 let row = of(rows, start, method)
                     .find(|r| r.environment == environment.number && r.setting == setting.name);
                 row.map_or("-".to_owned(), |r| {
@@ -151,28 +153,39 @@ fn ratios(rows: &[Row], start: &str) -> String {
                 })
             };
             let named = [environment.number.to_string(), setting.name.to_owned()];
-            shown.add_row(named.into_iter().chain(COMPARED.map(cell)).collect::<Vec<_>>());
+            shown.add_row(named.into_iter().chain(compared().map(cell)).collect::<Vec<_>>());
         }
     }
-    let means = COMPARED.map(|method| format!("{:.3}", mean_ratio(rows, start, method)));
+    let means = compared().map(|(method, _)| format!("{:.3}", mean_ratio(rows, start, method)));
     shown.add_row(["mean".to_owned(), String::new()].into_iter().chain(means).collect::<Vec<_>>());
+    for column in shown.column_iter_mut() {
+        column.set_cell_alignment(comfy_table::CellAlignment::Right);
+    }
     format!("\nC relative to no pose optimisation; episodes start `{start}`\n{}", table_text(&shown))
 }
 
-/// What is compared with its baseline.
-const COMPARED: [PoseMethod; 6] = [
-    PoseMethod::WithPo,
-    PoseMethod::WithPoWholeBody,
-    PoseMethod::Manipulability,
-    PoseMethod::UniformWeights,
-    PoseMethod::TrackedOption,
-    PoseMethod::WithPoObstacles,
+/// What is compared with its baseline, and what tables and pictures call it.
+const COMPARED: [(PoseMethod, &str); 6] = [
+    (PoseMethod::WithPo, "with PO"),
+    (PoseMethod::WithPoWholeBody, "whole-body"),
+    (PoseMethod::Manipulability, "manipulability"),
+    (PoseMethod::UniformWeights, "uniform weights"),
+    (PoseMethod::TrackedOption, "tracked option"),
+    (PoseMethod::WithPoObstacles, "with PO, obstacles"),
 ];
 
-fn notes(rows: &[Row]) -> String {
-    let mut text = "?: p >= 0.01. whole-body: candidates move base and arm. manipulability: the most manipulable candidate. uniform weights: eq. (8) without P_o.\n\
-         tracked option: eq. (8) for that option alone. obstacles: the base is kept out of them, compared with no PO under the same limits.\n"
+fn notes(rows: &[Row], methods: &[PoseMethod]) -> String {
+    let mut text = "?: p >= 0.01. manipulability: the most manipulable candidate. uniform weights: eq. (8) without P_o.\n\
+         tracked option: eq. (8) for that option alone.\n"
         .to_owned();
+    text += match methods.contains(&PoseMethod::WithPoObstacles) {
+        true => {
+            "whole-body: candidates move base and arm. obstacles: the base is kept out of them, compared with no PO under the same limits.\n"
+        }
+        false => {
+            "With bodies: obstacles are kept off, and the base follows the way; pairs of which either did not arrive do not count.\n"
+        }
+    };
     let lost: usize = rows.iter().map(|r| r.not_arrived).sum();
     let unsolved: u64 = rows.iter().map(|r| r.fallback_steps).sum();
     if lost > 0 {
@@ -185,14 +198,6 @@ fn notes(rows: &[Row]) -> String {
 }
 
 fn panels(rows: &[Row], starts: &[&str]) -> Vec<RatioPanel> {
-    let labels = [
-        "with PO",
-        "whole-body",
-        "manipulability",
-        "uniform weights",
-        "tracked option",
-        "with PO, obstacles",
-    ];
     let paper = RatioRow {
         label: "paper, with PO".to_owned(),
         ratios: ENVIRONMENTS
@@ -207,10 +212,11 @@ fn panels(rows: &[Row], starts: &[&str]) -> Vec<RatioPanel> {
         .iter()
         .enumerate()
         .map(|(i, start)| {
-            let ours = COMPARED.iter().zip(labels).map(|(method, label)| RatioRow {
-                label: label.to_owned(),
+            let ours = COMPARED.iter().map(|(method, label)| RatioRow {
+                label: (*label).to_owned(),
                 ratios: of(rows, start, *method).map(|r| (r.environment, r.ratio)).collect(),
             });
+            let ours = ours.filter(|row| !row.ratios.is_empty());
             let papers = (i == 0).then(|| paper.clone());
             RatioPanel {
                 title: format!("({}) episodes that start {start}", char::from(b'a' + (i % 26) as u8)),

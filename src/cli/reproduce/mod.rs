@@ -1,8 +1,11 @@
 //! `cocarry reproduce`: the paper's claims and tables, the paper's figures beside ours.
 
+mod contacts;
+mod h2_physical;
 mod h3;
 
 use super::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
+use super::robot::sway;
 use crate::coordination::Method;
 use crate::drawing::{self, Track};
 use crate::episode::{Outcome, Settings};
@@ -10,8 +13,8 @@ use crate::experiments::cycles::{self, Findings};
 use crate::experiments::h2::{self, ExampleRun};
 use crate::experiments::{h1, paper};
 use crate::world::World;
-use anyhow::Context;
-use clap::{Args, Subcommand};
+use anyhow::{Context, anyhow};
+use clap::{Args, Subcommand, ValueEnum};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -26,6 +29,8 @@ pub(super) enum Claim {
     H2(H2),
     /// Table III: control cost with and without pose optimisation, when the human leads and changes their mind
     H3(h3::Arguments),
+    /// How dangerous an opening of the paper's risk S = d_r / w is: how often a team with bodies touches its sides
+    Contacts(contacts::Arguments),
     /// "No locked cycles" (Sec. IV-B): random worlds and humans, each episode run to its end
     Cycles(Cycles),
 }
@@ -43,9 +48,44 @@ pub(super) struct H2 {
     /// Seed of the twenty random humans
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    /// What walks: `point`, as in the paper, or `rapier`: the same humans once more with bodies, beside the point
+    #[arg(long, value_enum, default_value_t = H2Plant::Point)]
+    plant: H2Plant,
+    /// Humans in each cell, with --plant rapier [default: 20]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
+    humans: Option<u64>,
+    /// How far the human's hand sways to either side with the gait, in metres, with --plant rapier [default: 0.01]
+    #[arg(long, value_name = "M", value_parser = sway, allow_negative_numbers = true)]
+    sway: Option<f64>,
     /// Draw the Environment 4 example (trajectories, stubbornness) into this file
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["humans", "sway"])]
     svg: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum H2Plant {
+    /// The team is a point that walks its path exactly
+    Point,
+    /// Robot, object, human and obstacles as bodies
+    Rapier,
+}
+
+/// What the controller acts on, for tables that need a robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum TablePlant {
+    /// The robot moves exactly as its inputs say
+    Kinematic,
+    /// Robot, object, human and obstacles as bodies
+    Rapier,
+}
+
+impl TablePlant {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Kinematic => "kinematic",
+            Self::Rapier => "rapier",
+        }
+    }
 }
 
 #[derive(Args, Debug)]
@@ -87,6 +127,7 @@ pub(super) fn run(claim: &Claim) -> Result<ExitCode, Failure> {
         Claim::H1(arguments) => run_h1(arguments),
         Claim::H2(arguments) => run_h2(arguments),
         Claim::H3(arguments) => h3::run(arguments),
+        Claim::Contacts(arguments) => contacts::run(arguments),
         Claim::Cycles(arguments) => run_cycles(arguments),
     }?;
     Ok(ExitCode::SUCCESS)
@@ -133,6 +174,12 @@ fn run_h1(arguments: &H1) -> Result<(), Failure> {
 }
 
 fn run_h2(arguments: &H2) -> Result<(), Failure> {
+    if arguments.plant == H2Plant::Rapier {
+        return h2_physical::run(arguments);
+    }
+    if arguments.humans.is_some() || arguments.sway.is_some() {
+        return Err(input(anyhow!("--humans and --sway are for --plant rapier")));
+    }
     let settings = Settings::default();
     let bar = Progress::new(h2::EPISODES, "Table II");
     let rows = arguments

@@ -1,0 +1,87 @@
+//! `cocarry reproduce contacts`: how often a team with bodies touches the sides of an opening, against the paper's risk of it.
+
+use super::super::output::{Failure, Progress, input, print, print_json, table, table_text};
+use super::super::robot::{load_robot, physics, sway};
+use super::Common;
+use crate::episode::Settings;
+use crate::experiments::contacts::{ANGLES, Row, Study};
+use clap::Args;
+use serde_json::json;
+
+#[derive(Args, Debug)]
+pub(in super::super) struct Arguments {
+    #[command(flatten)]
+    common: Common,
+    /// Walks through each opening from each of three angles, each with another gait
+    #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    walks: u64,
+    /// Seed of the first gait; the others follow it
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// How far the human's hand sways to either side with the gait, in metres [default: 0.01]
+    #[arg(long, value_name = "M", value_parser = sway, allow_negative_numbers = true)]
+    sway: Option<f64>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let robot = load_robot(None)?;
+    let settings = Settings::default();
+    let study = Study {
+        robot: &robot,
+        physics: physics(arguments.sway),
+        episode: &settings,
+        walks: arguments.walks as usize,
+        seed: arguments.seed,
+    };
+    let bar = Progress::new(study.units(), "walks");
+    let rows = arguments.common.on_threads(|| study.table(&|| bar.step()))?.map_err(input)?;
+    bar.finish();
+    let sway = study.physics.human.sway_lateral;
+    if arguments.common.json {
+        return print_json(&json!({
+            "claim": "contacts",
+            "walks": study.walks,
+            "seed": study.seed,
+            "sway_m": sway,
+            "angles_deg": ANGLES,
+            "rows": rows,
+        }));
+    }
+    print(&text(&rows, sway))
+}
+
+fn text(rows: &[Row], sway: f64) -> String {
+    let angles = ANGLES.map(|angle| format!("at {angle} deg"));
+    let mut shown =
+        table(["risk S", "width (m)", "walks", "contact", "robot", "object", "human", "clear (cm)"], 0);
+    let headings = ["risk S", "width (m)", "walks", "contact", "robot", "object", "human"].map(str::to_owned);
+    shown.set_header(headings.into_iter().chain(angles).chain(["clear (cm)".to_owned()]));
+    for row in rows {
+        let touched: usize = row.touched.iter().sum();
+        let share = |n: usize, of: usize| format!("{:.0} %", 100.0 * n as f64 / of as f64);
+        let mut cells = vec![
+            format!("{:.2}", row.risk),
+            format!("{:.3}", row.width),
+            row.walks.to_string(),
+            share(touched, row.walks),
+        ];
+        cells.extend(row.touched.map(|n| n.to_string()));
+        cells.extend(row.touched_by_angle.map(|n| share(n, row.walks / ANGLES.len())));
+        cells.push(if row.free > 0 { format!("{:.1}", 100.0 * row.clearance) } else { "-".to_owned() });
+        shown.add_row(cells);
+    }
+    for column in shown.column_iter_mut() {
+        column.set_cell_alignment(comfy_table::CellAlignment::Right);
+    }
+    let other: usize = rows.iter().map(|r| r.other).sum();
+    let mut text = format!(
+        "Contacts with the sides of one opening, walked through by a team with bodies whose human sways by {sway} m\n{}\
+         contact: share of walks in which anything touched a side, and who did first; at so many degrees: the team came from so far off the opening's axis;\n\
+         clear: the nearest anything came to a side in the walks without contact, mean.\n",
+        table_text(&shown),
+    );
+    if other > 0 {
+        text += &format!("{other} walks ended otherwise: stuck, or out of time.\n");
+    }
+    text
+}

@@ -1,0 +1,160 @@
+//! The paper's risk S = d_r / w against what happens: how often a team with bodies touches the sides of an opening.
+
+use super::{OnDone, in_parallel};
+use crate::control::{self, RobotObstacles};
+use crate::coordination::Method;
+use crate::episode::{Episode, Manipulator, Outcome, Settings};
+use crate::experiments::paper::BuiltInError;
+use crate::options::OptionSet;
+use crate::robot::Robot;
+use crate::simulation::{Party, PhysicsError, PhysicsSettings};
+use crate::world::World;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use serde::Serialize;
+
+/// Risks of the openings that are walked through.
+pub const RISKS: [f64; 9] = [0.4, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.93, 0.96];
+/// Where the team comes from, as seen from the opening: degrees off its axis.
+pub const ANGLES: [f64; 3] = [0.0, 30.0, 60.0];
+/// d_r, m.
+const ROBOT_WIDTH: f64 = 0.5;
+/// How far before and behind the opening A and B are, m.
+const WAY: f64 = 4.0;
+
+/// What is run.
+#[derive(Clone, Copy, Debug)]
+pub struct Study<'a> {
+    /// The robot, which starts from its first posture.
+    pub robot: &'a Robot,
+    /// The plant, with the human's sway.
+    pub physics: PhysicsSettings,
+    /// The loop's settings; the human leads whatever they say.
+    pub episode: &'a Settings,
+    /// Walks through each opening from each side: as many gaits.
+    pub walks: usize,
+    /// Seed of the gaits.
+    pub seed: u64,
+}
+
+/// All walks through openings of one risk.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// S = d_r / w.
+    pub risk: f64,
+    /// w, m.
+    pub width: f64,
+    /// How many walks.
+    pub walks: usize,
+    /// Those that arrived without touching anything.
+    pub free: usize,
+    /// Those in which the robot, the object or the human touched a side first.
+    pub touched: [usize; 3],
+    /// Those that ended otherwise.
+    pub other: usize,
+    /// Walks that touched, by the angle that the team came from, in the order of [`ANGLES`].
+    pub touched_by_angle: [usize; ANGLES.len()],
+    /// The nearest that anything of the team came to a side in a walk that was free, m, mean over these.
+    pub clearance: f64,
+}
+
+impl Study<'_> {
+    /// Units of work, for a progress bar.
+    pub fn units(&self) -> usize {
+        RISKS.len() * ANGLES.len() * self.walks
+    }
+
+    /// A row a risk.
+    ///
+    /// # Errors
+    /// If the physical plant cannot be set up.
+    pub fn table(&self, on_done: OnDone) -> Result<Vec<Row>, BuiltInError> {
+        RISKS.iter().map(|risk| self.row(*risk, on_done)).collect()
+    }
+
+    fn row(&self, risk: f64, on_done: OnDone) -> Result<Row, BuiltInError> {
+        let mut row = Row {
+            risk,
+            width: ROBOT_WIDTH / risk,
+            walks: ANGLES.len() * self.walks,
+            free: 0,
+            touched: [0; 3],
+            other: 0,
+            touched_by_angle: [0; ANGLES.len()],
+            clearance: 0.0,
+        };
+        for (angle, touched) in ANGLES.iter().zip(&mut row.touched_by_angle) {
+            for end in self.walks(risk, *angle, on_done)? {
+                match end {
+                    End::Free(clearance) => {
+                        row.free += 1;
+                        row.clearance += clearance;
+                    }
+                    End::Touched(party) => {
+                        *touched += 1;
+                        row.touched[party as usize] += 1;
+                    }
+                    End::Other => row.other += 1,
+                }
+            }
+        }
+        row.clearance /= row.free as f64;
+        Ok(row)
+    }
+
+    fn walks(&self, risk: f64, angle: f64, on_done: OnDone) -> Result<Vec<End>, BuiltInError> {
+        let world = World::parse("opening", &world(ROBOT_WIDTH / risk, angle.to_radians()))?;
+        let options = OptionSet::new(&world, self.episode.predictor.risk_weight())?;
+        let obstacles = RobotObstacles::new(&world);
+        let settings = Settings { method: Method::WithoutModel, ..self.episode.clone() };
+        let human = settings.predictor.belief().sample(&mut ChaCha8Rng::seed_from_u64(self.seed));
+        let manipulator = Manipulator {
+            robot: self.robot,
+            posture: self.robot.postures[0].joints,
+            control: control::Settings::default(),
+            obstacles: &obstacles,
+        };
+        let ends = in_parallel(self.walks, on_done, |i| {
+            let seed = self.seed.wrapping_add(i as u64);
+            let mut episode = Episode::new(&options, &settings, human).with_physics(
+                manipulator,
+                &world,
+                &self.physics,
+                seed,
+            )?;
+            let mut clearance = f64::INFINITY;
+            while episode.step().is_none() {
+                let physics = episode.tick().robot.and_then(|robot| robot.physics);
+                clearance = physics.map_or(clearance, |p| clearance.min(p.obstacle_distance));
+            }
+            let summary = episode.summary();
+            Ok(match (&summary.collision, summary.outcome) {
+                (Some(contact), _) => End::Touched(contact.between[0].party),
+                (None, Outcome::Arrived) => End::Free(clearance),
+                _ => End::Other,
+            })
+        });
+        Ok(ends.into_iter().collect::<Result<Vec<_>, PhysicsError>>()?)
+    }
+}
+
+/// How a walk ended: with the nearest distance, m, or with who touched.
+enum End {
+    Free(f64),
+    Touched(Party),
+    Other,
+}
+
+/// A wall with one opening of this width (m) at the origin, which the team comes to and leaves at this angle (rad) off its axis.
+fn world(width: f64, angle: f64) -> String {
+    let (x, y) = (WAY * angle.cos().max(0.6), WAY * angle.sin());
+    let middle = width / 2.0 + 5.0;
+    format!(
+        "name = \"One opening\"\nrobot_width_m = {ROBOT_WIDTH:?}\nstart_m = [{:?}, {:?}]\ntarget_m = [{x:?}, {:?}]\n\
+         [[obstacle]]\nname = \"left\"\nshape = \"box\"\ncenter_m = [0.0, {middle:?}]\nsize_m = [0.1, 10.0]\nheight_m = 1.2\n\
+         [[obstacle]]\nname = \"right\"\nshape = \"box\"\ncenter_m = [0.0, {:?}]\nsize_m = [0.1, 10.0]\nheight_m = 1.2\n\
+         [[opening]]\nname = \"gap\"\nbetween = [\"left\", \"right\"]\n\
+         [[option]]\nname = \"1\"\nopenings = [\"gap\"]\n",
+        -x, y, y, -middle
+    )
+}
