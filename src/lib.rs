@@ -12,6 +12,7 @@
 //! cli            arguments -> text, tables, JSON, files
 //! experiments    one file per claim or table of the paper
 //! drawing        maps and curves as SVG
+//! recording      an episode as an MCAP file, and back
 //! episode        THE LOOP: observe, evaluate, predict, accumulate, decide, choose, prepare, control, walk
 //! simulation     what the controller acts on: exact kinematics, or bodies with dynamics and contacts
 //! control        MPC, pose optimisation, the human's intent
@@ -75,6 +76,7 @@ pub mod experiments;
 pub mod geometry;
 pub mod options;
 pub mod preference;
+pub mod recording;
 pub mod robot;
 pub mod simulation;
 pub mod world;

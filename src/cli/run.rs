@@ -1,7 +1,8 @@
 //! `cocarry run`: a world and a human in; one episode, told, tabulated, drawn or logged tick by tick, out.
 
-use super::model::{ModelArguments, initial_stubbornness, load_world, perception, positive};
+use super::model::{ModelArguments, initial_stubbornness, load_world, perception, positive, world_text};
 use super::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
+use super::record::RecordArguments;
 use super::robot::{Chosen, RobotArguments};
 use super::tick_log;
 use crate::control::RobotObstacles;
@@ -12,6 +13,7 @@ use crate::experiments::paper::EXAMPLE_HUMAN;
 use crate::geometry::Point;
 use crate::options::OptionSet;
 use crate::preference::{Belief, Perception};
+use crate::recording::{self, Attachment, Provenance, Stage};
 use crate::world::World;
 use anyhow::Context;
 use clap::{Args, ValueEnum};
@@ -62,6 +64,8 @@ pub(super) struct Arguments {
     /// Draw trajectory and stubbornness into this file
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
+    #[command(flatten)]
+    recording: RecordArguments,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -149,11 +153,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     }
     let mut ticks = Vec::new();
     let bar = Progress::new(episode.expected_steps() as usize, "episode");
-    while episode.step().is_none() {
+    let robot = carrier.as_ref().map(|c| &c.robot);
+    let stage = Stage { world: &world, options: &set, robot, period: settings.period };
+    let provenance = provenance(arguments, &world, human)?;
+    let mut recording = arguments.recording.begin(stage, &provenance, &episode)?;
+    while !recording.is_interrupted() && episode.step().is_none() {
+        recording.step(&episode)?;
         ticks.push(episode.tick().clone());
         bar.step();
     }
     bar.finish();
+    if let Some(interrupted) = recording.finish(&episode)? {
+        return Ok(interrupted);
+    }
     let told = Told {
         arguments,
         world: &world,
@@ -182,6 +194,29 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(match told.summary.outcome {
         Outcome::Arrived => ExitCode::SUCCESS,
         _ => ExitCode::from(3),
+    })
+}
+
+/// What a recording says of where it comes from.
+fn provenance(arguments: &Arguments, world: &World, human: Perception) -> Result<Provenance, Failure> {
+    let facts = [
+        ("crate_version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("world", world.name.clone()),
+        ("method", arguments.method.name()),
+        ("alpha", human.alpha.to_string()),
+        ("gamma", human.gamma.to_string()),
+        ("eta", arguments.eta.to_string()),
+        ("initial_stubbornness", arguments.initial_stubbornness.to_string()),
+        ("seed", arguments.seed.to_string()),
+    ];
+    let world = Attachment {
+        name: recording::WORLD.to_owned(),
+        media_type: "application/toml".to_owned(),
+        data: world_text(&arguments.world)?.into_bytes(),
+    };
+    Ok(Provenance {
+        metadata: facts.map(|(key, value)| (key.to_owned(), value)).into(),
+        attachments: vec![world],
     })
 }
 

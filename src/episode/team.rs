@@ -96,6 +96,11 @@ impl PhysicalTeam {
         Self { plant, tandem, height, pace: 0.0, seen }
     }
 
+    /// Where physics has the robot's links.
+    pub fn link_poses(&self) -> Vec<Pose> {
+        self.plant.link_poses()
+    }
+
     /// Where the grasp should be for the human where they are, as a pose on the floor.
     pub fn human(&self, path: &Path) -> PlanarPose {
         self.tandem.end(&self.tandem.pose(path, self.pace), -1.0)
