@@ -33,26 +33,33 @@ fn value<T: Decode + serde::Serialize>(data: &[u8]) -> Option<Value> {
 /// `options[left].length_m`, else by its place, from 0.
 pub fn flatten(message: &Value) -> Vec<(String, &Value)> {
     let mut cells = Vec::new();
-    flatten_into(String::new(), message, &mut cells);
+    flatten_into(String::new(), message, None, &mut cells);
     cells
 }
 
-fn flatten_into<'v>(path: String, value: &'v Value, cells: &mut Vec<(String, &'v Value)>) {
+/// `called` is the field that the path is already called by.
+fn flatten_into<'v>(
+    path: String,
+    value: &'v Value,
+    called: Option<&str>,
+    cells: &mut Vec<(String, &'v Value)>,
+) {
     match value {
         Value::Object(fields) => {
-            for (key, value) in fields {
+            for (key, value) in fields.iter().filter(|(key, _)| called != Some(key)) {
                 let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-                flatten_into(path, value, cells);
+                flatten_into(path, value, None, cells);
             }
         }
         Value::Array(items) => {
             for (i, item) in items.iter().enumerate() {
-                let name = ["name", "child_frame_id", "id"].iter().find_map(|key| item.get(key)?.as_str());
-                let path = match name {
-                    Some(name) => format!("{path}[{name}]"),
+                let named = |key: &'static str| Some((key, item.get(key)?.as_str()?));
+                let called = ["name", "child_frame_id", "id"].into_iter().find_map(named);
+                let path = match called {
+                    Some((_, name)) => format!("{path}[{name}]"),
                     None => format!("{path}[{i}]"),
                 };
-                flatten_into(path, item, cells);
+                flatten_into(path, item, called.map(|(key, _)| key), cells);
             }
         }
         single => cells.push((path, single)),

@@ -77,7 +77,8 @@ pub(super) fn joints(episode: &Episode, robot: &Robot, time: u64) -> JointStates
         position: positions.map(|p| p[j]),
         velocity: seen.map(|s| s.joint_rates[j]).or(commanded.map(|u| u[2 + j])),
         acceleration: None,
-        effort: seen.map(|s| s.joint_efforts[j]),
+        // nothing was exerted before the first step
+        effort: seen.filter(|s| s.time > 0.0).map(|s| s.joint_efforts[j]),
     });
     let wheels = robot.wheel_links.iter().enumerate().map(|(w, &link)| JointState {
         name: robot.links[link].joint.as_ref().map_or(String::new(), |j| j.name.clone()),

@@ -74,6 +74,8 @@ pub struct Recorded<'r> {
     pub id: u16,
     /// Its channel.
     pub channel: &'r Definition,
+    /// Where its chunk begins in the file, B; where itself begins, if it is in none.
+    pub chunk: u64,
     /// Time, ns.
     pub time: u64,
     /// Encoded as the channel says.
@@ -190,8 +192,9 @@ impl<R: Read> Reader<R> {
             Found::Channel(id) => self.channels.get(&id).map(|definition| Entry::Channel { id, definition }),
             Found::Message(id, time, begin) => {
                 let data = if in_chunk { &self.chunk[begin..self.read] } else { &self.record[begin..] };
+                let chunk = if in_chunk { self.chunk_offset } else { self.offset - begin as u64 };
                 let channel = self.channels.get(&id);
-                channel.map(|channel| Entry::Message(Recorded { id, channel, time, data }))
+                channel.map(|channel| Entry::Message(Recorded { id, channel, chunk, time, data }))
             }
             Found::Nothing => None,
         })

@@ -49,7 +49,7 @@ pub fn recover<R: Read>(
     let mut file = MessageFile::new(output).map_err(write)?;
     let mut ids = BTreeMap::new();
     let mut recovered = Recovered::default();
-    let mut second = 0;
+    let mut chunk = None;
     loop {
         let entry = match reader.next() {
             Ok(None) => break,
@@ -71,12 +71,9 @@ pub fn recover<R: Read>(
             }),
             Entry::Message(message) => {
                 (recovered.messages, recovered.until) = (recovered.messages + 1, message.time);
-                // chunks as the recorder makes them
-                let flushed = match message.time / 1_000_000_000 > second {
-                    true => file.flush(),
-                    false => Ok(()),
-                };
-                second = message.time / 1_000_000_000;
+                // the same chunks, so that a recording that is whole comes out as it is
+                let flushed = if chunk.is_some_and(|c| c != message.chunk) { file.flush() } else { Ok(()) };
+                chunk = Some(message.chunk);
                 let id = ids.get(&message.id).copied().unwrap_or(message.id);
                 flushed.and_then(|()| file.write(id, message.time, message.data))
             }
