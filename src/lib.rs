@@ -13,6 +13,7 @@
 //! experiments    one file per claim or table of the paper
 //! drawing        maps and curves as SVG
 //! recording      an episode as an MCAP file, and back
+//! scenario       all that settles an episode, as text; from it the episode again, without the files
 //! episode        THE LOOP: observe, evaluate, predict, accumulate, decide, choose, prepare, control, walk
 //! simulation     what the controller acts on: exact kinematics, or bodies with dynamics and contacts
 //! control        MPC, pose optimisation, the human's intent
@@ -78,5 +79,6 @@ pub mod options;
 pub mod preference;
 pub mod recording;
 pub mod robot;
+pub mod scenario;
 pub mod simulation;
 pub mod world;

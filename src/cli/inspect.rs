@@ -3,7 +3,7 @@
 use super::output::{Failure, input, print, print_json, table, table_text, write_file};
 use crate::drawing::{self, Track};
 use crate::geometry::Point;
-use crate::recording::{self, Channel, Contents, Entry, ReadError, Reader, columns, decode, rows};
+use crate::recording::{Channel, Contents, ReadError, Reader, columns, decode, rows, scenario};
 use crate::world::World;
 use anyhow::{Context, anyhow};
 use clap::Args;
@@ -195,57 +195,47 @@ fn picture(file: &Path) -> Result<String, Failure> {
     let name = file.display().to_string();
     let lacks = |what: &str| input(anyhow!("{name}: {what}"));
     let mut reader = Reader::open(file).map_err(input)?;
-    let mut track = Track::default();
-    let (mut world, mut times, mut led_by_robot) = (None, Vec::new(), 0);
+    let scenario = scenario(&mut reader).map_err(input)?;
+    let world = World::parse(&scenario.world.file, &scenario.world.text);
+    let world = world.with_context(|| name.clone()).map_err(Failure::Input)?;
+    let mut track = Track { label: scenario.settings.method.name().to_owned(), ..Track::default() };
+    let mut led_by_robot = 0;
     let mut arrived = false;
     while let Some(entry) = reader.next().map_err(input)? {
-        match entry {
-            Entry::Attachment(attachment) if attachment.name == recording::WORLD => {
-                let text = String::from_utf8(attachment.data);
-                let text = text.map_err(|_| lacks("its world file is not UTF-8"))?;
-                world = Some(World::parse(&format!("{name}: {}", attachment.name), &text).map_err(input)?);
-            }
-            Entry::Metadata { name, mut entries } if name == recording::METADATA => {
-                track.label = entries.remove("method").unwrap_or_default();
-            }
-            Entry::Message(message) => {
-                let known = Channel::of_topic(&message.channel.topic);
-                if known != Some(Channel::Coordination) && known != Some(Channel::Outcome) {
-                    continue;
-                }
-                let at = seconds(message.time);
-                let undecodable =
-                    || lacks(&format!("the message on {} at {at} s is damaged", message.channel.topic));
-                let value = decode(message.channel, message.data).ok_or_else(undecodable)?;
-                if known == Some(Channel::Outcome) {
-                    arrived = value["outcome"] == "arrived";
-                    continue;
-                }
-                let number = |key: &str| value[key].as_f64().ok_or_else(undecodable);
-                if track.positions.len() == MOST_STEPS {
-                    return Err(lacks(&format!("has more than {MOST_STEPS} steps: too many to be drawn")));
-                }
-                track.positions.push(Point::new(number("x_m")?, number("y_m")?));
-                track.stubbornness.push(number("stubbornness")?);
-                if value["mode"] == "robot-led" && led_by_robot + 1 == track.positions.len() {
-                    led_by_robot += 1;
-                }
-                times.push(at);
-                times.truncate(2);
-            }
-            _ => {}
+        let Some(message) = entry.message() else { continue };
+        let known = Channel::of_topic(&message.channel.topic);
+        if known != Some(Channel::Coordination) && known != Some(Channel::Outcome) {
+            continue;
+        }
+        let damaged = || {
+            lacks(&format!(
+                "the message on {} at {} s is damaged",
+                message.channel.topic,
+                seconds(message.time)
+            ))
+        };
+        let value = decode(message.channel, message.data).ok_or_else(damaged)?;
+        if known == Some(Channel::Outcome) {
+            arrived = value["outcome"] == "arrived";
+            continue;
+        }
+        let number = |key: &str| value[key].as_f64().ok_or_else(damaged);
+        if track.positions.len() == MOST_STEPS {
+            return Err(lacks(&format!("has more than {MOST_STEPS} steps: too many to be drawn")));
+        }
+        track.positions.push(Point::new(number("x_m")?, number("y_m")?));
+        track.stubbornness.push(number("stubbornness")?);
+        if value["mode"] == "robot-led" && led_by_robot + 1 == track.positions.len() {
+            led_by_robot += 1;
         }
     }
-    let world = world.ok_or_else(|| lacks("has no attachment world.toml, which the picture is drawn on"))?;
     let steps = track.positions.len();
     track.transition = (led_by_robot > 0 && led_by_robot < steps).then_some(led_by_robot);
     if led_by_robot == 0 {
         track.stubbornness.clear();
     }
     track.positions.extend(arrived.then_some(world.target));
-    let period = match times[..] {
-        [first, second] => second - first,
-        _ => return Err(lacks("has less than two steps: nothing to draw")),
-    };
-    drawing::adaptation(&world, &[track], period).context(name.clone()).map_err(Failure::Input)
+    drawing::adaptation(&world, &[track], scenario.settings.period)
+        .context(name.clone())
+        .map_err(Failure::Input)
 }

@@ -5,10 +5,13 @@ mod model;
 mod output;
 mod record;
 mod recover;
+mod replay;
 mod reproduce;
 mod robot;
 mod run;
+mod scenario;
 mod tick_log;
+mod told;
 mod world;
 
 use clap::{Parser, Subcommand};
@@ -22,7 +25,7 @@ use std::process::ExitCode;
     version,
     max_term_width = 100,
     after_help = "With no command, one episode is run in the paper's Environment 4 with the human of its example.\n\n\
-        Exit codes: 0 done (run: the team arrived), 2 bad input, 3 the team did not arrive, 4 an output could not be written, \
+        Exit codes: 0 done (run: the team arrived; replay: identical), 1 replay: different, 2 bad input, 3 the team did not arrive, 4 an output could not be written, \
         130 interrupted.\n\n\
         Examples:\n  \
         cocarry                                           an episode, with defaults\n  \
@@ -45,6 +48,7 @@ enum Command {
     Reproduce(reproduce::Claim),
     Inspect(inspect::Arguments),
     Recover(recover::Arguments),
+    Replay(replay::Arguments),
 }
 
 /// Parses the process's arguments, does what they ask, and prints errors.
@@ -56,6 +60,7 @@ pub fn main() -> ExitCode {
         Some(Command::Reproduce(claim)) => reproduce::run(&claim),
         Some(Command::Inspect(arguments)) => inspect::run(&arguments),
         Some(Command::Recover(arguments)) => recover::run(&arguments),
+        Some(Command::Replay(arguments)) => replay::run(&arguments),
     };
     match done {
         Ok(code) => code,

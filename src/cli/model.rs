@@ -74,17 +74,6 @@ pub(super) fn load_world(path: &Path) -> Result<World, Failure> {
     }
 }
 
-/// The text of what [`load_world`] loads.
-pub(super) fn world_text(path: &Path) -> Result<String, Failure> {
-    let built_in = path.to_str().and_then(paper::environment);
-    match built_in.filter(|_| !path.exists()) {
-        Some(environment) => Ok(environment.text().to_owned()),
-        None => {
-            std::fs::read_to_string(path).with_context(|| path.display().to_string()).map_err(Failure::Input)
-        }
-    }
-}
-
 /// eta, or c_r in metres: beyond a million, a slip.
 pub(super) fn positive(text: &str) -> Result<f64, String> {
     number(text, "a number greater than 0 and at most 1000000", |v| v > 0.0 && v <= 1e6)

@@ -2,7 +2,8 @@
 
 use super::output::Failure;
 use crate::episode::Episode;
-use crate::recording::{Ending, FileRecorder, Provenance, RecordingError, Stage};
+use crate::recording::{Ending, FileRecorder, RecordingError};
+use crate::scenario::Stage;
 use anyhow::anyhow;
 use clap::Args;
 use std::path::PathBuf;
@@ -29,16 +30,10 @@ pub(super) struct Recording<'a> {
 
 impl RecordArguments {
     /// Begins to record an episode that has not begun, if that is asked for. From then on Ctrl-C stops the episode, not the program.
-    pub fn begin<'a>(
-        &self,
-        stage: Stage<'a>,
-        provenance: &Provenance,
-        episode: &Episode,
-    ) -> Result<Recording<'a>, Failure> {
+    pub fn begin<'a>(&self, stage: &'a Stage, episode: &Episode) -> Result<Recording<'a>, Failure> {
         let interrupted = Arc::new(AtomicBool::new(false));
         let Some(file) = &self.record else { return Ok(Recording { file: None, interrupted }) };
-        let recorder =
-            FileRecorder::create(file, self.overwrite, stage, provenance, episode).map_err(output)?;
+        let recorder = FileRecorder::create(file, self.overwrite, stage, episode).map_err(output)?;
         let flag = Arc::clone(&interrupted);
         ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))
             .map_err(|error| Failure::Output(anyhow!(error).context("Ctrl-C cannot be caught")))?;

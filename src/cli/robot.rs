@@ -2,7 +2,8 @@
 
 use super::output::{Failure, input};
 use crate::control::{self, Avoid, CandidateSet, PoseCriterion};
-use crate::robot::{Posture, Robot};
+use crate::robot::Robot;
+use crate::scenario::{Carrier, Plant};
 use crate::simulation::{HumanSettings, PhysicsSettings};
 use anyhow::anyhow;
 use clap::{Args, ValueEnum};
@@ -12,8 +13,8 @@ use std::path::PathBuf;
 #[derive(Args, Debug)]
 pub(super) struct RobotArguments {
     /// What the controller acts on
-    #[arg(long, value_enum, default_value_t = Plant::Kinematic)]
-    pub plant: Plant,
+    #[arg(long, value_enum, default_value_t = PlantArgument::Kinematic)]
+    plant: PlantArgument,
     /// Robot file (TOML), or a URDF with a robot file of the same name beside it [default: the built-in carrier]
     #[arg(long, value_name = "FILE")]
     robot: Option<PathBuf>,
@@ -38,7 +39,7 @@ pub(super) struct RobotArguments {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Plant {
+enum PlantArgument {
     /// The planning level alone: the team is a point that walks its path exactly
     Point,
     /// The robot moves exactly as its inputs say, without dynamics
@@ -69,19 +70,10 @@ enum CriterionArgument {
     Manipulability,
 }
 
-/// A robot to run with.
-pub(super) struct Chosen {
-    pub robot: Robot,
-    pub posture: Posture,
-    pub control: control::Settings,
-    /// The physical plant's settings; none on the kinematic plant.
-    pub physics: Option<PhysicsSettings>,
-}
-
 impl RobotArguments {
-    /// The robot; none on the planning level alone.
-    pub fn load(&self) -> Result<Option<Chosen>, Failure> {
-        if self.plant == Plant::Point {
+    /// The plant with its robot, whose files are read and checked here.
+    pub fn plant(&self) -> Result<Plant, Failure> {
+        if self.plant == PlantArgument::Point {
             let given = [
                 ("--robot", self.robot.is_some()),
                 ("--posture", self.posture.is_some()),
@@ -92,13 +84,13 @@ impl RobotArguments {
                 ("--sway", self.sway.is_some()),
             ];
             return match given.iter().find(|(_, is_given)| *is_given) {
-                None => Ok(None),
+                None => Ok(Plant::Point),
                 Some((flag, _)) => {
                     Err(input(anyhow!("{flag} says something of a robot, but --plant point has none")))
                 }
             };
         }
-        if self.plant == Plant::Kinematic && self.sway.is_some() {
+        if self.plant == PlantArgument::Kinematic && self.sway.is_some() {
             return Err(input(anyhow!(
                 "--sway is for --plant rapier: the kinematic plant's human walks exactly"
             )));
@@ -108,10 +100,10 @@ impl RobotArguments {
             None => robot.postures.first(),
             Some(name) => robot.posture(name),
         };
-        let Some(posture) = posture.cloned() else {
+        let Some(posture) = posture.map(|p| p.name.clone()) else {
             let known: Vec<_> = robot.postures.iter().map(|p| format!("`{}`", p.name)).collect();
             let asked = self.posture.as_deref().unwrap_or_default();
-            let (file, known) = (&robot.file, known.join(", "));
+            let (file, known) = (&robot.texts.file, known.join(", "));
             return Err(input(anyhow!(
                 "--posture {asked}: {file} has no posture of that name; it has {known}"
             )));
@@ -132,8 +124,11 @@ impl RobotArguments {
             avoid: if self.no_obstacles { Avoid::Nothing } else { Avoid::Robot },
             ..control::Settings::default()
         };
-        let physics = (self.plant == Plant::Rapier).then(|| physics(self.sway));
-        Ok(Some(Chosen { robot, posture, control, physics }))
+        let carrier = Carrier { posture, control, robot: robot.texts };
+        Ok(match self.plant {
+            PlantArgument::Rapier => Plant::Rapier { carrier, physics: physics(self.sway) },
+            _ => Plant::Kinematic { carrier },
+        })
     }
 }
 

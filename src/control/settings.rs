@@ -1,9 +1,11 @@
 //! The weights and choices of eqs. (7) and (8), with the paper's values as defaults.
 
 use super::{Avoid, CandidateSet, PoseCriterion};
+use serde::{Deserialize, Serialize};
 
 /// Everything about the controller but the robot.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Settings {
     /// Q = this times I_6.
     pub state_weight: f64,

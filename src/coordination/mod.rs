@@ -1,7 +1,7 @@
 //! Choice probabilities and option costs in; stubbornness phi(k), the mode, and the robot's choice of eq. (6) out.
 
 use crate::options::Waypoint;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Who leads the team.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -14,7 +14,7 @@ pub enum Mode {
 }
 
 /// How the team decides who leads.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// The paper's: the robot leads until stubbornness passes 1, then the human.
@@ -27,8 +27,21 @@ pub enum Method {
     RobotLed,
 }
 
+impl Method {
+    /// Name, as in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mutual => "mutual",
+            Self::WithoutModel => "without-model",
+            Self::HumanLed => "human-led",
+            Self::RobotLed => "robot-led",
+        }
+    }
+}
+
 /// Parameters of the stubbornness measure, eq. (5).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Settings {
     /// phi(0), in (0, 1].
     pub initial_stubbornness: f64,

@@ -2,9 +2,11 @@
 
 use crate::coordination::{self, Method};
 use crate::preference::Predictor;
+use serde::{Deserialize, Serialize};
 
 /// Everything about an episode but the world and the human.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Settings {
     /// What the robot believes of the human's (alpha, gamma), and c_r.
     pub predictor: Predictor,
@@ -13,10 +15,13 @@ pub struct Settings {
     /// How the team decides who leads.
     pub method: Method,
     /// Control period, s: one planning step k.
+    #[serde(rename = "period_s")]
     pub period: f64,
     /// Walking speed of the team, m/s.
+    #[serde(rename = "speed_m_per_s")]
     pub speed: f64,
     /// The fastest the human turns, rad/s: the reference's yaw follows the path's tangent no faster.
+    #[serde(rename = "yaw_rate_rad_per_s")]
     pub yaw_rate: f64,
     /// Ticks after which the episode ends without arrival; by default ten times what the longest option takes.
     pub tick_limit: Option<u64>,

@@ -111,11 +111,6 @@ impl Environment {
     pub fn world(&self) -> Result<World, WorldError> {
         World::parse(self.name, self.toml)
     }
-
-    /// The text of its world file.
-    pub fn text(&self) -> &'static str {
-        self.toml
-    }
 }
 
 /// The built-in world of that name.

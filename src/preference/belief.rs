@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::{Marginal, Perception, PreferenceError};
 
 /// A distribution over `(alpha, gamma)`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Belief {
     /// `alpha` and `gamma` independent, as in Sec. IV-A.
     Independent {
@@ -29,9 +30,42 @@ pub struct WeightedSample {
 }
 
 /// Weighted samples. Invariant: at least one, all parameters and weights positive and finite, weights summing to 1.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Vec<Row>", into = "Vec<Row>")]
 pub struct SampleSet {
     samples: Vec<WeightedSample>,
+}
+
+/// A sample as it is written down.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Row {
+    alpha: f64,
+    gamma: f64,
+    weight: f64,
+}
+
+impl From<SampleSet> for Vec<Row> {
+    fn from(set: SampleSet) -> Self {
+        let row =
+            |WeightedSample { perception: Perception { alpha, gamma }, weight }| Row { alpha, gamma, weight };
+        set.samples.into_iter().map(row).collect()
+    }
+}
+
+impl TryFrom<Vec<Row>> for SampleSet {
+    type Error = PreferenceError;
+
+    /// Weights that sum to 1 already are kept to the last bit.
+    fn try_from(rows: Vec<Row>) -> Result<Self, PreferenceError> {
+        let sample =
+            |Row { alpha, gamma, weight }| WeightedSample { perception: Perception { alpha, gamma }, weight };
+        let samples: Vec<WeightedSample> = rows.into_iter().map(sample).collect();
+        let scaled = Self::new(samples.clone())?;
+        let sum: f64 = samples.iter().map(|sample| sample.weight).sum();
+        let rounding = 2.0 * f64::EPSILON * (samples.len() + 1) as f64;
+        Ok(if (sum - 1.0).abs() <= rounding { Self { samples } } else { scaled })
+    }
 }
 
 impl SampleSet {

@@ -30,6 +30,7 @@ impl Prospect {
 
 /// How one human perceives distance and risk. Both parameters are positive and dimensionless.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Perception {
     /// Distance perception: below 1, long ways feel shorter than they are.
     pub alpha: f64,

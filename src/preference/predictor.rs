@@ -7,6 +7,7 @@ use super::{
     Belief, ChoiceDistribution, Perception, PreferenceError, Prospect, SampleSet, human_choice,
     subjective_cost,
 };
+use serde::{Deserialize, Serialize};
 
 /// Predicts a human's choice from a belief over the human's perception.
 ///
@@ -14,12 +15,43 @@ use super::{
 /// `alpha` in which an option is the cheapest are solved for, and their probabilities are integrated over `gamma` piece by
 /// piece. An empirical belief is summed sample by sample. The predictor owns all working memory: once warm, a call with no more
 /// options than before allocates nothing. Equal calls give equal bits.
-#[derive(Debug, Clone)]
+///
+/// It is written down as what it was made of, and equal to what was made of the same.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(try_from = "Basis", into = "Basis")]
 pub struct Predictor {
     belief: Belief,
     risk_weight: f64,
     model: Model,
     masses: Vec<f64>,
+}
+
+/// What a predictor is made of.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Basis {
+    risk_weight_m: f64,
+    belief: Belief,
+}
+
+impl From<Predictor> for Basis {
+    fn from(predictor: Predictor) -> Self {
+        Self { risk_weight_m: predictor.risk_weight, belief: predictor.belief }
+    }
+}
+
+impl TryFrom<Basis> for Predictor {
+    type Error = PreferenceError;
+
+    fn try_from(basis: Basis) -> Result<Self, PreferenceError> {
+        Self::new(basis.belief, basis.risk_weight_m)
+    }
+}
+
+impl PartialEq for Predictor {
+    fn eq(&self, other: &Self) -> bool {
+        self.belief == other.belief && self.risk_weight == other.risk_weight
+    }
 }
 
 #[derive(Debug, Clone)]

@@ -6,22 +6,7 @@ use super::figures::{self, Names};
 use super::{motion, scene};
 use crate::episode::{Episode, Outcome};
 use crate::geometry::Point;
-use crate::options::OptionSet;
-use crate::robot::Robot;
-use crate::world::World;
-
-/// What an episode happens in.
-#[derive(Clone, Copy, Debug)]
-pub struct Stage<'a> {
-    /// The world.
-    pub world: &'a World,
-    /// Its options.
-    pub options: &'a OptionSet,
-    /// The robot; `None` where the team is a point.
-    pub robot: Option<&'a Robot>,
-    /// Control period, s.
-    pub period: f64,
-}
+use crate::scenario::Stage;
 
 /// How a recording ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,7 +30,7 @@ impl Ending {
 /// Tells of an episode. Same episode, same bytes.
 #[derive(Clone, Debug)]
 pub struct Encoder<'a> {
-    stage: Stage<'a>,
+    stage: &'a Stage,
     ways: scene::Ways,
     events: Events,
     walked: Vec<Point>,
@@ -54,9 +39,9 @@ pub struct Encoder<'a> {
 
 impl<'a> Encoder<'a> {
     /// Before the first step.
-    pub fn new(stage: Stage<'a>) -> Self {
+    pub fn new(stage: &'a Stage) -> Self {
         Self {
-            ways: scene::Ways::new(stage.options),
+            ways: scene::Ways::new(stage.options()),
             stage,
             events: Events::default(),
             walked: Vec::new(),
@@ -68,7 +53,7 @@ impl<'a> Encoder<'a> {
     pub fn channels(&self, episode: &Episode) -> Vec<Channel> {
         let is_used = |channel: &Channel| match channel {
             Channel::Transforms | Channel::Team | Channel::Joints | Channel::Control => {
-                self.stage.robot.is_some()
+                self.stage.robot().is_some()
             }
             Channel::Interaction => episode.observation().is_some(),
             _ => true,
@@ -79,7 +64,7 @@ impl<'a> Encoder<'a> {
     /// What there is before the first step: scene and start.
     pub fn begin(&mut self, episode: &Episode) -> &[Message] {
         self.messages.clear();
-        let Stage { world, robot, .. } = self.stage;
+        let (world, robot) = (self.stage.world(), self.stage.robot());
         self.messages.push(Message::of(Channel::World, 0, &scene::world(world, 0)));
         if let Some(robot) = robot {
             let team = scene::team(robot, world, episode.observation().is_some(), 0);
@@ -95,7 +80,7 @@ impl<'a> Encoder<'a> {
         self.messages.clear();
         let tick = episode.tick();
         let (from, to) = (self.time(tick.step), self.time(tick.step + 1));
-        let names = Names(self.stage.options);
+        let names = Names(self.stage.options());
         let events = self.events.decided(tick, names, from);
         self.messages.extend(events.iter().map(|log| Message::of(Channel::Log, from, log)));
         self.json(Channel::Options, from, &figures::options(tick, names));
@@ -104,7 +89,7 @@ impl<'a> Encoder<'a> {
             self.messages.push(Message::of(Channel::Ways, from, &ways));
         }
         self.state(episode, to);
-        if let (Some(robot), Some(decided)) = (self.stage.robot, &tick.robot) {
+        if let (Some(robot), Some(decided)) = (self.stage.robot(), &tick.robot) {
             self.json(Channel::Control, to, &figures::control(tick.step, decided, names, robot));
         }
         if let Some(seen) = episode.observation() {
@@ -123,15 +108,19 @@ impl<'a> Encoder<'a> {
     pub fn end(&mut self, episode: &Episode, ending: Ending) -> &[Message] {
         self.messages.clear();
         let summary = episode.summary();
-        let (time, names) = (self.time(summary.steps), Names(self.stage.options));
+        let (time, names) = (self.time(summary.steps), Names(self.stage.options()));
         self.messages.push(Message::of(Channel::Log, time, &Events::ended(episode, ending, names, time)));
-        self.json(Channel::Outcome, time, &figures::outcome(summary, ending, self.stage.period, names));
+        self.json(Channel::Outcome, time, &figures::outcome(summary, ending, self.period(), names));
         &self.messages
+    }
+
+    fn period(&self) -> f64 {
+        self.stage.scenario().settings.period
     }
 
     /// Simulated time at the beginning of a step, ns.
     fn time(&self, step: u64) -> u64 {
-        (step as f64 * self.stage.period * 1e9).round() as u64
+        (step as f64 * self.period() * 1e9).round() as u64
     }
 
     fn json(&mut self, channel: Channel, time: u64, message: &serde_json::Value) {
@@ -140,7 +129,7 @@ impl<'a> Encoder<'a> {
 
     /// Where everything is, if there is more than a point.
     fn state(&mut self, episode: &Episode, time: u64) {
-        let Some(robot) = self.stage.robot else { return };
+        let Some(robot) = self.stage.robot() else { return };
         let transforms = motion::transforms(episode, Some(robot), time);
         self.messages.push(Message::of(Channel::Transforms, time, &transforms));
         let joints = motion::joints(episode, robot, time);

@@ -1,5 +1,6 @@
 //! What can go wrong with recordings, each case with the file, the place and what would be right.
 
+use crate::scenario::ScenarioError;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -28,6 +29,14 @@ pub enum RecordingError {
         file: PathBuf,
         /// What the system said.
         source: std::io::Error,
+    },
+    /// What the run is made of cannot be written down.
+    #[error("{file}: would not say what it is made of")]
+    Scenario {
+        /// The file.
+        file: String,
+        /// Why.
+        source: ScenarioError,
     },
     /// Writing went wrong.
     #[error("{file}: cannot be written on; what was written until then can be read by `cocarry recover`")]
@@ -102,6 +111,14 @@ pub enum ReadError {
         /// What is wrong and what would be right.
         why: String,
     },
+    /// What it says that it was made of is no scenario.
+    #[error("{file}: its attachment scenario.toml")]
+    Scenario {
+        /// The file.
+        file: String,
+        /// Why.
+        source: ScenarioError,
+    },
     /// It lacks something that is asked for.
     #[error("{file}: {what}")]
     Lacks {
@@ -121,6 +138,7 @@ impl ReadError {
             | Self::Cut { file, .. }
             | Self::TooLong { file, .. }
             | Self::Damaged { file, .. }
+            | Self::Scenario { file, .. }
             | Self::Lacks { file, .. } => file,
         };
         self.to_string().replacen(&format!("{file}: "), "", 1)

@@ -29,19 +29,23 @@
 //! Where the team is a point there is no `/tf`, `/scene/team`, `/joints` and `/control`.
 //!
 //! ```
-//! use cocarry::episode::{Episode, Outcome, Settings};
+//! use cocarry::episode::Outcome;
 //! use cocarry::experiments::paper;
-//! use cocarry::options::OptionSet;
-//! use cocarry::recording::{Ending, Provenance, Reader, Recorder, Stage};
+//! use cocarry::recording::{Ending, Reader, Recorder};
+//! use cocarry::scenario::{Plant, Scenario};
 //! use std::io::Cursor;
 //!
-//! let world = paper::ENVIRONMENTS[3].world()?;
-//! let settings = Settings::default();
-//! let options = OptionSet::new(&world, settings.predictor.risk_weight())?;
-//! let mut episode = Episode::new(&options, &settings, paper::EXAMPLE_HUMAN);
-//! let stage = Stage { world: &world, options: &options, robot: None, period: settings.period };
+//! let scenario = Scenario {
+//!     seed: 1,
+//!     world: paper::ENVIRONMENTS[3].world()?.into(),
+//!     human: paper::EXAMPLE_HUMAN,
+//!     settings: Default::default(),
+//!     plant: Plant::Point,
+//! };
+//! let stage = scenario.prepare()?;
+//! let mut episode = stage.episode()?;
 //! let file = Cursor::new(Vec::new());
-//! let mut recorder = Recorder::new(file, "memory", stage, &Provenance::default(), &episode)?;
+//! let mut recorder = Recorder::new(file, "memory", &stage, &episode)?;
 //! while episode.step().is_none() {
 //!     recorder.step(&episode)?;
 //! }
@@ -71,6 +75,7 @@ mod provenance;
 mod reader;
 mod recorder;
 mod recover;
+mod replay;
 mod scene;
 mod schema;
 mod table;
@@ -79,11 +84,12 @@ pub use channel::{Channel, Message};
 pub use contents::{ChannelContents, Contents};
 pub use decode::{decode, flatten};
 pub use difference::Difference;
-pub use encoder::{Encoder, Ending, Stage};
+pub use encoder::{Encoder, Ending};
 pub use error::{ReadError, RecordingError};
-pub use provenance::{Attachment, METADATA, Provenance, RECOVERED, WORLD};
+pub use provenance::{Attachment, METADATA, Provenance, RECOVERED, SCENARIO, scenario};
 pub use reader::{Entry, Reader, Recorded};
 pub use recorder::{FileRecorder, Recorder};
 pub use recover::{RecoverError, Recovered, recover};
+pub use replay::{Replay, Verdict, replay};
 pub use schema::{Definition, SchemaText};
 pub use table::{columns, rows};

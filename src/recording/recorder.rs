@@ -1,11 +1,12 @@
 //! An episode, step by step, in; a recording out.
 
 use super::channel::{Channel, Message};
-use super::encoder::{Encoder, Ending, Stage};
+use super::encoder::{Encoder, Ending};
 use super::file::{MessageFile, Named};
 use super::provenance::{METADATA, Provenance};
 use super::{Definition, RecordingError};
 use crate::episode::Episode;
+use crate::scenario::Stage;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufWriter, Seek, Write};
@@ -29,15 +30,11 @@ impl<'a, W: Write + Seek> Recorder<'a, W> {
     /// Writes provenance, scene and start of an episode that has not begun; `name` is what errors call the file.
     ///
     /// # Errors
-    /// [`RecordingError::Write`].
-    pub fn new(
-        to: W,
-        name: &str,
-        stage: Stage<'a>,
-        provenance: &Provenance,
-        episode: &Episode,
-    ) -> Result<Self, RecordingError> {
+    /// [`RecordingError`]: it cannot be written, or the scenario cannot.
+    pub fn new(to: W, name: &str, stage: &'a Stage, episode: &Episode) -> Result<Self, RecordingError> {
         let mut encoder = Encoder::new(stage);
+        let provenance = Provenance::of(stage.scenario())
+            .map_err(|source| RecordingError::Scenario { file: name.to_owned(), source })?;
         let written = MessageFile::new(to).and_then(|mut file| {
             file.metadata(METADATA, &provenance.metadata)?;
             provenance.attachments.iter().try_for_each(|attachment| file.attach(attachment))?;
@@ -107,12 +104,11 @@ impl<'a> FileRecorder<'a> {
     pub fn create(
         file: &Path,
         overwrite: bool,
-        stage: Stage<'a>,
-        provenance: &Provenance,
+        stage: &'a Stage,
         episode: &Episode,
     ) -> Result<Self, RecordingError> {
         let (named, to) = Named::create(file, PARTIAL, overwrite)?;
-        let recorder = Recorder::new(to, &named.partial(), stage, provenance, episode)?;
+        let recorder = Recorder::new(to, &named.partial(), stage, episode)?;
         Ok(Self { recorder, named })
     }
 

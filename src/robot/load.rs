@@ -1,4 +1,4 @@
-//! A path in; the robot of the robot file there, and of the URDF that it names, out.
+//! A path, or the texts found there, in; the robot of the robot file, and of the URDF that it names, out.
 
 use super::arm::{Arm, Ends, Hold};
 use super::error::{Place, RobotError, known};
@@ -7,17 +7,29 @@ use super::link::Link;
 use super::urdf::Urdf;
 use super::wheels::Wheels;
 use super::{Posture, Robot, posture};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use toml::Spanned;
 
-impl Robot {
-    /// Reads and validates a robot file (`.toml`) with the URDF that it names; or a URDF (`.urdf`, `.xml`) with the robot file of the
-    /// same name beside it.
-    ///
-    /// # Errors
-    /// [`RobotError`], which names the file, the item and the numbers.
-    pub fn load(path: &Path) -> Result<Self, RobotError> {
+/// The texts that a robot is made of: with them it can be made again where the files are not.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RobotTexts {
+    /// The robot file, as the caller named it.
+    pub file: String,
+    /// Its text.
+    pub text: String,
+    /// The URDF that it names.
+    pub urdf_file: String,
+    /// The URDF's text.
+    pub urdf: String,
+}
+
+impl RobotTexts {
+    /// Reads a robot file (`.toml`) and the URDF that it names; or a URDF (`.urdf`, `.xml`) and the robot file of the same name beside it.
+    /// Returns the URDF's path too.
+    fn read(path: &Path) -> Result<(Self, PathBuf), RobotError> {
         let file = path.display().to_string();
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
         let robot_file = match extension.as_str() {
@@ -49,7 +61,27 @@ impl Robot {
             return Err(xacro(&urdf));
         }
         let urdf_text = read(&urdf)?;
-        build(source, &entries, Urdf { file: &urdf.display().to_string(), folder: urdf.parent() }, &urdf_text)
+        Ok((Self { file: name, text, urdf_file: urdf.display().to_string(), urdf: urdf_text }, urdf))
+    }
+}
+
+impl Robot {
+    /// Reads and validates a robot file (`.toml`) with the URDF that it names; or a URDF (`.urdf`, `.xml`) with the robot file of the
+    /// same name beside it.
+    ///
+    /// # Errors
+    /// [`RobotError`], which names the file, the item and the numbers.
+    pub fn load(path: &Path) -> Result<Self, RobotError> {
+        let (texts, urdf) = RobotTexts::read(path)?;
+        build(&texts, Some(urdf.parent().unwrap_or(Path::new(""))))
+    }
+
+    /// The robot of texts that were read before. Meshes keep the names that the URDF gives them: they are not looked for.
+    ///
+    /// # Errors
+    /// As [`Robot::load`].
+    pub fn parse(texts: &RobotTexts) -> Result<Self, RobotError> {
+        build(texts, None)
     }
 
     /// The robot that comes with the program, "carrier": two driven wheels and an arm of seven joints.
@@ -57,10 +89,10 @@ impl Robot {
     /// # Errors
     /// None, as long as the two files in `assets/robots` are valid; tests see to that.
     pub fn built_in() -> Result<Self, RobotError> {
-        let text = include_str!("../../assets/robots/carrier.toml");
-        let urdf = include_str!("../../assets/robots/carrier.urdf");
-        let source = Source { file: "carrier", text };
-        build(source, &source.parse()?, Urdf { file: "carrier.urdf", folder: None }, urdf)
+        let text = include_str!("../../assets/robots/carrier.toml").to_owned();
+        let urdf = include_str!("../../assets/robots/carrier.urdf").to_owned();
+        let (file, urdf_file) = ("carrier".to_owned(), "carrier.urdf".to_owned());
+        Self::parse(&RobotTexts { file, text, urdf_file, urdf })
     }
 }
 
@@ -82,7 +114,11 @@ fn is_same(a: &Path, b: &Path) -> bool {
     a == b || same(a, b).unwrap_or(false)
 }
 
-fn build(source: Source, entries: &RobotFile, urdf: Urdf, text: &str) -> Result<Robot, RobotError> {
+/// The robot of these texts; its meshes are looked for from `folder`, if there is one.
+fn build(texts: &RobotTexts, folder: Option<&Path>) -> Result<Robot, RobotError> {
+    let source = Source { file: &texts.file, text: &texts.text };
+    let entries = &source.parse()?;
+    let (urdf, text) = (Urdf { file: &texts.urdf_file, folder }, texts.urdf.as_str());
     // the namespace alone is what older versions of xacro leave in what they expand
     if text.contains("<xacro:") || text.contains("${") {
         return Err(xacro(Path::new(urdf.file)));
@@ -127,7 +163,7 @@ fn build(source: Source, entries: &RobotFile, urdf: Urdf, text: &str) -> Result<
     let Arm { joints, chain, last_from_grasp } = Arm::new(urdf, &mut links, &ends, &holds)?;
     let mut robot = Robot {
         name: entries.name.clone(),
-        file: source.file.to_owned(),
+        texts: texts.clone(),
         drive,
         joints,
         grasp_height,

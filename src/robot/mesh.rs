@@ -4,18 +4,19 @@ use super::error::{Place, RobotError};
 use std::path::{Path, PathBuf};
 
 /// The file that `mesh` names: `package://pkg/rest` from a folder `pkg` at or above `folder` or beside one of those, `file://` and
-/// absolute paths as they are, others from `folder`, which is the URDF's.
+/// absolute paths as they are, others from `folder`, which is the URDF's. Without a folder, the name as it is.
 pub(super) fn find(
     mesh: &str,
     folder: Option<&Path>,
     place: impl Fn() -> Place,
 ) -> Result<PathBuf, RobotError> {
+    let Some(folder) = folder else { return Ok(PathBuf::from(mesh)) };
     let lost = |looked: String| RobotError::Mesh { place: place(), mesh: mesh.to_owned(), looked };
     if let Some(rest) = mesh.strip_prefix("package://") {
         let (package, rest) = rest.split_once('/').unwrap_or((rest, ""));
-        let Some(folder) = folder.filter(|_| !package.is_empty() && !rest.is_empty()) else {
+        if package.is_empty() || rest.is_empty() {
             return Err(lost(format!("`{rest}` in package `{package}`")));
-        };
+        }
         // the folders above are known only from the root on
         let start = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
         let is_package = |f: &Path| f.file_name().is_some_and(|name| name == package);
@@ -28,6 +29,6 @@ pub(super) fn find(
         });
     }
     let file = mesh.strip_prefix("file://").map(PathBuf::from);
-    let file = file.unwrap_or_else(|| folder.unwrap_or(Path::new("")).join(mesh));
+    let file = file.unwrap_or_else(|| folder.join(mesh));
     if file.is_file() { Ok(file) } else { Err(lost(format!("`{}`", file.display()))) }
 }

@@ -20,6 +20,7 @@ pub use error::{Place, RobotError};
 pub use fault::{ArmFault, PostureFault, TreeFault, WheelFault};
 pub use kinematics::{Kinematics, pose_difference};
 pub use link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
+pub use load::RobotTexts;
 
 use crate::geometry::{PlanarPose, Pose};
 use nalgebra::{SMatrix, SVector, Unit, Vector3};
@@ -45,8 +46,8 @@ pub type PointJacobian = SMatrix<f64, 3, MAX_INPUTS>;
 pub struct Robot {
     /// Name.
     pub name: String,
-    /// The robot file, as the caller named it.
-    pub file: String,
+    /// What it was made of.
+    pub texts: RobotTexts,
     /// The wheels.
     pub drive: Drive,
     /// The joints of the arm that move on their own, from the base to the grasp. At most [`MAX_JOINTS`].

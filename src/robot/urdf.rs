@@ -14,7 +14,7 @@ const LARGEST: f64 = 1e6;
 /// How deeply elements may be nested: the parser calls itself for each level.
 const DEEPEST: usize = 64;
 
-/// A URDF that is being read: what errors call it, and the folder that meshes are looked for in.
+/// A URDF that is being read: what errors call it, and the folder that meshes are looked for in; without one, they are not.
 #[derive(Clone, Copy)]
 pub(super) struct Urdf<'a> {
     pub file: &'a str,

@@ -37,6 +37,8 @@ pub const LARGEST_OPTION_LIMIT: usize = 64;
 pub struct World {
     /// The file that it was read from, as the caller named it.
     pub file: String,
+    /// Its text.
+    pub text: String,
     /// Title.
     pub name: String,
     /// What the file says of itself.
@@ -110,6 +112,7 @@ impl World {
         let option_limit = option_limit(source, entries.option_limit.as_ref())?;
         Ok(Self {
             file: file.to_owned(),
+            text: text.to_owned(),
             name: entries.name,
             note: entries.note,
             robot_width,

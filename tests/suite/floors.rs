@@ -4,7 +4,7 @@ use crate::support::repository;
 use std::path::{Path, PathBuf};
 
 /// The floors from the bottom; those in one row may not use each other.
-const FLOORS: [&[&str]; 12] = [
+const FLOORS: [&[&str]; 13] = [
     &["geometry"],
     &["robot"],
     &["world"],
@@ -14,6 +14,7 @@ const FLOORS: [&[&str]; 12] = [
     &["control"],
     &["simulation"],
     &["episode"],
+    &["scenario"],
     &["recording", "drawing"],
     &["experiments"],
     &["cli"],

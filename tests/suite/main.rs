@@ -14,6 +14,7 @@ mod physics;
 mod readme;
 mod recording;
 mod robots;
+mod scenarios;
 mod spoiled_robot;
 mod support;
 mod worlds;

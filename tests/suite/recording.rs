@@ -1,16 +1,17 @@
 //! Recordings: written, read back, cut, damaged, recovered.
 
-use crate::support::{cocarry, json, load, repository, stderr, stdout};
-use cocarry::control::{self, RobotObstacles};
-use cocarry::episode::{Episode, Manipulator, Settings, Tick};
+use crate::support::{cocarry, json, repository, stderr, stdout};
+use cocarry::episode::{Episode, Settings, Tick};
 use cocarry::experiments::paper::EXAMPLE_HUMAN;
 use cocarry::geometry::Pose;
 use cocarry::recording::{
-    Channel, Contents, Definition, Encoder, Ending, Entry, Message, Provenance, Reader, Recorder, Stage,
-    decode,
+    Channel, Contents, Definition, Encoder, Ending, Entry, Message, Reader, Recorder, Verdict, columns,
+    decode, recover, replay,
 };
 use cocarry::robot::Robot;
+use cocarry::scenario::{Carrier, Plant, Scenario};
 use cocarry::simulation::PhysicsSettings;
+use cocarry::world::World;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -20,40 +21,38 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// What an episode in Environment 4 is told as; `on_step` sees it after each step, before the first with `None`.
-fn encoded(
-    physics: Option<PhysicsSettings>,
-    mut on_step: impl FnMut(&Episode, Option<&Tick>),
-) -> (Vec<u8>, Vec<Message>) {
-    let robot = Robot::built_in().expect("the built-in robot");
-    let (world, options) = load(&repository("worlds/environment-4.toml"));
-    let obstacles = RobotObstacles::new(&world);
+/// The human of the example in Environment 4.
+fn example(plant: Plant) -> Scenario {
+    let world = World::load(&repository("worlds/environment-4.toml")).expect("a world");
     let settings = Settings::default();
-    let manipulator = Manipulator {
-        robot: &robot,
-        posture: robot.postures[0].joints,
-        control: control::Settings::default(),
-        obstacles: &obstacles,
-    };
-    let episode = Episode::new(&options, &settings, EXAMPLE_HUMAN);
-    let mut episode = match &physics {
-        None => episode.with_robot(manipulator),
-        Some(physics) => episode.with_physics(manipulator, &world, physics, 1).expect("room"),
-    };
-    let stage = Stage { world: &world, options: &options, robot: Some(&robot), period: settings.period };
-    let provenance = Provenance { metadata: [("seed".into(), "1".into())].into(), attachments: Vec::new() };
-    let mut encoder = Encoder::new(stage);
+    Scenario { seed: 1, world: world.into(), human: EXAMPLE_HUMAN, settings, plant }
+}
+
+fn carrier() -> Carrier {
+    let robot = Robot::built_in().expect("the built-in robot").texts;
+    Carrier { posture: "elbow-up".to_owned(), control: Default::default(), robot }
+}
+
+fn rapier() -> Plant {
+    Plant::Rapier { carrier: carrier(), physics: PhysicsSettings::default() }
+}
+
+/// A scenario's episode as a file, and as what it is told as; `on_step` sees the episode before the first step and after each.
+fn encoded(scenario: Scenario, mut on_step: impl FnMut(&Episode)) -> (Vec<u8>, Vec<Message>) {
+    let stage = scenario.prepare().expect("a scenario");
+    let mut episode = stage.episode().expect("room");
+    let mut encoder = Encoder::new(&stage);
     let mut messages = encoder.begin(&episode).to_vec();
     let file = Cursor::new(Vec::new());
-    let mut recorder = Recorder::new(file, "memory", stage, &provenance, &episode).expect("memory");
-    on_step(&episode, None);
+    let mut recorder = Recorder::new(file, "memory", &stage, &episode).expect("memory");
+    on_step(&episode);
     let outcome = loop {
         if let Some(outcome) = episode.step() {
             break outcome;
         }
         recorder.step(&episode).expect("memory");
         messages.extend_from_slice(encoder.step(&episode));
-        on_step(&episode, Some(episode.tick()));
+        on_step(&episode);
     };
     messages.extend_from_slice(encoder.end(&episode, Ending::Over(outcome)));
     let file = recorder.finish(&episode, Ending::Over(outcome)).expect("memory");
@@ -78,7 +77,7 @@ fn decoded(message: &Message) -> Value {
 
 #[test]
 fn what_is_read_is_what_was_written() {
-    let (bytes, written) = encoded(Some(PhysicsSettings::default()), |_, _| {});
+    let (bytes, written) = encoded(example(rapier()), |_| {});
     let read = messages(&bytes);
     assert_eq!(read.len(), written.len());
     for (read, written) in read.iter().zip(&written) {
@@ -98,12 +97,14 @@ fn what_is_read_is_what_was_written() {
 fn frames_and_figures_are_those_of_the_episode() {
     let mut seen: Vec<(u64, Vec<Pose>, [Pose; 3], f64)> = Vec::new();
     let mut ticks: Vec<Tick> = Vec::new();
-    let (_, written) = encoded(Some(PhysicsSettings::default()), |episode, tick| {
+    let (_, written) = encoded(example(rapier()), |episode| {
         let o = episode.observation().expect("physics");
         let bodies = [o.object, o.hand, o.torso];
         let links = episode.link_poses().expect("a robot");
         seen.push(((o.time * 1e9).round() as u64, links, bodies, o.hand_grip.mean.force.z));
-        ticks.extend(tick.cloned());
+        if seen.len() > 1 {
+            ticks.push(episode.tick().clone());
+        }
     });
     let robot = Robot::built_in().unwrap();
     let of = |channel: Channel| written.iter().filter(move |m| m.channel == channel);
@@ -176,8 +177,8 @@ fn json_messages_are_as_their_schemas_say() {
         }
     }
     let mut checked = 0;
-    for physics in [None, Some(PhysicsSettings::default())] {
-        for message in encoded(physics, |_, _| {}).1.iter().filter(|m| m.channel.encoding() == "json") {
+    for plant in [Plant::Point, Plant::Kinematic { carrier: carrier() }, rapier()] {
+        for message in encoded(example(plant), |_| {}).1.iter().filter(|m| m.channel.encoding() == "json") {
             let schema: Value = serde_json::from_slice(&message.channel.schema().data).unwrap();
             check(&schema, &decoded(message), "");
             checked += 1;
@@ -220,7 +221,7 @@ fn inspect_tells_what_is_in_a_recording() {
     assert_eq!(told["outcome"]["steps"], run["steps"]);
     assert_eq!(told["outcome"]["control_cost"], run["control"]["cost"]);
     assert_eq!(told["provenance"]["seed"], "3");
-    assert_eq!(told["attachments"][0]["name"], "world.toml");
+    assert_eq!(told["attachments"][0]["name"], "scenario.toml");
     let steps = run["steps"].as_u64().unwrap();
     let tf = told["channels"].as_array().unwrap().iter().find(|c| c["topic"] == "/tf").unwrap();
     assert_eq!(tf["messages"], steps + 1);
@@ -383,27 +384,9 @@ fn an_interrupted_run_finishes_its_recording() {
 
 /// A short recording, of the point.
 fn short() -> Vec<u8> {
-    let (world, options) = load(&repository("worlds/environment-4.toml"));
-    let settings = Settings { tick_limit: Some(12), ..Settings::default() };
-    let mut episode = Episode::new(&options, &settings, EXAMPLE_HUMAN);
-    let stage = Stage { world: &world, options: &options, robot: None, period: settings.period };
-    let file = Cursor::new(Vec::new());
-    let provenance = Provenance {
-        metadata: [("seed".into(), "1".into())].into(),
-        attachments: vec![cocarry::recording::Attachment {
-            name: "world.toml".into(),
-            media_type: "application/toml".into(),
-            data: std::fs::read(repository("worlds/environment-4.toml")).unwrap(),
-        }],
-    };
-    let mut recorder = Recorder::new(file, "memory", stage, &provenance, &episode).expect("memory");
-    let outcome = loop {
-        if let Some(outcome) = episode.step() {
-            break outcome;
-        }
-        recorder.step(&episode).expect("memory");
-    };
-    recorder.finish(&episode, Ending::Over(outcome)).expect("memory").into_inner()
+    let scenario = example(Plant::Point);
+    let settings = Settings { tick_limit: Some(12), ..scenario.settings };
+    encoded(Scenario { settings, ..scenario }, |_| {}).0
 }
 
 /// The error that reading gives.
@@ -483,13 +466,16 @@ fn survives(bytes: &[u8], folder: &Path) {
         refused(&error);
     }
     for topic in ["/options", "/log"] {
-        let columns = Reader::new(bytes, "m").and_then(|mut r| cocarry::recording::columns(&mut r, topic));
+        let columns = Reader::new(bytes, "m").and_then(|mut r| columns(&mut r, topic));
         if let Err(error) = columns {
             refused(&error);
         }
     }
+    if let Ok(again) = Reader::new(bytes, "m").and_then(|first| replay(first, Reader::new(bytes, "m")?)) {
+        assert!(again.same < 1000);
+    }
     let to = folder.join("out.mcap");
-    let saved = cocarry::recording::recover(&mut Reader::new(bytes, "m").unwrap(), &to, true).unwrap();
+    let saved = recover(&mut Reader::new(bytes, "m").unwrap(), &to, true).unwrap();
     let read = messages(&std::fs::read(&to).unwrap());
     assert_eq!(read.len() as u64, saved.messages);
 }
@@ -602,8 +588,7 @@ fn damage_in_the_middle_loses_that_second_only() {
     let mut damaged = whole.clone();
     damaged[(second + third) / 2] ^= 1;
     let to = folder.path().join("saved.mcap");
-    let saved =
-        cocarry::recording::recover(&mut Reader::new(&damaged[..], "m").unwrap(), &to, false).unwrap();
+    let saved = recover(&mut Reader::new(&damaged[..], "m").unwrap(), &to, false).unwrap();
     let bytes = std::fs::read(&to).unwrap();
     let (all, read) = (messages(&whole), messages(&bytes));
     assert!(read.len() < all.len() && read.iter().all(|m| all.contains(m)));
@@ -611,4 +596,79 @@ fn damage_in_the_middle_loses_that_second_only() {
     assert!(saved.lost[0].to_string().contains(&format!("a chunk at byte {second}")), "{:?}", saved.lost);
     let contents = Contents::read(&mut Reader::new(&bytes[..], "m").unwrap()).unwrap();
     assert!(contents.recovered.expect("said")["001"].contains("a chunk at byte"));
+}
+
+/// The same file with one of its messages rewritten.
+fn rewritten(whole: &[u8], from: &str, to: &str) -> Vec<u8> {
+    assert_eq!(from.len(), to.len());
+    let mut bytes = unpacked(whole);
+    let at = bytes.windows(from.len()).position(|w| w == from.as_bytes()).expect(from);
+    bytes[at..at + from.len()].copy_from_slice(to.as_bytes());
+    bytes
+}
+
+fn replayed(bytes: &[u8]) -> cocarry::recording::Replay {
+    replay(Reader::new(bytes, "m").unwrap(), Reader::new(bytes, "m").unwrap())
+        .unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn a_recording_replays_to_the_last_message_on_every_plant() {
+    for plant in [Plant::Point, Plant::Kinematic { carrier: carrier() }, rapier()] {
+        let (bytes, written) = encoded(example(plant), |_| {});
+        let again = replayed(&bytes);
+        assert_eq!(again.verdict, Verdict::Identical);
+        assert_eq!(again.same, written.len() as u64);
+    }
+}
+
+#[test]
+fn a_replay_names_what_differs_with_both_values() {
+    let whole = short();
+    assert_eq!(replayed(&unpacked(&whole)).verdict, Verdict::Identical);
+    let changed = rewritten(&whole, "\"executed_index\":2,\"heading", "\"executed_index\":1,\"heading");
+    let Verdict::Different(d) = replayed(&changed).verdict else { panic!("no difference") };
+    assert_eq!(
+        (&*d.topic, &*d.field, &*d.recorded, &*d.expected),
+        ("/coordination", "executed_index", "1", "2")
+    );
+    assert_eq!(d.time, 0);
+    let said = rewritten(&whole, "the robot leads on option", "the human leads on option");
+    let Verdict::Different(d) = replayed(&said).verdict else { panic!("no difference") };
+    assert_eq!((&*d.topic, &*d.field), ("/log", "message"));
+    assert!(d.recorded.contains("human leads") && d.expected.contains("robot leads"));
+    // another world gives another run
+    let moved = rewritten(&whole, "seed = 1", "seed = 2");
+    assert_eq!(replayed(&moved).verdict, Verdict::Identical, "a point has no gait");
+    let patient = rewritten(&whole, "eta = 10.5", "eta = 90.5");
+    let Verdict::Different(d) = replayed(&patient).verdict else { panic!("no difference") };
+    assert_eq!((&*d.topic, &*d.field, d.time), ("/coordination", "stubbornness", 200_000_000));
+    // recovered from a cut one
+    let folder = tempfile::tempdir().unwrap();
+    let to = folder.path().join("saved.mcap");
+    recover(&mut Reader::new(&whole[..whole.len() * 2 / 3], "m").unwrap(), &to, false).unwrap();
+    let cut = replayed(&std::fs::read(&to).unwrap());
+    assert_eq!(cut.verdict, Verdict::IdenticalUntilCut);
+    assert!(cut.same > 3);
+}
+
+#[test]
+fn the_program_replays() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, other] = ["r.mcap", "o.mcap"].map(|n| path(folder.path(), n));
+    json(&["run", "--plant", "rapier", "--record", &file, "--json", "--seed", "4"]);
+    let output = cocarry(&["replay", &file]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stdout(&output).contains("identical"));
+    let changed = rewritten(&std::fs::read(&file).unwrap(), "\"threshold\":1.0", "\"threshold\":2.0");
+    std::fs::write(&other, changed).unwrap();
+    let output = cocarry(&["replay", &other]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = stdout(&output);
+    for part in ["0.0 s (tick 0)", "/coordination", "threshold", "recorded: 2.0", "run again: 1.0"] {
+        assert!(said.contains(part), "{said}");
+    }
+    let output = cocarry(&["replay", "Cargo.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("Cargo.toml: is no MCAP file"));
 }

@@ -67,7 +67,10 @@ fn start(robot: &Robot) -> Configuration {
 #[test]
 fn the_carrier_is_as_its_files_say() {
     let robot = carrier();
-    assert_eq!((robot.name.as_str(), robot.file.as_str(), robot.joint_count()), ("Carrier", "carrier", 7));
+    assert_eq!(
+        (robot.name.as_str(), robot.texts.file.as_str(), robot.joint_count()),
+        ("Carrier", "carrier", 7)
+    );
     assert!((robot.drive.track - 0.374).abs() < 1e-12 && (robot.drive.wheel_radius - 0.06).abs() < 1e-12);
     assert!((robot.drive.rim_speed_limit - 17.4 * 0.06).abs() < 1e-12);
     assert_eq!(robot.drive.base_radius, 0.25);

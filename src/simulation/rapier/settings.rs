@@ -5,12 +5,14 @@ use serde::{Deserialize, Serialize};
 
 /// How the physical plant is stepped, and what bounds robot and human.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PhysicsSettings {
     /// Physics steps per second of simulated time, Hz. A control period has `round(period * rate_hz)` of them.
     pub rate_hz: f64,
     /// Sweeps of the solver over all constraints in a step. With few, the arm gives way under its load.
     pub sweeps: usize,
     /// How fast the speed of a wheel's rim may change, m/s^2: what the wheels' motors can do with the robot's mass.
+    #[serde(rename = "rim_acceleration_m_per_s2")]
     pub rim_acceleration: f64,
     /// The human.
     pub human: HumanSettings,
@@ -24,16 +26,22 @@ impl Default for PhysicsSettings {
 
 /// How the human's hand moves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct HumanSettings {
     /// The fastest the hand goes, m/s.
+    #[serde(rename = "speed_limit_m_per_s")]
     pub speed_limit: f64,
     /// The fastest its velocity changes, m/s^2.
+    #[serde(rename = "acceleration_limit_m_per_s2")]
     pub acceleration_limit: f64,
     /// How far a walking human's hand sways to either side, m.
+    #[serde(rename = "sway_lateral_m")]
     pub sway_lateral: f64,
     /// How far it goes up and down, m.
+    #[serde(rename = "sway_vertical_m")]
     pub sway_vertical: f64,
     /// Sways from side to side and back per second, Hz; up and down goes twice as fast.
+    #[serde(rename = "step_frequency_hz")]
     pub step_frequency: f64,
 }
 
@@ -62,17 +70,18 @@ impl PhysicsSettings {
         1.0 / self.rate_hz
     }
 
-    pub(super) fn check(&self) -> Result<(), PhysicsError> {
+    /// Checks the ranges; errors name settings as they are written down.
+    pub(crate) fn check(&self) -> Result<(), PhysicsError> {
         let human = &self.human;
         let ranges = [
             ("rate_hz", self.rate_hz, 60.0, 10_000.0),
             ("sweeps", self.sweeps as f64, 1.0, 1000.0),
-            ("rim_acceleration", self.rim_acceleration, 0.01, 1000.0),
-            ("human.speed_limit", human.speed_limit, 0.01, 10.0),
-            ("human.acceleration_limit", human.acceleration_limit, 0.01, 100.0),
-            ("human.sway_lateral", human.sway_lateral, 0.0, 0.2),
-            ("human.sway_vertical", human.sway_vertical, 0.0, 0.2),
-            ("human.step_frequency", human.step_frequency, 0.01, 10.0),
+            ("rim_acceleration_m_per_s2", self.rim_acceleration, 0.01, 1000.0),
+            ("human.speed_limit_m_per_s", human.speed_limit, 0.01, 10.0),
+            ("human.acceleration_limit_m_per_s2", human.acceleration_limit, 0.01, 100.0),
+            ("human.sway_lateral_m", human.sway_lateral, 0.0, 0.2),
+            ("human.sway_vertical_m", human.sway_vertical, 0.0, 0.2),
+            ("human.step_frequency_hz", human.step_frequency, 0.01, 10.0),
         ];
         match ranges.into_iter().find(|(_, value, least, most)| !(least..=most).contains(&value)) {
             Some((field, value, least, most)) => Err(PhysicsError::Setting { field, value, least, most }),

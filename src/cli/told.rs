@@ -1,0 +1,303 @@
+//! An episode that is over in; what `cocarry run` tells of it, as text and as JSON, out.
+
+use super::output::{table, table_text};
+use crate::coordination::{self, Method};
+use crate::drawing::Track;
+use crate::episode::{ControlSummary, Outcome, Settings, Summary, Tick};
+use crate::geometry::Point;
+use crate::preference::Perception;
+use crate::robot::Robot;
+use crate::scenario::{Carrier, Stage};
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+/// An episode that is over, with all that is told of it.
+pub(super) struct Told<'a> {
+    pub stage: &'a Stage,
+    pub summary: Summary,
+    pub ticks: Vec<Tick>,
+}
+
+impl Told<'_> {
+    fn settings(&self) -> &Settings {
+        &self.stage.scenario().settings
+    }
+
+    fn method(&self) -> Method {
+        self.settings().method
+    }
+
+    /// The robot, and how it was asked to carry.
+    fn carrier(&self) -> Option<(&Robot, &Carrier)> {
+        self.stage.robot().zip(self.stage.scenario().plant.carrier())
+    }
+
+    fn option_name(&self, option: usize) -> &str {
+        &self.stage.options().options()[option].name
+    }
+
+    fn openings(&self, option: usize) -> Vec<&str> {
+        let crossings = &self.stage.options().options()[option].crossings;
+        crossings.iter().map(|c| self.stage.world().openings[c.opening].name.as_str()).collect()
+    }
+
+    /// Ticks at which the executed option changed, with the option before.
+    fn changes(&self) -> impl Iterator<Item = (usize, &Tick)> {
+        self.ticks.windows(2).filter(|w| w[0].executed != w[1].executed).map(|w| (w[0].executed, &w[1]))
+    }
+
+    fn seconds(&self, step: u64) -> f64 {
+        step as f64 * self.settings().period
+    }
+
+    pub fn track(&self) -> Track {
+        Track::new(self.method().name().to_owned(), &self.ticks, self.end())
+    }
+
+    /// The target, if the team arrived there.
+    fn end(&self) -> Option<Point> {
+        (self.summary.outcome == Outcome::Arrived).then(|| self.stage.options().target())
+    }
+
+    pub fn as_text(&self) -> String {
+        let (world, summary) = (self.stage.world(), &self.summary);
+        let coordination::Settings { eta, initial_stubbornness } = self.settings().coordination;
+        let mut text = format!("{} ({})\n", world.name, world.file);
+        let method = self.method().name();
+        let Perception { alpha, gamma } = self.stage.scenario().human;
+        text += &format!(
+            "human: alpha {alpha:.4}, gamma {gamma:.4}; method {method}, eta {eta}, phi(0) {initial_stubbornness}\n\nOptions at the start\n"
+        );
+        let headings = ["option", "openings", "D (m)", "risk S", "cost J (m)", "subjective J~ (m)", "P (%)"];
+        let mut options = table(headings, 2);
+        for (o, option) in self.ticks.first().into_iter().flat_map(|t| t.options.iter().enumerate()) {
+            options.add_row([
+                self.option_name(o).to_owned(),
+                self.openings(o).join(" "),
+                format!("{:.2}", option.remaining.length),
+                format!("{:.3}", option.remaining.risk),
+                format!("{:.2}", option.objective),
+                number_or_dash(option.expected, 2),
+                format!("{:.1}", 100.0 * option.probability),
+            ]);
+        }
+        text += &table_text(&options);
+        text += "\nWhat happened\n";
+        for event in self.events() {
+            let _ = writeln!(text, "  {event}");
+        }
+        text += &format!("  accumulated objective cost {:.2} m\n", summary.accumulated_cost);
+        if let (Some((robot, carrier)), Some(control)) = (self.carrier(), &summary.control) {
+            text += &self.control_text(robot, &carrier.posture, control);
+        }
+        text
+    }
+
+    fn control_text(&self, robot: &Robot, posture: &str, control: &ControlSummary) -> String {
+        let steps = self.summary.steps;
+        let mut text = format!(
+            "\nThe robot ({}, starting from `{}`)\n  control cost C {:.1}: tracking {:.1}, effort {:.1}, pose {:.1}\n",
+            robot.name,
+            posture,
+            control.cost(),
+            control.tracking,
+            control.effort,
+            control.pose
+        );
+        let _ = writeln!(
+            text,
+            "  tracking error {:.1} mm rms; limits active in {} of {steps} steps, configuration changed in {}",
+            1e3 * control.error_rms(steps),
+            control.constrained_steps,
+            control.pose_changes
+        );
+        if control.least_clearance.is_finite() {
+            let _ = writeln!(
+                text,
+                "  base at least {:.3} m clear of obstacles{}",
+                control.least_clearance,
+                if control.overlapping_steps > 0 {
+                    ": it overlaps one; this plant does not stop it"
+                } else {
+                    ""
+                }
+            );
+        }
+        if let Some(interaction) = &self.summary.interaction {
+            let _ = writeln!(
+                text,
+                "  the human's force on the object: mean {:.1} N, rms {:.1} N; either grip at most {:.0} N, yielding at most {:.1} cm",
+                interaction.mean_force(),
+                interaction.rms_force(),
+                interaction.peak_force,
+                100.0 * interaction.stretch
+            );
+        }
+        if control.fallback_steps > 0 {
+            let _ =
+                writeln!(text, "  no solution of eq. (7) in {} steps: see --ticks", control.fallback_steps);
+        }
+        text
+    }
+
+    fn events(&self) -> Vec<String> {
+        let summary = &self.summary;
+        let Some(first) = self.ticks.first() else {
+            return vec!["no step was taken".to_owned()];
+        };
+        let leader = |tick: &Tick| match tick.mode {
+            coordination::Mode::RobotLed => "the robot leads",
+            coordination::Mode::HumanLed => "the human leads",
+        };
+        let at = |tick: &Tick| {
+            format!(
+                "step {:>4} ({:5.1} s) at ({:.2}, {:.2}) m",
+                tick.step, tick.time, tick.position.x, tick.position.y
+            )
+        };
+        let mut events = vec![(
+            first.step,
+            format!(
+                "{}: {} on option {}; this human prefers option {}",
+                at(first),
+                leader(first),
+                self.option_name(first.executed),
+                self.option_name(first.preferred)
+            ),
+        )];
+        if let Some(tick) = summary.transition.and_then(|t| self.ticks.get(t.step as usize)) {
+            let event = format!(
+                "{}: stubbornness passes 1 ({:.3}), the human takes the lead",
+                at(tick),
+                tick.stubbornness
+            );
+            events.push((tick.step, event));
+        }
+        for (before, tick) in self.changes() {
+            let (from, to) = (self.option_name(before), self.option_name(tick.executed));
+            events.push((
+                tick.step,
+                format!("{}: {} from option {from} to option {to}", at(tick), leader(tick)),
+            ));
+        }
+        events.sort_by_key(|(step, _)| *step);
+        let mut events: Vec<String> = events.into_iter().map(|(_, event)| event).collect();
+        let end = match summary.outcome {
+            Outcome::Arrived => "arrived at B",
+            Outcome::OutOfTime => "did not arrive: the step limit is reached",
+            Outcome::NoWay => "did not arrive: no way leads on from here",
+            Outcome::Collided => "did not arrive: collided",
+            Outcome::Stuck => "did not arrive: stuck for ten seconds",
+            Outcome::Dropped => "did not arrive: the object fell",
+            Outcome::NonFinite => "did not arrive: the physics broke down",
+        };
+        if let Some(contact) = &summary.collision {
+            let [first, second] = &contact.between;
+            events.push(format!(
+                "the {}'s {} touched {} at ({:.2}, {:.2}, {:.2}) m, {:.1} mm deep, {:.0} N",
+                first.party.name(),
+                first.name,
+                second.name,
+                contact.point.x,
+                contact.point.y,
+                contact.point.z,
+                1e3 * contact.depth,
+                contact.force
+            ));
+        }
+        events.push(format!(
+            "step {:>4} ({:5.1} s): {end} on option {} after {:.2} m",
+            summary.steps,
+            self.seconds(summary.steps),
+            self.option_name(summary.last_option),
+            summary.walked
+        ));
+        events
+    }
+
+    pub fn as_json(&self) -> Value {
+        let (world, scenario, settings) = (self.stage.world(), self.stage.scenario(), self.settings());
+        let summary = &self.summary;
+        json!({
+            "world": world.name,
+            "file": world.file,
+            "human": { "alpha": scenario.human.alpha, "gamma": scenario.human.gamma },
+            "method": settings.method.name(),
+            "eta": settings.coordination.eta,
+            "initial_stubbornness": settings.coordination.initial_stubbornness,
+            "risk_weight_m": settings.predictor.risk_weight(),
+            "seed": scenario.seed,
+            "period_s": settings.period,
+            "speed_m_per_s": settings.speed,
+            "options": self.ticks.first().into_iter().flat_map(|t| t.options.iter().enumerate()).map(|(o, option)| json!({
+                "name": self.option_name(o),
+                "openings": self.openings(o),
+                "length_m": option.remaining.length,
+                "risk": option.remaining.risk,
+                "objective": option.objective,
+                "expected_subjective": option.expected,
+                "probability": option.probability,
+            })).collect::<Vec<_>>(),
+            "preferred_at_start": self.ticks.first().map(|t| self.option_name(t.preferred)),
+            "first_option": self.option_name(summary.first_option),
+            "last_option": self.option_name(summary.last_option),
+            "option_changes": self.changes().map(|(before, tick)| json!({
+                "step": tick.step,
+                "from": self.option_name(before),
+                "to": self.option_name(tick.executed),
+            })).collect::<Vec<_>>(),
+            "transition": summary.transition.map(|t| json!({
+                "step": t.step,
+                "time_s": self.seconds(t.step),
+                "position_m": [t.position.x, t.position.y],
+            })),
+            "outcome": summary.outcome.name(),
+            "steps": summary.steps,
+            "time_s": self.seconds(summary.steps),
+            "walked_m": summary.walked,
+            "accumulated_objective_cost_m": summary.accumulated_cost,
+            "robot": self.carrier().map(|(robot, c)| json!({
+                "name": robot.name,
+                "file": robot.texts.file,
+                "posture": c.posture,
+                "candidates": c.control.candidates,
+                "criterion": c.control.criterion,
+                "avoid": c.control.avoid,
+            })),
+            "control": summary.control.map(|c| json!({
+                "cost": c.cost(),
+                "tracking": c.tracking,
+                "effort": c.effort,
+                "pose": c.pose,
+                "position_error_rms_m": c.error_rms(summary.steps),
+                "constrained_steps": c.constrained_steps,
+                "fallback_steps": c.fallback_steps,
+                "pose_changes": c.pose_changes,
+                "overlapping_steps": c.overlapping_steps,
+                "least_base_clearance_m": c.least_clearance,
+            })),
+            "interaction": summary.interaction.map(|i| json!({
+                "hand_force_mean_n": i.mean_force(),
+                "hand_force_rms_n": i.rms_force(),
+                "peak_force_n": i.peak_force,
+                "robot_work_j": i.work[0],
+                "human_work_j": i.work[1],
+                "squared_jerk_m2_per_s5": i.squared_jerk,
+                "largest_stretch_m": i.stretch,
+            })),
+            "collision": summary.collision.as_ref().map(|c| json!({
+                "between": c.between.each_ref().map(|part| json!({
+                    "party": part.party.name(),
+                    "name": part.name,
+                })),
+                "point_m": [c.point.x, c.point.y, c.point.z],
+                "depth_m": c.depth,
+                "force_n": c.force,
+            })),
+        })
+    }
+}
+
+fn number_or_dash(value: f64, digits: usize) -> String {
+    if value.is_finite() { format!("{value:.digits$}") } else { "-".to_owned() }
+}

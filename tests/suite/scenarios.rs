@@ -1,0 +1,195 @@
+//! A scenario as text is the scenario: the episode is the same to the last bit, and what is wrong in it is named.
+
+use crate::support::repository;
+use cocarry::control;
+use cocarry::coordination::Method;
+use cocarry::episode::{Episode, Settings};
+use cocarry::preference::{Belief, Marginal, Perception, Predictor, WeightedSample};
+use cocarry::robot::Robot;
+use cocarry::scenario::{Carrier, Plant, Scenario, ScenarioError, WorldText};
+use cocarry::simulation::PhysicsSettings;
+
+fn carrier() -> Carrier {
+    let robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
+    let posture = robot.postures[1].name.clone();
+    Carrier { posture, control: control::Settings::default(), robot: robot.texts }
+}
+
+/// A scenario in one of the worlds, its human and belief with numbers that have no short decimal form.
+fn scenario(plant: Plant) -> Scenario {
+    let file = "worlds/environment-4.toml".to_owned();
+    let text = std::fs::read_to_string(repository(&file)).unwrap_or_else(|e| panic!("{e}"));
+    let alpha = Marginal::truncated_normal(0.1 + 0.2 + 0.4, 1.0 / 7.0, 0.55, 0.95);
+    let belief = Belief::Independent {
+        alpha: alpha.unwrap_or_else(|e| panic!("{e}")),
+        gamma: Marginal::uniform(0.5, 1.1 / 3.0 * 3.0).unwrap_or_else(|e| panic!("{e}")),
+    };
+    let predictor = Predictor::new(belief, 31.0 / 3.0).unwrap_or_else(|e| panic!("{e}"));
+    Scenario {
+        seed: u64::MAX,
+        world: WorldText { file, text },
+        human: Perception { alpha: 2.241 / 3.0, gamma: 0.765 },
+        settings: Settings { predictor, tick_limit: Some(1000), ..Settings::default() },
+        plant,
+    }
+}
+
+fn plants() -> [Plant; 3] {
+    let physics = PhysicsSettings::default();
+    [Plant::Point, Plant::Kinematic { carrier: carrier() }, Plant::Rapier { carrier: carrier(), physics }]
+}
+
+/// An episode to the last bit. As text: what was not evaluated is NaN.
+fn bits(scenario: Scenario) -> String {
+    let stage = scenario.prepare().unwrap_or_else(|e| panic!("{e}"));
+    let mut episode: Episode = stage.episode().unwrap_or_else(|e| panic!("{e}"));
+    let mut bits = String::new();
+    while episode.step().is_none() {
+        bits += &format!("{:?}\n", episode.tick());
+    }
+    bits + &format!("{:?}", episode.summary())
+}
+
+fn parsed(text: &str) -> Scenario {
+    Scenario::parse(text).unwrap_or_else(|e| panic!("{}", chain(e)))
+}
+
+/// An error with its causes, as the program prints it.
+fn chain(error: ScenarioError) -> String {
+    format!("{:#}", anyhow::Error::from(error))
+}
+
+#[test]
+fn a_scenario_read_back_is_the_same_episode() {
+    for plant in plants() {
+        let (name, scenario) = (plant.name(), scenario(plant));
+        let text = scenario.text().unwrap_or_else(|e| panic!("{e}"));
+        let toml = parsed(&text);
+        assert!(toml == scenario, "{name}:\n{text}");
+        let json = serde_json::to_string(&scenario).expect("JSON");
+        let json: Scenario = serde_json::from_str(&json).expect("a scenario");
+        assert!(json == scenario, "{name}: {json:?}");
+        let expected = bits(scenario);
+        assert!(expected.lines().count() > 100, "{name}: an episode");
+        assert!(bits(toml) == expected, "{name}: the episodes differ");
+    }
+}
+
+#[test]
+fn samples_keep_their_weights_to_the_last_bit() {
+    let weights = [3.0, 1.0, 1.0 / 3.0, 7e5, 0.1];
+    for n in 1..=weights.len() {
+        let sample = |(i, weight): (usize, &f64)| WeightedSample {
+            perception: Perception { alpha: 0.6 + 0.03 * i as f64, gamma: 0.8 },
+            weight: *weight,
+        };
+        let samples = weights[..n].iter().enumerate().map(sample).collect();
+        let belief = Belief::samples(samples).unwrap_or_else(|e| panic!("{e}"));
+        let predictor = Predictor::new(belief, 10.0).unwrap_or_else(|e| panic!("{e}"));
+        let settings = Settings { predictor, method: Method::HumanLed, ..Settings::default() };
+        let scenario = Scenario { settings, ..scenario(Plant::Point) };
+        let text = scenario.text().unwrap_or_else(|e| panic!("{e}"));
+        assert!(parsed(&text) == scenario, "{text}");
+    }
+}
+
+#[test]
+fn weights_written_by_hand_need_not_sum_to_one() {
+    let belief =
+        "samples = [{ alpha = 0.6, gamma = 0.7, weight = 3 }, { alpha = 0.8, gamma = 0.9, weight = 1 }]";
+    let text = scenario(Plant::Point).text().unwrap_or_else(|e| panic!("{e}"));
+    let (before, after) = text.split_once("[settings.predictor.belief.independent]").expect("a belief");
+    let after = &after[after.find("\n[").expect("a table")..];
+    let read = parsed(&format!("{before}[settings.predictor.belief]\n{belief}\n{after}"));
+    let Belief::Samples(set) = read.settings.predictor.belief() else { panic!("{read:?}") };
+    assert_eq!(set.samples()[0].weight, 0.75);
+}
+
+/// Files that were read before may be gone, meshes too.
+#[test]
+fn a_scenario_needs_no_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("six.toml");
+    for name in ["six.toml", "six.urdf"] {
+        let text =
+            std::fs::read_to_string(repository("tests/fixtures/robots").join(name)).expect("a fixture");
+        let mesh = "<geometry><mesh filename=\"package://gone/wheel.stl\"/></geometry>";
+        let text = text.replacen("<collision>", &format!("<visual>{mesh}</visual>\n<collision>"), 1);
+        std::fs::write(folder.path().join(name), text).expect("a copy");
+    }
+    let meshes = folder.path().join("gone");
+    std::fs::create_dir(&meshes).expect("a folder");
+    std::fs::write(meshes.join("wheel.stl"), "solid").expect("a mesh");
+    let robot = Robot::load(&file).unwrap_or_else(|e| panic!("{e}"));
+    assert!(robot.texts.urdf.contains("package://gone"), "the fixture has no <collision>");
+    drop(folder);
+    assert!(Robot::load(&file).is_err());
+    let posture = robot.postures[0].name.clone();
+    let carrier = Carrier { posture, robot: robot.texts, ..carrier() };
+    let physics = PhysicsSettings::default();
+    for plant in [Plant::Kinematic { carrier: carrier.clone() }, Plant::Rapier { carrier, physics }] {
+        let stage = scenario(plant).prepare().unwrap_or_else(|e| panic!("{}", chain(e)));
+        let mut episode = stage.episode().unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(episode.step(), None);
+    }
+}
+
+/// The paths of all numbers in a table.
+fn numbers(value: &toml::Value, path: &[String], found: &mut Vec<Vec<String>>) {
+    match value {
+        toml::Value::Table(table) => {
+            for (key, value) in table {
+                numbers(value, &[path, std::slice::from_ref(key)].concat(), found);
+            }
+        }
+        toml::Value::Float(_) | toml::Value::Integer(_) => found.push(path.to_vec()),
+        _ => {}
+    }
+}
+
+#[test]
+fn every_number_is_checked_and_named() {
+    let physics = PhysicsSettings::default();
+    let scenario = Scenario { seed: 1, ..scenario(Plant::Rapier { carrier: carrier(), physics }) };
+    let valid: toml::Value = toml::Value::try_from(&scenario).expect("a table");
+    let mut paths = Vec::new();
+    numbers(&valid, &[], &mut paths);
+    assert!(paths.len() >= 20, "{paths:?}");
+    for path in paths {
+        for bad in [f64::NAN, f64::INFINITY, -1.0] {
+            let mut spoiled = valid.clone();
+            let entry = path.iter().try_fold(&mut spoiled, |table, key| table.get_mut(key)).expect("there");
+            *entry = toml::Value::Float(bad);
+            let text = toml::to_string(&spoiled).expect("TOML");
+            let error = chain(Scenario::parse(&text).expect_err(&path.join(".")));
+            let key = path.last().expect("a key");
+            // eq. (1) names its weight in words
+            let key = if key == "risk_weight_m" { "risk weight c_r" } else { key.as_str() };
+            let value = if bad.is_nan() { "nan".to_owned() } else { bad.to_string() };
+            assert!(error.contains(key) && error.to_lowercase().contains(&value), "{path:?} {bad}: {error}");
+        }
+    }
+}
+
+#[test]
+fn what_else_is_wrong_is_named() {
+    let valid = scenario(Plant::Kinematic { carrier: carrier() }).text().unwrap_or_else(|e| panic!("{e}"));
+    let cases: [(&str, &str, &[&str]); 8] = [
+        ("method = \"mutual\"", "method = \"mutal\"", &["mutal", "without-model"]),
+        ("tick_limit = 1000", "tick_limt = 1000", &["tick_limt", "tick_limit"]),
+        ("gamma = 0.765", "", &["gamma"]),
+        ("criterion = \"expected\"", "criterion = \"best\"", &["best", "manipulability"]),
+        ("gamma = \"uniform(0.5,1.1)\"", "gamma = \"uniform(0.5,-1.1)\"", &["-1.1", "gamma"]),
+        ("posture = \"elbow-out\"", "posture = \"elbow\"", &["\"elbow\"", "carrier", "`elbow-out`"]),
+        ("robot_width_m", "robot_girth_m", &["worlds/environment-4.toml", "robot_girth_m"]),
+        ("base_link = ", "base_lnk = ", &["carrier", "base_lnk"]),
+    ];
+    for (from, to, said) in cases {
+        assert!(valid.contains(from), "{from}:\n{valid}");
+        let read = Scenario::parse(&valid.replacen(from, to, 1)).and_then(Scenario::prepare);
+        let error = chain(read.expect_err(to));
+        for part in said {
+            assert!(error.contains(part), "{part:?} is missing from: {error}");
+        }
+    }
+}
