@@ -24,8 +24,8 @@ const OBSTACLE: [f32; 4] = [0.55, 0.55, 0.58, 1.0];
 const ROBOT: [f32; 4] = [0.85, 0.87, 0.9, 1.0];
 const OBJECT_COLOR: [f32; 4] = [0.72, 0.5, 0.26, 1.0];
 const HUMAN_COLOR: [f32; 4] = [0.2, 0.45, 0.8, 1.0];
-const WALKED: [f32; 4] = [0.1, 0.1, 0.1, 1.0];
-const AHEAD: [f32; 4] = [0.1, 0.1, 0.1, 0.45];
+const WALKED: [f32; 4] = [0.85, 0.1, 0.1, 1.0];
+const AHEAD: [f32; 4] = [0.85, 0.1, 0.1, 0.45];
 /// Options, in turn.
 const OPTION_COLORS: [[f32; 3]; 6] = [
     [0.0, 0.45, 0.7],
