@@ -152,8 +152,13 @@ fn csv(file: &Path, topic: &str, to: Option<&Path>) -> Result<ExitCode, Failure>
             let mut partial = to.as_os_str().to_owned();
             partial.push(".partial");
             let out = std::fs::File::create(&partial).map_err(failed)?;
-            write_table(&mut reader, topic, &columns, out, &name)?;
-            std::fs::rename(&partial, to).map_err(failed)?;
+            let written = write_table(&mut reader, topic, &columns, out, &name)
+                .and_then(|()| std::fs::rename(&partial, to).map_err(failed));
+            if written.is_err() {
+                // half a table is of no use; if it cannot be removed either, the first error is the one to report
+                let _ = std::fs::remove_file(&partial);
+            }
+            written?;
         }
     }
     Ok(ExitCode::SUCCESS)

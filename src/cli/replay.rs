@@ -1,7 +1,7 @@
 //! `cocarry replay`: a recording in; whether the same run gives the same messages again out.
 
 use super::output::{Failure, input, print};
-use crate::recording::{Reader, Verdict, replay, scenario};
+use crate::recording::{Reader, Verdict, replay};
 use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -15,7 +15,6 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let open = || Reader::open(&arguments.file).map_err(input);
-    let period = scenario(&mut open()?).map_err(input)?.settings.period;
     let replayed = replay(open()?, open()?).map_err(input)?;
     let file = arguments.file.display();
     let so_far = format!("{} messages, up to {:.1} s", replayed.same, replayed.until as f64 / 1e9);
@@ -25,11 +24,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             print(&format!("{file}: identical as far as it goes: {so_far}; it was cut there\n"))?;
         }
         Verdict::Different(difference) => {
-            let seconds = difference.time as f64 / 1e9;
+            let at = replayed.step.map_or("before the first tick".to_owned(), |k| format!("in tick {k}"));
             print(&format!(
-                "{file}: differs at {seconds:.1} s (tick {:.0}), on {}, in {}\n  recorded: {}\n  run again: {}\n\
-                 identical before that: {so_far}\n",
-                (seconds / period).floor(),
+                "{file}: differs {at}, at {:.1} s, on {}, in {}\n  recorded: {}\n  run again: {}\nidentical before that: {so_far}\n",
+                difference.time as f64 / 1e9,
                 difference.topic,
                 difference.field,
                 difference.recorded,

@@ -12,6 +12,8 @@ pub struct Replay {
     pub same: u64,
     /// Time up to which they are, ns.
     pub until: u64,
+    /// k of the last step that was run again; `None` before the first.
+    pub step: Option<u64>,
     /// How it goes on.
     pub verdict: Verdict,
 }
@@ -49,10 +51,12 @@ pub fn replay<R: Read>(mut first: Reader<R>, second: Reader<R>) -> Result<Replay
         if stopped == Some(episode.summary().steps) {
             break Ending::Interrupted;
         }
-        match episode.step() {
-            Some(outcome) => break Ending::Over(outcome),
-            None if recorded.differs(encoder.step(&episode))? => return Ok(recorded.replay),
-            None => {}
+        if let Some(outcome) = episode.step() {
+            break Ending::Over(outcome);
+        }
+        recorded.replay.step = Some(episode.tick().step);
+        if recorded.differs(encoder.step(&episode))? {
+            return Ok(recorded.replay);
         }
     };
     if !recorded.differs(encoder.end(&episode, ending))? {
@@ -76,7 +80,7 @@ fn stopped_after<R: Read>(reader: &mut Reader<R>) -> Result<Option<u64>, ReadErr
 
 impl Default for Replay {
     fn default() -> Self {
-        Self { same: 0, until: 0, verdict: Verdict::Identical }
+        Self { same: 0, until: 0, step: None, verdict: Verdict::Identical }
     }
 }
 

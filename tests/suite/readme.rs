@@ -21,7 +21,7 @@ fn the_commands_of_the_readme_run() {
             .map(|word| match word {
                 "10000" => "20".to_owned(),
                 "100" => "2".to_owned(),
-                word if word.ends_with(".svg") || word.ends_with(".csv") || word.ends_with(".jsonl") => {
+                word if [".svg", ".csv", ".jsonl", ".mcap"].iter().any(|ending| word.ends_with(ending)) => {
                     folder.path().join(word.replace('/', "-")).to_str().unwrap().to_owned()
                 }
                 word => word.to_owned(),

@@ -382,6 +382,23 @@ fn an_interrupted_run_finishes_its_recording() {
     assert!(!Path::new(&format!("{file}.partial")).exists());
 }
 
+#[test]
+#[cfg(unix)]
+fn a_folder_that_vanishes_ends_with_4() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("gone")).unwrap();
+    let (child, file) = under_way(&folder.path().join("gone"), "r.mcap");
+    std::fs::remove_dir_all(folder.path().join("gone")).unwrap();
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(4));
+    let said = stderr(&output);
+    assert!(
+        said.contains(&format!("{file}.partial: is complete, but cannot be renamed to {file}")),
+        "{said}"
+    );
+}
+
 /// A short recording, of the point.
 fn short() -> Vec<u8> {
     short_on(Plant::Point)
@@ -676,7 +693,7 @@ fn the_program_replays() {
     let output = cocarry(&["replay", &other]);
     assert_eq!(output.status.code(), Some(1));
     let said = stdout(&output);
-    for part in ["0.0 s (tick 0)", "/coordination", "threshold", "recorded: 2.0", "run again: 1.0"] {
+    for part in ["in tick 0, at 0.0 s", "/coordination", "threshold", "recorded: 2.0", "run again: 1.0"] {
         assert!(said.contains(part), "{said}");
     }
     let output = cocarry(&["replay", "Cargo.toml"]);
