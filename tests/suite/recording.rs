@@ -5,8 +5,8 @@ use cocarry::episode::{Episode, Settings, Tick};
 use cocarry::experiments::paper::EXAMPLE_HUMAN;
 use cocarry::geometry::Pose;
 use cocarry::recording::{
-    Channel, Contents, Definition, Encoder, Ending, Entry, Message, Reader, Recorder, Verdict, columns,
-    decode, recover, replay,
+    Channel, Contents, Definition, Encoder, Ending, Entry, FileRecorder, Message, Reader, Recorder, Verdict,
+    columns, decode, recover, replay,
 };
 use cocarry::robot::Robot;
 use cocarry::scenario::{Carrier, Plant, Scenario};
@@ -366,6 +366,31 @@ fn a_killed_run_leaves_all_but_the_last_second() {
     for run in runs {
         assert!(longest[..run.len()] == run[..], "what is saved is how the run began");
     }
+}
+
+/// Whenever it stops, at most a second is not in the system's hands.
+#[test]
+fn what_a_crash_leaves_is_at_most_a_second_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = example(rapier());
+    let settings = Settings { tick_limit: Some(17), ..scenario.settings };
+    let stage = Scenario { settings, ..scenario }.prepare().unwrap();
+    let mut episode = stage.episode().unwrap();
+    let file = folder.path().join("r.mcap");
+    let mut recorder = FileRecorder::create(&file, false, &stage, &episode).unwrap();
+    let mut written = Vec::new();
+    while episode.step().is_none() {
+        recorder.step(&episode).unwrap();
+        let left = std::fs::read(folder.path().join("r.mcap.partial")).unwrap();
+        let to = folder.path().join("saved.mcap");
+        recover(&mut Reader::new(&left[..], "m").unwrap(), &to, true).unwrap();
+        let saved = messages(&std::fs::read(&to).unwrap());
+        let (last, now) = (saved.last().unwrap().1, 200_000_000 * (episode.tick().step + 1));
+        assert!(last + 1_000_000_000 > now && last <= now, "{last} of {now}");
+        assert!(saved[..written.len()] == written[..]);
+        written = saved;
+    }
+    assert!(written.len() > 100);
 }
 
 #[test]
