@@ -42,7 +42,7 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Run(run::Arguments),
+    Run(Box<run::Arguments>),
     World(world::Arguments),
     #[command(subcommand)]
     Reproduce(reproduce::Claim),

@@ -326,7 +326,7 @@ fn a_full_disk_ends_with_4_and_leaves_what_was_written() {
 fn under_way(folder: &Path, name: &str) -> (std::process::Child, String) {
     let file = path(folder, name);
     let world = long_world(folder);
-    let child = Command::new(env!("CARGO_BIN_EXE_cocarry"))
+    let mut child = Command::new(env!("CARGO_BIN_EXE_cocarry"))
         .args(["run", &world, "--plant", "rapier", "--sway", "0", "--record", &file])
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
@@ -339,7 +339,8 @@ fn under_way(folder: &Path, name: &str) -> (std::process::Child, String) {
         }
         std::thread::sleep(Duration::from_millis(10));
     }
-    panic!("nothing was recorded");
+    child.kill().unwrap();
+    panic!("nothing was recorded: {}", child.wait().unwrap());
 }
 
 #[test]
@@ -358,7 +359,7 @@ fn a_killed_run_leaves_all_but_the_last_second() {
         let saved = messages(&std::fs::read(&saved).unwrap());
         // what is saved ends with a whole second
         let last = saved.last().expect("messages").1;
-        assert!(last >= 1_000_000_000 && last % 1_000_000_000 == 0, "{last}");
+        assert!(last >= 1_000_000_000 && last.is_multiple_of(1_000_000_000), "{last}");
         runs.push(saved);
     }
     runs.sort_by_key(Vec::len);
