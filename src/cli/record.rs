@@ -35,7 +35,13 @@ impl RecordArguments {
         let Some(file) = &self.record else { return Ok(Recording { file: None, interrupted }) };
         let recorder = FileRecorder::create(file, self.overwrite, stage, episode).map_err(output)?;
         let flag = Arc::clone(&interrupted);
-        ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))
+        let stop = move || {
+            // one who asks twice does not want to wait
+            if flag.swap(true, Ordering::Relaxed) {
+                std::process::exit(130);
+            }
+        };
+        ctrlc::set_handler(stop)
             .map_err(|error| Failure::Output(anyhow!(error).context("Ctrl-C cannot be caught")))?;
         Ok(Recording { file: Some((file.clone(), recorder)), interrupted })
     }

@@ -726,3 +726,34 @@ fn the_program_replays() {
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("Cargo.toml: is no MCAP file"));
 }
+
+/// Everything that the layout shows is recorded, under that name.
+#[test]
+fn the_layout_for_foxglove_asks_for_what_is_recorded() {
+    let text = std::fs::read_to_string(repository("assets/foxglove/cocarry.json")).unwrap();
+    let layout: Value = serde_json::from_str(&text).unwrap();
+    let panels = layout["configById"].as_object().unwrap();
+    let mut plotted = 0;
+    for path in panels.values().flat_map(|p| p["paths"].as_array().into_iter().flatten()) {
+        let (topic, fields) = path["value"].as_str().unwrap().split_once('.').expect("a topic and a field");
+        let channel = Channel::of_topic(topic).unwrap_or_else(|| panic!("{topic}"));
+        let mut schema: Value = serde_json::from_slice(&channel.schema().data).unwrap();
+        for key in fields.split('.') {
+            let name = key.split('[').next().unwrap();
+            schema = schema["properties"][name].clone();
+            if key.ends_with(']') {
+                schema = schema["items"].clone();
+            }
+        }
+        assert_eq!(schema["type"], "number", "{topic}.{fields}");
+        plotted += 1;
+    }
+    assert!(plotted > 10);
+    assert_eq!(panels["RosOut!log"]["topicToRender"], Channel::Log.topic());
+    for topic in panels["3D!scene"]["topics"].as_object().unwrap().keys() {
+        let channel = Channel::of_topic(topic).unwrap_or_else(|| panic!("{topic}"));
+        assert_eq!(channel.schema().name, "foxglove.SceneUpdate");
+    }
+    let text = layout["layout"].to_string();
+    assert!(panels.keys().all(|panel| text.contains(&format!("\"{panel}\""))), "every panel has a place");
+}
