@@ -262,6 +262,11 @@ fn a_recording_that_is_there_is_replaced_only_if_asked_for() {
         assert_eq!(output.status.code(), Some(4));
         assert!(stderr(&output).contains(&format!("{name}: ")) && stderr(&output).contains("--overwrite"));
         assert_eq!(std::fs::read(folder.path().join(name)).unwrap(), b"mine");
+        assert_eq!(
+            std::fs::read_dir(folder.path()).unwrap().count(),
+            1,
+            "refused before anything is written"
+        );
         assert!(cocarry(&["run", "--plant", "point", "--record", &file, "--overwrite"]).status.success());
         assert!(messages(&std::fs::read(&file).unwrap()).len() > 100);
         std::fs::remove_file(&file).unwrap();
