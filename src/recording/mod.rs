@@ -74,6 +74,7 @@ mod motion;
 mod provenance;
 mod reader;
 mod recorder;
+mod records;
 mod recover;
 mod replay;
 mod scene;
