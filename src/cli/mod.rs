@@ -25,8 +25,8 @@ use std::process::ExitCode;
     version,
     max_term_width = 100,
     after_help = "With no command, one episode is run in the paper's Environment 4 with the human of its example.\n\n\
-        Exit codes: 0 done (run: the team arrived; replay: identical), 1 replay: different, 2 bad input, 3 the team did not arrive, 4 an output could not be written, \
-        130 interrupted.\n\n\
+        Exit codes: 0 done (run: the team arrived; replay: identical), 1 replay: different,\n  \
+        2 bad input, 3 the team did not arrive, 4 an output could not be written, 130 interrupted.\n\n\
         Examples:\n  \
         cocarry                                           an episode, with defaults\n  \
         cocarry run environment-4 --eta 5 --svg run.svg   a sensitive human, with a picture\n  \

@@ -70,7 +70,7 @@ fn a_full_disk_ends_with_4_and_leaves_what_was_written() {
     // blocks of 512 bytes
     for blocks in [1, 300, 500] {
         let command = format!(
-            "trap '' XFSZ; ulimit -f blocks; exec '{program}' run environment-4 --plant rapier --record '{file}'"
+            "trap '' XFSZ; ulimit -f {blocks}; exec '{program}' run environment-4 --plant rapier --record '{file}'"
         );
         let output = Command::new("sh").args(["-c", &command]).output().unwrap();
         assert_eq!(output.status.code(), Some(4), "{blocks}: {}", stderr(&output));
