@@ -12,6 +12,7 @@
 //! cli            arguments -> text, tables, JSON, files
 //! experiments    one file per claim or table of the paper
 //! drawing        maps and curves as SVG
+//! recording      an episode as an MCAP file, and back
 //! scenario       all that settles an episode, as text; snapshots of one under way; from either the episode again
 //! episode        THE LOOP: observe, evaluate, predict, accumulate, decide, choose, prepare, control, walk
 //! simulation     what the controller acts on: exact kinematics, or bodies with dynamics and contacts
@@ -76,6 +77,7 @@ pub mod experiments;
 pub mod geometry;
 pub mod options;
 pub mod preference;
+pub mod recording;
 pub mod robot;
 pub mod scenario;
 pub mod simulation;

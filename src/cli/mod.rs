@@ -1,7 +1,11 @@
 //! The command line in; text, tables, JSON, files and an exit code out.
 
+mod inspect;
 mod model;
 mod output;
+mod record;
+mod recover;
+mod replay;
 mod reproduce;
 mod robot;
 mod run;
@@ -22,12 +26,15 @@ use std::process::ExitCode;
     version,
     max_term_width = 100,
     after_help = "With no command, one episode is run in the paper's Environment 4 with the human of its example.\n\n\
-        Exit codes: 0 done (run: the team arrived), 2 bad input, 3 the team did not arrive, 4 an output could not be written.\n\n\
+        Exit codes: 0 done (run: the team arrived; replay: identical), 1 replay: different,\n  \
+        2 bad input, 3 the team did not arrive, 4 an output could not be written, 130 interrupted.\n\n\
         Examples:\n  \
         cocarry                                           an episode, with defaults\n  \
         cocarry run environment-4 --eta 5 --svg run.svg   a sensitive human, with a picture\n  \
         cocarry world worlds/free-form.toml --svg map.svg what a world offers\n  \
-        cocarry reproduce h2                              Table II of the paper"
+        cocarry reproduce h2                              Table II of the paper\n  \
+        cocarry run --plant rapier --record run.mcap      a recording, to watch in Foxglove\n  \
+        cocarry inspect run.mcap                          what is in it"
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -40,6 +47,9 @@ enum Command {
     World(world::Arguments),
     #[command(subcommand)]
     Reproduce(reproduce::Claim),
+    Inspect(inspect::Arguments),
+    Recover(recover::Arguments),
+    Replay(replay::Arguments),
 }
 
 /// Parses the process's arguments, does what they ask, and prints errors.
@@ -49,6 +59,9 @@ pub fn main() -> ExitCode {
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::World(arguments)) => world::run(&arguments),
         Some(Command::Reproduce(claim)) => reproduce::run(&claim),
+        Some(Command::Inspect(arguments)) => inspect::run(&arguments),
+        Some(Command::Recover(arguments)) => recover::run(&arguments),
+        Some(Command::Replay(arguments)) => replay::run(&arguments),
     };
     match done {
         Ok(code) => code,

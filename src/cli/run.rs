@@ -1,6 +1,7 @@
 //! `cocarry run`: a world and a human in; one episode, told, tabulated, drawn or logged tick by tick, out.
 
 use super::output::{Failure, Progress, print, print_json, write_file};
+use super::record::RecordArguments;
 use super::scenario::ScenarioArguments;
 use super::snapshots::SnapshotArguments;
 use super::tick_log;
@@ -31,6 +32,8 @@ pub(super) struct Arguments {
     /// Draw trajectory and stubbornness into this file (with --resume, likewise)
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
+    #[command(flatten)]
+    recording: RecordArguments,
 }
 
 /// What runs when no command is given.
@@ -64,12 +67,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let mut ticks = Vec::new();
     let bar = Progress::new(episode.expected_steps() as usize, "episode");
     saves.write(&stage, &episode)?;
-    while episode.step().is_none() {
+    let mut recording = arguments.recording.begin(&stage, &episode)?;
+    while !recording.is_interrupted() && episode.step().is_none() {
+        recording.step(&episode)?;
         ticks.push(episode.tick().clone());
         saves.write(&stage, &episode)?;
         bar.step();
     }
     bar.finish();
+    if let Some(interrupted) = recording.finish(&episode)? {
+        return Ok(interrupted);
+    }
     let told = Told { stage: &stage, resumed, summary: episode.summary().clone(), ticks };
     if let Some(file) = &arguments.ticks {
         let joints = stage.robot().map_or(&[][..], |robot| &robot.joints);

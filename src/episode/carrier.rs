@@ -173,6 +173,22 @@ impl<'a> Carrier<'a> {
         }
     }
 
+    /// `world_from_link` of every link; on the physical plant as physics has it.
+    pub fn link_poses(&self) -> Vec<Pose> {
+        match &self.team {
+            Team::Kinematic(team) => self.manipulator.robot.link_poses(team.plant.configuration()),
+            Team::Physical(team) => team.link_poses(),
+        }
+    }
+
+    /// s on the kinematic plant, where the human is a pose; `None` on the other, where it is a body.
+    pub fn human(&self) -> Option<&PlanarPose> {
+        match &self.team {
+            Team::Kinematic(team) => Some(&team.human),
+            Team::Physical(_) => None,
+        }
+    }
+
     /// The path under way is left `along` (m) on it for `next`, which begins there. Returns the path that the team walks then;
     /// `None` if there is no room to turn.
     pub fn turn(&mut self, path: &Path, along: f64, next: Path) -> Option<Path> {

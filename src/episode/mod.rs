@@ -22,7 +22,7 @@ use carrier::{Carrier, Situation};
 use team::{PhysicalTeam, Walk};
 
 use crate::coordination::{Coordinator, Method, Mode, is_misaligned, robot_choice};
-use crate::geometry::{Path, PlanarPose, Point};
+use crate::geometry::{Path, PlanarPose, Point, Pose};
 use crate::options::{OptionSet, Progress, Remaining, Waypoint};
 use crate::preference::{ChoiceDistribution, Perception, Predictor, Prospect, human_choice, objective_cost};
 use crate::robot::Configuration;
@@ -159,6 +159,26 @@ impl<'a> Episode<'a> {
     /// What is seen of the physical plant; `None` on others.
     pub fn observation(&self) -> Option<&Observation> {
         self.carrier.as_ref().and_then(Carrier::observation)
+    }
+
+    /// `world_from_link` of every link of the robot, in the order of [`Robot::links`](crate::robot::Robot::links); `None` without one.
+    pub fn link_poses(&self) -> Option<Vec<Pose>> {
+        self.carrier.as_ref().map(Carrier::link_poses)
+    }
+
+    /// s, the pose that the grasp should have, on the kinematic plant, where that is all there is of the human; `None` on others.
+    pub fn human(&self) -> Option<&PlanarPose> {
+        self.carrier.as_ref().and_then(Carrier::human)
+    }
+
+    /// The way from where the executed option was last chosen to the target; empty before the first step.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Where the team is, m.
+    pub fn position(&self) -> Point {
+        self.progress.position
     }
 
     /// Steps that the longest option takes: an episode without detours is not longer.

@@ -105,6 +105,11 @@ impl PhysicalTeam {
         Self { plant, way, height, pace: 0.0, hurry: 0.0, goal: *team, seen }
     }
 
+    /// Where physics has the robot's links.
+    pub fn link_poses(&self) -> Vec<Pose> {
+        self.plant.link_poses()
+    }
+
     /// Where the grasp should be for the human where they are, as a pose on the floor.
     pub fn human(&self) -> PlanarPose {
         self.way.end(&self.goal, -1.0)

@@ -6,6 +6,6 @@ mod rapier;
 
 pub use kinematic::KinematicPlant;
 pub use rapier::{
-    Clearance, Clearances, Contact, Failure, Forces, HumanCommand, HumanSettings, Observation, Part, Party,
-    PhysicalPlant, PhysicsError, PhysicsSettings, Wrench,
+    Clearance, Clearances, Contact, Failure, Forces, HAND_RADIUS, HumanCommand, HumanSettings, Observation,
+    Part, Party, PhysicalPlant, PhysicsError, PhysicsSettings, TORSO_HEIGHT, TORSO_RADIUS, Wrench,
 };

@@ -70,6 +70,7 @@ fn paper_table_3() {
         seed: 0,
         episode: &Settings::default(),
         control: cocarry::control::Settings::default(),
+        physics: None,
     };
     let rows = study.table(&|| ()).expect("built-in worlds");
     assert_eq!(rows.len(), 16 * PoseMethod::ALL.len());

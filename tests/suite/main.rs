@@ -12,6 +12,7 @@ mod floors;
 mod physical_carrying;
 mod physics;
 mod readme;
+mod recording;
 mod robots;
 mod scenarios;
 mod snapshots;

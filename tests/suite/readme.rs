@@ -21,7 +21,10 @@ fn the_commands_of_the_readme_run() {
             .map(|word| match word {
                 "10000" => "20".to_owned(),
                 "100" => "2".to_owned(),
-                word if [".svg", ".csv", ".jsonl", ".snapshot"].iter().any(|end| word.ends_with(end)) => {
+                word if [".svg", ".csv", ".jsonl", ".mcap", ".snapshot"]
+                    .iter()
+                    .any(|end| word.ends_with(end)) =>
+                {
                     folder.path().join(word.replace('/', "-")).to_str().unwrap().to_owned()
                 }
                 word => word.to_owned(),

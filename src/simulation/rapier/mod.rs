@@ -42,12 +42,14 @@ const GRAVITY: f64 = 9.81;
 const DROPPED: f64 = 0.2;
 /// A body that is faster than this (m/s or rad/s) is on its way out of the numbers.
 const FASTEST: f64 = 1000.0;
-/// How far ahead of the hand the middle of the torso is, its radius and its height, m.
+/// How far ahead of the hand the middle of the torso is, m.
 const TORSO_AHEAD: f64 = 0.35;
-const TORSO_RADIUS: f64 = 0.2;
-const TORSO_HEIGHT: f64 = 1.7;
-/// Radius of the hand, m.
-const HAND_RADIUS: f64 = 0.04;
+/// Radius of the human's torso, an upright capsule, m.
+pub const TORSO_RADIUS: f64 = 0.2;
+/// Its height over all, m.
+pub const TORSO_HEIGHT: f64 = 1.7;
+/// Radius of the human's hand, a ball, m.
+pub const HAND_RADIUS: f64 = 0.04;
 
 /// The physical plant. It owns all that it needs, and can be written down with serde between two periods.
 #[derive(Serialize, Deserialize)]

@@ -1,0 +1,40 @@
+//! `cocarry replay`: a recording in; whether the same run gives the same messages again out.
+
+use super::output::{Failure, input, print};
+use crate::recording::{Reader, Verdict, replay};
+use clap::Args;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Run a recording again from what is inside it, and compare every message
+#[derive(Args, Debug)]
+pub(super) struct Arguments {
+    /// The recording
+    file: PathBuf,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let open = || Reader::open(&arguments.file).map_err(input);
+    let replayed = replay(open()?, open()?).map_err(input)?;
+    let file = arguments.file.display();
+    let so_far = format!("{} messages, up to {:.1} s", replayed.same, replayed.until as f64 / 1e9);
+    match &replayed.verdict {
+        Verdict::Identical => print(&format!("{file}: identical: {so_far}\n"))?,
+        Verdict::IdenticalUntilCut => {
+            print(&format!("{file}: identical as far as it goes: {so_far}; it was cut there\n"))?;
+        }
+        Verdict::Different(difference) => {
+            let at = replayed.step.map_or("before the first tick".to_owned(), |k| format!("in tick {k}"));
+            print(&format!(
+                "{file}: differs {at}, at {:.1} s, on {}, in {}\n  recorded: {}\n  run again: {}\nidentical before that: {so_far}\n",
+                difference.time as f64 / 1e9,
+                difference.topic,
+                difference.field,
+                difference.recorded,
+                difference.expected
+            ))?;
+            return Ok(ExitCode::from(1));
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}

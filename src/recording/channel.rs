@@ -1,0 +1,129 @@
+//! The channels of a recording: topic, schema and encoding of each.
+
+use super::schema;
+use foxglove::messages::{FrameTransforms, JointStates, Log, SceneUpdate};
+use foxglove::{Encode, Schema};
+
+/// What a message tells of. The table in [the module's documentation](super) says what is in each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Channel {
+    /// Where links, object and human are.
+    Transforms,
+    /// The scene that stays: obstacles, openings, start, target.
+    World,
+    /// Shapes of robot, object and human.
+    Team,
+    /// Options as lines.
+    Ways,
+    /// The path executed.
+    Path,
+    /// Joints and wheels.
+    Joints,
+    /// What happened.
+    Log,
+    /// D, S, J, J~ and P of every option.
+    Options,
+    /// phi, g, mode, choices.
+    Coordination,
+    /// What the controller decided, and how well it was followed.
+    Control,
+    /// Forces.
+    Interaction,
+    /// Running totals.
+    Cost,
+    /// How it ended.
+    Outcome,
+}
+
+impl Channel {
+    /// All, in the order in which files define them.
+    pub const ALL: [Self; 13] = [
+        Self::Transforms,
+        Self::World,
+        Self::Team,
+        Self::Ways,
+        Self::Path,
+        Self::Joints,
+        Self::Log,
+        Self::Options,
+        Self::Coordination,
+        Self::Control,
+        Self::Interaction,
+        Self::Cost,
+        Self::Outcome,
+    ];
+
+    /// The channel of that topic.
+    pub fn of_topic(topic: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|c| c.topic() == topic)
+    }
+
+    /// Its name.
+    pub fn topic(self) -> &'static str {
+        match self {
+            Self::Transforms => "/tf",
+            Self::World => "/scene/world",
+            Self::Team => "/scene/team",
+            Self::Ways => "/scene/options",
+            Self::Path => "/scene/path",
+            Self::Joints => "/joints",
+            Self::Log => "/log",
+            Self::Options => "/options",
+            Self::Coordination => "/coordination",
+            Self::Control => "/control",
+            Self::Interaction => "/interaction",
+            Self::Cost => "/cost",
+            Self::Outcome => "/outcome",
+        }
+    }
+
+    /// Name, encoding and text of the schema.
+    pub fn schema(self) -> Schema {
+        let known = match self {
+            Self::Transforms => FrameTransforms::get_schema(),
+            Self::World | Self::Team | Self::Ways | Self::Path => SceneUpdate::get_schema(),
+            Self::Joints => JointStates::get_schema(),
+            Self::Log => Log::get_schema(),
+            _ => None,
+        };
+        known.unwrap_or_else(|| {
+            let name = self.topic().trim_start_matches('/');
+            let text = schema::json_schema(name, schema::fields(self)).to_string();
+            Schema::new(format!("cocarry.{name}"), "jsonschema", text.into_bytes())
+        })
+    }
+
+    /// How its messages are encoded: `protobuf` or `json`.
+    pub fn encoding(self) -> &'static str {
+        match schema::fields(self) {
+            [] => "protobuf",
+            _ => "json",
+        }
+    }
+}
+
+/// An encoded message.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Message {
+    /// What it tells of.
+    pub channel: Channel,
+    /// Simulated time, ns.
+    pub time: u64,
+    /// Encoded as the channel says.
+    pub data: Vec<u8>,
+}
+
+impl Message {
+    /// A message of one of Foxglove's types.
+    pub(super) fn of(channel: Channel, time: u64, message: &impl Encode) -> Self {
+        let mut data = Vec::with_capacity(message.encoded_len().unwrap_or(0));
+        let encoded = message.encode(&mut data);
+        debug_assert!(encoded.is_ok(), "a vector has room for everything");
+        Self { channel, time, data }
+    }
+
+    /// A JSON message.
+    pub(super) fn json(channel: Channel, time: u64, message: &serde_json::Value) -> Self {
+        Self { channel, time, data: message.to_string().into_bytes() }
+    }
+}

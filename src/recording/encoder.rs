@@ -1,0 +1,148 @@
+//! An episode, step by step, in; the messages that tell of it, encoded, out: to a file, to a viewer, or to be compared with a recording.
+
+use super::channel::{Channel, Message};
+use super::events::Events;
+use super::figures::{self, Names};
+use super::{motion, scene};
+use crate::episode::{Episode, Outcome};
+use crate::geometry::Point;
+use crate::scenario::Stage;
+
+/// How a recording ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// With its episode.
+    Over(Outcome),
+    /// Before its episode: the user stopped it.
+    Interrupted,
+}
+
+impl Ending {
+    /// Name, as in `/outcome`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Over(outcome) => outcome.name(),
+            Self::Interrupted => "interrupted",
+        }
+    }
+}
+
+/// Tells of an episode. Same episode, same bytes.
+#[derive(Clone, Debug)]
+pub struct Encoder<'a> {
+    stage: &'a Stage,
+    ways: scene::Ways,
+    events: Events,
+    walked: Vec<Point>,
+    messages: Vec<Message>,
+}
+
+impl<'a> Encoder<'a> {
+    /// Before the first step.
+    pub fn new(stage: &'a Stage) -> Self {
+        Self {
+            ways: scene::Ways::new(stage.options()),
+            stage,
+            events: Events::default(),
+            walked: Vec::new(),
+            messages: Vec::new(),
+        }
+    }
+
+    /// What an episode is told of on.
+    pub fn channels(&self, episode: &Episode) -> Vec<Channel> {
+        let is_used = |channel: &Channel| match channel {
+            Channel::Transforms | Channel::Team | Channel::Joints | Channel::Control => {
+                self.stage.robot().is_some()
+            }
+            Channel::Interaction => episode.observation().is_some(),
+            _ => true,
+        };
+        Channel::ALL.into_iter().filter(is_used).collect()
+    }
+
+    /// What there is before the first step: scene and start.
+    pub fn begin(&mut self, episode: &Episode) -> &[Message] {
+        self.messages.clear();
+        let (world, robot) = (self.stage.world(), self.stage.robot());
+        self.messages.push(Message::of(Channel::World, 0, &scene::world(world, 0)));
+        if let Some(robot) = robot {
+            let team = scene::team(robot, world, episode.observation().is_some(), 0);
+            self.messages.push(Message::of(Channel::Team, 0, &team));
+        }
+        self.walked.push(episode.position());
+        self.state(episode, 0);
+        &self.messages
+    }
+
+    /// A step taken: decisions at its beginning, motion and forces at its end.
+    pub fn step(&mut self, episode: &Episode) -> &[Message] {
+        self.messages.clear();
+        let tick = episode.tick();
+        let (from, to) = (self.time(tick.step), self.time(tick.step + 1));
+        let names = Names(self.stage.options());
+        let events = self.events.decided(tick, names, from);
+        self.messages.extend(events.iter().map(|log| Message::of(Channel::Log, from, log)));
+        self.json(Channel::Options, from, &figures::options(tick, names));
+        self.json(Channel::Coordination, from, &figures::coordination(tick, names));
+        if let Some(ways) = self.ways.update(tick, from) {
+            self.messages.push(Message::of(Channel::Ways, from, &ways));
+        }
+        self.state(episode, to);
+        if let (Some(robot), Some(decided)) = (self.stage.robot(), &tick.robot) {
+            self.json(Channel::Control, to, &figures::control(tick.step, decided, names, robot));
+        }
+        if let Some(seen) = episode.observation() {
+            self.json(Channel::Interaction, to, &figures::interaction(tick.step, seen));
+            let events = self.events.touched(&seen.contacts, to);
+            self.messages.extend(events.iter().map(|log| Message::of(Channel::Log, to, log)));
+        }
+        self.json(Channel::Cost, to, &figures::cost(tick, episode.summary()));
+        self.walk(episode.position());
+        let path = scene::path(&self.walked, episode.path(), to);
+        self.messages.push(Message::of(Channel::Path, to, &path));
+        &self.messages
+    }
+
+    /// The end.
+    pub fn end(&mut self, episode: &Episode, ending: Ending) -> &[Message] {
+        self.messages.clear();
+        let summary = episode.summary();
+        let (time, names) = (self.time(summary.steps), Names(self.stage.options()));
+        self.messages.push(Message::of(Channel::Log, time, &Events::ended(episode, ending, names, time)));
+        self.json(Channel::Outcome, time, &figures::outcome(summary, ending, self.period(), names));
+        &self.messages
+    }
+
+    fn period(&self) -> f64 {
+        self.stage.scenario().settings.period
+    }
+
+    /// Simulated time at the beginning of a step, ns.
+    fn time(&self, step: u64) -> u64 {
+        (step as f64 * self.period() * 1e9).round() as u64
+    }
+
+    fn json(&mut self, channel: Channel, time: u64, message: &serde_json::Value) {
+        self.messages.push(Message::json(channel, time, message));
+    }
+
+    /// Where everything is, if there is more than a point.
+    fn state(&mut self, episode: &Episode, time: u64) {
+        let Some(robot) = self.stage.robot() else { return };
+        let transforms = motion::transforms(episode, Some(robot), time);
+        self.messages.push(Message::of(Channel::Transforms, time, &transforms));
+        let joints = motion::joints(episode, robot, time);
+        self.messages.push(Message::of(Channel::Joints, time, &joints));
+    }
+
+    /// The walked line goes on; on a straight stretch its last point moves.
+    fn walk(&mut self, to: Point) {
+        if let [.., a, b] = self.walked[..]
+            && scene::is_between(a, b, to)
+        {
+            self.walked.pop();
+        }
+        self.walked.push(to);
+    }
+}

@@ -1,0 +1,159 @@
+//! Definitions and messages in; an MCAP file out. The only file that knows the mcap crate.
+//!
+//! Chunks are put together in memory and written in one go, so that what a crash leaves is whole up to the last of them.
+
+use super::provenance::Attachment;
+use super::schema::Definition;
+use mcap::records::{MessageHeader, Metadata};
+use mcap::{McapError, WriteOptions, Writer};
+use std::collections::BTreeMap;
+use std::fs::{File, OpenOptions};
+use std::io::{BufWriter, Error, Seek, Write};
+use std::path::{Path, PathBuf};
+
+use super::RecordingError;
+
+/// What files say that they were written by: the same for all, so that equal runs give equal bytes.
+const LIBRARY: &str = "cocarry";
+
+/// An MCAP file that is being written.
+pub(super) struct MessageFile<W: Write + Seek> {
+    /// Gone after an error: the crate's writer would go on to write a summary behind what is broken.
+    writer: Option<Writer<W>>,
+    sequences: BTreeMap<u16, u32>,
+}
+
+impl<W: Write + Seek> MessageFile<W> {
+    pub fn new(to: W) -> Result<Self, Error> {
+        let options = WriteOptions::new()
+            .library(LIBRARY)
+            .compression_threads(0)
+            // `flush` closes chunks long before, by simulated time
+            .chunk_size(Some(1 << 20))
+            .disable_seeking(true);
+        let writer = options.create(to).map_err(error)?;
+        Ok(Self { writer: Some(writer), sequences: BTreeMap::new() })
+    }
+
+    /// Makes a channel known; returns its number.
+    pub fn define(&mut self, definition: &Definition) -> Result<u16, Error> {
+        self.with(|writer| {
+            let schema = match &definition.schema {
+                Some(schema) => writer.add_schema(&schema.name, &schema.encoding, &schema.data)?,
+                None => 0,
+            };
+            writer.add_channel(schema, &definition.topic, &definition.encoding, &definition.metadata)
+        })
+    }
+
+    /// Adds a message at a simulated time (ns).
+    pub fn write(&mut self, channel: u16, time: u64, data: &[u8]) -> Result<(), Error> {
+        let sequence = self.sequences.entry(channel).or_default();
+        let header =
+            MessageHeader { channel_id: channel, sequence: *sequence, log_time: time, publish_time: time };
+        *sequence = sequence.wrapping_add(1);
+        self.with(|writer| writer.write_to_known_channel(&header, data))
+    }
+
+    pub fn metadata(&mut self, name: &str, entries: &BTreeMap<String, String>) -> Result<(), Error> {
+        let metadata = Metadata { name: name.to_owned(), metadata: entries.clone() };
+        self.with(|writer| writer.write_metadata(&metadata))
+    }
+
+    pub fn attach(&mut self, attachment: &Attachment) -> Result<(), Error> {
+        let attachment = mcap::Attachment {
+            log_time: 0,
+            create_time: 0,
+            name: attachment.name.clone(),
+            media_type: attachment.media_type.clone(),
+            data: attachment.data.as_slice().into(),
+        };
+        self.with(|writer| writer.attach(&attachment))
+    }
+
+    /// Hands all to the system: a crash loses nothing of it.
+    pub fn flush(&mut self) -> Result<(), Error> {
+        self.with(Writer::flush)
+    }
+
+    /// Ends the file with its summary.
+    pub fn finish(mut self) -> Result<W, Error> {
+        self.with(|writer| writer.finish().map(drop))?;
+        let mut to = self.writer.take().ok_or_else(gone)?.into_inner();
+        to.flush()?;
+        Ok(to)
+    }
+
+    fn with<T>(&mut self, act: impl FnOnce(&mut Writer<W>) -> Result<T, McapError>) -> Result<T, Error> {
+        let done = act(self.writer.as_mut().ok_or_else(gone)?);
+        done.map_err(|fault| {
+            // dropped unfinished, it would write on
+            self.writer.take().map(Writer::into_inner);
+            error(fault)
+        })
+    }
+}
+
+fn gone() -> Error {
+    Error::other("an earlier write failed")
+}
+
+fn error(error: McapError) -> Error {
+    match error {
+        McapError::Io(error) => error,
+        other => Error::other(other),
+    }
+}
+
+/// A file that gets its name when it is finished.
+#[derive(Debug)]
+pub(super) struct Named {
+    file: PathBuf,
+    partial: PathBuf,
+    overwrite: bool,
+}
+
+impl Named {
+    /// Makes the file `<file><suffix>`, to be renamed; an existing one only if told to `overwrite`.
+    pub fn create(
+        file: &Path,
+        suffix: &str,
+        overwrite: bool,
+    ) -> Result<(Self, BufWriter<File>), RecordingError> {
+        let mut partial = file.as_os_str().to_owned();
+        partial.push(suffix);
+        let partial = PathBuf::from(partial);
+        if !overwrite && file.symlink_metadata().is_ok() {
+            return Err(RecordingError::Exists { file: file.to_owned() });
+        }
+        let mut options = OpenOptions::new();
+        options.write(true).create(true).truncate(true).create_new(!overwrite);
+        let opened = options.open(&partial).map_err(|source| match source.kind() {
+            std::io::ErrorKind::AlreadyExists => RecordingError::LeftOver { file: partial.clone() },
+            _ => RecordingError::Create { file: partial.clone(), source },
+        })?;
+        Ok((Self { file: file.to_owned(), partial, overwrite }, BufWriter::new(opened)))
+    }
+
+    /// How errors call it while it is being written.
+    pub fn partial(&self) -> String {
+        self.partial.display().to_string()
+    }
+
+    /// Gives the finished file its name.
+    pub fn finish(self, written: BufWriter<File>) -> Result<(), RecordingError> {
+        let Self { file, partial, overwrite } = self;
+        let written = written.into_inner().map_err(std::io::IntoInnerError::into_error);
+        written
+            .and_then(|file| file.sync_all())
+            .map_err(|source| RecordingError::Write { file: partial.display().to_string(), source })?;
+        if !overwrite && file.symlink_metadata().is_ok() {
+            return Err(RecordingError::Exists { file });
+        }
+        std::fs::rename(&partial, &file).map_err(|source| RecordingError::Rename {
+            partial: partial.clone(),
+            file: file.clone(),
+            source,
+        })
+    }
+}

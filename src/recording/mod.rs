@@ -1,0 +1,96 @@
+//! An episode in, an MCAP file out; and back: summaries, tables, pictures, what a crash left.
+//!
+//! A recording plays in Foxglove and is read by any MCAP reader. It holds simulated time only, and says itself where it comes from
+//! ([`Provenance`]): equal runs give equal bytes. It is called `<name>.partial` until it is finished, and is in the system's hands up to
+//! the last whole simulated second; [`recover`] makes a valid file of one that was cut.
+//!
+//! # Channels
+//!
+//! Times are simulated. Decisions are stamped with the beginning of their step, motion and forces with its end. Lengths are in m, angles in
+//! Foxglove's messages in rad, forces in N, torques in Nm; JSON fields say their unit in their name and in the JSON Schema of the
+//! channel, and what is no number is null. All frames are in `world` (z up, the floor at 0).
+//!
+//! | topic | schema | rate | what |
+//! | --- | --- | --- | --- |
+//! | `/tf` | foxglove.FrameTransforms | every step, and at 0 | `robot/<link>` for every link; with physics `object`, `human/hand`, `human/torso`, else `human`: the pose that the grasp should have |
+//! | `/scene/world` | foxglove.SceneUpdate | once | obstacles, extruded; openings from green (no risk) to red; A and B |
+//! | `/scene/team` | foxglove.SceneUpdate | once | shapes of robot, object and human, in their frames |
+//! | `/scene/options` | foxglove.SceneUpdate | when P_o changes by 0.02 | every option from A to B, as wide (2 to 20 cm) and opaque as P_o |
+//! | `/scene/path` | foxglove.SceneUpdate | every step | where the team walked, and the way of the option executed |
+//! | `/joints` | foxglove.JointStates | every step, and at 0 | arm joints (rad or m, per s, Nm or N), then wheels (rad, rad/s) |
+//! | `/log` | foxglove.Log | when it happens | start, mode transition, change of option, change of preference, contact, end |
+//! | `/options` | JSON | every step | per option: D_o (m), S_o, J_o (m), J~_o (m), P_o, omega_o |
+//! | `/coordination` | JSON | every step | phi, its threshold, g, mode, option executed and preferred, position (m), heading (deg) |
+//! | `/control` | JSON | every step | tracking error (m, deg), cost terms, candidate of eq. (8), outcome of eq. (7), u (m/s, rad/s) |
+//! | `/interaction` | JSON | every step, with physics | mean wrenches of both grips on the object (N, Nm, world axes), peaks, work (J), distances (m) |
+//! | `/cost` | JSON | every step | running totals: accumulated J (m), C and its parts, work (J) |
+//! | `/outcome` | JSON | once, at the end | how it ended, and totals |
+//!
+//! Where the team is a point there is no `/tf`, `/scene/team`, `/joints` and `/control`.
+//!
+//! ```
+//! use cocarry::episode::Outcome;
+//! use cocarry::experiments::paper;
+//! use cocarry::recording::{Ending, Reader, Recorder};
+//! use cocarry::scenario::{Plant, Scenario};
+//! use std::io::Cursor;
+//!
+//! let scenario = Scenario {
+//!     seed: 1,
+//!     world: paper::ENVIRONMENTS[3].world()?.into(),
+//!     human: paper::EXAMPLE_HUMAN,
+//!     settings: Default::default(),
+//!     plant: Plant::Point,
+//! };
+//! let stage = scenario.prepare()?;
+//! let mut episode = stage.episode()?;
+//! let file = Cursor::new(Vec::new());
+//! let mut recorder = Recorder::new(file, "memory", &stage, &episode)?;
+//! while episode.step().is_none() {
+//!     recorder.step(&episode)?;
+//! }
+//! let file = recorder.finish(&episode, Ending::Over(Outcome::Arrived))?;
+//!
+//! let mut reader = Reader::new(Cursor::new(file.into_inner()), "memory")?;
+//! let mut messages = 0;
+//! while let Some(entry) = reader.next()? {
+//!     messages += u32::from(entry.message().is_some());
+//! }
+//! assert!(messages > 100);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod channel;
+mod contents;
+mod decode;
+mod difference;
+mod encoder;
+mod error;
+mod events;
+mod fields;
+mod figures;
+mod file;
+mod motion;
+mod provenance;
+mod reader;
+mod recorder;
+mod records;
+mod recover;
+mod replay;
+mod scene;
+mod schema;
+mod table;
+
+pub use channel::{Channel, Message};
+pub use contents::{ChannelContents, Contents};
+pub use decode::{decode, flatten};
+pub use difference::Difference;
+pub use encoder::{Encoder, Ending};
+pub use error::{ReadError, RecordingError};
+pub use provenance::{Attachment, METADATA, Provenance, RECOVERED, SCENARIO, scenario};
+pub use reader::{Entry, Reader, Recorded};
+pub use recorder::{FileRecorder, Recorder};
+pub use recover::{RecoverError, Recovered, recover};
+pub use replay::{Replay, Verdict, replay};
+pub use schema::{Definition, SchemaText};
+pub use table::{columns, rows};

@@ -1,0 +1,90 @@
+//! A scenario in; what a recording says of where it comes from out, and the scenario again.
+
+use super::{Entry, ReadError, Reader};
+use crate::scenario::{Plant, Scenario, ScenarioError};
+use std::collections::BTreeMap;
+use std::io::Read;
+
+/// The name of the metadata record that says where a recording comes from.
+pub const METADATA: &str = "cocarry";
+/// The name of the metadata record that says what [`recover`](super::recover()) had to leave out.
+pub const RECOVERED: &str = "recovered";
+/// The name of the attachment that is the scenario's text.
+pub const SCENARIO: &str = "scenario.toml";
+
+/// Where a recording comes from: enough to run it again. No wall clock, host or path, so that equal runs give equal bytes.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Provenance {
+    /// Short facts by name.
+    pub metadata: BTreeMap<String, String>,
+    /// Texts that the run was made from.
+    pub attachments: Vec<Attachment>,
+}
+
+/// A file inside a recording.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Attachment {
+    /// File name.
+    pub name: String,
+    /// As in `text/plain`.
+    pub media_type: String,
+    /// Contents.
+    pub data: Vec<u8>,
+}
+
+impl Provenance {
+    /// What a recording of that scenario says. Files are named without their folders.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Unwritable`].
+    pub fn of(scenario: &Scenario) -> Result<Self, ScenarioError> {
+        let mut scenario = scenario.clone();
+        strip(&mut scenario.world.file);
+        if let Plant::Kinematic { carrier } | Plant::Rapier { carrier, .. } = &mut scenario.plant {
+            strip(&mut carrier.robot.file);
+            strip(&mut carrier.robot.urdf_file);
+        }
+        let facts = [
+            ("crate_version", env!("CARGO_PKG_VERSION").to_owned()),
+            ("seed", scenario.seed.to_string()),
+            ("world", scenario.world.file.clone()),
+            ("plant", scenario.plant.name().to_owned()),
+            ("method", scenario.settings.method.name().to_owned()),
+        ];
+        let attachment = Attachment {
+            name: SCENARIO.to_owned(),
+            media_type: "application/toml".to_owned(),
+            data: scenario.text()?.into_bytes(),
+        };
+        let metadata = facts.map(|(key, value)| (key.to_owned(), value)).into();
+        Ok(Self { metadata, attachments: vec![attachment] })
+    }
+}
+
+/// Leaves the last part of a path.
+fn strip(path: &mut String) {
+    let name = path.rsplit(['/', '\\']).next().unwrap_or_default();
+    *path = name.to_owned();
+}
+
+/// Reads on until the scenario that a recording was made of.
+///
+/// # Errors
+/// [`ReadError`]: also if there is none before the first message.
+pub fn scenario<R: Read>(reader: &mut Reader<R>) -> Result<Scenario, ReadError> {
+    let file = reader.name().to_owned();
+    let lacks = |what: &str| ReadError::Lacks { file: file.clone(), what: what.to_owned() };
+    while let Some(entry) = reader.next()? {
+        match entry {
+            Entry::Attachment(attachment) if attachment.name == SCENARIO => {
+                let text = String::from_utf8(attachment.data);
+                let text = text.map_err(|_| lacks("its attachment scenario.toml is not UTF-8"))?;
+                return Scenario::parse(&text)
+                    .map_err(|source| ReadError::Scenario { file: file.clone(), source });
+            }
+            Entry::Message(_) => break,
+            _ => {}
+        }
+    }
+    Err(lacks("has no attachment scenario.toml, which says what the run is made of"))
+}

@@ -1,0 +1,91 @@
+//! A recording that was cut or damaged in; a valid one with all that is whole in it out.
+
+use super::file::{MessageFile, Named};
+use super::provenance::RECOVERED;
+use super::{Entry, ReadError, Reader, RecordingError};
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::path::Path;
+
+/// What was saved of a recording.
+#[derive(Debug, Default)]
+pub struct Recovered {
+    /// Messages saved.
+    pub messages: u64,
+    /// Time of the last of them, ns.
+    pub until: u64,
+    /// What was wrong, in the order of the file; empty for a recording that is whole.
+    pub lost: Vec<ReadError>,
+}
+
+/// What is added to the name of a file that is not finished: another ending than a recording's, which may be what is read.
+const SUFFIX: &str = ".recovering";
+/// The most faults that are remembered; behind so many there is nothing to be saved.
+const MOST_FAULTS: usize = 1000;
+
+/// Why there is no recovered file.
+#[derive(Debug, thiserror::Error)]
+pub enum RecoverError {
+    /// There is nothing to save.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// It cannot be written.
+    #[error(transparent)]
+    Write(#[from] RecordingError),
+}
+
+/// Writes everything that is whole in a recording into a new file, and says there what was lost.
+///
+/// # Errors
+/// [`RecoverError`]: there is nothing to save, or no place to save it.
+pub fn recover<R: Read>(
+    reader: &mut Reader<R>,
+    to: &Path,
+    overwrite: bool,
+) -> Result<Recovered, RecoverError> {
+    let (named, output) = Named::create(to, SUFFIX, overwrite)?;
+    let name = named.partial();
+    let write = |source| RecordingError::Write { file: name.clone(), source };
+    let mut file = MessageFile::new(output).map_err(write)?;
+    let mut ids = BTreeMap::new();
+    let mut recovered = Recovered::default();
+    let mut chunk = None;
+    loop {
+        let entry = match reader.next() {
+            Ok(None) => break,
+            Ok(Some(entry)) => entry,
+            Err(fault) => {
+                let goes_on = fault.is_local() && recovered.lost.len() < MOST_FAULTS;
+                recovered.lost.push(fault);
+                if goes_on {
+                    continue;
+                }
+                break;
+            }
+        };
+        let written = match entry {
+            Entry::Metadata { name, entries } => file.metadata(&name, &entries),
+            Entry::Attachment(attachment) => file.attach(&attachment),
+            Entry::Channel { id, definition } => file.define(definition).map(|new| {
+                ids.insert(id, new);
+            }),
+            Entry::Message(message) => {
+                (recovered.messages, recovered.until) = (recovered.messages + 1, message.time);
+                // the same chunks, so that a recording that is whole comes out as it is
+                let flushed = if chunk.is_some_and(|c| c != message.chunk) { file.flush() } else { Ok(()) };
+                chunk = Some(message.chunk);
+                let id = ids.get(&message.id).copied().unwrap_or(message.id);
+                flushed.and_then(|()| file.write(id, message.time, message.data))
+            }
+        };
+        written.map_err(write)?;
+    }
+    if !recovered.lost.is_empty() {
+        let lost = recovered.lost.iter().enumerate();
+        let entries = lost.map(|(i, fault)| (format!("{:03}", i + 1), fault.place())).collect();
+        file.metadata(RECOVERED, &entries).map_err(write)?;
+    }
+    let written = file.finish().map_err(write)?;
+    named.finish(written)?;
+    Ok(recovered)
+}

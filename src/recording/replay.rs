@@ -1,0 +1,139 @@
+//! A recording in; the same run again, compared message by message, out.
+
+use super::encoder::{Encoder, Ending};
+use super::provenance::{RECOVERED, scenario};
+use super::{Channel, Difference, Entry, Message, ReadError, Reader, decode};
+use std::io::Read;
+
+/// What came of running a recording again.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Replay {
+    /// Messages that are the same, from the first on.
+    pub same: u64,
+    /// Time up to which they are, ns.
+    pub until: u64,
+    /// k of the last step that was run again; `None` before the first.
+    pub step: Option<u64>,
+    /// How it goes on.
+    pub verdict: Verdict,
+}
+
+/// Whether a recording is what its scenario gives.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Verdict {
+    /// To the last message.
+    Identical,
+    /// As far as it goes: it was recovered from a recording that was cut.
+    IdenticalUntilCut,
+    /// It is not.
+    Different(Difference),
+}
+
+/// Runs a recording's scenario again and compares every message with those recorded, up to the first that differs.
+///
+/// `first` and `second` are the same file, each from its beginning.
+///
+/// # Errors
+/// [`ReadError`]: also if what the recording is made of is no valid scenario.
+pub fn replay<R: Read>(mut first: Reader<R>, second: Reader<R>) -> Result<Replay, ReadError> {
+    let file = first.name().to_owned();
+    let invalid = |source| ReadError::Scenario { file: file.clone(), source };
+    let stage = scenario(&mut first)?.prepare().map_err(invalid)?;
+    let mut episode = stage.episode().map_err(invalid)?;
+    let stopped = stopped_after(&mut first)?;
+
+    let mut recorded = Compared { reader: second, replay: Replay::default(), is_recovered: false };
+    let mut encoder = Encoder::new(&stage);
+    if recorded.differs(encoder.begin(&episode))? {
+        return Ok(recorded.replay);
+    }
+    let ending = loop {
+        if stopped == Some(episode.summary().steps) {
+            break Ending::Interrupted;
+        }
+        if let Some(outcome) = episode.step() {
+            break Ending::Over(outcome);
+        }
+        recorded.replay.step = Some(episode.tick().step);
+        if recorded.differs(encoder.step(&episode))? {
+            return Ok(recorded.replay);
+        }
+    };
+    if !recorded.differs(encoder.end(&episode, ending))? {
+        recorded.end()?;
+    }
+    Ok(recorded.replay)
+}
+
+/// The steps after which the user stopped the run, if so.
+fn stopped_after<R: Read>(reader: &mut Reader<R>) -> Result<Option<u64>, ReadError> {
+    let mut stopped = None;
+    while let Some(entry) = reader.next()? {
+        let Some(message) = entry.message() else { continue };
+        if Channel::of_topic(&message.channel.topic) == Some(Channel::Outcome) {
+            let outcome = decode(message.channel, message.data).unwrap_or_default();
+            stopped = outcome["steps"].as_u64().filter(|_| outcome["outcome"] == "interrupted");
+        }
+    }
+    Ok(stopped)
+}
+
+impl Default for Replay {
+    fn default() -> Self {
+        Self { same: 0, until: 0, step: None, verdict: Verdict::Identical }
+    }
+}
+
+/// A recording as far as it has been compared.
+struct Compared<R> {
+    reader: Reader<R>,
+    replay: Replay,
+    is_recovered: bool,
+}
+
+impl<R: Read> Compared<R> {
+    /// Whether the recording goes on otherwise than with these messages.
+    fn differs(&mut self, expected: &[Message]) -> Result<bool, ReadError> {
+        for message in expected {
+            if self.differs_from(Some(message))? {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Makes sure that nothing follows.
+    fn end(&mut self) -> Result<(), ReadError> {
+        self.differs_from(None).map(drop)
+    }
+
+    fn differs_from(&mut self, expected: Option<&Message>) -> Result<bool, ReadError> {
+        let recorded = loop {
+            match self.reader.next()? {
+                None => break None,
+                Some(Entry::Metadata { name, .. }) if name == RECOVERED => self.is_recovered = true,
+                Some(entry) => {
+                    if let Some(message) = entry.message() {
+                        break Some((message.time, Difference::between(Some(&message), expected)));
+                    }
+                }
+            }
+        };
+        let difference = match recorded {
+            None if self.is_recovered && expected.is_some() => {
+                self.replay.verdict = Verdict::IdenticalUntilCut;
+                return Ok(true);
+            }
+            None => Difference::between(None, expected),
+            Some((time, None)) => {
+                self.replay.same += 1;
+                self.replay.until = time;
+                None
+            }
+            Some((_, difference)) => difference,
+        };
+        let Some(difference) = difference else { return Ok(false) };
+        self.replay.verdict = Verdict::Different(difference);
+        Ok(true)
+    }
+}

@@ -1,0 +1,86 @@
+//! A recording and a topic in; the messages on it as rows of a table out.
+
+use super::decode::{decode, flatten};
+use super::{Entry, ReadError, Reader};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::io::Read;
+
+/// The most columns that a table may have.
+const MOST: usize = 4096;
+
+/// The columns that messages on a topic have, in the order in which they first occur.
+///
+/// # Errors
+/// [`ReadError`]: also if there is no such topic, or its messages cannot be decoded.
+pub fn columns<R: Read>(reader: &mut Reader<R>, topic: &str) -> Result<Vec<String>, ReadError> {
+    let mut columns = Vec::new();
+    let mut known = BTreeMap::new();
+    let mut topics = Vec::new();
+    let file = reader.name().to_owned();
+    while let Some(entry) = reader.next()? {
+        if let Entry::Channel { definition, .. } = &entry {
+            topics.push(format!("`{}`", definition.topic));
+        }
+        let Some(message) = entry.message().filter(|m| m.channel.topic == topic) else { continue };
+        let Some(value) = decode(message.channel, message.data) else {
+            return Err(undecodable(&file, topic, message.time));
+        };
+        for (path, _) in flatten(&value) {
+            if known.len() == MOST && !known.contains_key(&path) {
+                let what = format!("`{topic}` has more than {MOST} fields: too many for a table");
+                return Err(ReadError::Lacks { file, what });
+            }
+            known.entry(path).or_insert_with_key(|path| {
+                columns.push(path.clone());
+                columns.len() - 1
+            });
+        }
+    }
+    topics.dedup();
+    if columns.is_empty() {
+        let what = match topics.contains(&format!("`{topic}`")) {
+            true => format!("there are no messages on `{topic}`"),
+            false if topics.is_empty() => format!("has no channel `{topic}`; it has none at all"),
+            false => format!("has no channel `{topic}`; it has {}", topics.join(", ")),
+        };
+        return Err(ReadError::Lacks { file, what });
+    }
+    Ok(columns)
+}
+
+/// Hands on every message on a topic as its time (ns) and its cells in the order of `columns`; a cell is `None` where the message has none.
+///
+/// # Errors
+/// [`ReadError`], or what `row` gives back.
+pub fn rows<R: Read, E: From<ReadError>>(
+    reader: &mut Reader<R>,
+    topic: &str,
+    columns: &[String],
+    mut row: impl FnMut(u64, &[Option<&Value>]) -> Result<(), E>,
+) -> Result<(), E> {
+    let index: BTreeMap<&str, usize> = columns.iter().enumerate().map(|(i, c)| (c.as_str(), i)).collect();
+    let file = reader.name().to_owned();
+    while let Some(entry) = reader.next()? {
+        let Some(message) = entry.message().filter(|m| m.channel.topic == topic) else { continue };
+        let Some(value) = decode(message.channel, message.data) else {
+            return Err(undecodable(&file, topic, message.time).into());
+        };
+        let mut cells = vec![None; columns.len()];
+        for (path, value) in flatten(&value) {
+            if let Some(&i) = index.get(path.as_str()) {
+                cells[i] = Some(value);
+            }
+        }
+        row(message.time, &cells)?;
+    }
+    Ok(())
+}
+
+fn undecodable(file: &str, topic: &str, time: u64) -> ReadError {
+    let what = format!(
+        "the message on `{topic}` at {} s cannot be decoded: it is not what its schema says, or too long",
+        time as f64 / 1e9
+    );
+    ReadError::Lacks { file: file.to_owned(), what }
+}

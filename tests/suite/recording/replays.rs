@@ -1,0 +1,81 @@
+//! A recording is run again, and what differs is named.
+
+use super::{carrier, chunks, encoded, example, path, rapier, short, unpacked};
+use crate::support::{cocarry, json, stderr, stdout};
+use cocarry::recording::{Reader, Verdict, recover, replay};
+use cocarry::scenario::Plant;
+
+/// The same file with one of its messages rewritten.
+fn rewritten(whole: &[u8], from: &str, to: &str) -> Vec<u8> {
+    assert_eq!(from.len(), to.len());
+    let mut bytes = unpacked(whole);
+    let at = bytes.windows(from.len()).position(|w| w == from.as_bytes()).expect(from);
+    bytes[at..at + from.len()].copy_from_slice(to.as_bytes());
+    bytes
+}
+
+fn replayed(bytes: &[u8]) -> cocarry::recording::Replay {
+    replay(Reader::new(bytes, "m").unwrap(), Reader::new(bytes, "m").unwrap())
+        .unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn a_recording_replays_to_the_last_message_on_every_plant() {
+    for plant in [Plant::Point, Plant::Kinematic { carrier: carrier() }, rapier()] {
+        let (bytes, written) = encoded(example(plant), |_| {});
+        let again = replayed(&bytes);
+        assert_eq!(again.verdict, Verdict::Identical);
+        assert_eq!(again.same, written.len() as u64);
+    }
+}
+
+#[test]
+fn a_replay_names_what_differs_with_both_values() {
+    let whole = short();
+    assert_eq!(replayed(&unpacked(&whole)).verdict, Verdict::Identical);
+    let changed = rewritten(&whole, "\"executed_index\":2,\"heading", "\"executed_index\":1,\"heading");
+    let Verdict::Different(d) = replayed(&changed).verdict else { panic!("no difference") };
+    assert_eq!(
+        (&*d.topic, &*d.field, &*d.recorded, &*d.expected),
+        ("/coordination", "executed_index", "1", "2")
+    );
+    assert_eq!(d.time, 0);
+    let said = rewritten(&whole, "the robot leads on option", "the human leads on option");
+    let Verdict::Different(d) = replayed(&said).verdict else { panic!("no difference") };
+    assert_eq!((&*d.topic, &*d.field), ("/log", "message"));
+    assert!(d.recorded.contains("human leads") && d.expected.contains("robot leads"));
+    // another world gives another run
+    let moved = rewritten(&whole, "seed = 1", "seed = 2");
+    assert_eq!(replayed(&moved).verdict, Verdict::Identical, "a point has no gait");
+    let patient = rewritten(&whole, "eta = 10.5", "eta = 90.5");
+    let Verdict::Different(d) = replayed(&patient).verdict else { panic!("no difference") };
+    assert_eq!((&*d.topic, &*d.field, d.time), ("/coordination", "stubbornness", 200_000_000));
+    // recovered from a cut one
+    let folder = tempfile::tempdir().unwrap();
+    let to = folder.path().join("saved.mcap");
+    recover(&mut Reader::new(&whole[..chunks(&whole)[2] + 20], "m").unwrap(), &to, false).unwrap();
+    let cut = replayed(&std::fs::read(&to).unwrap());
+    assert_eq!(cut.verdict, Verdict::IdenticalUntilCut);
+    assert!(cut.same > 3);
+}
+
+#[test]
+fn the_program_replays() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, other] = ["r.mcap", "o.mcap"].map(|n| path(folder.path(), n));
+    json(&["run", "--plant", "rapier", "--record", &file, "--json", "--seed", "4"]);
+    let output = cocarry(&["replay", &file]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stdout(&output).contains("identical"));
+    let changed = rewritten(&std::fs::read(&file).unwrap(), "\"threshold\":1.0", "\"threshold\":2.0");
+    std::fs::write(&other, changed).unwrap();
+    let output = cocarry(&["replay", &other]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = stdout(&output);
+    for part in ["in tick 0, at 0.0 s", "/coordination", "threshold", "recorded: 2.0", "run again: 1.0"] {
+        assert!(said.contains(part), "{said}");
+    }
+    let output = cocarry(&["replay", "Cargo.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("Cargo.toml: is no MCAP file"));
+}

@@ -1,0 +1,214 @@
+//! What is in a recording is what happened, under the names that are documented.
+
+use super::{carrier, decoded, encoded, example, messages, path, rapier};
+use crate::support::{cocarry, json, repository, stderr, stdout};
+use cocarry::episode::Tick;
+use cocarry::geometry::Pose;
+use cocarry::recording::{Channel, Contents, Reader};
+use cocarry::robot::Robot;
+use cocarry::scenario::Plant;
+use serde_json::Value;
+
+#[test]
+fn what_is_read_is_what_was_written() {
+    let (bytes, written) = encoded(example(rapier()), |_| {});
+    let read = messages(&bytes);
+    assert_eq!(read.len(), written.len());
+    for (read, written) in read.iter().zip(&written) {
+        assert_eq!((&*read.0, read.1, &read.2), (written.channel.topic(), written.time, &written.data));
+    }
+    assert!(written.windows(2).all(|w| w[0].time <= w[1].time), "time runs forward");
+    let contents = Contents::read(&mut Reader::new(&bytes[..], "test").unwrap()).unwrap();
+    assert_eq!(contents.provenance["seed"], "1");
+    assert_eq!(contents.outcome.expect("an outcome")["outcome"], "arrived");
+    for channel in Channel::ALL {
+        assert!(contents.channels[channel.topic()].messages > 0, "{channel:?}");
+    }
+}
+
+/// Frames, joints and figures say what the episode says.
+#[test]
+fn frames_and_figures_are_those_of_the_episode() {
+    let mut seen: Vec<(u64, Vec<Pose>, [Pose; 3], f64)> = Vec::new();
+    let mut ticks: Vec<Tick> = Vec::new();
+    let (_, written) = encoded(example(rapier()), |episode| {
+        let o = episode.observation().expect("physics");
+        let bodies = [o.object, o.hand, o.torso];
+        let links = episode.link_poses().expect("a robot");
+        seen.push(((o.time * 1e9).round() as u64, links, bodies, o.hand_grip.mean.force.z));
+        if seen.len() > 1 {
+            ticks.push(episode.tick().clone());
+        }
+    });
+    let robot = Robot::built_in().unwrap();
+    let of = |channel: Channel| written.iter().filter(move |m| m.channel == channel);
+    assert_eq!(of(Channel::Transforms).count(), seen.len());
+    for (message, (time, links, bodies, _)) in of(Channel::Transforms).zip(&seen) {
+        assert!(message.time.abs_diff(*time) < 1000);
+        let value = decoded(message);
+        let at = |frame: &str| {
+            let all = value["transforms"].as_array().unwrap();
+            let t = all.iter().find(|t| t["child_frame_id"] == frame).unwrap_or_else(|| panic!("{frame}"));
+            assert_eq!(t["parent_frame_id"], "world");
+            ["x", "y", "z"].map(|axis| t["translation"][axis].as_f64().unwrap())
+        };
+        for (link, pose) in robot.links.iter().zip(links) {
+            let p = pose.translation;
+            assert_eq!(at(&format!("robot/{}", link.name)), [p.x, p.y, p.z]);
+        }
+        for (frame, pose) in ["object", "human/hand", "human/torso"].iter().zip(bodies) {
+            let p = pose.translation;
+            assert_eq!(at(frame), [p.x, p.y, p.z]);
+        }
+    }
+    for (message, (_, _, _, force)) in of(Channel::Interaction).zip(&seen[1..]) {
+        assert_eq!(decoded(message)["hand"]["force_n"]["z"].as_f64(), Some(*force));
+    }
+    for (message, tick) in of(Channel::Coordination).zip(&ticks) {
+        let value = decoded(message);
+        assert_eq!(value["stubbornness"].as_f64(), Some(tick.stubbornness));
+        assert_eq!(value["x_m"].as_f64(), Some(tick.position.x));
+    }
+    for (message, tick) in of(Channel::Options).zip(&ticks) {
+        let value = decoded(message);
+        for (o, option) in tick.options.iter().enumerate() {
+            let recorded = &value["options"][o];
+            assert_eq!(recorded["probability"].as_f64(), Some(option.probability));
+            let expected = Some(option.expected).filter(|e| e.is_finite());
+            assert_eq!(recorded["expected_m"].as_f64(), expected, "what is no number is null");
+        }
+    }
+    let said: Vec<String> =
+        of(Channel::Log).map(|m| decoded(m)["message"].as_str().unwrap().to_owned()).collect();
+    for words in ["leads on option 3", "the human takes the lead", "arrived on option 3"] {
+        assert!(said.iter().any(|s| s.contains(words)), "{words:?} is missing from {said:?}");
+    }
+}
+
+/// Every JSON message has just the fields of its schema, of the types that it says.
+#[test]
+fn json_messages_are_as_their_schemas_say() {
+    fn check(schema: &Value, value: &Value, path: &str) {
+        let nullable = schema["nullable"] == true;
+        assert!(schema["description"].is_string() || path.is_empty() || path.ends_with("[]"), "{path}");
+        match schema["type"].as_str().unwrap_or_else(|| panic!("{path}: one plain type")) {
+            _ if value.is_null() => assert!(nullable, "{path} is null"),
+            "number" => assert!(value.is_number(), "{path}: {value}"),
+            "integer" => assert!(value.is_u64(), "{path}: {value}"),
+            "string" => assert!(value.is_string(), "{path}: {value}"),
+            "boolean" => assert!(value.is_boolean(), "{path}: {value}"),
+            "array" => {
+                for item in value.as_array().unwrap() {
+                    check(&schema["items"], item, &format!("{path}[]"));
+                }
+            }
+            "object" => {
+                let (fields, known) = (value.as_object().unwrap(), schema["properties"].as_object().unwrap());
+                assert!(fields.keys().eq(known.keys()), "{path}: {:?}", fields.keys());
+                fields.iter().for_each(|(key, value)| check(&known[key], value, &format!("{path}.{key}")));
+            }
+            other => panic!("{path}: {other}"),
+        }
+    }
+    let mut checked = 0;
+    for plant in [Plant::Point, Plant::Kinematic { carrier: carrier() }, rapier()] {
+        for message in encoded(example(plant), |_| {}).1.iter().filter(|m| m.channel.encoding() == "json") {
+            let schema: Value = serde_json::from_slice(&message.channel.schema().data).unwrap();
+            check(&schema, &decoded(message), "");
+            checked += 1;
+        }
+    }
+    assert!(checked > 1000);
+}
+
+#[test]
+fn two_runs_give_the_same_bytes_and_recovering_a_whole_recording_changes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let [a, b, c] = ["a.mcap", "b.mcap", "c.mcap"].map(|name| path(folder.path(), name));
+    for file in [&a, &b] {
+        json(&["run", "environment-1", "--plant", "rapier", "--seed", "7", "--record", file, "--json"]);
+    }
+    let bytes = std::fs::read(&a).unwrap();
+    assert!(bytes == std::fs::read(&b).unwrap());
+    assert!(bytes.len() < 3 << 20);
+    let output = cocarry(&["recover", &a, "-o", &c]);
+    assert!(stdout(&output).contains("nothing is lost"), "{}", stderr(&output));
+    assert!(bytes == std::fs::read(&c).unwrap());
+    let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert_eq!(left.len(), 3, "{left:?}");
+    let text = String::from_utf8_lossy(&bytes);
+    assert!(!text.contains(folder.path().to_str().unwrap()), "no path of this machine");
+}
+
+#[test]
+fn inspect_tells_what_is_in_a_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, table, picture, ticks] =
+        ["r.mcap", "t.csv", "p.svg", "t.jsonl"].map(|n| path(folder.path(), n));
+    let run = json(&["run", "--record", &file, "--seed", "3", "--json", "--ticks", &ticks]);
+    let told = json(&["inspect", &file, "--json"]);
+    assert_eq!(told["outcome"]["outcome"], run["outcome"]);
+    assert_eq!(told["outcome"]["steps"], run["steps"]);
+    assert_eq!(told["outcome"]["control_cost"], run["control"]["cost"]);
+    assert_eq!(told["provenance"]["seed"], "3");
+    assert_eq!(told["attachments"][0]["name"], "scenario.toml");
+    let steps = run["steps"].as_u64().unwrap();
+    let tf = told["channels"].as_array().unwrap().iter().find(|c| c["topic"] == "/tf").unwrap();
+    assert_eq!(tf["messages"], steps + 1);
+    let text = stdout(&cocarry(&["inspect", &file]));
+    assert!(text.contains("foxglove.SceneUpdate") && text.contains("arrived"), "{text}");
+
+    let output = cocarry(&["inspect", &file, "--csv", "/options", "--output", &table]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let mut reader = csv::Reader::from_path(&table).unwrap();
+    let headings = reader.headers().unwrap().clone();
+    let column = headings.iter().position(|h| h == "options[3].probability").expect("a column");
+    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    assert_eq!(rows.len() as u64, steps);
+    let ticks = std::fs::read_to_string(&ticks).unwrap();
+    for (row, line) in rows.iter().zip(ticks.lines()) {
+        let tick: Value = serde_json::from_str(line).unwrap();
+        assert_eq!(row[column].parse::<f64>().unwrap(), tick["options"][2]["probability"].as_f64().unwrap());
+    }
+    let joints = stdout(&cocarry(&["inspect", &file, "--csv", "/joints"]));
+    assert!(joints.lines().next().unwrap().contains("joints[elbow_flex_joint].position"));
+    let output = cocarry(&["inspect", &file, "--csv", "/nothing"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("no channel `/nothing`") && stderr(&output).contains("`/options`"));
+
+    let drawn = path(folder.path(), "run.svg");
+    json(&["run", "--seed", "3", "--json", "--svg", &drawn]);
+    assert!(cocarry(&["inspect", &file, "--svg", &picture]).status.success());
+    assert_eq!(std::fs::read_to_string(picture).unwrap(), std::fs::read_to_string(drawn).unwrap());
+}
+
+/// Everything that the layout shows is recorded, under that name.
+#[test]
+fn the_layout_for_foxglove_asks_for_what_is_recorded() {
+    let text = std::fs::read_to_string(repository("assets/foxglove/cocarry.json")).unwrap();
+    let layout: Value = serde_json::from_str(&text).unwrap();
+    let panels = layout["configById"].as_object().unwrap();
+    let mut plotted = 0;
+    for path in panels.values().flat_map(|p| p["paths"].as_array().into_iter().flatten()) {
+        let (topic, fields) = path["value"].as_str().unwrap().split_once('.').expect("a topic and a field");
+        let channel = Channel::of_topic(topic).unwrap_or_else(|| panic!("{topic}"));
+        let mut schema: Value = serde_json::from_slice(&channel.schema().data).unwrap();
+        for key in fields.split('.') {
+            let name = key.split('[').next().unwrap();
+            schema = schema["properties"][name].clone();
+            if key.ends_with(']') {
+                schema = schema["items"].clone();
+            }
+        }
+        assert_eq!(schema["type"], "number", "{topic}.{fields}");
+        plotted += 1;
+    }
+    assert!(plotted > 10);
+    assert_eq!(panels["RosOut!log"]["topicToRender"], Channel::Log.topic());
+    for topic in panels["3D!scene"]["topics"].as_object().unwrap().keys() {
+        let channel = Channel::of_topic(topic).unwrap_or_else(|| panic!("{topic}"));
+        assert_eq!(channel.schema().name, "foxglove.SceneUpdate");
+    }
+    let text = layout["layout"].to_string();
+    assert!(panels.keys().all(|panel| text.contains(&format!("\"{panel}\""))), "every panel has a place");
+}
