@@ -147,3 +147,68 @@ pub fn rolled(jacobian: &InputJacobian, rims: &Rims, period: f64) -> Reference {
     }
     rolled
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::direction;
+
+    const DRIVE: Drive = Drive { track: 0.37, wheel_radius: 0.06, rim_speed_limit: 1.0, base_radius: 0.25 };
+    const PERIOD: f64 = 0.2;
+
+    /// The way of a grasp that goes round a corner of so many radians, and is `walked` (m) past it.
+    fn corner(angle: f64, walked: f64) -> Vec<Point> {
+        let point = |along: f64| Point::from(direction(if along < 0.0 { 0.0 } else { angle }) * along);
+        (0..50).rev().map(|i| point(walked - Follower::STEP * f64::from(i))).collect()
+    }
+
+    #[test]
+    fn a_base_follows_round_corners_and_keeps_its_distance() {
+        for angle in [0.0, 0.5, -1.0, 1.5] {
+            let mut base = PlanarPose { position: Point::new(-1.8, 0.0), yaw: 0.0 };
+            let mut rims = [0.5; 2];
+            for tick in 0..40 {
+                let walked = -1.0 + 0.1 * f64::from(tick);
+                let way = corner(angle, walked);
+                let follower = Follower { way: &way, speeds: [0.5; 2], acceleration: 0.5, distance: 0.8 };
+                let before = rims;
+                rims = follower.rims(&DRIVE, &base, rims, PERIOD)[0];
+                for (rim, before) in rims.iter().zip(before) {
+                    assert!(rim.abs() <= 1.0 && (rim - before).abs() <= ACCELERATION * PERIOD + 1e-12);
+                }
+                base = DRIVE.roll(&base, rims.map(|rim| rim * PERIOD));
+                let off = way
+                    .windows(2)
+                    .map(|w| (base.position - nearest_on_segment(base.position, w[0], w[1])).norm());
+                let off = off.fold(f64::INFINITY, f64::min);
+                assert!(off < 0.12, "{angle}: {off} m off the way");
+                // a body length past the corner it is on the way again
+                if walked > 2.0 {
+                    assert!(off < 0.02, "{angle}: {off} m off the way, {walked} m past the corner");
+                    // the base has gone on by a tenth of a metre, the grasp has yet to
+                    let behind = (way[49] - base.position).norm();
+                    assert!((behind - 0.7).abs() < 0.03, "{angle}: {behind} m behind");
+                }
+            }
+        }
+    }
+
+    /// Where the base stands still, the arm has all to do; where it moves as the reference does, nothing.
+    #[test]
+    fn closed_form_what_is_left_for_the_arm() {
+        let grasp = PlanarPose { position: Point::new(1.0, 0.2), yaw: 0.3 }.at_height(0.7);
+        let base = PlanarPose { position: Point::new(0.1, 0.0), yaw: 0.2 };
+        let rims: Rims = std::array::from_fn(|t| [0.1 * t as f64, 0.5]);
+        let mut reference = Reference::zeros();
+        let mut at = base;
+        for (t, rim) in rims.iter().enumerate() {
+            at = DRIVE.roll(&at, rim.map(|rim| rim * PERIOD));
+            let carried = at.at_height(0.0) * base.at_height(0.0).inverse() * grasp;
+            reference.set_column(t, &pose_difference(&carried, &grasp));
+        }
+        let left = seen_from_base(&reference, &grasp, &base, &DRIVE, &rims, PERIOD);
+        assert!(left.norm() < 1e-12, "{left}");
+        let still = seen_from_base(&reference, &grasp, &base, &DRIVE, &[[0.0; 2]; HORIZON], PERIOD);
+        assert!((still - reference).norm() < 1e-12);
+    }
+}

@@ -237,7 +237,7 @@ impl<'a> Episode<'a> {
             return Some(Outcome::Collided);
         }
         if self.underway && self.along >= self.path.length() {
-            let at_target = self.progress.position == self.options.target();
+            let at_target = (self.progress.position - self.options.target()).norm() < 1e-6;
             return Some(if at_target { Outcome::Arrived } else { Outcome::NoWay });
         }
         if self.steps_without_progress > STUCK {

@@ -104,3 +104,63 @@ impl Turn {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ARC: Arc = Arc { radius: 0.5, most: 4.5 };
+
+    fn straight() -> Path {
+        let mut path = Path::default();
+        path.line(Point::new(0.0, 0.0), Point::new(-6.0, 3.0));
+        path
+    }
+
+    /// Length of the way, and the largest jump of its heading.
+    fn walk(way: &Path) -> (f64, f64) {
+        let headings = (0..=1000).map(|i| way.heading_at(way.length() * f64::from(i) / 1000.0).unwrap());
+        let headings: Vec<f64> = headings.collect();
+        let jump = headings.windows(2).map(|w| wrap_angle(w[1] - w[0]).abs()).fold(0.0, f64::max);
+        (way.length(), jump)
+    }
+
+    #[test]
+    fn property_a_turn_begins_as_one_walks_and_ends_as_the_path_does() {
+        for degrees in (0..360).step_by(15) {
+            let heading = f64::from(degrees).to_radians();
+            let (from, path) = (Point::new(0.6, 0.1), straight());
+            let mut way = Path::default();
+            assert!(write_turn_onto(&path, from, heading, ARC, |_| true, &mut way), "{degrees}");
+            assert!((way.point_at(0.0).unwrap() - from).norm() < 1e-9);
+            let sweep = wrap_angle(way.heading_at(0.0).unwrap() - heading).abs();
+            let bent = way.length() > (path.point_at(6.0).unwrap() - from).norm() + 0.5;
+            assert!(sweep < 1e-6 || !bent, "{degrees}: {sweep}");
+            assert!((way.point_at(way.length()).unwrap() - Point::new(-6.0, 3.0)).norm() < 1e-9);
+            let (_, jump) = walk(&way);
+            assert!(jump < SHARPEST + 0.05, "{degrees}: {jump}");
+        }
+    }
+
+    #[test]
+    fn a_turn_goes_the_other_way_round_what_is_in_its_way() {
+        let (from, path) = (Point::new(0.0, 0.0), straight());
+        let mut way = Path::default();
+        assert!(write_turn_onto(&path, from, -0.5, ARC, |_| true, &mut way));
+        let free = way.length();
+        let left = |p: Point| left_of(direction(-0.5)).dot(&p.coords) > -0.2;
+        assert!(write_turn_onto(&path, from, -0.5, ARC, left, &mut way));
+        assert!(way.length() > free);
+        assert!(!write_turn_onto(&path, from, -0.5, ARC, |_| false, &mut way));
+        assert_eq!(way.length(), 0.0);
+    }
+
+    #[test]
+    fn a_turn_is_no_longer_than_it_may_be() {
+        let (from, path) = (Point::new(0.0, 0.0), straight());
+        let mut way = Path::default();
+        let tight = Arc { radius: 0.5, most: 1.0 };
+        assert!(!write_turn_onto(&path, from, -0.5, tight, |_| true, &mut way));
+        assert!(write_turn_onto(&path, from, 2.4, tight, |_| true, &mut way));
+    }
+}

@@ -6,7 +6,7 @@ use cocarry::coordination::{Method, Mode};
 use cocarry::episode::{Episode, Manipulator, Outcome, Settings, Summary, Tick};
 use cocarry::experiments::paper::EXAMPLE_HUMAN;
 use cocarry::robot::Robot;
-use cocarry::simulation::{Party, PhysicsSettings};
+use cocarry::simulation::{HumanSettings, Party, PhysicsSettings};
 
 fn steady() -> PhysicsSettings {
     let settings = PhysicsSettings::default();
@@ -98,23 +98,72 @@ fn the_gait_depends_on_the_seed_and_its_size() {
     assert_eq!(cost(&["--seed", "1", "--sway", "0"]), cost(&["--seed", "2", "--sway", "0"]));
 }
 
-/// Environment 2's walls leave no room for an arm that reaches round their corners: see the README.
+/// A hand that sways by 10 cm takes the human's body along, and Environment 2's openings leave it 4 cm.
 #[test]
 fn a_collision_ends_the_episode_and_is_told() {
-    let arguments = ["run", "environment-2", "--plant", "rapier", "--seed", "1"];
+    let arguments = ["run", "environment-2", "--seed", "1", "--sway", "0.1"];
     let output = cocarry(&arguments);
     assert_eq!(output.status.code(), Some(3));
     let said = stdout(&output);
-    assert!(said.contains("touched wall-") && said.contains("did not arrive: collided"), "{said}");
+    assert!(said.contains("torso touched wall-") && said.contains("did not arrive: collided"), "{said}");
     let told = cocarry(&[&arguments[..], &["--json"]].concat());
     let told: serde_json::Value = serde_json::from_slice(&told.stdout).expect("JSON");
     assert_eq!(told["collision"]["between"][1]["party"], "obstacle");
     assert!(told["interaction"]["hand_force_rms_n"].as_f64().expect("a force") > 10.0);
-    let (summary, ticks) = carry("worlds/environment-2.toml", Method::Mutual, Some(steady()));
+    let physics = PhysicsSettings::default();
+    let human = HumanSettings { sway_lateral: 0.1, ..physics.human };
+    let swaying = PhysicsSettings { human, ..physics };
+    let (summary, ticks) = carry("worlds/environment-2.toml", Method::Mutual, Some(swaying));
     assert_eq!(summary.outcome, Outcome::Collided);
     let contact = summary.collision.expect("a contact");
-    assert_eq!(contact.between[1].party, Party::Obstacle);
+    assert_eq!(contact.between.map(|part| part.party), [Party::Human, Party::Obstacle]);
     assert_eq!(summary.steps as usize, ticks.len());
+}
+
+/// Environment 2: openings of 0.57 to 0.78 m, one turn behind the other, for a base of 0.5 m.
+#[test]
+fn the_team_gets_through_narrow_openings_without_touching() {
+    for method in [Method::Mutual, Method::WithoutModel] {
+        let (summary, ticks) = carry("worlds/environment-2.toml", method, Some(PhysicsSettings::default()));
+        assert_eq!(summary.outcome, Outcome::Arrived, "{method:?}: {:?}", summary.collision);
+        let control = summary.control.expect("a robot");
+        assert!(control.least_clearance > 0.0 && control.least_clearance < 0.04);
+        assert!(control.error_rms(summary.steps) < 0.04, "{} m", control.error_rms(summary.steps));
+        let rms = summary.interaction.expect("physics").rms_force();
+        assert!(rms < 25.0, "{method:?}: {rms} N");
+        assert!(
+            ticks
+                .iter()
+                .all(|t| t.robot.is_some_and(|r| r.physics.is_some_and(|p| p.obstacle_distance > 0.0)))
+        );
+    }
+}
+
+/// Where nobody changes their mind, forces and errors stay small from the first step on.
+#[test]
+fn a_team_starts_gently_and_takes_the_lead_over_gently() {
+    let (summary, ticks) =
+        carry("worlds/environment-4.toml", Method::Mutual, Some(PhysicsSettings::default()));
+    let transition = summary.transition.expect("a transition").step;
+    let calm = |tick: &&Tick| tick.step < 10 || tick.step.abs_diff(transition) <= 1;
+    for tick in ticks.iter().filter(calm) {
+        let robot = tick.robot.expect("a robot");
+        let physics = robot.physics.expect("physics");
+        assert!(robot.position_error < 0.02, "step {}: {} m", tick.step, robot.position_error);
+        assert!(physics.stretch[1] < 0.03, "step {}: {:?} m", tick.step, physics.stretch);
+        assert!(physics.peak_force < 35.0, "step {}: {} N", tick.step, physics.peak_force);
+    }
+}
+
+/// The human turns back: the object's middle goes on behind them, in an arc, and nothing is pulled.
+#[test]
+fn a_change_of_option_is_walked_in_an_arc() {
+    let arguments = ["run", "environment-4", "--seed", "12", "--json"];
+    let told = json(&arguments);
+    assert_eq!(told["outcome"], "arrived");
+    assert_ne!(told["first_option"], told["last_option"]);
+    let peak = told["interaction"]["peak_force_n"].as_f64().expect("a force");
+    assert!(peak < 100.0, "{peak} N");
 }
 
 #[test]
@@ -132,7 +181,7 @@ fn a_world_without_room_for_the_team_is_refused() {
 
 #[test]
 fn sway_is_for_the_physical_plant() {
-    let output = cocarry(&["run", "--sway", "0.02"]);
+    let output = cocarry(&["run", "--plant", "kinematic", "--sway", "0.02"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("--plant rapier"));
     let output = cocarry(&["run", "--plant", "rapier", "--sway", "2"]);
