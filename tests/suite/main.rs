@@ -13,6 +13,7 @@ mod physical_carrying;
 mod physics;
 mod readme;
 mod recording;
+mod reference_recordings;
 mod robots;
 mod scenarios;
 mod snapshots;
