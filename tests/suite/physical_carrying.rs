@@ -55,6 +55,22 @@ fn without_sway_the_episode_is_the_kinematic_plants() {
 }
 
 #[test]
+fn table_2_with_bodies_is_table_2() {
+    let told = json(&["reproduce", "h2", "--plant", "rapier", "--humans", "2", "--sway", "0", "--json"]);
+    let rows = told["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), 16);
+    for row in rows {
+        assert_eq!([&row["arrived"], &row["same_option"]], [2, 2], "{row}");
+        let ratio = row["farthest_ratio"].as_f64().expect("a ratio");
+        assert!((ratio - 1.0).abs() < 0.05, "{row}");
+        assert!(row["transition_difference"].as_u64().expect("steps") <= 5, "{row}");
+    }
+    let output = cocarry(&["reproduce", "h2", "--sway", "0"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("--plant rapier"));
+}
+
+#[test]
 fn property_the_team_stays_together_on_its_way() {
     let (summary, ticks) =
         carry("worlds/environment-4.toml", Method::HumanLed, Some(PhysicsSettings::default()));
