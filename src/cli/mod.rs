@@ -1,10 +1,12 @@
 //! The command line in; text, tables, JSON, files and an exit code out.
 
+mod fit;
 mod inspect;
 mod model;
 mod output;
 mod record;
 mod recover;
+mod regress;
 mod replay;
 mod reproduce;
 mod robot;
@@ -26,7 +28,7 @@ use std::process::ExitCode;
     version,
     max_term_width = 100,
     after_help = "With no command, one episode is run in the paper's Environment 4 with the human of its example.\n\n\
-        Exit codes: 0 done (run: the team arrived; replay: identical), 1 replay: different,\n  \
+        Exit codes: 0 done (run: the team arrived; replay: identical), 1 replay: different, regress check: figures moved,\n  \
         2 bad input, 3 the team did not arrive, 4 an output could not be written, 130 interrupted.\n\n\
         Examples:\n  \
         cocarry                                           an episode, with defaults\n  \
@@ -50,6 +52,10 @@ enum Command {
     Inspect(inspect::Arguments),
     Recover(recover::Arguments),
     Replay(replay::Arguments),
+    #[command(subcommand)]
+    Fit(fit::Parameter),
+    #[command(subcommand)]
+    Regress(regress::Action),
 }
 
 /// Parses the process's arguments, does what they ask, and prints errors.
@@ -62,6 +68,8 @@ pub fn main() -> ExitCode {
         Some(Command::Inspect(arguments)) => inspect::run(&arguments),
         Some(Command::Recover(arguments)) => recover::run(&arguments),
         Some(Command::Replay(arguments)) => replay::run(&arguments),
+        Some(Command::Fit(parameter)) => fit::run(&parameter),
+        Some(Command::Regress(action)) => regress::run(&action),
     };
     match done {
         Ok(code) => code,

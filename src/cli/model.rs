@@ -14,6 +14,13 @@ pub(super) struct ModelArguments {
     /// Weight of risk against distance, c_r, in metres
     #[arg(long, value_name = "M", default_value_t = preference::RISK_WEIGHT, value_parser = positive, allow_negative_numbers = true)]
     pub risk_weight: f64,
+    #[command(flatten)]
+    pub belief: BeliefArguments,
+}
+
+/// How the robot believes (alpha, gamma) to be distributed.
+#[derive(Args, Debug)]
+pub(super) struct BeliefArguments {
     /// Distribution of alpha that the robot assumes: uniform(LOWER,UPPER) or normal(MEAN,STD,LOWER,UPPER)
     #[arg(long, value_name = "DIST", default_value = "uniform(0.55,0.95)")]
     pub belief_alpha: Marginal,
@@ -34,11 +41,18 @@ struct SampleRow {
 
 impl ModelArguments {
     pub fn predictor(&self) -> Result<Predictor, Failure> {
+        self.belief.predictor(self.risk_weight)
+    }
+}
+
+impl BeliefArguments {
+    /// Predicts from this belief with that c_r (m).
+    pub fn predictor(&self, risk_weight: f64) -> Result<Predictor, Failure> {
         let belief = match &self.belief_samples {
             None => Belief::Independent { alpha: self.belief_alpha, gamma: self.belief_gamma },
             Some(file) => samples(file).map_err(Failure::Input)?,
         };
-        Predictor::new(belief, self.risk_weight).map_err(input)
+        Predictor::new(belief, risk_weight).map_err(input)
     }
 }
 
@@ -72,6 +86,12 @@ pub(super) fn load_world(path: &Path) -> Result<World, Failure> {
             })
             .map_err(Failure::Input),
     }
+}
+
+/// The world that a file in `folder` names: a world file relative to that folder, else as [`load_world`] takes it.
+pub(super) fn load_world_near(folder: &Path, name: &str) -> Result<World, Failure> {
+    let beside = folder.join(name);
+    if beside.is_file() { load_world(&beside) } else { load_world(Path::new(name)) }
 }
 
 /// eta, or c_r in metres: beyond a million, a slip.

@@ -3,11 +3,13 @@
 
 pub mod contacts;
 pub mod cycles;
+pub mod fit;
 pub mod h1;
 pub mod h2;
 pub mod h2_physical;
 pub mod h3;
 pub mod paper;
+pub mod regress;
 
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};

@@ -83,9 +83,7 @@ impl Default for Predictor {
 impl Predictor {
     /// A predictor for a belief and the weight `c_r` of risk in eq. 2 (finite, not negative; the paper fits 10).
     pub fn new(belief: Belief, risk_weight: f64) -> Result<Self, PreferenceError> {
-        if !(risk_weight >= 0.0 && risk_weight.is_finite()) {
-            return Err(PreferenceError::RiskWeight { risk_weight });
-        }
+        check(risk_weight)?;
         let model = match &belief {
             Belief::Independent { alpha, gamma } => Model::Independent(Box::new(Independent {
                 domain: Domain {
@@ -112,6 +110,16 @@ impl Predictor {
     /// The weight `c_r` of perceived risk.
     pub fn risk_weight(&self) -> f64 {
         self.risk_weight
+    }
+
+    /// Predicts with another weight `c_r` from here on.
+    ///
+    /// # Errors
+    /// [`PreferenceError::RiskWeight`], as in [`Predictor::new`].
+    pub fn set_risk_weight(&mut self, risk_weight: f64) -> Result<(), PreferenceError> {
+        check(risk_weight)?;
+        self.risk_weight = risk_weight;
+        Ok(())
     }
 
     /// Probability `P_o` that each option has the lowest subjective cost (eq. 4), into `choice`.
@@ -181,6 +189,13 @@ impl Predictor {
             }
             Belief::Samples(set) => set.samples()[0].perception,
         }
+    }
+}
+
+fn check(risk_weight: f64) -> Result<(), PreferenceError> {
+    match risk_weight >= 0.0 && risk_weight.is_finite() {
+        true => Ok(()),
+        false => Err(PreferenceError::RiskWeight { risk_weight }),
     }
 }
 

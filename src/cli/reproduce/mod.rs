@@ -103,11 +103,12 @@ pub(super) struct Cycles {
     keep: Option<PathBuf>,
 }
 
+/// What all commands with tables take.
 #[derive(Args, Debug)]
-struct Common {
+pub(super) struct Common {
     /// Print one JSON object instead of tables
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
     /// Threads to use [default: all cores]; the figures do not depend on it
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1024))]
     threads: Option<u64>,
@@ -115,7 +116,7 @@ struct Common {
 
 impl Common {
     /// Runs the work on as many threads as asked for.
-    fn on_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
+    pub(super) fn on_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
         let threads = self.threads.map_or(0, |n| n as usize);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         Ok(pool.context("threads").map_err(Failure::Output)?.install(work))

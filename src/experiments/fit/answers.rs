@@ -1,0 +1,200 @@
+//! A file of percentages and the worlds that it names in; every participant's answers, checked and summing to one, out.
+
+use super::FitError;
+use super::table::{Column, read};
+use crate::episode::prospects;
+use crate::options::OptionSet;
+use crate::preference::Prospect;
+use std::path::Path;
+
+/// By how much (percent) the percentages of an answer may sum to something else than 100: what rounding does to a few options.
+pub const SUM_TOLERANCE: f64 = 1.0;
+
+/// A file of answers, not yet matched with its worlds.
+#[derive(Clone, Debug)]
+pub struct AnswerFile {
+    file: String,
+    rows: Vec<AnswerRow>,
+}
+
+#[derive(Clone, Debug)]
+struct AnswerRow {
+    line: u64,
+    participant: String,
+    world: String,
+    option: String,
+    /// At least 0.
+    percent: f64,
+}
+
+/// A world as participants saw it: its options from the start.
+#[derive(Clone, Debug)]
+pub struct Situation {
+    /// What the file calls the world.
+    pub world: String,
+    /// The options' names.
+    pub options: Vec<String>,
+    /// What they offer.
+    pub prospects: Vec<Prospect>,
+}
+
+/// Answers that are complete and fit their worlds.
+#[derive(Clone, Debug)]
+pub struct Answers {
+    /// The file that they are from.
+    pub file: String,
+    /// The worlds.
+    pub situations: Vec<Situation>,
+    /// The participants, in the order of the file.
+    pub participants: Vec<String>,
+    /// By participant and world: the share of every option, summing to 1; none where the participant was not asked.
+    pub shares: Vec<Vec<Option<Vec<f64>>>>,
+    /// Answers that summed to something else than 100 by more than the tolerance and were scaled: participant, world, percent.
+    pub scaled: Vec<(String, String, f64)>,
+}
+
+impl Situation {
+    /// A world's options from its start.
+    pub fn new(world: String, set: &OptionSet) -> Self {
+        let options = set.options().iter().map(|o| o.name.clone()).collect();
+        Self { world, options, prospects: prospects(set, &set.begin()) }
+    }
+}
+
+impl AnswerFile {
+    /// Reads a CSV file with the columns participant, world, option and percent.
+    ///
+    /// # Errors
+    /// [`FitError`], which names line, column and value.
+    pub fn read(path: &Path) -> Result<Self, FitError> {
+        let columns = ["participant", "world", "option", "percent"].map(Column::needed);
+        let file = path.display().to_string();
+        let mut rows = Vec::new();
+        for row in read(path, columns)? {
+            let cell = |column, value: &str, expected: &str| FitError::Cell {
+                file: file.clone(),
+                line: row.line,
+                column,
+                value: value.to_owned(),
+                expected: expected.to_owned(),
+            };
+            let [participant, world, option, percent] = &row.values;
+            for (column, value) in [("participant", participant), ("world", world), ("option", option)] {
+                if value.is_empty() {
+                    return Err(cell(column, value, "a name"));
+                }
+            }
+            let number = percent.parse().ok().filter(|p: &f64| (0.0..=1000.0).contains(p));
+            let Some(number) = number else {
+                return Err(cell("percent", percent, "a number from 0 to 100, with a decimal point"));
+            };
+            rows.push(AnswerRow {
+                line: row.line,
+                participant: participant.clone(),
+                world: world.clone(),
+                option: option.clone(),
+                percent: number,
+            });
+        }
+        Ok(Self { file, rows })
+    }
+
+    /// The worlds that the file names, each with the line that does so first.
+    pub fn worlds(&self) -> Vec<(String, u64)> {
+        let mut worlds: Vec<(String, u64)> = Vec::new();
+        for row in &self.rows {
+            if worlds.iter().all(|(world, _)| *world != row.world) {
+                worlds.push((row.world.clone(), row.line));
+            }
+        }
+        worlds
+    }
+
+    /// Matches the rows with the worlds, of which there must be one for every name in [`AnswerFile::worlds`]. Sums are scaled to 100 where
+    /// they are off by no more than [`SUM_TOLERANCE`], or whatever they are if `normalise` says so.
+    ///
+    /// # Errors
+    /// [`FitError`]: an unknown option, an answer given twice or not for all options, percentages that do not sum to 100.
+    pub fn matched(&self, situations: Vec<Situation>, normalise: bool) -> Result<Answers, FitError> {
+        let mut answers = Answers {
+            file: self.file.clone(),
+            situations,
+            participants: Vec::new(),
+            shares: Vec::new(),
+            scaled: Vec::new(),
+        };
+        // by participant and world: line and percent of every option
+        let mut given: Vec<Vec<Vec<Option<(u64, f64)>>>> = Vec::new();
+        for row in &self.rows {
+            let Some(w) = answers.situations.iter().position(|s| s.world == row.world) else { continue };
+            let options = &answers.situations[w].options;
+            let Some(o) = options.iter().position(|name| *name == row.option) else {
+                let known: Vec<_> = options.iter().map(|name| format!("`{name}`")).collect();
+                return Err(FitError::Cell {
+                    file: self.file.clone(),
+                    line: row.line,
+                    column: "option",
+                    value: row.option.clone(),
+                    expected: format!("an option of {}: {}", row.world, known.join(", ")),
+                });
+            };
+            let known = answers.participants.iter().position(|p| *p == row.participant);
+            let p = known.unwrap_or_else(|| {
+                answers.participants.push(row.participant.clone());
+                given.push(answers.situations.iter().map(|s| vec![None; s.options.len()]).collect());
+                given.len() - 1
+            });
+            if let Some((first, _)) = given[p][w][o].replace((row.line, row.percent)) {
+                return Err(FitError::Duplicate {
+                    file: self.file.clone(),
+                    line: row.line,
+                    what: format!(
+                        "participant `{}` in {}, option `{}`,",
+                        row.participant, row.world, row.option
+                    ),
+                    first,
+                });
+            }
+        }
+        for (p, given) in given.iter().enumerate() {
+            let shares = (0..given.len()).map(|w| self.shares(&mut answers, p, w, &given[w], normalise));
+            let shares = shares.collect::<Result<_, _>>()?;
+            answers.shares.push(shares);
+        }
+        Ok(answers)
+    }
+
+    /// One answer as shares; none if there is none.
+    fn shares(
+        &self,
+        answers: &mut Answers,
+        participant: usize,
+        situation: usize,
+        given: &[Option<(u64, f64)>],
+        normalise: bool,
+    ) -> Result<Option<Vec<f64>>, FitError> {
+        let lines = || given.iter().flatten().map(|g| g.0);
+        let Some((first, line)) = lines().min().zip(lines().max()) else { return Ok(None) };
+        let (participant, situation) = (&answers.participants[participant], &answers.situations[situation]);
+        let file = || self.file.clone();
+        if let Some(o) = given.iter().position(Option::is_none) {
+            return Err(FitError::OptionMissing {
+                file: file(),
+                line,
+                participant: participant.clone(),
+                world: situation.world.clone(),
+                option: situation.options[o].clone(),
+            });
+        }
+        let percent: Vec<f64> = given.iter().flatten().map(|g| g.1).collect();
+        let sum: f64 = percent.iter().sum();
+        if (sum - 100.0).abs() > SUM_TOLERANCE + 1e-9 {
+            if !normalise || sum <= 0.0 {
+                let (participant, world) = (participant.clone(), situation.world.clone());
+                return Err(FitError::Sum { file: file(), line, first, participant, world, sum });
+            }
+            answers.scaled.push((participant.clone(), situation.world.clone(), sum));
+        }
+        Ok(Some(percent.into_iter().map(|p| p / sum).collect()))
+    }
+}

@@ -1,0 +1,134 @@
+//! What can be wrong with a file of answers or switches, each case with its file, line, column and value.
+
+use thiserror::Error;
+
+/// Why nothing was fitted.
+#[derive(Debug, Error)]
+pub enum FitError {
+    /// The file cannot be read.
+    #[error("{file}: cannot be read")]
+    Read {
+        /// The file.
+        file: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The file is not CSV.
+    #[error("{file}: not a valid CSV file")]
+    Csv {
+        /// The file.
+        file: String,
+        /// What is wrong, with the line.
+        source: csv::Error,
+    },
+    /// A column is missing, or there twice.
+    #[error("{file}:{line}: {fault} column `{column}`; found `{found}`, expected {expected}")]
+    Column {
+        /// The file.
+        file: String,
+        /// Line of the header.
+        line: u64,
+        /// `no`, or `more than one`.
+        fault: &'static str,
+        /// The column.
+        column: &'static str,
+        /// The columns found.
+        found: String,
+        /// The columns expected.
+        expected: String,
+    },
+    /// A row has more or fewer fields than the header.
+    #[error("{file}:{line}: {found} fields; the header has {expected}")]
+    Fields {
+        /// The file.
+        file: String,
+        /// Line of the row.
+        line: u64,
+        /// Fields found.
+        found: usize,
+        /// Columns of the header.
+        expected: usize,
+    },
+    /// A file with a header at most.
+    #[error("{file}: no rows; expected the columns {expected} and a row for every answer")]
+    NoRows {
+        /// The file.
+        file: String,
+        /// The columns expected.
+        expected: String,
+    },
+    /// A value is wrong.
+    #[error("{file}:{line}: {column} = {value:?}; it must be {expected}")]
+    Cell {
+        /// The file.
+        file: String,
+        /// Line of the row.
+        line: u64,
+        /// Column of the value.
+        column: &'static str,
+        /// The value found.
+        value: String,
+        /// The values allowed.
+        expected: String,
+    },
+    /// The same question is answered twice.
+    #[error("{file}:{line}: {what} has an answer already, in line {first}; one is expected")]
+    Duplicate {
+        /// The file.
+        file: String,
+        /// Line of the second answer.
+        line: u64,
+        /// What was asked.
+        what: String,
+        /// Line of the first answer.
+        first: u64,
+    },
+    /// A participant's answer lacks an option.
+    #[error("{file}:{line}: participant `{participant}` answers for {world}, but not for its option `{option}`; every option needs a row, 0 percent included")]
+    OptionMissing {
+        /// The file.
+        file: String,
+        /// Line of the last row of the answer.
+        line: u64,
+        /// Who.
+        participant: String,
+        /// Where.
+        world: String,
+        /// The option without a row.
+        option: String,
+    },
+    /// A participant's percentages do not sum to 100.
+    #[error("{file}:{line}: percent of participant `{participant}` in {world} (lines {first} to {line}) sums to {sum}; it must be 100 (give or take 1); --normalise scales every sum to 100")]
+    Sum {
+        /// The file.
+        file: String,
+        /// Line of the last row of the answer.
+        line: u64,
+        /// Line of its first row.
+        first: u64,
+        /// Who.
+        participant: String,
+        /// Where.
+        world: String,
+        /// The sum, percent.
+        sum: f64,
+    },
+    /// A world is to be held out of which there are no answers, or none is left.
+    #[error("{file}: {reason}")]
+    Worlds {
+        /// The file.
+        file: String,
+        /// What is wrong with the worlds asked for.
+        reason: String,
+    },
+    /// The model says the same whatever c_r.
+    #[error("{file}: the answers tell nothing of c_r: in every world that is fitted, P_o is the same for all c_r from {lower} to {upper} m")]
+    Flat {
+        /// The file.
+        file: String,
+        /// Least c_r tried, m.
+        lower: f64,
+        /// Largest c_r tried, m.
+        upper: f64,
+    },
+}

@@ -1,0 +1,19 @@
+//! What people answered in; the model's parameters that fit it, with intervals, out: c_r from percentages, eta from the steps of switches.
+
+mod answers;
+mod error;
+mod eta;
+mod lognormal;
+mod minimum;
+mod risk_weight;
+mod switches;
+mod table;
+mod walk;
+
+pub use answers::{AnswerFile, Answers, Situation, SUM_TOLERANCE};
+pub use error::FitError;
+pub use eta::{Eta, EtaFit, Evidence, fit_eta};
+pub use lognormal::LogNormal;
+pub use risk_weight::{CELL_ERROR, Estimate, Errors, RiskWeightFit, RiskWeightSettings, Row, fit_risk_weight};
+pub use switches::{Executed, Switch, SwitchFile};
+pub use walk::Guidance;

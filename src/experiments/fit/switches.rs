@@ -1,0 +1,190 @@
+//! A file of switches and the worlds that it names in; what every episode tells of its participant's eta out.
+
+use super::table::{Column, read};
+use super::{FitError, Guidance};
+use crate::coordination::Method;
+use crate::episode::Settings;
+use crate::options::OptionSet;
+use std::path::Path;
+
+/// A file of switches, not yet matched with its worlds.
+#[derive(Clone, Debug)]
+pub struct SwitchFile {
+    file: String,
+    rows: Vec<SwitchRow>,
+}
+
+#[derive(Clone, Debug)]
+struct SwitchRow {
+    line: u64,
+    participant: String,
+    world: String,
+    executed: Executed,
+    trial: String,
+    step: Option<u64>,
+    step_text: String,
+}
+
+/// What the robot did.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Executed {
+    /// It walked the option of that name.
+    Option(String),
+    /// It chose by eq. (6), as in `cocarry run`.
+    Mutual,
+}
+
+impl Executed {
+    /// As a file says it.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Option(name) => format!("option {name}"),
+            Self::Mutual => Method::Mutual.name().to_owned(),
+        }
+    }
+}
+
+/// An episode, and what it tells of eta.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Switch {
+    /// Line in the file.
+    pub line: u64,
+    /// Who.
+    pub participant: String,
+    /// World, as the file calls it.
+    pub world: String,
+    /// What the robot did.
+    pub executed: Executed,
+    /// The step at which they asked to switch; none if never.
+    pub step: Option<u64>,
+    /// Bounds of the eta that do so, the upper one infinite if they never did; none if no eta does.
+    pub bounds: Option<[f64; 2]>,
+}
+
+impl SwitchFile {
+    /// Reads a CSV file with the columns participant, world, step and option or method (or both, one of them empty), if wanted also trial.
+    ///
+    /// # Errors
+    /// [`FitError`], which names line, column and value.
+    pub fn read(path: &Path) -> Result<Self, FitError> {
+        let columns = [
+            Column::needed("participant"),
+            Column::needed("world"),
+            Column::optional("option"),
+            Column::optional("method"),
+            Column::needed("step"),
+            Column::optional("trial"),
+        ];
+        let file = path.display().to_string();
+        let mut rows: Vec<SwitchRow> = Vec::new();
+        for row in read(path, columns)? {
+            let [participant, world, option, method, step, trial] = row.values;
+            let line = row.line;
+            let cell = |column, value: &str, expected: &str| FitError::Cell {
+                file: file.clone(),
+                line,
+                column,
+                value: value.to_owned(),
+                expected: expected.to_owned(),
+            };
+            for (column, value) in [("participant", &participant), ("world", &world)] {
+                if value.is_empty() {
+                    return Err(cell(column, value, "a name"));
+                }
+            }
+            let executed = match (option.as_str(), method.as_str()) {
+                ("", "") => return Err(cell("option", "", "an option's name, unless there is a method")),
+                ("", "mutual") => Executed::Mutual,
+                ("", other) => {
+                    return Err(cell(
+                        "method",
+                        other,
+                        "mutual: with the others nobody is led, or nobody switches",
+                    ));
+                }
+                (_, "") => Executed::Option(option),
+                (_, other) => return Err(cell("method", other, "empty where an option is given")),
+            };
+            let number = if step.is_empty() { Some(None) } else { step.parse().ok().map(Some) };
+            let Some(number) = number else {
+                return Err(cell("step", &step, "a whole number of steps, or empty for never"));
+            };
+            let is_same = |r: &&SwitchRow| {
+                (&r.participant, &r.world, &r.executed, &r.trial) == (&participant, &world, &executed, &trial)
+            };
+            if let Some(first) = rows.iter().find(is_same) {
+                let what = format!(
+                    "participant `{participant}` in {world}, {} (a column `trial` tells repetitions apart),",
+                    executed.name()
+                );
+                return Err(FitError::Duplicate { file, line, what, first: first.line });
+            }
+            let (step, step_text) = (number, step);
+            rows.push(SwitchRow { line, participant, world, executed, trial, step, step_text });
+        }
+        Ok(Self { file, rows })
+    }
+
+    /// The worlds that the file names, each with the line that does so first.
+    pub fn worlds(&self) -> Vec<(String, u64)> {
+        let mut worlds: Vec<(String, u64)> = Vec::new();
+        for row in &self.rows {
+            if worlds.iter().all(|(world, _)| *world != row.world) {
+                worlds.push((row.world.clone(), row.line));
+            }
+        }
+        worlds
+    }
+
+    /// What every row tells of eta, with these worlds (one for every name in [`SwitchFile::worlds`]); of the settings, belief, c_r, phi(0) and
+    /// the walk count, eta does not.
+    ///
+    /// # Errors
+    /// [`FitError`]: an unknown option, or a step beyond the episode's end.
+    pub fn matched(
+        &self,
+        worlds: &[(String, OptionSet)],
+        settings: &Settings,
+    ) -> Result<Vec<Switch>, FitError> {
+        let mut known: Vec<(&str, &Executed, Guidance)> = Vec::new();
+        let mut switches = Vec::new();
+        for row in &self.rows {
+            let Some((_, set)) = worlds.iter().find(|(name, _)| *name == row.world) else { continue };
+            let is_same = |k: &(&str, &Executed, Guidance)| k.0 == row.world && *k.1 == row.executed;
+            let guidance = match known.iter().position(is_same) {
+                Some(i) => &known[i].2,
+                None => {
+                    known.push((&row.world, &row.executed, self.guidance(row, set, settings)?));
+                    &known[known.len() - 1].2
+                }
+            };
+            if row.step.is_some_and(|step| step >= guidance.steps()) {
+                let (executed, last) = (row.executed.name(), guidance.steps().saturating_sub(1));
+                let expected = format!("at most {last}, the last step of {executed} in {}", row.world);
+                return Err(self.cell(row, "step", &row.step_text, expected));
+            }
+            switches.push(Switch {
+                line: row.line,
+                participant: row.participant.clone(),
+                world: row.world.clone(),
+                executed: row.executed.clone(),
+                step: row.step,
+                bounds: guidance.bounds(set, settings, row.step),
+            });
+        }
+        Ok(switches)
+    }
+
+    fn guidance(&self, row: &SwitchRow, set: &OptionSet, settings: &Settings) -> Result<Guidance, FitError> {
+        let Executed::Option(name) = &row.executed else { return Ok(Guidance::mutual(set, settings)) };
+        let option = set.options().iter().position(|o| o.name == *name);
+        option.and_then(|o| Guidance::along_option(set, settings, o)).ok_or_else(|| {
+            let known: Vec<_> = set.options().iter().map(|o| format!("`{}`", o.name)).collect();
+            self.cell(row, "option", name, format!("an option of {}: {}", row.world, known.join(", ")))
+        })
+    }
+
+    fn cell(&self, row: &SwitchRow, column: &'static str, value: &str, expected: String) -> FitError {
+        FitError::Cell { file: self.file.clone(), line: row.line, column, value: value.to_owned(), expected }
+    }
+}

@@ -1,0 +1,265 @@
+//! A file of runs (TOML) in; the runs, their tolerances and recorded figures, or the same text with other figures, out.
+
+use super::{BaselineError, FIGURES, Figure, Figures};
+use std::path::Path;
+use toml_edit::{Document, DocumentMut, Item, Table};
+
+/// A file of runs.
+#[derive(Clone, Debug)]
+pub struct Baseline {
+    /// The file as it was named by the caller.
+    pub file: String,
+    /// The runs, in the order of the file.
+    pub runs: Vec<Run>,
+    text: String,
+    tolerances: Vec<(String, Tolerance)>,
+}
+
+/// A run.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Its name: as given, or its keys and values.
+    pub name: String,
+    /// Line of its `[[run]]`.
+    pub line: usize,
+    /// Its keys and values, and the line of each, but for `name` and `recorded`.
+    pub arguments: Vec<(String, Value, usize)>,
+    /// What was recorded of it.
+    pub recorded: Option<Vec<(String, Figure)>>,
+}
+
+/// The value of an argument.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Value {
+    /// A flag that is set, or not.
+    Flag(bool),
+    /// Anything else, as it would stand on a command line.
+    Text(String),
+}
+
+/// By how much a number may move: `absolute + relative * |recorded|`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// Part of what was recorded.
+    pub relative: f64,
+    /// In the unit of the figure.
+    pub absolute: f64,
+}
+
+impl Default for Tolerance {
+    /// 1e-6 of what was recorded: far more than the last bits in which mathematical libraries differ, far less than anything that matters.
+    fn default() -> Self {
+        Self { relative: 1e-6, absolute: 1e-9 }
+    }
+}
+
+/// What a file may hold at its top.
+const TOP: [&str; 2] = ["tolerance", "run"];
+
+impl Baseline {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`BaselineError`], with line, key and value. Whether a run's arguments are good is not looked at.
+    pub fn load(path: &Path) -> Result<Self, BaselineError> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| BaselineError::Read { file: file.clone(), source })?;
+        Self::parse(file, text)
+    }
+
+    /// Reads a file's text; `file` is what errors call it.
+    ///
+    /// # Errors
+    /// As [`Baseline::load`].
+    pub fn parse(file: String, text: String) -> Result<Self, BaselineError> {
+        let document = Document::parse(text.clone())
+            .map_err(|source| BaselineError::Syntax { file: file.clone(), source: Box::new(source) })?;
+        let source = Source { file: &file, text: &text };
+        if let Some((key, _)) = document.iter().find(|(key, _)| !TOP.contains(key)) {
+            return Err(source.unknown(document.as_table(), key, "the file", &TOP));
+        }
+        let tolerances = document.get("tolerance").map_or(Ok(Vec::new()), |item| tolerances(&source, item))?;
+        let runs = document.get("run").and_then(Item::as_array_of_tables);
+        let Some(runs) = runs.filter(|runs| !runs.is_empty()) else {
+            return Err(BaselineError::NoRuns { file });
+        };
+        let mut read: Vec<Run> = Vec::new();
+        for table in runs {
+            let run = run(&source, table)?;
+            if read.iter().any(|other| other.name == run.name) {
+                let Run { name, line, .. } = run;
+                return Err(BaselineError::Duplicate { file, line, name });
+            }
+            read.push(run);
+        }
+        Ok(Self { file, runs: read, text, tolerances })
+    }
+
+    /// By how much a figure may move.
+    pub fn tolerance(&self, figure: &str) -> Tolerance {
+        let of = |name: &str| self.tolerances.iter().find(|t| t.0 == name).map(|t| t.1);
+        of(figure).or_else(|| of("")).unwrap_or_default()
+    }
+
+    /// The file's text with these figures, one set for every run, instead of those recorded; all else, comments included, stays as it is.
+    ///
+    /// # Errors
+    /// [`BaselineError`]: none for a text that was read before.
+    pub fn recorded(&self, figures: &[Figures]) -> Result<String, BaselineError> {
+        let mut document: DocumentMut = self.text.parse().map_err(|source| BaselineError::Syntax {
+            file: self.file.clone(),
+            source: Box::new(source),
+        })?;
+        let Some(runs) = document.get_mut("run").and_then(Item::as_array_of_tables_mut) else {
+            return Err(BaselineError::NoRuns { file: self.file.clone() });
+        };
+        for (run, figures) in runs.iter_mut().zip(figures) {
+            let old = run.get("recorded").and_then(Item::as_table);
+            let mut table = Table::new();
+            if let Some(old) = old {
+                // keeps its place among the tables, and what stands around it
+                *table.decor_mut() = old.decor().clone();
+                if let Some(position) = old.position() {
+                    table.set_position(Some(position));
+                }
+            } else {
+                table.decor_mut().set_prefix("\n");
+            }
+            for (name, figure) in figures {
+                table.insert(name, toml_edit::value(match figure {
+                    Figure::Text(text) => toml_edit::Value::from(text.as_str()),
+                    Figure::Count(count) => toml_edit::Value::from(*count),
+                    Figure::Number(number) => toml_edit::Value::from(*number),
+                }));
+            }
+            run.insert("recorded", Item::Table(table));
+        }
+        Ok(document.to_string())
+    }
+}
+
+/// A text that errors point into.
+struct Source<'a> {
+    file: &'a str,
+    text: &'a str,
+}
+
+impl Source<'_> {
+    /// The line of a byte.
+    fn line(&self, span: Option<std::ops::Range<usize>>) -> usize {
+        let at = span.map_or(0, |span| span.start).min(self.text.len());
+        1 + self.text.as_bytes()[..at].iter().filter(|b| **b == b'\n').count()
+    }
+
+    fn unknown(&self, table: &Table, key: &str, place: &str, expected: &[&str]) -> BaselineError {
+        BaselineError::Key {
+            file: self.file.to_owned(),
+            line: self.line(table.key(key).and_then(|k| k.span())),
+            place: place.to_owned(),
+            key: key.to_owned(),
+            expected: expected.join(", "),
+        }
+    }
+
+    fn wrong(&self, item: &Item, place: &str, key: &str, expected: &str) -> BaselineError {
+        BaselineError::Value {
+            file: self.file.to_owned(),
+            line: self.line(item.span()),
+            place: place.to_owned(),
+            key: key.to_owned(),
+            value: item.to_string().trim().to_owned(),
+            expected: expected.to_owned(),
+        }
+    }
+}
+
+/// Tolerances by figure; that of all others has no name.
+fn tolerances(source: &Source, item: &Item) -> Result<Vec<(String, Tolerance)>, BaselineError> {
+    const KEYS: [&str; 2] = ["relative", "absolute"];
+    let table_of = |item: &Item, key: &str, place: &str| match item.as_table() {
+        Some(table) => Ok(table.clone()),
+        None => Err(source.wrong(item, place, key, "a table with relative and absolute")),
+    };
+    let read = |table: &Table, place: &str, default: Tolerance| {
+        let number = |key: &str, default: f64| match table.get(key) {
+            None => Ok(default),
+            Some(item) => {
+                let number = item.as_float().or_else(|| item.as_integer().map(|i| i as f64));
+                let number = number.filter(|n| *n >= 0.0 && n.is_finite());
+                number.ok_or_else(|| source.wrong(item, place, key, "a number of at least 0"))
+            }
+        };
+        let relative = number(KEYS[0], default.relative)?;
+        Ok(Tolerance { relative, absolute: number(KEYS[1], default.absolute)? })
+    };
+    let table = table_of(item, "tolerance", "the file")?;
+    let general = read(&table, "tolerance", Tolerance::default())?;
+    let mut all = vec![(String::new(), general)];
+    for (figure, item) in table.iter().filter(|(key, _)| !KEYS.contains(key)) {
+        if !FIGURES.contains(&figure) {
+            return Err(source.unknown(&table, figure, "tolerance", &[&KEYS[..], &FIGURES[..]].concat()));
+        }
+        let own = table_of(item, figure, "tolerance")?;
+        let place = format!("tolerance.{figure}");
+        if let Some((key, _)) = own.iter().find(|(key, _)| !KEYS.contains(key)) {
+            return Err(source.unknown(&own, key, &place, &KEYS));
+        }
+        all.push((figure.to_owned(), read(&own, &place, general)?));
+    }
+    Ok(all)
+}
+
+fn run(source: &Source, table: &Table) -> Result<Run, BaselineError> {
+    let line = source.line(table.span());
+    let mut run = Run { name: String::new(), line, arguments: Vec::new(), recorded: None };
+    for (key, item) in table.iter() {
+        match key {
+            "name" => match item.as_str().filter(|name| !name.is_empty()) {
+                Some(name) => run.name = name.to_owned(),
+                None => return Err(source.wrong(item, "run", key, "a word in quotes")),
+            },
+            "recorded" => run.recorded = Some(recorded(source, item)?),
+            _ => {
+                let value = match item.as_value() {
+                    Some(toml_edit::Value::Boolean(flag)) => Value::Flag(*flag.value()),
+                    Some(toml_edit::Value::String(text)) => Value::Text(text.value().clone()),
+                    Some(toml_edit::Value::Integer(number)) => Value::Text(number.value().to_string()),
+                    Some(toml_edit::Value::Float(number)) => Value::Text(number.value().to_string()),
+                    _ => return Err(source.wrong(item, "run", key, "a number, a word in quotes, true or false")),
+                };
+                run.arguments.push((key.to_owned(), value, source.line(item.span())));
+            }
+        }
+    }
+    if run.name.is_empty() {
+        let words = run.arguments.iter().map(|(key, value, _)| match (key.as_str(), value) {
+            ("world" | "method" | "plant", Value::Text(text)) => text.clone(),
+            (_, Value::Text(text)) => format!("{key} {text}"),
+            (_, Value::Flag(true)) => key.clone(),
+            (_, Value::Flag(false)) => format!("no {key}"),
+        });
+        run.name = words.collect::<Vec<_>>().join(", ");
+    }
+    Ok(run)
+}
+
+fn recorded(source: &Source, item: &Item) -> Result<Vec<(String, Figure)>, BaselineError> {
+    let Some(table) = item.as_table() else {
+        return Err(source.wrong(item, "run", "recorded", "a table [run.recorded], as `record` writes it"));
+    };
+    let mut figures = Vec::new();
+    for (key, item) in table.iter() {
+        if !FIGURES.contains(&key) {
+            return Err(source.unknown(table, key, "run.recorded", &FIGURES));
+        }
+        let figure = match item.as_value() {
+            Some(toml_edit::Value::String(text)) => Figure::Text(text.value().clone()),
+            Some(toml_edit::Value::Integer(count)) => Figure::Count(*count.value()),
+            Some(toml_edit::Value::Float(number)) => Figure::Number(*number.value()),
+            _ => return Err(source.wrong(item, "run.recorded", key, "a number or a word in quotes")),
+        };
+        figures.push((key.to_owned(), figure));
+    }
+    Ok(figures)
+}

@@ -1,0 +1,65 @@
+//! A file of runs with the figures recorded of them in; the runs done again, and what moved, out.
+
+mod baseline;
+mod error;
+mod figures;
+
+pub use baseline::{Baseline, Run, Tolerance, Value};
+pub use error::BaselineError;
+pub use figures::{FIGURES, Figure, figures};
+
+use super::{OnDone, in_parallel};
+use crate::scenario::{Scenario, ScenarioError};
+
+/// The figures of a run, in the order of [`FIGURES`].
+pub type Figures = Vec<(&'static str, Figure)>;
+
+/// A figure that is not what was recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moved {
+    /// The run's name.
+    pub run: String,
+    /// The figure.
+    pub figure: String,
+    /// What was recorded; none if nothing was.
+    pub recorded: Option<Figure>,
+    /// What it is now; none if the run has no such figure any more.
+    pub now: Option<Figure>,
+    /// By how much it may move.
+    pub tolerance: Tolerance,
+}
+
+/// Runs all episodes to their ends, results in order.
+pub fn run_all(scenarios: Vec<Scenario>, on_done: OnDone) -> Vec<Result<Figures, ScenarioError>> {
+    in_parallel(scenarios.len(), on_done, |i| {
+        let stage = scenarios[i].clone().prepare()?;
+        let mut episode = stage.episode()?;
+        while episode.step().is_none() {}
+        Ok(figures(&stage, episode.summary()))
+    })
+}
+
+/// What moved in a run by more than it may, in the order of the figures now; then what is no longer there.
+pub fn moved(baseline: &Baseline, run: &Run, now: &Figures) -> Vec<Moved> {
+    let recorded = run.recorded.as_deref().unwrap_or_default();
+    let moved = |figure: &str, recorded: Option<&Figure>, now: Option<&Figure>| Moved {
+        run: run.name.clone(),
+        figure: figure.to_owned(),
+        recorded: recorded.cloned(),
+        now: now.cloned(),
+        tolerance: baseline.tolerance(figure),
+    };
+    let mut found = Vec::new();
+    for (name, value) in now {
+        let before = recorded.iter().find(|(recorded, _)| recorded == name).map(|(_, figure)| figure);
+        if before.is_none_or(|before| !before.is_near(value, baseline.tolerance(name))) {
+            found.push(moved(name, before, Some(value)));
+        }
+    }
+    for (name, value) in recorded {
+        if now.iter().all(|(known, _)| known != name) {
+            found.push(moved(name, Some(value), None));
+        }
+    }
+    found
+}
