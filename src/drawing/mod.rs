@@ -4,6 +4,8 @@
 //! to be printed 88 mm wide. Lines differ in colour and in dash pattern, so that they survive print in grey.
 
 mod adaptation;
+mod answers;
+mod axis;
 mod chart;
 mod labels;
 mod legend;
@@ -12,11 +14,14 @@ mod ratios;
 mod scene;
 mod style;
 mod text;
+mod tolerances;
 mod track;
 
 pub use adaptation::adaptation;
+pub use answers::{AnswerPanel, AnswerRow, RiskWeightMark, answers};
 pub use map::{MOST_LISTED, world_map};
 pub use ratios::{RatioPanel, RatioRow, cost_ratios};
+pub use tolerances::{ToleranceRow, tolerances};
 pub use track::Track;
 
 use thiserror::Error;
@@ -82,6 +87,14 @@ pub enum DrawingError {
         /// The environment.
         environment: u32,
         /// The ratio.
+        value: f64,
+    },
+    /// A fit, or what it was made to, is not a number or beyond all axes.
+    #[error("{what}: {value} cannot be drawn")]
+    Fit {
+        /// What has the number.
+        what: String,
+        /// The number.
         value: f64,
     },
     /// The chart library refused.

@@ -84,7 +84,9 @@ pub enum FitError {
         first: u64,
     },
     /// A participant's answer lacks an option.
-    #[error("{file}:{line}: participant `{participant}` answers for {world}, but not for its option `{option}`; every option needs a row, 0 percent included")]
+    #[error(
+        "{file}:{line}: participant `{participant}` answers for {world}, but not for its option `{option}`; every option needs a row, 0 percent included"
+    )]
     OptionMissing {
         /// The file.
         file: String,
@@ -98,7 +100,9 @@ pub enum FitError {
         option: String,
     },
     /// A participant's percentages do not sum to 100.
-    #[error("{file}:{line}: percent of participant `{participant}` in {world} (lines {first} to {line}) sums to {sum}; it must be 100 (give or take 1); --normalise scales every sum to 100")]
+    #[error(
+        "{file}:{line}: percent of participant `{participant}` in {world} (lines {first} to {line}) sums to {sum}; it must be 100 (give or take 1); --normalise scales every sum to 100"
+    )]
     Sum {
         /// The file.
         file: String,
@@ -122,7 +126,9 @@ pub enum FitError {
         reason: String,
     },
     /// The model says the same whatever c_r.
-    #[error("{file}: the answers tell nothing of c_r: in every world that is fitted, P_o is the same for all c_r from {lower} to {upper} m")]
+    #[error(
+        "{file}: the answers tell nothing of c_r: in every world that is fitted, P_o is the same for all c_r from {lower} to {upper} m"
+    )]
     Flat {
         /// The file.
         file: String,

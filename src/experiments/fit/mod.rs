@@ -10,10 +10,12 @@ mod switches;
 mod table;
 mod walk;
 
-pub use answers::{AnswerFile, Answers, Situation, SUM_TOLERANCE};
+pub use answers::{AnswerFile, Answers, SUM_TOLERANCE, Situation};
 pub use error::FitError;
 pub use eta::{Eta, EtaFit, Evidence, fit_eta};
 pub use lognormal::LogNormal;
-pub use risk_weight::{CELL_ERROR, Estimate, Errors, RiskWeightFit, RiskWeightSettings, Row, fit_risk_weight};
+pub use risk_weight::{
+    CELL_ERROR, Errors, Estimate, RiskWeightFit, RiskWeightSettings, Row, fit_risk_weight,
+};
 pub use switches::{Executed, Switch, SwitchFile};
 pub use walk::Guidance;

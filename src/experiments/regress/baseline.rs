@@ -79,7 +79,8 @@ impl Baseline {
         if let Some((key, _)) = document.iter().find(|(key, _)| !TOP.contains(key)) {
             return Err(source.unknown(document.as_table(), key, "the file", &TOP));
         }
-        let tolerances = document.get("tolerance").map_or(Ok(Vec::new()), |item| tolerances(&source, item))?;
+        let tolerances =
+            document.get("tolerance").map_or(Ok(Vec::new()), |item| tolerances(&source, item))?;
         let runs = document.get("run").and_then(Item::as_array_of_tables);
         let Some(runs) = runs.filter(|runs| !runs.is_empty()) else {
             return Err(BaselineError::NoRuns { file });
@@ -107,10 +108,10 @@ impl Baseline {
     /// # Errors
     /// [`BaselineError`]: none for a text that was read before.
     pub fn recorded(&self, figures: &[Figures]) -> Result<String, BaselineError> {
-        let mut document: DocumentMut = self.text.parse().map_err(|source| BaselineError::Syntax {
-            file: self.file.clone(),
-            source: Box::new(source),
-        })?;
+        let mut document: DocumentMut = self
+            .text
+            .parse()
+            .map_err(|source| BaselineError::Syntax { file: self.file.clone(), source: Box::new(source) })?;
         let Some(runs) = document.get_mut("run").and_then(Item::as_array_of_tables_mut) else {
             return Err(BaselineError::NoRuns { file: self.file.clone() });
         };
@@ -127,11 +128,14 @@ impl Baseline {
                 table.decor_mut().set_prefix("\n");
             }
             for (name, figure) in figures {
-                table.insert(name, toml_edit::value(match figure {
-                    Figure::Text(text) => toml_edit::Value::from(text.as_str()),
-                    Figure::Count(count) => toml_edit::Value::from(*count),
-                    Figure::Number(number) => toml_edit::Value::from(*number),
-                }));
+                table.insert(
+                    name,
+                    toml_edit::value(match figure {
+                        Figure::Text(text) => toml_edit::Value::from(text.as_str()),
+                        Figure::Count(count) => toml_edit::Value::from(*count),
+                        Figure::Number(number) => toml_edit::Value::from(*number),
+                    }),
+                );
             }
             run.insert("recorded", Item::Table(table));
         }
@@ -226,7 +230,14 @@ fn run(source: &Source, table: &Table) -> Result<Run, BaselineError> {
                     Some(toml_edit::Value::String(text)) => Value::Text(text.value().clone()),
                     Some(toml_edit::Value::Integer(number)) => Value::Text(number.value().to_string()),
                     Some(toml_edit::Value::Float(number)) => Value::Text(number.value().to_string()),
-                    _ => return Err(source.wrong(item, "run", key, "a number, a word in quotes, true or false")),
+                    _ => {
+                        return Err(source.wrong(
+                            item,
+                            "run",
+                            key,
+                            "a number, a word in quotes, true or false",
+                        ));
+                    }
                 };
                 run.arguments.push((key.to_owned(), value, source.line(item.span())));
             }

@@ -1,0 +1,154 @@
+//! `cocarry fit eta`: the steps at which participants asked to switch in; eta of each and of all out.
+
+use super::options;
+use crate::cli::model::{ModelArguments, initial_stubbornness};
+use crate::cli::output::{Failure, input, print, print_json, table, table_text, write_file};
+use crate::coordination;
+use crate::drawing::{self, ToleranceRow};
+use crate::episode::Settings;
+use crate::experiments::fit::{Eta, EtaFit, Evidence, SwitchFile, fit_eta};
+use anyhow::{Context, anyhow};
+use clap::Args;
+use serde_json::json;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Fit the tolerance eta of participants to the steps at which they asked to stop following the robot
+///
+/// Switches are CSV with the columns participant, world, option and step: one row for every option that a participant saw the robot walk,
+/// and the step (of 0.2 s and 0.1 m) at which they asked to switch, empty if they never did. Instead of an option, a column `method` may say
+/// `mutual`: the robot chose its way as in `cocarry run`. A column `trial` tells repetitions apart. `world` is a world file, relative to the file of switches,
+/// or a built-in world.
+///
+/// Since g(k) is the same for everyone, a switch at step k says that g(k - 1) / ln(1 / phi(0)) <= eta < g(k) / ln(1 / phi(0)), and none
+/// that eta is at least the last of these. A participant's eta lies in all of these intervals; where they contradict each other, it is taken to scatter
+/// log-normally between episodes.
+#[derive(Args, Debug)]
+pub(in crate::cli) struct Arguments {
+    /// Switches (CSV)
+    switches: PathBuf,
+    /// Print one JSON object instead of tables
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    model: ModelArguments,
+    /// Stubbornness at the start, in (0, 1)
+    #[arg(long, value_name = "PHI", default_value_t = coordination::Settings::default().initial_stubbornness, value_parser = initial_stubbornness, allow_negative_numbers = true)]
+    initial_stubbornness: f64,
+    /// Draw every participant's episodes and eta into this file
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let phi = arguments.initial_stubbornness;
+    if phi >= 1.0 {
+        return Err(input(anyhow!(
+            "--initial-stubbornness {phi}: it must be less than 1; who starts at 1 switches at the first discomfort whatever eta"
+        )));
+    }
+    let file = SwitchFile::read(&arguments.switches).map_err(input)?;
+    let worlds = options(&arguments.switches, file.worlds())?;
+    let settings = Settings {
+        predictor: arguments.model.predictor()?,
+        coordination: coordination::Settings { initial_stubbornness: phi, ..Default::default() },
+        predict_while_human_leads: false,
+        ..Settings::default()
+    };
+    let switches = file.matched(&worlds, &settings).map_err(input)?;
+    let fit = fit_eta(&switches);
+    if let Some(path) = &arguments.svg {
+        let overall = fit.overall.map(|o| (o.median, o.log_std));
+        let svg = drawing::tolerances(&rows(&fit), overall)
+            .with_context(|| path.display().to_string())
+            .map_err(Failure::Output)?;
+        write_file(path, &svg)?;
+    }
+    if arguments.json {
+        return print_json(&json!({
+            "participants": fit.participants,
+            "overall": fit.overall,
+            "median_interval": fit.median_interval,
+            "unexplained_lines": fit.unexplained_lines,
+            "initial_stubbornness": phi,
+            "episodes": switches.iter().map(|s| json!({
+                "line": s.line,
+                "participant": s.participant,
+                "world": s.world,
+                "executed": s.executed.name(),
+                "step": s.step,
+                "eta": s.bounds,
+            })).collect::<Vec<_>>(),
+        }));
+    }
+    print(&text(&fit))
+}
+
+fn text(fit: &EtaFit) -> String {
+    let n = fit.participants.len();
+    let mut text = format!(
+        "eta: tolerance of {n} participant{}, from the steps at which they asked to switch\n",
+        if n == 1 { "" } else { "s" }
+    );
+    let headings = ["participant", "eta", "interval", "evidence", "episodes", "switches"];
+    let mut shown = table(headings, 1);
+    for eta in &fit.participants {
+        shown.add_row([
+            eta.participant.clone(),
+            eta.eta.map_or("-".to_owned(), |eta| format!("{eta:.2}")),
+            eta.interval.map_or("-".to_owned(), interval),
+            evidence(eta),
+            eta.episodes.to_string(),
+            eta.switches.to_string(),
+        ]);
+    }
+    text += &table_text(&shown);
+    match (&fit.overall, fit.median_interval) {
+        (Some(overall), Some(median)) => {
+            let factor = overall.log_std.exp();
+            let (low, high) = (overall.median / factor, overall.median * factor);
+            let _ = writeln!(
+                text,
+                "All: median {:.2} ({}), spread: a factor of {factor:.2} (two thirds of people from {low:.2} to {high:.2}).",
+                overall.median,
+                interval(median)
+            );
+        }
+        _ => text += "All: no median, since nobody switched at a step that bounds eta from above.\n",
+    }
+    if !fit.unexplained_lines.is_empty() {
+        let lines: Vec<String> = fit.unexplained_lines.iter().map(u64::to_string).collect();
+        let _ = writeln!(
+            text,
+            "Left out, since there was no discomfort yet at that step and no eta explains it: line {}.",
+            lines.join(", ")
+        );
+    }
+    text + "bounded: all episodes agree, eta lies in the interval. censored: never switched. scattered: episodes contradict each other; the likeliest\n\
+        log-normal median with its 95 % profile likelihood interval. All: the likeliest log-normal distribution of the intervals.\n"
+}
+
+fn interval([low, high]: [f64; 2]) -> String {
+    match high.is_finite() {
+        true => format!("{low:.2} to {high:.2}"),
+        false => format!("at least {low:.2}"),
+    }
+}
+
+fn evidence(eta: &Eta) -> String {
+    match eta.log_scatter {
+        Some(scatter) => format!("{}, factor {:.2}", eta.evidence.name(), scatter.exp()),
+        None => eta.evidence.name().to_owned(),
+    }
+}
+
+fn rows(fit: &EtaFit) -> Vec<ToleranceRow> {
+    let row = |eta: &Eta| ToleranceRow {
+        label: eta.participant.clone(),
+        bounds: eta.bounds.clone(),
+        estimate: eta.eta,
+        interval: eta.interval,
+        is_scattered: eta.evidence == Evidence::Scattered,
+    };
+    fit.participants.iter().map(row).collect()
+}

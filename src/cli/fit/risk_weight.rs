@@ -1,0 +1,204 @@
+//! `cocarry fit risk-weight`: participants' percentages in; c_r by least squares and by likelihood, and how well it says them, out.
+
+use super::options;
+use crate::cli::model::BeliefArguments;
+use crate::cli::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
+use crate::cli::reproduce::Common;
+use crate::drawing::{self, AnswerPanel, AnswerRow, RiskWeightMark};
+use crate::experiments::fit::{
+    AnswerFile, Answers, CELL_ERROR, Estimate, RiskWeightFit, RiskWeightSettings, Situation, fit_risk_weight,
+};
+use crate::preference::RISK_WEIGHT;
+use anyhow::Context;
+use clap::Args;
+use serde_json::json;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Fit the weight c_r of risk to the percentages with which participants say that they would choose each option
+///
+/// Answers are CSV with the columns participant, world, option and percent: one row for every option of every world that a participant
+/// was asked about, 0 percent included. `world` is a world file, relative to the file of answers, or a built-in world; `option` is an option's name
+/// there. Other columns are ignored, and so are lines that begin with #.
+#[derive(Args, Debug)]
+pub(in crate::cli) struct Arguments {
+    /// Answers (CSV)
+    answers: PathBuf,
+    #[command(flatten)]
+    common: Common,
+    #[command(flatten)]
+    belief: BeliefArguments,
+    /// Hold the answers of this world out of the fit, and say how well it predicts them; may be given several times
+    #[arg(long, value_name = "WORLD")]
+    validate: Vec<String>,
+    /// Scale the percentages of every answer to sum to 100. Without it, only sums from 99 to 101 are (rounding), others are refused
+    #[arg(long)]
+    normalise: bool,
+    /// Resamples of the participants for the 95 % bootstrap interval
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u64).range(40..=1_000_000))]
+    resamples: u64,
+    /// Seed of the resamples
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Draw answers and fit into this file
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let file = AnswerFile::read(&arguments.answers).map_err(input)?;
+    let worlds = options(&arguments.answers, file.worlds())?;
+    let situations = worlds.iter().map(|(world, set)| Situation::new(world.clone(), set)).collect();
+    let answers = file.matched(situations, arguments.normalise).map_err(input)?;
+    let predictor = arguments.belief.predictor(RISK_WEIGHT)?;
+    let settings = RiskWeightSettings {
+        resamples: arguments.resamples as usize,
+        seed: arguments.seed,
+        held_out: arguments.validate.clone(),
+        ..RiskWeightSettings::default()
+    };
+    let bar = Progress::new(settings.resamples, "resamples");
+    let fit = arguments
+        .common
+        .on_threads(|| fit_risk_weight(&answers, &predictor, &settings, &|| bar.step()))?
+        .map_err(input)?;
+    bar.finish();
+    if let Some(path) = &arguments.svg {
+        let svg = drawing::answers(&panels(&fit), &fit.curve, &marks(&fit))
+            .with_context(|| path.display().to_string())
+            .map_err(Failure::Output)?;
+        write_file(path, &svg)?;
+    }
+    if arguments.common.json {
+        return print_json(&json!({
+            "participants": answers.participants.len(),
+            "least_squares": fit.least_squares,
+            "likelihood": fit.likelihood,
+            "nearly_as_good_m": fit.nearly_as_good,
+            "tried_m": settings.range,
+            "resamples": settings.resamples,
+            "seed": settings.seed,
+            "held_out": settings.held_out,
+            "scaled": answers.scaled.iter().map(|(participant, world, percent)| json!({
+                "participant": participant, "world": world, "sum_percent": percent,
+            })).collect::<Vec<_>>(),
+            "rows": fit.rows,
+        }));
+    }
+    print(&text(&answers, &settings, &fit))
+}
+
+fn text(answers: &Answers, settings: &RiskWeightSettings, fit: &RiskWeightFit) -> String {
+    let n = answers.participants.len();
+    let mut text = format!(
+        "c_r: weight of risk against distance, from the answers of {n} participant{}\n",
+        if n == 1 { "" } else { "s" }
+    );
+    let headings =
+        ["by", "c_r (m)", "95 % interval (m)", "lapse (%)", "rms error, fitted (pp)", "held out (pp)"];
+    let mut shown = table(headings, 1);
+    for (name, estimate) in [("least squares", &fit.least_squares), ("likelihood", &fit.likelihood)] {
+        let interval = estimate.interval.map(|[low, high]| format!("{low:.2} to {high:.2}"));
+        shown.add_row([
+            name.to_owned(),
+            format!("{:.3}", estimate.risk_weight),
+            interval.unwrap_or_else(|| "-".to_owned()),
+            estimate.lapse.map_or("-".to_owned(), |lapse| format!("{:.1}", 100.0 * lapse)),
+            format!("{:.2}", estimate.fitted.rms),
+            estimate.held_out.map_or("-".to_owned(), |e| format!("{:.2}", e.rms)),
+        ]);
+    }
+    text += &table_text(&shown);
+    let [low, high] = fit.nearly_as_good;
+    let _ = writeln!(
+        text,
+        "From {low:.2} to {high:.2} m, the rms error is at most {CELL_ERROR} percentage points above the least."
+    );
+    if n == 1 {
+        text += "A single participant: no interval, since there is nobody to resample.\n";
+    } else {
+        let _ = writeln!(
+            text,
+            "Intervals: {} resamples of the participants, seed {}.",
+            settings.resamples, settings.seed
+        );
+    }
+    for (name, estimate) in [("least squares", &fit.least_squares), ("likelihood", &fit.likelihood)] {
+        text += &notes(name, estimate, settings);
+    }
+    for (participant, world, sum) in &answers.scaled {
+        let _ =
+            writeln!(text, "The answer of `{participant}` in {world} summed to {sum} %: scaled to 100 %.");
+    }
+    let headings = [
+        "world",
+        "option",
+        "answered (%)",
+        "least squares (%)",
+        "difference",
+        "likelihood (%)",
+        "difference",
+    ];
+    let mut shown = table(headings, 2);
+    for row in &fit.rows {
+        shown.add_row([
+            format!("{}{}", row.world, if row.is_held_out { " (held out)" } else { "" }),
+            row.option.clone(),
+            format!("{:.1}", row.mean_percent),
+            format!("{:.1}", row.least_squares_percent),
+            format!("{:+.1}", row.least_squares_percent - row.mean_percent),
+            format!("{:.1}", row.likelihood_percent),
+            format!("{:+.1}", row.likelihood_percent - row.mean_percent),
+        ]);
+    }
+    text + "\n" + &table_text(&shown)
+}
+
+fn notes(name: &str, estimate: &Estimate, settings: &RiskWeightSettings) -> String {
+    let mut text = String::new();
+    if estimate.is_at_end {
+        let [low, high] = settings.range;
+        let _ = writeln!(
+            text,
+            "By {name}, c_r lies at an end of what was tried ({low} to {high} m): the answers do not bound it."
+        );
+    }
+    if !estimate.other_optima.is_empty() {
+        let others: Vec<String> = estimate.other_optima.iter().map(|c| format!("{c:.2}")).collect();
+        let _ = writeln!(text, "By {name}, there are other local optima at {} m.", others.join(", "));
+    }
+    let errors = estimate.held_out.map(|e| ("held out", e));
+    for (what, e) in [("fitted", estimate.fitted)].into_iter().chain(errors) {
+        let _ = writeln!(
+            text,
+            "By {name}, in the worlds {what}: mean |difference| {:.2}, largest {:.2} percentage points.",
+            e.mean_absolute, e.largest
+        );
+    }
+    text
+}
+
+fn panels(fit: &RiskWeightFit) -> Vec<AnswerPanel> {
+    let mut panels: Vec<AnswerPanel> = Vec::new();
+    let mut world = None;
+    for row in &fit.rows {
+        if world != Some(&row.world) {
+            world = Some(&row.world);
+            let held_out = if row.is_held_out { ", held out" } else { "" };
+            panels.push(AnswerPanel { title: format!("{}{held_out}", row.world), rows: Vec::new() });
+        }
+        if let Some(panel) = panels.last_mut() {
+            panel.rows.push(AnswerRow {
+                option: row.option.clone(),
+                answers: row.answers_percent.clone(),
+                mean: row.mean_percent,
+                fits: [row.least_squares_percent, row.likelihood_percent],
+            });
+        }
+    }
+    panels
+}
+
+fn marks(fit: &RiskWeightFit) -> [RiskWeightMark; 2] {
+    [&fit.least_squares, &fit.likelihood].map(|e| RiskWeightMark { at: e.risk_weight, interval: e.interval })
+}

@@ -1,0 +1,193 @@
+//! `cocarry regress`: a file of runs in; their figures, recorded in it or compared with what is recorded there, out.
+
+use super::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
+use super::reproduce::Common;
+use super::scenario::ScenarioArguments;
+use crate::experiments::regress::{
+    Baseline, BaselineError, Figure, Figures, Moved, Run, Value, moved, run_all,
+};
+use crate::scenario::Scenario;
+use anyhow::anyhow;
+use clap::error::ContextKind;
+use clap::{ArgAction, Args, CommandFactory, Parser, Subcommand};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Keep costs and outcomes of runs in a file, and find out whether they moved
+#[derive(Debug, Subcommand)]
+pub(super) enum Action {
+    /// Run all, and write their figures into the file; everything else in it stays as it is
+    Record(Arguments),
+    /// Run all, and list the figures that are not what was recorded; exit code 1 if there are any
+    Check(Arguments),
+}
+
+#[derive(Args, Debug)]
+pub(super) struct Arguments {
+    /// Runs (TOML): tables [[run]] with the keys of `cocarry run`'s arguments, and [tolerance]
+    file: PathBuf,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// The arguments of a run, without a program's name before them.
+#[derive(Parser, Debug)]
+#[command(no_binary_name = true)]
+struct RunArguments {
+    #[command(flatten)]
+    scenario: ScenarioArguments,
+}
+
+/// Arguments that name a file, which is looked for beside the file of runs.
+const FILES: [&str; 3] = ["world", "robot", "belief-samples"];
+
+pub(super) fn run(action: &Action) -> Result<ExitCode, Failure> {
+    let (Action::Record(arguments) | Action::Check(arguments)) = action;
+    let baseline = Baseline::load(&arguments.file).map_err(input)?;
+    let is_check = matches!(action, Action::Check(_));
+    if let Some(run) = baseline.runs.iter().find(|run| is_check && run.recorded.is_none()) {
+        let (file, line, name) = (baseline.file.clone(), run.line, run.name.clone());
+        return Err(input(BaselineError::NotRecorded { file, line, name }));
+    }
+    let folder = arguments.file.parent().unwrap_or(Path::new(""));
+    let scenarios = baseline.runs.iter().map(|run| scenario(&baseline.file, folder, run));
+    let scenarios = scenarios.collect::<Result<Vec<_>, _>>()?;
+    let bar = Progress::new(scenarios.len(), "runs");
+    let results = arguments.common.on_threads(|| run_all(scenarios, &|| bar.step()))?;
+    bar.finish();
+    let mut figures: Vec<Figures> = Vec::new();
+    for (run, result) in baseline.runs.iter().zip(results) {
+        let error = |error| anyhow::Error::new(error).context(place(&baseline.file, run.line, &run.name));
+        figures.push(result.map_err(error).map_err(Failure::Input)?);
+    }
+    let was_recorded = |(run, _): &(&Run, &Figures)| run.recorded.is_some();
+    let pairs = baseline.runs.iter().zip(&figures).filter(was_recorded);
+    let found: Vec<Moved> = pairs.flat_map(|(run, now)| moved(&baseline, run, now)).collect();
+    if !is_check {
+        write_file(&arguments.file, baseline.recorded(&figures).map_err(input)?)?;
+    }
+    let compared = figures.iter().map(Vec::len).sum();
+    match arguments.common.json {
+        true => print_json(&json!({
+            "runs": figures.len(),
+            "figures": compared,
+            "moved": found.iter().map(as_json).collect::<Vec<_>>(),
+        }))?,
+        false => print(&text(is_check, figures.len(), compared, &found))?,
+    }
+    Ok(if is_check && !found.is_empty() { ExitCode::from(1) } else { ExitCode::SUCCESS })
+}
+
+fn place(file: &str, line: usize, name: &str) -> String {
+    format!("{file}:{line}: run `{name}`")
+}
+
+/// What a run's keys ask for: they are read as the arguments of `cocarry run` are.
+fn scenario(file: &str, folder: &Path, run: &Run) -> Result<Scenario, Failure> {
+    let command = RunArguments::command();
+    let mut line_of_words = Vec::new();
+    for (key, value, line) in &run.arguments {
+        let long = key.replace('_', "-");
+        let known = command.get_arguments().find(|a| a.get_id() == key || a.get_long() == Some(&long));
+        let Some(argument) = known else {
+            let keys = command.get_arguments().map(|a| a.get_long().unwrap_or(a.get_id().as_str()));
+            let expected = ["name"].into_iter().chain(keys.filter(|key| *key != "help"));
+            return Err(input(BaselineError::Key {
+                file: file.to_owned(),
+                line: *line,
+                place: format!("run `{}`", run.name),
+                key: key.clone(),
+                expected: expected.collect::<Vec<_>>().join(", "),
+            }));
+        };
+        let is_flag = matches!(argument.get_action(), ArgAction::SetTrue);
+        let word = match value {
+            Value::Flag(is_set) if is_flag => is_set.then(|| format!("--{long}")),
+            Value::Text(text) if !is_flag => {
+                let beside = folder.join(text);
+                let is_beside = FILES.contains(&long.as_str()) && beside.is_file();
+                let text = if is_beside { beside.display().to_string() } else { text.clone() };
+                Some(if argument.is_positional() { text } else { format!("--{long}={text}") })
+            }
+            Value::Flag(value) => {
+                return Err(wrong(file, run, *line, key, &value.to_string(), "no true or false"));
+            }
+            Value::Text(value) => return Err(wrong(file, run, *line, key, value, "true or false")),
+        };
+        line_of_words.extend(word.map(|word| (word, *line)));
+    }
+    let words = line_of_words.iter().map(|(word, _)| word.as_str());
+    let arguments = RunArguments::try_parse_from(words).map_err(|error| {
+        let named = error.get(ContextKind::InvalidArg).map(ToString::to_string).unwrap_or_default();
+        let option = named.split([' ', '=']).next().unwrap_or_default();
+        let is_named = |word: &str| !option.is_empty() && word.split('=').next() == Some(option);
+        let line = line_of_words.iter().find(|(word, _)| is_named(word)).map_or(run.line, |(_, line)| *line);
+        let said = error.to_string();
+        let said = said.split("\n\n").next().unwrap_or_default().trim_start_matches("error: ");
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        input(anyhow!("{}: {said}", place(file, line, &run.name)))
+    })?;
+    arguments.scenario.scenario().map_err(|failure| match failure {
+        Failure::Input(error) => Failure::Input(error.context(place(file, run.line, &run.name))),
+        Failure::Output(error) => Failure::Output(error),
+    })
+}
+
+fn wrong(file: &str, run: &Run, line: usize, key: &str, value: &str, expected: &str) -> Failure {
+    input(BaselineError::Value {
+        file: file.to_owned(),
+        line,
+        place: format!("run `{}`", run.name),
+        key: key.to_owned(),
+        value: value.to_owned(),
+        expected: expected.to_owned(),
+    })
+}
+
+fn text(is_check: bool, runs: usize, figures: usize, found: &[Moved]) -> String {
+    let done = if is_check { "checked" } else { "recorded" };
+    if found.is_empty() {
+        return format!("{runs} runs, {figures} figures {done}: nothing moved.\n");
+    }
+    let mut shown = table(["run", "figure", "recorded", "now", "change", "may move by"], 2);
+    for moved in found {
+        let figure = |figure: &Option<Figure>| figure.as_ref().map_or("-".to_owned(), Figure::to_string);
+        let [before, now] = [&moved.recorded, &moved.now].map(|f| f.as_ref().and_then(Figure::number));
+        let change = before.zip(now).map(|(before, now)| {
+            let change = now - before;
+            match before != 0.0 {
+                true => format!("{change:+.3e} ({:+.2e} %)", 100.0 * change / before.abs()),
+                false => format!("{change:+.3e}"),
+            }
+        });
+        let most = before.map(|before| moved.tolerance.absolute + moved.tolerance.relative * before.abs());
+        shown.add_row([
+            moved.run.clone(),
+            moved.figure.clone(),
+            figure(&moved.recorded),
+            figure(&moved.now),
+            change.unwrap_or_else(|| "-".to_owned()),
+            most.map_or("-".to_owned(), |most| format!("{most:.1e}")),
+        ]);
+    }
+    let n = found.len();
+    format!("{runs} runs, {figures} figures {done}: {n} moved.\n{}", table_text(&shown))
+}
+
+fn as_json(moved: &Moved) -> serde_json::Value {
+    let figure = |figure: &Option<Figure>| match figure {
+        None => serde_json::Value::Null,
+        Some(Figure::Text(text)) => json!(text),
+        Some(Figure::Count(count)) => json!(count),
+        Some(Figure::Number(number)) => json!(number),
+    };
+    json!({
+        "run": moved.run,
+        "figure": moved.figure,
+        "recorded": figure(&moved.recorded),
+        "now": figure(&moved.now),
+        "relative_tolerance": moved.tolerance.relative,
+        "absolute_tolerance": moved.tolerance.absolute,
+    })
+}
