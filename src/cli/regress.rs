@@ -46,13 +46,13 @@ pub(super) fn run(action: &Action) -> Result<ExitCode, Failure> {
     let (Action::Record(arguments) | Action::Check(arguments)) = action;
     let baseline = Baseline::load(&arguments.file).map_err(input)?;
     let is_check = matches!(action, Action::Check(_));
+    let folder = arguments.file.parent().unwrap_or(Path::new(""));
+    let scenarios = baseline.runs.iter().map(|run| scenario(&baseline.file, folder, run));
+    let scenarios = scenarios.collect::<Result<Vec<_>, _>>()?;
     if let Some(run) = baseline.runs.iter().find(|run| is_check && run.recorded.is_none()) {
         let (file, line, name) = (baseline.file.clone(), run.line, run.name.clone());
         return Err(input(BaselineError::NotRecorded { file, line, name }));
     }
-    let folder = arguments.file.parent().unwrap_or(Path::new(""));
-    let scenarios = baseline.runs.iter().map(|run| scenario(&baseline.file, folder, run));
-    let scenarios = scenarios.collect::<Result<Vec<_>, _>>()?;
     let bar = Progress::new(scenarios.len(), "runs");
     let results = arguments.common.on_threads(|| run_all(scenarios, &|| bar.step()))?;
     bar.finish();
@@ -157,8 +157,8 @@ fn text(is_check: bool, runs: usize, figures: usize, found: &[Moved]) -> String 
         let change = before.zip(now).map(|(before, now)| {
             let change = now - before;
             match before != 0.0 {
-                true => format!("{change:+.3e} ({:+.2e} %)", 100.0 * change / before.abs()),
-                false => format!("{change:+.3e}"),
+                true => format!("{} ({} %)", signed(change), signed(100.0 * change / before.abs())),
+                false => signed(change),
             }
         });
         let most = before.map(|before| moved.tolerance.absolute + moved.tolerance.relative * before.abs());
@@ -173,6 +173,15 @@ fn text(is_check: bool, runs: usize, figures: usize, found: &[Moved]) -> String 
     }
     let n = found.len();
     format!("{runs} runs, {figures} figures {done}: {n} moved.\n{}", table_text(&shown))
+}
+
+/// Three digits or so.
+fn signed(value: f64) -> String {
+    match value.abs() {
+        100.0..1e6 => format!("{value:+.0}"),
+        0.01..100.0 => format!("{value:+.2}"),
+        _ => format!("{value:+.1e}"),
+    }
 }
 
 fn as_json(moved: &Moved) -> serde_json::Value {

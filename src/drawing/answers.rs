@@ -164,7 +164,7 @@ fn fit_mark(fit: usize, at: Point) -> Group {
 
 /// What the marks mean, and the y at which that ends.
 fn legend(at: Point, panels: &[AnswerPanel]) -> (Group, f64) {
-    const SAMPLE: f64 = 20.0;
+    const SAMPLE: f64 = 24.0;
     let mut group = Group::new().set("class", "legend");
     let mut x = at.x;
     let mut put = |sample: &dyn Fn(Point) -> Group, words: &str| {
@@ -174,18 +174,30 @@ fn legend(at: Point, panels: &[AnswerPanel]) -> (Group, f64) {
         group = std::mem::take(&mut group).add(sample).add(text);
         x += SAMPLE + words.width(SMALL) + 12.0;
     };
-    if panels.iter().flat_map(|p| &p.rows).any(|r| r.answers.len() > 1) {
+    let has_several = panels.iter().flat_map(|p| &p.rows).any(|r| r.answers.len() > 1);
+    if has_several {
         put(&answer_mark, "answers");
     }
-    put(&mean_mark, "their mean");
+    put(&mean_mark, if has_several { "their mean" } else { "answer" });
     for (fit, name) in FITS.iter().enumerate() {
         put(&|at| fit_mark(fit, at), name);
     }
     (group, at.y + 10.0)
 }
 
-/// The rms error for every c_r.
+/// The curve without the plains at its ends.
+fn without_plains(curve: &[(f64, f64)]) -> &[(f64, f64)] {
+    const LEVEL: f64 = 0.05;
+    let [first, last] = [curve[0].1, curve[curve.len() - 1].1];
+    let begin = curve.iter().position(|c| (c.1 - first).abs() > LEVEL).unwrap_or(0);
+    let end = curve.iter().rposition(|c| (c.1 - last).abs() > LEVEL).unwrap_or(curve.len() - 1);
+    let [begin, end] = [begin.saturating_sub(20), (end + 21).min(curve.len())];
+    if begin + 1 < end { &curve[begin..end] } else { curve }
+}
+
+/// The rms error for every c_r; what lies on the plains at its ends is left out.
 fn errors(curve: &[(f64, f64)], marks: &[RiskWeightMark; 2], frame: Bounds) -> Group {
+    let curve = without_plains(curve);
     let top = curve.iter().map(|c| c.1).fold(1.0, f64::max) * 1.06;
     let [first, last] = [curve[0].0, curve[curve.len() - 1].0];
     let x = Scale { range: [first, last], ends: [frame.min.x, frame.max.x], is_log: true };
@@ -243,6 +255,15 @@ mod tests {
         assert_eq!(picture.matches("class=\"mean\"").count(), 2 + legend);
         assert_eq!(picture.matches("class=\"fit\"").count(), 4 + 2 * legend + chart);
         assert!(picture.contains("a &amp; b") && picture.contains("&lt;1&gt;"));
+    }
+
+    #[test]
+    fn plains_are_left_out() {
+        let height = |i: i32| if (100..200).contains(&i) { 3.0 } else { 30.0 };
+        let curve: Vec<(f64, f64)> = (0..400).map(|i| (f64::from(i), height(i))).collect();
+        let shown = without_plains(&curve);
+        assert_eq!((shown[0].0, shown[shown.len() - 1].0), (80.0, 219.0));
+        assert_eq!(without_plains(&curve[..50]).len(), 50);
     }
 
     #[test]

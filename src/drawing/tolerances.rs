@@ -119,7 +119,7 @@ fn span([low, high]: [f64; 2], scale: &Scale, y: f64, width: f64, colour: &str) 
     let from = scale.at(low);
     let is_open = high.is_infinite();
     // the shortest still shows
-    let to = if is_open { FRAME[1] - 8.0 } else { scale.at(high).max(from + 2.5) };
+    let to = if is_open { FRAME[1] - 8.0 } else { scale.at(high).max(from + 4.0) };
     let line = stroke(&[Point::new(from, y), Point::new(to, y)], colour, width);
     let group = Group::new().add(line);
     if !is_open {

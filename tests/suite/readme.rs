@@ -21,6 +21,7 @@ fn the_commands_of_the_readme_run() {
             .map(|word| match word {
                 "10000" => "20".to_owned(),
                 "100" => "2".to_owned(),
+                word if repository(word).exists() => word.to_owned(),
                 word if [".svg", ".csv", ".jsonl", ".mcap", ".snapshot"]
                     .iter()
                     .any(|end| word.ends_with(end)) =>

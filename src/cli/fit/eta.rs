@@ -48,7 +48,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         )));
     }
     let file = SwitchFile::read(&arguments.switches).map_err(input)?;
-    let worlds = options(&arguments.switches, file.worlds())?;
+    let worlds = options(&arguments.switches, file.worlds(), arguments.model.risk_weight)?;
     let settings = Settings {
         predictor: arguments.model.predictor()?,
         coordination: coordination::Settings { initial_stubbornness: phi, ..Default::default() },

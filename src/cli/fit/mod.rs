@@ -6,7 +6,6 @@ mod risk_weight;
 use super::model::load_world_near;
 use super::output::Failure;
 use crate::options::OptionSet;
-use crate::preference::RISK_WEIGHT;
 use anyhow::Context;
 use clap::Subcommand;
 use std::path::Path;
@@ -28,8 +27,12 @@ pub(super) fn run(parameter: &Parameter) -> Result<ExitCode, Failure> {
 }
 
 /// The options of the worlds that `file` names, each with the line that does so first. Where a world lists no options, they are those of
-/// `cocarry world`.
-fn options(file: &Path, worlds: Vec<(String, u64)>) -> Result<Vec<(String, OptionSet)>, Failure> {
+/// `cocarry world` with that `risk_weight` (m).
+fn options(
+    file: &Path,
+    worlds: Vec<(String, u64)>,
+    risk_weight: f64,
+) -> Result<Vec<(String, OptionSet)>, Failure> {
     let folder = file.parent().unwrap_or(Path::new(""));
     let load = |(world, line): (String, u64)| {
         let place = || format!("{}:{line}: world = {world:?}", file.display());
@@ -37,7 +40,7 @@ fn options(file: &Path, worlds: Vec<(String, u64)>) -> Result<Vec<(String, Optio
             Failure::Input(error) => Failure::Input(error.context(place())),
             Failure::Output(error) => Failure::Output(error),
         })?;
-        let set = OptionSet::new(&loaded, RISK_WEIGHT).with_context(place).map_err(Failure::Input)?;
+        let set = OptionSet::new(&loaded, risk_weight).with_context(place).map_err(Failure::Input)?;
         Ok((world, set))
     };
     worlds.into_iter().map(load).collect()

@@ -47,7 +47,7 @@ pub(in crate::cli) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let file = AnswerFile::read(&arguments.answers).map_err(input)?;
-    let worlds = options(&arguments.answers, file.worlds())?;
+    let worlds = options(&arguments.answers, file.worlds(), RISK_WEIGHT)?;
     let situations = worlds.iter().map(|(world, set)| Situation::new(world.clone(), set)).collect();
     let answers = file.matched(situations, arguments.normalise).map_err(input)?;
     let predictor = arguments.belief.predictor(RISK_WEIGHT)?;

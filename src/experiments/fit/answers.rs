@@ -23,7 +23,7 @@ struct AnswerRow {
     participant: String,
     world: String,
     option: String,
-    /// At least 0.
+    /// From 0 to 100.
     percent: f64,
 }
 
@@ -84,7 +84,7 @@ impl AnswerFile {
                     return Err(cell(column, value, "a name"));
                 }
             }
-            let number = percent.parse().ok().filter(|p: &f64| (0.0..=1000.0).contains(p));
+            let number = percent.parse().ok().filter(|p: &f64| (0.0..=100.0).contains(p));
             let Some(number) = number else {
                 return Err(cell("percent", percent, "a number from 0 to 100, with a decimal point"));
             };

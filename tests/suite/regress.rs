@@ -1,0 +1,200 @@
+//! The regression gate: what was recorded stands, what moves is told, and what is wrong is named.
+
+use crate::support::{cocarry, json, repository, stderr, stdout};
+use std::path::Path;
+
+const OWN: &str = "tests/fixtures/regress/costs.toml";
+
+const SMALL: &str = r#"# kept
+
+[[run]]
+name = "a"                    # this too
+world = "environment-4"
+plant = "point"
+seed = 1
+
+# before the second
+[[run]]
+eta = 5
+plant = "point"
+world = "environment-1"
+seed = 2
+"#;
+
+fn at(folder: &Path, text: &str) -> String {
+    let path = folder.join("costs.toml");
+    std::fs::write(&path, text).expect("a temporary file");
+    path.to_str().expect("UTF-8").to_owned()
+}
+
+fn refused(text: &str, said: &[&str]) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = at(folder.path(), text);
+    for action in ["record", "check"] {
+        let output = cocarry(&["regress", action, &file]);
+        let error = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{action}: {error}");
+        assert!(output.stdout.is_empty() && error.starts_with("error: "), "{error}");
+        for part in [&["costs.toml"], said].concat() {
+            assert!(error.contains(part), "{part:?} is missing from: {error}");
+        }
+    }
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), text, "a file that was refused was written");
+}
+
+#[test]
+fn the_projects_own_figures_have_not_moved() {
+    let output = cocarry(&["regress", "check", OWN]);
+    assert_eq!(output.status.code(), Some(0), "{}{}", stdout(&output), stderr(&output));
+    assert!(stdout(&output).contains("nothing moved"));
+}
+
+#[test]
+fn recording_again_changes_no_byte() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = at(folder.path(), SMALL);
+    assert!(cocarry(&["regress", "record", &file]).status.success());
+    let once = std::fs::read_to_string(&file).unwrap();
+    assert!(cocarry(&["regress", "record", &file, "--threads", "1"]).status.success());
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), once);
+}
+
+#[test]
+fn recording_keeps_entries_order_and_comments() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = at(folder.path(), SMALL);
+    assert!(cocarry(&["regress", "record", &file]).status.success());
+    let text = std::fs::read_to_string(&file).unwrap();
+    let mut rest = text.as_str();
+    for line in SMALL.lines() {
+        let (_, after) = rest.split_once(line).unwrap_or_else(|| panic!("{line:?} is lost in:\n{text}"));
+        rest = after;
+    }
+    assert_eq!(text.matches("[run.recorded]").count(), 2);
+    assert!(text.contains("outcome = \"arrived\"") && text.contains("transition_step = "), "{text}");
+    assert!(cocarry(&["regress", "check", &file]).status.success());
+}
+
+#[test]
+fn a_figure_that_moved_is_told_and_ends_with_1() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = at(folder.path(), SMALL);
+    assert!(cocarry(&["regress", "record", &file]).status.success());
+    let recorded = std::fs::read_to_string(&file).unwrap();
+    // another human does what was not recorded
+    let file = at(folder.path(), &recorded.replace("seed = 2", "seed = 2\nmethod = \"without-model\""));
+    let output = cocarry(&["regress", "check", &file]);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let text = stdout(&output);
+    for part in ["accumulated_objective_cost_m", "eta 5", "recorded", "now"] {
+        assert!(text.contains(part), "{part:?} is missing from:\n{text}");
+    }
+    assert!(!text.contains(" a "), "a run that did not move is told:\n{text}");
+    let output = cocarry(&["regress", "check", &file, "--json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(!told["moved"].as_array().unwrap().is_empty());
+}
+
+#[test]
+fn tolerances_decide_what_moved() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = at(folder.path(), SMALL);
+    assert!(cocarry(&["regress", "record", &file]).status.success());
+    let recorded = std::fs::read_to_string(&file).unwrap();
+    let line = recorded.lines().find(|l| l.starts_with("walked_m")).unwrap();
+    let walked: f64 = line.split(" = ").nth(1).unwrap().parse().unwrap();
+    let spoiled = recorded.replacen(line, &format!("walked_m = {}", walked * 1.001), 1);
+    let moved = |head: &str| {
+        let file = at(folder.path(), &format!("{head}\n{spoiled}"));
+        let output = cocarry(&["regress", "check", &file, "--json"]);
+        let told: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let moved = told["moved"].as_array().unwrap().clone();
+        assert_eq!(output.status.code(), Some(i32::from(!moved.is_empty())));
+        moved
+    };
+    let found = moved("");
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!((&found[0]["run"], &found[0]["figure"]), (&"a".into(), &"walked_m".into()));
+    assert!(moved("[tolerance]\nrelative = 0.002").is_empty());
+    assert!(moved("[tolerance.walked_m]\nrelative = 0.002").is_empty());
+    assert!(moved("[tolerance.walked_m]\nabsolute = 0.1").is_empty());
+    assert_eq!(moved("[tolerance]\nrelative = 0.002\n[tolerance.walked_m]\nrelative = 1e-9").len(), 1);
+    assert_eq!(moved("[tolerance.steps]\nrelative = 0.002").len(), 1);
+}
+
+#[test]
+fn a_figure_that_is_gone_or_new_has_moved() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = at(folder.path(), SMALL);
+    assert!(cocarry(&["regress", "record", &file]).status.success());
+    let recorded = std::fs::read_to_string(&file).unwrap();
+    let spoiled = recorded.replacen("outcome = \"arrived\"\n", "control_cost = 3.0\n", 1);
+    let output = cocarry(&["regress", "check", &at(folder.path(), &spoiled)]);
+    assert_eq!(output.status.code(), Some(1));
+    let text = stdout(&output);
+    assert!(text.contains("control_cost") && text.contains("outcome") && text.contains("2 moved"), "{text}");
+}
+
+#[test]
+fn a_run_without_figures_asks_for_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = at(folder.path(), SMALL);
+    let output = cocarry(&["regress", "check", &file]);
+    assert_eq!(output.status.code(), Some(2));
+    let error = stderr(&output);
+    assert!(error.contains(":3: run `a` has no figures yet") && error.contains("regress record"), "{error}");
+}
+
+#[test]
+fn keys_are_those_of_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "[[run]]\nworld = \"environment-1\"\nplant = \"kinematic\"\nmethod = \"human-led\"\nseed = 4\nno-obstacles = true\npose_criterion = \"uniform\"\nprepare-while-leading = false\nbelief-alpha = \"uniform(0.6,0.9)\"\nmax_steps = 40\n";
+    let file = at(folder.path(), text);
+    assert!(cocarry(&["regress", "record", &file]).status.success());
+    let recorded = std::fs::read_to_string(&file).unwrap();
+    let same = "run environment-1 --method human-led --seed 4 --no-obstacles --pose-criterion uniform --belief-alpha uniform(0.6,0.9) --max-steps 40 --json";
+    let output = cocarry(&same.split(' ').collect::<Vec<_>>());
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let cost = told["control"]["cost"].as_f64().unwrap();
+    assert!(recorded.contains(&format!("control_cost = {cost}")), "{cost}:\n{recorded}");
+    assert!(recorded.contains("outcome = \"out-of-time\""));
+}
+
+#[test]
+fn wrong_files_are_named_by_line() {
+    let spoil = |from: &str, to: &str| {
+        assert_eq!(SMALL.matches(from).count(), 1, "{from:?}");
+        SMALL.replace(from, to)
+    };
+    refused("", &["no runs", "[[run]]"]);
+    refused("[run]\nworld = 1\n", &["no runs"]);
+    refused("[[run]\n", &["line 1"]);
+    refused(&spoil("# kept", "runs = 3"), &[":1:", "unknown key `runs`", "tolerance, run"]);
+    refused(&spoil("seed = 1", "sed = 1"), &[":7:", "unknown key `sed`", "seed", "eta", "world"]);
+    refused(&spoil("seed = 1", "json = true"), &[":7:", "unknown key `json`"]);
+    refused(&spoil("eta = 5", "eta = 0"), &[":11:", "eta", "greater than 0"]);
+    refused(&spoil("eta = 5", "eta = [5]"), &[":11:", "eta = [5]", "a number"]);
+    refused(&spoil("eta = 5", "eta = true"), &[":11:", "eta = true"]);
+    refused(&spoil("eta = 5", "no_obstacles = 1"), &[":11:", "no_obstacles = 1", "true or false"]);
+    refused(&spoil("eta = 5", "method = \"democratic\""), &[":11:", "democratic", "mutual"]);
+    refused(&spoil("eta = 5", "sway = 0.1"), &[":10:", "--sway", "rapier"]);
+    refused(&spoil("environment-1", "environment-9"), &[":10:", "environment-9", "no such world"]);
+    refused(&spoil("seed = 2", "seed = 2\nname = \"a\""), &[":10:", "run `a` is there twice"]);
+    refused(&spoil("# kept", "[tolerance]\nrelative = -1"), &[":2:", "relative = -1", "at least 0"]);
+    refused(&spoil("# kept", "[tolerance.cost]\nrelative = 1"), &[":1:", "unknown key `cost`", "walked_m"]);
+    refused(&spoil("# kept", "[tolerance.steps]\nrel = 1"), &[":2:", "unknown key `rel`", "absolute"]);
+    refused(&spoil("seed = 2", "[run.recorded]\ncost = 1"), &[":15:", "unknown key `cost`"]);
+    let output = cocarry(&["regress", "check", "no-such.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("no-such.toml: cannot be read"));
+}
+
+#[test]
+fn files_lie_beside_the_file_that_names_them() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::copy(repository("worlds/free-form.toml"), folder.path().join("mine.toml")).unwrap();
+    let text = "[[run]]\nworld = \"mine.toml\"\nplant = \"point\"\nalpha = 0.7\ngamma = 0.8\n";
+    let told = json(&["regress", "record", &at(folder.path(), text), "--json"]);
+    assert_eq!(told["runs"], 1);
+}
