@@ -79,7 +79,7 @@ fn scale(rows: &[ToleranceRow], overall: Option<(f64, f64)>) -> Result<Scale, Dr
         bounds.chain(row.estimate).collect()
     };
     for row in rows {
-        if let Some(value) = all(row).into_iter().find(|v| !(*v >= 0.0)) {
+        if let Some(value) = all(row).into_iter().find(|v| v.is_nan() || *v < 0.0) {
             return Err(DrawingError::Fit { what: format!("participant `{}`", row.label), value });
         }
     }

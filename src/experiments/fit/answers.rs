@@ -27,6 +27,9 @@ struct AnswerRow {
     percent: f64,
 }
 
+/// An answer as it is read: line and percent of every option.
+type Given = Vec<Option<(u64, f64)>>;
+
 /// A world as participants saw it: its options from the start.
 #[derive(Clone, Debug)]
 pub struct Situation {
@@ -123,8 +126,8 @@ impl AnswerFile {
             shares: Vec::new(),
             scaled: Vec::new(),
         };
-        // by participant and world: line and percent of every option
-        let mut given: Vec<Vec<Vec<Option<(u64, f64)>>>> = Vec::new();
+        // by participant and world
+        let mut given: Vec<Vec<Given>> = Vec::new();
         for row in &self.rows {
             let Some(w) = answers.situations.iter().position(|s| s.world == row.world) else { continue };
             let options = &answers.situations[w].options;
@@ -170,7 +173,7 @@ impl AnswerFile {
         answers: &mut Answers,
         participant: usize,
         situation: usize,
-        given: &[Option<(u64, f64)>],
+        given: &Given,
         normalise: bool,
     ) -> Result<Option<Vec<f64>>, FitError> {
         let lines = || given.iter().flatten().map(|g| g.0);
