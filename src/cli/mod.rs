@@ -13,6 +13,7 @@ mod robot;
 mod run;
 mod scenario;
 mod snapshots;
+mod sweep;
 mod tick_log;
 mod told;
 mod world;
@@ -34,6 +35,7 @@ use std::process::ExitCode;
         cocarry                                           an episode, with defaults\n  \
         cocarry run environment-4 --eta 5 --svg run.svg   a sensitive human, with a picture\n  \
         cocarry world worlds/free-form.toml --svg map.svg what a world offers\n  \
+        cocarry sweep docs/studies/h2.toml                a study of many episodes, as CSV\n  \
         cocarry reproduce h2                              Table II of the paper\n  \
         cocarry run --plant rapier --record run.mcap      a recording, to watch in Foxglove\n  \
         cocarry inspect run.mcap                          what is in it"
@@ -47,6 +49,7 @@ struct Arguments {
 enum Command {
     Run(Box<run::Arguments>),
     World(world::Arguments),
+    Sweep(sweep::Arguments),
     #[command(subcommand)]
     Reproduce(reproduce::Claim),
     Inspect(inspect::Arguments),
@@ -64,6 +67,7 @@ pub fn main() -> ExitCode {
         None => run::example(),
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::World(arguments)) => world::run(&arguments),
+        Some(Command::Sweep(arguments)) => sweep::run(&arguments),
         Some(Command::Reproduce(claim)) => reproduce::run(&claim),
         Some(Command::Inspect(arguments)) => inspect::run(&arguments),
         Some(Command::Recover(arguments)) => recover::run(&arguments),

@@ -6,10 +6,8 @@ use super::robot::RobotArguments;
 use crate::coordination::{self, Method};
 use crate::episode::Settings;
 use crate::preference::{Belief, Perception};
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, drawn_human};
 use clap::{Args, ValueEnum};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 use std::path::PathBuf;
 
 /// World, human, team and plant.
@@ -90,7 +88,7 @@ impl ScenarioArguments {
 
     /// The human: as given, the rest drawn from the seed.
     fn human(&self, belief: &Belief) -> Perception {
-        let drawn = belief.sample(&mut ChaCha8Rng::seed_from_u64(self.seed));
+        let drawn = drawn_human(belief, self.seed);
         Perception { alpha: self.alpha.unwrap_or(drawn.alpha), gamma: self.gamma.unwrap_or(drawn.gamma) }
     }
 }

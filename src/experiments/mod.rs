@@ -10,6 +10,7 @@ pub mod h2_physical;
 pub mod h3;
 pub mod paper;
 pub mod regress;
+pub mod sweep;
 
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -41,7 +42,12 @@ pub fn mean_and_std(values: &[f64]) -> (f64, f64) {
 pub fn paired_p_value(a: &[f64], b: &[f64]) -> Option<f64> {
     let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
     let (mean, std) = mean_and_std(&differences);
-    let n = differences.len() as f64;
+    p_value_of_mean(mean, std, differences.len() as f64)
+}
+
+/// Two-sided p-value of the t-test that `n` values with this mean and sample standard deviation have mean 0: `None` for fewer than two, 1 if
+/// all are 0.
+fn p_value_of_mean(mean: f64, std: f64, n: f64) -> Option<f64> {
     let distribution = StudentsT::new(0.0, 1.0, n - 1.0).ok()?;
     match (mean == 0.0, std == 0.0) {
         (true, true) => Some(1.0),

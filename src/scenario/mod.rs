@@ -32,11 +32,18 @@ pub use stage::Stage;
 
 use crate::control;
 use crate::episode;
-use crate::preference::Perception;
+use crate::preference::{Belief, Perception};
 use crate::robot::RobotTexts;
 use crate::simulation::PhysicsSettings;
 use crate::world::World;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
 use serde::{Deserialize, Serialize};
+
+/// The human of a seed, drawn from a belief: whoever asks for the same seed of the same belief meets the same human.
+pub fn drawn_human(belief: &Belief, seed: u64) -> Perception {
+    belief.sample(&mut ChaCha8Rng::seed_from_u64(seed))
+}
 
 /// One episode, settled: whoever has it needs nothing else to run the same episode to the same bits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

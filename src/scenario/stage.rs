@@ -6,14 +6,21 @@ use crate::episode::{Episode, Manipulator};
 use crate::options::OptionSet;
 use crate::robot::Robot;
 use crate::world::World;
+use std::sync::Arc;
 
 /// What is built from a scenario: it owns what its episode borrows.
 #[derive(Clone, Debug)]
 pub struct Stage {
     scenario: Scenario,
+    scene: Arc<Scene>,
+    robot: Option<Arc<Robot>>,
+}
+
+/// What is built from a world and c_r.
+#[derive(Debug)]
+struct Scene {
     world: World,
     options: OptionSet,
-    robot: Option<Robot>,
     obstacles: RobotObstacles,
 }
 
@@ -23,13 +30,29 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError`]: a number is out of its range, or world, options, robot or posture are not valid.
     pub fn prepare(self) -> Result<Stage, ScenarioError> {
+        self.prepare_beside(None)
+    }
+
+    /// Shares with the other stage what is made of the same.
+    fn prepare_beside(self, other: Option<&Stage>) -> Result<Stage, ScenarioError> {
         self.check()?;
-        let world = World::parse(&self.world.file, &self.world.text)?;
-        let options = OptionSet::new(&world, self.settings.predictor.risk_weight())?;
+        let scene = match other.filter(|other| self.has_scene_of(&other.scenario)) {
+            Some(other) => Arc::clone(&other.scene),
+            None => {
+                let world = World::parse(&self.world.file, &self.world.text)?;
+                let options = OptionSet::new(&world, self.settings.predictor.risk_weight())?;
+                let obstacles = RobotObstacles::new(&world);
+                Arc::new(Scene { world, options, obstacles })
+            }
+        };
         let robot = match self.plant.carrier() {
             None => None,
             Some(carrier) => {
-                let robot = Robot::parse(&carrier.robot)?;
+                let shared = other.and_then(|other| other.robot.as_ref());
+                let robot = match shared.filter(|robot| robot.texts == carrier.robot) {
+                    Some(robot) => Arc::clone(robot),
+                    None => Arc::new(Robot::parse(&carrier.robot)?),
+                };
                 if robot.posture(&carrier.posture).is_none() {
                     let known: Vec<_> = robot.postures.iter().map(|p| format!("`{}`", p.name)).collect();
                     return Err(ScenarioError::Posture {
@@ -41,8 +64,12 @@ impl Scenario {
                 Some(robot)
             }
         };
-        let obstacles = RobotObstacles::new(&world);
-        Ok(Stage { scenario: self, world, options, robot, obstacles })
+        Ok(Stage { scenario: self, scene, robot })
+    }
+
+    fn has_scene_of(&self, other: &Self) -> bool {
+        let risk_weight = |scenario: &Self| scenario.settings.predictor.risk_weight();
+        self.world == other.world && risk_weight(self) == risk_weight(other)
     }
 }
 
@@ -52,26 +79,34 @@ impl Stage {
         &self.scenario
     }
 
+    /// The stage of another scenario. What both are made of is shared: the world and its options, the robot; the rest is built.
+    ///
+    /// # Errors
+    /// As [`Scenario::prepare`].
+    pub fn prepare(&self, scenario: Scenario) -> Result<Self, ScenarioError> {
+        scenario.prepare_beside(Some(self))
+    }
+
     /// Its world.
     pub fn world(&self) -> &World {
-        &self.world
+        &self.scene.world
     }
 
     /// The world's options.
     pub fn options(&self) -> &OptionSet {
-        &self.options
+        &self.scene.options
     }
 
     /// The robot; none on the planning level alone. Its meshes are as the URDF names them.
     pub fn robot(&self) -> Option<&Robot> {
-        self.robot.as_ref()
+        self.robot.as_deref()
     }
 
     /// The robot as the episode takes it; none on the planning level alone.
     pub fn manipulator(&self) -> Option<Manipulator<'_>> {
-        let (robot, carrier) = self.robot.as_ref().zip(self.scenario.plant.carrier())?;
+        let (robot, carrier) = self.robot.as_deref().zip(self.scenario.plant.carrier())?;
         let posture = robot.posture(&carrier.posture)?.joints;
-        Some(Manipulator { robot, posture, control: carrier.control, obstacles: &self.obstacles })
+        Some(Manipulator { robot, posture, control: carrier.control, obstacles: &self.scene.obstacles })
     }
 
     /// The episode, before its first step.
@@ -79,12 +114,12 @@ impl Stage {
     /// # Errors
     /// [`ScenarioError::Physics`]: the team does not fit where it is to start.
     pub fn episode(&self) -> Result<Episode<'_>, ScenarioError> {
-        let Self { scenario, world, options, .. } = self;
-        let episode = Episode::new(options, &scenario.settings, scenario.human);
+        let Self { scenario, scene, .. } = self;
+        let episode = Episode::new(&scene.options, &scenario.settings, scenario.human);
         let Some(manipulator) = self.manipulator() else { return Ok(episode) };
         match scenario.plant.physics() {
             None => Ok(episode.with_robot(manipulator)),
-            Some(physics) => Ok(episode.with_physics(manipulator, world, physics, scenario.seed)?),
+            Some(physics) => Ok(episode.with_physics(manipulator, &scene.world, physics, scenario.seed)?),
         }
     }
 }

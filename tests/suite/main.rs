@@ -21,4 +21,5 @@ mod scenarios;
 mod snapshots;
 mod spoiled_robot;
 mod support;
+mod sweeps;
 mod worlds;

@@ -1,0 +1,218 @@
+//! `cocarry sweep`: a study file in; one row for every episode of it as CSV, and means and paired comparisons as tables or JSON, out.
+
+use super::output::{Failure, Progress, input, print, print_json, table, table_text};
+use super::reproduce::Common;
+use crate::experiments::sweep::{
+    Comparison, Estimate, Group, Shard, Study, Summary, Sweep, SweepError, merge,
+};
+use anyhow::Error;
+use clap::Args;
+use serde_json::json;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Run a study: every combination of worlds, methods, humans, plants and seeds, one row of results for each episode
+///
+/// The rows go to a file beside the results, NAME.partial, which gets its name when it is whole. A sweep that was stopped, by Ctrl-C or a
+/// power cut, goes on where it was when it is started again.
+#[derive(Args, Debug)]
+pub(super) struct Arguments {
+    /// Study file (TOML)
+    #[arg(required_unless_present_any = ["merge", "summary"], conflicts_with_all = ["merge", "summary"])]
+    study: Option<PathBuf>,
+    /// Write the results to this file [default: the study's name with .csv, or .SHARD-of-N.csv, in the present folder]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["merge", "summary"])]
+    out: Option<PathBuf>,
+    /// Run only this part of the episodes, such as 3/16: for job arrays; --merge puts the parts together
+    #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with_all = ["merge", "summary"])]
+    shard: Option<Shard>,
+    /// Run no more than so many seeds of every run in the study
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000), conflicts_with_all = ["merge", "summary"])]
+    seeds: Option<u64>,
+    /// Replace results that are there already, and rows of another study that was not finished
+    #[arg(long, conflicts_with = "summary")]
+    overwrite: bool,
+    /// Put the results of all shards together in OUT: the same file, to the byte, as without shards
+    #[arg(long, num_args = 2.., value_names = ["OUT", "SHARD"], conflicts_with = "summary")]
+    merge: Option<Vec<PathBuf>>,
+    /// Print the tables for a file of results, without running anything
+    #[arg(long, value_name = "FILE")]
+    summary: Option<PathBuf>,
+    #[command(flatten)]
+    common: Common,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    if let Some(file) = &arguments.summary {
+        tell(file, &file.display().to_string(), arguments.common.json)?;
+    } else if let Some([out, shards @ ..]) = arguments.merge.as_deref() {
+        let episodes = merge(out, shards, arguments.overwrite).map_err(failure)?;
+        let told = format!("{}: {episodes} episodes of {} files", out.display(), shards.len());
+        tell(out, &told, arguments.common.json)?;
+    } else if let Some(study) = &arguments.study {
+        sweep(arguments, study)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn sweep(arguments: &Arguments, file: &Path) -> Result<(), Failure> {
+    let study = Study::load(file, arguments.seeds).map_err(failure)?;
+    let out = arguments.out.clone().unwrap_or_else(|| results_of(file, arguments.shard));
+    let sweep = Sweep::open(&study, &out, arguments.shard, arguments.overwrite).map_err(failure)?;
+    let (kept, episodes) = (sweep.kept(), sweep.episodes());
+    let bar = Progress::new((episodes - kept) as usize, "episodes");
+    arguments.common.on_threads(|| sweep.run(&|| bar.step()))?.map_err(failure)?;
+    bar.finish();
+    let mut told = format!("{}: {episodes} episodes of {} combinations", out.display(), study.combinations());
+    if kept > 0 {
+        let _ = write!(told, ", {kept} of them from before");
+    }
+    match (arguments.shard, episodes) {
+        (Some(Shard { number, of }), 0) => {
+            // a study with fewer episodes than shards
+            eprintln!("note: shard {number}/{of} has no episode");
+            Ok(())
+        }
+        _ => tell(&out, &told, arguments.common.json),
+    }
+}
+
+/// The file of results of a study, where none is given.
+fn results_of(study: &Path, shard: Option<Shard>) -> PathBuf {
+    let mut name = study.file_stem().unwrap_or(study.as_os_str()).to_owned();
+    if let Some(Shard { number, of }) = shard {
+        name.push(format!(".{number}-of-{of}"));
+    }
+    name.push(".csv");
+    PathBuf::from(name)
+}
+
+fn failure(error: SweepError) -> Failure {
+    match error.is_about_writing() {
+        true => Failure::Output(error.into()),
+        false => input(error),
+    }
+}
+
+fn shard(text: &str) -> Result<Shard, String> {
+    let parsed = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+    parsed
+        .filter(|(number, of)| (1..=*of).contains(number) && *of <= 1_000_000)
+        .map(|(number, of)| Shard { number, of })
+        .ok_or_else(|| "must be I/N, the I-th of N parts, with 1 <= I <= N <= 1000000".to_owned())
+}
+
+/// Prints what the results say.
+fn tell(file: &Path, told: &str, as_json: bool) -> Result<(), Failure> {
+    let summary = Summary::load(file).map_err(failure)?;
+    if as_json {
+        let value = serde_json::to_value(&summary).map_err(|e| Failure::Output(Error::from(e)))?;
+        return print_json(&json!({ "file": file.display().to_string(), "summary": value }));
+    }
+    let mut text = format!("{told}\n\n");
+    text += &groups(&summary);
+    text += &comparisons(&summary);
+    print(&text)
+}
+
+/// The world, the method and what is varied.
+fn headings(summary: &Summary) -> Vec<String> {
+    let always = ["world", "method"].into_iter().filter(|key| !summary.varied.iter().any(|v| v == key));
+    // what is varied comes with the columns that say the same in other words: the ranges of humans and beliefs
+    let varied = summary.varied.iter().map(String::as_str);
+    let named =
+        varied.filter(|key| !["humans_alpha", "humans_gamma", "belief_alpha", "belief_gamma"].contains(key));
+    always.chain(named).map(str::to_owned).collect()
+}
+
+fn groups(summary: &Summary) -> String {
+    let keys = headings(summary);
+    let with_control = summary.groups.iter().any(|group| group.control_cost.is_some());
+    let mut titles = keys.clone();
+    let costs = ["J (m)", "std", "95 %"].map(str::to_owned);
+    titles.extend(["n".to_owned(), "arrived".to_owned()]);
+    titles.extend(costs);
+    if with_control {
+        titles.extend(["C", "std", "95 %"].map(str::to_owned));
+    }
+    let mut shown = table_of(&titles, keys.len());
+    for group in &summary.groups {
+        let Group { inputs, n, arrived, accumulated_objective_cost_m, control_cost } = group;
+        let mut cells: Vec<String> =
+            keys.iter().map(|key| inputs.get(key).cloned().unwrap_or_default()).collect();
+        cells.extend([n.to_string(), arrived.to_string()]);
+        cells.extend(estimate(accumulated_objective_cost_m.as_ref()));
+        if with_control {
+            cells.extend(estimate(control_cost.as_ref()));
+        }
+        shown.add_row(cells);
+    }
+    format!(
+        "{}J: accumulated objective cost; C: control cost; of the episodes that arrived. 95 %: interval of the mean.\n",
+        table_text(&shown)
+    )
+}
+
+/// Mean, deviation and interval.
+fn estimate(estimate: Option<&Estimate>) -> [String; 3] {
+    let dash = || "-".to_owned();
+    match estimate {
+        None => [dash(), dash(), dash()],
+        Some(Estimate { mean, std, interval, .. }) => [
+            format!("{mean:.2}"),
+            std.map_or_else(dash, |std| format!("{std:.2}")),
+            interval.map_or_else(dash, |[lower, upper]| format!("{lower:.2} to {upper:.2}")),
+        ],
+    }
+}
+
+fn comparisons(summary: &Summary) -> String {
+    // methods that a cost does not depend on differ nowhere
+    let shown: Vec<&Comparison> = summary
+        .comparisons
+        .iter()
+        .filter(|c| c.difference.mean != 0.0 || c.difference.std.is_some_and(|std| std > 0.0))
+        .collect();
+    if shown.is_empty() {
+        return String::new();
+    }
+    let keys = headings(summary);
+    let common = |key: &&String| shown.iter().any(|c| c.inputs.contains_key(*key));
+    let keys: Vec<String> = keys.iter().filter(common).cloned().collect();
+    let mut titles = keys.clone();
+    let figures = ["cost", "compared", "pairs", "difference", "95 %", "p", "lower in"];
+    titles.extend(figures.map(str::to_owned));
+    let mut rows = table_of(&titles, keys.len() + 2);
+    for c in shown {
+        let mut cells: Vec<String> =
+            keys.iter().map(|key| c.inputs.get(key).cloned().unwrap_or_default()).collect();
+        let [difference, _, interval] = estimate(Some(&c.difference));
+        cells.extend([
+            if c.cost == "control_cost" { "C" } else { "J (m)" }.to_owned(),
+            format!("{} - {}", c.first, c.second),
+            c.difference.n.to_string(),
+            difference,
+            interval,
+            c.p_value.map_or("-".to_owned(), |p| format!("{p:.1e}")),
+            format!("{:.0} %", 100.0 * c.share_lower),
+        ]);
+        rows.add_row(cells);
+    }
+    format!(
+        "\nPaired by seed\n{}Two of a kind, all else equal, over the seeds with which both arrived; p: paired t-test. What differs in no pair is left out.\n",
+        table_text(&rows)
+    )
+}
+
+/// A table whose first `left` columns are text.
+fn table_of(titles: &[String], left: usize) -> comfy_table::Table {
+    let mut shown = table::<0>([], 0);
+    shown.set_header(titles);
+    for column in left..titles.len() {
+        if let Some(column) = shown.column_mut(column) {
+            column.set_cell_alignment(comfy_table::CellAlignment::Right);
+        }
+    }
+    shown
+}

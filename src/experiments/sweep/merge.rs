@@ -1,0 +1,159 @@
+//! The results of a study's shards in; those of the whole study, to the byte as if it had been run at once, out.
+
+use super::partial::Shard;
+use super::results::{Identity, Rows};
+use super::{SweepError, row};
+use std::fs::File;
+use std::io::{BufWriter, ErrorKind, Write};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// The most shards that are tried to tell which one is missing.
+const MOST_SHARDS: u64 = 10_000;
+
+/// A shard's file.
+struct Part {
+    rows: Rows,
+    first: Identity,
+}
+
+/// Writes the results of all shards into one file, whole or not at all. Returns the number of episodes.
+///
+/// # Errors
+/// [`SweepError`], which names the file that does not belong to the others, or the episodes that are missing.
+pub fn merge(path: &Path, shards: &[PathBuf], overwrite: bool) -> Result<u64, SweepError> {
+    let name = path.display().to_string();
+    if path.exists() && !overwrite {
+        return Err(SweepError::Exists { file: name });
+    }
+    let mut parts = parts(shards)?;
+    let Some(study) = parts.first().map(|part| part.first.clone()) else {
+        let files: Vec<_> = shards.iter().map(|path| path.display().to_string()).collect();
+        return Err(SweepError::Empty { file: files.join(", ") });
+    };
+    parts.sort_by_key(|part| part.first.episode);
+    let mut partial = path.as_os_str().to_owned();
+    partial.push(".partial");
+    let partial = PathBuf::from(partial);
+    // an unfinished sweep of that name is not to be lost
+    let opened = if overwrite { File::create(&partial) } else { File::create_new(&partial) };
+    let file = opened.map_err(|source| match source.kind() {
+        ErrorKind::AlreadyExists => SweepError::Exists { file: partial.display().to_string() },
+        _ => SweepError::Write { file: partial.display().to_string(), source },
+    })?;
+    let written = write(file, &partial, parts, &study);
+    let renamed = written.and_then(|()| {
+        std::fs::rename(&partial, path).map_err(|source| SweepError::Write { file: name, source })
+    });
+    if renamed.is_err() {
+        // of no use; if it cannot be removed either, the first error is the one to report
+        let _ = std::fs::remove_file(&partial);
+    }
+    renamed.map(|()| study.episodes)
+}
+
+/// Opens all files; those without a row have nothing to say.
+fn parts(shards: &[PathBuf]) -> Result<Vec<Part>, SweepError> {
+    let mut parts: Vec<Part> = Vec::new();
+    for path in shards {
+        let mut rows = Rows::open(path)?;
+        let Some(first) = rows.next()? else { continue };
+        if let Some(other) = parts.first() {
+            check_study(&rows.file, &first, &other.rows.file, &other.first)?;
+        }
+        parts.push(Part { rows, first });
+    }
+    Ok(parts)
+}
+
+fn check_study(file: &str, found: &Identity, first: &str, expected: &Identity) -> Result<(), SweepError> {
+    if (&found.study, found.episodes) == (&expected.study, expected.episodes) {
+        return Ok(());
+    }
+    Err(SweepError::Foreign {
+        file: file.to_owned(),
+        found: found.study.clone(),
+        found_episodes: found.episodes,
+        first: first.to_owned(),
+        expected: expected.study.clone(),
+        expected_episodes: expected.episodes,
+    })
+}
+
+/// Writes the rows of all parts, which are in order.
+fn write(file: File, path: &Path, parts: Vec<Part>, study: &Identity) -> Result<(), SweepError> {
+    let unwritable = |source| SweepError::Write { file: path.display().to_string(), source };
+    let mut out = BufWriter::new(file);
+    out.write_all(&row::header()).map_err(unwritable)?;
+    let mut before: Option<String> = None;
+    let mut covered: Vec<Range<u64>> = Vec::new();
+    for mut part in parts {
+        let begin = part.first.episode;
+        if let Some(other) = before.filter(|_| covered.last().is_some_and(|range| begin < range.end)) {
+            return Err(SweepError::Overlap { file: part.rows.file, episode: begin, other });
+        }
+        let mut next = begin;
+        let mut row = Some(part.first);
+        while let Some(identity) = row {
+            check_study(&part.rows.file, &identity, "its first row", study)?;
+            if identity.episode != next {
+                return Err(SweepError::Line {
+                    file: part.rows.file,
+                    line: part.rows.number,
+                    found: format!("episode {}", identity.episode),
+                    expected: format!("episode {next}"),
+                });
+            }
+            out.write_all(&part.rows.line).map_err(unwritable)?;
+            next += 1;
+            row = part.rows.next()?;
+        }
+        covered.push(begin..next);
+        before = Some(part.rows.file);
+    }
+    out.flush().map_err(unwritable)?;
+    first_gap(&covered, study.episodes)
+}
+
+/// The episodes between the ranges, or before or behind all of them.
+fn first_gap(covered: &[Range<u64>], episodes: u64) -> Result<(), SweepError> {
+    let ends = [0].into_iter().chain(covered.iter().map(|range| range.end));
+    let begins = covered.iter().map(|range| range.start).chain([episodes]);
+    match ends.zip(begins).find(|(end, begin)| end < begin) {
+        None => Ok(()),
+        Some((first, begin)) => {
+            let hint = missing_shards(covered, episodes).unwrap_or_default();
+            Err(SweepError::Gap { first, last: begin - 1, episodes, hint })
+        }
+    }
+}
+
+/// Which shards are missing, if all ranges are shards of one number of shards.
+fn missing_shards(covered: &[Range<u64>], episodes: u64) -> Option<String> {
+    let of = (covered.len() as u64 + 1..=MOST_SHARDS.min(episodes)).find(|&of| {
+        covered.iter().all(|range| {
+            // rounding moves a shard's begin by less than one shard
+            let near = (u128::from(range.start) * u128::from(of) / u128::from(episodes)) as u64;
+            (near..=near + 2).any(|number| Shard { number, of }.episodes(episodes) == *range)
+        })
+    })?;
+    let missing = (1..=of).filter(|&number| !covered.contains(&Shard { number, of }.episodes(episodes)));
+    let missing: Vec<_> = missing.map(|number| format!("{number}/{of}")).collect();
+    Some(format!(": missing, it seems, shard {}", missing.join(", ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_a_missing_shard_is_named() {
+        let shard = |number| Shard { number, of: 4 }.episodes(30);
+        assert!(first_gap(&[shard(1), shard(2), shard(3), shard(4)], 30).is_ok());
+        for missing in 1..=4 {
+            let covered: Vec<_> = (1..=4).filter(|n| *n != missing).map(shard).collect();
+            let error = first_gap(&covered, 30).unwrap_err().to_string();
+            assert!(error.contains(&format!("shard {missing}/4")), "{error}");
+        }
+    }
+}

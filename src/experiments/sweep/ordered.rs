@@ -1,0 +1,175 @@
+//! Work by its numbers in; its results, in the order of the numbers, out, with no more of them waiting than fit a window.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::ops::Range;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+
+/// How far ahead of the first result that is not there yet others may be.
+const WINDOW: u64 = 1024;
+
+/// What the threads share.
+struct State<W> {
+    /// The next number to work on.
+    next: u64,
+    /// The next number to write.
+    due: u64,
+    /// Results that wait for earlier ones.
+    waiting: BTreeMap<u64, Vec<u8>>,
+    write: W,
+    failed: Option<io::Error>,
+    is_over: bool,
+}
+
+struct Shared<W> {
+    state: Mutex<State<W>>,
+    changed: Condvar,
+}
+
+/// `work` of every number on all threads of the current pool. `write` gets the results in order, whole, on any of the threads, one after the
+/// other: several at once where they have waited, and how many.
+///
+/// # Errors
+/// The first error of `write`, which ends the work.
+pub(super) fn in_order<W: FnMut(&[u8], u64) -> io::Result<()> + Send>(
+    numbers: Range<u64>,
+    work: impl Fn(u64) -> Vec<u8> + Sync,
+    write: W,
+) -> io::Result<()> {
+    let state = State {
+        next: numbers.start,
+        due: numbers.start,
+        waiting: BTreeMap::new(),
+        write,
+        failed: None,
+        is_over: false,
+    };
+    let shared = Shared { state: Mutex::new(state), changed: Condvar::new() };
+    rayon::broadcast(|_| {
+        let _end = EndOnPanic(&shared);
+        while let Some(number) = shared.take(numbers.end) {
+            shared.give(number, work(number));
+        }
+    });
+    let state = shared.state.into_inner().unwrap_or_else(PoisonError::into_inner);
+    state.failed.map_or(Ok(()), Err)
+}
+
+impl<W> Shared<W> {
+    fn lock(&self) -> MutexGuard<'_, State<W>> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A number to work on, as soon as the window reaches to it.
+    fn take(&self, end: u64) -> Option<u64> {
+        let mut state = self.lock();
+        while !state.is_over && state.next < end && state.next >= state.due + WINDOW {
+            state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+        let number = state.next;
+        state.next += 1;
+        (!state.is_over && number < end).then_some(number)
+    }
+}
+
+impl<W: FnMut(&[u8], u64) -> io::Result<()>> Shared<W> {
+    /// Takes a result, and writes what is due.
+    fn give(&self, number: u64, result: Vec<u8>) {
+        let mut state = self.lock();
+        let State { due, waiting, write, failed, is_over, .. } = &mut *state;
+        waiting.insert(number, result);
+        let begin = *due;
+        let mut lines = Vec::new();
+        while let Some(line) = waiting.remove(due) {
+            lines.extend(line);
+            *due += 1;
+        }
+        if *due > begin && !*is_over {
+            if let Err(error) = write(&lines, *due - begin) {
+                *failed = Some(error);
+                *is_over = true;
+            }
+            self.changed.notify_all();
+        }
+    }
+}
+
+/// Others would wait for ever for the result of a thread that panicked.
+struct EndOnPanic<'a, W>(&'a Shared<W>);
+
+impl<W> Drop for EndOnPanic<'_, W> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.lock().is_over = true;
+            self.0.changed.notify_all();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
+    }
+
+    #[test]
+    fn results_are_written_in_order_whoever_is_slow() {
+        for threads in [1, 4] {
+            let mut written = Vec::new();
+            let slow = |n: u64| {
+                if n.is_multiple_of(97) {
+                    std::thread::sleep(Duration::from_millis(5));
+                }
+                format!("{n}\n").into_bytes()
+            };
+            let write = |lines: &[u8], _| {
+                written.extend_from_slice(lines);
+                Ok(())
+            };
+            on_threads(threads, || in_order(5..4000, slow, write)).unwrap();
+            let expected: String = (5..4000).map(|n| format!("{n}\n")).collect();
+            assert!(written == expected.into_bytes(), "{threads} threads");
+        }
+    }
+
+    #[test]
+    fn nobody_runs_further_ahead_than_the_window() {
+        let (furthest, first_is_done) = (Mutex::new(0), Mutex::new(false));
+        let work = |n: u64| {
+            if n == 0 {
+                std::thread::sleep(Duration::from_millis(300));
+                *first_is_done.lock().unwrap() = true;
+            } else if !*first_is_done.lock().unwrap() {
+                let mut furthest = furthest.lock().unwrap();
+                *furthest = n.max(*furthest);
+            }
+            Vec::new()
+        };
+        on_threads(3, || in_order(0..20_000, work, |_, _| Ok(()))).unwrap();
+        assert_eq!(*furthest.lock().unwrap(), WINDOW - 1);
+    }
+
+    #[test]
+    fn an_error_ends_the_work() {
+        let mut written = 0;
+        let write = |_: &[u8], n| {
+            written += n;
+            if written >= 10 { Err(io::Error::other("full")) } else { Ok(()) }
+        };
+        let error = on_threads(2, || in_order(0..u64::MAX, |_| Vec::new(), write)).unwrap_err();
+        assert_eq!(error.to_string(), "full");
+    }
+
+    #[test]
+    fn a_panic_does_not_leave_the_others_waiting() {
+        let work = |n: u64| {
+            assert!(n != 7, "on purpose");
+            Vec::new()
+        };
+        let ended = std::panic::catch_unwind(|| on_threads(2, || in_order(0..100_000, work, |_, _| Ok(()))));
+        assert!(ended.is_err());
+    }
+}

@@ -1,0 +1,195 @@
+//! A study and the name of a file in; that file, whole, out. Until then its rows stand in a file beside it, which may be cut short at any time
+//! and is gone on with.
+//!
+//! The partial file is the final one as far as it has come: rows are appended in order, each batch in one write, so a process that is killed
+//! leaves whole rows, and at worst one that is cut, which is taken off. Since every row names its study, nothing else has to be kept beside.
+
+use super::ordered::in_order;
+use super::results::{self, Identity};
+use super::{Study, SweepError, row};
+use crate::experiments::OnDone;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// A part of a study, for one of several computers: an unbroken range of its episodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// Which, from 1.
+    pub number: u64,
+    /// Of how many.
+    pub of: u64,
+}
+
+impl Shard {
+    /// The episodes of the shard in a study of so many: all shards together have every one, and none twice.
+    pub fn episodes(self, all: u64) -> Range<u64> {
+        let end = |number: u64| (u128::from(all) * u128::from(number) / u128::from(self.of.max(1))) as u64;
+        end(self.number.saturating_sub(1))..end(self.number)
+    }
+}
+
+/// A sweep that is about to be run, or to be gone on with.
+#[derive(Debug)]
+pub struct Sweep<'a> {
+    study: &'a Study,
+    path: PathBuf,
+    partial: PathBuf,
+    file: File,
+    episodes: Range<u64>,
+    kept: u64,
+}
+
+impl<'a> Sweep<'a> {
+    /// Opens the partial file of `path`, and keeps the rows that it has already. With `overwrite`, what is there under that name is replaced in
+    /// the end, and rows of another study are not kept.
+    ///
+    /// # Errors
+    /// [`SweepError`]: the results are there already, or rows of another study, or another process is writing them.
+    pub fn open(
+        study: &'a Study,
+        path: &Path,
+        shard: Option<Shard>,
+        overwrite: bool,
+    ) -> Result<Self, SweepError> {
+        let episodes = shard.map_or(0..study.episodes(), |shard| shard.episodes(study.episodes()));
+        let mut partial = path.as_os_str().to_owned();
+        partial.push(".partial");
+        let partial = PathBuf::from(partial);
+        let (name, partial_name) = (path.display().to_string(), partial.display().to_string());
+        let write = |source| SweepError::Write { file: partial_name.clone(), source };
+        if path.exists() && !overwrite {
+            return Err(SweepError::Exists { file: name });
+        }
+        let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&partial);
+        let mut file = file.map_err(write)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Err(SweepError::Busy { file: partial_name }),
+            Err(TryLockError::Error(source)) => return Err(write(source)),
+        }
+        // whoever held the lock may have finished just now
+        if path.exists() && !overwrite {
+            return Err(SweepError::Exists { file: name });
+        }
+        let (mut bytes, kept) = match rows_kept(study, &file, &partial_name, &episodes) {
+            Err(error @ (SweepError::Read { .. } | SweepError::Write { .. })) => return Err(error),
+            Err(_) if overwrite => (0, 0),
+            other => other?,
+        };
+        file.set_len(bytes).map_err(write)?;
+        file.seek(SeekFrom::End(0)).map_err(write)?;
+        if bytes == 0 {
+            let header = row::header();
+            file.write_all(&header).map_err(write)?;
+            bytes = header.len() as u64;
+        }
+        debug_assert!(bytes > 0);
+        Ok(Self { study, path: path.to_owned(), partial, file, episodes, kept })
+    }
+
+    /// Episodes whose rows were there already.
+    pub fn kept(&self) -> u64 {
+        self.kept
+    }
+
+    /// Episodes of the sweep, or of its shard.
+    pub fn episodes(&self) -> u64 {
+        self.episodes.end - self.episodes.start
+    }
+
+    /// Runs what is left, on all threads of the current pool, and gives the file its name.
+    ///
+    /// # Errors
+    /// [`SweepError::Write`]: the rows that could be written stay in the partial file.
+    pub fn run(self, on_done: OnDone) -> Result<(), SweepError> {
+        let Self { study, path, partial, mut file, episodes, kept } = self;
+        let left = episodes.start + kept..episodes.end;
+        let append = |lines: &[u8], count: u64| {
+            file.write_all(lines)?;
+            (0..count).for_each(|_| on_done());
+            Ok(())
+        };
+        let done = in_order(left, |episode| study.run(episode), append).and_then(|()| file.sync_all());
+        done.map_err(|source| SweepError::Write { file: partial.display().to_string(), source })?;
+        let renamed = std::fs::rename(&partial, &path);
+        renamed.map_err(|source| SweepError::Write { file: path.display().to_string(), source })
+    }
+}
+
+/// How much of the file can be kept, and the rows in it.
+fn rows_kept(
+    study: &Study,
+    file: &File,
+    name: &str,
+    episodes: &Range<u64>,
+) -> Result<(u64, u64), SweepError> {
+    let mut reader = BufReader::new(file);
+    let mut line = Vec::new();
+    let (mut bytes, mut kept) = (0, 0);
+    loop {
+        line.clear();
+        let read = reader.read_until(b'\n', &mut line);
+        read.map_err(|source| SweepError::Read { file: name.to_owned(), source })?;
+        if line.last() != Some(&b'\n') {
+            // the end of the file, or of a row that was cut short
+            if bytes == 0 && !row::header().starts_with(&line) {
+                results::check_header(&line, name)?;
+            }
+            return Ok((bytes, kept));
+        }
+        if bytes == 0 {
+            results::check_header(&line, name)?;
+        } else {
+            let due = episodes.start + kept;
+            check_row(study, &line, name, kept + 2, due, episodes.end)?;
+            kept += 1;
+        }
+        bytes += line.len() as u64;
+    }
+}
+
+/// The row must be that of the episode which is due.
+fn check_row(
+    study: &Study,
+    line: &[u8],
+    file: &str,
+    number: u64,
+    due: u64,
+    end: u64,
+) -> Result<(), SweepError> {
+    let found = Identity::of_line(line, file, number)?;
+    if (found.study.as_str(), found.episodes) != (study.digest(), study.episodes()) {
+        return Err(SweepError::OtherStudy {
+            file: file.to_owned(),
+            line: number,
+            found: found.study,
+            expected: study.digest().to_owned(),
+        });
+    }
+    if found.episode != due || due >= end {
+        let expected = if due < end { format!("episode {due}") } else { "the end of the file".to_owned() };
+        let found = format!("episode {}", found.episode);
+        return Err(SweepError::Line { file: file.to_owned(), line: number, found, expected });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_shards_have_every_episode_once() {
+        for (all, of) in [(10, 4), (3, 8), (1, 1), (1_000_003, 7), (0, 3)] {
+            let mut next = 0;
+            for number in 1..=of {
+                let range = Shard { number, of }.episodes(all);
+                assert_eq!(range.start, next);
+                next = range.end;
+            }
+            assert_eq!(next, all);
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! The lines of a file of results in; which episodes of which study they are, out.
+
+use super::{SweepError, row};
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+
+/// What a row is the result of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Identity {
+    pub episode: u64,
+    /// Of how many.
+    pub episodes: u64,
+    pub study: String,
+}
+
+impl Identity {
+    /// Reads the beginning of a row.
+    pub fn of_line(line: &[u8], file: &str, number: u64) -> Result<Self, SweepError> {
+        let text = String::from_utf8_lossy(line);
+        let mut fields = text.splitn(4, ',');
+        let mut next = || fields.next().unwrap_or_default();
+        let (episode, episodes, study) = (next().parse(), next().parse(), next());
+        match (episode, episodes) {
+            (Ok(episode), Ok(episodes)) if episode < episodes && study.len() == 16 => {
+                Ok(Self { episode, episodes, study: study.to_owned() })
+            }
+            _ => Err(SweepError::Line {
+                file: file.to_owned(),
+                line: number,
+                found: format!("`{}`", text.trim_end().chars().take(60).collect::<String>()),
+                expected:
+                    "a row of results: the number of an episode, how many there are, and the study's digest"
+                        .to_owned(),
+            }),
+        }
+    }
+}
+
+/// The header must be the one that this version writes.
+pub(super) fn check_header(line: &[u8], file: &str) -> Result<(), SweepError> {
+    let text = String::from_utf8_lossy(line);
+    let mut found = text.trim_end().split(',');
+    let mut expected = row::columns().into_iter();
+    for column in 1.. {
+        match (found.next(), expected.next()) {
+            (None, None) => break,
+            (found, expected) if found == expected => {}
+            (found, expected) => {
+                let name = |column: Option<&str>| match column {
+                    Some(name) => format!("`{}`", name.chars().take(60).collect::<String>()),
+                    None => "none".to_owned(),
+                };
+                let (found, expected) = (name(found), name(expected));
+                return Err(SweepError::Columns { file: file.to_owned(), column, found, expected });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The rows of a file, one line after the other.
+pub(super) struct Rows {
+    pub file: String,
+    reader: BufReader<File>,
+    /// Of the line read last, counted from 1.
+    pub number: u64,
+    /// The line read last, with its end.
+    pub line: Vec<u8>,
+}
+
+impl Rows {
+    /// Opens the file and checks its header.
+    pub fn open(path: &Path) -> Result<Self, SweepError> {
+        let file = path.display().to_string();
+        let opened = File::open(path).map_err(|source| SweepError::Read { file: file.clone(), source })?;
+        let mut rows = Self { file, reader: BufReader::new(opened), number: 0, line: Vec::new() };
+        rows.advance()?;
+        check_header(&rows.line, &rows.file)?;
+        Ok(rows)
+    }
+
+    /// Reads the next row; none at the end of the file.
+    pub fn next(&mut self) -> Result<Option<Identity>, SweepError> {
+        self.advance()?;
+        match self.line.is_empty() {
+            true => Ok(None),
+            false => Identity::of_line(&self.line, &self.file, self.number).map(Some),
+        }
+    }
+
+    fn advance(&mut self) -> Result<(), SweepError> {
+        self.line.clear();
+        self.number += 1;
+        let read = self.reader.read_until(b'\n', &mut self.line);
+        read.map_err(|source| SweepError::Read { file: self.file.clone(), source })?;
+        if self.line.last().is_some_and(|end| *end != b'\n') {
+            return Err(SweepError::Line {
+                file: self.file.clone(),
+                line: self.number,
+                found: "cut short".to_owned(),
+                expected: "whole: run its sweep again, which goes on from there".to_owned(),
+            });
+        }
+        Ok(())
+    }
+}

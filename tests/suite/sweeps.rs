@@ -1,0 +1,574 @@
+//! Sweeps: the rows are those of `cocarry run`, the file is the same to the byte however the sweep was run, and what is wrong in a study is
+//! named.
+
+use crate::support::{cocarry, json, repository, stderr, stdout};
+use cocarry::experiments::{mean_and_std, paired_p_value};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+/// A study on the planning level, with most kinds of values.
+const STUDY: &str = r#"name = "A study"
+
+worlds = ["environment-1", "environment-4"]
+plants = "point"
+methods = ["mutual", "without-model"]
+eta = [5, 10.5]
+humans = ["all", "same"]
+seeds = 6
+
+[[human]]
+name = "all"
+alpha = "uniform(0.55,0.95)"
+gamma = "uniform(0.5,1.1)"
+
+[[human]]
+name = "same"
+alpha = 0.747
+gamma = 0.765
+
+[[belief]]
+name = "sharp"
+alpha = "normal(0.75,0.05,0.55,0.95)"
+gamma = "uniform(0.5,1.1)"
+"#;
+
+/// A folder with a study in it.
+struct Bench {
+    folder: TempDir,
+}
+
+impl Bench {
+    fn new(study: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::write(folder.path().join("study.toml"), study).expect("a study");
+        Self { folder }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_cocarry"));
+        command.arg("sweep").args(arguments).current_dir(self.folder.path());
+        command
+    }
+
+    fn sweep(&self, arguments: &[&str]) -> Output {
+        self.command(arguments).output().expect("the program starts")
+    }
+
+    fn good(&self, arguments: &[&str]) -> Output {
+        let output = self.sweep(arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
+        output
+    }
+
+    /// Runs what must be refused, and sees what is said of it.
+    fn refused(&self, arguments: &[&str], code: i32, said: &[&str]) {
+        let output = self.sweep(arguments);
+        let error = stderr(&output);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {error}");
+        assert!(output.stdout.is_empty(), "{arguments:?} printed something");
+        assert!(error.starts_with("error: ") && !error.contains("panicked"), "{error}");
+        for part in said {
+            assert!(error.contains(part), "{part:?} is missing from: {error}");
+        }
+    }
+
+    fn read(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    fn rows(&self, name: &str) -> Vec<Row> {
+        rows(&self.path(name))
+    }
+}
+
+/// A row by its columns.
+type Row = std::collections::BTreeMap<String, String>;
+
+fn rows(path: &Path) -> Vec<Row> {
+    let mut reader = csv::Reader::from_path(path).expect("a file of results");
+    reader.deserialize().map(|row| row.expect("a row")).collect()
+}
+
+#[test]
+fn every_combination_is_run_with_every_seed_the_humans_the_same_for_all_methods() {
+    let bench = Bench::new(STUDY);
+    bench.good(&["study.toml"]);
+    let rows = bench.rows("study.csv");
+    assert_eq!(rows.len(), 2 * 2 * 2 * 2 * 6);
+    for (i, row) in rows.iter().enumerate() {
+        assert_eq!((row["episode"].parse(), row["episodes"].as_str()), (Ok(i), "96"));
+        assert_eq!(row["outcome"], "arrived");
+        assert!(row["control_cost"].is_empty() && row["robot"].is_empty(), "the point has no robot");
+        if row["humans"] == "same" {
+            assert_eq!((row["alpha"].as_str(), row["gamma"].as_str()), ("0.747", "0.765"));
+        }
+        for other in rows.iter().filter(|r| r["seed"] == row["seed"] && r["humans"] == row["humans"]) {
+            assert_eq!((&row["alpha"], &row["gamma"]), (&other["alpha"], &other["gamma"]));
+        }
+    }
+    let drawn = |row: &&Row| row["humans"] == "all";
+    let mut alphas: Vec<_> = rows.iter().filter(drawn).map(|row| row["alpha"].clone()).collect();
+    alphas.sort();
+    alphas.dedup();
+    assert_eq!(alphas.len(), 6, "another seed is another human");
+}
+
+/// Compares a row with what `run --json` says of the same episode.
+fn agrees(row: &Row, told: &Value, pairs: &[(&str, &str)]) {
+    for (column, pointer) in pairs {
+        let (cell, value) = (&row[*column], told.pointer(pointer).unwrap_or(&Value::Null));
+        let agrees = match value {
+            Value::Null => cell.is_empty(),
+            Value::Number(number) => cell.parse::<f64>().ok() == number.as_f64(),
+            Value::String(text) => cell == text,
+            _ => false,
+        };
+        assert!(agrees, "{column}: {cell} and {value}");
+    }
+}
+
+#[test]
+fn a_row_is_what_run_says_of_the_same_episode() {
+    let common = [
+        ("seed", "/seed"),
+        ("alpha", "/human/alpha"),
+        ("gamma", "/human/gamma"),
+        ("method", "/method"),
+        ("eta", "/eta"),
+        ("outcome", "/outcome"),
+        ("steps", "/steps"),
+        ("time_s", "/time_s"),
+        ("walked_m", "/walked_m"),
+        ("accumulated_objective_cost_m", "/accumulated_objective_cost_m"),
+        ("preferred_at_start", "/preferred_at_start"),
+        ("first_option", "/first_option"),
+        ("last_option", "/last_option"),
+        ("transition_step", "/transition/step"),
+        ("transition_time_s", "/transition/time_s"),
+        ("transition_x_m", "/transition/position_m/0"),
+        ("posture", "/robot/posture"),
+        ("control_cost", "/control/cost"),
+        ("control_pose", "/control/pose"),
+        ("position_error_rms_m", "/control/position_error_rms_m"),
+        ("constrained_steps", "/control/constrained_steps"),
+        ("pose_changes", "/control/pose_changes"),
+        ("least_base_clearance_m", "/control/least_base_clearance_m"),
+        ("hand_force_rms_n", "/interaction/hand_force_rms_n"),
+        ("peak_force_n", "/interaction/peak_force_n"),
+        ("human_work_j", "/interaction/human_work_j"),
+        ("squared_jerk_m2_per_s5", "/interaction/squared_jerk_m2_per_s5"),
+        ("collision_of", "/collision/between/0/party"),
+        ("collision_with_part", "/collision/between/1/name"),
+        ("collision_x_m", "/collision/point_m/0"),
+        ("collision_depth_m", "/collision/depth_m"),
+        ("collision_force_n", "/collision/force_n"),
+    ];
+    // the last one ends in a contact
+    for (study, arguments) in [
+        ("plants = \"point\"\nmethods = \"mutual\"", &["--plant", "point"][..]),
+        (
+            "methods = \"human-led\"\npose = \"whole-body\"\npostures = \"elbow-out\"\navoid = \"nothing\"",
+            &["--method", "human-led", "--pose", "whole-body", "--posture", "elbow-out", "--no-obstacles"],
+        ),
+        ("plants = \"rapier\"\nsway_m = 0.02", &["--plant", "rapier", "--sway", "0.02"]),
+        (
+            "plants = \"rapier\"\nmethods = \"robot-led\"\npose = \"none\"\navoid = \"nothing\"",
+            &["--plant", "rapier", "--method", "robot-led", "--pose", "none", "--no-obstacles"],
+        ),
+    ] {
+        let world = if study.contains("robot-led") { "environment-2" } else { "environment-4" };
+        let bench =
+            Bench::new(&format!("worlds = \"{world}\"\nseeds = {{ first = 3, last = 3 }}\n{study}\n"));
+        bench.good(&["study.toml"]);
+        let output = cocarry(&[&["run", world, "--json", "--seed", "3"], arguments].concat());
+        let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        agrees(&bench.rows("study.csv")[0], &told, &common);
+        if study.contains("robot-led") {
+            assert!(told["collision"].is_object(), "choose an episode with a contact");
+        }
+    }
+}
+
+#[test]
+fn the_number_of_threads_and_of_shards_makes_no_difference() {
+    let bench = Bench::new(STUDY);
+    bench.good(&["study.toml", "--threads", "1", "--out", "one.csv"]);
+    bench.good(&["study.toml", "--threads", "3", "--out", "three.csv"]);
+    assert!(bench.read("one.csv") == bench.read("three.csv"));
+    for number in 1..=5 {
+        bench.good(&["study.toml", "--shard", &format!("{number}/5")]);
+    }
+    let shard = |n| format!("study.{n}-of-5.csv");
+    let [a, b, c, d, e] = [3, 1, 5, 2, 4].map(shard);
+    bench.good(&["--merge", "merged.csv", &a, &b, &c, &d, &e]);
+    assert!(bench.read("one.csv") == bench.read("merged.csv"));
+    bench.refused(&["--merge", "merged.csv", &a, &b], 2, &["merged.csv: exists already", "--overwrite"]);
+    bench.refused(&["--merge", "new.csv", &a, &b, &c, &e], 2, &["episodes 19 to 37 of 96", "shard 2/5"]);
+    bench.refused(&["--merge", "new.csv", &a, &b, &b], 2, &["study.1-of-5.csv: begins with episode 0"]);
+    bench.good(&["study.toml", "--seeds", "5", "--shard", "2/5", "--out", "foreign.csv"]);
+    bench.refused(
+        &["--merge", "new.csv", &a, &b, &c, "foreign.csv", &e],
+        2,
+        &["foreign.csv: study ", "80", "96"],
+    );
+    bench.refused(&["--merge", "new.csv", &a, "study.toml"], 2, &["study.toml: not the results of a sweep"]);
+    assert!(!bench.path("new.csv").exists() && !bench.path("new.csv.partial").exists());
+    std::fs::write(bench.path("new.csv.partial"), "a sweep under way").expect("a file");
+    bench.refused(&["--merge", "new.csv", &a, &b, &c, &d, &e], 2, &["new.csv.partial: exists already"]);
+    assert_eq!(bench.read("new.csv.partial"), b"a sweep under way");
+}
+
+#[test]
+fn more_shards_than_episodes_are_merged_too() {
+    let bench = Bench::new("worlds = \"environment-1\"\nplants = \"point\"\nseeds = 2\n");
+    bench.good(&["study.toml", "--out", "all.csv"]);
+    let mut merge = vec!["--merge".to_owned(), "merged.csv".to_owned()];
+    for number in 1..=4 {
+        bench.good(&["study.toml", "--shard", &format!("{number}/4")]);
+        merge.push(format!("study.{number}-of-4.csv"));
+    }
+    bench.good(&merge.iter().map(String::as_str).collect::<Vec<_>>());
+    assert!(bench.read("all.csv") == bench.read("merged.csv"));
+}
+
+/// Kills the process once the partial file has so many bytes; false if it was faster.
+fn kill_at(mut child: Child, partial: &Path, bytes: u64) -> bool {
+    let begun = Instant::now();
+    loop {
+        if child.try_wait().expect("a process").is_some() {
+            return false;
+        }
+        let length = std::fs::metadata(partial).map_or(0, |file| file.len());
+        if length >= bytes {
+            child.kill().expect("a process");
+            child.wait().expect("a process");
+            return true;
+        }
+        assert!(begun.elapsed() < Duration::from_secs(60), "the sweep does not come on");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+#[test]
+fn a_sweep_that_is_killed_goes_on_to_the_same_file() {
+    let study = STUDY.replace("seeds = 6", "seeds = 150");
+    let bench = Bench::new(&study);
+    bench.good(&["study.toml", "--out", "undisturbed.csv"]);
+    let expected = bench.read("undisturbed.csv");
+    let partial = bench.path("study.csv.partial");
+    let mut killed = 0;
+    for tenths in [0, 2, 5, 8] {
+        let mut command = bench.command(&["study.toml"]);
+        let child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts");
+        killed += u32::from(kill_at(child, &partial, expected.len() as u64 * tenths / 10));
+        if let Ok(so_far) = std::fs::read(&partial) {
+            assert!(expected.starts_with(&so_far), "after {tenths} tenths");
+        }
+    }
+    assert!(killed >= 2, "the sweep is too fast to be killed");
+    if !bench.path("study.csv").exists() {
+        bench.good(&["study.toml"]);
+    }
+    assert!(bench.read("study.csv") == expected);
+    assert!(!partial.exists());
+}
+
+#[test]
+fn rows_that_are_there_are_kept_and_a_row_that_was_cut_is_run_again() {
+    let bench = Bench::new(STUDY);
+    bench.good(&["study.toml", "--out", "undisturbed.csv"]);
+    let whole = bench.read("undisturbed.csv");
+    let lines = whole.split_inclusive(|byte| *byte == b'\n');
+    let ten: usize = lines.take(11).map(<[u8]>::len).sum();
+    for (cut, kept) in [(0, 0), (5, 0), (ten, 10), (ten + 40, 10), (ten + 1, 10), (whole.len(), 96)] {
+        std::fs::write(bench.path("study.csv.partial"), &whole[..cut]).expect("a partial file");
+        let told = stdout(&bench.good(&["study.toml", "--overwrite"]));
+        let says = format!("{kept} of them from before");
+        assert_eq!(told.contains(&says), kept > 0, "cut at {cut}: {told}");
+        assert!(bench.read("study.csv") == whole, "cut at {cut}");
+    }
+}
+
+#[test]
+fn results_of_another_study_are_not_gone_on_with() {
+    let bench = Bench::new(STUDY);
+    bench.good(&["study.toml"]);
+    let first = bench.read("study.csv");
+    bench.refused(&["study.toml"], 2, &["study.csv: exists already", "--overwrite"]);
+    std::fs::rename(bench.path("study.csv"), bench.path("study.csv.partial")).expect("renamed");
+    let other = STUDY.replace("eta = [5, 10.5]", "eta = [5, 10]");
+    std::fs::write(bench.path("study.toml"), &other).expect("a study");
+    bench.refused(&["study.toml"], 2, &["study.csv.partial: line 2 is of study", "--overwrite"]);
+    bench.good(&["study.toml", "--overwrite"]);
+    assert_ne!(bench.read("study.csv"), first);
+    // comments and names make no other study
+    std::fs::write(bench.path("study.toml"), STUDY.replace("A study", "Another name")).expect("a study");
+    bench.good(&["study.toml", "--overwrite"]);
+    assert!(bench.read("study.csv") == first);
+    std::fs::write(bench.path("study.csv.partial"), "my diary\n").expect("a file");
+    std::fs::remove_file(bench.path("study.csv")).expect("removed");
+    bench.refused(&["study.toml"], 2, &["not the results of a sweep", "my diary"]);
+    std::fs::write(bench.path("study.csv.partial"), "no end of line").expect("a file");
+    bench.refused(&["study.toml"], 2, &["not the results of a sweep", "no end of line"]);
+}
+
+#[test]
+fn rows_out_of_order_are_refused() {
+    let bench = Bench::new(STUDY);
+    bench.good(&["study.toml"]);
+    let text = String::from_utf8(bench.read("study.csv")).expect("UTF-8");
+    let mut lines: Vec<&str> = text.split_inclusive('\n').collect();
+    lines.swap(3, 4);
+    std::fs::write(bench.path("swapped.csv"), lines.concat()).expect("a file");
+    bench.refused(&["--summary", "swapped.csv"], 2, &["swapped.csv: line 4 is episode 3", "episode 2"]);
+    std::fs::rename(bench.path("swapped.csv"), bench.path("study.csv.partial")).expect("renamed");
+    bench.refused(&["study.toml", "--out", "study.csv"], 2, &["exists already"]);
+    std::fs::remove_file(bench.path("study.csv")).expect("removed");
+    bench.refused(&["study.toml"], 2, &["study.csv.partial: line 4 is episode 3"]);
+}
+
+/// The table against the definitions, from the rows.
+#[test]
+fn the_summary_is_that_of_the_rows() {
+    let bench = Bench::new(STUDY);
+    let told = bench.good(&["study.toml", "--json"]);
+    let told: Value = serde_json::from_slice(&told.stdout).expect("JSON");
+    let again = bench.good(&["--summary", "study.csv", "--json"]);
+    assert_eq!(told, serde_json::from_slice::<Value>(&again.stdout).expect("JSON"));
+    let summary = &told["summary"];
+    assert_eq!(
+        summary["varied"],
+        serde_json::json!(["world", "method", "eta", "humans", "humans_alpha", "humans_gamma"])
+    );
+    assert_eq!(summary["groups"].as_array().map(Vec::len), Some(16));
+    let rows = bench.rows("study.csv");
+    let costs = |method: &str| -> Vec<f64> {
+        let is_of = |row: &&Row| {
+            row["world"] == "environment-4"
+                && row["eta"] == "5"
+                && row["humans"] == "all"
+                && row["method"] == method
+        };
+        let cost = |row: &Row| row["accumulated_objective_cost_m"].parse().expect("a number");
+        rows.iter().filter(is_of).map(cost).collect()
+    };
+    let (mutual, without) = (costs("mutual"), costs("without-model"));
+    let is_same = |inputs: &Value| {
+        [("world", "environment-4"), ("eta", "5"), ("humans", "all")].iter().all(|(key, v)| inputs[key] == *v)
+    };
+    let groups = summary["groups"].as_array().expect("groups");
+    let group =
+        groups.iter().find(|g| is_same(&g["inputs"]) && g["inputs"]["method"] == "mutual").expect("a group");
+    let near = |value: &Value, expected: f64| {
+        let value = value.as_f64().unwrap_or_else(|| panic!("{value}"));
+        assert!((value - expected).abs() <= 1e-9 * expected.abs(), "{value} and {expected}");
+    };
+    let (mean, std) = mean_and_std(&mutual);
+    let estimate = &group["accumulated_objective_cost_m"];
+    near(&estimate["mean"], mean);
+    near(&estimate["std"], std);
+    // t(0.975, 5) = 2.5706
+    let half = 2.570_582 * std / 6f64.sqrt();
+    assert!((estimate["interval"][1].as_f64().expect("a number") - mean - half).abs() < 1e-5 * half);
+    let compared = summary["comparisons"].as_array().expect("comparisons");
+    let pair = compared.iter().find(|c| is_same(&c["inputs"])).expect("a comparison");
+    assert_eq!((&pair["first"], &pair["second"]), (&"mutual".into(), &"without-model".into()));
+    near(&pair["difference"]["mean"], mean - mean_and_std(&without).0);
+    near(&pair["p_value"], paired_p_value(&mutual, &without).expect("a p-value"));
+    let lower = mutual.iter().zip(&without).filter(|(a, b)| a < b).count();
+    near(&pair["share_lower"], lower as f64 / 6.0);
+}
+
+#[test]
+fn runs_override_the_study_and_may_have_seeds_of_their_own() {
+    let bench = Bench::new(
+        r#"worlds = "environment-1"
+plants = "point"
+eta = [5, 15]
+seeds = 4
+
+[[run]]
+methods = "mutual"
+
+[[run]]
+methods = "without-model"
+eta = 5
+seeds = { first = 2, last = 5 }
+"#,
+    );
+    let told = stdout(&bench.good(&["study.toml"]));
+    let rows = bench.rows("study.csv");
+    let cells: Vec<String> =
+        rows.iter().map(|row| format!("{} {} {}", row["seed"], row["method"], row["eta"])).collect();
+    assert_eq!(cells.len(), 2 * 4 + 4);
+    assert_eq!(cells[..5], ["0 mutual 5", "0 mutual 15", "1 mutual 5", "1 mutual 15", "2 mutual 5"]);
+    assert_eq!(cells[5..8], ["2 mutual 15", "2 without-model 5", "3 mutual 5"]);
+    assert_eq!(cells[10..], ["4 without-model 5", "5 without-model 5"]);
+    // two seeds in common
+    assert!(told.lines().any(|l| l.contains("mutual - without-model") && l.contains("   2   ")), "{told}");
+}
+
+/// Worlds and robots lie beside the study, wherever it is run from, and the rows do not depend on that.
+#[test]
+fn files_are_relative_to_the_study() {
+    let study = "worlds = \"mine.toml\"\nrobots = [\"built-in\", \"six.toml\"]\nseeds = 1\nmax_steps = 3\n";
+    let bench = Bench::new(study);
+    std::fs::copy(repository("worlds/environment-1.toml"), bench.path("mine.toml")).expect("a copy");
+    for name in ["six.toml", "six.urdf"] {
+        std::fs::copy(repository("tests/fixtures/robots").join(name), bench.path(name)).expect("a copy");
+    }
+    bench.good(&["study.toml"]);
+    let (study, out) = (bench.path("study.toml"), bench.path("other.csv"));
+    let arguments = [study.to_str().expect("UTF-8"), "--out", out.to_str().expect("UTF-8")];
+    let output = cocarry(&[&["sweep"], &arguments[..]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(bench.read("study.csv") == bench.read("other.csv"));
+    let robots: Vec<_> = bench.rows("study.csv").iter().map(|row| row["robot"].clone()).collect();
+    assert_eq!(robots, ["built-in", "six.toml"]);
+    std::fs::write(bench.path("mine.toml"), "name = 3").expect("a world");
+    bench.refused(&["study.toml"], 2, &["study.toml:1: worlds", "mine.toml: not a valid world file"]);
+}
+
+#[test]
+fn what_cannot_be_written_ends_with_4() {
+    let bench = Bench::new(STUDY);
+    bench.refused(&["study.toml", "--out", "no/such/folder/a.csv"], 4, &["no/such/folder/a.csv.partial"]);
+}
+
+/// Replaces the one place where `from` stands.
+fn spoil(from: &str, to: &str, said: &[&str]) {
+    assert_eq!(STUDY.matches(from).count(), 1, "{from:?}");
+    let bench = Bench::new(&STUDY.replace(from, to));
+    bench.refused(&["study.toml"], 2, said);
+    assert!(!bench.path("study.csv.partial").exists(), "nothing is begun");
+}
+
+#[test]
+fn what_is_wrong_in_a_study_is_named() {
+    let worlds = "worlds = [\"environment-1\", \"environment-4\"]";
+    spoil("seeds = 6", "seeds = = 6", &["study.toml: not a valid study file", "line 8"]);
+    spoil("seeds = 6", "seed = 6", &["study.toml:8: seed: there is no such key", "seeds"]);
+    spoil("seeds = 6", "seeds = 0", &["study.toml:8: seeds = 0", "from 1 to 1000000000"]);
+    spoil("seeds = 6", "seeds = { first = 7, last = 6 }", &["study.toml:8: seeds = { first = 7, last = 6 }"]);
+    spoil("seeds = 6", "seeds = [1, 2]", &["study.toml:8: seeds = [1, 2]", "first = 100"]);
+    spoil(worlds, "", &["study.toml:1: study: worlds is missing"]);
+    spoil(worlds, "worlds = []", &["study.toml:3: worlds = []", "environment-1"]);
+    spoil(worlds, "worlds = \"environment-5\"", &["study.toml:3: worlds: environment-5: cannot be read"]);
+    spoil(
+        "\"environment-4\"]",
+        "\"environment-1\"]",
+        &["study.toml:3: worlds = \"environment-1\" stands there twice"],
+    );
+    spoil("[5, 10.5]", "[5,\n -1]", &["study.toml:7: eta = -1", "greater than 0 and at most 1000000"]);
+    spoil("[5, 10.5]", "[5, \"ten\"]", &["study.toml:6: eta = \"ten\"", "a number"]);
+    spoil("[5, 10.5]", "nan", &["study.toml:6: eta = nan"]);
+    spoil("\"without-model\"", "\"telepathy\"", &["study.toml:5: methods = \"telepathy\"", "without-model"]);
+    spoil("\"point\"", "\"paper\"", &["study.toml:4: plants = \"paper\"", "kinematic"]);
+    spoil("plants = \"point\"", "plants = \"point\"\npose = \"arm\"", &["study.toml:5: pose", "a robot"]);
+    spoil("plants = \"point\"", "sway_m = 0.01", &["study.toml:4: sway_m", "body"]);
+    spoil(
+        "plants = \"point\"",
+        "postures = \"asleep\"",
+        &["study.toml:4: postures = \"asleep\"", "elbow-out"],
+    );
+    spoil("plants = \"point\"", "max_steps = 0", &["study.toml:4: max_steps = 0"]);
+    spoil("plants = \"point\"", "period_s = 0", &["study.toml:4: period_s = 0", "0.01 to 60"]);
+    spoil("\"same\"]", "\"other\"]", &["study.toml:7: humans = \"other\"", "\"all\", \"same\""]);
+    spoil("name = \"same\"", "name = \"all\"", &["study.toml:15: name = \"all\" stands there twice"]);
+    spoil("name = \"same\"\n", "", &["study.toml:15: [[human]]: name is missing"]);
+    spoil("alpha = 0.747", "alpha = 0", &["study.toml:17: alpha = 0", "uniform(LOWER,UPPER)"]);
+    spoil(
+        "alpha = 0.747",
+        "alpha = \"uniform(1,0)\"",
+        &["study.toml:17: alpha = \"uniform(1,0)\"", "LOWER < UPPER"],
+    );
+    spoil("gamma = 0.765", "colour = 1", &["study.toml:18: colour: there is no such key", "gamma"]);
+    spoil("gamma = 0.765", "", &["[[human]]: gamma is missing"]);
+    spoil("\"normal(0.75,0.05,0.55,0.95)\"", "0.7", &["study.toml:22: alpha = 0.7", "normal(MEAN"]);
+    spoil("[[belief]]", "[belief]", &["study.toml:20: belief", "[[belief]]"]);
+    spoil("seeds = 6", "seeds = 6\nrun = 3", &["study.toml:9: run = 3", "[[run]]"]);
+}
+
+#[test]
+fn what_is_wrong_in_a_run_is_named() {
+    let run =
+        |text: &str, said: &[&str]| Bench::new(&format!("{STUDY}{text}")).refused(&["study.toml"], 2, said);
+    run("[[run]]\nname = \"x\"\n", &["study.toml:25: name: there is no such key", "worlds"]);
+    run("[[run]]\n[[run]]\neta = 5\n", &["study.toml:25: [[run]]: seed 0", "run before already", "eta 5"]);
+    let many: Vec<String> = (1..400).map(|i| i.to_string()).collect();
+    let many = many.join(", ");
+    run(
+        &format!("[[run]]\neta = [{many}]\nrisk_weight_m = [{many}]\n"),
+        &["study.toml:24: [[run]]: more than 100000 combinations"],
+    );
+}
+
+#[test]
+fn what_is_wrong_on_the_command_line_is_named() {
+    let bench = Bench::new(STUDY);
+    bench.refused(&["nowhere.toml"], 2, &["nowhere.toml: cannot be read"]);
+    for shard in ["0/3", "4/3", "1", "a/b"] {
+        bench.refused(&["study.toml", "--shard", shard], 2, &["--shard", "1 <= I <= N"]);
+    }
+    bench.refused(&[], 2, &["<STUDY>"]);
+    bench.refused(&["study.toml", "--summary", "study.csv"], 2, &["--summary"]);
+    bench.refused(&["--summary", "nowhere.csv"], 2, &["nowhere.csv: cannot be read"]);
+    bench.refused(&["--merge", "all.csv"], 2, &["--merge"]);
+}
+
+#[test]
+fn the_studies_of_the_docs_run() {
+    let folder = repository("docs/studies");
+    let mut studies = 0;
+    for entry in std::fs::read_dir(&folder).expect("the studies") {
+        let path = entry.expect("an entry").path();
+        if path.extension().is_none_or(|end| end != "toml") {
+            continue;
+        }
+        let bench = Bench::new("");
+        bench.good(&[path.to_str().expect("UTF-8"), "--seeds", "1", "--out", "a.csv"]);
+        assert!(bench.rows("a.csv").len() >= 12, "{}", path.display());
+        studies += 1;
+    }
+    assert_eq!(studies, 3);
+}
+
+/// Slurm's part is played by the test: the tasks one after the other, with what Slurm tells them.
+#[cfg(unix)]
+#[test]
+fn the_job_array_of_the_docs_merges_to_the_whole() {
+    let bench = Bench::new("");
+    let program = Path::new(env!("CARGO_BIN_EXE_cocarry")).parent().expect("a folder");
+    let paths = std::env::var_os("PATH").unwrap_or_default();
+    let paths = std::env::join_paths([program.to_owned()].into_iter().chain(std::env::split_paths(&paths)));
+    let study = repository("docs/studies/h2.toml");
+    let study = study.to_str().expect("UTF-8");
+    for task in ["1", "2", "3"] {
+        let output = Command::new("bash")
+            .arg(repository("docs/studies/array.sh"))
+            .args([study, "--seeds", "2"])
+            .env("PATH", paths.as_ref().expect("paths"))
+            .env("SLURM_ARRAY_TASK_ID", task)
+            .env("SLURM_ARRAY_TASK_COUNT", "3")
+            .env("SLURM_CPUS_PER_TASK", "2")
+            .current_dir(bench.folder.path())
+            .output()
+            .expect("bash");
+        assert!(output.status.success(), "{}", stderr(&output));
+    }
+    bench.good(&["--merge", "h2.csv", "h2.1-of-3.csv", "h2.2-of-3.csv", "h2.3-of-3.csv"]);
+    bench.good(&[study, "--seeds", "2", "--out", "whole.csv"]);
+    assert!(bench.read("h2.csv") == bench.read("whole.csv"));
+    let script = std::fs::read_to_string(repository("docs/studies/array.sh")).expect("the script");
+    assert!(script.contains("cocarry sweep --merge h2.csv h2.*-of-16.csv"));
+    assert!(
+        json(&["sweep", "--summary", bench.path("h2.csv").to_str().expect("UTF-8"), "--json"]).is_object()
+    );
+}
