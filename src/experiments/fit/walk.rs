@@ -21,7 +21,7 @@ pub enum Guidance {
     },
     /// The robot chooses by eq. (6) with the human's own phi(k), so that g(k) depends on eta.
     Mutual {
-        /// Values of eta, ascending, and the step at which each switches; [`NEVER`] if it does not.
+        /// Values of eta, ascending, and the step at which each switches; the largest number if it does not.
         scanned: Vec<(f64, u64)>,
         /// Steps of an episode in which the robot leads to the end.
         steps: u64,
