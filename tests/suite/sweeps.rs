@@ -175,12 +175,22 @@ fn a_row_is_what_run_says_of_the_same_episode() {
         ("plants = \"point\"\nmethods = \"mutual\"", &["--plant", "point"][..]),
         (
             "methods = \"human-led\"\npose = \"whole-body\"\npostures = \"elbow-out\"\navoid = \"nothing\"",
-            &["--method", "human-led", "--pose", "whole-body", "--posture", "elbow-out", "--no-obstacles"],
+            &[
+                "--plant",
+                "kinematic",
+                "--method",
+                "human-led",
+                "--pose",
+                "whole-body",
+                "--posture",
+                "elbow-out",
+                "--no-obstacles",
+            ],
         ),
         ("plants = \"rapier\"\nsway_m = 0.02", &["--plant", "rapier", "--sway", "0.02"]),
         (
-            "plants = \"rapier\"\nmethods = \"robot-led\"\npose = \"none\"\navoid = \"nothing\"",
-            &["--plant", "rapier", "--method", "robot-led", "--pose", "none", "--no-obstacles"],
+            "plants = \"rapier\"\nmethods = \"robot-led\"\npose = \"none\"\nsway_m = 0.1",
+            &["--plant", "rapier", "--method", "robot-led", "--pose", "none", "--sway", "0.1"],
         ),
     ] {
         let world = if study.contains("robot-led") { "environment-2" } else { "environment-4" };
