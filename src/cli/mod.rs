@@ -101,14 +101,14 @@ mod tests {
     }
 
     #[test]
-    fn a_snapshot_takes_no_argument_that_settles_a_scenario_and_no_recording() {
+    fn a_snapshot_takes_no_argument_that_settles_a_scenario() {
         let mut command = super::Arguments::command();
         command.build();
         let run = command.find_subcommand("run").unwrap();
         let resume = run.get_arguments().find(|a| a.get_id() == "resume").unwrap();
         let refused: Vec<_> = run.get_arg_conflicts_with(resume).iter().map(|a| a.get_id()).collect();
         for argument in run.get_arguments() {
-            let goes_along = ["json", "ticks", "svg", "save_at", "resume", "overwrite", "help"];
+            let goes_along = ["json", "ticks", "svg", "save_at", "resume", "record", "overwrite", "help"];
             let goes_along = goes_along.iter().any(|id| argument.get_id() == id);
             assert_ne!(refused.contains(&argument.get_id()), goes_along, "{}", argument.get_id());
         }

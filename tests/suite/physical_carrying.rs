@@ -61,8 +61,10 @@ fn table_2_with_bodies_is_table_2() {
     assert_eq!(rows.len(), 16);
     for row in rows {
         assert_eq!([&row["arrived"], &row["same_option"]], [2, 2], "{row}");
+        // Environment 2's corners cost time: see the README
+        let most = if row["environment"] == 2 { 0.07 } else { 0.05 };
         let ratio = row["farthest_ratio"].as_f64().expect("a ratio");
-        assert!((ratio - 1.0).abs() < 0.05, "{row}");
+        assert!((ratio - 1.0).abs() < most, "{row}");
         assert!(row["transition_difference"].as_u64().expect("steps") <= 5, "{row}");
     }
     let output = cocarry(&["reproduce", "h2", "--sway", "0"]);

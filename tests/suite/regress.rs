@@ -153,7 +153,7 @@ fn keys_are_those_of_run() {
     let file = at(folder.path(), text);
     assert!(cocarry(&["regress", "record", &file]).status.success());
     let recorded = std::fs::read_to_string(&file).unwrap();
-    let same = "run environment-1 --method human-led --seed 4 --no-obstacles --pose-criterion uniform --belief-alpha uniform(0.6,0.9) --max-steps 40 --json";
+    let same = "run environment-1 --plant kinematic --method human-led --seed 4 --no-obstacles --pose-criterion uniform --belief-alpha uniform(0.6,0.9) --max-steps 40 --json";
     let output = cocarry(&same.split(' ').collect::<Vec<_>>());
     let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let cost = told["control"]["cost"].as_f64().unwrap();
@@ -178,7 +178,7 @@ fn wrong_files_are_named_by_line() {
     refused(&spoil("eta = 5", "eta = true"), &[":11:", "eta = true"]);
     refused(&spoil("eta = 5", "no_obstacles = 1"), &[":11:", "no_obstacles = 1", "true or false"]);
     refused(&spoil("eta = 5", "method = \"democratic\""), &[":11:", "democratic", "mutual"]);
-    refused(&spoil("eta = 5", "sway = 0.1"), &[":10:", "--sway", "rapier"]);
+    refused(&spoil("eta = 5", "sway = 0.1"), &[":10:", "--sway", "--plant point"]);
     refused(&spoil("environment-1", "environment-9"), &[":10:", "environment-9", "no such world"]);
     refused(&spoil("seed = 2", "seed = 2\nname = \"a\""), &[":10:", "run `a` is there twice"]);
     refused(&spoil("# kept", "[tolerance]\nrelative = -1"), &[":2:", "relative = -1", "at least 0"]);

@@ -271,3 +271,11 @@ fn a_step_that_is_never_reached_is_told_after_the_outcome() {
     let output = cocarry(&["run", "--plant", "point", "--save-at", "3", "no-such-folder/x.snapshot"]);
     assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
 }
+
+#[test]
+fn a_resumed_run_is_not_recorded() {
+    let output = cocarry(&["run", "--resume", "half.snapshot", "--record", "run.mcap"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("--resume") && said.contains("--record"), "{said}");
+}
