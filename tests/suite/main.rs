@@ -22,4 +22,5 @@ mod snapshots;
 mod spoiled_robot;
 mod support;
 mod sweeps;
+mod tutorial;
 mod worlds;
