@@ -173,6 +173,29 @@ fn a_team_starts_gently_and_takes_the_lead_over_gently() {
     }
 }
 
+/// A spring on a swaying hand may pull, but must not chatter.
+#[test]
+fn forces_do_not_chatter_while_walking() {
+    let robot = Robot::built_in().expect("the built-in robot");
+    let (world, options) = load(&repository("worlds/environment-4.toml"));
+    let obstacles = RobotObstacles::new(&world);
+    let settings = Settings { method: Method::WithoutModel, ..Settings::default() };
+    let (posture, control) = (robot.postures[0].joints, control::Settings::default());
+    let manipulator = Manipulator { robot: &robot, posture, control, obstacles: &obstacles };
+    let mut episode = Episode::new(&options, &settings, EXAMPLE_HUMAN)
+        .with_physics(manipulator, &world, &PhysicsSettings::default(), 1)
+        .unwrap_or_else(|e| panic!("{e}"));
+    let mut changes = Vec::new();
+    while episode.step().is_none() {
+        let seen = episode.observation().expect("physics");
+        changes.push(seen.grip.step_change.max(seen.hand_grip.step_change));
+    }
+    changes.sort_by(f64::total_cmp);
+    // the root mean square over a control period; the largest where the way turns
+    let (median, largest) = (changes[changes.len() / 2], changes[changes.len() - 1]);
+    assert!(median < 0.3 && largest < 10.0, "{median} N, {largest} N");
+}
+
 /// The human turns back: the object's middle goes on behind them, in an arc, and nothing is pulled.
 #[test]
 fn a_change_of_option_is_walked_in_an_arc() {
