@@ -21,14 +21,14 @@ pub struct Limits {
     pub half_planes: Vec<HalfPlane>,
 }
 
-/// A bound, linear in the inputs, on where a point of the robot is after some periods.
+/// A bound, linear in the inputs: on where a point of the robot is after some periods, or on a rim's speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfPlane {
-    /// Coefficients of the inputs, a column a step; s.
+    /// Coefficients of the inputs, a column a step; s (for a rim's speed 1).
     pub coefficients: Inputs,
-    /// The weighted sum must not exceed this, m.
+    /// The weighted sum must not exceed this, m (m/s).
     pub bound: f64,
-    /// What exceeding it costs: this times the square of the excess (m).
+    /// What exceeding it costs: this times the square of the excess.
     pub price: f64,
 }
 

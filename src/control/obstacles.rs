@@ -48,8 +48,8 @@ impl RobotObstacles {
     /// its arm's joints, from each near obstacle at each step, linear in the inputs about these.
     ///
     /// With p(t) a point's place after t periods T along `inputs` and n the direction in which the obstacle's distance d grows, the bound is
-    /// n . (p(t) + dp(t)/du (u - inputs)) >= n . p(t) - (d - radius - margin). The base rolls on arcs; the arm's points move as their
-    /// Jacobians at `q` say.
+    /// n . (p(t) + dp(t)/du (u - inputs)) >= n . p(t) - (d - radius - margin). The base rolls on arcs and carries
+    /// the arm's points, which move on it as their Jacobians at `q` say.
     pub fn half_planes(
         &self,
         avoid: Avoid,
@@ -141,5 +141,61 @@ impl RobotObstacles {
     /// Distance (m) between the base and the nearest obstacle, negative where they overlap; infinite without obstacles.
     pub fn clearance(&self, base: Point, radius: f64) -> f64 {
         self.outlines.iter().map(|(o, _)| o.separation(base).0 - radius).fold(f64::INFINITY, f64::min)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::RngExt;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::SeedableRng;
+
+    /// A plane's bound says what its distance is about the inputs: so its coefficients are compared with what distances do.
+    #[test]
+    fn property_half_planes_of_base_and_arm_agree_with_finite_differences() {
+        let text = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [-3, 0]\ntarget_m = [9, 0]\n[[obstacle]]\nname = \"post\"\n\
+                    shape = \"cylinder\"\ncenter_m = [1.1, 0.5]\nradius_m = 0.1\nheight_m = 2.0\n";
+        let world = World::parse("w.toml", text).unwrap();
+        let robot = Robot::built_in().unwrap();
+        let obstacles = RobotObstacles::new(&world);
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let mut compared = 0;
+        for _ in 0..20 {
+            let base = PlanarPose {
+                position: Point::new(rng.random_range(-0.2..0.2), rng.random_range(-0.3..0.3)),
+                yaw: rng.random_range(-0.6..0.6),
+            };
+            let mut q = Configuration { base, joints: robot.postures[0].joints };
+            q.joints.iter_mut().take(robot.joint_count()).for_each(|q| *q += rng.random_range(-0.3..0.3));
+            let mut inputs = Inputs::zeros();
+            for t in 0..HORIZON {
+                for i in 0..2 + robot.joint_count() {
+                    inputs[(i, t)] =
+                        if i < 2 { rng.random_range(0.0..0.5) } else { rng.random_range(-0.2..0.2) };
+                }
+            }
+            let planes = |inputs: &Inputs| {
+                let mut limits = Limits::new(&robot);
+                obstacles.half_planes(Avoid::Robot, &robot, &q, inputs, 0.2, &mut limits);
+                limits.half_planes
+            };
+            let here = planes(&inputs);
+            for (i, t) in [(0, 0), (1, 3), (0, 7), (2, 0), (3, 4), (5, 6), (7, 1)] {
+                let (mut more, mut less) = (inputs, inputs);
+                more[(i, t)] += 1e-5;
+                less[(i, t)] -= 1e-5;
+                let distance =
+                    |plane: &HalfPlane, inputs: &Inputs| plane.bound - plane.coefficients.dot(inputs);
+                for ((plane, up), down) in here.iter().zip(planes(&more)).zip(planes(&less)) {
+                    let slope = (distance(&up, &more) - distance(&down, &less)) / 2e-5;
+                    let stated = -plane.coefficients[(i, t)];
+                    // the chord is taken as long as the arc
+                    assert!((slope - stated).abs() < 3e-3, "input {i}, step {t}: {slope} {stated}");
+                    compared += 1;
+                }
+            }
+        }
+        assert!(compared > 3000, "{compared}");
     }
 }

@@ -196,6 +196,17 @@ fn forces_do_not_chatter_while_walking() {
     assert!(median < 0.3 && largest < 10.0, "{median} N, {largest} N");
 }
 
+/// The human takes over between the walls of an opening, and would rather go back: they go on, since the team cannot turn there.
+#[test]
+fn an_option_is_not_changed_in_a_doorway() {
+    let arguments = ["run", "environment-2", "--seed", "1", "--eta", "5"];
+    let told = json(&[&arguments[..], &["--json"]].concat());
+    assert_eq!([&told["outcome"], &told["last_option"]], ["arrived", "1"]);
+    let point = json(&[&arguments[..], &["--plant", "point", "--json"]].concat());
+    assert_eq!(told["preferred_at_start"], "4");
+    assert!(told["transition"]["step"].is_u64() && point["transition"]["step"].is_u64());
+}
+
 /// The human turns back: the object's middle goes on behind them, in an arc, and nothing is pulled.
 #[test]
 fn a_change_of_option_is_walked_in_an_arc() {
