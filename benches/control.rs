@@ -72,6 +72,7 @@ fn problem<'a>(robot: &'a Robot, state: &'a State) -> PoseProblem<'a> {
         obstacles: None,
         rims: None,
         period: PERIOD,
+        share: 1.0,
     }
 }
 

@@ -45,6 +45,8 @@ pub struct Neighbourhood<'a> {
     pub limits: &'a Limits,
     /// Control period, s.
     pub period: f64,
+    /// The share of the rate limits that the way to a candidate may take, up to 1.
+    pub share: f64,
 }
 
 impl Neighbourhood<'_> {
@@ -71,18 +73,18 @@ impl Neighbourhood<'_> {
                 for _ in 0..4 {
                     let before = found.len();
                     let excess = self.side(&(outward * reach), levels, found);
-                    if excess <= 1.0 {
+                    if excess <= self.share {
                         break;
                     }
                     // closing the loop took a joint beyond its rate: a little less
                     found.truncate(before);
-                    reach *= 0.999 / excess;
+                    reach *= 0.999 * self.share / excess;
                 }
             }
         }
     }
 
-    /// Adds the equal steps up to `outermost` (rates); returns how many times the most restricted rate is exceeded.
+    /// Adds the equal steps up to `outermost` (rates); returns the largest rate as a multiple of its limit.
     fn side(&self, outermost: &InputVector, levels: usize, found: &mut Vec<Candidate>) -> f64 {
         let Self { robot, configuration: q, kinematics, period, .. } = *self;
         if outermost.norm() * period < DEGENERATE {
@@ -116,7 +118,7 @@ impl Neighbourhood<'_> {
 
     /// How often `direction` (rates) fits into one period, by rates and by joint positions.
     fn reach(&self, direction: &InputVector) -> f64 {
-        let mut reach = 1.0 / self.largest_share(direction);
+        let mut reach = self.share / self.largest_share(direction);
         for (i, joint) in self.robot.joints.iter().enumerate() {
             let (rate, at) = (direction[i + 2], self.configuration.joints[i]);
             let room = if rate > 0.0 { joint.upper - at } else { joint.lower - at };

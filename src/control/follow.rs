@@ -10,7 +10,7 @@ use crate::robot::{Drive, InputJacobian, pose_difference};
 use nalgebra::Rotation3;
 
 /// How far ahead (m) on the way the base looks.
-const LOOK_AHEAD: f64 = 0.4;
+const LOOK_AHEAD: f64 = 0.5;
 /// How quickly it makes up for what it is too near or too far behind the grasp, 1/s.
 const SPACING_GAIN: f64 = 1.0;
 /// How quickly its rims change speed at most, m/s^2.
@@ -39,7 +39,7 @@ impl Follower<'_> {
     /// m.
     pub const STEP: f64 = 0.05;
 
-    /// Pure pursuit (Coulter 1992) of a point 0.4 m ahead on the way, at the speed that keeps the distance, within what the rims can do. `rims`
+    /// Pure pursuit (Coulter 1992) of a point 0.5 m ahead on the way, at the speed that keeps the distance, within what the rims can do. `rims`
     /// are the speeds that the rims have now, m/s.
     pub fn rims(&self, drive: &Drive, base: &PlanarPose, rims: [f64; 2], period: f64) -> Rims {
         let (mut at, mut last) = (*base, rims);

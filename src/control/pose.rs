@@ -73,6 +73,8 @@ pub struct PoseProblem<'a> {
     pub rims: Option<&'a Rims>,
     /// Control period, s.
     pub period: f64,
+    /// The share of the rate limits that the change of configuration may take, up to 1.
+    pub share: f64,
 }
 
 impl PoseOptimiser {
@@ -84,8 +86,8 @@ impl PoseOptimiser {
         limits: &mut Limits,
         mpc: &mut Mpc,
     ) -> PoseChoice {
-        let PoseProblem { robot, configuration, kinematics, period, .. } = *problem;
-        let around = Neighbourhood { robot, configuration, kinematics, limits, period };
+        let PoseProblem { robot, configuration, kinematics, period, share, .. } = *problem;
+        let around = Neighbourhood { robot, configuration, kinematics, limits, period, share };
         around.candidates(settings.candidates, &mut self.candidates);
         let mut solved = 0;
         let index = match (self.candidates.len(), settings.criterion) {

@@ -260,7 +260,8 @@ fn candidates_hold_the_grasp_and_keep_all_limits() {
     let (robot, mut rng) = (robot(), ChaCha8Rng::seed_from_u64(4));
     let mut limits = Limits::new(&robot);
     let (mut found, mut full) = (Vec::new(), 0);
-    for set in [CandidateSet::Arm, CandidateSet::WholeBody] {
+    for (set, share) in [(CandidateSet::Arm, 1.0), (CandidateSet::WholeBody, 1.0), (CandidateSet::Arm, 0.25)]
+    {
         for _ in 0..100 {
             let (q, at, _) = random_state(&robot, &mut rng, 1.0);
             limits.set(&robot, &q, &InputVector::zeros(), PERIOD);
@@ -270,6 +271,7 @@ fn candidates_hold_the_grasp_and_keep_all_limits() {
                 kinematics: &at,
                 limits: &limits,
                 period: PERIOD,
+                share,
             };
             around.candidates(set, &mut found);
             assert_eq!(found[0].configuration, q);
@@ -282,7 +284,7 @@ fn candidates_hold_the_grasp_and_keep_all_limits() {
                     let there = candidate.configuration.joints[i];
                     assert!((joint.lower..=joint.upper).contains(&there), "{}", joint.name);
                     assert!(
-                        (there - q.joints[i]).abs() <= joint.rate_limit * PERIOD + 1e-12,
+                        (there - q.joints[i]).abs() <= share * joint.rate_limit * PERIOD + 1e-12,
                         "{}",
                         joint.name
                     );
@@ -332,6 +334,7 @@ fn the_pose_chosen_is_the_exact_minimum_over_candidates() {
             obstacles: None,
             rims: None,
             period: PERIOD,
+            share: 1.0,
         };
         let choice = poses.choose(&problem, &settings, &mut limits, &mut mpc);
         let totals = brute_force(&problem, &settings, poses.candidates());
@@ -364,6 +367,7 @@ fn in_the_planar_posture_both_ways_out_are_equal_and_the_first_is_taken() {
         obstacles: None,
         rims: None,
         period: PERIOD,
+        share: 1.0,
     };
     let (mut poses, mut mpc, mut limits) = (PoseOptimiser::default(), Mpc::default(), Limits::new(&robot));
     let choice = poses.choose(&problem, &Settings::default(), &mut limits, &mut mpc);

@@ -2,17 +2,22 @@
 
 use super::team::{ACCELERATION, KinematicTeam, Moved, Onward, PhysicalTeam, Walk};
 use super::tick::{Preparation, RobotTick};
+use super::way::{Ground, Turned};
 use crate::control::{
     self, Avoid, Candidate, ClosedForm, Follower, Intent, Limits, Mpc, PoseCriterion, PoseOptimiser,
     PoseProblem, Reference, Rims, RobotObstacles, hold_base_to, rolled, seen_from_base, set_base,
 };
 use crate::coordination::Mode;
-use crate::geometry::{Path, PlanarPose, Point, Pose};
+use crate::geometry::{Path, PlanarPose, Point, Pose, Widening};
 use crate::options::{OptionSet, Progress};
 use crate::preference::ChoiceDistribution;
 use crate::robot::{Configuration, InputVector, JointVector, Robot};
 use crate::simulation::{KinematicPlant, Observation};
 use serde::{Deserialize, Serialize};
+
+/// DEVIATION (eq. 8): bodies take a new configuration at this share of their rate limits, so that what is linear in eq. (7) stays nearly so, and
+/// rates are left for the grasp.
+const UNHURRIED: f64 = 0.25;
 
 /// Who carries, from which posture, controlled how.
 #[derive(Clone, Copy, Debug)]
@@ -40,8 +45,9 @@ pub(super) struct Carrier<'a> {
     paths: Vec<Path>,
     references: Vec<Reference>,
     weights: Vec<f64>,
-    /// A way that turns onto an option's path, and the one that the grasp has gone.
+    /// An option's path as the team walks it, and the way that the grasp has gone.
     onto: Path,
+    widening: Widening,
     way: Vec<Point>,
     /// How far the base was behind the grasp at the start, m: as far it follows.
     distance: f64,
@@ -122,7 +128,7 @@ impl<'a> Carrier<'a> {
             // given
             manipulator: _, walk: _, distance: _,
             // memory, and what every step decides anew
-            poses: _, limits: _, mpc: _, paths: _, references: _, weights: _, onto: _, way: _, target: _, input: _,
+            poses: _, limits: _, mpc: _, paths: _, references: _, weights: _, onto: _, widening: _, way: _, target: _, input: _,
         } = self;
         let team = match team {
             Team::Kinematic(KinematicTeam { robot: _, plant, human }) => {
@@ -150,6 +156,7 @@ impl<'a> Carrier<'a> {
             references: Vec::with_capacity(options),
             weights: Vec::with_capacity(options),
             onto: Path::with_capacity(64),
+            widening: Widening::default(),
             way: Vec::with_capacity(64),
             distance,
             target: Candidate { configuration, rates: InputVector::zeros() },
@@ -189,16 +196,29 @@ impl<'a> Carrier<'a> {
         }
     }
 
-    /// The path under way is left `along` (m) on it for `next`, which begins there. Returns the path that the team walks then;
-    /// `None` if there is no room to turn.
-    pub fn turn(&mut self, path: &Path, along: f64, next: Path) -> Option<Path> {
-        match &mut self.team {
-            Team::Kinematic(_) => Some(next),
-            Team::Physical(team) => {
-                let obstacles = self.manipulator.obstacles;
-                team.turn(path, along, &next, |point| obstacles.clearance(point, 0.0))
-            }
+    /// `path`, made for a point, as the team walks it.
+    pub fn wide(&self, path: Path, options: &OptionSet) -> Path {
+        match &self.team {
+            Team::Kinematic(_) => path,
+            Team::Physical(team) => team.wide(&path, self.ground(options)),
         }
+    }
+
+    /// The path under way is left `along` (m) on it for `next`, which begins there. Returns what the team walks then; `None` if there is
+    /// no room to turn.
+    pub fn turn(&mut self, path: &Path, along: f64, next: Path, options: &OptionSet) -> Option<Turned> {
+        let ground = self.ground(options);
+        match &mut self.team {
+            Team::Kinematic(_) => Some(Turned { path: next, until: 0.0 }),
+            Team::Physical(team) => team.turn(path, along, &next, ground),
+        }
+    }
+
+    fn ground<'g>(&self, options: &'g OptionSet) -> Ground<'g>
+    where
+        'a: 'g,
+    {
+        Ground { obstacles: self.manipulator.obstacles, options }
     }
 
     /// Decides q* (eq. 8, while the human leads) and u (eq. 7).
@@ -241,6 +261,7 @@ impl<'a> Carrier<'a> {
                 obstacles: near,
                 rims: rims.as_ref(),
                 period,
+                share: if rims.is_some() { UNHURRIED } else { 1.0 },
             };
             let chosen = self.poses.choose(&problem, &control, &mut self.limits, &mut self.mpc);
             tick.preparation = Some(Preparation {
@@ -317,8 +338,8 @@ impl<'a> Carrier<'a> {
         for option in 0..probabilities.len() {
             situation.options.write_path(situation.progress, option, &mut self.paths[option]);
             if let Team::Physical(team) = &self.team {
-                team.write_way_onto(situation.path, situation.along, &self.paths[option], &mut self.onto);
-                std::mem::swap(&mut self.onto, &mut self.paths[option]);
+                team.write_wide(&self.paths[option], &mut self.widening, &mut self.onto);
+                team.write_way_onto(situation.path, situation.along, &self.onto, &mut self.paths[option]);
             }
             let onward =
                 Onward { path: situation.path, along: situation.along, turn: Some(&self.paths[option]) };

@@ -20,6 +20,7 @@ pub use tick::{OptionTick, PhysicsTick, Preparation, RobotTick, Tick};
 
 use carrier::{Carrier, Situation};
 use team::{PhysicalTeam, Walk};
+use way::Turned;
 
 use crate::coordination::{Coordinator, Method, Mode, is_misaligned, robot_choice};
 use crate::geometry::{Path, PlanarPose, Point, Pose};
@@ -48,6 +49,8 @@ pub struct Episode<'a> {
     /// The path under way and how far along it the team is, m.
     path: Path,
     along: f64,
+    /// Until it is so far along it (m), it is turning onto it.
+    turns_until: f64,
     tick_limit: u64,
     tick: Tick,
     summary: Summary,
@@ -98,6 +101,7 @@ impl<'a> Episode<'a> {
             coordinator: Coordinator::new(settings.coordination, settings.method),
             path: Path::default(),
             along: 0.0,
+            turns_until: 0.0,
             tick_limit,
             tick: Tick::empty(progress.position),
             summary: Summary::empty(),
@@ -133,7 +137,7 @@ impl<'a> Episode<'a> {
         let start = self.starting_pose();
         let Manipulator { robot, posture, .. } = manipulator;
         let plant = PhysicalPlant::new(world, robot, &posture, &start, physics, seed)?;
-        let team = PhysicalTeam::new(plant, world.object.size[0], robot.grasp_height, &start);
+        let team = PhysicalTeam::new(plant, world, robot.grasp_height, &start);
         let options = self.options.options().len();
         self.carrier = Some(Carrier::physical(manipulator, self.walk_settings(), options, team));
         Ok(self)
@@ -325,11 +329,15 @@ impl<'a> Episode<'a> {
 
     fn execute(&mut self, option: usize) {
         if !self.underway {
-            self.path = self.options.path(&self.progress, option).unwrap_or_default();
+            let path = self.options.path(&self.progress, option).unwrap_or_default();
+            self.path = match &self.carrier {
+                None => path,
+                Some(carrier) => carrier.wide(path, self.options),
+            };
             self.tick.executed = option;
             self.summary.first_option = option;
             self.underway = true;
-        } else if option != self.tick.executed {
+        } else if option != self.tick.executed && self.along >= self.turns_until {
             self.turn_onto(option);
         }
         let executed = self.tick.executed;
@@ -340,16 +348,18 @@ impl<'a> Episode<'a> {
         self.summary.last_option = executed;
     }
 
-    /// A path under way is walked on as it is, until another option is chosen and, on the physical plant, there is room to turn.
+    /// A path under way is walked on as it is, until another option is chosen and, on the physical plant, the team has turned onto this one
+    /// and there is room to turn.
     fn turn_onto(&mut self, option: usize) {
         let next = self.options.path(&self.progress, option).unwrap_or_default();
-        let path = match &mut self.carrier {
-            None => Some(next),
-            Some(carrier) => carrier.turn(&self.path, self.along, next),
+        let turned = match &mut self.carrier {
+            None => Some(Turned { path: next, until: 0.0 }),
+            Some(carrier) => carrier.turn(&self.path, self.along, next, self.options),
         };
-        if let Some(path) = path {
+        if let Some(Turned { path, until }) = turned {
             self.path = path;
             self.along = 0.0;
+            self.turns_until = until;
             self.tick.executed = option;
             self.summary.changes += 1;
         }

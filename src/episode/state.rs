@@ -17,6 +17,7 @@ pub struct State {
     progress: Progress,
     path: Path,
     along: f64,
+    turns_until: f64,
     tick: Tick,
     summary: Summary,
     underway: bool,
@@ -45,7 +46,11 @@ impl State {
         let Summary { first_option, last_option, .. } = self.summary;
         let belongs = [
             ("place", options.knows(&self.progress)),
-            ("way", self.along.is_finite() && self.path.length().is_finite()),
+            (
+                "way",
+                [self.along, self.turns_until].iter().all(|m| m.is_finite())
+                    && self.path.length().is_finite(),
+            ),
             ("option", are_options(&[self.tick.executed, self.tick.preferred, first_option, last_option])),
             ("robot", self.carrier.is_some() == has_robot),
             ("plant", self.carrier.as_ref().is_none_or(|c| c.is_physical() == is_physical)),
@@ -59,7 +64,7 @@ impl<'a> Episode<'a> {
     pub fn state(&self) -> State {
         #[rustfmt::skip]
         let Self {
-            human, coordinator, progress, path, along, tick, summary, underway, steps_without_progress, carrier,
+            human, coordinator, progress, path, along, turns_until, tick, summary, underway, steps_without_progress, carrier,
             // given
             options: _, settings: _, tick_limit: _,
             // memory, and what every step works out anew
@@ -71,6 +76,7 @@ impl<'a> Episode<'a> {
             progress: progress.clone(),
             path: path.clone(),
             along: *along,
+            turns_until: *turns_until,
             tick: tick.clone(),
             summary: summary.clone(),
             underway: *underway,
@@ -96,7 +102,7 @@ impl<'a> Episode<'a> {
         }
         #[rustfmt::skip]
         let State {
-            human, coordinator, progress, path, along, tick, summary, underway, steps_without_progress, carrier,
+            human, coordinator, progress, path, along, turns_until, tick, summary, underway, steps_without_progress, carrier,
         } = state;
         let fresh = Self::new(options, settings, human);
         let (n, walk) = (options.options().len(), fresh.walk_settings());
@@ -106,6 +112,7 @@ impl<'a> Episode<'a> {
             progress,
             path,
             along,
+            turns_until,
             tick,
             summary,
             underway,

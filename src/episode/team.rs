@@ -1,13 +1,14 @@
 //! The two plants as the loop sees them: what the robot observes of the human, where the grasp should be, and what a step makes of it.
 
 use super::tick::PhysicsTick;
-use super::way::{WALKS_AHEAD, Way};
+use super::way::{Ground, Turned, WALKS_AHEAD, Way};
 use crate::control::{Follower, HORIZON, Reference, reference};
 use crate::coordination::Mode;
-use crate::geometry::{Path, PlanarPose, Point, Pose, Vector, angle_of, wrap_angle};
+use crate::geometry::{Path, PlanarPose, Point, Pose, Vector, Widening, angle_of, wrap_angle};
 use crate::options::{nominal_trajectory, turned};
 use crate::robot::{Configuration, InputVector, Robot, pose_difference};
 use crate::simulation::{HumanCommand, KinematicPlant, Observation, PhysicalPlant};
+use crate::world::World;
 
 /// How the team walks: what the robot knows of it.
 #[derive(Clone, Copy, Debug)]
@@ -68,8 +69,8 @@ const LAG: [f64; 2] = [0.1, 0.4];
 const CATCH_UP: f64 = 1.5;
 /// Points that are kept of the way walked: as far back as a base is.
 const WAY_POINTS: u32 = 50;
-/// Who leads waits for the object when it is this far (m) behind.
-const PATIENCE: f64 = 0.15;
+/// Who leads goes slower where the object is this far (m) behind, and waits where it is so much.
+const PATIENCE: [f64; 2] = [0.02, 0.08];
 
 impl KinematicTeam<'_> {
     pub fn reference(&self, onward: &Onward, speed: f64, walk: &Walk, grasp: &Pose) -> Reference {
@@ -99,9 +100,9 @@ impl KinematicTeam<'_> {
 
 impl PhysicalTeam {
     /// A team at rest, its object's middle at `team`.
-    pub fn new(plant: PhysicalPlant, object_length: f64, height: f64, team: &PlanarPose) -> Self {
+    pub fn new(plant: PhysicalPlant, world: &World, height: f64, team: &PlanarPose) -> Self {
         let seen = plant.observe();
-        let way = Way::new(object_length, team);
+        let way = Way::new(world, team);
         Self { plant, way, height, pace: 0.0, hurry: 0.0, goal: *team, seen }
     }
 
@@ -187,11 +188,10 @@ impl PhysicalTeam {
         walk: &Walk,
     ) -> Moved {
         let lag = wrap_angle(self.way.pose(path, self.pace).yaw - self.goal.yaw).abs();
-        let most = walk.speed * ((LAG[1] - lag) / (LAG[1] - LAG[0])).clamp(0.1, 1.0);
-        self.hurry = match self.pace - along < PATIENCE {
-            true => (self.hurry + ACCELERATION * walk.period).min(most),
-            false => 0.0,
-        };
+        let share = |[slower, least]: [f64; 2], value: f64| (least - value) / (least - slower);
+        let turning = share(LAG, lag).clamp(0.1, 1.0);
+        let waiting = share(PATIENCE, self.pace - along).clamp(0.0, 1.0);
+        self.hurry = (self.hurry + ACCELERATION * walk.period).min(walk.speed * turning * waiting);
         self.pace = (self.pace + self.hurry * walk.period).min(path.length());
         self.goal = brought_to(&self.goal, &self.way.pose(path, self.pace), walk);
         let goal = self.goal;
@@ -221,22 +221,28 @@ impl PhysicalTeam {
         far_enough.unwrap_or_else(|| point(WALKS_AHEAD))
     }
 
+    /// Writes `path`, made for a point, as somebody expects the team to walk it into `way`: as if there were room.
+    pub fn write_wide(&self, path: &Path, widening: &mut Widening, way: &mut Path) {
+        self.way.write_wide(path, |_, _| true, widening, way);
+    }
+
+    /// `path`, made for a point, as the team walks it.
+    pub fn wide(&self, path: &Path, ground: Ground) -> Path {
+        let mut way = Path::default();
+        self.way.write_wide(path, |from, to| ground.is_free(from, to), &mut Widening::default(), &mut way);
+        way
+    }
+
     /// Writes the way on which whoever walks ahead would turn onto `next`, from `along` (m) on `path`.
     pub fn write_way_onto(&self, path: &Path, along: f64, next: &Path, way: &mut Path) {
         self.way.write_onto(path, along, next, way);
     }
 
-    /// The path under way is left `along` (m) on it for `next`. Returns the path that the object's middle walks; `None` if there is no room.
-    pub fn turn(
-        &mut self,
-        path: &Path,
-        along: f64,
-        next: &Path,
-        clearance: impl Fn(Point) -> f64,
-    ) -> Option<Path> {
-        let way = self.way.turn(path, along, next, clearance)?;
+    /// The path under way is left `along` (m) on it for `next`. Returns what the object's middle walks; `None` if there is no room.
+    pub fn turn(&mut self, path: &Path, along: f64, next: &Path, ground: Ground) -> Option<Turned> {
+        let turned = self.way.turn(path, along, next, ground)?;
         self.pace -= along;
-        Some(way)
+        Some(turned)
     }
 }
 

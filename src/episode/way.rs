@@ -1,9 +1,13 @@
 //! The paths that a team with an object takes in; where the object and the carriers' bodies are on the way that they walk out.
 //!
 //! A team does not turn on the spot: whoever walks ahead goes on from where they are, in an arc onto the new path, and the others follow on the
-//! same way. Where there is no room for that, in a doorway say, the team does not turn.
+//! same way. Where there is no room for that, in a doorway say, the team does not turn. Corners that a point would cut closely are walked
+//! wide, for the object is on their inside.
 
-use crate::geometry::{Arc, Path, PlanarPose, Point, Tandem, angle_of, direction, write_turn_onto};
+use crate::control::RobotObstacles;
+use crate::geometry::{Arc, Path, PlanarPose, Point, Tandem, Widening, angle_of, direction, write_turn_onto};
+use crate::options::OptionSet;
+use crate::world::World;
 
 /// The arcs in which a team turns onto another path: the first with which there is room. The robot follows at some distance, so that its
 /// arm has to bend as the way does in between; it cannot bend back.
@@ -11,6 +15,8 @@ const ARCS: [Arc; 2] = [Arc { radius: 0.5, most: 1.4 }, Arc { radius: 1.0, most:
 /// Room (m) that the team wants around the points of its way, and around the object's axis.
 const BODY_ROOM: f64 = 0.249;
 const OBJECT_ROOM: f64 = 0.1;
+/// What the team takes off corners by rounding them, m.
+const ROUNDED_OFF: f64 = 0.05;
 /// How far ahead of the hand the human walks, m.
 pub(super) const WALKS_AHEAD: f64 = 0.35;
 /// How far (m) the object may come in one step.
@@ -26,12 +32,59 @@ const STEP: f64 = 0.05;
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Way {
     tandem: Tandem,
+    /// Half the object's width, m.
+    beside: f64,
+    /// How far options' paths keep off obstacles, m.
+    clearance: f64,
+}
+
+/// Where the team walks.
+#[derive(Clone, Copy)]
+pub(super) struct Ground<'g> {
+    pub obstacles: &'g RobotObstacles,
+    pub options: &'g OptionSet,
+}
+
+impl Ground<'_> {
+    fn clearance(&self, point: Point) -> f64 {
+        self.obstacles.clearance(point, 0.0)
+    }
+
+    /// Whether a body has room at the end of a step, and the step does not go through an opening: only options' paths do.
+    pub fn is_free(&self, from: Point, to: Point) -> bool {
+        self.clearance(to) > BODY_ROOM && !self.options.goes_through_opening(from, to)
+    }
+}
+
+/// A way on which a team turns.
+pub(super) struct Turned {
+    /// What the object's middle walks.
+    pub path: Path,
+    /// How far along it (m) the team has turned.
+    pub until: f64,
 }
 
 impl Way {
-    /// A team whose object, of this length (m), is at `start` with its middle.
-    pub fn new(length: f64, start: &PlanarPose) -> Self {
-        Self { tandem: Tandem::new(length, start.position, start.yaw) }
+    /// A team in this world whose object is at `start` with its middle.
+    pub fn new(world: &World, start: &PlanarPose) -> Self {
+        let [length, width, _] = world.object.size;
+        let tandem = Tandem::new(length, start.position, start.yaw);
+        Self { tandem, beside: width / 2.0, clearance: world.robot_width / 2.0 }
+    }
+
+    /// Writes `path`, made for a point, as the team walks it into `way`: wide round corners, as far as `is_free` says of steps.
+    pub fn write_wide(
+        &self,
+        path: &Path,
+        is_free: impl Fn(Point, Point) -> bool,
+        widening: &mut Widening,
+        way: &mut Path,
+    ) {
+        let radius = |narrow: f64, sweep| {
+            let obstacle = (narrow - self.clearance).max(0.0);
+            self.tandem.corner_radius(sweep, obstacle + self.beside + OBJECT_ROOM + ROUNDED_OFF)
+        };
+        widening.write(path, radius, is_free, way);
     }
 
     /// The object when its middle has come `walked` (m) along `path`.
@@ -82,54 +135,48 @@ impl Way {
     pub fn write_onto(&self, path: &Path, along: f64, next: &Path, way: &mut Path) {
         let (body, heading) = self.body(path, along);
         let is_there = next.length() <= self.body_ahead() + 0.5;
-        if is_there || !ARCS.iter().any(|arc| write_turn_onto(next, body, heading, *arc, |_| true, way)) {
+        let turn = |arc: &Arc| write_turn_onto(next, body, heading, *arc, |_, _| true, way);
+        if is_there || ARCS.iter().find_map(turn).is_none() {
             // straight on
             way.clear();
             way.line(body, body + direction(heading) * BEYOND);
         }
     }
 
-    /// The team, its object's middle `along` (m) on `path`, turns onto `next`, which begins there. Returns the path that the middle walks
-    /// instead of `next`: on to where the human's body is, and in an arc onto `next`. `None` if there is no room for that here.
-    pub fn turn(
-        &mut self,
-        path: &Path,
-        along: f64,
-        next: &Path,
-        clearance: impl Fn(Point) -> f64,
-    ) -> Option<Path> {
+    /// The team, its object's middle `along` (m) on `path`, turns onto `next`, which begins there. Returns what the middle walks instead
+    /// of `next`: on to where the human's body is, and in an arc onto `next`. `None` if there is no room for that here.
+    pub fn turn(&mut self, path: &Path, along: f64, next: &Path, ground: Ground) -> Option<Turned> {
         let (body, heading) = self.body(path, along);
-        let is_free = |point| clearance(point) > BODY_ROOM;
-        let mut onto = Path::default();
-        ARCS.iter().find(|arc| {
-            write_turn_onto(next, body, heading, **arc, is_free, &mut onto)
-                && self.is_room_for_object(path, along, &onto, &clearance)
+        let is_free = |from, to| ground.is_free(from, to);
+        let (mut next_wide, mut onto) = (Path::default(), Path::default());
+        self.write_wide(next, is_free, &mut Widening::default(), &mut next_wide);
+        let turning = ARCS.iter().find_map(|arc| {
+            let turning = write_turn_onto(&next_wide, body, heading, *arc, is_free, &mut onto)?;
+            self.is_room_for_object(path, along, &onto, ground).then_some(turning)
         })?;
         let mut way = Path::default();
         let steps = (self.body_ahead() / STEP).ceil();
         let step = self.body_ahead() / steps;
         for i in 0..steps as usize {
             let [from, to] = [i, i + 1].map(|i| self.point(path, along + step * i as f64));
+            // whoever walks ahead is through, and so is the team
+            if ground.options.goes_through_opening(from, to) {
+                return None;
+            }
             way.line(from, to);
         }
         way.push_rest(&onto, 0.0);
         self.tandem.leave(path, along);
-        Some(way)
+        Some(Turned { path: way, until: self.body_ahead() + turning })
     }
 
     /// Whether the object, whose axis cuts corners, touches nothing while it turns.
-    fn is_room_for_object(
-        &self,
-        path: &Path,
-        along: f64,
-        onto: &Path,
-        clearance: impl Fn(Point) -> f64,
-    ) -> bool {
+    fn is_room_for_object(&self, path: &Path, along: f64, onto: &Path, ground: Ground) -> bool {
         (0..70).map(|i| 0.08 * f64::from(i)).all(|walked| {
             let pose = self.pose_after_turning(path, along, onto, walked);
             (-2..=2).all(|i| {
                 let point = pose.position + direction(pose.yaw) * (self.half() * f64::from(i) / 2.0);
-                clearance(point) > OBJECT_ROOM
+                ground.clearance(point) > OBJECT_ROOM
             })
         })
     }

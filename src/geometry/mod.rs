@@ -2,17 +2,21 @@
 //!
 //! All coordinates are metres in the world frame (x right, y up, angles counter-clockwise in radians).
 
+mod bend;
 mod footprint;
 mod path;
 mod spatial;
 mod tandem;
 mod turning;
+mod widening;
 
+pub use bend::Bend;
 pub use footprint::{Bounds, Footprint};
 pub use path::{Path, Piece};
 pub use spatial::{PlanarPose, Pose, rotation_vector};
 pub use tandem::Tandem;
 pub use turning::{Arc, write_turn_onto};
+pub use widening::Widening;
 
 /// A point of the plane, metres in the world frame.
 pub type Point = nalgebra::Point2<f64>;

@@ -57,6 +57,14 @@ impl Piece {
 }
 
 impl Piece {
+    /// Whether every step along it, some centimetres long, is free.
+    pub(super) fn is_free(&self, is_free: impl Fn(Point, Point) -> bool) -> bool {
+        const APART: f64 = 0.08;
+        let steps = (self.length() / APART).ceil().max(1.0);
+        let point = |i: usize| self.point_at(self.length() * i as f64 / steps);
+        (0..steps as usize).all(|i| is_free(point(i), point(i + 1)))
+    }
+
     /// What is left of it after `walked` metres.
     fn rest(&self, walked: f64) -> Self {
         match *self {

@@ -6,7 +6,7 @@ use super::{Path, PlanarPose, Point, Vector, angle_of, direction};
 const BEHIND: f64 = 2.0;
 
 /// Carriers walk round corners: they are where the mean is of the points of the way this far (m) behind and ahead of them.
-const ROUNDING: f64 = 0.25;
+const ROUNDING: f64 = 0.4;
 const ROUND_POINTS: i32 = 3;
 
 /// A rigid object carried along paths, one carrier at either end.
@@ -29,6 +29,23 @@ impl Tandem {
     /// Length of the object, m.
     pub fn length(&self) -> f64 {
         self.length
+    }
+
+    /// How wide (m) the arc of a way must be that turns by `sweep` (rad) round a corner, for the object's middle to stay `beside` (m) off the
+    /// corner, but for what rounding takes. With l half the object's length and a half the sweep, the middle of what is l ahead and l behind is
+    /// R cos(a) - (l - R a) sin(a) from the centre where these are on the lines before and after the arc, and R cos(l / R) where they are on it.
+    pub fn corner_radius(&self, sweep: f64, beside: f64) -> f64 {
+        let (half, angle) = (self.length / 2.0, sweep / 2.0);
+        let (sin, cos) = angle.sin_cos();
+        let radius = (beside + half * sin) / (cos + angle * sin);
+        if radius > 0.0 && radius * angle <= half {
+            return radius;
+        }
+        // Newton's iteration from above, where it is monotone
+        (0..8).fold(half.hypot(beside), |radius, _| {
+            let (sin, cos) = (half / radius).sin_cos();
+            radius - (radius * cos - beside) / (cos + half / radius * sin)
+        })
     }
 
     /// The point of the way `walked` (m) along `path`: behind its beginning if negative, beyond its end if more than its length.
@@ -111,6 +128,8 @@ impl Tandem {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Piece;
+    use std::f64::consts::FRAC_PI_2;
 
     fn corner() -> Path {
         let mut path = Path::default();
@@ -122,7 +141,8 @@ mod tests {
     #[test]
     fn closed_form_an_object_turns_gradually_round_a_corner() {
         let (tandem, path) = (Tandem::new(1.2, Point::origin(), 0.0), corner());
-        assert_eq!(tandem.pose(&path, 0.0), PlanarPose { position: Point::origin(), yaw: 0.0 });
+        let at_start = tandem.pose(&path, 0.0);
+        assert!(at_start.position.coords.norm() < 1e-12 && at_start.yaw.abs() < 1e-12);
         let at_corner = tandem.pose(&path, 2.0);
         assert!((at_corner.position - Point::new(1.7, 0.3)).norm() < 1e-12);
         assert!((at_corner.yaw - std::f64::consts::FRAC_PI_4).abs() < 1e-12);
@@ -130,6 +150,28 @@ mod tests {
         assert!((front - tandem.end(&at_corner, -1.0).position).norm() - 1.2 < 1e-12);
         let at_end = tandem.pose(&path, 4.0);
         assert!((at_end.position - Point::new(2.0, 2.0)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn property_an_object_clears_a_corner_of_the_radius_that_it_needs() {
+        let tandem = Tandem::new(1.2, Point::new(-3.0, 0.0), 0.0);
+        // how near the middle comes to a corner that a way goes round with this radius
+        let nearest = |sweep: f64, radius: f64| {
+            let center = Point::new(0.0, radius);
+            let mut path = Path::default();
+            path.line(Point::new(-3.0, 0.0), Point::origin());
+            path.push(Piece::Arc { center, radius, from_angle: -FRAC_PI_2, sweep });
+            let leave = path.point_at(f64::INFINITY).unwrap();
+            path.line(leave, leave + direction(sweep) * 3.0);
+            let middles = (0..6000).map(|i| tandem.pose(&path, 1e-3 * f64::from(i)).position);
+            middles.map(|middle| (middle - center).norm()).fold(f64::INFINITY, f64::min)
+        };
+        for sweep in [0.1, 0.7, 1.5, 2.2, 3.0] {
+            for beside in [0.1, 0.2, 0.4] {
+                let found = nearest(sweep, tandem.corner_radius(sweep, beside));
+                assert!((beside - 0.09..beside + 0.01).contains(&found), "{sweep}: {found} m, not {beside}");
+            }
+        }
     }
 
     #[test]

@@ -32,15 +32,15 @@ struct Turn {
 
 /// Writes the way of somebody at `from` who walks with `heading` (rad) and turns onto `path` into `way`: `arc`, its
 /// tangent to a point of the path, and the rest of the path. Among all points, and left and right, the shortest that is free, by what
-/// `is_free` says of arc and tangent, at points some centimetres apart. False, with `way` empty, if there is none.
+/// `is_free` says of steps of some centimetres along arc and tangent, from one point to the next. Returns the arc's length, m; `None`, with `way` empty, if there is none.
 pub fn write_turn_onto(
     path: &Path,
     from: Point,
     heading: f64,
     arc: Arc,
-    is_free: impl Fn(Point) -> bool,
+    is_free: impl Fn(Point, Point) -> bool,
     way: &mut Path,
-) -> bool {
+) -> Option<f64> {
     way.clear();
     let mut best: Option<Turn> = None;
     let ends = path.ends.iter().copied();
@@ -56,11 +56,11 @@ pub fn write_turn_onto(
             }
         }
     }
-    let Some(Turn { arc, tangent: [leave, join], joined, .. }) = best else { return false };
+    let Turn { arc, tangent: [leave, join], joined, .. } = best?;
     way.push(arc);
     way.line(leave, join);
     way.push_rest(path, joined);
-    true
+    Some(arc.length())
 }
 
 /// The turn to the point `joined` (m) along the path; a positive radius is to the left. `None` where the circle is in the way, or the bend is
@@ -94,14 +94,9 @@ fn turn_to(path: &Path, joined: f64, from: Point, heading: f64, arc: Arc) -> Opt
 }
 
 impl Turn {
-    fn is_free(&self, is_free: &impl Fn(Point) -> bool) -> bool {
-        const APART: f64 = 0.08;
-        let [leave, join] = self.tangent;
-        let line = Piece::Line { from: leave, to: join };
-        [self.arc, line].iter().all(|piece| {
-            let steps = (piece.length() / APART).ceil().max(1.0);
-            (1..=steps as usize).all(|i| is_free(piece.point_at(piece.length() * i as f64 / steps)))
-        })
+    fn is_free(&self, is_free: &impl Fn(Point, Point) -> bool) -> bool {
+        let [from, to] = self.tangent;
+        self.arc.is_free(is_free) && Piece::Line { from, to }.is_free(is_free)
     }
 }
 
@@ -131,7 +126,7 @@ mod tests {
             let heading = f64::from(degrees).to_radians();
             let (from, path) = (Point::new(0.6, 0.1), straight());
             let mut way = Path::default();
-            assert!(write_turn_onto(&path, from, heading, ARC, |_| true, &mut way), "{degrees}");
+            assert!(write_turn_onto(&path, from, heading, ARC, |_, _| true, &mut way).is_some(), "{degrees}");
             assert!((way.point_at(0.0).unwrap() - from).norm() < 1e-9);
             let sweep = wrap_angle(way.heading_at(0.0).unwrap() - heading).abs();
             let bent = way.length() > (path.point_at(6.0).unwrap() - from).norm() + 0.5;
@@ -146,12 +141,12 @@ mod tests {
     fn a_turn_goes_the_other_way_round_what_is_in_its_way() {
         let (from, path) = (Point::new(0.0, 0.0), straight());
         let mut way = Path::default();
-        assert!(write_turn_onto(&path, from, -0.5, ARC, |_| true, &mut way));
+        assert!(write_turn_onto(&path, from, -0.5, ARC, |_, _| true, &mut way).is_some());
         let free = way.length();
-        let left = |p: Point| left_of(direction(-0.5)).dot(&p.coords) > -0.2;
-        assert!(write_turn_onto(&path, from, -0.5, ARC, left, &mut way));
+        let left = |_: Point, to: Point| left_of(direction(-0.5)).dot(&to.coords) > -0.2;
+        assert!(write_turn_onto(&path, from, -0.5, ARC, left, &mut way).is_some());
         assert!(way.length() > free);
-        assert!(!write_turn_onto(&path, from, -0.5, ARC, |_| false, &mut way));
+        assert!(write_turn_onto(&path, from, -0.5, ARC, |_, _| false, &mut way).is_none());
         assert_eq!(way.length(), 0.0);
     }
 
@@ -160,7 +155,7 @@ mod tests {
         let (from, path) = (Point::new(0.0, 0.0), straight());
         let mut way = Path::default();
         let tight = Arc { radius: 0.5, most: 1.0 };
-        assert!(!write_turn_onto(&path, from, -0.5, tight, |_| true, &mut way));
-        assert!(write_turn_onto(&path, from, 2.4, tight, |_| true, &mut way));
+        assert!(write_turn_onto(&path, from, -0.5, tight, |_, _| true, &mut way).is_none());
+        assert!(write_turn_onto(&path, from, 2.4, tight, |_, _| true, &mut way).is_some());
     }
 }

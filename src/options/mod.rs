@@ -138,6 +138,11 @@ impl OptionSet {
         self.target
     }
 
+    /// Whether a straight step from one point to another goes through an opening.
+    pub fn goes_through_opening(&self, from: Point, to: Point) -> bool {
+        self.roadmap.crosses_barrier(from, to)
+    }
+
     /// The team at the start, with every option ahead of it.
     pub fn begin(&self) -> Progress {
         Progress::new(self.start, self.options.len())

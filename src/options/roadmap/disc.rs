@@ -1,7 +1,7 @@
-//! An obstacle's outline and a clearance in; the discs that taut strings bend around, and the lines tangent to them, out.
+//! An obstacle's outline and a clearance in; the discs that taut strings bend around out.
 
 use super::space::SLACK;
-use crate::geometry::{Footprint, Point, Vector, angle_of, cross, direction, left_of};
+use crate::geometry::{Bend, Footprint, Point, Vector, angle_of, cross, direction, left_of};
 use std::f64::consts::TAU;
 
 /// Angles closer than this are the same, rad.
@@ -38,6 +38,11 @@ impl Disc {
         }
     }
 
+    /// Its circle, walked around counter-clockwise where `turn` is 1 and clockwise where it is -1.
+    pub fn bend(&self, turn: f64) -> Bend {
+        Bend { center: self.center, radius: turn * self.radius }
+    }
+
     /// The point of the circle at `angle`.
     pub fn at(&self, angle: f64) -> Point {
         self.center + direction(angle) * self.radius
@@ -63,38 +68,6 @@ impl Disc {
             _ => angle,
         }
     }
-}
-
-/// Where a line from `p` touches the disc so that going on turns by `turn`, and the line's length, m. From within the disc (a team nearer
-/// to an obstacle than its clearance): straight out.
-pub(super) fn touch_from(disc: &Disc, turn: f64, p: Point) -> (Point, f64) {
-    let v = disc.center - p;
-    let squared = v.norm_squared();
-    let line = squared - disc.radius * disc.radius;
-    if line <= 0.0 {
-        let distance = squared.sqrt();
-        let out = if distance > 0.0 { -v / distance } else { Vector::x() };
-        return (disc.center + out * disc.radius, disc.radius - distance);
-    }
-    let line = line.sqrt();
-    let along = (v * line - left_of(v) * (turn * disc.radius)) / squared;
-    (p + along * line, line)
-}
-
-/// The line that leaves the first disc turning one way and touches the second turning another; `None` where one disc covers the other.
-///
-/// With v from centre to centre and k = turn_2 r_2 - turn_1 r_1, the unit direction u of the line satisfies v = L u + k left(u).
-pub(super) fn bitangent([a, b]: [&Disc; 2], turns: [f64; 2]) -> Option<(Point, Point)> {
-    let v = b.center - a.center;
-    let k = turns[1] * b.radius - turns[0] * a.radius;
-    let squared = v.norm_squared();
-    let line = squared - k * k;
-    if line <= 0.0 || squared == 0.0 {
-        return None;
-    }
-    let along = (v * line.sqrt() - left_of(v) * k) / squared;
-    let left = left_of(along);
-    Some((a.center - left * (turns[0] * a.radius), b.center - left * (turns[1] * b.radius)))
 }
 
 /// Whether the arc crosses or touches the segment `a b`.

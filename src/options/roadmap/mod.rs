@@ -11,7 +11,7 @@ mod space;
 pub(super) use space::Space;
 
 use crate::geometry::{Path, Piece, Point, angle_of};
-use disc::{Disc, SAME_ANGLE, bitangent, touch_from};
+use disc::{Disc, SAME_ANGLE};
 use petgraph::Direction;
 use petgraph::graph::{DiGraph, EdgeIndex, NodeIndex};
 use petgraph::visit::{EdgeRef, Reversed};
@@ -122,7 +122,7 @@ impl Roadmap {
         for from in 0..2 * discs.len() {
             for to in (0..2 * discs.len()).filter(|to| to / 2 != from / 2) {
                 let ends = [&discs[from / 2], &discs[to / 2]];
-                if let Some((a, b)) = bitangent(ends, [turn(from), turn(to)])
+                if let Some([a, b]) = ends[0].bend(turn(from)).line_to(&ends[1].bend(turn(to)))
                     && ends[0].is_taut(angle_of(a - ends[0].center))
                     && ends[1].is_taut(angle_of(b - ends[1].center))
                     && space.is_clear(a, b)
@@ -199,6 +199,11 @@ impl Roadmap {
         self.sites[site].component
     }
 
+    /// Whether the straight way from `a` to `b` crosses a barrier.
+    pub fn crosses_barrier(&self, a: Point, b: Point) -> bool {
+        self.space.crosses_barrier(a, b)
+    }
+
     /// Where a site lies.
     pub fn point(&self, site: usize) -> Point {
         self.sites[site].point
@@ -272,7 +277,7 @@ impl Roadmap {
             if nearest + least.max(0.0) >= shortest {
                 continue;
             }
-            let (mut touch, mut to_touch) = touch_from(disc, turn(ring), p);
+            let (mut touch, mut to_touch) = disc.bend(turn(ring)).touch_from(p);
             if clearance < self.space.clearance {
                 // from nearer to a wall than its corner's disc, the tangent ends before the corner: go where the disc's arc begins
                 touch = disc.at(disc.nearest_taut(angle_of(touch - disc.center)));
@@ -312,7 +317,7 @@ fn turn(ring: usize) -> f64 {
 }
 
 fn tangent_from(disc: &Disc, ring: usize, p: Point, space: &Space) -> Option<(Point, f64)> {
-    let (touch, length) = touch_from(disc, turn(ring), p);
+    let (touch, length) = disc.bend(turn(ring)).touch_from(p);
     let taut = disc.is_taut(angle_of(touch - disc.center));
     (taut && space.is_clear(p, touch)).then_some((touch, length))
 }

@@ -41,8 +41,12 @@ impl Space {
 
     /// As [`Space::is_clear`], with another clearance, m.
     pub fn is_clear_by(&self, a: Point, b: Point, clearance: f64) -> bool {
-        self.keeps(a, b, clearance - SLACK)
-            && !self.barriers.iter().any(|[c, d]| segments_meet(a, b, *c, *d, SLACK))
+        self.keeps(a, b, clearance - SLACK) && !self.crosses_barrier(a, b)
+    }
+
+    /// Whether the straight way from `a` to `b` crosses a barrier.
+    pub fn crosses_barrier(&self, a: Point, b: Point) -> bool {
+        self.barriers.iter().any(|[c, d]| segments_meet(a, b, *c, *d, SLACK))
     }
 
     /// Distance (m) from `p` to the nearest obstacle.
