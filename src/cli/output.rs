@@ -74,6 +74,26 @@ pub(super) fn table_text(table: &Table) -> String {
     text.lines().map(|line| line.trim_end().to_owned() + "\n").collect()
 }
 
+/// A table of an experiment as text: its title, what people read in it, its notes.
+pub(super) fn table_with_notes(of: &crate::experiments::table::Table) -> String {
+    let (headings, rows) = of.shown();
+    let mut shown = Table::new();
+    shown
+        .load_style(UTF8_HORIZONTAL_ONLY)
+        .set_content_arrangement(ContentArrangement::Disabled)
+        .set_header(headings.iter().map(|h| h.0));
+    for (column, _) in headings.iter().enumerate().filter(|(_, heading)| !heading.1) {
+        if let Some(column) = shown.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    rows.into_iter().for_each(|row| {
+        shown.add_row(row);
+    });
+    let notes: String = of.notes.iter().map(|note| format!("{note}\n")).collect();
+    format!("{}\n{}{notes}", of.title, table_text(&shown))
+}
+
 /// A progress bar, for people: it appears once the work has taken two seconds, and never where standard error is no terminal.
 pub(super) struct Progress {
     bar: ProgressBar,

@@ -7,10 +7,12 @@ mod adaptation;
 mod answers;
 mod axis;
 mod chart;
+mod curves;
 mod labels;
 mod legend;
 mod map;
 mod ratios;
+mod regions;
 mod scene;
 mod style;
 mod text;
@@ -19,8 +21,10 @@ mod track;
 
 pub use adaptation::adaptation;
 pub use answers::{AnswerPanel, AnswerRow, RiskWeightMark, answers};
+pub use curves::{Curve, CurvePanel, curves};
 pub use map::{MOST_LISTED, world_map};
 pub use ratios::{RatioPanel, RatioRow, cost_ratios};
+pub use regions::{RegionPanel, preference_regions};
 pub use tolerances::{ToleranceRow, tolerances};
 pub use track::Track;
 

@@ -13,6 +13,9 @@ use rand_chacha::rand_core::SeedableRng;
 use serde::Serialize;
 use std::fmt::Write;
 
+/// How many worlds are tried, where nobody says.
+pub const WORLDS: usize = 10_000;
+
 /// What came of the random worlds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Findings {

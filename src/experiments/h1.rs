@@ -51,3 +51,69 @@ pub fn differences(rows: &[Row]) -> (f64, f64) {
     let off: Vec<f64> = rows.iter().map(|r| (r.ours_percent - r.paper_percent).abs()).collect();
     (off.iter().sum::<f64>() / off.len() as f64, off.iter().copied().fold(0.0, f64::max))
 }
+
+/// How far the human column of one environment is from what models say, as mean absolute difference over its options, percentage points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// Environment, 1 to 4.
+    pub environment: u32,
+    /// From our figures.
+    pub ours: f64,
+    /// From the paper's model.
+    pub paper: f64,
+    /// From the option that is nearest to the answers, taken by everyone: what no fixed (alpha, gamma) does better than.
+    pub fixed: f64,
+    /// Pairs of options that the humans like differently well.
+    pub pairs: usize,
+    /// Of them, those that our figures put in the same order.
+    pub ranked: usize,
+}
+
+/// How well each environment's answers are represented.
+pub fn fits(rows: &[Row]) -> Vec<Fit> {
+    let environments = rows.chunk_by(|a, b| a.environment == b.environment);
+    environments
+        .map(|rows| {
+            let off = |model: &dyn Fn(usize, &Row) -> f64| {
+                let sum: f64 =
+                    rows.iter().enumerate().map(|(i, r)| (model(i, r) - r.human_percent).abs()).sum();
+                sum / rows.len() as f64
+            };
+            let everyone = |option: usize| off(&|i, _| if i == option { 100.0 } else { 0.0 });
+            let all = || rows.iter().enumerate().flat_map(|(i, a)| rows[i + 1..].iter().map(move |b| (a, b)));
+            let differ = |(a, b): &(&Row, &Row)| a.human_percent != b.human_percent;
+            let same = |(a, b): &(&Row, &Row)| {
+                (a.human_percent - b.human_percent) * (a.ours_percent - b.ours_percent) > 0.0
+            };
+            Fit {
+                environment: rows[0].environment,
+                ours: off(&|_, r| r.ours_percent),
+                paper: off(&|_, r| r.paper_percent),
+                fixed: (0..rows.len()).map(everyone).fold(f64::INFINITY, f64::min),
+                pairs: all().filter(differ).count(),
+                ranked: all().filter(same).count(),
+            }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_fits_of_an_environment() {
+        let row = |human_percent, paper_percent, ours_percent| Row {
+            environment: 7,
+            option: String::new(),
+            human_percent,
+            paper_percent,
+            ours_percent,
+        };
+        let fits = fits(&[row(60.0, 50.0, 55.0), row(30.0, 50.0, 20.0), row(10.0, 0.0, 25.0)]);
+        // everyone on the first option: (40 + 30 + 10) / 3
+        let expected =
+            Fit { environment: 7, ours: 10.0, paper: 40.0 / 3.0, fixed: 80.0 / 3.0, pairs: 3, ranked: 2 };
+        assert_eq!(fits, [expected]);
+    }
+}

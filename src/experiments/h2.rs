@@ -1,6 +1,8 @@
 //! H2, Table II: accumulated objective cost with and without the mode transition, and the Environment 4 example.
 
-use super::paper::{BuiltInError, COLUMNS, ENVIRONMENTS, EXAMPLE, EXAMPLE_HUMAN, Environment};
+use super::paper::{
+    BuiltInError, COLUMNS, ENVIRONMENTS, EXAMPLE, EXAMPLE_ENVIRONMENT, EXAMPLE_HUMAN, Environment,
+};
 use super::{OnDone, in_parallel, mean_and_std};
 use crate::coordination::{self, Method, Mode};
 use crate::episode::{Episode, Outcome, Settings, Summary, Tick, run};
@@ -142,12 +144,12 @@ pub(super) fn humans_at_random(belief: &Belief, seed: u64, n: usize) -> Vec<Perc
     (0..n).map(|_| belief.sample(&mut rng)).collect()
 }
 
-/// One of the four runs of the Environment 4 example.
+/// One of the four runs of the example.
 #[derive(Clone, Debug)]
 pub struct ExampleRun {
     /// eta; none without the model.
     pub eta: Option<f64>,
-    /// What the paper reports: step of the transition, and the option ended on.
+    /// What the paper reports, in its environment: step of the transition, and the option ended on.
     pub paper: Option<(Option<u64>, &'static str)>,
     /// How it went.
     pub summary: Summary,
@@ -157,16 +159,20 @@ pub struct ExampleRun {
     pub ticks: Vec<Tick>,
 }
 
-/// The Environment 4 example of Sec. V-B: eta 5, 10.5 and 15, and without the model.
+/// The human of the Environment 4 example of Sec. V-B in an environment: eta 5, 10.5 and 15, and without the model.
 ///
 /// # Errors
 /// If the built-in world is not valid.
-pub fn example(settings: &Settings) -> Result<(World, Vec<ExampleRun>), BuiltInError> {
-    let world = ENVIRONMENTS[3].world()?;
+pub fn example(
+    environment: &Environment,
+    settings: &Settings,
+) -> Result<(World, Vec<ExampleRun>), BuiltInError> {
+    let world = environment.world()?;
     let set = OptionSet::new(&world, settings.predictor.risk_weight())?;
+    let is_papers = environment.number == EXAMPLE_ENVIRONMENT.number;
     let runs = EXAMPLE
         .iter()
-        .map(|&(eta, step, option)| (Some(eta), Some((step, option))))
+        .map(|&(eta, step, option)| (Some(eta), is_papers.then_some((step, option))))
         .chain([(None, None)])
         .map(|(eta, paper)| {
             let mut ticks = Vec::new();

@@ -10,7 +10,9 @@ pub mod h2_physical;
 pub mod h3;
 pub mod paper;
 pub mod regress;
+pub mod report;
 pub mod sweep;
+pub mod table;
 
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};

@@ -59,6 +59,9 @@ pub const EXAMPLE_HUMAN: Perception = Perception { alpha: 0.747, gamma: 0.765 };
 pub const EXAMPLE: [(f64, Option<u64>, &str); 3] =
     [(5.0, None, "4"), (10.5, Some(42), "3"), (15.0, Some(66), "3")];
 
+/// The environment of that example.
+pub const EXAMPLE_ENVIRONMENT: &Environment = &ENVIRONMENTS[3];
+
 /// The four environments.
 pub const ENVIRONMENTS: [Environment; 4] = [
     Environment {

@@ -114,6 +114,17 @@ impl Belief {
         SampleSet::new(samples).map(Self::Samples)
     }
 
+    /// The ends of the ranges of `alpha` and `gamma`.
+    pub fn ranges(&self) -> [[f64; 2]; 2] {
+        match self {
+            Self::Independent { alpha, gamma } => [alpha, gamma].map(|m| [m.lower(), m.upper()]),
+            Self::Samples(set) => [|p: &Perception| p.alpha, |p: &Perception| p.gamma].map(|parameter| {
+                let values = || set.samples.iter().map(|sample| parameter(&sample.perception));
+                [values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max)]
+            }),
+        }
+    }
+
     /// A random perception.
     pub fn sample<R: Rng + ?Sized>(&self, rng: &mut R) -> Perception {
         match self {

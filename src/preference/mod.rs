@@ -28,6 +28,7 @@ mod perception;
 mod predictor;
 #[cfg(test)]
 mod reference;
+mod regions;
 mod rule;
 mod strips;
 
@@ -39,3 +40,4 @@ pub use perception::{
     Perception, Prospect, human_choice, objective_cost, perceived_distance, perceived_risk, subjective_cost,
 };
 pub use predictor::{Predictor, RISK_WEIGHT};
+pub use regions::{Region, Regions};

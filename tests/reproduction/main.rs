@@ -74,7 +74,7 @@ fn paper_table_2() {
 
 #[test]
 fn paper_environment_4_example() {
-    let (_, runs) = h2::example(&Settings::default()).expect("a built-in world");
+    let (_, runs) = h2::example(paper::EXAMPLE_ENVIRONMENT, &Settings::default()).expect("a built-in world");
     for run in &runs {
         assert_eq!(run.summary.outcome, Outcome::Arrived);
         let Some((step, option)) = run.paper else { continue };

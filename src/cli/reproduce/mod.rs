@@ -1,18 +1,17 @@
 //! `cocarry reproduce`: the paper's claims and tables, the paper's figures beside ours.
 
+mod all;
 mod contacts;
 mod h2_physical;
 mod h3;
 
-use super::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
+use super::output::{Failure, Progress, input, print, print_json, table_with_notes, write_file};
 use super::robot::sway;
-use crate::coordination::Method;
-use crate::drawing::{self, Track};
 use crate::episode::{Outcome, Settings};
 use crate::experiments::cycles::{self, Findings};
 use crate::experiments::h2::{self, ExampleRun};
+use crate::experiments::report::{example_picture, example_table, table_1, table_2};
 use crate::experiments::{h1, paper};
-use crate::world::World;
 use anyhow::{Context, anyhow};
 use clap::{Args, Subcommand, ValueEnum};
 use serde_json::{Value, json};
@@ -33,6 +32,8 @@ pub(super) enum Claim {
     Contacts(contacts::Arguments),
     /// "No locked cycles" (Sec. IV-B): random worlds and humans, each episode run to its end
     Cycles(Cycles),
+    /// All of it as a report with tables and pictures: H1, H2, H3, locked cycles, and Table II with bodies
+    All(all::Arguments),
 }
 
 #[derive(Args, Debug)]
@@ -93,7 +94,7 @@ pub(super) struct Cycles {
     #[command(flatten)]
     common: Common,
     /// How many random worlds
-    #[arg(long, default_value_t = 10_000)]
+    #[arg(long, default_value_t = cycles::WORLDS)]
     worlds: usize,
     /// Seed of the first world; the others follow it
     #[arg(long, default_value_t = 0)]
@@ -130,6 +131,7 @@ pub(super) fn run(claim: &Claim) -> Result<ExitCode, Failure> {
         Claim::H3(arguments) => h3::run(arguments),
         Claim::Contacts(arguments) => contacts::run(arguments),
         Claim::Cycles(arguments) => run_cycles(arguments),
+        Claim::All(arguments) => all::run(arguments),
     }?;
     Ok(ExitCode::SUCCESS)
 }
@@ -146,32 +148,7 @@ fn run_h1(arguments: &H1) -> Result<(), Failure> {
             "largest_absolute_difference": worst,
         }));
     }
-    let headings = [
-        "environment",
-        "option",
-        "human (%)",
-        "paper's model (%)",
-        "ours (%)",
-        "ours - paper",
-        "ours - human",
-    ];
-    let mut shown = table(headings, 0);
-    for row in &rows {
-        shown.add_row([
-            row.environment.to_string(),
-            row.option.clone(),
-            format!("{:.1}", row.human_percent),
-            format!("{:.1}", row.paper_percent),
-            format!("{:.1}", row.ours_percent),
-            format!("{:+.1}", row.ours_percent - row.paper_percent),
-            format!("{:+.1}", row.ours_percent - row.human_percent),
-        ]);
-    }
-    print(&format!(
-        "Table I: probability that a human chooses an option\n{}ours - paper's model: mean |difference| {mean:.2}, largest {worst:.2} percentage points\n\
-         The worlds' geometry was calibrated to this table: the paper does not publish its own.\n",
-        table_text(&shown)
-    ))
+    print(&table_with_notes(&table_1(&rows)))
 }
 
 fn run_h2(arguments: &H2) -> Result<(), Failure> {
@@ -188,9 +165,9 @@ fn run_h2(arguments: &H2) -> Result<(), Failure> {
         .on_threads(|| h2::table(&settings, arguments.seed, &|| bar.step()))?
         .map_err(input)?;
     bar.finish();
-    let (world, runs) = h2::example(&settings).map_err(input)?;
+    let (world, runs) = h2::example(paper::EXAMPLE_ENVIRONMENT, &settings).map_err(input)?;
     if let Some(path) = &arguments.svg {
-        let svg = drawing::adaptation(&world, &tracks(&world, &runs), settings.period)
+        let svg = example_picture(&world, &runs, settings.period)
             .with_context(|| path.display().to_string())
             .map_err(Failure::Output)?;
         write_file(path, &svg)?;
@@ -205,87 +182,7 @@ fn run_h2(arguments: &H2) -> Result<(), Failure> {
             "example": runs.iter().map(example_json).collect::<Vec<_>>(),
         }));
     }
-    print(&(h2_text(&rows) + &example_text(&runs)))
-}
-
-fn h2_text(rows: &[h2::Row]) -> String {
-    let headings = [
-        "environment",
-        "method",
-        "paper (m)",
-        "ours (m)",
-        "ours / paper",
-        "reduction",
-        "20 humans (m)",
-        "transition",
-    ];
-    let mut shown = table(headings, 2);
-    let mut without_model = f64::NAN;
-    for row in rows {
-        if row.method == Method::WithoutModel {
-            without_model = row.ours_mean;
-        }
-        shown.add_row([
-            row.environment.to_string(),
-            row.eta.map_or("without model".to_owned(), |eta| format!("mutual, eta {eta}")),
-            format!("{:.1}", row.paper_mean),
-            format!("{:.1}", row.ours_mean),
-            format!("{:+.1} %", 100.0 * (row.ours_mean / row.paper_mean - 1.0)),
-            format!("{:.1} %", 100.0 * (1.0 - row.ours_mean / without_model)),
-            format!("{:.0} ± {:.0}", row.sample_mean, row.sample_std),
-            row.transition_step.map_or("-".to_owned(), |step| format!("step {step}")),
-        ]);
-    }
-    let mut text = format!(
-        "Table II: accumulated objective cost of an episode\n{}\
-         ours: expectation over a {n} x {n} midpoint grid of (alpha, gamma); 20 humans: mean ± std of {} seeded humans, as in the paper;\n\
-         reduction: of ours against `without model`.\n",
-        table_text(&shown),
-        h2::SAMPLES,
-        n = h2::GRID,
-    );
-    let lost: usize = rows.iter().map(|r| r.not_arrived).sum();
-    if lost > 0 {
-        let _ = writeln!(text, "{lost} episodes did not arrive.");
-    }
-    text
-}
-
-fn example_text(runs: &[ExampleRun]) -> String {
-    let headings = [
-        "eta",
-        "paper: transition",
-        "ours: transition",
-        "paper: ends on",
-        "ours: ends on",
-        "cost (m)",
-        "steps",
-    ];
-    let mut shown = table(headings, 1);
-    let step = |step: Option<u64>| step.map_or("-".to_owned(), |s| s.to_string());
-    for run in runs {
-        shown.add_row([
-            run.eta.map_or("without model".to_owned(), |eta| eta.to_string()),
-            run.paper.map_or("-".to_owned(), |(at, _)| step(at)),
-            step(run.summary.transition.map(|t| t.step)),
-            run.paper.map_or("-".to_owned(), |(_, option)| format!("option {option}")),
-            format!("option {}", run.ended_on),
-            format!("{:.1}", run.summary.accumulated_cost),
-            run.summary.steps.to_string(),
-        ]);
-    }
-    let human = paper::EXAMPLE_HUMAN;
-    format!(
-        "\nEnvironment 4 example: a human (alpha {}, gamma {}) who starts out preferring option 4\n{}",
-        human.alpha,
-        human.gamma,
-        table_text(&shown)
-    )
-}
-
-fn tracks(world: &World, runs: &[ExampleRun]) -> Vec<Track> {
-    let label = |run: &ExampleRun| run.eta.map_or("without model".to_owned(), |eta| format!("η = {eta}"));
-    runs.iter().map(|run| Track::new(label(run), &run.ticks, Some(world.target))).collect()
+    print(&format!("{}\n{}", table_with_notes(&table_2(&rows)), table_with_notes(&example_table(&runs))))
 }
 
 fn example_json(run: &ExampleRun) -> Value {

@@ -1,0 +1,155 @@
+//! `cocarry reproduce all --report FOLDER`: every claim, table and picture of the paper, ours beside the paper's, as a report.
+
+use super::super::output::{Failure, Progress, input, print, print_json, write_file};
+use super::super::robot::load_robot;
+use super::Common;
+use crate::experiments::report::{PARTS, Plan, Report, ReportError, Section};
+use anyhow::{Context, anyhow};
+use clap::Args;
+use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+#[derive(Args, Debug)]
+pub(in super::super) struct Arguments {
+    #[command(flatten)]
+    common: Common,
+    /// Write the report into this folder: report.html, report.md, a CSV file for each table, figures/*.svg
+    #[arg(long, value_name = "FOLDER")]
+    report: PathBuf,
+    /// Random humans in each of the 16 cells of Table III [default: 100]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
+    episodes: Option<u64>,
+    /// Humans in each of the 16 cells of Table II with bodies [default: 20]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
+    humans: Option<u64>,
+    /// Random worlds in which locked cycles are looked for [default: 10000]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    worlds: Option<u64>,
+    /// Seed of all that is random
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Replace a report that is in the folder already; other files stay
+    #[arg(long)]
+    overwrite: bool,
+}
+
+/// The page, which is written last: where it is, the report is whole.
+const PAGE: &str = "report.html";
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let folder = &arguments.report;
+    prepare(folder, arguments.overwrite)?;
+    let robot = load_robot(None)?;
+    let mut plan = Plan::new(&robot);
+    let given = |to: &mut usize, count: Option<u64>| *to = count.map_or(*to, |n| n as usize);
+    given(&mut plan.episodes, arguments.episodes);
+    given(&mut plan.humans, arguments.humans);
+    given(&mut plan.worlds, arguments.worlds);
+    plan.seed = arguments.seed;
+
+    let begun = Instant::now();
+    let (sections, threads) =
+        arguments.common.on_threads(|| (sections(&plan), rayon::current_num_threads()))?;
+    let report = Report::new(&plan, sections.map_err(input)?);
+    let made = format!(
+        "Made in {:.0} s on {threads} {}.",
+        begun.elapsed().as_secs_f64(),
+        if threads == 1 { "thread" } else { "threads" },
+    );
+    let files = write(&report, folder, &made)?;
+    if arguments.common.json {
+        return print_json(&told(&report, &plan, folder, &files));
+    }
+    let mut text = String::new();
+    for section in &report.sections {
+        let outcome = &section.outcome;
+        text += &format!("{}: {}\n  {}\n", outcome.claim, outcome.verdict, outcome.figures);
+    }
+    print(&format!(
+        "{text}\n{}: {} files; open {}\n",
+        folder.display(),
+        files.len(),
+        folder.join(PAGE).display()
+    ))
+}
+
+/// Every claim's section, in order.
+fn sections(plan: &Plan) -> Result<Vec<Section>, ReportError> {
+    PARTS
+        .iter()
+        .map(|part| {
+            let bar = Progress::new((part.episodes)(plan), part.name);
+            let section = (part.run)(plan, &|| bar.step());
+            bar.finish();
+            section
+        })
+        .collect()
+}
+
+/// Makes sure, before the work, that the report may be written and can be.
+fn prepare(folder: &Path, overwrite: bool) -> Result<(), Failure> {
+    let name = folder.display();
+    if folder.exists() && !folder.is_dir() {
+        return Err(input(anyhow!("--report {name}: is a file; expected a folder")));
+    }
+    let cannot = |error: std::io::Error| {
+        Failure::Output(anyhow::Error::from(error).context(format!("{name}: cannot be written")))
+    };
+    if folder.exists() {
+        let is_empty = std::fs::read_dir(folder).map_err(cannot)?.next().is_none();
+        if !is_empty && !overwrite {
+            return Err(input(anyhow!("--report {name}: is not empty; --overwrite replaces a report in it")));
+        }
+    }
+    std::fs::create_dir_all(folder).map_err(cannot)?;
+    // whether files can be made in it is only known from one
+    let probe = folder.join(format!("{PAGE}.partial"));
+    std::fs::write(&probe, "").and_then(|()| std::fs::remove_file(&probe)).map_err(cannot)
+}
+
+/// Writes all files, each whole, the page last; their names.
+fn write(report: &Report, folder: &Path, made: &str) -> Result<Vec<String>, Failure> {
+    let figures = folder.join("figures");
+    let made_folder = std::fs::create_dir_all(&figures);
+    made_folder
+        .with_context(|| format!("{}: cannot be written", figures.display()))
+        .map_err(Failure::Output)?;
+    // no page of another run beside files of this one
+    let page = folder.join(PAGE);
+    if page.exists() {
+        let removed = std::fs::remove_file(&page);
+        removed
+            .with_context(|| format!("{}: cannot be replaced", page.display()))
+            .map_err(Failure::Output)?;
+    }
+    let pictures = report.figures().map(|f| (format!("figures/{}.svg", f.name), f.svg.clone().into_bytes()));
+    let tables = report.tables().map(|t| (format!("{}.csv", t.name), t.csv()));
+    let texts = [
+        ("report.md".to_owned(), report.markdown.clone().into_bytes()),
+        (PAGE.to_owned(), report.page(made).into_bytes()),
+    ];
+    let mut names = Vec::new();
+    for (name, contents) in pictures.chain(tables).chain(texts) {
+        write_file(&folder.join(&name), contents)?;
+        names.push(name);
+    }
+    Ok(names)
+}
+
+/// What was found and written, as JSON.
+fn told(report: &Report, plan: &Plan, folder: &Path, files: &[String]) -> Value {
+    let claims = report.sections.iter().map(|section| {
+        let outcome = &section.outcome;
+        json!({ "claim": outcome.claim, "outcome": outcome.verdict, "figures": outcome.figures })
+    });
+    let tables: Map<String, Value> = report.tables().map(|t| (t.name.clone(), t.json())).collect();
+    json!({
+        "report": folder.display().to_string(),
+        "files": files,
+        "episodes": PARTS.iter().map(|part| (part.episodes)(plan)).sum::<usize>(),
+        "seed": plan.seed,
+        "claims": claims.collect::<Vec<_>>(),
+        "tables": tables,
+    })
+}

@@ -1,0 +1,188 @@
+//! H2: Table II, the Environment 4 example, and the same human in the other environments.
+
+use super::{Block, Figure, Outcome, Part, Plan, ReportError, Section, holds};
+use crate::coordination::Method;
+use crate::drawing::{Curve, CurvePanel, DrawingError, Track, adaptation, curves};
+use crate::experiments::OnDone;
+use crate::experiments::h2::{self, ExampleRun, Row};
+use crate::experiments::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
+use crate::experiments::table::{Cell, Columns, Table};
+use crate::world::World;
+
+/// Table II.
+pub(super) const PART: Part = Part { name: "Table II", episodes: |_| h2::EPISODES, run };
+
+/// Table II: accumulated objective costs.
+pub fn table_2(rows: &[Row]) -> Table {
+    let table = Columns::of(&with_baseline(rows))
+        .count("environment", "environment", |(r, _)| u64::from(r.environment))
+        .text("method", "method", |(r, _)| method(r.eta))
+        .data("eta", |(r, _)| r.eta)
+        .number("paper (m)", "paper_mean_m", 1, |(r, _)| r.paper_mean)
+        .number("ours (m)", "ours_mean_m", 1, |(r, _)| r.ours_mean)
+        .derived("ours / paper", |(r, _)| format!("{:+.1} %", 100.0 * (r.ours_mean / r.paper_mean - 1.0)))
+        .derived("reduction", |(r, without)| format!("{:.1} %", 100.0 * (1.0 - r.ours_mean / without)))
+        .spread("20 humans (m)", ["sample_mean_m", "sample_std_m"], 0, |(r, _)| {
+            [r.sample_mean, r.sample_std]
+        })
+        .column("transition", false, &["transition_step"], |(r, _)| Cell {
+            shown: r.transition_step.map_or("-".to_owned(), |step| format!("step {step}")),
+            values: vec![r.transition_step.into()],
+        })
+        .data("not_arrived", |(r, _)| r.not_arrived)
+        .table("table-2", "Table II: accumulated objective cost of an episode")
+        .with_note(format!(
+            "ours: expectation over a {n} x {n} midpoint grid of (alpha, gamma); 20 humans: mean ± std of {} seeded humans, as in the paper;",
+            h2::SAMPLES,
+            n = h2::GRID,
+        ))
+        .with_note("reduction: of ours against `without model`.");
+    match rows.iter().map(|r| r.not_arrived).sum::<usize>() {
+        0 => table,
+        lost => table.with_note(format!("{lost} episodes did not arrive.")),
+    }
+}
+
+/// What the rows of Table II and of others call a method.
+pub(super) fn method(eta: Option<f64>) -> String {
+    eta.map_or("without model".to_owned(), |eta| format!("mutual, eta {eta}"))
+}
+
+/// Every row with the mean of its environment's row without the model, which stands before.
+fn with_baseline(rows: &[Row]) -> Vec<(&Row, f64)> {
+    let mut without = f64::NAN;
+    rows.iter()
+        .map(|row| {
+            if row.method == Method::WithoutModel {
+                without = row.ours_mean;
+            }
+            (row, without)
+        })
+        .collect()
+}
+
+/// The four runs of the Environment 4 example.
+pub fn example_table(runs: &[ExampleRun]) -> Table {
+    Columns::of(runs)
+        .text("eta", "eta", |r| r.eta.map_or("without model".to_owned(), |eta| eta.to_string()))
+        .count("paper: transition", "paper_transition_step", |r| r.paper.and_then(|(step, _)| step))
+        .count("ours: transition", "transition_step", |r| r.summary.transition.map(|t| t.step))
+        .column("paper: ends on", false, &["paper_ends_on"], |r| Cell {
+            shown: r.paper.map_or("-".to_owned(), |(_, option)| format!("option {option}")),
+            values: vec![r.paper.map(|(_, option)| option).into()],
+        })
+        .column("ours: ends on", false, &["ends_on"], |r| Cell {
+            shown: format!("option {}", r.ended_on),
+            values: vec![r.ended_on.clone().into()],
+        })
+        .number("cost (m)", "accumulated_objective_cost_m", 1, |r| r.summary.accumulated_cost)
+        .count("steps", "steps", |r| r.summary.steps)
+        .table(
+            "example-environment-4",
+            format!(
+                "Environment 4 example: a human (alpha {}, gamma {}) who starts out preferring option 4",
+                EXAMPLE_HUMAN.alpha, EXAMPLE_HUMAN.gamma
+            ),
+        )
+}
+
+/// Trajectories and phi(k) of an example.
+///
+/// # Errors
+/// If the period is not a positive time.
+pub fn example_picture(world: &World, runs: &[ExampleRun], period: f64) -> Result<String, DrawingError> {
+    let tracks = runs.iter().map(|run| Track::new(label(run), &run.ticks, Some(world.target)));
+    adaptation(world, &tracks.collect::<Vec<_>>(), period)
+}
+
+fn label(run: &ExampleRun) -> String {
+    run.eta.map_or("without model".to_owned(), |eta| format!("\u{3b7} = {eta}"))
+}
+
+fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+    let settings = &plan.settings;
+    let rows = h2::table(settings, plan.seed, on_done)?;
+    let mut blocks = vec![
+        Block::Text(
+            "The robot leads until the human's stubbornness phi(k), eq. (5), exceeds 1, and follows from then on; while it leads it takes the option of eq. (6). \
+             Without the model, the human leads from start to end on the option preferred at the start."
+                .to_owned(),
+        ),
+        Block::Table(table_2(&rows)),
+    ];
+    // the paper's example first, then the same human elsewhere
+    for environment in ENVIRONMENTS.iter().rev() {
+        let (world, runs) = h2::example(environment, settings)?;
+        let number = environment.number;
+        let is_papers = runs.iter().any(|run| run.paper.is_some());
+        if is_papers {
+            blocks.push(Block::Table(example_table(&runs)));
+            blocks.push(Block::Figure(Figure {
+                name: "discomfort".to_owned(),
+                caption: format!(
+                    "Environment {number} example: accumulated discomfort g(k) and stubbornness phi(k), eq. (5), up to the transition."
+                ),
+                svg: curves(&growth(&runs))?,
+            }));
+        }
+        let whose = if is_papers { "example" } else { "with the human of the example" };
+        blocks.push(Block::Figure(Figure {
+            name: format!("example-environment-{number}"),
+            caption: format!(
+                "Environment {number} {whose}: trajectories, a cross where the human takes the lead; phi(k)."
+            ),
+            svg: example_picture(&world, &runs, settings.period)?,
+        }));
+    }
+    let title = "H2: adapting to each other".to_owned();
+    Ok(Section { title, outcome: outcome(&rows), blocks })
+}
+
+/// g(k) and phi(k) of the runs that the robot leads, up to their transitions.
+fn growth(runs: &[ExampleRun]) -> Vec<CurvePanel> {
+    let led = || runs.iter().filter(|run| run.eta.is_some());
+    let curve = |run: &ExampleRun, of: fn(&crate::episode::Tick) -> f64| {
+        let last = run.summary.transition.map_or(u64::MAX, |t| t.step);
+        let ticks = run.ticks.iter().filter(|t| t.step <= last);
+        Curve { label: label(run), points: ticks.map(|t| [t.step as f64, of(t)]).collect() }
+    };
+    let panel = |title: &str, letter: &str, mark: Option<f64>, of: fn(&crate::episode::Tick) -> f64| {
+        let curves: Vec<Curve> = led().map(|run| curve(run, of)).collect();
+        let end =
+            |axis: usize| curves.iter().flat_map(|c| &c.points).map(|p| p[axis]).fold(1.0, f64::max) * 1.06;
+        let ranges = [[0.0, end(0)], [0.0, end(1)]];
+        let axes = ["step k".to_owned(), letter.to_owned()];
+        CurvePanel { title: title.to_owned(), axes, ranges, mark, curves }
+    };
+    vec![
+        panel("discomfort", "g(k)", None, |tick| tick.discomfort),
+        panel("stubbornness", "\u{3c6}(k)", Some(1.0), |tick| tick.stubbornness),
+    ]
+}
+
+fn outcome(rows: &[Row]) -> Outcome {
+    let pairs: Vec<(&Row, f64)> =
+        with_baseline(rows).into_iter().filter(|(row, _)| row.eta.is_some()).collect();
+    let reductions: Vec<f64> =
+        pairs.iter().map(|(row, without)| 100.0 * (1.0 - row.ours_mean / without)).collect();
+    let cheaper = reductions.iter().filter(|r| **r > 0.0).count();
+    let most = reductions.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let least = reductions.iter().copied().fold(f64::INFINITY, f64::min);
+    let off = rows.iter().map(|r| 100.0 * (r.ours_mean / r.paper_mean - 1.0).abs());
+    let lost: usize = rows.iter().map(|r| r.not_arrived).sum();
+    Outcome {
+        claim: "H2: with a mode transition by stubbornness, the team's objective cost is lower than with a human who always leads",
+        verdict: holds(cheaper, pairs.len(), "cells"),
+        figures: format!(
+            "lower in {cheaper} of {} cells, by {least:.1} to {most:.1} % (mean {:.1} %); means within {:.1} % of the paper's (calibrated to them); {}",
+            pairs.len(),
+            reductions.iter().sum::<f64>() / reductions.len() as f64,
+            off.fold(0.0, f64::max),
+            if lost == 0 {
+                "every episode arrived".to_owned()
+            } else {
+                format!("{lost} episodes did not arrive")
+            },
+        ),
+    }
+}

@@ -1,0 +1,109 @@
+//! H2 with bodies: Table II's humans once more on the physical plant, beside the team that is a point.
+
+use super::adaptation::method;
+use super::{Block, Outcome, Part, Plan, ReportError, Section, holds};
+use crate::experiments::OnDone;
+use crate::experiments::h2_physical::{Row, Study};
+use crate::experiments::table::{Cell, Columns, Table};
+use crate::simulation::PhysicsSettings;
+
+/// Table II with bodies.
+pub(super) const PART: Part =
+    Part { name: "Table II with bodies", episodes: |plan| 2 * study(plan).units(), run };
+
+fn study<'a>(plan: &'a Plan) -> Study<'a> {
+    Study {
+        robot: plan.robot,
+        physics: PhysicsSettings::default(),
+        episode: &plan.settings,
+        humans: plan.humans,
+        seed: plan.seed,
+    }
+}
+
+/// Table II's episodes with bodies beside those without.
+pub fn table_2_with_bodies(rows: &[Row], humans: usize, sway: f64) -> Table {
+    let table = Columns::of(rows)
+        .count("environment", "environment", |r| u64::from(r.environment))
+        .text("method", "method", |r| method(r.eta))
+        .data("eta", |r| r.eta)
+        .column("arrived", false, &["arrived", "humans"], |r| Cell {
+            shown: format!("{} of {}", r.arrived, r.humans),
+            values: vec![r.arrived.into(), r.humans.into()],
+        })
+        .number("point (m)", "point_mean_m", 1, |r| r.point_mean)
+        .number("bodies (m)", "physical_mean_m", 1, |r| r.physical_mean)
+        .number("ratio", "mean_ratio", 3, |r| r.mean_ratio)
+        .number("farthest", "farthest_ratio", 3, |r| r.farthest_ratio)
+        .count("same option", "same_option", |r| r.same_option as u64)
+        .column("transition", false, &["transition_difference_steps"], |r| Cell {
+            shown: format!("±{}", r.transition_difference),
+            values: vec![r.transition_difference.into()],
+        })
+        .column("error (mm)", false, &["position_error_rms_m"], |r| Cell {
+            shown: format!("{:.1}", 1e3 * r.position_error_rms),
+            values: vec![r.position_error_rms.into()],
+        })
+        .column("force (N)", false, &["hand_force_rms_mean_N", "hand_force_rms_largest_N"], |r| Cell {
+            shown: format!("{:.1}", r.hand_force_rms[0]),
+            values: r.hand_force_rms.map(Into::into).to_vec(),
+        })
+        .column("grip (cm)", false, &["stretch_m"], |r| Cell {
+            shown: format!("{:.1}", 100.0 * r.stretch),
+            values: vec![r.stretch.into()],
+        })
+        .table(
+            "table-2-bodies",
+            format!("Table II with bodies: {humans} humans a cell, whose hands sway by {sway} m"),
+        )
+        .with_note("Means are over those who arrive with bodies, without any contact. point: accumulated objective cost of a team without bodies; ratio: with over without,")
+        .with_note("human by human, mean and farthest from 1; same option: ended on it; transition: largest difference in steps; error: of the grasp, rms;")
+        .with_note("force: of the human on the object, rms; grip: how far a grip yielded at most.");
+    let lost: Vec<&str> = rows.iter().flat_map(|r| r.lost.iter().copied()).collect();
+    match lost.len() {
+        0 => table,
+        n => table.with_note(format!("Not arrived: {n} ({}).", lost.join(", "))),
+    }
+}
+
+fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+    let study = study(plan);
+    // a human's episode as a point and the one with bodies are done together
+    let both = || (0..2).for_each(|_| on_done());
+    let rows = study.table(&both)?;
+    let text = "The paper's team is a point. Here robot, object, human and obstacles have bodies, forces and contacts.";
+    Ok(Section {
+        title: "H2 with bodies".to_owned(),
+        outcome: outcome(&rows),
+        blocks: vec![
+            Block::Text(text.to_owned()),
+            Block::Table(table_2_with_bodies(&rows, study.humans, study.physics.human.sway_lateral)),
+        ],
+    })
+}
+
+fn outcome(rows: &[Row]) -> Outcome {
+    let mut without = f64::NAN;
+    let (mut cells, mut cheaper) = (0, 0);
+    for row in rows {
+        match row.eta {
+            None => without = row.physical_mean,
+            Some(_) => {
+                cells += 1;
+                cheaper += usize::from(row.physical_mean < without);
+            }
+        }
+    }
+    let sum = |of: fn(&Row) -> usize| rows.iter().map(of).sum::<usize>();
+    let ratio = rows.iter().map(|r| r.mean_ratio).sum::<f64>() / rows.len() as f64;
+    Outcome {
+        claim: "H2, where the team has bodies (not in the paper)",
+        verdict: holds(cheaper, cells, "cells"),
+        figures: format!(
+            "{} of {} humans arrive without touching anything, {} on the option of the team that is a point; cost {ratio:.3} times the point's in the mean of the cells",
+            sum(|r| r.arrived),
+            sum(|r| r.humans),
+            sum(|r| r.same_option),
+        ),
+    }
+}

@@ -1,0 +1,53 @@
+//! "No locked cycles" (Sec. IV-B): the search for a counterexample.
+
+use super::{Block, Outcome, Part, Plan, ReportError, Section, grouped, holds};
+use crate::experiments::OnDone;
+use crate::experiments::cycles::{Findings, search};
+use crate::experiments::table::{Columns, Table};
+
+/// The search.
+pub(super) const PART: Part = Part { name: "random worlds", episodes: |plan| plan.worlds, run };
+
+fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+    let findings = search(plan.worlds, plan.seed, &plan.settings, on_done);
+    let text = "The paper claims, without proof, that eq. (6) does not make the team go back and forth between options for ever. A random world, human and eta (1 to \
+                30) an episode, run until the team stands at the target or ten times the longest option has passed. A counterexample is an episode that \
+                did not arrive.";
+    Ok(Section {
+        title: "No locked cycles".to_owned(),
+        outcome: outcome(&findings),
+        blocks: vec![Block::Text(text.to_owned()), Block::Table(table(&findings))],
+    })
+}
+
+fn table(findings: &Findings) -> Table {
+    Columns::of(std::slice::from_ref(findings))
+        .count("worlds", "worlds", |f| f.episodes as u64)
+        .count("two options or more", "with_choice", |f| f.with_choice as u64)
+        .count("option changed in", "with_changes", |f| f.with_changes as u64)
+        .count("most changes", "most_changes", |f| u64::from(f.most_changes))
+        .number("longest / cheapest option", "longest_detour", 2, |f| f.longest_detour)
+        .count("counterexamples", "counterexamples", |f| f.counterexamples.len() as u64)
+        .table("cycles", "The search for locked cycles")
+        .with_note("longest / cheapest option: the most steps that an episode took, over those of its cheapest option at the start.")
+}
+
+fn outcome(findings: &Findings) -> Outcome {
+    let arrived = findings.episodes - findings.counterexamples.len();
+    Outcome {
+        claim: "Eq. (6) causes no locked cycles",
+        verdict: match holds(arrived, findings.episodes, "worlds") {
+            verdict if verdict == "holds" => "no counterexample".to_owned(),
+            verdict => verdict,
+        },
+        figures: format!(
+            "{} random worlds, {} with two options or more; the executed option changed in {}, at most {} times; the longest episode took {:.1} times \
+             the steps of its cheapest option",
+            grouped(findings.episodes),
+            grouped(findings.with_choice),
+            grouped(findings.with_changes),
+            findings.most_changes,
+            findings.longest_detour,
+        ),
+    }
+}

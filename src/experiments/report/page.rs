@@ -1,0 +1,96 @@
+//! The report as Markdown and its pictures in; one HTML page that needs nothing else out.
+
+use super::Figure;
+use pulldown_cmark::{CowStr, Event, Options, Parser, Tag, TagEnd, html::push_html};
+
+/// How the page looks, on screen and on paper.
+const STYLE: &str = include_str!("page.css");
+
+/// The page; `made` stands at its end.
+pub(super) fn html(markdown: &str, figures: &[&Figure], made: &str) -> String {
+    let mut body = String::new();
+    push_html(&mut body, events(markdown, figures).into_iter());
+    let title = markdown.lines().find_map(|line| line.strip_prefix("# ")).unwrap_or("cocarry");
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n{body}\
+         <footer><p>{}</p></footer>\n</main>\n</body>\n</html>\n",
+        escaped(title),
+        escaped(made),
+    )
+}
+
+/// What the Markdown says, with pictures in place of links to them, and tables that scroll where they are too wide.
+fn events<'a>(markdown: &'a str, figures: &[&'a Figure]) -> Vec<Event<'a>> {
+    let mut events = Vec::new();
+    let mut picture = None;
+    for event in Parser::new_ext(markdown, Options::ENABLE_TABLES) {
+        let raw = |html: String| Event::Html(CowStr::from(html));
+        match event {
+            Event::Start(Tag::Image { dest_url, .. }) => {
+                let named = |f: &&&Figure| *dest_url == *format!("figures/{}.svg", f.name);
+                picture = figures.iter().find(named);
+                if let Some(figure) = picture {
+                    events.push(raw(format!(
+                        "<figure id=\"{}\">\n{}\n<figcaption>",
+                        figure.name,
+                        inline(figure)
+                    )));
+                }
+            }
+            Event::End(TagEnd::Image) if picture.take().is_some() => {
+                events.push(raw("</figcaption>\n</figure>".to_owned()));
+            }
+            Event::Start(Tag::Table(alignments)) => {
+                events.push(raw("<div class=\"table\">".to_owned()));
+                events.push(Event::Start(Tag::Table(alignments)));
+            }
+            Event::End(TagEnd::Table) => {
+                events.push(Event::End(TagEnd::Table));
+                events.push(raw("</div>\n".to_owned()));
+            }
+            other => events.push(other),
+        }
+    }
+    events
+}
+
+/// The picture as part of a page: as wide as the page allows, and with ids of its own.
+fn inline(figure: &Figure) -> String {
+    let own = format!("{}-", figure.name);
+    let svg = figure.svg.replace(" id=\"", &format!(" id=\"{own}")).replace("url(#", &format!("url(#{own}"));
+    let label = escaped(&figure.caption);
+    svg.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{label}\" "), 1)
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn golden_markdown_becomes_a_page_with_its_pictures_in_it() {
+        let figure = Figure {
+            name: "f".to_owned(),
+            caption: "A \"b\" < c".to_owned(),
+            svg: "<svg width=\"1\"><g id=\"risk\" fill=\"url(#risk)\"/></svg>".to_owned(),
+        };
+        let text = "# T & t\n\n![A \"b\" < c](figures/f.svg)\n\n| a | b |\n| :-- | --: |\n| 1 | **2** |\n";
+        let page = html(text, &[&figure], "in 3 s");
+        for part in [
+            "<title>T &amp; t</title>",
+            "<figure id=\"f\">",
+            "<svg role=\"img\" aria-label=\"A &quot;b&quot; &lt; c\" width=\"1\"><g id=\"f-risk\" fill=\"url(#f-risk)\"/></svg>",
+            "<figcaption>A &quot;b&quot; &lt; c</figcaption>",
+            "<div class=\"table\"><table>",
+            "<td style=\"text-align: right\"><strong>2</strong></td>",
+            "<footer><p>in 3 s</p></footer>",
+        ] {
+            assert!(page.contains(part), "{part} is missing from\n{page}");
+        }
+        assert!(!page.contains("<img") && !page.contains("<p><figure"));
+    }
+}

@@ -1,0 +1,316 @@
+//! H3: Table III, every method and start against its baseline, and what the costs are made of.
+
+use super::{Block, Figure, Outcome, Part, Plan, ReportError, Section, grouped, holds};
+use crate::control;
+use crate::drawing::{DrawingError, RatioPanel, RatioRow, cost_ratios};
+use crate::experiments::OnDone;
+use crate::experiments::h3::{PoseMethod, Row, Study};
+use crate::experiments::paper::{ENVIRONMENTS, SETTINGS};
+use crate::experiments::table::{Cell, Columns, Table};
+
+/// Table III.
+pub(super) const PART: Part = Part { name: "Table III", episodes: |plan| study(plan).units(), run };
+
+fn study<'a>(plan: &'a Plan) -> Study<'a> {
+    Study {
+        robot: plan.robot,
+        episodes: plan.episodes,
+        seed: plan.seed,
+        episode: &plan.settings,
+        control: control::Settings::default(),
+        physics: None,
+    }
+}
+
+/// Rows of Table III to be compared: all methods that were run, from one start.
+#[derive(Clone, Copy, Debug)]
+pub struct Compared<'a> {
+    /// Rows of all starts.
+    pub rows: &'a [Row],
+    /// The start.
+    pub start: &'a str,
+    /// The methods that were run.
+    pub methods: &'a [PoseMethod],
+}
+
+/// What is compared with its baseline: what tables and pictures call it, and what columns of files do.
+const METHODS: [(PoseMethod, &str, &str); 6] = [
+    (PoseMethod::WithPo, "with PO", "with_po"),
+    (PoseMethod::WithPoWholeBody, "whole-body", "whole_body"),
+    (PoseMethod::Manipulability, "manipulability", "manipulability"),
+    (PoseMethod::UniformWeights, "uniform weights", "uniform_weights"),
+    (PoseMethod::TrackedOption, "tracked option", "tracked_option"),
+    (PoseMethod::WithPoObstacles, "with PO, obstacles", "with_po_obstacles"),
+];
+
+impl<'a> Compared<'a> {
+    fn of(self, method: PoseMethod) -> impl Iterator<Item = &'a Row> {
+        self.rows.iter().filter(move |r| r.start == self.start && r.method == method)
+    }
+
+    /// A method's ratio to its baseline, mean of the cells.
+    pub fn mean_ratio(self, method: PoseMethod) -> f64 {
+        let ratios: Vec<f64> = self.of(method).map(|r| r.ratio).collect();
+        ratios.iter().sum::<f64>() / ratios.len() as f64
+    }
+
+    /// Every cell without and with pose optimisation.
+    fn pairs(self) -> Vec<[&'a Row; 2]> {
+        let with = self.of(PoseMethod::WithPo);
+        self.of(PoseMethod::WithoutPo).zip(with).map(|(without, with)| [without, with]).collect()
+    }
+}
+
+/// The paper's mean ratio with over without pose optimisation.
+fn paper_ratio() -> f64 {
+    let ratios = ENVIRONMENTS.iter().flat_map(|e| e.control_cost_with.iter().zip(e.control_cost_without));
+    let ratios: Vec<f64> = ratios.map(|(with, without)| with / without).collect();
+    ratios.iter().sum::<f64>() / ratios.len() as f64
+}
+
+fn saving(with: f64, without: f64) -> String {
+    format!("{:.1} %", 100.0 * (1.0 - with / without))
+}
+
+fn rounded(p_value: Option<f64>) -> String {
+    p_value.map_or("-".to_owned(), |p| format!("{p:.0e}"))
+}
+
+/// The paper's table and ours.
+pub fn table_3(compared: Compared) -> Table {
+    let paper = |row: &Row| row.paper_mean.unwrap_or(f64::NAN);
+    Columns::of(&compared.pairs())
+        .count("environment", "environment", |[_, with]| u64::from(with.environment))
+        .text("setting", "setting", |[_, with]| with.setting)
+        .number("paper: without PO", "paper_without_po", 1, |[without, _]| paper(without))
+        .number("with PO", "paper_with_po", 1, |[_, with]| paper(with))
+        .derived("saving", |[without, with]| saving(paper(with), paper(without)))
+        .spread("ours: without PO", ["without_po_mean", "without_po_std"], 1, |[without, _]| {
+            [without.ours_mean, without.ours_std]
+        })
+        .spread("with PO", ["with_po_mean", "with_po_std"], 1, |[_, with]| [with.ours_mean, with.ours_std])
+        .derived("saving", |[without, with]| saving(with.ours_mean, without.ours_mean))
+        .data("ratio", |[_, with]| with.ratio)
+        .column("p (paired)", false, &["p_value"], |[_, with]| Cell {
+            shown: rounded(with.p_value),
+            values: vec![with.p_value.into()],
+        })
+        .column("cheaper in", false, &["wins", "episodes"], |[_, with]| Cell {
+            shown: format!("{} of {}", with.wins, with.episodes),
+            values: vec![with.wins.into(), with.episodes.into()],
+        })
+        .table(
+            &format!("table-3-{}", compared.start),
+            format!(
+                "Table III: control cost C with and without pose optimisation (PO); episodes start `{}`",
+                compared.start
+            ),
+        )
+        .with_note(format!(
+            "mean ratio with / without: paper {:.3}, ours {:.3}. C depends on robot, worlds and speed, which the paper does not give: compare the savings.",
+            paper_ratio(),
+            compared.mean_ratio(PoseMethod::WithPo),
+        ))
+}
+
+/// Every method's cost over its baseline's.
+pub fn table_3_ratios(compared: Compared) -> Table {
+    // a cell each, and at the end their mean
+    let cells = ENVIRONMENTS.iter().flat_map(|e| SETTINGS.iter().map(|s| Some((e.number, s.name))));
+    let lines: Vec<_> = cells.chain([None]).collect();
+    let mut columns = Columns::of(&lines)
+        .text("environment", "environment", |cell| cell.map_or("mean".to_owned(), |(e, _)| e.to_string()))
+        .text("setting", "setting", |cell| cell.map_or("", |(_, setting)| setting));
+    for (method, heading, key) in METHODS {
+        if !compared.methods.contains(&method) {
+            continue;
+        }
+        let p_key = format!("{key}_p_value");
+        columns = columns.column(heading, false, &[key, &p_key], |cell| {
+            let Some((environment, setting)) = *cell else {
+                let mean = compared.mean_ratio(method);
+                return Cell { shown: format!("{mean:.3}"), values: vec![mean.into(), None::<f64>.into()] };
+            };
+            let row = compared.of(method).find(|r| r.environment == environment && r.setting == setting);
+            let Some(row) = row else {
+                return Cell { shown: "-".to_owned(), values: vec![None::<f64>.into(); 2] };
+            };
+            let doubt = if row.p_value.is_none_or(|p| p >= 0.01) { "?" } else { "" };
+            Cell {
+                shown: format!("{:.3}{doubt}", row.ratio),
+                values: vec![row.ratio.into(), row.p_value.into()],
+            }
+        });
+    }
+    let table = columns
+        .table(
+            &format!("table-3-ratios-{}", compared.start),
+            format!("C relative to no pose optimisation; episodes start `{}`", compared.start),
+        )
+        .with_note("?: p >= 0.01. manipulability: the most manipulable candidate. uniform weights: eq. (8) without P_o.")
+        .with_note("tracked option: eq. (8) for that option alone.");
+    let table = match compared.methods.contains(&PoseMethod::WithPoObstacles) {
+        true => table.with_note(
+            "whole-body: candidates move base and arm. obstacles: the base is kept out of them, compared with no PO under the same limits.",
+        ),
+        false => table.with_note(
+            "With bodies: obstacles are kept off, and the base follows the way; pairs of which either did not arrive do not count.",
+        ),
+    };
+    let own = || compared.rows.iter().filter(|r| r.start == compared.start);
+    let lost: usize = own().map(|r| r.not_arrived).sum();
+    let unsolved: u64 = own().map(|r| r.fallback_steps).sum();
+    let table = if lost > 0 { table.with_note(format!("{lost} episodes did not arrive.")) } else { table };
+    match unsolved {
+        0 => table,
+        n => table.with_note(format!("{n} steps had no solution of eq. (7).")),
+    }
+}
+
+/// What C is made of, with and without pose optimisation.
+fn parts_table(compared: Compared) -> Table {
+    let pairs = compared.pairs();
+    let rows: Vec<&Row> = pairs.iter().flatten().copied().collect();
+    figures(Columns::of(&rows))
+        .table(
+            &format!("table-3-parts-{}", compared.start),
+            format!("What C is made of (means of the episodes); episodes start `{}`", compared.start),
+        )
+        .with_note("error: distance of the grasp from its reference, rms over all steps; limited: share of the steps in which a limit was active;")
+        .with_note("overlaps: episodes in which the base overlaps an obstacle, of which eq. (7) knows nothing here, as in the paper.")
+}
+
+/// Every row of every method and start, for programs.
+fn all_rows(rows: &[Row]) -> Table {
+    let rows: Vec<&Row> = rows.iter().collect();
+    let mut table = figures(Columns::of(&rows))
+        .data("paper_mean", |r| r.paper_mean)
+        .data("ratio", |r| r.ratio)
+        .data("p_value", |r| r.p_value)
+        .data("wins", |r| r.wins)
+        .data("episodes", |r| r.episodes)
+        .data("not_arrived", |r| r.not_arrived)
+        .data("unsolved_steps", |r| r.fallback_steps)
+        .table("table-3-all", "All methods from all starts, as a file");
+    table.columns.iter_mut().for_each(|column| column.heading.clear());
+    table
+}
+
+fn figures<'a>(columns: Columns<'a, &'a Row>) -> Columns<'a, &'a Row> {
+    columns
+        .count("environment", "environment", |r| u64::from(r.environment))
+        .text("setting", "setting", |r| r.setting)
+        .data("start", |r| r.start.as_str())
+        .text("method", "method", |r| r.method.name())
+        .spread("C", ["mean", "std"], 1, |r| [r.ours_mean, r.ours_std])
+        .number("tracking", "tracking", 1, |r| r.parts[0])
+        .number("effort", "effort", 1, |r| r.parts[1])
+        .number("pose", "pose", 2, |r| r.parts[2])
+        .column("error (mm)", false, &["position_error_rms_m"], |r| Cell {
+            shown: format!("{:.1}", 1e3 * r.position_error_rms),
+            values: vec![r.position_error_rms.into()],
+        })
+        .column("limited", false, &["constrained_share"], |r| Cell {
+            shown: format!("{:.1} %", 100.0 * r.constrained_share),
+            values: vec![r.constrained_share.into()],
+        })
+        .count("overlaps", "overlapping_episodes", |r| r.overlapping_episodes as u64)
+}
+
+/// All ratios, a panel for each start; the paper's in the first.
+///
+/// # Errors
+/// If a ratio is not a number, as where no episode arrived.
+pub fn ratio_picture(rows: &[Row], starts: &[&str]) -> Result<String, DrawingError> {
+    let paper = RatioRow {
+        label: "paper, with PO".to_owned(),
+        ratios: ENVIRONMENTS
+            .iter()
+            .flat_map(|e| {
+                let pairs = e.control_cost_with.iter().zip(e.control_cost_without);
+                pairs.map(move |(with, without)| (e.number, with / without))
+            })
+            .collect(),
+    };
+    let panels: Vec<RatioPanel> = starts
+        .iter()
+        .enumerate()
+        .map(|(i, start)| {
+            let of = |method| rows.iter().filter(move |r| r.start == *start && r.method == method);
+            let ours = METHODS.iter().map(|(method, label, _)| RatioRow {
+                label: (*label).to_owned(),
+                ratios: of(*method).map(|r| (r.environment, r.ratio)).collect(),
+            });
+            let ours = ours.filter(|row| !row.ratios.is_empty());
+            let papers = (i == 0).then(|| paper.clone());
+            RatioPanel {
+                title: format!("({}) episodes that start {start}", char::from(b'a' + (i % 26) as u8)),
+                rows: ours.chain(papers).collect(),
+            }
+        })
+        .collect();
+    cost_ratios(&panels)
+}
+
+fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+    let study = study(plan);
+    let rows = study.table(on_done)?;
+    let starts: Vec<&str> = plan.robot.postures.iter().map(|p| p.name.as_str()).collect();
+    let of = |start| Compared { rows: &rows, start, methods: study.methods() };
+    let text = "The human leads from the start and changes (alpha, gamma) once or twice on the way; the robot knows only the full ranges. C is the true control cost \
+                of Sec. V-C. Every method meets the same humans, so that all comparisons are paired.";
+    let mut blocks = vec![Block::Text(text.to_owned())];
+    blocks.extend(starts.iter().map(|start| Block::Table(table_3(of(start)))));
+    blocks.push(Block::Figure(Figure {
+        name: "table-3-ratios".to_owned(),
+        caption: "Control cost over that of the baseline: one mark a cell of Table III, a bar at the mean."
+            .to_owned(),
+        svg: ratio_picture(&rows, &starts)?,
+    }));
+    blocks.extend(starts.iter().map(|start| Block::Table(table_3_ratios(of(start)))));
+    blocks.extend(starts.iter().map(|start| Block::Table(parts_table(of(start)))));
+    blocks.push(Block::Table(all_rows(&rows)));
+    let outcome = outcome(&starts.iter().map(|start| of(start)).collect::<Vec<_>>());
+    Ok(Section { title: "H3: preparing the arm".to_owned(), outcome, blocks })
+}
+
+/// `compared` from every start, the robot's first one first.
+fn outcome(compared: &[Compared]) -> Outcome {
+    let pairs: Vec<[&Row; 2]> = compared.iter().take(1).flat_map(|c| c.pairs()).collect();
+    let cheaper = |pairs: &[[&Row; 2]]| pairs.iter().filter(|[_, with]| with.ratio < 1.0).count();
+    let sum = |of: fn(&Row) -> usize| pairs.iter().map(|[_, with]| of(with)).sum::<usize>();
+    let p_value = pairs.iter().filter_map(|[_, with]| with.p_value).reduce(f64::max);
+    let ratio = |c: &Compared, method| format!("{:.3}", c.mean_ratio(method));
+    let mut figures = format!(
+        "cheaper in {} of {} cells and {} of {} pairs, largest p {}; mean ratio {} (paper {:.3})",
+        cheaper(&pairs),
+        pairs.len(),
+        grouped(sum(|r| r.wins)),
+        grouped(sum(|r| r.episodes)),
+        rounded(p_value),
+        compared.first().map_or(String::new(), |c| ratio(c, PoseMethod::WithPo)),
+        paper_ratio(),
+    );
+    for (method, what) in [
+        (PoseMethod::UniformWeights, "weights without P_o"),
+        (PoseMethod::TrackedOption, "the tracked option alone"),
+        (PoseMethod::Manipulability, "manipulability"),
+    ] {
+        figures += &compared.first().map_or(String::new(), |c| format!(", with {what} {}", ratio(c, method)));
+    }
+    for c in compared.iter().skip(1) {
+        let pairs = c.pairs();
+        figures += &format!(
+            "; where both start {}, {}, cheaper in {} of {} cells",
+            c.start,
+            ratio(c, PoseMethod::WithPo),
+            cheaper(&pairs),
+            pairs.len()
+        );
+    }
+    Outcome {
+        claim: "H3: pose optimisation while the human leads lowers the control cost",
+        verdict: holds(cheaper(&pairs), pairs.len(), "cells"),
+        figures,
+    }
+}

@@ -1,0 +1,78 @@
+//! A plan and its sections in; what stands before and after them in the report out.
+
+use super::{PARTS, Plan, Section, grouped};
+use crate::control::{self, HORIZON};
+use crate::experiments::paper::COLUMNS;
+use crate::simulation::PhysicsSettings;
+
+/// Where the paper is silent, where this departs from it, and its slips.
+const DEVIATIONS: &str = include_str!("../../../docs/deviations.md");
+
+/// Title, and what came of every claim.
+pub(super) fn opening(plan: &Plan, sections: &[Section]) -> String {
+    let mut text = format!(
+        "# Human-robot co-transportation, reproduced\n\n\
+         Every table and figure of A. J. Mahmud, W. Li and X. Wang, *Mutual Adaptation in Human-Robot Co-Transportation with Human Preference Uncertainty*, with those \
+         of `cocarry` {} beside them. All figures of ours, those in the text included, come from one run of {} episodes.\n\n\
+         ## What holds\n\n| claim | outcome | in figures |\n| :-- | :-- | :-- |\n",
+        env!("CARGO_PKG_VERSION"),
+        grouped(episodes(plan)),
+    );
+    for section in sections {
+        let outcome = &section.outcome;
+        text += &format!("| {} | **{}** | {} |\n", outcome.claim, outcome.verdict, outcome.figures);
+    }
+    text + "\nA picture is `figures/NAME.svg` beside this report; the figures of a table are in the CSV file named at it.\n\n"
+}
+
+/// Deviations, and what was run with which settings.
+pub(super) fn end(plan: &Plan) -> String {
+    // the document's title becomes a section's
+    let deviations = DEVIATIONS.trim().replacen("# ", "## ", 1);
+    format!("{deviations}\n\n## This run\n\n{}{}", parts(plan), settings(plan))
+}
+
+fn episodes(plan: &Plan) -> usize {
+    PARTS.iter().map(|part| (part.episodes)(plan)).sum()
+}
+
+/// How many episodes were run for what.
+fn parts(plan: &Plan) -> String {
+    let mut text = "| part | episodes |\n| :-- | --: |\n".to_owned();
+    for part in &PARTS {
+        text += &format!("| {} | {} |\n", part.name, grouped((part.episodes)(plan)));
+    }
+    text + &format!("| all | {} |\n\n", grouped(episodes(plan)))
+}
+
+fn settings(plan: &Plan) -> String {
+    let episode = &plan.settings;
+    let control = control::Settings::default();
+    let physics = PhysicsSettings::default();
+    let [alpha, gamma] = episode.predictor.belief().ranges();
+    let eta: Vec<String> = COLUMNS.iter().flatten().map(f64::to_string).collect();
+    format!(
+        "`cocarry` {}, seed {}, robot {} (starts: {}). c_r = {} m; alpha from {} to {}, gamma from {} to {}; phi(0) = {}, eta = {}; one step is {} s, walking speed {} m/s, \
+         turning at most {} rad/s. Eq. (7): H = {HORIZON}, Q = {} I, R = {} I; eq. (8): kappa = {}. Bodies: {} Hz, {} sweeps, sway {} m.\n",
+        env!("CARGO_PKG_VERSION"),
+        plan.seed,
+        plan.robot.name,
+        plan.robot.postures.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", "),
+        episode.predictor.risk_weight(),
+        alpha[0],
+        alpha[1],
+        gamma[0],
+        gamma[1],
+        episode.coordination.initial_stubbornness,
+        eta.join(", "),
+        episode.period,
+        episode.speed,
+        episode.yaw_rate,
+        control.state_weight,
+        control.input_weight,
+        control.pose_weight,
+        physics.rate_hz,
+        physics.sweeps,
+        physics.human.sway_lateral,
+    )
+}

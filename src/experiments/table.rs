@@ -1,0 +1,217 @@
+//! Rows of an experiment in; a table out that is the same for people, as Markdown, as CSV and as JSON.
+
+use serde_json::{Map, Value};
+
+/// A table: what people read in each cell, and the figures behind it for programs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// Name of its file, without an ending.
+    pub name: String,
+    /// What it shows.
+    pub title: String,
+    /// From the left.
+    pub columns: Vec<Column>,
+    /// From the top, one cell for each column.
+    pub rows: Vec<Vec<Cell>>,
+    /// What has to be known to read it, a line each.
+    pub notes: Vec<String>,
+}
+
+/// A column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// What people read above it; empty for a column for programs only.
+    pub heading: String,
+    /// Whether it holds words, which stand on the left, or numbers, which stand on the right.
+    pub is_text: bool,
+    /// The keys of the figures behind a cell, with units; none where the cell only says what follows from others.
+    pub keys: Vec<String>,
+}
+
+/// What stands in a row of a column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cell {
+    /// For people.
+    pub shown: String,
+    /// For programs: one value for each of the column's keys.
+    pub values: Vec<Value>,
+}
+
+/// Fills a table column by column from the same rows.
+#[derive(Debug)]
+pub struct Columns<'a, R> {
+    rows: &'a [R],
+    columns: Vec<Column>,
+    cells: Vec<Vec<Cell>>,
+}
+
+impl<'a, R> Columns<'a, R> {
+    /// No columns yet, for these rows.
+    pub fn of(rows: &'a [R]) -> Self {
+        Self { rows, columns: Vec::new(), cells: vec![Vec::new(); rows.len()] }
+    }
+
+    /// A column of words.
+    pub fn text<T: ToString>(self, heading: &str, key: &str, text: impl Fn(&R) -> T) -> Self {
+        self.column(heading, true, &[key], |row| {
+            let text = text(row).to_string();
+            Cell { shown: text.clone(), values: vec![text.into()] }
+        })
+    }
+
+    /// A column of numbers, for people with so many decimals.
+    pub fn number(self, heading: &str, key: &str, decimals: usize, number: impl Fn(&R) -> f64) -> Self {
+        self.column(heading, false, &[key], |row| {
+            let number = number(row);
+            Cell { shown: format!("{number:.decimals$}"), values: vec![number.into()] }
+        })
+    }
+
+    /// A column of whole numbers, `-` where there is none.
+    pub fn count<T: Into<Option<u64>>>(self, heading: &str, key: &str, count: impl Fn(&R) -> T) -> Self {
+        self.column(heading, false, &[key], |row| {
+            let count: Option<u64> = count(row).into();
+            let shown = count.map_or("-".to_owned(), |n| n.to_string());
+            Cell { shown, values: vec![count.into()] }
+        })
+    }
+
+    /// A column of means and standard deviations.
+    pub fn spread(
+        self,
+        heading: &str,
+        keys: [&str; 2],
+        decimals: usize,
+        spread: impl Fn(&R) -> [f64; 2],
+    ) -> Self {
+        self.column(heading, false, &keys, |row| {
+            let [mean, std] = spread(row);
+            let shown = format!("{mean:.decimals$} ± {std:.decimals$}");
+            Cell { shown, values: vec![mean.into(), std.into()] }
+        })
+    }
+
+    /// A column that says what follows from others.
+    pub fn derived(self, heading: &str, text: impl Fn(&R) -> String) -> Self {
+        self.column(heading, false, &[], |row| Cell { shown: text(row), values: Vec::new() })
+    }
+
+    /// A column for programs.
+    pub fn data<T: Into<Value>>(self, key: &str, value: impl Fn(&R) -> T) -> Self {
+        self.column("", false, &[key], |row| Cell { shown: String::new(), values: vec![value(row).into()] })
+    }
+
+    /// Any column.
+    pub fn column(mut self, heading: &str, is_text: bool, keys: &[&str], cell: impl Fn(&R) -> Cell) -> Self {
+        let keys = keys.iter().map(|&key| key.to_owned()).collect();
+        self.columns.push(Column { heading: heading.to_owned(), is_text, keys });
+        for (cells, row) in self.cells.iter_mut().zip(self.rows) {
+            cells.push(cell(row));
+        }
+        self
+    }
+
+    /// The table.
+    pub fn table(self, name: &str, title: impl Into<String>) -> Table {
+        Table {
+            name: name.to_owned(),
+            title: title.into(),
+            columns: self.columns,
+            rows: self.cells,
+            notes: Vec::new(),
+        }
+    }
+}
+
+impl Table {
+    /// The table with a note below it.
+    pub fn with_note(mut self, note: impl Into<String>) -> Self {
+        self.notes.push(note.into());
+        self
+    }
+
+    /// Headings, whether the column holds words, and what people read in each row, of the columns that are for people.
+    pub fn shown(&self) -> (Vec<(&str, bool)>, Vec<Vec<&str>>) {
+        let is_shown = |column: &Column| !column.heading.is_empty();
+        let headings = self.columns.iter().filter(|c| is_shown(c));
+        let rows = self.rows.iter().map(|row| {
+            let cells = row.iter().zip(&self.columns).filter(|(_, column)| is_shown(column));
+            cells.map(|(cell, _)| cell.shown.as_str()).collect()
+        });
+        (headings.map(|c| (c.heading.as_str(), c.is_text)).collect(), rows.collect())
+    }
+
+    /// Title, table and notes as Markdown; nothing but the title if no column is for people.
+    pub fn markdown(&self) -> String {
+        let (headings, rows) = self.shown();
+        let mut text = format!("**{}** ([{name}.csv]({name}.csv))\n\n", self.title, name = self.name);
+        if !headings.is_empty() {
+            let line = |cells: &[&str]| {
+                let cells = cells.iter().map(|cell| cell.replace('|', "\\|"));
+                format!("| {} |\n", cells.collect::<Vec<_>>().join(" | "))
+            };
+            text += &line(&headings.iter().map(|h| h.0).collect::<Vec<_>>());
+            text += &line(&headings.iter().map(|h| if h.1 { ":--" } else { "--:" }).collect::<Vec<_>>());
+            rows.iter().for_each(|row| text += &line(row));
+            text.push('\n');
+        }
+        if !self.notes.is_empty() {
+            text += &format!("*{}*\n\n", self.notes.join(" "));
+        }
+        text
+    }
+
+    /// The figures as CSV, keys as headings; empty where there is none.
+    pub fn csv(&self) -> Vec<u8> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let text = |value: &Value| match value {
+            Value::Null => String::new(),
+            Value::String(text) => text.clone(),
+            other => other.to_string(),
+        };
+        let lines = self.rows.iter().map(|row| row.iter().flat_map(|c| &c.values).map(text).collect());
+        let keys: Vec<String> = self.columns.iter().flat_map(|c| c.keys.clone()).collect();
+        for line in [keys].into_iter().chain(lines) {
+            // writing to memory does not fail, and every line has all keys
+            let _ = writer.write_record(&line);
+        }
+        writer.into_inner().unwrap_or_default()
+    }
+
+    /// The figures as JSON: an object a row.
+    pub fn json(&self) -> Value {
+        let keys: Vec<&String> = self.columns.iter().flat_map(|c| &c.keys).collect();
+        let object = |row: &Vec<Cell>| -> Map<String, Value> {
+            let values = row.iter().flat_map(|c| c.values.clone());
+            keys.iter().map(|&key| key.clone()).zip(values).collect()
+        };
+        self.rows.iter().map(object).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn golden_a_table_for_people_and_for_programs() {
+        let rows = [("a|b", 0.25, None), ("c,\"", f64::NAN, Some(7u64))];
+        let table = Columns::of(&rows)
+            .text("name", "name", |r| r.0)
+            .spread("cost (m)", ["mean_m", "std_m"], 1, |r| [r.1, 0.5])
+            .derived("half", |r| format!("{:.2}", r.1 / 2.0))
+            .count("step", "step", |r| r.2)
+            .data("twice_m", |r| 2.0 * r.1)
+            .table("t", "T")
+            .with_note("Note.");
+        assert_eq!(
+            table.markdown(),
+            "**T** ([t.csv](t.csv))\n\n| name | cost (m) | half | step |\n| :-- | --: | --: | --: |\n\
+             | a\\|b | 0.2 ± 0.5 | 0.12 | - |\n| c,\" | NaN ± 0.5 | NaN | 7 |\n\n*Note.*\n\n"
+        );
+        let csv = String::from_utf8(table.csv()).unwrap();
+        assert_eq!(csv, "name,mean_m,std_m,step,twice_m\na|b,0.25,0.5,,0.5\n\"c,\"\"\",,0.5,7,\n");
+        assert_eq!(table.json()[0]["twice_m"], 0.5);
+        assert!(table.json()[1]["mean_m"].is_null());
+    }
+}
