@@ -40,6 +40,7 @@
 //! | J^_o, eq. (2) | [`preference::subjective_cost`] | - |
 //! | o_h, eq. (3) | [`preference::human_choice`] | - |
 //! | P_o, eq. (4) | [`preference::ChoiceDistribution`] | - |
+//! | R_o (Sec. IV-A) | [`preference::Regions`] | - |
 //! | J~_o, eq. (6) | [`preference::Predictor::expected_costs`] | - |
 //! | phi(k), g(k), eta, eq. (5) | [`coordination::Coordinator`], [`coordination::Settings`] | - |
 //! | omega_o(k) | [`coordination::is_misaligned`] | - |

@@ -3,7 +3,7 @@
 use super::DrawingError;
 use super::axis::Scale;
 use super::scene::{document, rectangle};
-use super::style::{INK, LARGE, Look, SMALL, stroke};
+use super::style::{INK, LARGE, Look, SMALL, stroke, width_by_rank};
 use super::text::{Align, Words, shorten};
 use crate::geometry::{Bounds, Point, Vector};
 use svg::node::element::Group;
@@ -97,7 +97,7 @@ fn draw(panel: &CurvePanel, frame: Bounds) -> (Group, f64) {
         let points: Vec<Point> =
             curve.points.iter().map(|[x, y]| Point::new(across.at(*x), up.at(*y))).collect();
         if points.len() > 1 {
-            let line = Group::new().set("class", "curve").add(Look::of(i).draw(&points, 2.8));
+            let line = Group::new().set("class", "curve").add(Look::of(i).draw(&points, width(i, panel)));
             group = group.add(line);
         }
     }
@@ -113,13 +113,18 @@ fn draw(panel: &CurvePanel, frame: Bounds) -> (Group, f64) {
         let (column, line) = ((i / lines) as f64, (i % lines) as f64);
         let from = Point::new(frame.min.x + column * pitch, frame.max.y + BELOW + line * LINE);
         let to = from + Vector::new(SAMPLE, 0.0);
-        group = group.add(Look::of(i).draw(&[from, to], 2.8)).add(words(curve).at(
+        group = group.add(Look::of(i).draw(&[from, to], width(i, panel))).add(words(curve).at(
             to + Vector::new(8.0, 0.35 * SMALL),
             SMALL,
             Align::Left,
         ));
     }
     (group, frame.max.y + BELOW + lines as f64 * LINE)
+}
+
+/// Width of a curve, px: each is narrower than the one before, so that those which coincide remain visible.
+fn width(index: usize, panel: &CurvePanel) -> f64 {
+    0.7 * width_by_rank(index, panel.curves.len())
 }
 
 fn words(curve: &Curve) -> Words {

@@ -181,7 +181,8 @@ fn area_of(area: Bounds) -> f64 {
     area.size().product()
 }
 
-fn overlap(a: Bounds, b: Bounds) -> f64 {
+/// Area that two areas have in common.
+pub(super) fn overlap(a: Bounds, b: Bounds) -> f64 {
     let size = a.max.coords.inf(&b.max.coords) - a.min.coords.sup(&b.min.coords);
     if size.min() <= 0.0 { 0.0 } else { size.product() }
 }

@@ -2,9 +2,9 @@
 
 use super::DrawingError;
 use super::axis::Scale;
-use super::labels::length_inside;
+use super::labels::{length_inside, overlap};
 use super::scene::{document, rectangle};
-use super::style::{INK, LARGE, Look, SMALL, number, path_data, px, stroke};
+use super::style::{INK, LARGE, Look, SMALL, disc, number, path_data, px, stroke};
 use super::text::{Align, Words, shorten};
 use crate::geometry::{Bounds, Point, Vector};
 use crate::preference::{Perception, Regions};
@@ -84,7 +84,7 @@ fn draw(panel: &RegionPanel, frame: Bounds) -> Group {
         regions.parts.iter().map(|part| (part.option, part.outline.iter().map(place).collect())).collect();
     let borders: Vec<Vec<Point>> =
         regions.borders.iter().map(|border| border.iter().map(place).collect()).collect();
-    let mut names = Group::new().set("class", "names");
+    let mut labels = Vec::new();
     let mut unwanted = Vec::new();
     for (option, (name, probability)) in panel.options.iter().enumerate() {
         let own: Vec<&[Point]> = outlines.iter().filter(|o| o.0 == option).map(|o| o.1.as_slice()).collect();
@@ -95,7 +95,7 @@ fn draw(panel: &RegionPanel, frame: Bounds) -> Group {
         let data: String = own.iter().map(|outline| path_data(outline) + "Z").collect();
         let paper = Path::new().set("d", data).set("fill", PAPERS[option % PAPERS.len()]);
         group = group.add(paper.set("data-option", option)).add(hatching(option, &own, frame));
-        names = names.add(label(name, *probability, &own, &borders, frame));
+        labels.push((Label::new(name, *probability), own));
     }
     for border in &borders {
         group = group.add(stroke(border, INK, 1.6));
@@ -113,7 +113,22 @@ fn draw(panel: &RegionPanel, frame: Bounds) -> Group {
         let at = Point::new((frame.min.x + frame.max.x) / 2.0, frame.max.y + 70.0);
         group = group.add(Words::new().plain(text).at(at, SMALL - 1.5, Align::Middle));
     }
+    // the largest regions choose first
+    let mut names = Group::new().set("class", "names");
+    let mut taken = Vec::new();
+    labels.sort_by(|a, b| area(&b.1).total_cmp(&area(&a.1)));
+    for (label, own) in &labels {
+        let place = label.place(own, &borders, frame, &taken);
+        taken.push(label.area(place[0]));
+        names = names.add(label.draw(place, own));
+    }
     group.add(names)
+}
+
+/// Area of a region, px^2.
+fn area(outlines: &[&[Point]]) -> f64 {
+    let corners = outlines.iter().flat_map(|o| o.iter().zip(o.iter().cycle().skip(1)));
+    0.5 * corners.map(|(a, b)| crate::geometry::cross(a.coords, b.coords)).sum::<f64>().abs()
 }
 
 /// Lines across a region, in a direction that tells its option; the first option of four has none.
@@ -157,43 +172,72 @@ fn inside(foot: Point, along: Vector, outline: &[Point]) -> Vec<[f64; 2]> {
     met.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()
 }
 
-/// An option's name and P_o where they fit best into its region, on paper.
-fn label(name: &str, probability: f64, own: &[&[Point]], borders: &[Vec<Point>], frame: Bounds) -> Group {
-    let lines = [
-        Words::new().plain(format!("option {}", shorten(name, 10))),
-        Words::new().italic("P").sub("o").plain(format!(" = {} %", number(100.0 * probability, 1))),
-    ];
-    let widest = lines.iter().map(|words| words.width(SMALL)).fold(0.0, f64::max);
-    let half = Vector::new(widest / 2.0, SMALL * 1.15);
-    let mut best = (frame.min, f64::INFINITY);
-    for (i, j) in (1..48).flat_map(|i| (1..48).map(move |j| (i, j))) {
-        let at = frame.min + frame.size().component_mul(&(Vector::new(f64::from(i), f64::from(j)) / 48.0));
-        if !own.iter().any(|outline| contains(outline, at)) {
-            continue;
-        }
-        // how much of borders and frame the words would cover, and then how near the borders come
-        let area = Bounds { min: at - half, max: at + half };
-        let pairs = || borders.iter().flat_map(|line| line.windows(2));
-        let covered: f64 = pairs().map(|pair| length_inside(area.grown(3.0), [pair[0], pair[1]])).sum();
-        let room = [area.min - frame.min, frame.max - area.max].map(|v| v.min()).into_iter();
-        let room = room.fold(f64::INFINITY, f64::min);
-        let near = pairs().map(|pair| (pair[0] - at).component_div(&half).norm()).fold(4.0, f64::min);
-        let cost = covered + 20.0 * (4.0 - room).max(0.0) - 4.0 * near;
-        if cost < best.1 {
-            best = (at, cost);
-        }
+/// An option's name and P_o on the picture.
+struct Label {
+    lines: [Words; 2],
+    /// Half of its size, px.
+    half: Vector,
+}
+
+impl Label {
+    fn new(name: &str, probability: f64) -> Self {
+        let lines = [
+            Words::new().plain(format!("option {}", shorten(name, 10))),
+            Words::new().italic("P").sub("o").plain(format!(" = {} %", number(100.0 * probability, 1))),
+        ];
+        let widest = lines.iter().map(|words| words.width(SMALL)).fold(0.0, f64::max);
+        Self { lines, half: Vector::new(0.47 * widest, SMALL * 1.15) }
     }
-    let at = best.0;
-    let paper = rectangle(Bounds { min: at - half, max: at + half });
-    let paper = paper.set("fill", "#ffffff").set("fill-opacity", 0.86).set("rx", 4);
-    Group::new()
-        .add(paper)
-        .add(Group::new().set("font-weight", "bold").add(lines[0].at(
-            at - Vector::new(0.0, 0.2 * SMALL),
-            SMALL,
-            Align::Middle,
-        )))
-        .add(lines[1].at(at + Vector::new(0.0, 0.88 * SMALL), SMALL, Align::Middle))
+
+    fn area(&self, at: Point) -> Bounds {
+        Bounds { min: at - self.half, max: at + self.half }
+    }
+
+    /// The place where the label covers the least of borders and of what is `taken`, deep in the region or else near it, and the deepest
+    /// point of the region.
+    fn place(&self, own: &[&[Point]], borders: &[Vec<Point>], frame: Bounds, taken: &[Bounds]) -> [Point; 2] {
+        const GRID: i32 = 40;
+        let grid = (1..GRID).flat_map(|i| (1..GRID).map(move |j| Vector::new(f64::from(i), f64::from(j))));
+        let places: Vec<Point> =
+            grid.map(|at| frame.min + frame.size().component_mul(&(at / f64::from(GRID)))).collect();
+        let pairs = || borders.iter().flat_map(|line| line.windows(2));
+        // how far border and frame are, in labels' sizes
+        let depth = |at: Point| {
+            let sides = [at - frame.min, frame.max - at].map(|v| v.component_div(&self.half).min());
+            let near = pairs().map(|pair| (pair[0] - at).component_div(&self.half).norm());
+            near.chain(sides).fold(3.0, f64::min)
+        };
+        let is_own = |at: Point| own.iter().any(|outline| contains(outline, at));
+        let inside = places.iter().filter(|at| is_own(**at));
+        let deepest = inside.max_by(|a, b| depth(**a).total_cmp(&depth(**b)));
+        let deepest = deepest.or(own.first().and_then(|o| o.first())).copied().unwrap_or(frame.min);
+        let cost = |at: Point| {
+            let area = self.area(at);
+            let covered: f64 = pairs().map(|pair| length_inside(area.grown(3.0), [pair[0], pair[1]])).sum();
+            let shared: f64 = taken.iter().map(|t| overlap(area.grown(4.0), *t)).sum();
+            let room = [area.min - frame.min, frame.max - area.max].map(|v| v.min());
+            let outside = (4.0 - room[0].min(room[1])).max(0.0);
+            let apart = if is_own(at) { -20.0 * depth(at) } else { 60.0 + (at - deepest).norm() };
+            2.0 * covered + shared + 40.0 * outside + apart
+        };
+        let best = places.iter().map(|at| (*at, cost(*at))).min_by(|a, b| a.1.total_cmp(&b.1));
+        [best.map_or(deepest, |b| b.0), deepest]
+    }
+
+    /// The label at its place, with a line to the region if it stands elsewhere.
+    fn draw(&self, [at, deepest]: [Point; 2], own: &[&[Point]]) -> Group {
+        let mut group = Group::new();
+        if !own.iter().any(|outline| contains(outline, at)) {
+            let line = stroke(&[at, deepest], INK, 1.2);
+            group = group.add(line).add(disc(deepest, 3.2).set("fill", INK));
+        }
+        let line =
+            |i: usize, down: f64| self.lines[i].at(at + Vector::new(0.0, down * SMALL), SMALL, Align::Middle);
+        group
+            .add(rectangle(self.area(at)).set("fill", "#ffffff").set("fill-opacity", 0.9).set("rx", 4))
+            .add(Group::new().set("font-weight", "bold").add(line(0, -0.2)))
+            .add(line(1, 0.88))
+    }
 }
 
 fn contains(outline: &[Point], at: Point) -> bool {

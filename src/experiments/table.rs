@@ -59,6 +59,14 @@ impl<'a, R> Columns<'a, R> {
         })
     }
 
+    /// A column of whole numbers that name something, on the left as words.
+    pub fn numbered(self, heading: &str, key: &str, number: impl Fn(&R) -> u32) -> Self {
+        self.column(heading, true, &[key], |row| {
+            let number = number(row);
+            Cell { shown: number.to_string(), values: vec![number.into()] }
+        })
+    }
+
     /// A column of numbers, for people with so many decimals.
     pub fn number(self, heading: &str, key: &str, decimals: usize, number: impl Fn(&R) -> f64) -> Self {
         self.column(heading, false, &[key], |row| {

@@ -16,6 +16,7 @@ mod readme;
 mod recording;
 mod reference_recordings;
 mod regress;
+mod reports;
 mod robots;
 mod scenarios;
 mod snapshots;

@@ -63,8 +63,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let mut text = String::new();
     for section in &report.sections {
-        let outcome = &section.outcome;
-        text += &format!("{}: {}\n  {}\n", outcome.claim, outcome.verdict, outcome.figures);
+        let finding = &section.finding;
+        text += &format!("{}: {}\n  {}\n", finding.claim, finding.verdict, finding.figures);
     }
     print(&format!(
         "{text}\n{}: {} files; open {}\n",
@@ -90,6 +90,9 @@ fn sections(plan: &Plan) -> Result<Vec<Section>, ReportError> {
 /// Makes sure, before the work, that the report may be written and can be.
 fn prepare(folder: &Path, overwrite: bool) -> Result<(), Failure> {
     let name = folder.display();
+    if folder.as_os_str().is_empty() {
+        return Err(input(anyhow!("--report: is empty; expected the name of a folder")));
+    }
     if folder.exists() && !folder.is_dir() {
         return Err(input(anyhow!("--report {name}: is a file; expected a folder")));
     }
@@ -140,8 +143,8 @@ fn write(report: &Report, folder: &Path, made: &str) -> Result<Vec<String>, Fail
 /// What was found and written, as JSON.
 fn told(report: &Report, plan: &Plan, folder: &Path, files: &[String]) -> Value {
     let claims = report.sections.iter().map(|section| {
-        let outcome = &section.outcome;
-        json!({ "claim": outcome.claim, "outcome": outcome.verdict, "figures": outcome.figures })
+        let finding = &section.finding;
+        json!({ "claim": finding.claim, "verdict": finding.verdict, "figures": finding.figures })
     });
     let tables: Map<String, Value> = report.tables().map(|t| (t.name.clone(), t.json())).collect();
     json!({

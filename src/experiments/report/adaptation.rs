@@ -1,6 +1,6 @@
 //! H2: Table II, the Environment 4 example, and the same human in the other environments.
 
-use super::{Block, Figure, Outcome, Part, Plan, ReportError, Section, holds};
+use super::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
 use crate::coordination::Method;
 use crate::drawing::{Curve, CurvePanel, DrawingError, Track, adaptation, curves};
 use crate::experiments::OnDone;
@@ -15,7 +15,7 @@ pub(super) const PART: Part = Part { name: "Table II", episodes: |_| h2::EPISODE
 /// Table II: accumulated objective costs.
 pub fn table_2(rows: &[Row]) -> Table {
     let table = Columns::of(&with_baseline(rows))
-        .count("environment", "environment", |(r, _)| u64::from(r.environment))
+        .numbered("environment", "environment", |(r, _)| r.environment)
         .text("method", "method", |(r, _)| method(r.eta))
         .data("eta", |(r, _)| r.eta)
         .number("paper (m)", "paper_mean_m", 1, |(r, _)| r.paper_mean)
@@ -32,11 +32,11 @@ pub fn table_2(rows: &[Row]) -> Table {
         .data("not_arrived", |(r, _)| r.not_arrived)
         .table("table-2", "Table II: accumulated objective cost of an episode")
         .with_note(format!(
-            "ours: expectation over a {n} x {n} midpoint grid of (alpha, gamma); 20 humans: mean ± std of {} seeded humans, as in the paper;",
+            "ours: expectation over a {n} x {n} midpoint grid of (alpha, gamma); 20 humans: mean ± std of {} seeded humans, as in the paper.",
             h2::SAMPLES,
             n = h2::GRID,
         ))
-        .with_note("reduction: of ours against `without model`.");
+        .with_note("Reduction: of ours against `without model`.");
     match rows.iter().map(|r| r.not_arrived).sum::<usize>() {
         0 => table,
         lost => table.with_note(format!("{lost} episodes did not arrive.")),
@@ -104,7 +104,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     let rows = h2::table(settings, plan.seed, on_done)?;
     let mut blocks = vec![
         Block::Text(
-            "The robot leads until the human's stubbornness phi(k), eq. (5), exceeds 1, and follows from then on; while it leads it takes the option of eq. (6). \
+            "The robot leads until the human's stubbornness \u{3c6}(k), eq. (5), exceeds 1, and follows from then on; while it leads it takes the option of eq. (6). \
              Without the model, the human leads from start to end on the option preferred at the start."
                 .to_owned(),
         ),
@@ -120,8 +120,9 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
             blocks.push(Block::Figure(Figure {
                 name: "discomfort".to_owned(),
                 caption: format!(
-                    "Environment {number} example: accumulated discomfort g(k) and stubbornness phi(k), eq. (5), up to the transition."
+                    "Environment {number} example: accumulated discomfort g(k) and stubbornness \u{3c6}(k), eq. (5), up to the transition."
                 ),
+                is_half: false,
                 svg: curves(&growth(&runs))?,
             }));
         }
@@ -129,13 +130,14 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
         blocks.push(Block::Figure(Figure {
             name: format!("example-environment-{number}"),
             caption: format!(
-                "Environment {number} {whose}: trajectories, a cross where the human takes the lead; phi(k)."
+                "Environment {number} {whose}: trajectories, a cross where the human takes the lead; \u{3c6}(k)."
             ),
+            is_half: !is_papers,
             svg: example_picture(&world, &runs, settings.period)?,
         }));
     }
     let title = "H2: adapting to each other".to_owned();
-    Ok(Section { title, outcome: outcome(&rows), blocks })
+    Ok(Section { title, finding: finding(&rows), blocks })
 }
 
 /// g(k) and phi(k) of the runs that the robot leads, up to their transitions.
@@ -160,7 +162,7 @@ fn growth(runs: &[ExampleRun]) -> Vec<CurvePanel> {
     ]
 }
 
-fn outcome(rows: &[Row]) -> Outcome {
+fn finding(rows: &[Row]) -> Finding {
     let pairs: Vec<(&Row, f64)> =
         with_baseline(rows).into_iter().filter(|(row, _)| row.eta.is_some()).collect();
     let reductions: Vec<f64> =
@@ -170,7 +172,7 @@ fn outcome(rows: &[Row]) -> Outcome {
     let least = reductions.iter().copied().fold(f64::INFINITY, f64::min);
     let off = rows.iter().map(|r| 100.0 * (r.ours_mean / r.paper_mean - 1.0).abs());
     let lost: usize = rows.iter().map(|r| r.not_arrived).sum();
-    Outcome {
+    Finding {
         claim: "H2: with a mode transition by stubbornness, the team's objective cost is lower than with a human who always leads",
         verdict: holds(cheaper, pairs.len(), "cells"),
         figures: format!(

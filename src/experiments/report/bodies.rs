@@ -1,7 +1,7 @@
 //! H2 with bodies: Table II's humans once more on the physical plant, beside the team that is a point.
 
 use super::adaptation::method;
-use super::{Block, Outcome, Part, Plan, ReportError, Section, holds};
+use super::{Block, Finding, Part, Plan, ReportError, Section, holds};
 use crate::experiments::OnDone;
 use crate::experiments::h2_physical::{Row, Study};
 use crate::experiments::table::{Cell, Columns, Table};
@@ -24,7 +24,7 @@ fn study<'a>(plan: &'a Plan) -> Study<'a> {
 /// Table II's episodes with bodies beside those without.
 pub fn table_2_with_bodies(rows: &[Row], humans: usize, sway: f64) -> Table {
     let table = Columns::of(rows)
-        .count("environment", "environment", |r| u64::from(r.environment))
+        .numbered("environment", "environment", |r| r.environment)
         .text("method", "method", |r| method(r.eta))
         .data("eta", |r| r.eta)
         .column("arrived", false, &["arrived", "humans"], |r| Cell {
@@ -74,7 +74,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     let text = "The paper's team is a point. Here robot, object, human and obstacles have bodies, forces and contacts.";
     Ok(Section {
         title: "H2 with bodies".to_owned(),
-        outcome: outcome(&rows),
+        finding: finding(&rows),
         blocks: vec![
             Block::Text(text.to_owned()),
             Block::Table(table_2_with_bodies(&rows, study.humans, study.physics.human.sway_lateral)),
@@ -82,7 +82,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     })
 }
 
-fn outcome(rows: &[Row]) -> Outcome {
+fn finding(rows: &[Row]) -> Finding {
     let mut without = f64::NAN;
     let (mut cells, mut cheaper) = (0, 0);
     for row in rows {
@@ -96,7 +96,7 @@ fn outcome(rows: &[Row]) -> Outcome {
     }
     let sum = |of: fn(&Row) -> usize| rows.iter().map(of).sum::<usize>();
     let ratio = rows.iter().map(|r| r.mean_ratio).sum::<f64>() / rows.len() as f64;
-    Outcome {
+    Finding {
         claim: "H2, where the team has bodies (not in the paper)",
         verdict: holds(cheaper, cells, "cells"),
         figures: format!(

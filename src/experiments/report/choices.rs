@@ -1,6 +1,6 @@
 //! H1: Table I, the regions that P_o is the area of, and how perception bends risk and distance.
 
-use super::{Block, Figure, Outcome, Part, Plan, ReportError, Section, holds};
+use super::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
 use crate::drawing::{Curve, CurvePanel, RegionPanel, curves, preference_regions, world_map};
 use crate::episode::prospects;
 use crate::experiments::h1::{self, Fit, Row};
@@ -22,24 +22,30 @@ const LONGEST: f64 = 45.0;
 pub fn table_1(rows: &[Row]) -> Table {
     let (mean, worst) = h1::differences(rows);
     Columns::of(rows)
-        .count("environment", "environment", |r| u64::from(r.environment))
+        .numbered("environment", "environment", |r| r.environment)
         .text("option", "option", |r| r.option.clone())
         .number("human (%)", "human_percent", 1, |r| r.human_percent)
         .number("paper's model (%)", "paper_percent", 1, |r| r.paper_percent)
         .number("ours (%)", "ours_percent", 1, |r| r.ours_percent)
-        .derived("ours - paper", |r| format!("{:+.1}", r.ours_percent - r.paper_percent))
-        .derived("ours - human", |r| format!("{:+.1}", r.ours_percent - r.human_percent))
+        .derived("ours - paper", |r| signed(r.ours_percent - r.paper_percent))
+        .derived("ours - human", |r| signed(r.ours_percent - r.human_percent))
         .table("table-1", "Table I: probability that a human chooses an option")
         .with_note(format!(
-            "ours - paper's model: mean |difference| {mean:.2}, largest {worst:.2} percentage points"
+            "ours - paper's model: mean |difference| {mean:.2}, largest {worst:.2} percentage points."
         ))
         .with_note("The worlds' geometry was calibrated to this table: the paper does not publish its own.")
+}
+
+/// A difference, without a sign where it rounds to nothing.
+fn signed(difference: f64) -> String {
+    let text = format!("{difference:+.1}");
+    if text.ends_with("0.0") { "0.0".to_owned() } else { text }
 }
 
 /// How far models are from the humans' answers.
 fn fits_table(fits: &[Fit]) -> Table {
     Columns::of(fits)
-        .count("environment", "environment", |f| u64::from(f.environment))
+        .numbered("environment", "environment", |f| f.environment)
         .number("ours", "ours_points", 1, |f| f.ours)
         .number("paper's model", "paper_points", 1, |f| f.paper)
         .number("fixed parameters, at best", "fixed_points", 1, |f| f.fixed)
@@ -59,7 +65,7 @@ fn run(plan: &Plan, _: super::OnDone) -> Result<Section, ReportError> {
     let fits = h1::fits(&rows);
     let mut blocks = vec![
         Block::Text(
-            "A human takes the option with the lowest subjective cost, eq. (3), and the robot knows alpha and gamma only as ranges; P_o is the share of \
+            "A human takes the option with the lowest subjective cost, eq. (3), and the robot knows \u{3b1} and \u{3b3} only as ranges; P\u{2092} is the share of \
              the ranges in which option o is taken, eq. (4)."
                 .to_owned(),
         ),
@@ -67,13 +73,15 @@ fn run(plan: &Plan, _: super::OnDone) -> Result<Section, ReportError> {
         Block::Table(fits_table(&fits)),
         Block::Figure(Figure {
             name: "preference-regions".to_owned(),
-            caption: "Which option a human with (alpha, gamma) prefers at the start, by eq. (3). The area of a region is P_o.".to_owned(),
+            caption: "Which option a human with (\u{3b1}, \u{3b3}) prefers at the start, by eq. (3). The area of a region is P\u{2092}.".to_owned(),
+            is_half: false,
             svg: preference_regions(&panels(predictor)?)?,
         }),
         Block::Figure(Figure {
             name: "perception".to_owned(),
-            caption: "Perceived risk (Prelec) and perceived distance (Stevens) over the paper's ranges of gamma and alpha; at 1, perception is true."
+            caption: "Perceived risk (Prelec) and perceived distance (Stevens) over the paper's ranges of \u{3b3} and \u{3b1}; at 1, perception is true."
                 .to_owned(),
+            is_half: false,
             svg: curves(&perception())?,
         }),
     ];
@@ -84,22 +92,23 @@ fn run(plan: &Plan, _: super::OnDone) -> Result<Section, ReportError> {
         blocks.push(Block::Figure(Figure {
             name: environment.name.to_owned(),
             caption: format!(
-                "Environment {}: openings with width and risk, options as wide as P_o.",
+                "Environment {}: openings with width and risk, options as wide as P\u{2092}.",
                 environment.number
             ),
+            is_half: true,
             svg: world_map(&world, &set, choice.probabilities())?,
         }));
     }
-    Ok(Section { title: "H1: how humans choose".to_owned(), outcome: outcome(&rows, &fits), blocks })
+    Ok(Section { title: "H1: how humans choose".to_owned(), finding: finding(&rows, &fits), blocks })
 }
 
-fn outcome(rows: &[Row], fits: &[Fit]) -> Outcome {
+fn finding(rows: &[Row], fits: &[Fit]) -> Finding {
     let better = fits.iter().filter(|f| f.ours < f.fixed).count();
     let mean = |of: fn(&Fit) -> f64| fits.iter().map(of).sum::<f64>() / fits.len() as f64;
     let [ranked, pairs] = [fits.iter().map(|f| f.ranked).sum::<usize>(), fits.iter().map(|f| f.pairs).sum()];
     let (off, worst) = h1::differences(rows);
-    Outcome {
-        claim: "H1: a distribution over (alpha, gamma) represents how humans choose better than fixed parameters",
+    Finding {
+        claim: "H1: a distribution over (\u{3b1}, \u{3b3}) represents how humans choose better than fixed parameters",
         verdict: holds(better, fits.len(), "environments"),
         figures: format!(
             "{:.1} percentage points from the humans' answers in the mean (paper's model {:.1}; fixed parameters {:.1} at best); {ranked} of {pairs} pairs of \

@@ -1,6 +1,6 @@
 //! "No locked cycles" (Sec. IV-B): the search for a counterexample.
 
-use super::{Block, Outcome, Part, Plan, ReportError, Section, grouped, holds};
+use super::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::experiments::OnDone;
 use crate::experiments::cycles::{Findings, search};
 use crate::experiments::table::{Columns, Table};
@@ -10,12 +10,12 @@ pub(super) const PART: Part = Part { name: "random worlds", episodes: |plan| pla
 
 fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     let findings = search(plan.worlds, plan.seed, &plan.settings, on_done);
-    let text = "The paper claims, without proof, that eq. (6) does not make the team go back and forth between options for ever. A random world, human and eta (1 to \
+    let text = "The paper claims, without proof, that eq. (6) does not make the team go back and forth between options for ever. A random world, human and \u{3b7} (1 to \
                 30) an episode, run until the team stands at the target or ten times the longest option has passed. A counterexample is an episode that \
                 did not arrive.";
     Ok(Section {
         title: "No locked cycles".to_owned(),
-        outcome: outcome(&findings),
+        finding: finding(&findings),
         blocks: vec![Block::Text(text.to_owned()), Block::Table(table(&findings))],
     })
 }
@@ -32,9 +32,9 @@ fn table(findings: &Findings) -> Table {
         .with_note("longest / cheapest option: the most steps that an episode took, over those of its cheapest option at the start.")
 }
 
-fn outcome(findings: &Findings) -> Outcome {
+fn finding(findings: &Findings) -> Finding {
     let arrived = findings.episodes - findings.counterexamples.len();
-    Outcome {
+    Finding {
         claim: "Eq. (6) causes no locked cycles",
         verdict: match holds(arrived, findings.episodes, "worlds") {
             verdict if verdict == "holds" => "no counterexample".to_owned(),

@@ -1,6 +1,6 @@
 //! The paper's claims, tables and figures in; one report of all of them, ours beside the paper's, out.
 //!
-//! A claim is one file here, with a [`Part`], and one line in [`PARTS`]: its tables, pictures and outcome get into the report, its files and
+//! A claim is one file here, with a [`Part`], and one line in [`PARTS`]: its tables, pictures and finding get into the report, its files and
 //! `--json` by themselves. The report is Markdown; the page is made from that.
 
 mod adaptation;
@@ -27,7 +27,7 @@ use crate::world::WorldError;
 use thiserror::Error;
 
 /// The claims, in the order of the report.
-pub const PARTS: [Part; 5] = [choices::PART, adaptation::PART, cycles::PART, preparation::PART, bodies::PART];
+pub const PARTS: &[Part] = &[choices::PART, adaptation::PART, bodies::PART, cycles::PART, preparation::PART];
 
 /// How much is run.
 #[derive(Clone, Debug)]
@@ -76,14 +76,14 @@ pub struct Section {
     /// Its heading.
     pub title: String,
     /// What came of the claim.
-    pub outcome: Outcome,
+    pub finding: Finding,
     /// What stands in it.
     pub blocks: Vec<Block>,
 }
 
 /// What came of a claim, in words and figures of this run.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
+pub struct Finding {
     /// What is claimed.
     pub claim: &'static str,
     /// Whether it holds.
@@ -110,6 +110,8 @@ pub struct Figure {
     pub name: String,
     /// What it shows.
     pub caption: String,
+    /// Whether two of the kind stand beside each other, where there is room.
+    pub is_half: bool,
     /// The picture, as SVG.
     pub svg: String,
 }

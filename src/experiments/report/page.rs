@@ -31,11 +31,10 @@ fn events<'a>(markdown: &'a str, figures: &[&'a Figure]) -> Vec<Event<'a>> {
                 let named = |f: &&&Figure| *dest_url == *format!("figures/{}.svg", f.name);
                 picture = figures.iter().find(named);
                 if let Some(figure) = picture {
-                    events.push(raw(format!(
-                        "<figure id=\"{}\">\n{}\n<figcaption>",
-                        figure.name,
-                        inline(figure)
-                    )));
+                    let class = if figure.is_half { " class=\"half\"" } else { "" };
+                    let begin =
+                        format!("<figure id=\"{}\"{class}>\n{}\n<figcaption>", figure.name, inline(figure));
+                    events.push(raw(begin));
                 }
             }
             Event::End(TagEnd::Image) if picture.take().is_some() => {
@@ -76,6 +75,7 @@ mod tests {
         let figure = Figure {
             name: "f".to_owned(),
             caption: "A \"b\" < c".to_owned(),
+            is_half: false,
             svg: "<svg width=\"1\"><g id=\"risk\" fill=\"url(#risk)\"/></svg>".to_owned(),
         };
         let text = "# T & t\n\n![A \"b\" < c](figures/f.svg)\n\n| a | b |\n| :-- | --: |\n| 1 | **2** |\n";

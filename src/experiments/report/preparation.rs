@@ -1,6 +1,6 @@
 //! H3: Table III, every method and start against its baseline, and what the costs are made of.
 
-use super::{Block, Figure, Outcome, Part, Plan, ReportError, Section, grouped, holds};
+use super::{Block, Figure, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::control;
 use crate::drawing::{DrawingError, RatioPanel, RatioRow, cost_ratios};
 use crate::experiments::OnDone;
@@ -73,14 +73,18 @@ fn saving(with: f64, without: f64) -> String {
 }
 
 fn rounded(p_value: Option<f64>) -> String {
-    p_value.map_or("-".to_owned(), |p| format!("{p:.0e}"))
+    match p_value {
+        None => "-".to_owned(),
+        Some(p) if p >= 1e-3 => format!("{p:.3}"),
+        Some(p) => format!("{p:.0e}"),
+    }
 }
 
 /// The paper's table and ours.
 pub fn table_3(compared: Compared) -> Table {
     let paper = |row: &Row| row.paper_mean.unwrap_or(f64::NAN);
     Columns::of(&compared.pairs())
-        .count("environment", "environment", |[_, with]| u64::from(with.environment))
+        .numbered("environment", "environment", |[_, with]| with.environment)
         .text("setting", "setting", |[_, with]| with.setting)
         .number("paper: without PO", "paper_without_po", 1, |[without, _]| paper(without))
         .number("with PO", "paper_with_po", 1, |[_, with]| paper(with))
@@ -198,7 +202,7 @@ fn all_rows(rows: &[Row]) -> Table {
 
 fn figures<'a>(columns: Columns<'a, &'a Row>) -> Columns<'a, &'a Row> {
     columns
-        .count("environment", "environment", |r| u64::from(r.environment))
+        .numbered("environment", "environment", |r| r.environment)
         .text("setting", "setting", |r| r.setting)
         .data("start", |r| r.start.as_str())
         .text("method", "method", |r| r.method.name())
@@ -257,7 +261,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     let rows = study.table(on_done)?;
     let starts: Vec<&str> = plan.robot.postures.iter().map(|p| p.name.as_str()).collect();
     let of = |start| Compared { rows: &rows, start, methods: study.methods() };
-    let text = "The human leads from the start and changes (alpha, gamma) once or twice on the way; the robot knows only the full ranges. C is the true control cost \
+    let text = "The human leads from the start and changes (\u{3b1}, \u{3b3}) once or twice on the way; the robot knows only the full ranges. C is the true control cost \
                 of Sec. V-C. Every method meets the same humans, so that all comparisons are paired.";
     let mut blocks = vec![Block::Text(text.to_owned())];
     blocks.extend(starts.iter().map(|start| Block::Table(table_3(of(start)))));
@@ -265,17 +269,18 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
         name: "table-3-ratios".to_owned(),
         caption: "Control cost over that of the baseline: one mark a cell of Table III, a bar at the mean."
             .to_owned(),
+        is_half: false,
         svg: ratio_picture(&rows, &starts)?,
     }));
     blocks.extend(starts.iter().map(|start| Block::Table(table_3_ratios(of(start)))));
     blocks.extend(starts.iter().map(|start| Block::Table(parts_table(of(start)))));
     blocks.push(Block::Table(all_rows(&rows)));
-    let outcome = outcome(&starts.iter().map(|start| of(start)).collect::<Vec<_>>());
-    Ok(Section { title: "H3: preparing the arm".to_owned(), outcome, blocks })
+    let finding = finding(&starts.iter().map(|start| of(start)).collect::<Vec<_>>());
+    Ok(Section { title: "H3: preparing the arm".to_owned(), finding, blocks })
 }
 
 /// `compared` from every start, the robot's first one first.
-fn outcome(compared: &[Compared]) -> Outcome {
+fn finding(compared: &[Compared]) -> Finding {
     let pairs: Vec<[&Row; 2]> = compared.iter().take(1).flat_map(|c| c.pairs()).collect();
     let cheaper = |pairs: &[[&Row; 2]]| pairs.iter().filter(|[_, with]| with.ratio < 1.0).count();
     let sum = |of: fn(&Row) -> usize| pairs.iter().map(|[_, with]| of(with)).sum::<usize>();
@@ -292,7 +297,7 @@ fn outcome(compared: &[Compared]) -> Outcome {
         paper_ratio(),
     );
     for (method, what) in [
-        (PoseMethod::UniformWeights, "weights without P_o"),
+        (PoseMethod::UniformWeights, "weights without P\u{2092}"),
         (PoseMethod::TrackedOption, "the tracked option alone"),
         (PoseMethod::Manipulability, "manipulability"),
     ] {
@@ -308,7 +313,7 @@ fn outcome(compared: &[Compared]) -> Outcome {
             pairs.len()
         );
     }
-    Outcome {
+    Finding {
         claim: "H3: pose optimisation while the human leads lowers the control cost",
         verdict: holds(cheaper(&pairs), pairs.len(), "cells"),
         figures,

@@ -14,13 +14,13 @@ pub(super) fn opening(plan: &Plan, sections: &[Section]) -> String {
         "# Human-robot co-transportation, reproduced\n\n\
          Every table and figure of A. J. Mahmud, W. Li and X. Wang, *Mutual Adaptation in Human-Robot Co-Transportation with Human Preference Uncertainty*, with those \
          of `cocarry` {} beside them. All figures of ours, those in the text included, come from one run of {} episodes.\n\n\
-         ## What holds\n\n| claim | outcome | in figures |\n| :-- | :-- | :-- |\n",
+         ## What holds\n\n| claim | finding | in figures |\n| :-- | :-- | :-- |\n",
         env!("CARGO_PKG_VERSION"),
         grouped(episodes(plan)),
     );
     for section in sections {
-        let outcome = &section.outcome;
-        text += &format!("| {} | **{}** | {} |\n", outcome.claim, outcome.verdict, outcome.figures);
+        let finding = &section.finding;
+        text += &format!("| {} | **{}** | {} |\n", finding.claim, finding.verdict, finding.figures);
     }
     text + "\nA picture is `figures/NAME.svg` beside this report; the figures of a table are in the CSV file named at it.\n\n"
 }
@@ -39,7 +39,7 @@ fn episodes(plan: &Plan) -> usize {
 /// How many episodes were run for what.
 fn parts(plan: &Plan) -> String {
     let mut text = "| part | episodes |\n| :-- | --: |\n".to_owned();
-    for part in &PARTS {
+    for part in PARTS {
         text += &format!("| {} | {} |\n", part.name, grouped((part.episodes)(plan)));
     }
     text + &format!("| all | {} |\n\n", grouped(episodes(plan)))
@@ -52,8 +52,8 @@ fn settings(plan: &Plan) -> String {
     let [alpha, gamma] = episode.predictor.belief().ranges();
     let eta: Vec<String> = COLUMNS.iter().flatten().map(f64::to_string).collect();
     format!(
-        "`cocarry` {}, seed {}, robot {} (starts: {}). c_r = {} m; alpha from {} to {}, gamma from {} to {}; phi(0) = {}, eta = {}; one step is {} s, walking speed {} m/s, \
-         turning at most {} rad/s. Eq. (7): H = {HORIZON}, Q = {} I, R = {} I; eq. (8): kappa = {}. Bodies: {} Hz, {} sweeps, sway {} m.\n",
+        "`cocarry` {}, seed {}, robot {} (starts: {}). c\u{1d63} = {} m; \u{3b1} from {} to {}, \u{3b3} from {} to {}; \u{3c6}(0) = {}, \u{3b7} = {}; one step is {} s, walking speed {} m/s, \
+         turning at most {} rad/s. Eq. (7): H = {HORIZON}, Q = {} I, R = {} I; eq. (8): \u{3ba} = {}. Bodies: {} Hz, {} sweeps, sway {} m.\n",
         env!("CARGO_PKG_VERSION"),
         plan.seed,
         plan.robot.name,

@@ -1,0 +1,257 @@
+//! The report of a small run: complete, by itself, the same for any number of threads, and true to the commands it is made of.
+
+use crate::support::{cocarry, json, stderr};
+use cocarry::episode::prospects;
+use cocarry::experiments::paper::ENVIRONMENTS;
+use cocarry::options::OptionSet;
+use cocarry::preference::{ChoiceDistribution, Predictor};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+const TABLES: [&str; 13] = [
+    "table-1",
+    "table-1-fit",
+    "table-2",
+    "example-environment-4",
+    "table-2-bodies",
+    "cycles",
+    "table-3-elbow-up",
+    "table-3-elbow-out",
+    "table-3-ratios-elbow-up",
+    "table-3-ratios-elbow-out",
+    "table-3-parts-elbow-up",
+    "table-3-parts-elbow-out",
+    "table-3-all",
+];
+
+const FIGURES: [&str; 12] = [
+    "preference-regions",
+    "perception",
+    "environment-1",
+    "environment-2",
+    "environment-3",
+    "environment-4",
+    "discomfort",
+    "example-environment-4",
+    "example-environment-3",
+    "example-environment-2",
+    "example-environment-1",
+    "table-3-ratios",
+];
+
+/// Runs as little as there can be, with these arguments besides.
+fn small(folder: &Path, more: &[&str]) -> std::process::Output {
+    let folder = folder.to_str().expect("a path");
+    let small =
+        ["reproduce", "all", "--episodes", "2", "--humans", "2", "--worlds", "20", "--report", folder];
+    cocarry(&[&small, more].concat())
+}
+
+/// A report made on two threads, and what `--json` told of it.
+fn report() -> &'static (PathBuf, Value) {
+    static REPORT: OnceLock<(PathBuf, Value)> = OnceLock::new();
+    REPORT.get_or_init(|| {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("reports").join("report");
+        if folder.exists() {
+            std::fs::remove_dir_all(&folder).unwrap();
+        }
+        let output = small(&folder, &["--threads", "2", "--json"]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        (folder, serde_json::from_slice(&output.stdout).expect("JSON"))
+    })
+}
+
+fn text(name: &str) -> String {
+    std::fs::read_to_string(report().0.join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+fn rows(name: &str) -> Vec<std::collections::BTreeMap<String, String>> {
+    let csv = text(&format!("{name}.csv"));
+    csv::Reader::from_reader(csv.as_bytes()).deserialize().map(Result::unwrap).collect()
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let names = |folder: &Path| -> Vec<String> {
+        let entries = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name());
+        entries.map(|name| name.into_string().unwrap()).collect()
+    };
+    let figures = names(&folder.join("figures")).into_iter().map(|name| format!("figures/{name}"));
+    let mut all: Vec<String> = names(folder).into_iter().filter(|n| n != "figures").chain(figures).collect();
+    all.sort();
+    all
+}
+
+#[test]
+fn the_report_has_every_table_and_figure_as_files_and_on_the_page() {
+    let (folder, told) = report();
+    let tables = TABLES.iter().map(|name| format!("{name}.csv"));
+    let figures = FIGURES.iter().map(|name| format!("figures/{name}.svg"));
+    let texts = ["report.html", "report.md"].map(str::to_owned);
+    let mut expected: Vec<String> = tables.chain(figures).chain(texts).collect();
+    expected.sort();
+    assert_eq!(files(folder), expected);
+    let mut told_files: Vec<&str> =
+        told["files"].as_array().unwrap().iter().map(|f| f.as_str().unwrap()).collect();
+    told_files.sort_unstable();
+    assert_eq!(told_files, expected);
+
+    let (page, markdown) = (text("report.html"), text("report.md"));
+    for name in FIGURES {
+        assert!(page.contains(&format!("<figure id=\"{name}\"")), "{name}");
+        assert!(markdown.contains(&format!("](figures/{name}.svg)")), "{name}");
+    }
+    assert_eq!(page.matches("<svg role=").count(), FIGURES.len());
+    for name in TABLES {
+        assert!(page.contains(&format!("href=\"{name}.csv\"")), "{name}");
+        assert_eq!(told["tables"][name].as_array().unwrap().len(), rows(name).len(), "{name}");
+    }
+    for part in ["H1", "H2", "H3", "locked cycles", "Slips", "This run", "seed 0", env!("CARGO_PKG_VERSION")]
+    {
+        assert!(page.contains(part) && markdown.contains(part), "{part}");
+    }
+    assert_eq!(told["claims"].as_array().unwrap().len(), 5);
+}
+
+#[test]
+fn the_page_needs_nothing_but_itself() {
+    let page = text("report.html");
+    for loads in ["<script", "<img", "<link", "<iframe", "<object", "@import", "src=", "url(http", "data:"] {
+        assert!(!page.contains(loads), "{loads}");
+    }
+    // addresses are names of formats only, and links lead to the tables beside the page
+    assert_eq!(page.matches("http").count(), page.matches("xmlns=\"http://www.w3.org/2000/svg\"").count());
+    assert!(page.split("href=\"").skip(1).all(|link| link.split('"').next().unwrap().ends_with(".csv")));
+    let ids: Vec<&str> = page.split(" id=\"").skip(1).map(|id| id.split('"').next().unwrap()).collect();
+    let different: std::collections::BTreeSet<&&str> = ids.iter().collect();
+    assert_eq!(different.len(), ids.len(), "every id stands for one thing");
+}
+
+#[test]
+fn equal_runs_write_equal_files_for_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let one = folder.path().join("one");
+    let output = small(&one, &["--threads", "1"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    for name in files(&one).iter().filter(|name| *name != "report.html") {
+        assert!(std::fs::read_to_string(one.join(name)).unwrap() == text(name), "{name}");
+    }
+    // the time is told on the page alone, in one line
+    let page = std::fs::read_to_string(one.join("report.html")).unwrap();
+    let other = text("report.html");
+    let lines: Vec<_> = page.lines().zip(other.lines()).filter(|(a, b)| a != b).collect();
+    assert!(lines.len() <= 1 && lines.iter().all(|(a, _)| a.contains("Made in ")), "{lines:?}");
+}
+
+#[test]
+fn the_figures_are_those_of_the_single_commands() {
+    let same = |table: &str, claim: &str, keys: &[(&str, &str)]| {
+        let found = json(&["reproduce", claim, "--json"]);
+        let (expected, rows) = (found["rows"].as_array().unwrap(), rows(table));
+        assert_eq!(rows.len(), expected.len());
+        for (row, expected) in rows.iter().zip(expected) {
+            for (in_file, in_json) in keys {
+                let expected = match &expected[in_json] {
+                    Value::Null => String::new(),
+                    Value::String(text) => text.clone(),
+                    number => number.to_string(),
+                };
+                assert_eq!(row[*in_file], expected, "{table}: {in_file}");
+            }
+        }
+    };
+    same(
+        "table-1",
+        "h1",
+        &["environment", "option", "human_percent", "paper_percent", "ours_percent"].map(|k| (k, k)),
+    );
+    same(
+        "table-2",
+        "h2",
+        &[
+            ("environment", "environment"),
+            ("eta", "eta"),
+            ("paper_mean_m", "paper_mean"),
+            ("ours_mean_m", "ours_mean"),
+            ("sample_mean_m", "sample_mean"),
+            ("sample_std_m", "sample_std"),
+            ("transition_step", "transition_step"),
+        ],
+    );
+}
+
+#[test]
+fn the_regions_of_the_map_are_as_large_as_their_options_are_probable() {
+    let picture = text("figures/preference-regions.svg");
+    let panels: Vec<&str> = picture.split("class=\"panel\"").skip(1).collect();
+    assert_eq!(panels.len(), ENVIRONMENTS.len());
+    for (panel, environment) in panels.iter().zip(&ENVIRONMENTS) {
+        let set = OptionSet::new(&environment.world().unwrap(), 10.0).unwrap();
+        let mut choice = ChoiceDistribution::default();
+        Predictor::default().predict(&prospects(&set, &set.begin()), &mut choice);
+        let mut areas = vec![0.0; choice.len()];
+        for path in panel.split("<path ").skip(1).filter(|path| path.contains("data-option=")) {
+            let attribute = |name: &str| {
+                path.split_once(&format!("{name}=\"")).and_then(|(_, rest)| rest.split('"').next()).unwrap()
+            };
+            areas[attribute("data-option").parse::<usize>().unwrap()] = area(attribute(" d"));
+        }
+        let all: f64 = areas.iter().sum();
+        for (o, probability) in choice.probabilities().iter().enumerate() {
+            assert!((areas[o] / all - probability).abs() < 1e-3, "{}: {areas:?}", environment.name);
+            let named = format!(" = {:.1} %", 100.0 * probability);
+            assert_eq!(panel.contains(&named), *probability > 0.0, "{named}");
+        }
+    }
+}
+
+/// Area of the closed outlines of a path.
+fn area(data: &str) -> f64 {
+    let outlines = data.split('M').skip(1).map(|outline| {
+        let corners: Vec<(f64, f64)> = outline
+            .trim_end_matches('Z')
+            .split('L')
+            .map(|pair| pair.split_once(',').unwrap())
+            .map(|(x, y)| (x.parse().unwrap(), y.parse().unwrap()))
+            .collect();
+        let next = corners.iter().cycle().skip(1);
+        corners.iter().zip(next).map(|(a, b)| a.0 * b.1 - b.0 * a.1).sum::<f64>().abs() / 2.0
+    });
+    outlines.sum()
+}
+
+#[test]
+fn a_folder_that_holds_something_is_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("mine.txt"), "mine").unwrap();
+    let output = small(folder.path(), &[]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("--overwrite"), "{}", stderr(&output));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+
+    let file = folder.path().join("mine.txt");
+    let output = small(&file, &["--overwrite"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("expected a folder"), "{}", stderr(&output));
+    assert_eq!(std::fs::read_to_string(file).unwrap(), "mine");
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_told_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("file");
+    std::fs::write(&file, "").unwrap();
+    let begun = std::time::Instant::now();
+    // hours of work, if it came to that
+    let output = cocarry(&[
+        "reproduce",
+        "all",
+        "--episodes",
+        "1000000",
+        "--report",
+        file.join("report").to_str().unwrap(),
+    ]);
+    assert_eq!(output.status.code(), Some(4));
+    assert!(stderr(&output).contains("cannot be written"), "{}", stderr(&output));
+    assert!(begun.elapsed().as_secs() < 20, "it worked first");
+}
