@@ -24,7 +24,7 @@ pub struct RegionPanel {
 /// Panels in a row.
 const ACROSS: usize = 2;
 /// Size of a panel's frame, px.
-const SIZE: Vector = Vector::new(262.0, 240.0);
+const SIZE: Vector = Vector::new(262.0, 280.0);
 /// Left side of the first column, and the distance from one to the next, px.
 const LEFT: f64 = 78.0;
 const PITCH: f64 = 360.0;
@@ -183,10 +183,10 @@ impl Label {
     fn new(name: &str, probability: f64) -> Self {
         let lines = [
             Words::new().plain(format!("option {}", shorten(name, 10))),
-            Words::new().italic("P").sub("o").plain(format!(" = {} %", number(100.0 * probability, 1))),
+            Words::new().plain(format!("{} %", number(100.0 * probability, 1))),
         ];
         let widest = lines.iter().map(|words| words.width(SMALL)).fold(0.0, f64::max);
-        Self { lines, half: Vector::new(0.47 * widest, SMALL * 1.15) }
+        Self { lines, half: Vector::new(0.48 * widest, SMALL * 1.15) }
     }
 
     fn area(&self, at: Point) -> Bounds {
@@ -218,7 +218,7 @@ impl Label {
             let room = [area.min - frame.min, frame.max - area.max].map(|v| v.min());
             let outside = (4.0 - room[0].min(room[1])).max(0.0);
             let apart = if is_own(at) { -20.0 * depth(at) } else { 60.0 + (at - deepest).norm() };
-            2.0 * covered + shared + 40.0 * outside + apart
+            4.0 * covered + 2.0 * shared + 40.0 * outside + apart
         };
         let best = places.iter().map(|at| (*at, cost(*at))).min_by(|a, b| a.1.total_cmp(&b.1));
         [best.map_or(deepest, |b| b.0), deepest]

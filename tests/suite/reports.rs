@@ -9,9 +9,10 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-const TABLES: [&str; 13] = [
+const TABLES: [&str; 14] = [
     "table-1",
     "table-1-fit",
+    "risk-weight",
     "table-2",
     "example-environment-4",
     "table-2-bodies",
@@ -25,13 +26,14 @@ const TABLES: [&str; 13] = [
     "table-3-all",
 ];
 
-const FIGURES: [&str; 12] = [
+const FIGURES: [&str; 13] = [
     "preference-regions",
     "perception",
     "environment-1",
     "environment-2",
     "environment-3",
     "environment-4",
+    "risk-weight",
     "discomfort",
     "example-environment-4",
     "example-environment-3",
@@ -110,7 +112,7 @@ fn the_report_has_every_table_and_figure_as_files_and_on_the_page() {
     {
         assert!(page.contains(part) && markdown.contains(part), "{part}");
     }
-    assert_eq!(told["claims"].as_array().unwrap().len(), 5);
+    assert_eq!(told["claims"].as_array().unwrap().len(), 6);
 }
 
 #[test]
@@ -190,7 +192,7 @@ fn the_regions_of_the_map_are_as_large_as_their_options_are_probable() {
         let mut choice = ChoiceDistribution::default();
         Predictor::default().predict(&prospects(&set, &set.begin()), &mut choice);
         let mut areas = vec![0.0; choice.len()];
-        for path in panel.split("<path ").skip(1).filter(|path| path.contains("data-option=")) {
+        for path in panel.split("<path").skip(1).filter(|path| path.contains("data-option=")) {
             let attribute = |name: &str| {
                 path.split_once(&format!("{name}=\"")).and_then(|(_, rest)| rest.split('"').next()).unwrap()
             };
@@ -199,7 +201,7 @@ fn the_regions_of_the_map_are_as_large_as_their_options_are_probable() {
         let all: f64 = areas.iter().sum();
         for (o, probability) in choice.probabilities().iter().enumerate() {
             assert!((areas[o] / all - probability).abs() < 1e-3, "{}: {areas:?}", environment.name);
-            let named = format!(" = {:.1} %", 100.0 * probability);
+            let named = format!(">{:.1} %<", 100.0 * probability);
             assert_eq!(panel.contains(&named), *probability > 0.0, "{named}");
         }
     }

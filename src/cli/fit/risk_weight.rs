@@ -4,10 +4,10 @@ use super::options;
 use crate::cli::model::BeliefArguments;
 use crate::cli::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
 use crate::cli::reproduce::Common;
-use crate::drawing::{self, AnswerPanel, AnswerRow, RiskWeightMark};
 use crate::experiments::fit::{
     AnswerFile, Answers, CELL_ERROR, Estimate, RiskWeightFit, RiskWeightSettings, Situation, fit_risk_weight,
 };
+use crate::experiments::report::answers_picture;
 use crate::preference::RISK_WEIGHT;
 use anyhow::Context;
 use clap::Args;
@@ -64,9 +64,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .map_err(input)?;
     bar.finish();
     if let Some(path) = &arguments.svg {
-        let svg = drawing::answers(&panels(&fit), &fit.curve, &marks(&fit))
-            .with_context(|| path.display().to_string())
-            .map_err(Failure::Output)?;
+        let svg =
+            answers_picture(&fit).with_context(|| path.display().to_string()).map_err(Failure::Output)?;
         write_file(path, &svg)?;
     }
     if arguments.common.json {
@@ -176,29 +175,4 @@ fn notes(name: &str, estimate: &Estimate, settings: &RiskWeightSettings) -> Stri
         );
     }
     text
-}
-
-fn panels(fit: &RiskWeightFit) -> Vec<AnswerPanel> {
-    let mut panels: Vec<AnswerPanel> = Vec::new();
-    let mut world = None;
-    for row in &fit.rows {
-        if world != Some(&row.world) {
-            world = Some(&row.world);
-            let held_out = if row.is_held_out { ", held out" } else { "" };
-            panels.push(AnswerPanel { title: format!("{}{held_out}", row.world), rows: Vec::new() });
-        }
-        if let Some(panel) = panels.last_mut() {
-            panel.rows.push(AnswerRow {
-                option: row.option.clone(),
-                answers: row.answers_percent.clone(),
-                mean: row.mean_percent,
-                fits: [row.least_squares_percent, row.likelihood_percent],
-            });
-        }
-    }
-    panels
-}
-
-fn marks(fit: &RiskWeightFit) -> [RiskWeightMark; 2] {
-    [&fit.least_squares, &fit.likelihood].map(|e| RiskWeightMark { at: e.risk_weight, interval: e.interval })
 }

@@ -73,7 +73,7 @@ fn run(plan: &Plan, _: super::OnDone) -> Result<Section, ReportError> {
         Block::Table(fits_table(&fits)),
         Block::Figure(Figure {
             name: "preference-regions".to_owned(),
-            caption: "Which option a human with (\u{3b1}, \u{3b3}) prefers at the start, by eq. (3). The area of a region is P\u{2092}.".to_owned(),
+            caption: "Which option a human with (\u{3b1}, \u{3b3}) prefers at the start, by eq. (3). The percentage, P\u{2092}, is the region's share of the area.".to_owned(),
             is_half: false,
             svg: preference_regions(&panels(predictor)?)?,
         }),

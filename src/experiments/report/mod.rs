@@ -10,12 +10,15 @@ mod cycles;
 mod page;
 mod preparation;
 mod run;
+mod weight;
 
 pub use adaptation::{example_picture, example_table, table_2};
 pub use bodies::table_2_with_bodies;
 pub use choices::table_1;
 pub use preparation::{Compared, ratio_picture, table_3, table_3_ratios};
+pub use weight::answers_picture;
 
+use super::fit::FitError;
 use super::paper::BuiltInError;
 use super::table::Table;
 use super::{OnDone, cycles as locked, h2, h3};
@@ -27,7 +30,8 @@ use crate::world::WorldError;
 use thiserror::Error;
 
 /// The claims, in the order of the report.
-pub const PARTS: &[Part] = &[choices::PART, adaptation::PART, bodies::PART, cycles::PART, preparation::PART];
+pub const PARTS: &[Part] =
+    &[choices::PART, weight::PART, adaptation::PART, bodies::PART, cycles::PART, preparation::PART];
 
 /// How much is run.
 #[derive(Clone, Debug)]
@@ -134,6 +138,9 @@ pub enum ReportError {
     /// A picture.
     #[error(transparent)]
     Drawing(#[from] DrawingError),
+    /// The fit of c_r.
+    #[error(transparent)]
+    Fit(#[from] FitError),
 }
 
 impl From<WorldError> for ReportError {

@@ -24,6 +24,7 @@ pub(super) fn html(markdown: &str, figures: &[&Figure], made: &str) -> String {
 fn events<'a>(markdown: &'a str, figures: &[&'a Figure]) -> Vec<Event<'a>> {
     let mut events = Vec::new();
     let mut picture = None;
+    let mut is_alone = false;
     for event in Parser::new_ext(markdown, Options::ENABLE_TABLES) {
         let raw = |html: String| Event::Html(CowStr::from(html));
         match event {
@@ -31,6 +32,8 @@ fn events<'a>(markdown: &'a str, figures: &[&'a Figure]) -> Vec<Event<'a>> {
                 let named = |f: &&&Figure| *dest_url == *format!("figures/{}.svg", f.name);
                 picture = figures.iter().find(named);
                 if let Some(figure) = picture {
+                    // a picture is no part of a paragraph
+                    is_alone = events.pop_if(|last| *last == Event::Start(Tag::Paragraph)).is_some();
                     let class = if figure.is_half { " class=\"half\"" } else { "" };
                     let begin =
                         format!("<figure id=\"{}\"{class}>\n{}\n<figcaption>", figure.name, inline(figure));
@@ -38,8 +41,9 @@ fn events<'a>(markdown: &'a str, figures: &[&'a Figure]) -> Vec<Event<'a>> {
                 }
             }
             Event::End(TagEnd::Image) if picture.take().is_some() => {
-                events.push(raw("</figcaption>\n</figure>".to_owned()));
+                events.push(raw("</figcaption>\n</figure>\n".to_owned()));
             }
+            Event::End(TagEnd::Paragraph) if std::mem::take(&mut is_alone) => {}
             Event::Start(Tag::Table(alignments)) => {
                 events.push(raw("<div class=\"table\">".to_owned()));
                 events.push(Event::Start(Tag::Table(alignments)));

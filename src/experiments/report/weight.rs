@@ -1,0 +1,108 @@
+//! The weight c_r of risk (Sec. V-A): fitted to Table I's human column, as the paper did, and validated in Environment 4.
+
+use super::{Block, Figure, Finding, Part, Plan, ReportError, Section};
+use crate::drawing::{self, AnswerPanel, AnswerRow, DrawingError, RiskWeightMark};
+use crate::experiments::OnDone;
+use crate::experiments::fit::{
+    Answers, CELL_ERROR, Estimate, RiskWeightFit, RiskWeightSettings, Situation, fit_risk_weight,
+};
+use crate::experiments::paper::ENVIRONMENTS;
+use crate::experiments::table::{Columns, Table};
+use crate::options::OptionSet;
+use crate::preference::RISK_WEIGHT;
+
+/// The fit of c_r.
+pub(super) const PART: Part = Part { name: "fit of c_r", episodes: |_| 0, run };
+
+/// Answers and fits, and the error for every c_r.
+///
+/// # Errors
+/// If a percentage or a c_r cannot be drawn.
+pub fn answers_picture(fit: &RiskWeightFit) -> Result<String, DrawingError> {
+    let panels: Vec<AnswerPanel> = fit
+        .rows
+        .chunk_by(|a, b| a.world == b.world)
+        .map(|rows| AnswerPanel {
+            title: format!("{}{}", rows[0].world, if rows[0].is_held_out { ", held out" } else { "" }),
+            rows: rows
+                .iter()
+                .map(|row| AnswerRow {
+                    option: row.option.clone(),
+                    answers: row.answers_percent.clone(),
+                    mean: row.mean_percent,
+                    fits: [row.least_squares_percent, row.likelihood_percent],
+                })
+                .collect(),
+        })
+        .collect();
+    let marks = [&fit.least_squares, &fit.likelihood]
+        .map(|e| RiskWeightMark { at: e.risk_weight, interval: e.interval });
+    drawing::answers(&panels, &fit.curve, &marks)
+}
+
+fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+    let predictor = &plan.settings.predictor;
+    let mut situations = Vec::new();
+    let mut shares = Vec::new();
+    for environment in &ENVIRONMENTS {
+        let set = OptionSet::new(&environment.world()?, predictor.risk_weight())?;
+        situations.push(Situation::new(environment.name.to_owned(), &set));
+        let sum: f64 = environment.human_percent.iter().sum();
+        shares.push(Some(environment.human_percent.map(|percent| percent / sum).to_vec()));
+    }
+    let answers = Answers {
+        file: "Table I".to_owned(),
+        situations,
+        participants: vec!["mean".to_owned()],
+        shares: vec![shares],
+        scaled: Vec::new(),
+    };
+    let held_out = ENVIRONMENTS[3].name.to_owned();
+    let settings = RiskWeightSettings { held_out: vec![held_out], ..RiskWeightSettings::default() };
+    let fit = fit_risk_weight(&answers, predictor, &settings, on_done)?;
+    let text = "Fitted to the mean answers in Environments 1 to 3 (scaled to 100 % each), and held against Environment 4's. The paper finds 10. The answers of single \
+                participants are not published, so there is no interval.";
+    Ok(Section {
+        title: "H1: the weight of risk".to_owned(),
+        finding: finding(&fit),
+        blocks: vec![
+            Block::Text(text.to_owned()),
+            Block::Table(table(&fit)),
+            Block::Figure(Figure {
+                name: "risk-weight".to_owned(),
+                caption: "Mean answers and the model's, by least squares and by likelihood; below, the error for every c\u{1d63}.".to_owned(),
+                is_half: false,
+                svg: answers_picture(&fit)?,
+            }),
+        ],
+    })
+}
+
+fn table(fit: &RiskWeightFit) -> Table {
+    let [low, high] = fit.nearly_as_good;
+    let held_out = |e: &Estimate| e.held_out.map_or(f64::NAN, |e| e.rms);
+    Columns::of(&[("least squares", &fit.least_squares), ("likelihood", &fit.likelihood)])
+        .text("by", "by", |(by, _)| *by)
+        .number("c_r (m)", "risk_weight_m", 2, |(_, e)| e.risk_weight)
+        .number("paper (m)", "paper_m", 0, |_| RISK_WEIGHT)
+        .number("rms error, fitted (pp)", "fitted_rms_points", 2, |(_, e)| e.fitted.rms)
+        .number("Environment 4, held out (pp)", "held_out_rms_points", 2, |(_, e)| held_out(e))
+        .table("risk-weight", "c_r, fitted to the human column of Table I")
+        .with_note(format!(
+            "From {low:.2} to {high:.2} m, the rms error is at most {CELL_ERROR} percentage points (pp) above the least."
+        ))
+}
+
+fn finding(fit: &RiskWeightFit) -> Finding {
+    let [low, high] = fit.nearly_as_good;
+    let held_out = fit.least_squares.held_out.map_or(f64::NAN, |e| e.rms);
+    Finding {
+        claim: "The humans' answers give c\u{1d63} = 10 m",
+        verdict: format!("{:.1} m", fit.least_squares.risk_weight),
+        figures: format!(
+            "by least squares, {:.1} m by likelihood; nearly as good from {low:.1} to {high:.1} m; {:.1} percentage points off in the environments fitted and \
+             {held_out:.1} in Environment 4, held out (rms)",
+            fit.likelihood.risk_weight, fit.least_squares.fitted.rms,
+        ),
+    }
+}
