@@ -88,7 +88,7 @@ mod tests {
             "<title>T &amp; t</title>",
             "<figure id=\"f\">",
             "<svg role=\"img\" aria-label=\"A &quot;b&quot; &lt; c\" width=\"1\"><g id=\"f-risk\" fill=\"url(#f-risk)\"/></svg>",
-            "<figcaption>A &quot;b&quot; &lt; c</figcaption>",
+            "<figcaption>A \"b\" &lt; c</figcaption>",
             "<div class=\"table\"><table>",
             "<td style=\"text-align: right\"><strong>2</strong></td>",
             "<footer><p>in 3 s</p></footer>",
