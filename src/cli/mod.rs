@@ -37,6 +37,7 @@ use std::process::ExitCode;
         cocarry world worlds/free-form.toml --svg map.svg what a world offers\n  \
         cocarry sweep docs/studies/h2.toml                a study of many episodes, as CSV\n  \
         cocarry reproduce h2                              Table II of the paper\n  \
+        cocarry reproduce all --report report             all its tables and figures, as a page\n  \
         cocarry run --plant rapier --record run.mcap      a recording, to watch in Foxglove\n  \
         cocarry inspect run.mcap                          what is in it"
 )]

@@ -133,8 +133,16 @@ fn the_page_needs_nothing_but_itself() {
 fn equal_runs_write_equal_files_for_any_number_of_threads() {
     let folder = tempfile::tempdir().unwrap();
     let one = folder.path().join("one");
-    let output = small(&one, &["--threads", "1"]);
+    // over an old report, beside a file of somebody's
+    std::fs::create_dir_all(one.join("figures")).unwrap();
+    for name in ["mine.txt", "report.html", "table-1.csv"] {
+        std::fs::write(one.join(name), "old").unwrap();
+    }
+    let output = small(&one, &["--threads", "1", "--overwrite"]);
     assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(std::fs::read_to_string(one.join("mine.txt")).unwrap(), "old");
+    std::fs::remove_file(one.join("mine.txt")).unwrap();
+    assert_eq!(files(&one), files(&report().0));
     for name in files(&one).iter().filter(|name| *name != "report.html") {
         assert!(std::fs::read_to_string(one.join(name)).unwrap() == text(name), "{name}");
     }
