@@ -83,7 +83,8 @@ fn text(words: &str, point: Point, z: f64) -> TextPrimitive {
 /// Obstacles, openings coloured by their risk, start and target.
 pub(super) fn world(world: &World, time: u64) -> SceneUpdate {
     let obstacles = world.obstacles.iter().map(|o| obstacle(o, time));
-    let openings = world.openings.iter().map(|o| opening(o, world.robot_width, time));
+    let top = world.obstacles.iter().map(|o| o.height).fold(0.0, f64::max);
+    let openings = world.openings.iter().map(|o| opening(o, world.robot_width, top + 0.2, time));
     let end = |name: &str, place: Point| {
         let disc = CylinderPrimitive {
             pose: at(place.x, place.y, 0.005),
@@ -141,13 +142,14 @@ fn prism(corners: &[Point], height: f64) -> TriangleListPrimitive {
     }
 }
 
-fn opening(opening: &Opening, robot_width: f64, time: u64) -> SceneEntity {
+/// What is said of it stands above all obstacles, which would hide it.
+fn opening(opening: &Opening, robot_width: f64, above: f64, time: u64) -> SceneEntity {
     let risk = opening.risk(robot_width);
     let (high, low) = (risk as f32, 1.0 - risk as f32);
     let words = format!("{}: {:.2} m, risk {risk:.2}", opening.name, opening.width);
     SceneEntity {
         lines: vec![line(&opening.ends, 0.02, 0.08, [0.1 + 0.8 * high, 0.1 + 0.6 * low, 0.1, 1.0])],
-        texts: vec![text(&words, opening.center(), 0.15)],
+        texts: vec![text(&words, opening.center(), above)],
         ..entity(WORLD, format!("opening/{}", opening.name), time)
     }
 }
