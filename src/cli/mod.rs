@@ -2,6 +2,8 @@
 
 mod fit;
 mod inspect;
+mod interrupt;
+mod live;
 mod model;
 mod output;
 mod record;
@@ -12,6 +14,8 @@ mod reproduce;
 mod robot;
 mod run;
 mod scenario;
+#[cfg_attr(not(feature = "live"), path = "serving_nobody.rs")]
+mod serving;
 mod snapshots;
 mod sweep;
 mod tick_log;
@@ -109,7 +113,19 @@ mod tests {
         let resume = run.get_arguments().find(|a| a.get_id() == "resume").unwrap();
         let refused: Vec<_> = run.get_arg_conflicts_with(resume).iter().map(|a| a.get_id()).collect();
         for argument in run.get_arguments() {
-            let goes_along = ["json", "ticks", "svg", "save_at", "resume", "record", "overwrite", "help"];
+            let goes_along = [
+                "json",
+                "ticks",
+                "svg",
+                "save_at",
+                "resume",
+                "record",
+                "overwrite",
+                "live",
+                "live_rate",
+                "live_wait",
+                "help",
+            ];
             let goes_along = goes_along.iter().any(|id| argument.get_id() == id);
             assert_ne!(refused.contains(&argument.get_id()), goes_along, "{}", argument.get_id());
         }

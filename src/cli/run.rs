@@ -1,15 +1,19 @@
 //! `cocarry run`: a world and a human in; one episode, told, tabulated, drawn or logged tick by tick, out.
 
+use super::interrupt::Interrupt;
+use super::live::LiveArguments;
 use super::output::{Failure, Progress, print, print_json, write_file};
 use super::record::RecordArguments;
 use super::scenario::ScenarioArguments;
+use super::serving::Serving;
 use super::snapshots::SnapshotArguments;
 use super::tick_log;
 use super::told::Told;
 use crate::drawing;
-use crate::episode::{Outcome, State};
+use crate::episode::{Outcome, State, Summary};
 use crate::experiments::paper::EXAMPLE_HUMAN;
 use crate::preference::Perception;
+use crate::recording::Ending;
 use crate::scenario::Snapshot;
 use anyhow::Context;
 use clap::Args;
@@ -34,6 +38,8 @@ pub(super) struct Arguments {
     svg: Option<PathBuf>,
     #[command(flatten)]
     recording: RecordArguments,
+    #[command(flatten)]
+    live: LiveArguments,
 }
 
 /// What runs when no command is given.
@@ -67,16 +73,33 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let mut ticks = Vec::new();
     let bar = Progress::new(episode.expected_steps() as usize, "episode");
     saves.write(&stage, &episode)?;
+    let is_to_be_finished = arguments.recording.is_asked_for() || arguments.live.live.is_some();
+    let interrupt = Interrupt::caught_if(is_to_be_finished)?;
+    let mut serving = Serving::begin(&arguments.live, &stage, &episode, &interrupt)?;
     let mut recording = arguments.recording.begin(&stage, &episode)?;
-    while !recording.is_interrupted() && episode.step().is_none() {
+    serving.iter_mut().for_each(Serving::await_viewer);
+    while !interrupt.is_set() && episode.step().is_none() {
         recording.step(&episode)?;
+        if let Some(serving) = &mut serving {
+            serving.step(&episode);
+        }
         ticks.push(episode.tick().clone());
         saves.write(&stage, &episode)?;
         bar.step();
     }
     bar.finish();
-    if let Some(interrupted) = recording.finish(&episode)? {
-        return Ok(interrupted);
+    let Summary { steps, outcome, .. } = *episode.summary();
+    let is_interrupted = interrupt.is_set();
+    let ending = if is_interrupted { Ending::Interrupted } else { Ending::Over(outcome) };
+    let recorded = recording.finish(&episode, ending)?;
+    if let Some(serving) = &mut serving {
+        serving.end(&episode, ending);
+    }
+    if is_interrupted {
+        let place = recorded.map_or(String::new(), |file| format!(", which are in {}", file.display()));
+        eprintln!("interrupted after {steps} steps{place}");
+        serving.into_iter().for_each(Serving::stop);
+        return Ok(ExitCode::from(130));
     }
     let told = Told { stage: &stage, resumed, summary: episode.summary().clone(), ticks };
     if let Some(file) = &arguments.ticks {
@@ -94,8 +117,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     } else {
         print(&told.as_text())?;
     }
-    saves.finish(told.summary.steps)?;
-    Ok(match told.summary.outcome {
+    serving.into_iter().for_each(Serving::stop);
+    saves.finish(steps)?;
+    Ok(match outcome {
         Outcome::Arrived => ExitCode::SUCCESS,
         _ => ExitCode::from(3),
     })

@@ -61,17 +61,18 @@ impl<'a> Encoder<'a> {
         Channel::ALL.into_iter().filter(is_used).collect()
     }
 
-    /// What there is before the first step: scene and start.
+    /// What there is before the first step, or before the next one of an episode under way: scene and state.
     pub fn begin(&mut self, episode: &Episode) -> &[Message] {
         self.messages.clear();
         let (world, robot) = (self.stage.world(), self.stage.robot());
-        self.messages.push(Message::of(Channel::World, 0, &scene::world(world, 0)));
+        let time = self.time(episode.summary().steps);
+        self.messages.push(Message::of(Channel::World, time, &scene::world(world, time)));
         if let Some(robot) = robot {
-            let team = scene::team(robot, world, episode.observation().is_some(), 0);
-            self.messages.push(Message::of(Channel::Team, 0, &team));
+            let team = scene::team(robot, world, episode.observation().is_some(), time);
+            self.messages.push(Message::of(Channel::Team, time, &team));
         }
         self.walked.push(episode.position());
-        self.state(episode, 0);
+        self.state(episode, time);
         &self.messages
     }
 

@@ -70,6 +70,8 @@ mod events;
 mod fields;
 mod figures;
 mod file;
+#[cfg(feature = "live")]
+mod live;
 mod motion;
 mod provenance;
 mod reader;
@@ -87,6 +89,8 @@ pub use decode::{decode, flatten};
 pub use difference::Difference;
 pub use encoder::{Encoder, Ending};
 pub use error::{ReadError, RecordingError};
+#[cfg(feature = "live")]
+pub use live::{LiveError, LiveServer};
 pub use provenance::{Attachment, METADATA, Provenance, RECOVERED, SCENARIO, scenario};
 pub use reader::{Entry, Reader, Recorded};
 pub use recorder::{FileRecorder, Recorder};

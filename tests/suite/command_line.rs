@@ -93,6 +93,31 @@ fn an_output_that_cannot_be_written_ends_with_4() {
 }
 
 #[test]
+fn what_cannot_be_served_ends_with_2() {
+    for (arguments, said) in [
+        (&["--live=localhost"][..], "must be an IP address and a port"),
+        (&["--live=127.0.0.1"], "must be an IP address and a port"),
+        (&["--live", "--live-rate", "0"], "must be a number from 0.01 to 1000"),
+        (&["--live", "--live-rate", "NaN"], "must be a number from 0.01 to 1000"),
+        (&["--live-rate", "2"], "--live"),
+        (&["--live-wait"], "--live"),
+    ] {
+        let output = cocarry(&[&["run", "--plant", "point"], arguments].concat());
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(stderr(&output).contains(said), "{arguments:?}: {}", stderr(&output));
+    }
+}
+
+#[test]
+#[cfg(not(feature = "live"))]
+fn a_program_that_cannot_serve_says_how_to_get_one_that_can() {
+    let output = cocarry(&["run", "--plant", "point", "--live"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("--features live"), "{}", stderr(&output));
+    assert!(output.stdout.is_empty(), "before anything is run");
+}
+
+#[test]
 fn a_belief_other_than_the_paper_changes_the_probabilities() {
     let probability = |arguments: &[&str]| {
         let world = json(&[&["world", "environment-4", "--json"], arguments].concat());

@@ -2,6 +2,8 @@
 
 mod crashes;
 mod faults;
+#[cfg(feature = "live")]
+mod live;
 mod replays;
 mod written;
 

@@ -4,7 +4,7 @@ use super::{carrier, decoded, encoded, example, messages, path, rapier};
 use crate::support::{cocarry, json, repository, stderr, stdout};
 use cocarry::episode::Tick;
 use cocarry::geometry::Pose;
-use cocarry::recording::{Channel, Contents, Reader};
+use cocarry::recording::{Channel, Contents, Encoder, Message, Reader};
 use cocarry::robot::Robot;
 use cocarry::scenario::Plant;
 use serde_json::Value;
@@ -211,4 +211,26 @@ fn the_layout_for_foxglove_asks_for_what_is_recorded() {
     }
     let text = layout["layout"].to_string();
     assert!(panels.keys().all(|panel| text.contains(&format!("\"{panel}\""))), "every panel has a place");
+}
+
+/// As a viewer of an episode that goes on from a snapshot is told of it.
+#[test]
+fn an_episode_under_way_is_told_of_from_where_it_is() {
+    let stage = example(Plant::Kinematic { carrier: carrier() }).prepare().unwrap();
+    let mut episode = stage.episode().unwrap();
+    let mut encoder = Encoder::new(&stage);
+    encoder.begin(&episode);
+    let mut told = Vec::new();
+    for _ in 0..7 {
+        assert_eq!(episode.step(), None);
+        told = encoder.step(&episode).to_vec();
+    }
+    let mut encoder = Encoder::new(&stage);
+    let begun = encoder.begin(&episode);
+    assert!(begun.iter().all(|message| message.time == 1_400_000_000));
+    for channel in [Channel::Transforms, Channel::Joints] {
+        let state = |all: &[Message]| all.iter().find(|m| m.channel == channel).cloned();
+        assert!(state(begun).is_some() && state(begun) == state(&told), "{channel:?}");
+    }
+    assert!(begun.iter().any(|message| message.channel == Channel::World));
 }
