@@ -12,7 +12,7 @@
 //! cli            arguments -> text, tables, JSON, files
 //! experiments    one file per claim or table of the paper
 //! drawing        maps and curves as SVG
-//! recording      an episode as an MCAP file, and back
+//! recording      an episode as an MCAP file, and back; live, to those who watch
 //! scenario       all that settles an episode, as text; snapshots of one under way; from either the episode again
 //! episode        THE LOOP: observe, evaluate, predict, accumulate, decide, choose, prepare, control, walk
 //! simulation     what the controller acts on: exact kinematics, or bodies with dynamics and contacts

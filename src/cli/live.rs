@@ -7,7 +7,7 @@ use std::net::SocketAddr;
 #[derive(Args, Debug)]
 pub(super) struct LiveArguments {
     /// Serve the episode while it runs, for Foxglove to watch over WebSocket: the messages that --record writes. Only programs on this computer
-    /// can connect, unless another address is given: 0.0.0.0:8765 serves everyone who can reach this computer
+    /// can connect, unless another address is given: 0.0.0.0:8765 serves everyone who can reach this computer. Needs the cargo feature `live`
     #[arg(
         long,
         value_name = "ADDRESS:PORT",

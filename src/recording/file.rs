@@ -8,7 +8,7 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::{McapError, WriteOptions, Writer};
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
-use std::io::{BufWriter, Error, Seek, Write};
+use std::io::{BufWriter, Error, ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use super::RecordingError;
@@ -126,10 +126,14 @@ impl Named {
         if !overwrite && file.symlink_metadata().is_ok() {
             return Err(RecordingError::Exists { file: file.to_owned() });
         }
+        if file.is_dir() {
+            let source = ErrorKind::IsADirectory.into();
+            return Err(RecordingError::Create { file: file.to_owned(), source });
+        }
         let mut options = OpenOptions::new();
         options.write(true).create(true).truncate(true).create_new(!overwrite);
         let opened = options.open(&partial).map_err(|source| match source.kind() {
-            std::io::ErrorKind::AlreadyExists => RecordingError::LeftOver { file: partial.clone() },
+            ErrorKind::AlreadyExists => RecordingError::LeftOver { file: partial.clone() },
             _ => RecordingError::Create { file: partial.clone(), source },
         })?;
         Ok((Self { file: file.to_owned(), partial, overwrite }, BufWriter::new(opened)))
@@ -138,6 +142,18 @@ impl Named {
     /// How errors call it while it is being written.
     pub fn partial(&self) -> String {
         self.partial.display().to_string()
+    }
+
+    /// Removes what was begun and is of no use; what went wrong, as an error about a file that could not be made.
+    pub fn abandon(&self, error: RecordingError) -> RecordingError {
+        // if it cannot be removed either, the first error is the one to report
+        let _ = std::fs::remove_file(&self.partial);
+        match error {
+            RecordingError::Write { source, .. } => {
+                RecordingError::Create { file: self.partial.clone(), source }
+            }
+            other => other,
+        }
     }
 
     /// Gives the finished file its name.

@@ -2,7 +2,8 @@
 //!
 //! A recording plays in Foxglove and is read by any MCAP reader. It holds simulated time only, and says itself where it comes from
 //! ([`Provenance`]): equal runs give equal bytes. It is called `<name>.partial` until it is finished, and is in the system's hands up to
-//! the last whole simulated second; [`recover`] makes a valid file of one that was cut.
+//! the last whole simulated second; [`recover`] makes a valid file of one that was cut. With the cargo feature `live`, `LiveServer` serves the same messages to
+//! viewers while an episode runs.
 //!
 //! # Channels
 //!

@@ -108,7 +108,8 @@ impl<'a> FileRecorder<'a> {
         episode: &Episode,
     ) -> Result<Self, RecordingError> {
         let (named, to) = Named::create(file, PARTIAL, overwrite)?;
-        let recorder = Recorder::new(to, &named.partial(), stage, episode)?;
+        let recorder =
+            Recorder::new(to, &named.partial(), stage, episode).map_err(|error| named.abandon(error))?;
         Ok(Self { recorder, named })
     }
 

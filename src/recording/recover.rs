@@ -4,7 +4,8 @@ use super::file::{MessageFile, Named};
 use super::provenance::RECOVERED;
 use super::{Entry, ReadError, Reader, RecordingError};
 use std::collections::BTreeMap;
-use std::io::Read;
+use std::fs::File;
+use std::io::{BufWriter, Read};
 use std::path::Path;
 
 /// What was saved of a recording.
@@ -44,8 +45,20 @@ pub fn recover<R: Read>(
     overwrite: bool,
 ) -> Result<Recovered, RecoverError> {
     let (named, output) = Named::create(to, SUFFIX, overwrite)?;
-    let name = named.partial();
-    let write = |source| RecordingError::Write { file: name.clone(), source };
+    // what was to be recovered is still there
+    let (recovered, written) =
+        save(reader, output, &named.partial()).map_err(|error| named.abandon(error))?;
+    named.finish(written)?;
+    Ok(recovered)
+}
+
+/// Writes what is whole; what was written to, unfinished in name only.
+fn save<R: Read>(
+    reader: &mut Reader<R>,
+    output: BufWriter<File>,
+    name: &str,
+) -> Result<(Recovered, BufWriter<File>), RecordingError> {
+    let write = |source| RecordingError::Write { file: name.to_owned(), source };
     let mut file = MessageFile::new(output).map_err(write)?;
     let mut ids = BTreeMap::new();
     let mut recovered = Recovered::default();
@@ -86,6 +99,5 @@ pub fn recover<R: Read>(
         file.metadata(RECOVERED, &entries).map_err(write)?;
     }
     let written = file.finish().map_err(write)?;
-    named.finish(written)?;
-    Ok(recovered)
+    Ok((recovered, written))
 }

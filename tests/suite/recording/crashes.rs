@@ -9,7 +9,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
 #[test]
@@ -47,6 +47,13 @@ fn a_folder_that_cannot_be_written_to_ends_with_4() {
         assert_eq!(output.status.code(), Some(4), "{file}");
         assert!(stderr(&output).starts_with(&format!("error: {file}.partial: cannot be written")));
     }
+    // a folder of that name, which no finished file could replace
+    let taken = path(folder.path(), "taken.mcap");
+    std::fs::create_dir(&taken).unwrap();
+    let output = cocarry(&["run", "--plant", "point", "--record", &taken, "--overwrite"]);
+    assert_eq!(output.status.code(), Some(4));
+    assert!(stderr(&output).contains("taken.mcap: cannot be written: is a directory"), "{}", stderr(&output));
+    assert!(!Path::new(&format!("{taken}.partial")).exists(), "refused before anything is run");
     let whole = path(folder.path(), "r.mcap");
     assert!(cocarry(&["run", "--plant", "point", "--record", &whole]).status.success());
     let output = cocarry(&["recover", &whole, "-o", &gone]);
@@ -61,18 +68,20 @@ fn long_world(folder: &Path) -> String {
     file.to_str().unwrap().to_owned()
 }
 
-/// Runs the program on under `sh`, which sets limits that a full disk would set.
+/// Runs the program under `sh`, which sets the limit that a full disk would set, in blocks of 512 bytes.
+fn with_room_for(blocks: u32, arguments: &str) -> Output {
+    let program = env!("CARGO_BIN_EXE_cocarry");
+    let command = format!("trap '' XFSZ; ulimit -f {blocks}; exec '{program}' {arguments}");
+    let folder = crate::support::repository(".");
+    Command::new("sh").args(["-c", &command]).current_dir(folder).output().unwrap()
+}
+
 #[test]
 fn a_full_disk_ends_with_4_and_leaves_what_was_written() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "r.mcap");
-    let program = env!("CARGO_BIN_EXE_cocarry");
-    // blocks of 512 bytes
-    for blocks in [1, 300, 500] {
-        let command = format!(
-            "trap '' XFSZ; ulimit -f {blocks}; exec '{program}' run environment-4 --plant rapier --record '{file}'"
-        );
-        let output = Command::new("sh").args(["-c", &command]).output().unwrap();
+    for blocks in [300, 500] {
+        let output = with_room_for(blocks, &format!("run environment-4 --plant rapier --record '{file}'"));
         assert_eq!(output.status.code(), Some(4), "{blocks}: {}", stderr(&output));
         assert!(stderr(&output).contains("r.mcap.partial: cannot be written on"), "{}", stderr(&output));
         assert!(!Path::new(&file).exists());
@@ -80,11 +89,24 @@ fn a_full_disk_ends_with_4_and_leaves_what_was_written() {
         let saved = path(folder.path(), "saved.mcap");
         let output = cocarry(&["recover", &partial, "-o", &saved, "--overwrite"]);
         assert!(output.status.success(), "{blocks}: {}", stderr(&output));
-        if blocks > 1 {
-            assert!(messages(&std::fs::read(&saved).unwrap()).len() > 50, "{blocks}");
-        }
+        assert!(messages(&std::fs::read(&saved).unwrap()).len() > 50, "{blocks}");
         std::fs::remove_file(partial).unwrap();
     }
+}
+
+/// Not even the beginning, or not all that was to be recovered: there is nothing to be kept, and nothing in the way of the next attempt.
+#[test]
+fn what_is_of_no_use_is_not_left_on_a_full_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "r.mcap");
+    let output = with_room_for(1, &format!("run environment-4 --plant point --record '{file}'"));
+    assert_eq!(output.status.code(), Some(4));
+    assert!(stderr(&output).contains("r.mcap.partial: cannot be written: "), "{}", stderr(&output));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    let output = with_room_for(300, &format!("recover recordings/environment-4.mcap -o '{file}'"));
+    assert_eq!(output.status.code(), Some(4));
+    assert!(stderr(&output).contains("r.mcap.recovering: cannot be written: "), "{}", stderr(&output));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
 /// A run in the long world, once it has recorded something.

@@ -142,7 +142,12 @@ fn viewers_get_what_a_recording_holds_and_who_comes_late_sees_the_scene() {
     while seen.last().is_none_or(|(topic, ..)| topic != "/outcome") {
         seen.push(early.next());
     }
-    let mut recorded = messages(&std::fs::read(&file).unwrap());
+    let bytes = std::fs::read(&file).unwrap();
+    let unwatched = path(folder.path(), "unwatched.mcap");
+    let terms = ["--plant", "kinematic", "--max-steps", "20", "--record", &unwatched];
+    cocarry(&[&["run", "environment-4"][..], &terms].concat());
+    assert!(bytes == std::fs::read(&unwatched).unwrap(), "watching changes nothing");
+    let mut recorded = messages(&bytes);
     assert!(recorded.len() > 150);
     let mut told: Vec<_> = seen.iter().filter(|(topic, ..)| !topic.is_empty()).cloned().collect();
     // what was there before anybody subscribed comes in the order of the subscriptions
