@@ -197,6 +197,49 @@ fn forces_do_not_chatter_while_walking() {
 }
 
 /// The human takes over between the walls of an opening, and would rather go back: they go on, since the team cannot turn there.
+/// What the README says of 2,000 episodes, for one human in every cell.
+#[test]
+fn the_grasp_keeps_to_its_way_and_the_grips_hardly_yield() {
+    let worlds =
+        ["environment-1", "environment-2", "environment-3", "environment-4", "worlds/free-form.toml"];
+    for world in worlds {
+        for method in [&["--eta", "5"][..], &["--method", "without-model"]] {
+            let told = json(&[&["run", world, "--seed", "1", "--json"], method].concat());
+            assert_eq!(told["outcome"], "arrived", "{world} {method:?}");
+            let error = told["control"]["position_error_rms_m"].as_f64().expect("an error");
+            assert!(error < 0.02, "{world} {method:?}: {error} m");
+            let force = told["interaction"]["hand_force_rms_n"].as_f64().expect("a force");
+            assert!(force < 25.0, "{world} {method:?}: {force} N");
+            let stretch = told["interaction"]["largest_stretch_m"].as_f64().expect("a stretch");
+            assert!(stretch < 0.05, "{world} {method:?}: {stretch} m");
+        }
+    }
+}
+
+/// A shortest path goes round the end of a wall, and round a pillar, as closely as a point may: there the object would cut the corner.
+#[test]
+fn what_is_long_is_carried_round_corners() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let wall = "shape = \"box\"\ncenter_m = [0, 4]\nsize_m = [0.1, 8]\n";
+    let pillar = "shape = \"cylinder\"\ncenter_m = [0, 2.6]\nradius_m = 0.6\n";
+    for obstacle in [wall, pillar] {
+        let file = folder.path().join("corner.toml");
+        let text = format!(
+            "name = \"corner\"\nrobot_width_m = 0.5\nstart_m = [-3, 3]\ntarget_m = [3, 3]\n[[obstacle]]\nname = \"it\"\nheight_m = 2\n{obstacle}"
+        );
+        std::fs::write(&file, text).expect("a file");
+        let told = json(&["run", file.to_str().expect("a path"), "--seed", "1", "--json"]);
+        assert_eq!(told["outcome"], "arrived", "{told}");
+    }
+}
+
+/// While the object is in an opening and the human through it already, the way to another option would lead back through another opening.
+#[test]
+fn a_team_turns_through_no_opening_that_its_option_does_not_have() {
+    let told = json(&["run", "environment-1", "--eta", "10.5", "--seed", "11", "--json"]);
+    assert_eq!(told["outcome"], "arrived", "{told}");
+}
+
 #[test]
 fn an_option_is_not_changed_in_a_doorway() {
     let arguments = ["run", "environment-2", "--seed", "1", "--eta", "5"];

@@ -76,6 +76,7 @@ fn rounded(p_value: Option<f64>) -> String {
     match p_value {
         None => "-".to_owned(),
         Some(p) if p >= 1e-3 => format!("{p:.3}"),
+        Some(p) if p < 1e-300 => "< 1e-300".to_owned(),
         Some(p) => format!("{p:.0e}"),
     }
 }
