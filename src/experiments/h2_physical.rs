@@ -28,6 +28,9 @@ pub struct Study<'a> {
     pub seed: u64,
 }
 
+/// Costs that differ by no more than this are alike: a team with bodies starts gently.
+const ALIKE: f64 = 0.05;
+
 /// One cell of Table II.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
@@ -51,6 +54,8 @@ pub struct Row {
     pub mean_ratio: f64,
     /// The ratio that is farthest from 1.
     pub farthest_ratio: f64,
+    /// Episodes whose ratio is within 5 % of 1.
+    pub alike: usize,
     /// Episodes that end on the same option.
     pub same_option: usize,
     /// The largest difference between the steps of the transitions.
@@ -149,6 +154,7 @@ fn row(environment: &Environment, settings: &Settings, eta: Option<f64>, ends: &
         physical_mean: mean_and_std(&of(&|(_, physical)| physical.accumulated_cost)).0,
         mean_ratio: mean_and_std(&ratios).0,
         farthest_ratio: ratios.iter().copied().max_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(f64::NAN),
+        alike: ratios.iter().filter(|ratio| off(ratio) <= ALIKE).count(),
         same_option: arrived().filter(|(point, physical)| point.last_option == physical.last_option).count(),
         transition_difference: differences.max().unwrap_or(0),
         position_error_rms: (squared / steps as f64).sqrt(),

@@ -61,10 +61,8 @@ fn table_2_with_bodies_is_table_2() {
     assert_eq!(rows.len(), 16);
     for row in rows {
         assert_eq!([&row["arrived"], &row["same_option"]], [2, 2], "{row}");
-        // Environment 2's corners cost time: see the README
-        let most = if row["environment"] == 2 { 0.07 } else { 0.05 };
         let ratio = row["farthest_ratio"].as_f64().expect("a ratio");
-        assert!((ratio - 1.0).abs() < most, "{row}");
+        assert!((ratio - 1.0).abs() < 0.05, "{row}");
         assert!(row["transition_difference"].as_u64().expect("steps") <= 5, "{row}");
     }
     let output = cocarry(&["reproduce", "h2", "--sway", "0"]);
@@ -193,10 +191,10 @@ fn forces_do_not_chatter_while_walking() {
     changes.sort_by(f64::total_cmp);
     // the root mean square over a control period; the largest where the way turns
     let (median, largest) = (changes[changes.len() / 2], changes[changes.len() - 1]);
+    eprintln!("NOISE {median} {largest}");
     assert!(median < 0.3 && largest < 10.0, "{median} N, {largest} N");
 }
 
-/// The human takes over between the walls of an opening, and would rather go back: they go on, since the team cannot turn there.
 /// What the README says of 2,000 episodes, for one human in every cell.
 #[test]
 fn the_grasp_keeps_to_its_way_and_the_grips_hardly_yield() {
@@ -240,6 +238,7 @@ fn a_team_turns_through_no_opening_that_its_option_does_not_have() {
     assert_eq!(told["outcome"], "arrived", "{told}");
 }
 
+/// The human takes over between the walls of an opening, and would rather go back: they go on, since the team cannot turn there.
 #[test]
 fn an_option_is_not_changed_in_a_doorway() {
     let arguments = ["run", "environment-2", "--seed", "1", "--eta", "5"];

@@ -35,6 +35,7 @@ pub fn table_2_with_bodies(rows: &[Row], humans: usize, sway: f64) -> Table {
         .number("bodies (m)", "physical_mean_m", 1, |r| r.physical_mean)
         .number("ratio", "mean_ratio", 3, |r| r.mean_ratio)
         .number("farthest", "farthest_ratio", 3, |r| r.farthest_ratio)
+        .count("within 5 %", "within_5_percent", |r| r.alike as u64)
         .count("same option", "same_option", |r| r.same_option as u64)
         .column("transition", false, &["transition_difference_steps"], |r| Cell {
             shown: format!("±{}", r.transition_difference),
@@ -57,7 +58,7 @@ pub fn table_2_with_bodies(rows: &[Row], humans: usize, sway: f64) -> Table {
             format!("Table II with bodies: {humans} humans a cell, whose hands sway by {sway} m"),
         )
         .with_note("Means are over those who arrive with bodies, without any contact. point: accumulated objective cost of a team without bodies; ratio: with over without,")
-        .with_note("human by human, mean and farthest from 1; same option: ended on it; transition: largest difference in steps; error: of the grasp, rms;")
+        .with_note("human by human, mean and farthest from 1, and how many are within 5 %; same option: ended on it; transition: largest difference in steps; error: of the grasp, rms;")
         .with_note("force: of the human on the object, rms; grip: how far a grip yielded at most.");
     let lost: Vec<&str> = rows.iter().flat_map(|r| r.lost.iter().copied()).collect();
     match lost.len() {
