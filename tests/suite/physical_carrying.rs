@@ -191,7 +191,6 @@ fn forces_do_not_chatter_while_walking() {
     changes.sort_by(f64::total_cmp);
     // the root mean square over a control period; the largest where the way turns
     let (median, largest) = (changes[changes.len() / 2], changes[changes.len() - 1]);
-    eprintln!("NOISE {median} {largest}");
     assert!(median < 0.3 && largest < 10.0, "{median} N, {largest} N");
 }
 
