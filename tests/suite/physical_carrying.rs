@@ -213,18 +213,16 @@ fn the_grasp_keeps_to_its_way_and_the_grips_hardly_yield() {
     }
 }
 
-/// A shortest path goes round the end of a wall, and round a pillar, as closely as a point may: there the object would cut the corner.
+/// A shortest path goes round the end of a wall, and round a pillar there, as closely as a point may: there the object would cut the corner.
 #[test]
 fn what_is_long_is_carried_round_corners() {
     let folder = tempfile::tempdir().expect("a folder");
-    let wall = "shape = \"box\"\ncenter_m = [0, 4]\nsize_m = [0.1, 8]\n";
-    let pillar = "shape = \"cylinder\"\ncenter_m = [0, 2.6]\nradius_m = 0.6\n";
-    for obstacle in [wall, pillar] {
-        let file = folder.path().join("corner.toml");
-        let text = format!(
-            "name = \"corner\"\nrobot_width_m = 0.5\nstart_m = [-3, 3]\ntarget_m = [3, 3]\n[[obstacle]]\nname = \"it\"\nheight_m = 2\n{obstacle}"
-        );
-        std::fs::write(&file, text).expect("a file");
+    let file = folder.path().join("corner.toml");
+    let wall = "name = \"corner\"\nrobot_width_m = 0.5\nstart_m = [-3, 3]\ntarget_m = [3, 3]\n[[obstacle]]\nname = \"wall\"\n\
+                height_m = 2\nshape = \"box\"\ncenter_m = [0, 4]\nsize_m = [0.1, 8]\n";
+    let pillar = "[[obstacle]]\nname = \"pillar\"\nheight_m = 2\nshape = \"cylinder\"\ncenter_m = [0, 0]\nradius_m = 0.3\n";
+    for world in [wall.to_owned(), wall.to_owned() + pillar] {
+        std::fs::write(&file, world).expect("a file");
         let told = json(&["run", file.to_str().expect("a path"), "--seed", "1", "--json"]);
         assert_eq!(told["outcome"], "arrived", "{told}");
     }
