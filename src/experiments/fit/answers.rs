@@ -1,7 +1,7 @@
 //! A file of percentages and the worlds that it names in; every participant's answers, checked and summing to one, out.
 
 use super::FitError;
-use super::table::{Column, read};
+use super::table::{Column, named_worlds, read};
 use crate::episode::prospects;
 use crate::options::OptionSet;
 use crate::preference::Prospect;
@@ -104,13 +104,7 @@ impl AnswerFile {
 
     /// The worlds that the file names, each with the line that does so first.
     pub fn worlds(&self) -> Vec<(String, u64)> {
-        let mut worlds: Vec<(String, u64)> = Vec::new();
-        for row in &self.rows {
-            if worlds.iter().all(|(world, _)| *world != row.world) {
-                worlds.push((row.world.clone(), row.line));
-            }
-        }
-        worlds
+        named_worlds(self.rows.iter().map(|row| (row.world.as_str(), row.line)))
     }
 
     /// Matches the rows with the worlds, of which there must be one for every name in [`AnswerFile::worlds`]. Sums are scaled to 100 where

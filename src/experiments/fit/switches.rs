@@ -1,6 +1,6 @@
 //! A file of switches and the worlds that it names in; what every episode tells of its participant's eta out.
 
-use super::table::{Column, read};
+use super::table::{Column, named_worlds, read};
 use super::{FitError, Guidance};
 use crate::coordination::Method;
 use crate::episode::Settings;
@@ -127,13 +127,7 @@ impl SwitchFile {
 
     /// The worlds that the file names, each with the line that does so first.
     pub fn worlds(&self) -> Vec<(String, u64)> {
-        let mut worlds: Vec<(String, u64)> = Vec::new();
-        for row in &self.rows {
-            if worlds.iter().all(|(world, _)| *world != row.world) {
-                worlds.push((row.world.clone(), row.line));
-            }
-        }
-        worlds
+        named_worlds(self.rows.iter().map(|row| (row.world.as_str(), row.line)))
     }
 
     /// What every row tells of eta, with these worlds (one for every name in [`SwitchFile::worlds`]); of the settings, belief, c_r, phi(0) and

@@ -26,6 +26,17 @@ pub(super) struct Line<const N: usize> {
     pub values: [String; N],
 }
 
+/// The worlds that rows name, each with the line that does so first.
+pub(super) fn named_worlds<'r>(rows: impl Iterator<Item = (&'r str, u64)>) -> Vec<(String, u64)> {
+    let mut worlds: Vec<(String, u64)> = Vec::new();
+    for (name, line) in rows {
+        if worlds.iter().all(|(world, _)| world != name) {
+            worlds.push((name.to_owned(), line));
+        }
+    }
+    worlds
+}
+
 /// The rows of a file. Other columns are ignored, and so are empty lines and those that begin with `#`.
 ///
 /// # Errors
