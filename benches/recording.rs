@@ -25,6 +25,7 @@ fn stage(environment: usize) -> Stage {
         seed: 1,
         world: paper::ENVIRONMENTS[environment].world().expect("a world of the repository").into(),
         human: paper::EXAMPLE_HUMAN,
+        changes: Vec::new(),
         settings: Default::default(),
         plant: Plant::Rapier { carrier, physics: PhysicsSettings::default() },
     };

@@ -1,6 +1,7 @@
 //! The arguments that describe the human model, shared by commands; numbers checked where they are read.
 
 use super::output::{Failure, input};
+use crate::episode::PreferenceChange;
 use crate::experiments::paper;
 use crate::preference::{self, Belief, Marginal, Perception, Predictor, WeightedSample};
 use crate::world::World;
@@ -102,6 +103,18 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
 /// alpha or gamma of a human: around 1, and never far from it.
 pub(super) fn perception(text: &str) -> Result<f64, String> {
     number(text, "a number greater than 0 and at most 10", |v| v > 0.0 && v <= 10.0)
+}
+
+/// A change of mind, STEP:ALPHA,GAMMA.
+pub(super) fn change(text: &str) -> Result<PreferenceChange, String> {
+    let form = "must be STEP:ALPHA,GAMMA, as in 40:0.6,0.9";
+    let parts = text.split_once(':').and_then(|(step, rest)| Some((step, rest.split_once(',')?)));
+    let (step, (alpha, gamma)) = parts.ok_or(form)?;
+    let step = step.parse().map_err(|_| format!("{form}: STEP {step:?} must be a whole number of steps"))?;
+    let number =
+        |name: &str, text: &str| perception(text).map_err(|e| format!("{form}: {name} {text:?} {e}"));
+    let perception = Perception { alpha: number("ALPHA", alpha)?, gamma: number("GAMMA", gamma)? };
+    Ok(PreferenceChange { step, perception })
 }
 
 /// phi(0).

@@ -8,11 +8,13 @@ use clap::Args;
 use std::path::PathBuf;
 
 /// The arguments that settle a scenario: with a snapshot, it is settled.
-const SETTLED: [&str; 20] = [
+const SETTLED: [&str; 22] = [
     "world",
     "method",
     "alpha",
     "gamma",
+    "change",
+    "redraws",
     "eta",
     "initial_stubbornness",
     "seed",

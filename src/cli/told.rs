@@ -3,7 +3,7 @@
 use super::output::{table, table_text};
 use crate::coordination::{self, Method};
 use crate::drawing::Track;
-use crate::episode::{ControlSummary, Outcome, Settings, Summary, Tick, Transition};
+use crate::episode::{ControlSummary, Outcome, PreferenceChange, Settings, Summary, Tick, Transition};
 use crate::geometry::Point;
 use crate::preference::Perception;
 use crate::robot::Robot;
@@ -49,8 +49,25 @@ impl Told<'_> {
         self.ticks.windows(2).filter(|w| w[0].executed != w[1].executed).map(|w| (w[0].executed, &w[1]))
     }
 
+    /// The tick of a step, if it is among those that are told.
+    fn tick(&self, step: u64) -> Option<&Tick> {
+        let first = self.ticks.first()?.step;
+        self.ticks.get(usize::try_from(step.checked_sub(first)?).ok()?)
+    }
+
+    /// The human's changes of mind that came about, in their order.
+    fn changes_of_mind(&self) -> Vec<PreferenceChange> {
+        let mut standing = PreferenceChange::standing(&self.stage.scenario().changes);
+        standing.retain(|change| change.step < self.summary.steps);
+        standing
+    }
+
     fn place(&self, step: u64, at: Point) -> String {
-        format!("step {step:>4} ({:5.1} s) at ({:.2}, {:.2}) m", self.seconds(step), at.x, at.y)
+        format!("{} at ({:.2}, {:.2}) m", self.when(step), at.x, at.y)
+    }
+
+    fn when(&self, step: u64) -> String {
+        format!("step {step:>4} ({:5.1} s)", self.seconds(step))
     }
 
     fn seconds(&self, step: u64) -> f64 {
@@ -172,8 +189,18 @@ impl Told<'_> {
             )
         });
         let mut events: Vec<_> = begin.into_iter().collect();
+        for change in self.changes_of_mind() {
+            let Perception { alpha, gamma } = change.perception;
+            let tick = self.tick(change.step);
+            let place = tick.map_or_else(|| self.when(change.step), at);
+            let prefers = tick.map_or(String::new(), |tick| {
+                format!("; they prefer option {} from here", self.option_name(tick.preferred))
+            });
+            let words = format!("the human's mind changes: alpha {alpha:.4}, gamma {gamma:.4}");
+            events.push((change.step, format!("{place}: {words}{prefers}")));
+        }
         if let Some(Transition { step, position }) = summary.transition {
-            let told = self.ticks.iter().find(|tick| tick.step == step);
+            let told = self.tick(step);
             let stubbornness = told.map_or(String::new(), |tick| format!(" ({:.3})", tick.stubbornness));
             let place = self.place(step, position);
             events.push((
@@ -214,9 +241,8 @@ impl Told<'_> {
             ));
         }
         events.push(format!(
-            "step {:>4} ({:5.1} s): {end} on option {} after {:.2} m",
-            summary.steps,
-            self.seconds(summary.steps),
+            "{}: {end} on option {} after {:.2} m",
+            self.when(summary.steps),
             self.option_name(summary.last_option),
             summary.walked
         ));
@@ -230,6 +256,7 @@ impl Told<'_> {
             "world": world.name,
             "file": world.file,
             "human": { "alpha": scenario.human.alpha, "gamma": scenario.human.gamma },
+            "preference_changes": self.changes_as_json(),
             "method": settings.method.name(),
             "eta": settings.coordination.eta,
             "initial_stubbornness": settings.coordination.initial_stubbornness,
@@ -307,6 +334,28 @@ impl Told<'_> {
             told["resumed_at_step"] = json!(step);
         }
         told
+    }
+
+    /// All changes of mind that the scenario has, by their steps; which came about, and what the human preferred from there on, where that is
+    /// known: not before the step that the episode went on from.
+    fn changes_as_json(&self) -> Vec<Value> {
+        let came_about = self.changes_of_mind();
+        let mut given = self.stage.scenario().changes.clone();
+        given.sort_by_key(|change| change.step);
+        let is_last = |i: usize| given.get(i + 1).is_none_or(|next| next.step != given[i].step);
+        let told = given.iter().enumerate().map(|(i, change)| {
+            let is_applied = is_last(i) && came_about.contains(change);
+            let tick = self.tick(change.step).filter(|_| is_applied);
+            json!({
+                "step": change.step,
+                "time_s": self.seconds(change.step),
+                "alpha": change.perception.alpha,
+                "gamma": change.perception.gamma,
+                "applied": is_applied,
+                "preferred": tick.map(|tick| self.option_name(tick.preferred)),
+            })
+        });
+        told.collect()
     }
 }
 

@@ -5,6 +5,7 @@
 //! planning level. With one, the human walks so, and the robot holds the other end.
 
 mod carrier;
+mod change;
 mod outcome;
 mod settings;
 mod state;
@@ -13,6 +14,7 @@ mod tick;
 mod way;
 
 pub use carrier::Manipulator;
+pub use change::PreferenceChange;
 pub use outcome::{ControlSummary, InteractionSummary, Outcome, Summary, Transition};
 pub use settings::Settings;
 pub use state::{Misfit, State};
@@ -43,6 +45,8 @@ pub struct Episode<'a> {
     options: &'a OptionSet,
     settings: &'a Settings,
     human: Perception,
+    /// What the human makes of risk and distance later, by step; one a step.
+    changes: Vec<PreferenceChange>,
     predictor: Predictor,
     coordinator: Coordinator,
     progress: Progress,
@@ -97,6 +101,7 @@ impl<'a> Episode<'a> {
             options,
             settings,
             human,
+            changes: Vec::new(),
             predictor: settings.predictor.clone(),
             coordinator: Coordinator::new(settings.coordination, settings.method),
             path: Path::default(),
@@ -113,6 +118,14 @@ impl<'a> Episode<'a> {
             steps_without_progress: 0,
             progress,
         }
+    }
+
+    /// The same episode with a human who changes their mind, in whatever order the changes are listed; of several at the same step, the last
+    /// stands. Before a robot is given, whose start follows from the way chosen first, and before the first step; or of an episode gone on
+    /// with, before the next, which steps that are over no longer matter to.
+    pub fn with_changes(mut self, changes: &[PreferenceChange]) -> Self {
+        self.changes = PreferenceChange::standing(changes);
+        self
     }
 
     /// The same episode with a robot at the other end of the object, on the kinematic plant. Before the first step only.
@@ -205,13 +218,14 @@ impl<'a> Episode<'a> {
 
     /// The same episode from here on with another human. While the robot leads, the human's parameters make no difference.
     pub fn with_human(mut self, human: Perception) -> Self {
-        self.change_preference(human);
+        self.human = human;
         self
     }
 
-    /// From here on the human perceives risk and distance differently. The robot is not told.
-    pub fn change_preference(&mut self, human: Perception) {
-        self.human = human;
+    /// The change of mind with which the last step taken began; `None` if there was none.
+    pub fn change(&self) -> Option<&PreferenceChange> {
+        let last = self.summary.steps.checked_sub(1)?;
+        PreferenceChange::at(&self.changes, last)
     }
 
     /// Takes one planning step, or says how the episode ended.
@@ -220,6 +234,7 @@ impl<'a> Episode<'a> {
             self.summary.outcome = outcome;
             return Some(outcome);
         }
+        self.change_mind();
         self.observe();
         self.evaluate_options(); //             D_o, S_o, J_o          eq. (1)
         self.predict_choice(); //               P_o                    eq. (4)
@@ -248,6 +263,13 @@ impl<'a> Episode<'a> {
             return Some(Outcome::Stuck);
         }
         (self.summary.steps >= self.tick_limit).then_some(Outcome::OutOfTime)
+    }
+
+    /// The human's alone: what the robot believes stays as it is.
+    fn change_mind(&mut self) {
+        if let Some(change) = PreferenceChange::at(&self.changes, self.summary.steps) {
+            self.human = change.perception;
+        }
     }
 
     fn observe(&mut self) {

@@ -66,7 +66,7 @@ impl<'a> Episode<'a> {
         let Self {
             human, coordinator, progress, path, along, turns_until, tick, summary, underway, steps_without_progress, carrier,
             // given
-            options: _, settings: _, tick_limit: _,
+            options: _, settings: _, tick_limit: _, changes: _,
             // memory, and what every step works out anew
             predictor: _, prospects: _, choice: _, expected: _,
         } = self;
@@ -85,8 +85,8 @@ impl<'a> Episode<'a> {
         }
     }
 
-    /// The episode that had come to `state`: it goes on with the same bits, if options, settings and robot are the same. `is_physical` says
-    /// that its plant is the physical one.
+    /// The episode that had come to `state`: it goes on with the same bits, if options, settings and robot are the same, and changes of mind
+    /// are given again ([`Episode::with_changes`]). `is_physical` says that its plant is the physical one.
     ///
     /// # Errors
     /// [`Misfit`] if they cannot be.

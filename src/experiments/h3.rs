@@ -8,13 +8,13 @@ use super::paper::{BuiltInError, ENVIRONMENTS, Environment, HumanSetting, SETTIN
 use super::{OnDone, in_parallel, mean_and_std, paired_p_value};
 use crate::control::{Avoid, CandidateSet, PoseCriterion, RobotObstacles};
 use crate::coordination;
-use crate::episode::{ControlSummary, Episode, Manipulator, Outcome, Settings, prospects};
+use crate::episode::{ControlSummary, Episode, Manipulator, Outcome, PreferenceChange, Settings};
 use crate::options::OptionSet;
-use crate::preference::{Belief, Perception, human_choice};
+use crate::preference::{Belief, Perception};
 use crate::robot::{Posture, Robot};
+use crate::scenario::Redraws;
 use crate::simulation::{PhysicsError, PhysicsSettings};
 use crate::{control, preference};
-use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::Serialize;
@@ -209,7 +209,7 @@ impl Study<'_> {
                 control: method.control(&self.control),
                 obstacles: &obstacles,
             };
-            let begun = Episode::new(&options, &settings, human.first);
+            let begun = Episode::new(&options, &settings, human.first).with_changes(&human.changes);
             let begun = match &self.physics {
                 None => begun.with_robot(manipulator),
                 Some(physics) => {
@@ -222,7 +222,7 @@ impl Study<'_> {
                     )?
                 }
             };
-            Ok(human.follow(begun))
+            Ok(follow(begun))
         });
         let ends = ends.into_iter().collect::<Result<Vec<_>, PhysicsError>>()?;
         Ok((0..SETTINGS.len() * starts.len())
@@ -245,21 +245,12 @@ impl Study<'_> {
     ) -> Result<Vec<ChangingHuman>, preference::PreferenceError> {
         let range = |[center, half]: [f64; 2]| (center - half, center + half);
         let belief = Belief::uniform(range(setting.alpha), range(setting.gamma))?;
-        let per_step = self.episode.speed * self.episode.period;
-        let ahead = prospects(options, &options.begin());
         Ok((0..self.episodes)
             .map(|episode| {
                 let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
                 rng.set_stream((stream << 32) + episode as u64);
                 let first = belief.sample(&mut rng);
-                let preferred = human_choice(&ahead, self.episode.predictor.risk_weight(), first, None);
-                let half = (ahead[preferred].length / per_step / 2.0) as u64;
-                let mut changes = [None; 2];
-                let count = if rng.random::<bool>() { 2 } else { 1 };
-                for change in changes.iter_mut().take(count) {
-                    let step = rng.random_range(1..=half.max(1));
-                    *change = Some((step, belief.sample(&mut rng)));
-                }
+                let changes = Redraws::OnceOrTwice.draw(&belief, first, options, self.episode, &mut rng);
                 ChangingHuman { first, changes }
             })
             .collect())
@@ -267,11 +258,10 @@ impl Study<'_> {
 }
 
 /// A human whose perception changes on the way.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 struct ChangingHuman {
     first: Perception,
-    /// Step and new perception.
-    changes: [Option<(u64, Perception)>; 2],
+    changes: Vec<PreferenceChange>,
 }
 
 /// How one episode ended.
@@ -281,21 +271,17 @@ struct End {
     arrived: bool,
 }
 
-impl ChangingHuman {
-    fn follow(&self, mut episode: Episode) -> End {
-        loop {
-            let step = episode.summary().steps;
-            for (_, perception) in self.changes.iter().flatten().filter(|(at, _)| *at == step) {
-                episode.change_preference(*perception);
-            }
-            if let Some(outcome) = episode.step() {
-                return End {
-                    control: episode.summary().control.unwrap_or_default(),
-                    steps: episode.summary().steps,
-                    arrived: outcome == Outcome::Arrived,
-                };
-            }
+fn follow(mut episode: Episode) -> End {
+    let outcome = loop {
+        if let Some(outcome) = episode.step() {
+            break outcome;
         }
+    };
+    let summary = episode.summary();
+    End {
+        control: summary.control.unwrap_or_default(),
+        steps: summary.steps,
+        arrived: outcome == Outcome::Arrived,
     }
 }
 

@@ -82,8 +82,10 @@ impl<'a> Encoder<'a> {
         let tick = episode.tick();
         let (from, to) = (self.time(tick.step), self.time(tick.step + 1));
         let names = Names(self.stage.options());
-        let events = self.events.decided(tick, names, from);
-        self.messages.extend(events.iter().map(|log| Message::of(Channel::Log, from, log)));
+        let changed = episode.change().map(|change| Events::changed(change, from));
+        let decided = self.events.decided(tick, names, from);
+        let events = changed.into_iter().chain(decided);
+        self.messages.extend(events.map(|log| Message::of(Channel::Log, from, &log)));
         self.json(Channel::Options, from, &figures::options(tick, names));
         self.json(Channel::Coordination, from, &figures::coordination(tick, names));
         if let Some(ways) = self.ways.update(tick, from) {

@@ -4,7 +4,8 @@ use super::encoder::Ending;
 use super::figures::Names;
 use super::motion::timestamp;
 use crate::coordination::Mode;
-use crate::episode::{Episode, Summary, Tick};
+use crate::episode::{Episode, PreferenceChange, Summary, Tick};
+use crate::preference::Perception;
 use crate::simulation::{Contact, Part, Party};
 use foxglove::messages::{Log, log::Level};
 
@@ -21,6 +22,13 @@ fn say(level: Level, name: &str, message: String, time: u64) -> Log {
 }
 
 impl Events {
+    /// The human's change of mind with which a step began.
+    pub fn changed(change: &PreferenceChange, time: u64) -> Log {
+        let Perception { alpha, gamma } = change.perception;
+        let words = format!("the human's mind changes: alpha {alpha:.4}, gamma {gamma:.4}");
+        say(Level::Info, "human", words, time)
+    }
+
     /// What was decided in a step.
     pub fn decided(&mut self, tick: &Tick, names: Names, time: u64) -> Vec<Log> {
         let mut said = Vec::new();

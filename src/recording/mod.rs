@@ -19,7 +19,7 @@
 //! | `/scene/options` | foxglove.SceneUpdate | when P_o changes by 0.02 | every option from A to B, as wide (2 to 20 cm) and opaque as P_o |
 //! | `/scene/path` | foxglove.SceneUpdate | every step | where the team walked, and the way of the option executed |
 //! | `/joints` | foxglove.JointStates | every step, and at 0 | arm joints (rad or m, per s, Nm or N), then wheels (rad, rad/s) |
-//! | `/log` | foxglove.Log | when it happens | start, mode transition, change of option, change of preference, contact, end |
+//! | `/log` | foxglove.Log | when it happens | start, change of the human's mind, mode transition, change of option, change of preference, contact, end |
 //! | `/options` | JSON | every step | per option: D_o (m), S_o, J_o (m), J~_o (m), P_o, omega_o |
 //! | `/coordination` | JSON | every step | phi, its threshold, g, mode, option executed and preferred, position (m), heading (deg) |
 //! | `/control` | JSON | every step | tracking error (m, deg), cost terms, candidate of eq. (8), outcome of eq. (7), u (m/s, rad/s) |
@@ -40,6 +40,7 @@
 //!     seed: 1,
 //!     world: paper::ENVIRONMENTS[3].world()?.into(),
 //!     human: paper::EXAMPLE_HUMAN,
+//!     changes: Vec::new(),
 //!     settings: Default::default(),
 //!     plant: Plant::Point,
 //! };

@@ -1,12 +1,18 @@
 //! The numbers of a scenario in; the first that is out of its range out.
 
 use super::{Carrier, Scenario, ScenarioError};
+use crate::episode::PreferenceChange;
 
 /// A key, its value, the values allowed in words, and whether it is one of them.
 type Number = (&'static str, f64, &'static str, fn(f64) -> bool);
 
+const PERCEPTION: &str = "a number greater than 0";
 const POSITIVE: &str = "a number greater than 0 and at most 1000000";
 const NOT_NEGATIVE: &str = "a number from 0 to 1000000";
+
+fn is_perception(value: f64) -> bool {
+    value > 0.0 && value.is_finite()
+}
 
 fn is_positive(value: f64) -> bool {
     value > 0.0 && value <= 1e6
@@ -20,15 +26,13 @@ impl Scenario {
     /// Checks every number that is not checked where it is read.
     ///
     /// # Errors
-    /// [`ScenarioError::Number`] or [`ScenarioError::Physics`], which names the key and the value.
+    /// [`ScenarioError::Number`], [`ScenarioError::Change`] or [`ScenarioError::Physics`], which names the key and the value.
     pub fn check(&self) -> Result<(), ScenarioError> {
         let (human, settings) = (&self.human, &self.settings);
         let coordination = &settings.coordination;
-        let perception = "a number greater than 0";
-        let is_perception = |v: f64| v > 0.0 && v.is_finite();
         first_bad(&[
-            ("human.alpha", human.alpha, perception, is_perception),
-            ("human.gamma", human.gamma, perception, is_perception),
+            ("human.alpha", human.alpha, PERCEPTION, is_perception),
+            ("human.gamma", human.gamma, PERCEPTION, is_perception),
             (
                 "settings.predictor.risk_weight_m",
                 settings.predictor.risk_weight(),
@@ -55,11 +59,23 @@ impl Scenario {
                 |v| v > 0.0 && v <= 1000.0,
             ),
         ])?;
+        self.check_changes()?;
         if let Some(carrier) = self.plant.carrier() {
             carrier.check()?;
         }
         if let Some(physics) = self.plant.physics() {
             physics.check()?;
+        }
+        Ok(())
+    }
+
+    fn check_changes(&self) -> Result<(), ScenarioError> {
+        for (i, PreferenceChange { step, perception }) in self.changes.iter().enumerate() {
+            let values = [("alpha", perception.alpha), ("gamma", perception.gamma)];
+            if let Some((key, value)) = values.into_iter().find(|(_, value)| !is_perception(*value)) {
+                let (number, step) = (i + 1, *step);
+                return Err(ScenarioError::Change { number, step, key, value, expected: PERCEPTION });
+            }
         }
         Ok(())
     }

@@ -26,6 +26,20 @@ pub enum ScenarioError {
         /// The values allowed.
         expected: &'static str,
     },
+    /// A number of a change of mind is out of its range.
+    #[error("scenario: change {number}, at step {step}: {key} = {value}; it must be {expected}")]
+    Change {
+        /// Which `[[change]]`, counted from 1.
+        number: usize,
+        /// Its step.
+        step: u64,
+        /// The key.
+        key: &'static str,
+        /// The value found.
+        value: f64,
+        /// The values allowed.
+        expected: &'static str,
+    },
     /// The robot has no posture of that name.
     #[error("scenario: posture = {posture:?}: {file} has no posture of that name; it has {known}")]
     Posture {

@@ -9,6 +9,7 @@
 //!     seed: 7,
 //!     world: world.into(),
 //!     human: cocarry::preference::Perception { alpha: 0.7, gamma: 0.8 },
+//!     changes: Vec::new(),
 //!     settings: Default::default(),
 //!     plant: Plant::Point,
 //! };
@@ -23,15 +24,17 @@
 
 mod check;
 mod error;
+mod redraws;
 mod snapshot;
 mod stage;
 
 pub use error::ScenarioError;
+pub use redraws::{Redraws, drawn_changes};
 pub use snapshot::{Snapshot, SnapshotError};
 pub use stage::Stage;
 
 use crate::control;
-use crate::episode;
+use crate::episode::{self, PreferenceChange};
 use crate::preference::{Belief, Perception};
 use crate::robot::RobotTexts;
 use crate::simulation::PhysicsSettings;
@@ -55,6 +58,9 @@ pub struct Scenario {
     pub world: WorldText,
     /// The human, as given or drawn.
     pub human: Perception,
+    /// When the human changes their mind, and to what; as given or drawn. Of several at the same step, the last stands.
+    #[serde(rename = "change", default, skip_serializing_if = "Vec::is_empty")]
+    pub changes: Vec<PreferenceChange>,
     /// What the robot believes, who leads, how fast they walk, when the episode ends at the latest.
     pub settings: episode::Settings,
     /// What the controller acts on.

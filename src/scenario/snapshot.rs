@@ -108,9 +108,10 @@ impl Stage {
     /// # Errors
     /// [`ScenarioError::State`]: the state is not one of this scenario.
     pub fn resume(&self, state: State) -> Result<Episode<'_>, ScenarioError> {
-        let Scenario { settings, plant, .. } = self.scenario();
+        let Scenario { settings, changes, plant, .. } = self.scenario();
         let is_physical = plant.physics().is_some();
-        Ok(Episode::resume(self.options(), settings, self.manipulator(), is_physical, state)?)
+        let episode = Episode::resume(self.options(), settings, self.manipulator(), is_physical, state)?;
+        Ok(episode.with_changes(changes))
     }
 }
 

@@ -115,7 +115,8 @@ impl Stage {
     /// [`ScenarioError::Physics`]: the team does not fit where it is to start.
     pub fn episode(&self) -> Result<Episode<'_>, ScenarioError> {
         let Self { scenario, scene, .. } = self;
-        let episode = Episode::new(&scene.options, &scenario.settings, scenario.human);
+        let episode =
+            Episode::new(&scene.options, &scenario.settings, scenario.human).with_changes(&scenario.changes);
         let Some(manipulator) = self.manipulator() else { return Ok(episode) };
         match scenario.plant.physics() {
             None => Ok(episode.with_robot(manipulator)),

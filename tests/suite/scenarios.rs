@@ -29,6 +29,7 @@ fn scenario(plant: Plant) -> Scenario {
         seed: u64::MAX,
         world: WorldText { file, text },
         human: Perception { alpha: 2.241 / 3.0, gamma: 0.765 },
+        changes: Vec::new(),
         settings: Settings { predictor, tick_limit: Some(1000), ..Settings::default() },
         plant,
     }

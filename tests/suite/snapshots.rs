@@ -14,7 +14,7 @@ fn scenario(plant: Plant, method: Method) -> Scenario {
     let world = paper::ENVIRONMENTS[3].world().unwrap_or_else(|e| panic!("{e}"));
     let coordination = coordination::Settings { eta: 5.0, ..coordination::Settings::default() };
     let settings = Settings { method, coordination, ..Settings::default() };
-    Scenario { seed: 5, world: world.into(), human: paper::EXAMPLE_HUMAN, settings, plant }
+    Scenario { seed: 5, world: world.into(), human: paper::EXAMPLE_HUMAN, changes: Vec::new(), settings, plant }
 }
 
 fn plants() -> [Plant; 3] {

@@ -189,7 +189,7 @@ impl Study {
         };
         let world = contents.worlds[cell.world].1.clone();
         let human = contents.humans[cell.humans].1.draw(seed);
-        Scenario { seed, world, human, settings, plant }
+        Scenario { seed, world, human, changes: Vec::new(), settings, plant }
     }
 
     fn carrier(&self, cell: &Cell) -> Carrier {
