@@ -5,6 +5,7 @@ use crate::control::{Avoid, CandidateSet, PoseCriterion, Settings as Control};
 use crate::coordination::{self, Method};
 use crate::episode::Settings;
 use crate::preference::RISK_WEIGHT;
+use crate::scenario::Redraws;
 use crate::simulation::HumanSettings;
 
 /// The most combinations that a run may have.
@@ -20,6 +21,7 @@ pub(super) struct Cell {
     pub initial_stubbornness: f64,
     pub risk_weight: f64,
     pub humans: usize,
+    pub redraws: Redraws,
     pub belief: usize,
     pub period: f64,
     pub speed: f64,
@@ -48,6 +50,7 @@ pub(super) struct Axes {
     pub initial_stubbornness: Vec<f64>,
     pub risk_weight: Vec<f64>,
     pub humans: Vec<usize>,
+    pub redraws: Vec<Redraws>,
     pub beliefs: Vec<usize>,
     pub period: Vec<f64>,
     pub speed: Vec<f64>,
@@ -75,6 +78,7 @@ impl Default for Axes {
             initial_stubbornness: vec![coordination.initial_stubbornness],
             risk_weight: vec![RISK_WEIGHT],
             humans: vec![0],
+            redraws: vec![Redraws::NONE],
             beliefs: vec![0],
             period: vec![settings.period],
             speed: vec![settings.speed],
@@ -104,6 +108,7 @@ impl Axes {
             initial_stubbornness: standard.initial_stubbornness[0],
             risk_weight: standard.risk_weight[0],
             humans: 0,
+            redraws: standard.redraws[0],
             belief: 0,
             period: standard.period[0],
             speed: standard.speed[0],
@@ -127,6 +132,7 @@ impl Axes {
         vary(&mut cells, &self.risk_weight, always, |cell, value| cell.risk_weight = value)?;
         vary(&mut cells, &self.beliefs, always, |cell, value| cell.belief = value)?;
         vary(&mut cells, &self.humans, always, |cell, value| cell.humans = value)?;
+        vary(&mut cells, &self.redraws, always, |cell, value| cell.redraws = value)?;
         vary(&mut cells, &self.period, always, |cell, value| cell.period = value)?;
         vary(&mut cells, &self.speed, always, |cell, value| cell.speed = value)?;
         vary(&mut cells, &self.yaw_rate, always, |cell, value| cell.yaw_rate = value)?;

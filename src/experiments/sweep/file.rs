@@ -8,7 +8,7 @@ use super::{Run, Seeds, SweepError};
 use crate::experiments::paper;
 use crate::preference::{Belief, Marginal};
 use crate::robot::{Robot, RobotTexts};
-use crate::scenario::WorldText;
+use crate::scenario::{Redraws, WorldText};
 use crate::world::{Place, World};
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
@@ -21,7 +21,7 @@ const BUILT_IN: &str = "built-in";
 const MOST_SEEDS: u64 = 1_000_000_000;
 
 /// The keys of a run, which are those of a study too.
-const RUN_KEYS: [&str; 20] = [
+const RUN_KEYS: [&str; 21] = [
     "worlds",
     "plants",
     "methods",
@@ -29,6 +29,7 @@ const RUN_KEYS: [&str; 20] = [
     "initial_stubbornness",
     "risk_weight_m",
     "humans",
+    "redraws",
     "beliefs",
     "period_s",
     "speed_m_per_s",
@@ -66,6 +67,8 @@ struct Draft {
     axes: Axes,
     /// The postures asked for, with their places.
     postures: Vec<(String, Place)>,
+    /// How often humans are to change their mind, with the places.
+    redraws: Vec<(Redraws, Place)>,
     seeds: Seeds,
 }
 
@@ -109,7 +112,12 @@ pub(super) fn read(
     if contents.beliefs.is_empty() {
         contents.beliefs.push((PAPER.to_owned(), standard));
     }
-    let mut draft = Draft { axes: Axes::default(), postures: Vec::new(), seeds: Seeds { first: 0, last: 0 } };
+    let mut draft = Draft {
+        axes: Axes::default(),
+        postures: Vec::new(),
+        redraws: Vec::new(),
+        seeds: Seeds { first: 0, last: 0 },
+    };
     draft.axes.humans = (0..contents.humans.len()).collect();
     draft.axes.beliefs = (0..contents.beliefs.len()).collect();
     contents.keys(source, folder, table, &mut draft)?;
@@ -152,6 +160,11 @@ impl Contents {
             run.postures = postures;
         }
         pick(source, table, "humans", &self.humans, &mut axes.humans)?;
+        let expected =
+            format!("a whole number from 0 to {}, or \"{}\"", Redraws::MOST, Redraws::ONCE_OR_TWICE);
+        if let Some(redraws) = source.list(table, "redraws", &expected, redraws)? {
+            run.redraws = redraws;
+        }
         pick(source, table, "beliefs", &self.beliefs, &mut axes.beliefs)?;
         named(source, table, "plants", PLANTS, &mut axes.plants)?;
         named(source, table, "methods", METHODS, &mut axes.methods)?;
@@ -246,6 +259,7 @@ impl Contents {
         if let Some(count) = seeds {
             run.seeds.last = run.seeds.last.min(run.seeds.first.saturating_add(count - 1));
         }
+        self.redraws(&mut run)?;
         let has_robot = run.axes.plants.iter().any(|plant| *plant != Plants::Point);
         if has_robot {
             if self.robots.is_empty() {
@@ -257,6 +271,25 @@ impl Contents {
         let too_many = SweepError::TooMany { place: place.clone(), most: LARGEST_RUN };
         let cells: Vec<Cell> = run.axes.cells().ok_or(too_many)?;
         self.runs.push((Run { cells, seeds: run.seeds }, place));
+        Ok(())
+    }
+
+    /// Who is to change their mind must have something to change it to.
+    fn redraws(&self, run: &mut Draft) -> Result<(), SweepError> {
+        let one = run.axes.humans.iter().map(|&at| &self.humans[at]).find(|(_, humans)| humans.are_one());
+        let asked = run.redraws.iter().find(|(redraws, _)| *redraws != Redraws::NONE);
+        if let (Some((name, _)), Some((redraws, place))) = (one, asked) {
+            return Err(SweepError::Value {
+                place: place.clone(),
+                value: redraws.to_string(),
+                expected: format!(
+                    "0 where humans are `{name}`, of whom alpha and gamma are given: there is nothing to redraw"
+                ),
+            });
+        }
+        if !run.redraws.is_empty() {
+            run.axes.redraws = run.redraws.iter().map(|(redraws, _)| *redraws).collect();
+        }
         Ok(())
     }
 
@@ -300,6 +333,14 @@ fn has_use(source: Source, table: &DeTable, run: &Draft) -> Result<(), SweepErro
             let what = if key.get_ref().as_ref() == "sway_m" { "a human's body" } else { "a robot" };
             Err(SweepError::Idle { place: source.place(key.span(), key.get_ref().as_ref()), what })
         }
+    }
+}
+
+/// How often humans change their mind, as written.
+fn redraws(value: &DeValue) -> Option<Redraws> {
+    match value.as_str() {
+        Some(word) => Some(Redraws::OnceOrTwice).filter(|_| word == Redraws::ONCE_OR_TWICE),
+        None => whole(value).and_then(Redraws::times),
     }
 }
 

@@ -1,7 +1,9 @@
-//! What humans are drawn from, by name; a human for every seed out.
+//! What humans are drawn from, by name; a human for every seed, and what they change their mind to, out.
 
+use crate::episode::{PreferenceChange, Settings};
+use crate::options::OptionSet;
 use crate::preference::{Belief, Marginal, Perception};
-use crate::scenario::drawn_human;
+use crate::scenario::{Redraws, drawn_changes, drawn_human};
 
 /// Where one parameter of a human comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,14 +24,42 @@ pub(super) struct Humans {
 impl Humans {
     /// The human of a seed: the one that `cocarry run --seed` draws from these ranges as the robot's belief.
     pub fn draw(&self, seed: u64) -> Perception {
-        let standard = Belief::default();
-        let Belief::Independent { alpha, gamma } = &standard else { return drawn_human(&standard, seed) };
-        // a parameter that is fixed is drawn all the same, so that the other one is the same human's
-        let belief = Belief::Independent {
-            alpha: self.alpha.marginal().unwrap_or(*alpha),
-            gamma: self.gamma.marginal().unwrap_or(*gamma),
+        self.fixed_or(drawn_human(&self.belief(), seed))
+    }
+
+    /// That human's changes of mind: those that `cocarry run --seed --redraws` draws likewise.
+    pub fn draw_changes(
+        &self,
+        redraws: Redraws,
+        seed: u64,
+        options: &OptionSet,
+        settings: &Settings,
+    ) -> Vec<PreferenceChange> {
+        let drawn = drawn_changes(redraws, &self.belief(), seed, self.draw(seed), options, settings);
+        let fixed = |change: PreferenceChange| PreferenceChange {
+            perception: self.fixed_or(change.perception),
+            ..change
         };
-        let drawn = drawn_human(&belief, seed);
+        drawn.into_iter().map(fixed).collect()
+    }
+
+    /// Whether all of them are the same human, who has nothing to redraw.
+    pub fn are_one(&self) -> bool {
+        [self.alpha, self.gamma].iter().all(|range| range.marginal().is_none())
+    }
+
+    /// What humans are drawn from. A parameter that is fixed is drawn all the same, so that the other one is the same human's.
+    fn belief(&self) -> Belief {
+        match Belief::default() {
+            Belief::Independent { alpha, gamma } => Belief::Independent {
+                alpha: self.alpha.marginal().unwrap_or(alpha),
+                gamma: self.gamma.marginal().unwrap_or(gamma),
+            },
+            other => other,
+        }
+    }
+
+    fn fixed_or(&self, drawn: Perception) -> Perception {
         Perception { alpha: self.alpha.or(drawn.alpha), gamma: self.gamma.or(drawn.gamma) }
     }
 }

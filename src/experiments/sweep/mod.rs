@@ -138,7 +138,17 @@ impl Study {
     /// The scenario of an episode.
     pub fn scenario(&self, episode: u64) -> Option<Scenario> {
         let (cell, seed) = self.place(episode)?;
-        Some(self.scenario_of(cell, seed))
+        Some(self.drawn(cell, seed))
+    }
+
+    /// The scenario of a cell that has its stage, with all that is drawn.
+    fn drawn(&self, cell: usize, seed: u64) -> Scenario {
+        let scenario = self.scenario_of(cell, seed);
+        let options = self.stages[self.stage_of[cell]].options();
+        let Cell { humans, redraws, .. } = self.cells[cell];
+        let (_, humans) = &self.contents.humans[humans];
+        let changes = humans.draw_changes(redraws, seed, options, &scenario.settings);
+        Scenario { changes, ..scenario }
     }
 
     /// The cell and the seed of an episode.
@@ -157,6 +167,7 @@ impl Study {
         None
     }
 
+    /// The scenario but for changes of mind, which are drawn for a world's options.
     fn scenario_of(&self, cell: usize, seed: u64) -> Scenario {
         let (contents, predictor) = (&self.contents, &self.predictors[self.predictor_of[cell]]);
         let cell = &self.cells[cell];

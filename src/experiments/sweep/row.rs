@@ -32,6 +32,7 @@ const INPUTS: &[InputColumn] = &[
     ("humans", |r| Some(r.study.contents.humans[r.cell.humans].0.clone())),
     ("humans_alpha", |r| some(r.study.contents.humans[r.cell.humans].1.alpha)),
     ("humans_gamma", |r| some(r.study.contents.humans[r.cell.humans].1.gamma)),
+    ("redraws", |r| some(r.cell.redraws)),
     ("belief", |r| Some(r.study.contents.beliefs[r.cell.belief].0.clone())),
     ("belief_alpha", |r| r.belief()[0].clone()),
     ("belief_gamma", |r| r.belief()[1].clone()),
@@ -64,6 +65,7 @@ const RESULTS: &[ResultColumn] = &[
     ("seed", |r| some(r.scenario.seed)),
     ("alpha", |r| some(r.scenario.human.alpha)),
     ("gamma", |r| some(r.scenario.human.gamma)),
+    ("preference_changes", |r| some(r.changes())),
     ("outcome", |r| word(r.summary.as_ref().map_or("not-begun", |s| s.outcome.name()))),
     ("steps", |r| r.of(|s| s.steps)),
     ("time_s", |r| r.of(|s| r.seconds(s.steps))),
@@ -149,7 +151,7 @@ impl Study {
     pub(super) fn run(&self, episode: u64) -> Vec<u8> {
         let Some((cell, seed)) = self.place(episode) else { return Vec::new() };
         let basis = &self.stages[self.stage_of[cell]];
-        let scenario = self.scenario_of(cell, seed);
+        let scenario = self.drawn(cell, seed);
         let end = match basis.prepare(scenario.clone()) {
             Ok(stage) => carry_out(&stage),
             Err(error) => (None, None, Some(words(&error))),
@@ -217,6 +219,13 @@ impl End<'_> {
 
     fn seconds(&self, steps: u64) -> f64 {
         steps as f64 * self.scenario.settings.period
+    }
+
+    /// As `cocarry run --change` takes them, with spaces between, by their steps; empty without.
+    fn changes(&self) -> String {
+        let mut changes = self.scenario.changes.clone();
+        changes.sort_by_key(|change| change.step);
+        changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
     }
 
     fn option(&self, option: usize) -> String {
