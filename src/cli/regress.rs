@@ -102,20 +102,30 @@ fn scenario(file: &str, folder: &Path, run: &Run) -> Result<Scenario, Failure> {
             }));
         };
         let is_flag = matches!(argument.get_action(), ArgAction::SetTrue);
-        let word = match value {
-            Value::Flag(is_set) if is_flag => is_set.then(|| format!("--{long}")),
+        let is_repeated = matches!(argument.get_action(), ArgAction::Append);
+        let word = |text: &String| match argument.is_positional() {
+            true => text.clone(),
+            false => format!("--{long}={text}"),
+        };
+        let words = match value {
+            Value::Flag(is_set) if is_flag => is_set.then(|| format!("--{long}")).into_iter().collect(),
             Value::Text(text) if !is_flag => {
                 let beside = folder.join(text);
                 let is_beside = FILES.contains(&long.as_str()) && beside.is_file();
-                let text = if is_beside { beside.display().to_string() } else { text.clone() };
-                Some(if argument.is_positional() { text } else { format!("--{long}={text}") })
+                vec![word(&if is_beside { beside.display().to_string() } else { text.clone() })]
             }
+            Value::List(texts) if is_repeated => texts.iter().map(word).collect(),
             Value::Flag(value) => {
                 return Err(wrong(file, run, *line, key, &value.to_string(), "no true or false"));
             }
             Value::Text(value) => return Err(wrong(file, run, *line, key, value, "true or false")),
+            Value::List(texts) => {
+                let expected =
+                    if is_flag { "true or false" } else { "a number or a word in quotes, not a list" };
+                return Err(wrong(file, run, *line, key, &format!("[{}]", texts.join(", ")), expected));
+            }
         };
-        line_of_words.extend(word.map(|word| (word, *line)));
+        line_of_words.extend(words.into_iter().map(|word: String| (word, *line)));
     }
     let words = line_of_words.iter().map(|(word, _)| word.as_str());
     let arguments = RunArguments::try_parse_from(words).map_err(|error| {

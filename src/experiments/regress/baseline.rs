@@ -35,6 +35,8 @@ pub enum Value {
     Flag(bool),
     /// Anything else, as it would stand on a command line.
     Text(String),
+    /// Several of such, of an argument that may be given several times.
+    List(Vec<String>),
 }
 
 /// By how much a number may move: `absolute + relative * |recorded|`.
@@ -225,19 +227,8 @@ fn run(source: &Source, table: &Table) -> Result<Run, BaselineError> {
             },
             "recorded" => run.recorded = Some(recorded(source, item)?),
             _ => {
-                let value = match item.as_value() {
-                    Some(toml_edit::Value::Boolean(flag)) => Value::Flag(*flag.value()),
-                    Some(toml_edit::Value::String(text)) => Value::Text(text.value().clone()),
-                    Some(toml_edit::Value::Integer(number)) => Value::Text(number.value().to_string()),
-                    Some(toml_edit::Value::Float(number)) => Value::Text(number.value().to_string()),
-                    _ => {
-                        return Err(source.wrong(
-                            item,
-                            "run",
-                            key,
-                            "a number, a word in quotes, true or false",
-                        ));
-                    }
+                let Some(value) = item.as_value().and_then(argument) else {
+                    return Err(source.wrong(item, "run", key, "a number, a word in quotes, true or false"));
                 };
                 run.arguments.push((key.to_owned(), value, source.line(item.span())));
             }
@@ -249,10 +240,28 @@ fn run(source: &Source, table: &Table) -> Result<Run, BaselineError> {
             (_, Value::Text(text)) => format!("{key} {text}"),
             (_, Value::Flag(true)) => key.clone(),
             (_, Value::Flag(false)) => format!("no {key}"),
+            (_, Value::List(texts)) => format!("{key} {}", texts.join(" ")),
         });
         run.name = words.collect::<Vec<_>>().join(", ");
     }
     Ok(run)
+}
+
+/// The value of an argument; `None` for what is none.
+fn argument(value: &toml_edit::Value) -> Option<Value> {
+    if let Some(list) = value.as_array() {
+        return list.iter().map(text).collect::<Option<_>>().map(Value::List);
+    }
+    value.as_bool().map(Value::Flag).or_else(|| text(value).map(Value::Text))
+}
+
+fn text(value: &toml_edit::Value) -> Option<String> {
+    match value {
+        toml_edit::Value::String(text) => Some(text.value().clone()),
+        toml_edit::Value::Integer(number) => Some(number.value().to_string()),
+        toml_edit::Value::Float(number) => Some(number.value().to_string()),
+        _ => None,
+    }
 }
 
 fn recorded(source: &Source, item: &Item) -> Result<Vec<(String, Figure)>, BaselineError> {
