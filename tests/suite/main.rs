@@ -5,6 +5,7 @@ mod bad_input;
 mod bad_robots;
 mod bad_urdfs;
 mod carrying;
+mod changes;
 mod closed_loop;
 mod command_line;
 mod determinism;

@@ -162,6 +162,26 @@ fn keys_are_those_of_run() {
 }
 
 #[test]
+fn humans_who_change_their_mind_are_recorded() {
+    let folder = tempfile::tempdir().unwrap();
+    let head = "[[run]]\nworld = \"environment-4\"\nplant = \"point\"\nmethod = \"human-led\"\nseed = 4\n";
+    for (key, arguments) in [
+        ("change = [\"10:0.95,1.1\", \"40:0.6,0.6\"]", "--change 10:0.95,1.1 --change 40:0.6,0.6"),
+        ("change = \"10:0.95,1.1\"", "--change 10:0.95,1.1"),
+        ("redraws = 3", "--redraws 3"),
+        ("redraws = \"once-or-twice\"", "--redraws once-or-twice"),
+    ] {
+        let file = at(folder.path(), &format!("{head}{key}\n"));
+        assert!(cocarry(&["regress", "record", &file]).status.success(), "{key}");
+        let recorded = std::fs::read_to_string(&file).unwrap();
+        let same = format!("run environment-4 --plant point --method human-led --seed 4 --json {arguments}");
+        let told = json(&same.split(' ').collect::<Vec<_>>());
+        let walked = told["walked_m"].as_f64().unwrap();
+        assert!(recorded.contains(&format!("walked_m = {walked}")), "{walked}:\n{recorded}");
+    }
+}
+
+#[test]
 fn wrong_files_are_named_by_line() {
     let spoil = |from: &str, to: &str| {
         assert_eq!(SMALL.matches(from).count(), 1, "{from:?}");
@@ -175,6 +195,10 @@ fn wrong_files_are_named_by_line() {
     refused(&spoil("seed = 1", "json = true"), &[":7:", "unknown key `json`"]);
     refused(&spoil("eta = 5", "eta = 0"), &[":11:", "eta", "greater than 0"]);
     refused(&spoil("eta = 5", "eta = [5]"), &[":11:", "eta = [5]", "a number"]);
+    refused(&spoil("eta = 5", "no_obstacles = []"), &[":11:", "no_obstacles = []", "true or false"]);
+    refused(&spoil("eta = 5", "change = [\"3\"]"), &[":11:", "--change", "STEP:ALPHA,GAMMA"]);
+    refused(&spoil("eta = 5", "change = [true]"), &[":11:", "change = [true]", "a number, a word in quotes"]);
+    refused(&spoil("eta = 5", "redraws = 9"), &[":11:", "--redraws", "from 0 to 8"]);
     refused(&spoil("eta = 5", "eta = true"), &[":11:", "eta = true"]);
     refused(&spoil("eta = 5", "no_obstacles = 1"), &[":11:", "no_obstacles = 1", "true or false"]);
     refused(&spoil("eta = 5", "method = \"democratic\""), &[":11:", "democratic", "mutual"]);

@@ -3,11 +3,12 @@
 use crate::support::repository;
 use cocarry::control;
 use cocarry::coordination::Method;
-use cocarry::episode::{Episode, Settings};
+use cocarry::episode::{Episode, PreferenceChange, Settings};
 use cocarry::preference::{Belief, Marginal, Perception, Predictor, WeightedSample};
 use cocarry::robot::Robot;
 use cocarry::scenario::{Carrier, Plant, Scenario, ScenarioError, WorldText};
 use cocarry::simulation::PhysicsSettings;
+use proptest::prelude::*;
 
 fn carrier() -> Carrier {
     let robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
@@ -73,6 +74,58 @@ fn a_scenario_read_back_is_the_same_episode() {
         let expected = bits(scenario);
         assert!(expected.lines().count() > 100, "{name}: an episode");
         assert!(bits(toml) == expected, "{name}: the episodes differ");
+    }
+}
+
+/// Positive, of any magnitude, to the last bit.
+fn parameter() -> impl Strategy<Value = f64> {
+    (proptest::num::f64::POSITIVE | proptest::num::f64::NORMAL | proptest::num::f64::SUBNORMAL)
+        .prop_map(f64::abs)
+}
+
+#[test]
+fn property_changes_of_mind_are_read_back_to_the_last_bit() {
+    let of = scenario(Plant::Point);
+    let plain = of.text().unwrap_or_else(|e| panic!("{e}"));
+    assert!(!plain.contains("change"), "nothing is written where there are none:\n{plain}");
+    let change = (any::<u64>(), parameter(), parameter())
+        .prop_map(|(step, alpha, gamma)| PreferenceChange { step, perception: Perception { alpha, gamma } });
+    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    runner
+        .run(&proptest::collection::vec(change, 0..6), |changes| {
+            let scenario = Scenario { changes, ..of.clone() };
+            let text = scenario.text().unwrap_or_else(|e| panic!("{e}"));
+            prop_assert_eq!(text.matches("[[change]]").count(), scenario.changes.len());
+            prop_assert!(parsed(&text) == scenario, "{}", text);
+            prop_assert_eq!(parsed(&text).text().unwrap_or_else(|e| panic!("{e}")), text);
+            Ok(())
+        })
+        .unwrap_or_else(|e| panic!("{e}"));
+}
+
+#[test]
+fn what_is_wrong_in_a_change_is_named() {
+    let change = |step, alpha, gamma| PreferenceChange { step, perception: Perception { alpha, gamma } };
+    let changes = vec![change(12, 0.6, 0.7), change(40, 0.25, 0.75)];
+    let valid = Scenario { changes, ..scenario(Plant::Point) }.text().unwrap_or_else(|e| panic!("{e}"));
+    parsed(&valid);
+    let cases: [(&str, &str, &[&str]); 9] = [
+        ("alpha = 0.25", "alpha = 0", &["change 2, at step 40: alpha = 0", "greater than 0"]),
+        ("gamma = 0.75", "gamma = nan", &["change 2, at step 40: gamma = NaN", "greater than 0"]),
+        ("gamma = 0.75", "gamma = inf", &["change 2, at step 40: gamma = inf", "greater than 0"]),
+        ("alpha = 0.25", "alpha = -1", &["change 2, at step 40: alpha = -1", "greater than 0"]),
+        ("step = 40", "step = -40", &["-40", "u64"]),
+        ("step = 40", "step = 4.5", &["4.5", "u64"]),
+        ("step = 40", "", &["missing field `step`"]),
+        ("step = 40", "step = 40\nbeta = 1", &["beta", "gamma"]),
+        ("step = 40", "time_s = 40", &["time_s", "step"]),
+    ];
+    for (from, to, said) in cases {
+        assert_eq!(valid.matches(from).count(), 1, "{from}:\n{valid}");
+        let error = chain(Scenario::parse(&valid.replace(from, to)).map(|_| ()).expect_err(to));
+        for part in said {
+            assert!(error.contains(part), "{part:?} is missing from: {error}");
+        }
     }
 }
 

@@ -3,8 +3,9 @@
 use crate::support::{cocarry, stderr, stdout};
 use cocarry::control;
 use cocarry::coordination::{self, Method};
-use cocarry::episode::{Episode, Settings};
+use cocarry::episode::{Episode, PreferenceChange, Settings};
 use cocarry::experiments::paper;
+use cocarry::preference::Perception;
 use cocarry::robot::Robot;
 use cocarry::scenario::{Carrier, Plant, Scenario, Snapshot, SnapshotError, Stage};
 use cocarry::simulation::PhysicsSettings;
@@ -14,7 +15,14 @@ fn scenario(plant: Plant, method: Method) -> Scenario {
     let world = paper::ENVIRONMENTS[3].world().unwrap_or_else(|e| panic!("{e}"));
     let coordination = coordination::Settings { eta: 5.0, ..coordination::Settings::default() };
     let settings = Settings { method, coordination, ..Settings::default() };
-    Scenario { seed: 5, world: world.into(), human: paper::EXAMPLE_HUMAN, changes: Vec::new(), settings, plant }
+    Scenario {
+        seed: 5,
+        world: world.into(),
+        human: paper::EXAMPLE_HUMAN,
+        changes: Vec::new(),
+        settings,
+        plant,
+    }
 }
 
 fn plants() -> [Plant; 3] {
@@ -145,6 +153,34 @@ fn a_state_of_another_scenario_is_refused() {
     assert!(refused(&other, &point).contains("place"));
 }
 
+/// Saved before, at and after a change of mind, the human goes on as they would have: what they have become is in the file, and what is to
+/// come too.
+#[test]
+fn a_human_cut_around_a_change_of_mind_is_the_one_never_cut() {
+    let change = |step, alpha, gamma| PreferenceChange { step, perception: Perception { alpha, gamma } };
+    for plant in plants() {
+        let name = plant.name();
+        // at step 25, the second of the two stands
+        let changes =
+            vec![change(45, 0.6, 0.6), change(25, 0.5, 0.5), change(25, 0.95, 1.1), change(0, 0.7, 0.8)];
+        let scenario = scenario(plant, Method::HumanLed);
+        let kept = rest(stage(scenario.clone()).episode().unwrap_or_else(|e| panic!("{e}")));
+        let of_whole = stage(Scenario { changes, ..scenario });
+        let whole = rest(of_whole.episode().unwrap_or_else(|e| panic!("{e}")));
+        assert!(whole[25..30] != kept[25..30], "{name}: the change makes a difference");
+        let end = whole.len() as u64 - 1;
+        for cut in [0, 1, 24, 25, 26, 44, 45, 46, end] {
+            let bytes = saved(&of_whole, cut);
+            let snapshot = parse(&bytes).unwrap_or_else(|e| panic!("{e}"));
+            let stage = stage(snapshot.scenario);
+            let episode = stage.resume(snapshot.state).unwrap_or_else(|e| panic!("{e}"));
+            let again = stage.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"));
+            assert!(again == bytes, "{name}: something is lost after {cut} steps");
+            assert!(rest(episode) == whole[cut as usize..], "{name}: cut after {cut} of {end} steps");
+        }
+    }
+}
+
 /// How long it has been stuck already is part of an episode.
 #[test]
 fn an_episode_that_is_stuck_stays_so() {
@@ -215,6 +251,25 @@ fn what_is_told_of_an_episode_gone_on_with() {
     assert!(end(&told).lines().count() >= 4, "{told}");
 }
 
+/// Gone on with after it, a change is told as what it was; where the team was then is not known.
+#[test]
+fn a_change_before_a_snapshot_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("30.snapshot").to_str().expect("UTF-8").to_owned();
+    let changes = ["--change", "20:0.95,1.1", "--change", "40:0.7,0.7"];
+    let asked = ["run", "--plant", "point", "--method", "human-led", "--save-at", "30", &file];
+    let whole = cocarry(&[&asked[..], &changes].concat());
+    assert!(whole.status.success(), "{}", stderr(&whole));
+    let told = stdout(&cocarry(&["run", "--resume", &file]));
+    for part in ["step   20 (  4.0 s): the human's mind changes", "step   40 (  8.0 s) at ("] {
+        assert!(told.contains(part), "{part:?} is missing from:\n{told}");
+    }
+    let told = crate::support::json(&["run", "--resume", &file, "--json"]);
+    let of = |i: usize, key: &str| told["preference_changes"][i][key].clone();
+    assert_eq!((of(0, "applied"), of(1, "applied")), (true.into(), true.into()));
+    assert!(of(0, "preferred").is_null() && of(1, "preferred").is_string());
+}
+
 fn refused(arguments: &[&str], said: &[&str]) {
     let output = cocarry(arguments);
     let error = stderr(&output);
@@ -252,7 +307,14 @@ fn what_cannot_be_gone_on_with_is_named() {
     resume(&forged, "opening `xi1`");
     refused(&["run", "--resume", &path("none.snapshot")], &["none.snapshot: cannot be read"]);
     refused(&["run", "--resume", folder.path().to_str().expect("UTF-8")], &["cannot be read"]);
-    for other in [&["environment-1"][..], &["--eta", "5"], &["--risk-weight", "3"], &["--plant", "point"]] {
+    for other in [
+        &["environment-1"][..],
+        &["--eta", "5"],
+        &["--risk-weight", "3"],
+        &["--plant", "point"],
+        &["--change", "3:0.7,0.8"],
+        &["--redraws", "1"],
+    ] {
         refused(&[&["run", "--resume", &file], other].concat(), &["--resume", "cannot be used with"]);
     }
     refused(&["run", "--resume", &file, "--save-at", "9", &bad], &["--save-at 9", "step 10"]);

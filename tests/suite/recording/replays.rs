@@ -2,8 +2,11 @@
 
 use super::{carrier, chunks, encoded, example, path, rapier, short, unpacked};
 use crate::support::{cocarry, json, stderr, stdout};
+use cocarry::coordination::Method;
+use cocarry::episode::{PreferenceChange, Settings};
+use cocarry::preference::Perception;
 use cocarry::recording::{Reader, Verdict, recover, replay};
-use cocarry::scenario::Plant;
+use cocarry::scenario::{Plant, Scenario};
 
 /// The same file with one of its messages rewritten.
 fn rewritten(whole: &[u8], from: &str, to: &str) -> Vec<u8> {
@@ -26,6 +29,33 @@ fn a_recording_replays_to_the_last_message_on_every_plant() {
         let again = replayed(&bytes);
         assert_eq!(again.verdict, Verdict::Identical);
         assert_eq!(again.same, written.len() as u64);
+    }
+}
+
+/// Changes of mind are in the scenario that a recording is made of, and told in its log: those that stand, when they happen.
+#[test]
+fn a_human_who_changes_their_mind_replays_and_is_told() {
+    let change = |step, alpha| PreferenceChange { step, perception: Perception { alpha, gamma: 1.1 } };
+    for plant in [Plant::Point, Plant::Kinematic { carrier: carrier() }, rapier()] {
+        let scenario = example(plant);
+        let settings = Settings { method: Method::HumanLed, tick_limit: Some(60), ..scenario.settings };
+        let changes = vec![change(30, 0.5), change(10, 0.6), change(10, 0.95), change(60, 0.5)];
+        let (bytes, written) = encoded(Scenario { settings, changes, ..scenario }, |_| {});
+        let again = replayed(&bytes);
+        assert_eq!((again.verdict, again.same), (Verdict::Identical, written.len() as u64));
+        let folder = tempfile::tempdir().unwrap();
+        let file = path(folder.path(), "r.mcap");
+        std::fs::write(&file, &bytes).unwrap();
+        let table = cocarry(&["inspect", &file, "--csv", "/log"]);
+        assert!(table.status.success(), "{}", stderr(&table));
+        let table = stdout(&table);
+        let told: Vec<&str> = table.lines().filter(|line| line.contains("mind changes")).collect();
+        assert_eq!(told.len(), 2, "{table}");
+        assert!(told[0].starts_with("2,") && told[0].contains("alpha 0.9500, gamma 1.1000"), "{told:?}");
+        assert!(told[1].starts_with("6,") && told[1].contains("alpha 0.5000, gamma 1.1000"), "{told:?}");
+        // what follows from it stands behind it
+        let (mind, option) = (table.find("mind changes"), table.find("the human prefers option"));
+        assert!(mind < option, "{table}");
     }
 }
 
