@@ -8,6 +8,7 @@
 use super::clusters::{Cluster, clusters, moving};
 use super::motor::{Motor, joint_data};
 use super::parts::{Group, Parts};
+use super::ramp::Ramp;
 use super::{Party, PhysicsSettings};
 use crate::geometry::{PlanarPose, Point, Pose, Vector, direction, wrap_angle};
 use crate::robot::{Configuration, InputVector, JointVector, MAX_JOINTS, Robot};
@@ -36,12 +37,11 @@ pub(super) struct Articulation {
     gripper: (RigidBodyHandle, Pose),
     /// Positions that the arm's joints are to have.
     reference: JointVector,
-    rates: JointVector,
-    rate_limits: JointVector,
-    /// Speeds that the rims are to have, and those that they are to have by now, m/s: the wheels' motors change them only so fast.
-    wanted_rims: [f64; 2],
+    /// Rates that rims (m/s) and joints are to have.
+    ramp: Ramp,
+    rate_limits: InputVector,
+    /// Speeds that the rims are to have by now, m/s: the wheels' motors change them only so fast.
     rims: [f64; 2],
-    rim_limit: f64,
     rim_acceleration: f64,
     track: f64,
     wheel_radius: f64,
@@ -93,8 +93,9 @@ impl Articulation {
                 links[*link] = (*handle, *at);
             }
         }
-        let mut rate_limits = JointVector::zeros();
-        for (limit, joint) in rate_limits.iter_mut().zip(&robot.joints) {
+        let mut rate_limits = InputVector::zeros();
+        rate_limits.fixed_rows_mut::<2>(0).fill(robot.drive.rim_speed_limit);
+        for (limit, joint) in rate_limits.iter_mut().skip(2).zip(&robot.joints) {
             *limit = joint.rate_limit;
         }
         let articulation = Self {
@@ -108,11 +109,9 @@ impl Articulation {
             gripper: links[robot.grasp_link],
             links,
             reference: start.joints,
-            rates: JointVector::zeros(),
+            ramp: Ramp::new(),
             rate_limits,
-            wanted_rims: [0.0; 2],
             rims: [0.0; 2],
-            rim_limit: robot.drive.rim_speed_limit,
             rim_acceleration: settings.rim_acceleration,
             track: robot.drive.track,
             wheel_radius: robot.drive.wheel_radius,
@@ -151,17 +150,17 @@ impl Articulation {
         Some(())
     }
 
-    /// The rates of a control period, cut to the robot's limits.
-    pub fn command(&mut self, rates: &InputVector) {
-        let joints = rates.fixed_rows::<MAX_JOINTS>(2).into_owned();
-        self.rates = joints.zip_map(&self.rate_limits, |rate, limit| rate.clamp(-limit, limit));
-        self.wanted_rims = [rates[0], rates[1]].map(|rim| rim.clamp(-self.rim_limit, self.rim_limit));
+    /// The mean rates of a control period of so many physics steps, cut to the robot's limits.
+    pub fn command(&mut self, rates: &InputVector, steps: u64) {
+        let rates = rates.zip_map(&self.rate_limits, |rate, limit| rate.clamp(-limit, limit));
+        self.ramp.begin(&rates, &self.rate_limits, steps);
     }
 
     /// Sets all motors for a step of `dt` seconds. `None` if the bodies are gone.
     pub fn drive(&mut self, world: &mut PhysicsWorld, dt: f64) -> Option<()> {
+        let wanted = self.ramp.next();
         let most = self.rim_acceleration * dt;
-        for (rim, wanted) in self.rims.iter_mut().zip(self.wanted_rims) {
+        for (rim, wanted) in self.rims.iter_mut().zip(&wanted) {
             *rim += (wanted - *rim).clamp(-most, most);
         }
         let [left, right] = self.rims;
@@ -176,9 +175,10 @@ impl Articulation {
         set_velocity(data, JointAxis::LinY, velocity.y, BASE_FORCE);
         set_velocity(data, JointAxis::AngZ, turn, BASE_TORQUE);
 
-        self.reference += self.rates * dt;
+        let rates = wanted.fixed_rows::<MAX_JOINTS>(2).into_owned();
+        self.reference += rates * dt;
         for motor in &mut self.motors {
-            motor.drive(world, &mut self.reference, &self.rates, dt)?;
+            motor.drive(world, &mut self.reference, &rates, dt)?;
         }
         Some(())
     }

@@ -13,6 +13,7 @@ mod human;
 mod motor;
 mod observation;
 mod parts;
+mod ramp;
 mod scene;
 mod settings;
 mod tally;
@@ -102,8 +103,8 @@ impl PhysicalPlant {
         Ok(plant)
     }
 
-    /// One control period (s, at most a minute) with constant rates (rims m/s, joints rad/s or m/s, both cut to the robot's limits), the human doing as
-    /// commanded. A plant that has failed with [`Failure::NonFinite`] stays as it is.
+    /// One control period (s, at most a minute) with these mean rates (rims m/s, joints rad/s or m/s, both cut to the robot's limits; they change
+    /// smoothly from the last period's), the human doing as commanded. A plant that has failed with [`Failure::NonFinite`] stays as it is.
     pub fn step(&mut self, rates: &InputVector, human: &HumanCommand, period: f64) -> Observation {
         let goal = match human {
             HumanCommand::Walk { hand } => [hand.position.x, hand.position.y, hand.yaw],
@@ -118,7 +119,7 @@ impl PhysicalPlant {
             return self.observe();
         }
         let steps = (period * self.settings.rate_hz).round() as u64;
-        self.robot.command(rates);
+        self.robot.command(rates, steps);
         self.human.begin(human, steps as f64 * dt);
         for _ in 0..steps {
             if self.substep(dt).is_none() {
