@@ -134,7 +134,7 @@ fn robot_columns(robot: &RobotTick, names: &Names) -> Vec<(String, Value)> {
 }
 
 /// The values of the physical plant in a tick, in the order of the columns; null for a distance where there is nothing to be near to.
-fn physics_columns(physics: &PhysicsTick) -> [(&'static str, Value); 17] {
+fn physics_columns(physics: &PhysicsTick) -> [(&'static str, Value); 19] {
     let (object, hand) = (physics.object, physics.hand);
     [
         ("object_x_m", json!(object.position.x)),
@@ -148,6 +148,8 @@ fn physics_columns(physics: &PhysicsTick) -> [(&'static str, Value); 17] {
         ("peak_force_n", json!(physics.peak_force)),
         ("grip_stretch_m", json!(physics.stretch[0])),
         ("hand_stretch_m", json!(physics.stretch[1])),
+        ("grip_force_change_n", json!(physics.force_change[0])),
+        ("hand_force_change_n", json!(physics.force_change[1])),
         ("robot_work_j", json!(physics.work[0])),
         ("human_work_j", json!(physics.work[1])),
         ("squared_jerk_m2_per_s5", json!(physics.squared_jerk)),

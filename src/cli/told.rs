@@ -318,6 +318,7 @@ impl Told<'_> {
                 "robot_work_j": i.work[0],
                 "human_work_j": i.work[1],
                 "squared_jerk_m2_per_s5": i.squared_jerk,
+                "force_noise_rms_n": i.force_noise(),
                 "largest_stretch_m": i.stretch,
             })),
             "collision": summary.collision.as_ref().map(|c| json!({

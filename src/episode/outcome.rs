@@ -89,6 +89,9 @@ pub struct InteractionSummary {
     pub squared_hand_force: f64,
     /// Largest force in either grip, N.
     pub peak_force: f64,
+    /// Sums of the squares of what the robot's and the human's force change by from one physics step to the next, N^2 (the mean square in each
+    /// planning step).
+    pub squared_force_change: [f64; 2],
     /// Work that the robot and the human did on the object, J.
     pub work: [f64; 2],
     /// Integral of the square of the object's jerk, m^2/s^5.
@@ -103,6 +106,9 @@ impl InteractionSummary {
         self.hand_force += tick.hand_force;
         self.squared_hand_force += tick.hand_force * tick.hand_force;
         self.peak_force = self.peak_force.max(tick.peak_force);
+        for (sum, change) in self.squared_force_change.iter_mut().zip(tick.force_change) {
+            *sum += change * change;
+        }
         self.work[0] += tick.work[0];
         self.work[1] += tick.work[1];
         self.squared_jerk += tick.squared_jerk;
@@ -117,6 +123,13 @@ impl InteractionSummary {
     /// Its root mean square, N.
     pub fn rms_force(&self) -> f64 {
         (self.squared_hand_force / self.steps.max(1) as f64).sqrt()
+    }
+
+    /// How much forces chatter: the root mean square of what a grip's force changes by from one physics step to the next, N; the larger of the
+    /// two grips'.
+    pub fn force_noise(&self) -> f64 {
+        let [robot, human] = self.squared_force_change;
+        (robot.max(human) / self.steps.max(1) as f64).sqrt()
     }
 }
 

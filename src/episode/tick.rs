@@ -85,6 +85,8 @@ pub struct PhysicsTick {
     pub hand_force: f64,
     /// The larger of the two forces' peaks, N.
     pub peak_force: f64,
+    /// Root mean square of what the robot's and the human's force on the object change by from one physics step to the next, N.
+    pub force_change: [f64; 2],
     /// How far the grips yielded at most: the robot's and the human's, m.
     pub stretch: [f64; 2],
     /// Work done on the object by the robot and by the human, J.
@@ -109,6 +111,7 @@ impl PhysicsTick {
             grip_force: seen.grip.rms,
             hand_force: seen.hand_grip.rms,
             peak_force: seen.grip.peak.max(seen.hand_grip.peak),
+            force_change: [seen.grip.step_change, seen.hand_grip.step_change],
             stretch: [seen.grip.stretch, seen.hand_grip.stretch],
             work: [seen.grip.work, seen.hand_grip.work],
             squared_jerk: seen.squared_jerk,

@@ -95,6 +95,7 @@ const RESULTS: &[ResultColumn] = &[
     ("robot_work_j", |r| r.interaction(|i| i.work[0])),
     ("human_work_j", |r| r.interaction(|i| i.work[1])),
     ("squared_jerk_m2_per_s5", |r| r.interaction(|i| i.squared_jerk)),
+    ("force_noise_rms_n", |r| r.interaction(InteractionSummary::force_noise)),
     ("largest_stretch_m", |r| r.interaction(|i| i.stretch)),
     ("collision_of", |r| r.collision(|c| c.between[0].party.name().to_owned())),
     ("collision_part", |r| r.collision(|c| c.between[0].name.clone())),
