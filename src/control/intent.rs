@@ -2,7 +2,7 @@
 
 use crate::geometry::{Point, Vector, angle_of};
 
-/// The robot's estimate of where the human is going. It knows P_o and what it sees, not the human's parameters.
+/// The robot's estimate of where the human is going, and how fast. It knows P_o and what it sees, not the human's parameters.
 ///
 /// P_o is weighed by how likely the observed direction of the last step is if the human were on option o: exp(c cos(observed - expected)), with
 /// the expected direction that of o's path from where the human was.
@@ -15,20 +15,28 @@ pub struct Intent {
     expected: Vec<Vector>,
     #[serde(skip)]
     weights: Vec<f64>,
+    /// Where the hand was, m, and how fast it went from there, m/s.
+    hand: Option<Point>,
     speed: Option<f64>,
 }
 
 impl Intent {
     /// Nothing seen yet. `concentration` is c, at least 0.
     pub fn new(concentration: f64) -> Self {
-        Self { concentration, before: None, expected: Vec::new(), weights: Vec::new(), speed: None }
+        Self {
+            concentration,
+            before: None,
+            expected: Vec::new(),
+            weights: Vec::new(),
+            hand: None,
+            speed: None,
+        }
     }
 
-    /// Takes note of where the human is now, one `period` (s) after the last time, and returns the most probable option; ties go to the lower
-    /// index. `probabilities` is P_o from here.
-    pub fn observe(&mut self, position: Point, probabilities: &[f64], period: f64) -> usize {
+    /// Takes note of where the human is now, and returns the most probable option; ties go to the lower index. `probabilities` is P_o from
+    /// here.
+    pub fn observe(&mut self, position: Point, probabilities: &[f64]) -> usize {
         let step = self.before.map(|before| position - before);
-        self.speed = step.map(|step| step.norm() / period);
         self.weights.clear();
         self.weights.extend(probabilities.iter().enumerate().map(|(o, p)| {
             let likelihood = match (step, self.expected.get(o)) {
@@ -49,7 +57,13 @@ impl Intent {
         best
     }
 
-    /// Speed of the last step, m/s; `None` before there was one.
+    /// Takes note of where the hand is now, one `period` (s) after the last time.
+    pub fn see_hand(&mut self, position: Point, period: f64) {
+        self.speed = self.hand.map(|before| (position - before).norm() / period);
+        self.hand = Some(position);
+    }
+
+    /// Speed of the hand in the last step, m/s; `None` before there was one.
     pub fn speed(&self) -> Option<f64> {
         self.speed
     }
@@ -69,21 +83,28 @@ mod tests {
     fn closed_form_the_observed_direction_outweighs_a_prior() {
         let mut intent = Intent::new(20.0);
         // nothing seen: the prior decides
-        assert_eq!(intent.observe(Point::origin(), &[0.6, 0.4], 0.2), 0);
-        assert_eq!(intent.speed(), None);
+        assert_eq!(intent.observe(Point::origin(), &[0.6, 0.4]), 0);
         intent.expect([Vector::new(0.1, 0.0), Vector::new(0.07, 0.07)].into_iter());
-        assert_eq!(intent.observe(Point::new(0.07, 0.07), &[0.6, 0.4], 0.2), 1);
-        assert!((intent.speed().unwrap() - 0.07 * 2f64.sqrt() / 0.2).abs() < 1e-12);
+        assert_eq!(intent.observe(Point::new(0.07, 0.07), &[0.6, 0.4]), 1);
         // the same direction from two options: the prior again
         intent.expect([Vector::new(0.1, 0.0), Vector::new(0.1, 0.0)].into_iter());
-        assert_eq!(intent.observe(Point::new(0.17, 0.07), &[0.4, 0.6], 0.2), 1);
+        assert_eq!(intent.observe(Point::new(0.17, 0.07), &[0.4, 0.6]), 1);
     }
 
     #[test]
     fn a_human_who_stands_still_tells_nothing() {
         let mut intent = Intent::new(20.0);
-        intent.observe(Point::origin(), &[0.2, 0.8], 0.2);
+        intent.observe(Point::origin(), &[0.2, 0.8]);
         intent.expect([Vector::new(0.1, 0.0), Vector::new(0.0, 0.1)].into_iter());
-        assert_eq!(intent.observe(Point::origin(), &[0.2, 0.8], 0.2), 1);
+        assert_eq!(intent.observe(Point::origin(), &[0.2, 0.8]), 1);
+    }
+
+    #[test]
+    fn the_speed_is_that_of_the_last_step() {
+        let mut intent = Intent::new(20.0);
+        intent.see_hand(Point::origin(), 0.2);
+        assert_eq!(intent.speed(), None);
+        intent.see_hand(Point::new(0.07, 0.07), 0.2);
+        assert!((intent.speed().unwrap() - 0.07 * 2f64.sqrt() / 0.2).abs() < 1e-12);
     }
 }

@@ -3,7 +3,7 @@
 use super::limits::{HalfPlane, Limits};
 use super::rolling::Rolling;
 use super::{HORIZON, Inputs};
-use crate::geometry::{Footprint, PlanarPose, Point};
+use crate::geometry::{Bounds, Footprint, PlanarPose, Point, Vector};
 use crate::robot::{Configuration, Drive, InputVector, MAX_INPUTS, Robot};
 use crate::world::World;
 
@@ -32,16 +32,39 @@ pub enum Avoid {
     Robot,
 }
 
-/// The outlines that the robot must keep off, with their heights.
+/// The outlines that the robot must keep off.
 #[derive(Clone, Debug)]
 pub struct RobotObstacles {
-    outlines: Vec<(Footprint, f64)>,
+    outlines: Vec<Outline>,
+}
+
+#[derive(Clone, Debug)]
+struct Outline {
+    footprint: Footprint,
+    bounds: Bounds,
+    /// m.
+    height: f64,
+}
+
+impl Outline {
+    /// Signed distance (m) to `p` and the direction in which it grows, if that is no more than `reach` (m, not negative).
+    fn near(&self, p: Point, reach: f64) -> Option<(f64, Vector)> {
+        if !self.bounds.grown(reach).contains(p) {
+            return None;
+        }
+        Some(self.footprint.separation(p)).filter(|(distance, _)| *distance <= reach)
+    }
 }
 
 impl RobotObstacles {
     /// Those of a world.
     pub fn new(world: &World) -> Self {
-        Self { outlines: world.obstacles.iter().map(|o| (o.footprint.clone(), o.height)).collect() }
+        let outline = |footprint: &Footprint, height| Outline {
+            footprint: footprint.clone(),
+            bounds: footprint.bounds(),
+            height,
+        };
+        Self { outlines: world.obstacles.iter().map(|o| outline(&o.footprint, o.height)).collect() }
     }
 
     /// Replaces the half-planes in `limits`: for a robot that starts at `q` and would move by `inputs`, the plane that separates its base, and
@@ -80,11 +103,8 @@ impl RobotObstacles {
         let rolling = Rolling::new(drive, base, inputs, period);
         for t in 0..HORIZON {
             let at = rolling.pose(t).position;
-            for (outline, _) in &self.outlines {
-                let (distance, away) = outline.separation(at);
-                if distance > drive.base_radius + FAR {
-                    continue;
-                }
+            for outline in &self.outlines {
+                let Some((distance, away)) = outline.near(at, drive.base_radius + FAR) else { continue };
                 let room = distance - drive.base_radius - MARGIN;
                 limits.half_planes.push(rolling.bound(t, -away, room, PRICE));
             }
@@ -107,8 +127,9 @@ impl RobotObstacles {
             if carried.norm() + ARM_RADIUS <= robot.drive.base_radius {
                 return;
             }
-            for (outline, height) in &self.outlines {
-                if point.z - ARM_RADIUS > *height || outline.separation(base.position).0 > OUT_OF_REACH {
+            for outline in &self.outlines {
+                let is_below = point.z - ARM_RADIUS > outline.height;
+                if is_below || outline.near(base.position, OUT_OF_REACH).is_none() {
                     continue;
                 }
                 let mut moved = InputVector::zeros();
@@ -120,10 +141,8 @@ impl RobotObstacles {
                     let arm = jacobian.fixed_view::<2, { MAX_INPUTS - 2 }>(0, 2);
                     let away_from_base =
                         turned * (carried + arm * moved.fixed_rows::<{ MAX_INPUTS - 2 }>(2) * period);
-                    let (distance, away) = outline.separation(then.position + away_from_base);
-                    if distance > ARM_RADIUS + FAR_FROM_ARM {
-                        continue;
-                    }
+                    let at = then.position + away_from_base;
+                    let Some((distance, away)) = outline.near(at, ARM_RADIUS + FAR_FROM_ARM) else { continue };
                     let mut coefficients = Inputs::zeros();
                     let rims = rolling.gradient_at(t, -away, away_from_base);
                     coefficients.fixed_rows_mut::<2>(0).copy_from(&rims);
@@ -140,7 +159,13 @@ impl RobotObstacles {
 
     /// Distance (m) between the base and the nearest obstacle, negative where they overlap; infinite without obstacles.
     pub fn clearance(&self, base: Point, radius: f64) -> f64 {
-        self.outlines.iter().map(|(o, _)| o.separation(base).0 - radius).fold(f64::INFINITY, f64::min)
+        let separations = self.outlines.iter().map(|o| o.footprint.separation(base).0);
+        separations.map(|distance| distance - radius).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether every obstacle is farther than `room` (m, not negative) from `p`.
+    pub fn is_clear(&self, p: Point, room: f64) -> bool {
+        self.outlines.iter().all(|o| o.near(p, room).is_none())
     }
 }
 
@@ -197,5 +222,21 @@ mod tests {
             }
         }
         assert!(compared > 3000, "{compared}");
+    }
+
+    #[test]
+    fn property_what_is_clear_is_farther_than_that_from_every_outline() {
+        let world = World::parse("w.toml", include_str!("../../worlds/free-form.toml")).unwrap();
+        let obstacles = RobotObstacles::new(&world);
+        let mut rng = ChaCha8Rng::seed_from_u64(6);
+        let mut clear = 0;
+        for _ in 0..5000 {
+            let at = Point::new(rng.random_range(-2.0..12.0), rng.random_range(-6.0..6.0));
+            let room = rng.random_range(0.0..1.0);
+            let is_clear = obstacles.is_clear(at, room);
+            assert_eq!(is_clear, obstacles.clearance(at, 0.0) > room, "{at} {room}");
+            clear += u32::from(is_clear);
+        }
+        assert!((500..4500).contains(&clear), "{clear}");
     }
 }

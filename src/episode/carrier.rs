@@ -1,6 +1,6 @@
 //! A manipulator that holds its end of the object: what it does in each step of the loop.
 
-use super::team::{ACCELERATION, KinematicTeam, Moved, Onward, PhysicalTeam, Walk};
+use super::team::{ACCELERATION, KinematicTeam, Moved, Onward, PhysicalTeam, Walk, on_floor};
 use super::tick::{Preparation, RobotTick};
 use super::way::{Ground, Turned};
 use crate::control::{
@@ -324,22 +324,30 @@ impl<'a> Carrier<'a> {
         }
         let Walk { period, speed, .. } = self.walk;
         let probabilities = situation.choice.probabilities();
-        let position = match &self.team {
-            Team::Kinematic(team) => team.human.position,
-            Team::Physical(team) => team.seen.hand.translation.vector.xy().into(),
+        let (body, hand) = match &self.team {
+            Team::Kinematic(team) => (team.human.position, team.human.position),
+            Team::Physical(team) => (on_floor(&team.seen.torso), on_floor(&team.seen.hand)),
         };
-        let tracked = self.intent.observe(position, probabilities, period);
+        let tracked = self.intent.observe(body, probabilities);
+        self.intent.see_hand(hand, period);
         let observed = match &self.team {
             Team::Kinematic(_) => self.intent.speed().unwrap_or(speed),
             // before the hand was seen to move, the team goes as the robot led it
             Team::Physical(team) => self.intent.speed().unwrap_or(team.hurry),
         };
         self.references.clear();
+        let ground = self.ground(situation.options);
         for option in 0..probabilities.len() {
             situation.options.write_path(situation.progress, option, &mut self.paths[option]);
             if let Team::Physical(team) = &self.team {
                 team.write_wide(&self.paths[option], &mut self.widening, &mut self.onto);
-                team.write_way_onto(situation.path, situation.along, &self.onto, &mut self.paths[option]);
+                team.write_way_onto(
+                    situation.path,
+                    situation.along,
+                    &self.onto,
+                    ground,
+                    &mut self.paths[option],
+                );
             }
             let onward =
                 Onward { path: situation.path, along: situation.along, turn: Some(&self.paths[option]) };
@@ -347,13 +355,13 @@ impl<'a> Carrier<'a> {
             self.references.push(reference);
         }
         let step = observed * period;
-        let team = &self.team;
-        self.intent.expect(self.paths.iter().map(|path| match team {
-            Team::Kinematic(_) => path.point_at(step).map_or(Default::default(), |p| p - position),
-            Team::Physical(team) => {
-                let onward = Onward { path: situation.path, along: situation.along, turn: Some(path) };
-                team.hand_step(&onward, step)
-            }
+        let ahead = match &self.team {
+            Team::Kinematic(_) => 0.0,
+            Team::Physical(team) => team.lead(situation.path, situation.along).max(0.0),
+        };
+        self.intent.expect(self.paths.iter().map(|path| {
+            let [from, to] = [ahead, ahead + step].map(|walked| path.point_at(walked).unwrap_or(body));
+            to - from
         }));
         self.weights.clear();
         let uniform = 1.0 / probabilities.len() as f64;

@@ -4,7 +4,7 @@ use super::tick::PhysicsTick;
 use super::way::{Ground, Turned, WALKS_AHEAD, Way};
 use crate::control::{Follower, HORIZON, Reference, reference};
 use crate::coordination::Mode;
-use crate::geometry::{Path, PlanarPose, Point, Pose, Vector, Widening, angle_of, wrap_angle};
+use crate::geometry::{Path, PlanarPose, Point, Pose, Widening, angle_of, wrap_angle};
 use crate::options::{nominal_trajectory, turned};
 use crate::robot::{Configuration, InputVector, Robot, pose_difference};
 use crate::simulation::{HumanCommand, KinematicPlant, Observation, PhysicalPlant};
@@ -117,9 +117,9 @@ impl PhysicalTeam {
     }
 
     /// How far the hand is ahead of where it would be with the object's middle `along` (m) on `path`, m: what the robot sees of the pace.
-    fn lead(&self, path: &Path, along: f64) -> f64 {
+    pub fn lead(&self, path: &Path, along: f64) -> f64 {
         const STEP: f64 = 0.02;
-        let hand: Point = self.seen.hand.translation.vector.xy().into();
+        let hand = on_floor(&self.seen.hand);
         let distance = |walked: f64| {
             let front = self.way.end(&self.way.pose(path, along + walked), 1.0);
             (front.position - hand).norm_squared()
@@ -168,15 +168,8 @@ impl PhysicalTeam {
     /// Where the object would be if it were where the hand is.
     fn held_by_hand(&self) -> PlanarPose {
         let yaw = object_on_floor(&self.seen.object).yaw;
-        let hand = PlanarPose { position: self.seen.hand.translation.vector.xy().into(), yaw };
+        let hand = PlanarPose { position: on_floor(&self.seen.hand), yaw };
         PlanarPose { position: self.way.end(&hand, -1.0).position, yaw }
-    }
-
-    /// Where the hand would go in one step along a way.
-    pub fn hand_step(&self, onward: &Onward, step: f64) -> Vector {
-        let ahead = self.lead(onward.path, onward.along);
-        let hand = |walked: f64| self.way.end(&self.pose(onward, walked), 1.0).position;
-        hand(ahead + step) - hand(ahead)
     }
 
     /// Moves robot, object and human by one period.
@@ -234,8 +227,8 @@ impl PhysicalTeam {
     }
 
     /// Writes the way on which whoever walks ahead would turn onto `next`, from `along` (m) on `path`.
-    pub fn write_way_onto(&self, path: &Path, along: f64, next: &Path, way: &mut Path) {
-        self.way.write_onto(path, along, next, way);
+    pub fn write_way_onto(&self, path: &Path, along: f64, next: &Path, ground: Ground, way: &mut Path) {
+        self.way.write_onto(path, along, next, ground, way);
     }
 
     /// The path under way is left `along` (m) on it for `next`. Returns what the object's middle walks; `None` if there is no room.
@@ -266,8 +259,13 @@ fn brought_to(at: &PlanarPose, goal: &PlanarPose, walk: &Walk) -> PlanarPose {
     }
 }
 
+/// Where something is, seen from above, m.
+pub(super) fn on_floor(world_from_it: &Pose) -> Point {
+    world_from_it.translation.vector.xy().into()
+}
+
 /// Where the object's middle is and where it heads, seen from above.
 pub(super) fn object_on_floor(world_from_object: &Pose) -> PlanarPose {
     let ahead = world_from_object.rotation * nalgebra::Vector3::x();
-    PlanarPose { position: world_from_object.translation.vector.xy().into(), yaw: angle_of(ahead.xy()) }
+    PlanarPose { position: on_floor(world_from_object), yaw: angle_of(ahead.xy()) }
 }

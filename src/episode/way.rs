@@ -46,13 +46,9 @@ pub(super) struct Ground<'g> {
 }
 
 impl Ground<'_> {
-    fn clearance(&self, point: Point) -> f64 {
-        self.obstacles.clearance(point, 0.0)
-    }
-
     /// Whether a body has room at the end of a step, and the step does not go through an opening: only options' paths do.
     pub fn is_free(&self, from: Point, to: Point) -> bool {
-        self.clearance(to) > BODY_ROOM && !self.options.goes_through_opening(from, to)
+        self.obstacles.is_clear(to, BODY_ROOM) && !self.options.goes_through_opening(from, to)
     }
 }
 
@@ -131,11 +127,12 @@ impl Way {
     }
 
     /// Writes the way from where the human's body is, when the object's middle has come `along` (m) on `path`, onto `next`, which begins at the
-    /// middle. Not looked at whether it is free: what somebody would expect.
-    pub fn write_onto(&self, path: &Path, along: f64, next: &Path, way: &mut Path) {
+    /// middle: what somebody would expect.
+    pub fn write_onto(&self, path: &Path, along: f64, next: &Path, ground: Ground, way: &mut Path) {
         let (body, heading) = self.body(path, along);
         let is_there = next.length() <= self.body_ahead() + 0.5;
-        let turn = |arc: &Arc| write_turn_onto(next, body, heading, *arc, |_, _| true, way);
+        let is_free = |from, to| ground.is_free(from, to);
+        let turn = |arc: &Arc| write_turn_onto(next, body, heading, *arc, is_free, way);
         if is_there || ARCS.iter().find_map(turn).is_none() {
             // straight on
             way.clear();
@@ -176,8 +173,41 @@ impl Way {
             let pose = self.pose_after_turning(path, along, onto, walked);
             (-2..=2).all(|i| {
                 let point = pose.position + direction(pose.yaw) * (self.half() * f64::from(i) / 2.0);
-                ground.clearance(point) > OBJECT_ROOM
+                ground.obstacles.is_clear(point, OBJECT_ROOM)
             })
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nobody is expected to walk through walls, which are the shorter way.
+    #[test]
+    fn who_goes_on_is_expected_to_go_on() {
+        let world = World::parse("w.toml", include_str!("../../worlds/environment-2.toml")).unwrap();
+        let options = OptionSet::new(&world, 10.0).unwrap();
+        let obstacles = RobotObstacles::new(&world);
+        let ground = Ground { obstacles: &obstacles, options: &options };
+        for option in 0..options.options().len() {
+            let mut progress = options.begin();
+            let path = options.path(&progress, option).unwrap();
+            let start = PlanarPose { position: path.point_at(0.0).unwrap(), yaw: path.heading_at(0.0).unwrap() };
+            let way = Way::new(&world, &start);
+            let mut expected = Path::default();
+            for step in 0..30 {
+                let along = 0.1 * f64::from(step);
+                options.advance(&mut progress, path.point_at(along).unwrap());
+                let next = options.path(&progress, option).unwrap();
+                way.write_onto(&path, along, &next, ground, &mut expected);
+                for ahead in (0..20).map(|i| 0.1 * f64::from(i)) {
+                    let at = expected.point_at(ahead).unwrap();
+                    let points = (0..200).map(|i| path.point_at(along + 0.02 * f64::from(i)).unwrap());
+                    let beside = points.map(|point| (point - at).norm()).fold(f64::INFINITY, f64::min);
+                    assert!(beside < 0.3, "option {option}, {along} m, {ahead} m ahead: {beside} m");
+                }
+            }
+        }
     }
 }

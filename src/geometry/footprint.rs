@@ -45,6 +45,11 @@ impl Bounds {
         Self { min: self.min - by, max: self.max + by }
     }
 
+    /// Whether `p` is in it or on its sides.
+    pub fn contains(&self, p: Point) -> bool {
+        p.x >= self.min.x && p.x <= self.max.x && p.y >= self.min.y && p.y <= self.max.y
+    }
+
     /// Width along x and y, m.
     pub fn size(&self) -> Vector {
         self.max - self.min
