@@ -27,7 +27,7 @@ pub(super) struct Firmness {
 /// The robot's gripper.
 pub(super) const GRIPPER: Firmness = Firmness { linear: 20_000.0, angular: 1000.0, most: [2000.0, 400.0] };
 /// A human's hand, as stiff as an arm that walks along.
-pub(super) const HAND: Firmness = Firmness { linear: 900.0, angular: 10.0, most: [500.0, 100.0] };
+pub(super) const HAND: Firmness = Firmness { linear: 1200.0, angular: 10.0, most: [500.0, 100.0] };
 
 /// A grip on the object.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
