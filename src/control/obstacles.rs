@@ -142,7 +142,9 @@ impl RobotObstacles {
                     let away_from_base =
                         turned * (carried + arm * moved.fixed_rows::<{ MAX_INPUTS - 2 }>(2) * period);
                     let at = then.position + away_from_base;
-                    let Some((distance, away)) = outline.near(at, ARM_RADIUS + FAR_FROM_ARM) else { continue };
+                    let Some((distance, away)) = outline.near(at, ARM_RADIUS + FAR_FROM_ARM) else {
+                        continue;
+                    };
                     let mut coefficients = Inputs::zeros();
                     let rims = rolling.gradient_at(t, -away, away_from_base);
                     coefficients.fixed_rows_mut::<2>(0).copy_from(&rims);
