@@ -10,6 +10,16 @@ pub(super) fn to_rapier(pose: &Pose) -> math::Pose {
     Isometry3::from_parts(pose.translation, rotation).into()
 }
 
+/// The next pose of a kinematic body that is `at`. Of the two quaternions of a rotation, the nearer one: rapier takes the way from one to the
+/// other for a turn, and the farther one for a whole turn in a single step.
+pub(super) fn to_rapier_from(at: &math::Pose, pose: &Pose) -> math::Pose {
+    let mut next = to_rapier(pose);
+    if next.rotation.dot(at.rotation) < 0.0 {
+        next.rotation = -next.rotation;
+    }
+    next
+}
+
 /// A pose of rapier's.
 pub(super) fn pose(pose: &math::Pose) -> Pose {
     let rotation: UnitQuaternion<f64> = pose.rotation.into();
@@ -30,4 +40,26 @@ pub(super) fn vector(vector: math::Vector) -> Vector3<f64> {
 pub(super) fn to_matrix(matrix: &Matrix3<f64>) -> math::Matrix {
     let column = |i: usize| to_vector(&matrix.column(i).into_owned());
     math::Matrix::from_cols(column(0), column(1), column(2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{PlanarPose, Point};
+
+    #[test]
+    fn who_turns_all_round_never_turns_at_once() {
+        let turned = |degrees: i32| {
+            let yaw = crate::geometry::wrap_angle(f64::from(degrees).to_radians());
+            PlanarPose { position: Point::origin(), yaw }.at_height(0.7)
+        };
+        for direction in [1, -1] {
+            let mut at = to_rapier(&turned(0));
+            for degrees in 1..=1080 {
+                let next = to_rapier_from(&at, &turned(direction * degrees));
+                assert!(next.rotation.dot(at.rotation) > 0.9999, "{degrees}");
+                at = next;
+            }
+        }
+    }
 }

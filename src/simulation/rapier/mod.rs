@@ -179,10 +179,12 @@ impl PhysicalPlant {
         self.check()?;
         let felt = self.felt()?;
         self.human.step(&felt, dt);
-        let hand = convert::to_rapier(&self.human.hand(self.height));
-        self.world.bodies.get_mut(self.hand_body)?.set_next_kinematic_position(hand);
-        let torso = convert::to_rapier(&self.human.torso(TORSO_AHEAD, TORSO_HEIGHT / 2.0));
-        self.world.bodies.get_mut(self.torso_body)?.set_next_kinematic_position(torso);
+        let hand = self.human.hand(self.height);
+        let torso = self.human.torso(TORSO_AHEAD, TORSO_HEIGHT / 2.0);
+        for (handle, pose) in [(self.hand_body, hand), (self.torso_body, torso)] {
+            let body = self.world.bodies.get_mut(handle)?;
+            body.set_next_kinematic_position(convert::to_rapier_from(body.position(), &pose));
+        }
         self.robot.drive(&mut self.world, dt)?;
         let [gripper, hand] = [self.gripper.axes(&self.world)?, self.hand.axes(&self.world)?];
         self.world.step();
