@@ -13,6 +13,7 @@ mod mpc;
 mod obstacles;
 mod pose;
 mod qp;
+mod reaching;
 mod rolling;
 mod settings;
 

@@ -1,11 +1,13 @@
 //! A world's obstacles and the way that the robot would take in; half-planes that keep base and arm off them out.
 
 use super::limits::{HalfPlane, Limits};
+use super::reaching::{ArmJacobian, Reaching};
 use super::rolling::Rolling;
 use super::{HORIZON, Inputs};
 use crate::geometry::{Bounds, Footprint, PlanarPose, Point, Vector};
-use crate::robot::{Configuration, Drive, InputVector, MAX_INPUTS, Robot};
+use crate::robot::{Configuration, Drive, MAX_JOINTS, PointJacobian, Robot};
 use crate::world::World;
+use nalgebra::Vector3;
 
 /// Base and arm keep this much more (m) than their radius away: a bound that is paid for may be overstepped by millimetres.
 const MARGIN: f64 = 0.01;
@@ -14,8 +16,8 @@ const FAR: f64 = 0.5;
 
 /// What an overstepped bound costs: this times its square (m), a thousand times what the same tracking error costs.
 const PRICE: f64 = 1e6;
-/// The arm is taken as balls of this radius (m) around its joints.
-const ARM_RADIUS: f64 = 0.1;
+/// The arm is taken as balls of this radius (m) around its joints: half a link's width and a little more.
+const ARM_RADIUS: f64 = 0.08;
 /// Obstacles farther from an arm's joint than this (m) set no bound there, those farther than this from the base none for the whole arm.
 const FAR_FROM_ARM: f64 = 0.6;
 const OUT_OF_REACH: f64 = 2.5;
@@ -54,6 +56,13 @@ impl Outline {
         }
         Some(self.footprint.separation(p)).filter(|(distance, _)| *distance <= reach)
     }
+
+    /// The same for a point of an arm that is too near, but measured toward where the arm's chain passes the outline, from `from` to `to`: what is
+    /// nearest may be the far side of a wall, through which no arm gets. `None` if the chain meets the outline.
+    fn beside(&self, p: Point, [from, to]: [Point; 2]) -> Option<(f64, Vector)> {
+        let away = self.footprint.toward_segment(from, to)?;
+        Some((p.coords.dot(&away) - self.footprint.reach(away), away))
+    }
 }
 
 impl RobotObstacles {
@@ -72,7 +81,8 @@ impl RobotObstacles {
     ///
     /// With p(t) a point's place after t periods T along `inputs` and n the direction in which the obstacle's distance d grows, the bound is
     /// n . (p(t) + dp(t)/du (u - inputs)) >= n . p(t) - (d - radius - margin). The base rolls on arcs and carries
-    /// the arm's points, which move on it as their Jacobians at `q` say.
+    /// the arm's points, which move on it as their Jacobians at `q` say. Where one of these would be in an obstacle, n points to the side on
+    /// which the arm's chain from base to grasp passes it, and d is measured along n.
     pub fn half_planes(
         &self,
         avoid: Avoid,
@@ -120,37 +130,41 @@ impl RobotObstacles {
         limits: &mut Limits,
     ) {
         let base = q.base;
-        let rolling = Rolling::new(&robot.drive, &base, inputs, period);
+        let reaching = Reaching::new(&robot.drive, &base, inputs, period);
+        let carried = |point: &Vector3<f64>| point.xy() - base.position.coords;
+        let arm_of = |jacobian: &PointJacobian| jacobian.fixed_view::<2, MAX_JOINTS>(0, 2).into_owned();
+        // the arm's chain is from the base to its last point, the grasp
+        let (mut to_grasp, mut grasp_arm) = (Vector::zeros(), ArmJacobian::zeros());
+        robot.arm_points(q, |point, jacobian| (to_grasp, grasp_arm) = (carried(&point), arm_of(jacobian)));
+        let chain: [_; HORIZON] = std::array::from_fn(|t| {
+            [reaching.rolling.pose(t).position, reaching.place(to_grasp, &grasp_arm, t).1]
+        });
         robot.arm_points(q, |point, jacobian| {
-            let carried = point.xy() - base.position.coords;
+            let from_base = carried(&point);
             // what is above the base is kept off with it
-            if carried.norm() + ARM_RADIUS <= robot.drive.base_radius {
+            if from_base.norm() + ARM_RADIUS <= robot.drive.base_radius {
                 return;
             }
+            let arm = arm_of(jacobian);
             for outline in &self.outlines {
                 let is_below = point.z - ARM_RADIUS > outline.height;
                 if is_below || outline.near(base.position, OUT_OF_REACH).is_none() {
                     continue;
                 }
-                let mut moved = InputVector::zeros();
-                for t in 0..HORIZON {
-                    moved += inputs.column(t);
-                    // as the base carries the point, and as the arm moves it on the base
-                    let then = rolling.pose(t);
-                    let turned = nalgebra::Rotation2::new(then.yaw - base.yaw);
-                    let arm = jacobian.fixed_view::<2, { MAX_INPUTS - 2 }>(0, 2);
-                    let away_from_base =
-                        turned * (carried + arm * moved.fixed_rows::<{ MAX_INPUTS - 2 }>(2) * period);
-                    let at = then.position + away_from_base;
-                    let Some((distance, away)) = outline.near(at, ARM_RADIUS + FAR_FROM_ARM) else {
+                for (t, chain) in chain.iter().enumerate() {
+                    let (lever, at) = reaching.place(from_base, &arm, t);
+                    let Some((mut distance, mut away)) = outline.near(at, ARM_RADIUS + FAR_FROM_ARM) else {
                         continue;
                     };
+                    if distance < ARM_RADIUS + MARGIN {
+                        (distance, away) = outline.beside(at, *chain).unwrap_or((distance, away));
+                    }
                     let mut coefficients = Inputs::zeros();
-                    let rims = rolling.gradient_at(t, -away, away_from_base);
+                    let rims = reaching.rolling.gradient_at(t, -away, lever);
                     coefficients.fixed_rows_mut::<2>(0).copy_from(&rims);
-                    let joints = arm.tr_mul(&(turned.inverse() * -away)) * period;
+                    let joints = arm.tr_mul(&(reaching.turned(t).inverse() * -away)) * period;
                     for step in 0..=t {
-                        coefficients.fixed_view_mut::<{ MAX_INPUTS - 2 }, 1>(2, step).copy_from(&joints);
+                        coefficients.fixed_view_mut::<MAX_JOINTS, 1>(2, step).copy_from(&joints);
                     }
                     let bound = coefficients.dot(inputs) + distance - ARM_RADIUS - MARGIN;
                     limits.half_planes.push(HalfPlane { coefficients, bound, price: PRICE });
@@ -215,6 +229,10 @@ mod tests {
                 let distance =
                     |plane: &HalfPlane, inputs: &Inputs| plane.bound - plane.coefficients.dot(inputs);
                 for ((plane, up), down) in here.iter().zip(planes(&more)).zip(planes(&less)) {
+                    // of an overstepped bound, the direction is the arm's, and held
+                    if distance(plane, &inputs) < 0.0 {
+                        continue;
+                    }
                     let slope = (distance(&up, &more) - distance(&down, &less)) / 2e-5;
                     let stated = -plane.coefficients[(i, t)];
                     // the chord is taken as long as the arc
@@ -224,6 +242,37 @@ mod tests {
             }
         }
         assert!(compared > 3000, "{compared}");
+    }
+
+    /// The near and the far face of a wall are nearer than its end; but no arm gets through.
+    #[test]
+    fn an_elbow_is_led_round_the_end_of_a_wall() {
+        let robot = Robot::built_in().unwrap();
+        let base = PlanarPose { position: Point::origin(), yaw: 0.0 };
+        let elbow_out = robot.postures.iter().find(|p| p.name == "elbow-out").unwrap();
+        let q = Configuration { base, joints: elbow_out.joints };
+        let mut elbow = Point::origin();
+        robot.arm_points(&q, |point, _| {
+            if point.y.abs() > elbow.y.abs() {
+                elbow = point.xy().into();
+            }
+        });
+        assert!(elbow.y > 0.25, "{elbow}");
+        // the elbow would go through it 0.15 m from its end
+        let end = elbow.y - 0.15;
+        let wall = format!("center_m = [{}, {}]\nsize_m = [0.1, 4]\n", elbow.x + 0.4, end + 2.0);
+        let text = format!(
+            "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [-3, 0]\ntarget_m = [9, 0]\n[[obstacle]]\nname = \"wall\"\n\
+             shape = \"box\"\n{wall}height_m = 2.0\n"
+        );
+        let obstacles = RobotObstacles::new(&World::parse("w.toml", &text).unwrap());
+        let mut inputs = Inputs::zeros();
+        inputs.fixed_rows_mut::<2>(0).fill(0.5);
+        let mut limits = Limits::new(&robot);
+        obstacles.half_planes(Avoid::Robot, &robot, &q, &inputs, 0.2, &mut limits);
+        let overstepped = limits.half_planes.iter().map(|plane| plane.coefficients.dot(&inputs) - plane.bound);
+        let most = overstepped.fold(0.0, f64::max);
+        assert!((most - (0.15 + ARM_RADIUS + MARGIN)).abs() < 1e-9, "{most} m");
     }
 
     #[test]

@@ -62,7 +62,7 @@ pub(super) struct PhysicalTeam {
 }
 
 /// How quickly a team comes to its walking speed, m/s^2.
-pub(super) const ACCELERATION: f64 = 1.0;
+pub(super) const ACCELERATION: f64 = 0.8;
 /// A team slows down where the object has to turn farther (rad) than it can in a step, to a tenth at so much more.
 const LAG: [f64; 2] = [0.1, 0.4];
 /// What is out of place is moved into it at this many times the walking speed.
@@ -70,7 +70,7 @@ const CATCH_UP: f64 = 1.5;
 /// Points that are kept of the way walked: as far back as a base is.
 const WAY_POINTS: u32 = 50;
 /// Who leads goes slower where the object is this far (m) behind, and waits where it is so much.
-const PATIENCE: [f64; 2] = [0.02, 0.08];
+const PATIENCE: [f64; 2] = [0.01, 0.06];
 
 impl KinematicTeam<'_> {
     pub fn reference(&self, onward: &Onward, speed: f64, walk: &Walk, grasp: &Pose) -> Reference {

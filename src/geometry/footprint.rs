@@ -141,6 +141,34 @@ impl Footprint {
         }
     }
 
+    /// The unit vector from the outline to the segment `a b` where they are nearest; `None` where they meet.
+    pub fn toward_segment(&self, a: Point, b: Point) -> Option<Vector> {
+        if self.distance_to_segment(a, b) <= 0.0 {
+            return None;
+        }
+        let away = match self {
+            Self::Polygon(corners) => {
+                let from_edges =
+                    edges(corners).flat_map(|(p, q)| [a, b].map(|end| end - nearest_on_segment(end, p, q)));
+                let from_corners = corners.iter().map(|c| nearest_on_segment(*c, a, b) - c);
+                let away = from_edges.chain(from_corners);
+                away.min_by(|v, w| v.norm_squared().total_cmp(&w.norm_squared()))?
+            }
+            Self::Disc { center, .. } => nearest_on_segment(*center, a, b) - center,
+        };
+        away.try_normalize(0.0)
+    }
+
+    /// How far the outline reaches along the unit vector `toward`, m from the world's origin.
+    pub fn reach(&self, toward: Vector) -> f64 {
+        match self {
+            Self::Polygon(corners) => {
+                corners.iter().map(|c| c.coords.dot(&toward)).fold(f64::NEG_INFINITY, f64::max)
+            }
+            Self::Disc { center, radius } => center.coords.dot(&toward) + radius,
+        }
+    }
+
     /// Whether the segment `a b` keeps at least `clearance` (m) from the outline. `bounds` are the outline's own.
     pub fn clears_segment(&self, bounds: Bounds, a: Point, b: Point, clearance: f64) -> bool {
         bounds.grown(clearance).misses_segment(a, b) || self.distance_to_segment(a, b) >= clearance
@@ -152,11 +180,10 @@ impl Footprint {
         let left = super::left_of(toward);
         match self {
             Self::Polygon(corners) => {
-                let along = |c: &Point| c.coords.dot(&toward);
-                let reach = corners.iter().map(along).fold(f64::NEG_INFINITY, f64::max);
+                let reach = self.reach(toward);
                 corners
                     .iter()
-                    .filter(|c| along(c) >= reach - tolerance)
+                    .filter(|c| c.coords.dot(&toward) >= reach - tolerance)
                     .map(|c| c.coords.dot(&left))
                     .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| [low.min(t), high.max(t)])
             }
@@ -192,6 +219,21 @@ mod tests {
         assert_eq!(s.distance_to_segment(Point::new(3.0, -5.0), Point::new(3.0, 5.0)), 1.0);
         assert_eq!(s.distance_to_segment(Point::new(-1.0, 1.0), Point::new(3.0, 1.0)), 0.0);
         assert_eq!(s.distance_to_segment(Point::new(0.5, 1.0), Point::new(0.6, 1.0)), 0.0);
+    }
+
+    #[test]
+    fn closed_form_the_side_of_a_square_on_which_a_segment_is() {
+        let (s, disc) = (square(), Footprint::Disc { center: Point::new(1.0, 1.0), radius: 1.0 });
+        for outline in [&s, &disc] {
+            let toward = outline.toward_segment(Point::new(-9.0, 2.5), Point::new(9.0, 2.5));
+            assert_eq!(toward, Some(Vector::y()));
+            assert_eq!(outline.reach(Vector::y()), 2.0);
+            assert_eq!(outline.toward_segment(Point::new(-9.0, 1.5), Point::new(9.0, 1.5)), None);
+        }
+        // an end beside a side, a corner beside the middle of the segment
+        assert_eq!(s.toward_segment(Point::new(3.0, 1.0), Point::new(9.0, 1.0)), Some(Vector::x()));
+        let past_corner = s.toward_segment(Point::new(2.0, 4.0), Point::new(4.0, 2.0)).unwrap();
+        assert!((past_corner - Vector::new(0.5_f64.sqrt(), 0.5_f64.sqrt())).norm() < 1e-12);
     }
 
     #[test]

@@ -21,8 +21,8 @@ pub enum HumanCommand {
     Follow,
 }
 
-/// A walking human slows down where the next step would stretch the grip beyond this (m), and stops at twice as much.
-const COMFORTABLE_STRETCH: f64 = 0.02;
+/// A walking human slows down where the grip is stretched by more than the first (m), and stops at the second.
+const UNCOMFORTABLE_STRETCH: [f64; 2] = [0.01, 0.03];
 /// How quickly an error of position is made up, 1/s, and one of velocity, 1/s. Together they do not overshoot.
 const POSITION_GAIN: f64 = 6.0;
 const VELOCITY_GAIN: f64 = 40.0;
@@ -151,7 +151,8 @@ impl Walker {
                 // only a human who pulls is held back
                 let pull = pace.at.position - felt.end.position;
                 let stretch = if pull.dot(&pace.velocity) > 0.0 { pull.norm() } else { 0.0 };
-                let share = (2.0 - stretch / COMFORTABLE_STRETCH).clamp(0.0, 1.0);
+                let [slower, stop] = UNCOMFORTABLE_STRETCH;
+                let share = ((stop - stretch) / (stop - slower)).clamp(0.0, 1.0);
                 pace.at.position += pace.velocity * (share * dt);
                 pace.at.yaw += pace.yaw_rate * share * dt;
                 (pace.at, pace.velocity * share, pace.yaw_rate * share)
