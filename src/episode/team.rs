@@ -70,7 +70,7 @@ const CATCH_UP: f64 = 1.5;
 /// Points that are kept of the way walked: as far back as a base is.
 const WAY_POINTS: u32 = 50;
 /// Who leads goes slower where the object is this far (m) behind, and waits where it is so much.
-const PATIENCE: [f64; 2] = [0.01, 0.06];
+const PATIENCE: [f64; 2] = [0.01, 0.08];
 
 impl KinematicTeam<'_> {
     pub fn reference(&self, onward: &Onward, speed: f64, walk: &Walk, grasp: &Pose) -> Reference {
