@@ -185,7 +185,7 @@ impl PhysicalTeam {
         let turning = share(LAG, lag).clamp(0.1, 1.0);
         let waiting = share(PATIENCE, self.pace - along).clamp(0.0, 1.0);
         self.hurry = (self.hurry + ACCELERATION * walk.period).min(walk.speed * turning * waiting);
-        self.pace = (self.pace + self.hurry * walk.period).min(path.length());
+        self.pace += self.hurry * walk.period;
         self.goal = brought_to(&self.goal, &self.way.pose(path, self.pace), walk);
         let goal = self.goal;
         let hand = self.way.end(&goal, 1.0);
