@@ -62,7 +62,7 @@ pub(super) struct PhysicalTeam {
 }
 
 /// How quickly a team comes to its walking speed, m/s^2.
-pub(super) const ACCELERATION: f64 = 0.8;
+pub(super) const ACCELERATION: f64 = 0.9;
 /// A team slows down where the object has to turn farther (rad) than it can in a step, to a tenth at so much more.
 const LAG: [f64; 2] = [0.1, 0.4];
 /// What is out of place is moved into it at this many times the walking speed.

@@ -22,7 +22,7 @@ pub enum HumanCommand {
 }
 
 /// A walking human slows down where the grip is stretched by more than the first (m), and stops at the second.
-const UNCOMFORTABLE_STRETCH: [f64; 2] = [0.01, 0.03];
+const UNCOMFORTABLE_STRETCH: [f64; 2] = [0.012, 0.03];
 /// How quickly an error of position is made up, 1/s, and one of velocity, 1/s. Together they do not overshoot.
 const POSITION_GAIN: f64 = 6.0;
 const VELOCITY_GAIN: f64 = 40.0;

@@ -4,7 +4,7 @@ use crate::robot::InputVector;
 use serde::{Deserialize, Serialize};
 
 /// Share of a period in which rates change.
-const SHARE: f64 = 0.3;
+const SHARE: f64 = 0.25;
 
 /// How rates go over from one period's to the next's: smoothly, for every jump of a rate is a jolt of the object; and such that by the end of
 /// the period all is where it would be had they jumped, as far as the limits allow.
