@@ -270,7 +270,8 @@ mod tests {
         inputs.fixed_rows_mut::<2>(0).fill(0.5);
         let mut limits = Limits::new(&robot);
         obstacles.half_planes(Avoid::Robot, &robot, &q, &inputs, 0.2, &mut limits);
-        let overstepped = limits.half_planes.iter().map(|plane| plane.coefficients.dot(&inputs) - plane.bound);
+        let overstepped =
+            limits.half_planes.iter().map(|plane| plane.coefficients.dot(&inputs) - plane.bound);
         let most = overstepped.fold(0.0, f64::max);
         assert!((most - (0.15 + ARM_RADIUS + MARGIN)).abs() < 1e-9, "{most} m");
     }

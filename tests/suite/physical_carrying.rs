@@ -171,6 +171,15 @@ fn a_team_starts_gently_and_takes_the_lead_over_gently() {
     }
 }
 
+/// In this run's last step, a human who stopped dead at the end of their way was pushed with 75 N by a robot that could not know.
+#[test]
+fn a_team_arrives_gently() {
+    let told = json(&["run", "environment-1", "--eta", "5", "--seed", "35", "--json"]);
+    assert_eq!(told["outcome"], "arrived", "{told}");
+    let peak = told["interaction"]["peak_force_n"].as_f64().expect("a force");
+    assert!(peak < 40.0, "{peak} N");
+}
+
 /// A spring on a swaying hand may pull, but must not chatter.
 #[test]
 fn forces_do_not_chatter_while_walking() {
