@@ -81,7 +81,7 @@ impl RobotObstacles {
     ///
     /// With p(t) a point's place after t periods T along `inputs` and n the direction in which the obstacle's distance d grows, the bound is
     /// n . (p(t) + dp(t)/du (u - inputs)) >= n . p(t) - (d - radius - margin). The base rolls on arcs and carries
-    /// the arm's points, which move on it as their Jacobians at `q` say. Where one of these would be in an obstacle, n points to the side on
+    /// the arm's points, which move on it as their Jacobians at `q` say. Where one of these would be too near, n points to the side on
     /// which the arm's chain from base to grasp passes it, and d is measured along n.
     pub fn half_planes(
         &self,
@@ -216,28 +216,30 @@ mod tests {
                         if i < 2 { rng.random_range(0.0..0.5) } else { rng.random_range(-0.2..0.2) };
                 }
             }
-            let planes = |inputs: &Inputs| {
+            let planes = |avoid, inputs: &Inputs| {
                 let mut limits = Limits::new(&robot);
-                obstacles.half_planes(Avoid::Robot, &robot, &q, inputs, 0.2, &mut limits);
+                obstacles.half_planes(avoid, &robot, &q, inputs, 0.2, &mut limits);
                 limits.half_planes
             };
-            let here = planes(&inputs);
-            for (i, t) in [(0, 0), (1, 3), (0, 7), (2, 0), (3, 4), (5, 6), (7, 1)] {
-                let (mut more, mut less) = (inputs, inputs);
-                more[(i, t)] += 1e-5;
-                less[(i, t)] -= 1e-5;
-                let distance =
-                    |plane: &HalfPlane, inputs: &Inputs| plane.bound - plane.coefficients.dot(inputs);
-                for ((plane, up), down) in here.iter().zip(planes(&more)).zip(planes(&less)) {
-                    // of an overstepped bound, the direction is the arm's, and held
-                    if distance(plane, &inputs) < 0.0 {
-                        continue;
+            let distance = |plane: &HalfPlane, inputs: &Inputs| plane.bound - plane.coefficients.dot(inputs);
+            for avoid in [Avoid::Base, Avoid::Robot] {
+                let here = planes(avoid, &inputs);
+                for (i, t) in [(0, 0), (1, 3), (0, 7), (2, 0), (3, 4), (5, 6), (7, 1)] {
+                    let (mut more, mut less) = (inputs, inputs);
+                    more[(i, t)] += 1e-5;
+                    less[(i, t)] -= 1e-5;
+                    let moved = planes(avoid, &more).into_iter().zip(planes(avoid, &less));
+                    for (plane, (up, down)) in here.iter().zip(moved) {
+                        // where an arm oversteps its bound, the direction is the chain's, and held
+                        if avoid == Avoid::Robot && distance(plane, &inputs) < 0.0 {
+                            continue;
+                        }
+                        let slope = (distance(&up, &more) - distance(&down, &less)) / 2e-5;
+                        let stated = -plane.coefficients[(i, t)];
+                        // the chord is taken as long as the arc
+                        assert!((slope - stated).abs() < 3e-3, "input {i}, step {t}: {slope} {stated}");
+                        compared += 1;
                     }
-                    let slope = (distance(&up, &more) - distance(&down, &less)) / 2e-5;
-                    let stated = -plane.coefficients[(i, t)];
-                    // the chord is taken as long as the arc
-                    assert!((slope - stated).abs() < 3e-3, "input {i}, step {t}: {slope} {stated}");
-                    compared += 1;
                 }
             }
         }
