@@ -265,10 +265,14 @@ fn plant_start(robot: &Robot) -> Vector3<f64> {
     Vector3::new(-0.6, 0.0, robot.grasp_height)
 }
 
-/// 20 kg at its end are more than the wrist can hold up: what it cannot hangs on the hand, which gives way.
+/// 20 kg at its end are more than a wrist of half the effort can hold up: what it cannot hangs on the hand, which gives way.
 #[test]
 fn an_object_that_is_too_heavy_sinks() {
-    let robot = carrier();
+    let mut robot = carrier();
+    robot.joints[5].effort_limit *= 0.5;
+    let name = robot.joints[5].name.clone();
+    let mut joints = robot.links.iter_mut().filter_map(|link| link.joint.as_mut());
+    joints.find(|joint| joint.name == name).expect("the wrist").limits.effort *= 0.5;
     let heavy = world("[object]\nsize_m = [1.2, 0.1, 0.1]\nmass_kg = 40.0\n");
     let mut plant = plant(&robot, &heavy, &steady());
     let wrist = &robot.joints[5];
@@ -278,7 +282,7 @@ fn an_object_that_is_too_heavy_sinks() {
         most = most.max(last.joint_efforts[5].abs());
     }
     assert!(most > 0.95 * wrist.effort_limit && most < 1.2 * wrist.effort_limit, "{most}");
-    assert!(last.object.translation.z < 0.683, "{}", last.object);
+    assert!(last.object.translation.z < 0.68, "{}", last.object);
     let more = last.hand_grip.mean.force.z - 20.0 * 9.81;
     assert!(more > 20.0, "{more} N");
 }
