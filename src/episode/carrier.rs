@@ -227,7 +227,8 @@ impl<'a> Carrier<'a> {
         let period = self.walk.period;
         let q = *self.configuration();
         let at = robot.kinematics(&q);
-        let tracked = self.anticipate(situation, &at.grasp);
+        let lead = self.lead(situation);
+        let tracked = self.anticipate(situation, lead, &at.grasp);
         let near = (control.avoid != Avoid::Nothing).then_some((obstacles, control.avoid));
         let human = match &self.team {
             Team::Kinematic(team) => team.human,
@@ -236,7 +237,7 @@ impl<'a> Carrier<'a> {
         let mut tick = RobotTick::at(&q, human);
         if tracked.is_none() {
             // the robot knows its own way
-            let onward = Onward { path: situation.path, along: situation.along, turn: None };
+            let onward = Onward { path: situation.path, along: situation.along, lead, turn: None };
             let way = self.reference(&onward, self.walk.speed, situation.mode, &at.grasp);
             self.references.clear();
             self.references.push(way);
@@ -244,7 +245,7 @@ impl<'a> Carrier<'a> {
             self.weights.push(1.0);
         }
         // on the physical plant, the base follows the way that the grasp has gone, and the arm does the rest
-        let rims = self.base_on_way(situation);
+        let rims = self.base_on_way(situation, lead);
         if let Some(rims) = &rims {
             for reference in &mut self.references {
                 *reference = seen_from_base(reference, &at.grasp, &q.base, &robot.drive, rims, period);
@@ -301,11 +302,19 @@ impl<'a> Carrier<'a> {
         tick
     }
 
+    /// How far the human who leads is ahead of where the object is, m.
+    fn lead(&self, situation: &Situation) -> f64 {
+        match (&self.team, situation.mode) {
+            (Team::Physical(team), Mode::HumanLed) => team.lead(situation.path, situation.along),
+            _ => 0.0,
+        }
+    }
+
     /// Rim speeds with which the base follows on the way; `None` on the kinematic plant, which has no obstacles to get caught at.
-    fn base_on_way(&mut self, situation: &Situation) -> Option<Rims> {
+    fn base_on_way(&mut self, situation: &Situation, lead: f64) -> Option<Rims> {
         let Team::Physical(team) = &self.team else { return None };
         let seen = self.intent.speed().unwrap_or(team.hurry);
-        let (pace, speed) = team.pace(situation.mode, (situation.path, situation.along), seen);
+        let (pace, speed) = team.pace(situation.mode, situation.along + lead, seen);
         team.write_way_walked(situation.path, pace, &mut self.way);
         let Configuration { base, .. } = team.seen.configuration;
         let follower = Follower {
@@ -318,7 +327,7 @@ impl<'a> Carrier<'a> {
     }
 
     /// While the human leads: s_o(1..H) of every option, from where the human is, and which of them to track.
-    fn anticipate(&mut self, situation: &Situation, grasp: &Pose) -> Option<usize> {
+    fn anticipate(&mut self, situation: &Situation, lead: f64, grasp: &Pose) -> Option<usize> {
         if situation.mode == Mode::RobotLed {
             return None;
         }
@@ -349,16 +358,13 @@ impl<'a> Carrier<'a> {
                     &mut self.paths[option],
                 );
             }
-            let onward =
-                Onward { path: situation.path, along: situation.along, turn: Some(&self.paths[option]) };
+            let turn = Some(&self.paths[option]);
+            let onward = Onward { path: situation.path, along: situation.along, lead, turn };
             let reference = self.reference(&onward, observed, situation.mode, grasp);
             self.references.push(reference);
         }
         let step = observed * period;
-        let ahead = match &self.team {
-            Team::Kinematic(_) => 0.0,
-            Team::Physical(team) => team.lead(situation.path, situation.along).max(0.0),
-        };
+        let ahead = lead.max(0.0);
         self.intent.expect(self.paths.iter().map(|path| {
             let [from, to] = [ahead, ahead + step].map(|walked| path.point_at(walked).unwrap_or(body));
             to - from

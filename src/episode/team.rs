@@ -4,7 +4,7 @@ use super::tick::PhysicsTick;
 use super::way::{Ground, Turned, WALKS_AHEAD, Way};
 use crate::control::{Follower, HORIZON, Reference, reference};
 use crate::coordination::Mode;
-use crate::geometry::{Path, PlanarPose, Point, Pose, Widening, angle_of, wrap_angle};
+use crate::geometry::{Path, PlanarPose, Point, Pose, Widening, angle_of, nearest, wrap_angle};
 use crate::options::{nominal_trajectory, turned};
 use crate::robot::{Configuration, InputVector, Robot, pose_difference};
 use crate::simulation::{HumanCommand, KinematicPlant, Observation, PhysicalPlant};
@@ -24,6 +24,8 @@ pub(super) struct Onward<'s> {
     /// The path under way, and how far along it the team is, m.
     pub path: &'s Path,
     pub along: f64,
+    /// How far ahead of that the hand is, m ([`PhysicalTeam::lead`]); nothing on the kinematic plant.
+    pub lead: f64,
     /// The path to turn onto; none to go on. On the physical plant, it begins where the human's body is.
     pub turn: Option<&'s Path>,
 }
@@ -125,15 +127,15 @@ impl PhysicalTeam {
             (front.position - hand).norm_squared()
         };
         let leads = (0..=25).map(|i| STEP * f64::from(i) - 0.1);
-        leads.min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap_or(0.0)
+        nearest(leads, distance).unwrap_or(0.0)
     }
 
-    /// How far along `path` (m) the object is to be now, and how fast that goes (m/s), as the robot knows it: from what it means to do while it
-    /// leads, else from the hand, which it sees move at `speed` (m/s).
-    pub fn pace(&self, mode: Mode, (path, along): (&Path, f64), speed: f64) -> (f64, f64) {
+    /// How far along the path under way (m) the object is to be now, and how fast that goes (m/s), as the robot knows it: from what it means to
+    /// do while it leads, else from the hand, which is `hand` (m) along and which it sees move at `speed` (m/s).
+    pub fn pace(&self, mode: Mode, hand: f64, speed: f64) -> (f64, f64) {
         match mode {
             Mode::RobotLed => (self.pace, self.hurry),
-            Mode::HumanLed => (along + self.lead(path, along), speed),
+            Mode::HumanLed => (hand, speed),
         }
     }
 
@@ -153,7 +155,7 @@ impl PhysicalTeam {
 
     /// s(1..H) of the grasp along a way: from the pace while the robot leads, from where the hand is seen while the human does.
     pub fn reference(&self, onward: &Onward, speed: f64, mode: Mode, walk: &Walk, grasp: &Pose) -> Reference {
-        let (pace, mut hurry) = self.pace(mode, (onward.path, onward.along), speed);
+        let (pace, mut hurry) = self.pace(mode, onward.along + onward.lead, speed);
         let mut ahead = pace - onward.along;
         let mut at = if mode == Mode::RobotLed { self.goal } else { self.held_by_hand() };
         let grasps = (1..=HORIZON).map(|_| {

@@ -14,7 +14,7 @@ pub use bend::Bend;
 pub use footprint::{Bounds, Footprint};
 pub use path::{Path, Piece};
 pub use spatial::{PlanarPose, Pose, rotation_vector};
-pub use tandem::Tandem;
+pub use tandem::{Tandem, nearest};
 pub use turning::{Arc, write_turn_onto};
 pub use widening::Widening;
 

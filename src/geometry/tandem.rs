@@ -54,8 +54,10 @@ impl Tandem {
         if walked >= 0.0 {
             let beyond = walked - path.length();
             let Some(point) = path.point_at(walked) else { return here };
-            let heading = path.heading_at(walked).unwrap_or(0.0);
-            return if beyond > 0.0 { point + direction(heading) * beyond } else { point };
+            if beyond <= 0.0 {
+                return point;
+            }
+            return point + direction(path.heading_at(walked).unwrap_or(0.0)) * beyond;
         }
         let mut left = -walked;
         let mut at = here;
@@ -110,7 +112,7 @@ impl Tandem {
         for _ in 0..3 {
             let step = (high - low) / SAMPLES as f64;
             let samples = (0..=SAMPLES).map(|i| low + step * i as f64);
-            best = samples.min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap_or(low);
+            best = nearest(samples, distance).unwrap_or(low);
             (low, high) = ((best - step).max(from), (best + step).min(high));
         }
         best
@@ -123,6 +125,12 @@ impl Tandem {
         let trail: Vec<_> = (0..=steps).rev().map(|i| self.point(path, walked - STEP * i as f64)).collect();
         self.trail = trail;
     }
+}
+
+/// The one of some ways (m) that has the least distance; the first of those that do.
+pub fn nearest(ways: impl Iterator<Item = f64>, distance: impl Fn(f64) -> f64) -> Option<f64> {
+    let distances = ways.map(|walked| (distance(walked), walked));
+    distances.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, walked)| walked)
 }
 
 #[cfg(test)]
