@@ -10,8 +10,8 @@ use crate::options::OptionSet;
 use crate::world::World;
 
 /// The arcs in which a team turns onto another path: the first with which there is room. The robot follows at some distance, so that its
-/// arm has to bend as the way does in between; it cannot bend back.
-const ARCS: [Arc; 2] = [Arc { radius: 0.5, most: 1.4 }, Arc { radius: 1.0, most: 4.5 }];
+/// arm has to bend as the way does in between; it cannot bend back. Nobody turns in a loop, by more than 200 degrees.
+const ARCS: [Arc; 2] = [Arc { radius: 0.5, most: 1.4 }, Arc { radius: 1.0, most: 3.5 }];
 /// Room (m) that the team wants around the points of its way, and around the object's axis.
 const BODY_ROOM: f64 = 0.249;
 const OBJECT_ROOM: f64 = 0.1;
