@@ -1,8 +1,13 @@
-//! One control tick of the physical plant (48 steps) against a budget of 1.5 ms, and what fewer sweeps or steps would save and spoil.
+//! The physical plant against budgets: a control period of 0.2 s (48 physics steps), and whole episodes; what fewer sweeps or steps would save of these, and
+//! spoil. The same scene in MuJoCo: `benches/mujoco_peer.py`.
 
-use cocarry::geometry::PlanarPose;
+use cocarry::control;
+use cocarry::episode::Summary;
+use cocarry::experiments::paper;
+use cocarry::geometry::{PlanarPose, Point};
 use cocarry::robot::{InputVector, Robot};
-use cocarry::simulation::{HumanCommand, Observation, PhysicalPlant, PhysicsSettings};
+use cocarry::scenario::{Carrier, Plant, Scenario};
+use cocarry::simulation::{HumanCommand, PhysicalPlant, PhysicsSettings};
 use cocarry::world::World;
 use criterion::{BatchSize, Criterion, criterion_group};
 use std::hint::black_box;
@@ -12,6 +17,9 @@ const PERIOD: f64 = 0.2;
 /// Budget for a tick: the whole episode is to run at 100 times real time.
 const BUDGET: Duration = Duration::from_micros(1500);
 const TICKS: usize = 200;
+const EPISODES: usize = 5;
+/// Physics steps per second and sweeps; the first are the plant's own.
+const CHOICES: [(f64, usize); 6] = [(240.0, 4), (240.0, 16), (240.0, 2), (240.0, 1), (120.0, 4), (480.0, 4)];
 
 fn plant(rate_hz: f64, sweeps: usize) -> (Robot, PhysicalPlant) {
     let text = include_str!("../worlds/environment-4.toml");
@@ -35,25 +43,62 @@ fn rates(robot: &Robot, tick: usize) -> InputVector {
     rates
 }
 
-/// A drive, what was seen of it, and how long a tick took in the median.
-fn drive(rate_hz: f64, sweeps: usize) -> (Vec<Observation>, Duration) {
+/// How long a control period takes in the median.
+fn tick(rate_hz: f64, sweeps: usize) -> Duration {
     let (robot, mut plant) = plant(rate_hz, sweeps);
-    let mut times = Vec::with_capacity(TICKS);
-    let seen = (0..TICKS)
+    let mut times: Vec<_> = (0..TICKS)
         .map(|tick| {
             let rates = rates(&robot, tick);
             let begun = Instant::now();
-            let seen = black_box(plant.step(&rates, &HumanCommand::Follow, PERIOD));
-            times.push(begun.elapsed());
-            seen
+            black_box(plant.step(&rates, &HumanCommand::Follow, PERIOD));
+            begun.elapsed()
         })
         .collect();
     times.sort_unstable();
-    (seen, times[times.len() / 2])
+    times[times.len() / 2]
+}
+
+/// An episode with all that belongs to it.
+struct Run {
+    took: Duration,
+    /// Simulated time, s.
+    seconds: f64,
+    summary: Summary,
+    /// Where the object is after each control period.
+    object: Vec<Point>,
+}
+
+/// The paper's example human in Environment 4; the fastest of some runs.
+fn episode(rate_hz: f64, sweeps: usize) -> Run {
+    let robot = Robot::built_in().expect("the built-in robot");
+    let posture = robot.postures[0].name.clone();
+    let carrier = Carrier { posture, control: control::Settings::default(), robot: robot.texts };
+    let physics = PhysicsSettings { rate_hz, sweeps, ..PhysicsSettings::default() };
+    let scenario = Scenario {
+        seed: 1,
+        world: paper::ENVIRONMENTS[3].world().expect("a world of the repository").into(),
+        human: paper::EXAMPLE_HUMAN,
+        changes: Vec::new(),
+        settings: Default::default(),
+        plant: Plant::Rapier { carrier, physics },
+    };
+    let stage = scenario.prepare().expect("a scenario");
+    let run = || {
+        let mut episode = stage.episode().expect("room at the start");
+        let mut object = Vec::new();
+        let begun = Instant::now();
+        while episode.step().is_none() {
+            let physics = episode.tick().robot.as_ref().and_then(|robot| robot.physics.as_ref());
+            object.extend(physics.map(|physics| physics.object.position));
+        }
+        let summary = episode.summary().clone();
+        Run { took: begun.elapsed(), seconds: summary.steps as f64 * PERIOD, summary, object }
+    };
+    (0..EPISODES).map(|_| run()).min_by_key(|run| run.took).expect("an episode")
 }
 
 fn physics(c: &mut Criterion) {
-    let (robot, mut start) = plant(240.0, 16);
+    let (robot, mut start) = plant(240.0, 4);
     for tick in 0..20 {
         start.step(&rates(&robot, tick), &HumanCommand::Follow, PERIOD);
     }
@@ -71,23 +116,40 @@ fn physics(c: &mut Criterion) {
 }
 
 fn report() {
-    println!("\nphysics tick of {PERIOD} s in Environment 4, median (budget {BUDGET:?})");
-    let (exact, _) = drive(1920.0, 64);
-    for (rate_hz, sweeps) in [(240.0, 16), (240.0, 8), (240.0, 4), (240.0, 1), (120.0, 16), (480.0, 16)] {
-        let (seen, tick) = drive(rate_hz, sweeps);
-        let (mut off, mut force) = (0.0_f64, 0.0_f64);
-        for (seen, exact) in seen.iter().zip(&exact) {
-            off = off.max((seen.object.translation.vector - exact.object.translation.vector).norm());
-            force = force.max((seen.grip.mean.force - exact.grip.mean.force).norm());
-        }
+    println!(
+        "\nphysics of a control period of {PERIOD} s in Environment 4, median of {TICKS} (budget {BUDGET:?})"
+    );
+    for (rate_hz, sweeps) in CHOICES {
+        let tick = tick(rate_hz, sweeps);
         println!(
-            "  {rate_hz:4} Hz, {sweeps:2} sweeps: {:7.1} us a tick, {:5.2} us a step, {:4.0} times real time, {:4.2} of the budget; the object is \
-             off by {:6.2} mm at most, the grip's force by {force:5.2} N, from 1920 Hz and 64 sweeps",
+            "  {rate_hz:4} Hz, {sweeps:2} sweeps: {:7.1} us, {:5.2} us a step, {:6.0} steps a second, {:4.0} times real time, {:4.2} of the budget",
             tick.as_secs_f64() * 1e6,
             tick.as_secs_f64() / (PERIOD * rate_hz) * 1e6,
+            PERIOD * rate_hz / tick.as_secs_f64(),
             PERIOD / tick.as_secs_f64(),
             tick.as_secs_f64() / BUDGET.as_secs_f64(),
-            off * 1e3,
+        );
+    }
+    println!(
+        "\nwhole episode in Environment 4, fastest of {EPISODES}; against 1920 Hz and 64 sweeps: how far off the object is at most, the human's force (rms and peak), \
+         the objective cost"
+    );
+    let exact = episode(1920.0, 64);
+    let interaction = |run: &Run| run.summary.interaction.clone().expect("a physical plant");
+    for (rate_hz, sweeps) in CHOICES {
+        let run = episode(rate_hz, sweeps);
+        let off = run.object.iter().zip(&exact.object).map(|(at, exact)| (at - exact).norm());
+        let (forces, forces_exact) = (interaction(&run), interaction(&exact));
+        println!(
+            "  {rate_hz:4} Hz, {sweeps:2} sweeps: {:5.1} s in {:5.1} ms, {:4.0} times real time; {:5.2} mm, {:7.4} N, {:7.4} N, {:+.3} %; noise {:4.2} N",
+            run.seconds,
+            run.took.as_secs_f64() * 1e3,
+            run.seconds / run.took.as_secs_f64(),
+            off.fold(0.0, f64::max) * 1e3,
+            (forces.rms_force() - forces_exact.rms_force()).abs(),
+            (forces.peak_force - forces_exact.peak_force).abs(),
+            (run.summary.accumulated_cost / exact.summary.accumulated_cost - 1.0) * 100.0,
+            forces.force_noise(),
         );
     }
 }
