@@ -135,7 +135,7 @@ fn report() {
          the objective cost"
     );
     let exact = episode(1920.0, 64);
-    let interaction = |run: &Run| run.summary.interaction.clone().expect("a physical plant");
+    let interaction = |run: &Run| run.summary.interaction.expect("a physical plant");
     for (rate_hz, sweeps) in CHOICES {
         let run = episode(rate_hz, sweeps);
         let off = run.object.iter().zip(&exact.object).map(|(at, exact)| (at - exact).norm());

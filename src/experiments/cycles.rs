@@ -11,7 +11,6 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::Serialize;
-use std::fmt::Write;
 
 /// How many worlds are tried, where nobody says.
 pub const WORLDS: usize = 10_000;
@@ -85,9 +84,7 @@ pub fn search(episodes: usize, seed: u64, settings: &Settings, on_done: OnDone) 
 
 fn trial(seed: u64, settings: &Settings) -> Trial {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let human = settings.predictor.belief().sample(&mut rng);
-    // as many sensitive humans as tolerant ones
-    let eta = rng.random_range(0.0..30f64.ln()).exp();
+    let (human, eta) = random_human(settings, &mut rng);
     let coordination = coordination::Settings { eta, ..settings.coordination };
     let settings = Settings { coordination, predict_while_human_leads: false, ..settings.clone() };
     loop {
@@ -109,63 +106,81 @@ fn trial(seed: u64, settings: &Settings) -> Trial {
     }
 }
 
+/// A human and their eta, from 1 to 30: as many sensitive as tolerant ones.
+pub(super) fn random_human(settings: &Settings, rng: &mut ChaCha8Rng) -> (Perception, f64) {
+    let human = settings.predictor.belief().sample(rng);
+    (human, rng.random_range(0.0..30f64.ln()).exp())
+}
+
 /// A random world file: a walled field with boxes, cylinders and polygons strewn over it, start on the left, target on the right, nothing
 /// declared.
 pub fn random_world(rng: &mut ChaCha8Rng) -> String {
+    random_field(rng, 0.6, 0.0, usize::MAX)
+}
+
+/// The same with room for a team with bodies, which is 2 to 3 m long: start and target twice as far from the walls at the sides, 2 m more behind them,
+/// and eight obstacles at most.
+pub fn roomy_world(rng: &mut ChaCha8Rng) -> String {
+    random_field(rng, 1.2, 2.0, 8)
+}
+
+/// Start and target `beside` (m) off the walls at the sides at least, `room` (m) more behind them, and so many obstacles at most.
+fn random_field(rng: &mut ChaCha8Rng, beside: f64, room: f64, most: usize) -> String {
     let width: f64 = rng.random_range(8.0..16.0);
     let depth: f64 = rng.random_range(5.0..12.0);
-    let start_y = rng.random_range(0.6..depth - 0.6);
-    let target_y = rng.random_range(0.6..depth - 0.6);
+    let start_y = rng.random_range(beside..depth - beside);
+    let target_y = rng.random_range(beside..depth - beside);
     let mut text = format!(
         "name = \"random\"\nrobot_width_m = 0.5\nstart_m = [0.8, {start_y:.3}]\ntarget_m = [{:.3}, {target_y:.3}]\n",
         width - 0.8,
     );
-    let sides = [
-        ("south", width / 2.0, -0.05, width, 0.1),
-        ("north", width / 2.0, depth + 0.05, width, 0.1),
-        ("west", -0.05, depth / 2.0, 0.1, depth + 0.2),
-        ("east", width + 0.05, depth / 2.0, 0.1, depth + 0.2),
+    let long = width + 2.0 * room;
+    let walls = [
+        ("south", width / 2.0, -0.05, long, 0.1),
+        ("north", width / 2.0, depth + 0.05, long, 0.1),
+        ("west", -0.05 - room, depth / 2.0, 0.1, depth + 0.2),
+        ("east", width + 0.05 + room, depth / 2.0, 0.1, depth + 0.2),
     ];
-    for (name, x, y, sx, sy) in sides {
-        obstacle(
-            &mut text,
+    for (name, x, y, sx, sy) in walls {
+        text += &obstacle(
             name,
             &format!("shape = \"box\"\ncenter_m = [{x:.3}, {y:.3}]\nsize_m = [{sx:.3}, {sy:.3}]"),
         );
     }
-    for i in 0..rng.random_range(4..18) {
+    for i in 0..rng.random_range(4..18).min(most) {
         let x = rng.random_range(1.5..width - 1.5);
         let y = rng.random_range(0.0..depth);
-        let shape = match rng.random_range(0..3) {
-            0 => {
-                let (sx, sy) = (rng.random_range(0.1..1.0), rng.random_range(0.3..2.0));
-                let yaw = rng.random_range(-90.0..90.0);
-                format!(
-                    "shape = \"box\"\ncenter_m = [{x:.3}, {y:.3}]\nsize_m = [{sx:.3}, {sy:.3}]\nyaw_deg = {yaw:.2}"
-                )
-            }
-            1 => {
-                let radius = rng.random_range(0.1..0.7);
-                format!("shape = \"cylinder\"\ncenter_m = [{x:.3}, {y:.3}]\nradius_m = {radius:.3}")
-            }
-            _ => {
-                let (corners, radius) = (rng.random_range(3..7), rng.random_range(0.3..0.9));
-                let turn: f64 = rng.random_range(0.0..std::f64::consts::TAU);
-                let vertices: Vec<String> = (0..corners)
-                    .map(|c| turn + std::f64::consts::TAU * c as f64 / corners as f64)
-                    .map(|angle| {
-                        format!("[{:.3}, {:.3}]", x + radius * angle.cos(), y + radius * angle.sin())
-                    })
-                    .collect();
-                format!("shape = \"polygon\"\nvertices_m = [{}]", vertices.join(", "))
-            }
-        };
-        obstacle(&mut text, &format!("obstacle-{}", i + 1), &shape);
+        text += &obstacle(&format!("obstacle-{}", i + 1), &random_shape(rng, x, y));
     }
     text
 }
 
-fn obstacle(text: &mut String, name: &str, shape: &str) {
-    // writing to a string does not fail
-    let _ = write!(text, "\n[[obstacle]]\nname = \"{name}\"\n{shape}\nheight_m = 1.0\n");
+/// A shape at (x, y), m, as in a world file.
+fn random_shape(rng: &mut ChaCha8Rng, x: f64, y: f64) -> String {
+    match rng.random_range(0..3) {
+        0 => {
+            let (sx, sy) = (rng.random_range(0.1..1.0), rng.random_range(0.3..2.0));
+            let yaw = rng.random_range(-90.0..90.0);
+            format!(
+                "shape = \"box\"\ncenter_m = [{x:.3}, {y:.3}]\nsize_m = [{sx:.3}, {sy:.3}]\nyaw_deg = {yaw:.2}"
+            )
+        }
+        1 => {
+            let radius = rng.random_range(0.1..0.7);
+            format!("shape = \"cylinder\"\ncenter_m = [{x:.3}, {y:.3}]\nradius_m = {radius:.3}")
+        }
+        _ => {
+            let (corners, radius) = (rng.random_range(3..7), rng.random_range(0.3..0.9));
+            let turn: f64 = rng.random_range(0.0..std::f64::consts::TAU);
+            let vertices: Vec<String> = (0..corners)
+                .map(|c| turn + std::f64::consts::TAU * c as f64 / corners as f64)
+                .map(|angle| format!("[{:.3}, {:.3}]", x + radius * angle.cos(), y + radius * angle.sin()))
+                .collect();
+            format!("shape = \"polygon\"\nvertices_m = [{}]", vertices.join(", "))
+        }
+    }
+}
+
+fn obstacle(name: &str, shape: &str) -> String {
+    format!("\n[[obstacle]]\nname = \"{name}\"\n{shape}\nheight_m = 1.0\n")
 }

@@ -3,6 +3,7 @@
 
 pub mod contacts;
 pub mod cycles;
+pub mod cycles_physical;
 pub mod fit;
 pub mod h1;
 pub mod h2;

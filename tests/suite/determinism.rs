@@ -14,7 +14,8 @@ fn two_processes_print_the_same_bytes() {
 
 #[test]
 fn the_number_of_threads_makes_no_difference() {
-    for claim in [&["h2"][..], &["cycles", "--worlds", "40"]] {
+    let with_bodies = ["cycles", "--plant", "rapier", "--worlds", "3"];
+    for claim in [&["h2"][..], &["cycles", "--worlds", "40"], &with_bodies] {
         let run = |threads| {
             let arguments = [&["reproduce"], claim, &["--json", "--threads", threads]].concat();
             json(&arguments)

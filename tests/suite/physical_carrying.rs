@@ -268,6 +268,30 @@ fn a_change_of_option_is_walked_in_an_arc() {
     assert!(peak < 100.0, "{peak} N");
 }
 
+/// In random world 98, the beam touches an obstacle: the file that is kept says how to run that again.
+#[test]
+fn an_episode_lost_in_a_random_world_can_be_run_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let kept = folder.path().join("new/folder");
+    let search =
+        ["reproduce", "cycles", "--plant", "rapier", "--worlds", "1", "--seed", "98", "--json", "--keep"];
+    let found = json(&[&search[..], &[kept.to_str().unwrap()]].concat())["findings"].clone();
+    assert_eq!((&found["arrived"], &found["touched"]), (&0.into(), &serde_json::json!([0, 1, 0])));
+    let lost = &found["lost"][0];
+    assert_eq!((&lost["index"], &lost["outcome"]), (&98.into(), &"collided".into()));
+
+    let file = kept.join("cycle-98.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let how = text.lines().next().and_then(|line| line.strip_prefix("# cocarry run FILE ")).expect("how to");
+    let arguments = [&["run", file.to_str().unwrap(), "--json"][..], &how.split(' ').collect::<Vec<_>>()];
+    let output = cocarry(&arguments.concat());
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let [x, y] = [0, 1].map(|i| lost["contact"]["point"][i].as_f64().expect("a place"));
+    let [again_x, again_y] = [0, 1].map(|i| told["collision"]["point_m"][i].as_f64().expect("a place"));
+    assert_eq!([x, y], [again_x, again_y]);
+}
+
 #[test]
 fn a_world_without_room_for_the_team_is_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -2,20 +2,19 @@
 
 mod all;
 mod contacts;
+mod cycles;
 mod h2_physical;
 mod h3;
 
 use super::output::{Failure, Progress, input, print, print_json, table_with_notes, write_file};
 use super::robot::sway;
 use crate::episode::{Outcome, Settings};
-use crate::experiments::cycles::{self, Findings};
 use crate::experiments::h2::{self, ExampleRun};
 use crate::experiments::report::{example_picture, example_table, table_1, table_2};
 use crate::experiments::{h1, paper};
 use anyhow::{Context, anyhow};
 use clap::{Args, Subcommand, ValueEnum};
 use serde_json::{Value, json};
-use std::fmt::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -31,7 +30,7 @@ pub(super) enum Claim {
     /// How dangerous an opening of the paper's risk S = d_r / w is: how often a team with bodies touches its sides
     Contacts(contacts::Arguments),
     /// "No locked cycles" (Sec. IV-B): random worlds and humans, each episode run to its end
-    Cycles(Cycles),
+    Cycles(cycles::Arguments),
     /// All of it as a report with tables and pictures: H1, H2, H3, locked cycles, and Table II with bodies
     All(all::Arguments),
 }
@@ -50,8 +49,8 @@ pub(super) struct H2 {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// What walks: `point`, as in the paper, or `rapier`: the same humans once more with bodies, beside the point
-    #[arg(long, value_enum, default_value_t = H2Plant::Point)]
-    plant: H2Plant,
+    #[arg(long, value_enum, default_value_t = TeamPlant::Point)]
+    plant: TeamPlant,
     /// Humans in each cell, with --plant rapier [default: 20]
     #[arg(long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
     humans: Option<u64>,
@@ -63,8 +62,9 @@ pub(super) struct H2 {
     svg: Option<PathBuf>,
 }
 
+/// What walks, for claims about the planning level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum H2Plant {
+enum TeamPlant {
     /// The team is a point that walks its path exactly
     Point,
     /// Robot, object, human and obstacles as bodies
@@ -87,21 +87,6 @@ impl TablePlant {
             Self::Rapier => "rapier",
         }
     }
-}
-
-#[derive(Args, Debug)]
-pub(super) struct Cycles {
-    #[command(flatten)]
-    common: Common,
-    /// How many random worlds
-    #[arg(long, default_value_t = cycles::WORLDS)]
-    worlds: usize,
-    /// Seed of the first world; the others follow it
-    #[arg(long, default_value_t = 0)]
-    seed: u64,
-    /// Write the worlds of episodes that did not arrive into this folder
-    #[arg(long, value_name = "FOLDER")]
-    keep: Option<PathBuf>,
 }
 
 /// What commands that run many episodes take.
@@ -130,7 +115,7 @@ pub(super) fn run(claim: &Claim) -> Result<ExitCode, Failure> {
         Claim::H2(arguments) => run_h2(arguments),
         Claim::H3(arguments) => h3::run(arguments),
         Claim::Contacts(arguments) => contacts::run(arguments),
-        Claim::Cycles(arguments) => run_cycles(arguments),
+        Claim::Cycles(arguments) => cycles::run(arguments),
         Claim::All(arguments) => all::run(arguments),
     }?;
     Ok(ExitCode::SUCCESS)
@@ -152,7 +137,7 @@ fn run_h1(arguments: &H1) -> Result<(), Failure> {
 }
 
 fn run_h2(arguments: &H2) -> Result<(), Failure> {
-    if arguments.plant == H2Plant::Rapier {
+    if arguments.plant == TeamPlant::Rapier {
         return h2_physical::run(arguments);
     }
     if arguments.humans.is_some() || arguments.sway.is_some() {
@@ -196,52 +181,4 @@ fn example_json(run: &ExampleRun) -> Value {
         "steps": run.summary.steps,
         "arrived": run.summary.outcome == Outcome::Arrived,
     })
-}
-
-fn run_cycles(arguments: &Cycles) -> Result<(), Failure> {
-    let settings = Settings::default();
-    let bar = Progress::new(arguments.worlds, "random worlds");
-    let findings = arguments
-        .common
-        .on_threads(|| cycles::search(arguments.worlds, arguments.seed, &settings, &|| bar.step()))?;
-    bar.finish();
-    if let Some(folder) = &arguments.keep {
-        for found in &findings.counterexamples {
-            let head = format!(
-                "# cocarry run FILE --alpha {} --gamma {} --eta {}\n\n",
-                found.alpha, found.gamma, found.eta
-            );
-            write_file(&folder.join(format!("cycle-{}.toml", found.index)), &(head + &found.world))?;
-        }
-    }
-    if arguments.common.json {
-        return print_json(&json!(findings));
-    }
-    print(&cycles_text(&findings))
-}
-
-fn cycles_text(findings: &Findings) -> String {
-    let mut text = format!(
-        "No locked cycles (Sec. IV-B): {} random worlds, {} with two options or more; the executed option changed in {}, at most {} times.\n\
-         The longest episode took {:.1} times the steps of its cheapest option.\n",
-        findings.episodes,
-        findings.with_choice,
-        findings.with_changes,
-        findings.most_changes,
-        findings.longest_detour,
-    );
-    match findings.counterexamples.as_slice() {
-        [] => text += "Every episode ended at the target: no counterexample.\n",
-        found => {
-            let _ = writeln!(text, "{} did not arrive (see --keep):", found.len());
-            for c in found {
-                let _ = writeln!(
-                    text,
-                    "  world {}: alpha {:.4}, gamma {:.4}, eta {:.2}",
-                    c.index, c.alpha, c.gamma, c.eta
-                );
-            }
-        }
-    }
-    text
 }
