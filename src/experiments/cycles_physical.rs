@@ -106,7 +106,7 @@ impl Study<'_> {
             longest_detour: trials.iter().filter(arrived).map(|t| t.detour).fold(0.0, f64::max),
             lost: (self.seed..)
                 .zip(&trials)
-                .filter(|(_, t)| !arrived(&t))
+                .filter(|(_, t)| !arrived(t))
                 .map(|(index, t)| t.lost(index))
                 .collect(),
         })
