@@ -76,6 +76,7 @@ fn columns(tick: &Tick, names: &Names) -> Vec<(String, Value)> {
         ("discomfort", json!(tick.discomfort)),
         ("executed", json!(names.option(tick.executed))),
         ("preferred", json!(names.option(tick.preferred))),
+        ("steps_back_for", json!(tick.steps_back_for.map(|option| names.option(option)))),
         ("objective_cost_m", json!(tick.objective_cost)),
         ("accumulated_cost_m", json!(tick.accumulated_cost)),
     ];

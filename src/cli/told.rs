@@ -215,6 +215,13 @@ impl Told<'_> {
                 format!("{}: {} from option {from} to option {to}", at(tick), leader(tick)),
             ));
         }
+        let begins = |w: &&[Tick]| w[0].steps_back_for.is_none();
+        for back in self.ticks.windows(2).filter(begins) {
+            if let Some(option) = back[1].steps_back_for {
+                let words = format!("the team steps back, to turn onto option {}", self.option_name(option));
+                events.push((back[1].step, format!("{}: {words}", at(&back[1]))));
+            }
+        }
         events.sort_by_key(|(step, _)| *step);
         let mut events: Vec<String> = events.into_iter().map(|(_, event)| event).collect();
         let end = match summary.outcome {

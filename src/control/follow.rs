@@ -27,7 +27,7 @@ pub type Rims = [[f64; 2]; HORIZON];
 pub struct Follower<'w> {
     /// Points [`Follower::STEP`] apart along the way, m; the last is where the grasp is to be now.
     pub way: &'w [Point],
-    /// Speed of the grasp along it now, and the one that it comes to, m/s.
+    /// Speed of the grasp along it now, and the one that it comes to, m/s; negative: back along the way.
     pub speeds: [f64; 2],
     /// How quickly it does, m/s^2.
     pub acceleration: f64,
@@ -43,23 +43,27 @@ impl Follower<'_> {
     /// are the speeds that the rims have now, m/s.
     pub fn rims(&self, drive: &Drive, base: &PlanarPose, rims: [f64; 2], period: f64) -> Rims {
         let (mut at, mut last) = (*base, rims);
-        let [mut pace, most] = self.speeds;
+        let [mut pace, to] = self.speeds;
         let mut ahead = 0.0;
         std::array::from_fn(|_| {
             let along = self.locate(at.position);
-            let goal = self.point(along + LOOK_AHEAD) - at.position;
+            let change = self.acceleration * period;
+            pace = if pace < to { (pace + change).min(to) } else { (pace - change).max(to) };
+            // who rolls back looks back: what is ahead of a base the other way round
+            let side = if pace < 0.0 { -1.0 } else { 1.0 };
+            let goal = (self.point((along + side * LOOK_AHEAD).max(0.0)) - at.position) * side;
             let behind = (self.way.len() - 1) as f64 * Self::STEP + ahead - along;
-            pace = (pace + self.acceleration * period).min(most);
             ahead += pace * period;
             let bearing = wrap_angle(angle_of(goal) - at.yaw);
-            let speed = (pace + SPACING_GAIN * (behind - self.distance)).max(0.0) * bearing.cos().max(0.0);
+            let wanted = side * (pace + SPACING_GAIN * (behind - self.distance));
+            let speed = wanted.max(0.0) * bearing.cos().max(0.0);
             let turn = if bearing.cos() > 0.0 && goal.norm() > 1e-3 {
                 2.0 * bearing.sin() / goal.norm() * speed
                     + TURN_GAIN * (1.0 - bearing.cos()) * bearing.signum()
             } else {
                 TURN_GAIN * bearing
             };
-            let rims = [speed - turn * drive.track / 2.0, speed + turn * drive.track / 2.0];
+            let rims = [-0.5, 0.5].map(|end| side * speed + end * turn * drive.track);
             let fastest = rims[0].abs().max(rims[1].abs());
             let scale = if fastest > drive.rim_speed_limit { drive.rim_speed_limit / fastest } else { 1.0 };
             let change = ACCELERATION * period;
@@ -190,6 +194,31 @@ mod tests {
                     assert!((behind - 0.7).abs() < 0.03, "{angle}: {behind} m behind");
                 }
             }
+        }
+    }
+
+    /// A base rolls back on the way that it came, round corners as well, and keeps its distance.
+    #[test]
+    fn a_base_rolls_back_on_its_way() {
+        for angle in [0.0, 0.5, -1.0] {
+            let start = Point::from(direction(angle) * 0.4);
+            let mut base = PlanarPose { position: start, yaw: angle };
+            let mut rims = [0.0; 2];
+            for tick in 0..40 {
+                let walked = 1.2 - 0.06 * f64::from(tick);
+                let way = corner(angle, walked);
+                let follower = Follower { way: &way, speeds: [-0.3; 2], acceleration: 0.9, distance: 0.8 };
+                rims = follower.rims(&DRIVE, &base, rims, PERIOD)[0];
+                base = DRIVE.roll(&base, rims.map(|rim| rim * PERIOD));
+                let off = way
+                    .windows(2)
+                    .map(|w| (base.position - nearest_on_segment(base.position, w[0], w[1])).norm());
+                let off = off.fold(f64::INFINITY, f64::min);
+                assert!(off < 0.12, "{angle}: {off} m off the way");
+            }
+            let behind = (corner(angle, -1.2)[49] - base.position).norm();
+            assert!((behind - 0.8).abs() < 0.08 && base.position.x < -1.5, "{angle}: {behind} m behind");
+            assert!(base.yaw.abs() < 0.1, "{angle}: {} rad", base.yaw);
         }
     }
 

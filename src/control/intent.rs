@@ -2,6 +2,9 @@
 
 use crate::geometry::{Point, Vector, angle_of};
 
+/// How far ahead of the middle of the last step a velocity is of soon, in steps: half to its end, and what motors take to answer.
+const SOON: f64 = 0.8;
+
 /// The robot's estimate of where the human is going, and how fast. It knows P_o and what it sees, not the human's parameters.
 ///
 /// P_o is weighed by how likely the observed direction of the last step is if the human were on option o: exp(c cos(observed - expected)), with
@@ -15,9 +18,10 @@ pub struct Intent {
     expected: Vec<Vector>,
     #[serde(skip)]
     weights: Vec<f64>,
-    /// Where the hand was, m, and how fast it went from there, m/s.
+    /// Where the hand was, m, its velocity from there, and what that differed by from the one before, m/s.
     hand: Option<Point>,
-    speed: Option<f64>,
+    velocity: Option<Vector>,
+    change: Vector,
 }
 
 impl Intent {
@@ -29,7 +33,8 @@ impl Intent {
             expected: Vec::new(),
             weights: Vec::new(),
             hand: None,
-            speed: None,
+            velocity: None,
+            change: Vector::zeros(),
         }
     }
 
@@ -59,13 +64,25 @@ impl Intent {
 
     /// Takes note of where the hand is now, one `period` (s) after the last time.
     pub fn see_hand(&mut self, position: Point, period: f64) {
-        self.speed = self.hand.map(|before| (position - before).norm() / period);
+        let velocity = self.hand.map(|before| (position - before) / period);
+        self.change = velocity.zip(self.velocity).map_or(Vector::zeros(), |(now, before)| now - before);
+        self.velocity = velocity;
         self.hand = Some(position);
     }
 
-    /// Speed of the hand in the last step, m/s; `None` before there was one.
+    /// Mean velocity of the hand in the last step, m/s; `None` before there was one.
+    pub fn velocity(&self) -> Option<Vector> {
+        self.velocity
+    }
+
+    /// Its velocity soon, if it goes on to change as it did, m/s: early in the coming step.
+    pub fn velocity_soon(&self) -> Option<Vector> {
+        self.velocity.map(|velocity| velocity + self.change * SOON)
+    }
+
+    /// Its magnitude, m/s.
     pub fn speed(&self) -> Option<f64> {
-        self.speed
+        self.velocity.map(|velocity| velocity.norm())
     }
 
     /// Takes note of where the options lead from here: where the human would be one step on.

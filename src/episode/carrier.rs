@@ -1,6 +1,8 @@
 //! A manipulator that holds its end of the object: what it does in each step of the loop.
 
-use super::team::{ACCELERATION, KinematicTeam, Moved, Onward, PhysicalTeam, Walk, on_floor};
+use super::team::{
+    ACCELERATION, Gait, KinematicTeam, Moved, Onward, PhysicalTeam, Walk, object_on_floor, on_floor,
+};
 use super::tick::{Preparation, RobotTick};
 use super::way::{Ground, Turned};
 use crate::control::{
@@ -8,7 +10,7 @@ use crate::control::{
     PoseProblem, Reference, Rims, RobotObstacles, hold_base_to, rolled, seen_from_base, set_base,
 };
 use crate::coordination::Mode;
-use crate::geometry::{Path, PlanarPose, Point, Pose, Widening};
+use crate::geometry::{Path, PlanarPose, Point, Pose, Widening, direction};
 use crate::options::{OptionSet, Progress};
 use crate::preference::ChoiceDistribution;
 use crate::robot::{Configuration, InputVector, JointVector, Robot};
@@ -85,6 +87,7 @@ impl CarrierState {
 /// What the loop knows when the robot is to act.
 pub(super) struct Situation<'s> {
     pub mode: Mode,
+    pub gait: Gait,
     pub options: &'s OptionSet,
     pub progress: &'s Progress,
     /// P_o from here.
@@ -214,6 +217,21 @@ impl<'a> Carrier<'a> {
         }
     }
 
+    /// Where along `path` (m) the team, `along` it and with no room to turn here, had better step back to: no farther than `least`, and `None` if
+    /// going on is as good. `next` is the path to turn onto, from where it is told that the team is.
+    pub fn place_behind(
+        &self,
+        path: &Path,
+        [least, along]: [f64; 2],
+        next: impl Fn(Point) -> Path,
+        options: &OptionSet,
+    ) -> Option<f64> {
+        match &self.team {
+            Team::Kinematic(_) => None,
+            Team::Physical(team) => team.place_behind(path, [least, along], next, self.ground(options)),
+        }
+    }
+
     fn ground<'g>(&self, options: &'g OptionSet) -> Ground<'g>
     where
         'a: 'g,
@@ -238,7 +256,8 @@ impl<'a> Carrier<'a> {
         if tracked.is_none() {
             // the robot knows its own way
             let onward = Onward { path: situation.path, along: situation.along, lead, turn: None };
-            let way = self.reference(&onward, self.walk.speed, situation.mode, &at.grasp);
+            let led = (situation.mode, situation.gait);
+            let way = self.reference(&onward, self.walk.speed, led, &at.grasp);
             self.references.clear();
             self.references.push(way);
             self.weights.clear();
@@ -313,13 +332,13 @@ impl<'a> Carrier<'a> {
     /// Rim speeds with which the base follows on the way; `None` on the kinematic plant, which has no obstacles to get caught at.
     fn base_on_way(&mut self, situation: &Situation, lead: f64) -> Option<Rims> {
         let Team::Physical(team) = &self.team else { return None };
-        let seen = self.intent.speed().unwrap_or(team.hurry);
+        let seen = self.seen_speed(team, situation.gait);
         let (pace, speed) = team.pace(situation.mode, situation.along + lead, seen);
         team.write_way_walked(situation.path, pace, &mut self.way);
         let Configuration { base, .. } = team.seen.configuration;
         let follower = Follower {
             way: &self.way,
-            speeds: [speed.min(self.walk.speed), self.walk.speed],
+            speeds: [speed.min(self.walk.speed), situation.gait.speed(&self.walk)],
             acceleration: ACCELERATION,
             distance: self.distance,
         };
@@ -341,8 +360,7 @@ impl<'a> Carrier<'a> {
         self.intent.see_hand(hand, period);
         let observed = match &self.team {
             Team::Kinematic(_) => self.intent.speed().unwrap_or(speed),
-            // before the hand was seen to move, the team goes as the robot led it
-            Team::Physical(team) => self.intent.speed().unwrap_or(team.hurry),
+            Team::Physical(team) => self.seen_speed(team, situation.gait),
         };
         self.references.clear();
         let ground = self.ground(situation.options);
@@ -360,7 +378,8 @@ impl<'a> Carrier<'a> {
             }
             let turn = Some(&self.paths[option]);
             let onward = Onward { path: situation.path, along: situation.along, lead, turn };
-            let reference = self.reference(&onward, observed, situation.mode, grasp);
+            let led = (situation.mode, situation.gait);
+            let reference = self.reference(&onward, observed, led, grasp);
             self.references.push(reference);
         }
         let step = observed * period;
@@ -380,11 +399,22 @@ impl<'a> Carrier<'a> {
         Some(tracked)
     }
 
+    /// How fast the hand is seen to go ahead, m/s; before it was seen to move, the team goes as the robot led it.
+    fn seen_speed(&self, team: &PhysicalTeam, gait: Gait) -> f64 {
+        let ahead = direction(object_on_floor(&team.seen.object).yaw);
+        let velocity = match gait {
+            Gait::Forward => self.intent.velocity(),
+            // who is to step back brakes first
+            Gait::Backward => self.intent.velocity_soon(),
+        };
+        velocity.map_or(team.hurry, |v| v.norm().copysign(v.dot(&ahead)))
+    }
+
     /// s(1..H) along a way.
-    fn reference(&self, onward: &Onward, speed: f64, mode: Mode, grasp: &Pose) -> Reference {
+    fn reference(&self, onward: &Onward, speed: f64, led: (Mode, Gait), grasp: &Pose) -> Reference {
         match &self.team {
             Team::Kinematic(team) => team.reference(onward, speed, &self.walk, grasp),
-            Team::Physical(team) => team.reference(onward, speed, mode, &self.walk, grasp),
+            Team::Physical(team) => team.reference(onward, speed, led, &self.walk, grasp),
         }
     }
 
@@ -392,7 +422,7 @@ impl<'a> Carrier<'a> {
     /// `path` the team is now, m: on the kinematic plant, where it walked to, `along` at `position`; on the physical one, where the object is.
     pub fn act(
         &mut self,
-        mode: Mode,
+        led: (Mode, Gait),
         path: &Path,
         (from, along, position): (f64, f64, Point),
         tick: &mut RobotTick,
@@ -402,7 +432,7 @@ impl<'a> Carrier<'a> {
             Team::Kinematic(team) => {
                 team.step(&configuration, &self.input, (path, along, position), &self.walk)
             }
-            Team::Physical(team) => team.step(&(rates + self.input), mode, (path, from), &self.walk),
+            Team::Physical(team) => team.step(&(rates + self.input), led, (path, from), &self.walk),
         };
         tick.position_error = moved.error.fixed_rows::<3>(0).norm();
         tick.orientation_error = moved.error.fixed_rows::<3>(3).norm();

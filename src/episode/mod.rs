@@ -7,6 +7,7 @@
 mod carrier;
 mod change;
 mod outcome;
+mod retreat;
 mod settings;
 mod state;
 mod team;
@@ -21,7 +22,8 @@ pub use state::{Misfit, State};
 pub use tick::{OptionTick, PhysicsTick, Preparation, RobotTick, Tick};
 
 use carrier::{Carrier, Situation};
-use team::{PhysicalTeam, Walk};
+use retreat::Retreat;
+use team::{Gait, PhysicalTeam, Walk};
 use way::Turned;
 
 use crate::coordination::{Coordinator, Method, Mode, is_misaligned, robot_choice};
@@ -63,6 +65,9 @@ pub struct Episode<'a> {
     choice: ChoiceDistribution,
     expected: Vec<f64>,
     carrier: Option<Carrier<'a>>,
+    /// Which way the team walks in this step, and what for.
+    gait: Gait,
+    retreat: Retreat,
     steps_without_progress: u32,
 }
 
@@ -115,6 +120,8 @@ impl<'a> Episode<'a> {
             choice: ChoiceDistribution::default(),
             expected: Vec::with_capacity(n),
             carrier: None,
+            gait: Gait::Forward,
+            retreat: Retreat::None,
             steps_without_progress: 0,
             progress,
         }
@@ -350,6 +357,11 @@ impl<'a> Episode<'a> {
     }
 
     fn execute(&mut self, option: usize) {
+        self.gait = Gait::Forward;
+        self.tick.steps_back_for = None;
+        if option == self.tick.executed {
+            self.retreat.call_off();
+        }
         if !self.underway {
             let path = self.options.path(&self.progress, option).unwrap_or_default();
             self.path = match &self.carrier {
@@ -371,7 +383,7 @@ impl<'a> Episode<'a> {
     }
 
     /// A path under way is walked on as it is, until another option is chosen and, on the physical plant, the team has turned onto this one
-    /// and there is room to turn.
+    /// and there is room to turn, or else it has stepped back to where there is.
     fn turn_onto(&mut self, option: usize) {
         let next = self.options.path(&self.progress, option).unwrap_or_default();
         let turned = match &mut self.carrier {
@@ -384,6 +396,9 @@ impl<'a> Episode<'a> {
             self.turns_until = until;
             self.tick.executed = option;
             self.summary.changes += 1;
+            self.retreat = Retreat::None;
+        } else {
+            self.step_back(option);
         }
     }
 
@@ -391,6 +406,7 @@ impl<'a> Episode<'a> {
         let Some(carrier) = &mut self.carrier else { return };
         self.tick.robot = Some(carrier.decide(&Situation {
             mode: self.tick.mode,
+            gait: self.gait,
             options: self.options,
             progress: &self.progress,
             choice: &self.choice,
@@ -407,7 +423,7 @@ impl<'a> Episode<'a> {
         let mut to = self.point_at(along);
         if let (Some(carrier), Some(tick)) = (&mut self.carrier, &mut self.tick.robot) {
             let goal = (self.along, along, to);
-            let reached = carrier.act(self.tick.mode, &self.path, goal, tick);
+            let reached = carrier.act((self.tick.mode, self.gait), &self.path, goal, tick);
             self.summary.control.get_or_insert_default().add(tick);
             if let Some(physics) = &tick.physics {
                 self.summary.interaction.get_or_insert_default().add(physics);
@@ -416,10 +432,10 @@ impl<'a> Episode<'a> {
             to = self.point_at(along);
         }
         self.note_incidents();
-        let came_on = along - self.along > 0.1 * self.settings.speed * self.settings.period;
+        let came_on = (along - self.along).abs() > 0.1 * self.settings.speed * self.settings.period;
         self.steps_without_progress = if came_on { 0 } else { self.steps_without_progress + 1 };
         self.options.advance(&mut self.progress, to);
-        self.summary.walked += along - self.along;
+        self.summary.walked += (along - self.along).abs();
         self.along = along;
         self.summary.steps += 1;
     }

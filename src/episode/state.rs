@@ -1,6 +1,7 @@
 //! An episode under way in; all that its further steps depend on, to write down, out. With that and the same inputs it goes on.
 
 use super::carrier::{Carrier, CarrierState};
+use super::retreat::Retreat;
 use super::{Episode, Manipulator, Settings, Summary, Tick};
 use crate::coordination::Coordinator;
 use crate::geometry::Path;
@@ -23,6 +24,7 @@ pub struct State {
     underway: bool,
     steps_without_progress: u32,
     carrier: Option<CarrierState>,
+    retreat: Retreat,
 }
 
 /// A state that belongs to another episode.
@@ -52,6 +54,7 @@ impl State {
                     && self.path.length().is_finite(),
             ),
             ("option", are_options(&[self.tick.executed, self.tick.preferred, first_option, last_option])),
+            ("option", self.tick.steps_back_for.is_none_or(|option| option < n)),
             ("robot", self.carrier.is_some() == has_robot),
             ("plant", self.carrier.as_ref().is_none_or(|c| c.is_physical() == is_physical)),
         ];
@@ -64,11 +67,11 @@ impl<'a> Episode<'a> {
     pub fn state(&self) -> State {
         #[rustfmt::skip]
         let Self {
-            human, coordinator, progress, path, along, turns_until, tick, summary, underway, steps_without_progress, carrier,
+            human, coordinator, progress, path, along, turns_until, tick, summary, underway, steps_without_progress, carrier, retreat,
             // given
             options: _, settings: _, tick_limit: _, changes: _,
             // memory, and what every step works out anew
-            predictor: _, prospects: _, choice: _, expected: _,
+            predictor: _, prospects: _, choice: _, expected: _, gait: _,
         } = self;
         State {
             human: *human,
@@ -82,6 +85,7 @@ impl<'a> Episode<'a> {
             underway: *underway,
             steps_without_progress: *steps_without_progress,
             carrier: carrier.as_ref().map(Carrier::state),
+            retreat: *retreat,
         }
     }
 
@@ -102,7 +106,7 @@ impl<'a> Episode<'a> {
         }
         #[rustfmt::skip]
         let State {
-            human, coordinator, progress, path, along, turns_until, tick, summary, underway, steps_without_progress, carrier,
+            human, coordinator, progress, path, along, turns_until, tick, summary, underway, steps_without_progress, carrier, retreat,
         } = state;
         let fresh = Self::new(options, settings, human);
         let (n, walk) = (options.options().len(), fresh.walk_settings());
@@ -118,6 +122,7 @@ impl<'a> Episode<'a> {
             underway,
             steps_without_progress,
             carrier,
+            retreat,
             ..fresh
         })
     }

@@ -39,6 +39,14 @@ pub(super) struct Moved {
     pub physics: Option<PhysicsTick>,
 }
 
+/// Which way a team walks along its way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Gait {
+    Forward,
+    /// It steps back to where there is room to turn. Whoever leads says so: nobody steps back unannounced with somebody at the other end.
+    Backward,
+}
+
 /// A team on the kinematic plant: the human walks the path exactly, and is the reference.
 #[derive(Clone, Debug)]
 pub(super) struct KinematicTeam<'a> {
@@ -71,8 +79,31 @@ const LAG: [f64; 2] = [0.1, 0.4];
 const CATCH_UP: f64 = 1.5;
 /// Points that are kept of the way walked: as far back as a base is.
 const WAY_POINTS: u32 = 50;
+/// How fast a team steps back, m/s.
+const BACKWARD: f64 = 0.35;
+/// The object is turned slower where the robot's end is this far (m) from where it is to be, and at a fifth of the rate where it is so much.
+const OUT_OF_PLACE: [f64; 2] = [0.02, 0.08];
 /// Who leads goes slower where the object is this far (m) behind, and waits where it is so much.
 const PATIENCE: [f64; 2] = [0.01, 0.08];
+
+impl Gait {
+    /// How fast a team goes in the end, m/s ahead.
+    pub fn speed(self, walk: &Walk) -> f64 {
+        match self {
+            Self::Forward => walk.speed,
+            Self::Backward => -BACKWARD,
+        }
+    }
+
+    /// How fast a team that goes with `speed` goes a period later, no faster than this `share` of what it comes to; m/s ahead.
+    pub fn speed_after(self, speed: f64, share: f64, walk: &Walk) -> f64 {
+        let change = ACCELERATION * walk.period;
+        match self {
+            Self::Forward => (speed + change).min(walk.speed * share),
+            Self::Backward => (speed - change).max(-BACKWARD * share),
+        }
+    }
+}
 
 impl KinematicTeam<'_> {
     pub fn reference(&self, onward: &Onward, speed: f64, walk: &Walk, grasp: &Pose) -> Reference {
@@ -154,12 +185,19 @@ impl PhysicalTeam {
     }
 
     /// s(1..H) of the grasp along a way: from the pace while the robot leads, from where the hand is seen while the human does.
-    pub fn reference(&self, onward: &Onward, speed: f64, mode: Mode, walk: &Walk, grasp: &Pose) -> Reference {
+    pub fn reference(
+        &self,
+        onward: &Onward,
+        speed: f64,
+        (mode, gait): (Mode, Gait),
+        walk: &Walk,
+        grasp: &Pose,
+    ) -> Reference {
         let (pace, mut hurry) = self.pace(mode, onward.along + onward.lead, speed);
         let mut ahead = pace - onward.along;
         let mut at = if mode == Mode::RobotLed { self.goal } else { self.held_by_hand() };
         let grasps = (1..=HORIZON).map(|_| {
-            hurry = (hurry + ACCELERATION * walk.period).min(walk.speed);
+            hurry = gait.speed_after(hurry, 1.0, walk);
             ahead += hurry * walk.period;
             at = brought_to(&at, &self.pose(onward, ahead), walk);
             self.way.end(&at, -1.0)
@@ -178,17 +216,24 @@ impl PhysicalTeam {
     pub fn step(
         &mut self,
         rates: &InputVector,
-        mode: Mode,
+        (mode, gait): (Mode, Gait),
         (path, along): (&Path, f64),
         walk: &Walk,
     ) -> Moved {
         let lag = wrap_angle(self.way.pose(path, self.pace).yaw - self.goal.yaw).abs();
         let share = |[slower, least]: [f64; 2], value: f64| (least - value) / (least - slower);
         let turning = share(LAG, lag).clamp(0.1, 1.0);
-        let waiting = share(PATIENCE, self.pace - along).clamp(0.0, 1.0);
-        self.hurry = (self.hurry + ACCELERATION * walk.period).min(walk.speed * turning * waiting);
+        let ahead = match gait {
+            Gait::Forward => self.pace - along,
+            Gait::Backward => along - self.pace,
+        };
+        let waiting = share(PATIENCE, ahead).clamp(0.0, 1.0);
+        self.hurry = gait.speed_after(self.hurry, turning * waiting, walk);
         self.pace += self.hurry * walk.period;
-        self.goal = brought_to(&self.goal, &self.way.pose(path, self.pace), walk);
+        let out_of_place = (self.human().position - on_floor(&self.seen.grasp)).norm();
+        let following = share(OUT_OF_PLACE, out_of_place).clamp(0.2, 1.0);
+        let gently = Walk { yaw_rate: walk.yaw_rate * following, ..*walk };
+        self.goal = brought_to(&self.goal, &self.way.pose(path, self.pace), &gently);
         let goal = self.goal;
         let hand = self.way.end(&goal, 1.0);
         self.plant.face(Some(angle_of(self.body(path, hand.position) - hand.position)));
@@ -198,7 +243,7 @@ impl PhysicalTeam {
         };
         self.seen = self.plant.step(rates, &command, walk.period);
         let object = object_on_floor(&self.seen.object);
-        let along = self.way.locate(path, object.position, along, self.pace);
+        let along = self.way.locate(path, object.position, along, self.pace, self.hurry < 0.0);
         let grasp = self.way.end(&goal, -1.0).at_height(self.height);
         Moved {
             along,
@@ -233,9 +278,21 @@ impl PhysicalTeam {
         self.way.write_onto(path, along, next, ground, way);
     }
 
+    /// Where the team had better step back to, to turn there ([`Way::place_behind`]).
+    pub fn place_behind(
+        &self,
+        path: &Path,
+        from: [f64; 2],
+        next: impl Fn(Point) -> Path,
+        ground: Ground,
+    ) -> Option<f64> {
+        self.way.place_behind(path, from, next, ground)
+    }
+
     /// The path under way is left `along` (m) on it for `next`. Returns what the object's middle walks; `None` if there is no room.
     pub fn turn(&mut self, path: &Path, along: f64, next: &Path, ground: Ground) -> Option<Turned> {
-        let turned = self.way.turn(path, along, next, ground)?;
+        let turned = self.way.planned_turn(path, along, next, ground)?;
+        self.way.leave(path, along);
         self.pace -= along;
         Some(turned)
     }

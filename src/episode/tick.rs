@@ -30,6 +30,8 @@ pub struct Tick {
     pub executed: usize,
     /// The option that this human would choose from here.
     pub preferred: usize,
+    /// The option for which the team steps back to where there is room to turn onto it: only a team with bodies does.
+    pub steps_back_for: Option<usize>,
     /// J of the executed option, m.
     pub objective_cost: f64,
     /// Sum of `objective_cost` up to and with this step, m.
@@ -189,6 +191,7 @@ impl Tick {
             discomfort: 0.0,
             executed: 0,
             preferred: 0,
+            steps_back_for: None,
             objective_cost: 0.0,
             accumulated_cost: 0.0,
             options: Vec::new(),

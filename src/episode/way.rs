@@ -6,7 +6,7 @@
 
 use crate::control::RobotObstacles;
 use crate::geometry::{Arc, Path, PlanarPose, Point, Tandem, Widening, angle_of, direction, write_turn_onto};
-use crate::options::OptionSet;
+use crate::options::{Crossing, OptionSet};
 use crate::world::World;
 
 /// The arcs in which a team turns onto another path: the first with which there is room. The robot follows at some distance, so that its
@@ -27,6 +27,15 @@ const YIELD: f64 = 0.05;
 const BEYOND: f64 = 1.0;
 /// Steps in which a way is taken over, m.
 const STEP: f64 = 0.05;
+/// In which steps (m) a team looks for where it can turn, and how many places in a row are enough: a step is no longer.
+const LOOKS: f64 = 0.1;
+const ENOUGH: u32 = 2;
+/// How far it looks ahead for an opening, how far through one its first may be to step back, and how far back it does at most, m.
+const LOOKS_AHEAD: f64 = 2.0;
+const THROUGH: f64 = 0.6;
+const BACK: f64 = 1.5;
+/// Nobody steps back for a path with a sharper bend than this (rad): between openings close to each other, a point's may double back.
+const WALKABLE: f64 = 2.0;
 
 /// The way of a team.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -115,9 +124,10 @@ impl Way {
     }
 
     /// How far along `path` (m) an object is whose middle is at `position`, if it was at `from` a step ago and is to be at `to`. It is no
-    /// farther than that, but for a little that the grips yield.
-    pub fn locate(&self, path: &Path, position: Point, from: f64, to: f64) -> f64 {
-        self.tandem.locate(path, position, from, (to + YIELD - from).clamp(0.0, REACH))
+    /// farther than that, but for a little that the grips yield; it comes back only with a team that steps back.
+    pub fn locate(&self, path: &Path, position: Point, from: f64, to: f64, is_backward: bool) -> f64 {
+        let low = if is_backward { (to - YIELD).clamp(from - REACH, from) } else { from };
+        self.tandem.locate(path, position, [low, from + (to + YIELD - from).clamp(0.0, REACH)])
     }
 
     /// Where the human's body is when the object's middle has come `along` (m), and where it heads, rad.
@@ -140,9 +150,14 @@ impl Way {
         }
     }
 
-    /// The team, its object's middle `along` (m) on `path`, turns onto `next`, which begins there. Returns what the middle walks instead
-    /// of `next`: on to where the human's body is, and in an arc onto `next`. `None` if there is no room for that here.
-    pub fn turn(&mut self, path: &Path, along: f64, next: &Path, ground: Ground) -> Option<Turned> {
+    /// The team, its object's middle `along` (m) on `path`, leaves it for a [turn](Self::planned_turn).
+    pub fn leave(&mut self, path: &Path, along: f64) {
+        self.tandem.leave(path, along);
+    }
+
+    /// How the team, its object's middle `along` (m) on `path`, would turn onto `next`, which begins there: what the middle walks instead
+    /// of `next`, on to where the human's body is, and in an arc onto `next`. `None` if there is no room for that there.
+    pub fn planned_turn(&self, path: &Path, along: f64, next: &Path, ground: Ground) -> Option<Turned> {
         let (body, heading) = self.body(path, along);
         let is_free = |from, to| ground.is_free(from, to);
         let (mut next_wide, mut onto) = (Path::default(), Path::default());
@@ -156,15 +171,53 @@ impl Way {
         let step = self.body_ahead() / steps;
         for i in 0..steps as usize {
             let [from, to] = [i, i + 1].map(|i| self.point(path, along + step * i as f64));
-            // whoever walks ahead is through, and so is the team
-            if ground.options.goes_through_opening(from, to) {
+            // whoever walks ahead is through, and so is the team: it does not turn onto a way that does not go through as well
+            let is_through = ground.options.goes_through_opening(from, to);
+            if is_through && ground.options.crossing(from, to) != self.first_crossing(next, ground.options) {
                 return None;
             }
             way.line(from, to);
         }
         way.push_rest(&onto, 0.0);
-        self.tandem.leave(path, along);
         Some(Turned { path: way, until: self.body_ahead() + turning })
+    }
+
+    /// Where along `path` (m), no farther back than `least`, a team whose object's middle is `along` it had better step back to, to turn there:
+    /// `None` if there is no such place, or the team comes to one before whoever walks ahead is through the next opening. `next` is the path to
+    /// turn onto, from where it is told that the middle is.
+    pub fn place_behind(
+        &self,
+        path: &Path,
+        [least, along]: [f64; 2],
+        next: impl Fn(Point) -> Path,
+        ground: Ground,
+    ) -> Option<f64> {
+        let can_turn = |along: f64| {
+            let next = next(self.point(path, along));
+            next.sharpest_bend() <= WALKABLE && self.planned_turn(path, along, &next, ground).is_some()
+        };
+        let body = |ahead: f64| self.point(path, along + self.body_ahead() + ahead);
+        let is_through = |ahead: f64| ground.options.goes_through_opening(body(ahead), body(ahead + LOOKS));
+        let steps = |from: f64, to: f64| {
+            let n = ((to - from) / LOOKS).round() as usize;
+            (0..n).map(move |i| from + LOOKS * i as f64)
+        };
+        let opening = steps(-THROUGH, LOOKS_AHEAD).find(|ahead| is_through(*ahead))?;
+        if steps(LOOKS, opening).any(|ahead| can_turn(along + ahead)) {
+            return None;
+        }
+        let mut room = 0;
+        steps(LOOKS, BACK).map(|back| along - back).take_while(|place| *place >= least).find(|place| {
+            room = if can_turn(*place) { room + 1 } else { 0 };
+            room == ENOUGH
+        })
+    }
+
+    /// The crossing that a path makes before whoever walks ahead is far from here.
+    fn first_crossing(&self, path: &Path, options: &OptionSet) -> Option<Crossing> {
+        let steps = ((self.body_ahead() + THROUGH) / STEP).ceil() as usize;
+        let point = |i: usize| path.point_at(STEP * i as f64);
+        (0..steps).find_map(|i| options.crossing(point(i)?, point(i + 1)?))
     }
 
     /// Whether the object, whose axis cuts corners, touches nothing while it turns.

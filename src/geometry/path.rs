@@ -1,6 +1,6 @@
 //! Lines and circular arcs, end to end, in; points and headings by distance walked out.
 
-use super::{Point, angle_of, direction, left_of};
+use super::{Point, angle_of, direction, left_of, wrap_angle};
 
 /// One piece of a path.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -156,6 +156,15 @@ impl Path {
         self.locate(walked).map(|(piece, along)| piece.heading_at(along))
     }
 
+    /// The largest angle (rad) by which the direction of travel jumps where pieces meet.
+    pub fn sharpest_bend(&self) -> f64 {
+        let jump = |pair: &[Piece]| {
+            let before = pair[0].heading_at(pair[0].length());
+            wrap_angle(pair[1].heading_at(0.0) - before).abs()
+        };
+        self.pieces.windows(2).map(jump).fold(0.0, f64::max)
+    }
+
     /// Points to draw the path through, arcs cut into chords that stay within `sagitta` (m) of them.
     pub fn polyline(&self, sagitta: f64) -> Vec<Point> {
         let mut points = Vec::new();
@@ -188,6 +197,16 @@ impl Path {
 mod tests {
     use super::*;
     use std::f64::consts::{FRAC_PI_2, PI};
+
+    #[test]
+    fn closed_form_the_sharpest_bend_is_where_lines_meet() {
+        let mut path = bend();
+        assert!(path.sharpest_bend() < 1e-9 && Path::default().sharpest_bend() == 0.0);
+        // back again, 135 degrees to the left of where it led
+        let end = path.point_at(f64::INFINITY).unwrap();
+        path.line(end, end + direction(path.heading_at(f64::INFINITY).unwrap() + 0.75 * PI));
+        assert!((path.sharpest_bend() - 0.75 * PI).abs() < 1e-9);
+    }
 
     fn bend() -> Path {
         let mut path = Path::default();

@@ -103,17 +103,17 @@ impl Tandem {
         PlanarPose { position: pose.position + reach, yaw: pose.yaw }
     }
 
-    /// How far along `path` an object is whose middle is at `position`: the nearest way, at or after `from` and within `reach` of it; m.
-    pub fn locate(&self, path: &Path, position: Point, from: f64, reach: f64) -> f64 {
+    /// How far along `path` an object is whose middle is at `position`, from `low` to `high`: the nearest way; m.
+    pub fn locate(&self, path: &Path, position: Point, [low, high]: [f64; 2]) -> f64 {
         const SAMPLES: usize = 16;
         let distance = |walked: f64| (self.pose(path, walked).position - position).norm_squared();
-        let (mut low, mut high) = (from, (from + reach).min(path.length()).max(from));
-        let mut best = low;
+        let [least, most] = [low, high.min(path.length()).max(low)];
+        let (mut low, mut high, mut best) = (least, most, least);
         for _ in 0..3 {
             let step = (high - low) / SAMPLES as f64;
             let samples = (0..=SAMPLES).map(|i| low + step * i as f64);
             best = nearest(samples, distance).unwrap_or(low);
-            (low, high) = ((best - step).max(from), (best + step).min(high));
+            (low, high) = ((best - step).max(least), (best + step).min(high));
         }
         best
     }
@@ -188,8 +188,10 @@ mod tests {
         for i in 0..40 {
             let walked = 0.1 * f64::from(i);
             let position = tandem.pose(&path, walked).position;
-            let found = tandem.locate(&path, position, (walked - 0.1).max(0.0), 0.4);
-            assert!((found - walked).abs() < 1e-3, "{walked}: {found}");
+            for range in [[(walked - 0.1).max(0.0), walked + 0.3], [walked - 0.3, walked]] {
+                let found = tandem.locate(&path, position, range);
+                assert!((found - walked).abs() < 1e-3, "{walked}: {found}");
+            }
         }
     }
 

@@ -143,6 +143,13 @@ impl OptionSet {
         self.roadmap.crosses_barrier(from, to)
     }
 
+    /// The crossing that a straight step from one point to another makes; of several, that of the first opening.
+    pub fn crossing(&self, from: Point, to: Point) -> Option<Crossing> {
+        let crossed =
+            |(opening, p): (usize, &Passage)| p.crossed(from, to).map(|(_, into)| Crossing { opening, into });
+        self.passages.iter().enumerate().find_map(crossed)
+    }
+
     /// The team at the start, with every option ahead of it.
     pub fn begin(&self) -> Progress {
         Progress::new(self.start, self.options.len())

@@ -12,8 +12,8 @@ use foxglove::messages::{Log, log::Level};
 /// What was said so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Events {
-    /// Mode, option executed and option preferred in the step before.
-    before: Option<(Mode, usize, usize)>,
+    /// Mode, option executed, option preferred and option stepped back for in the step before.
+    before: Option<(Mode, usize, usize, Option<usize>)>,
     touching: Vec<[Part; 2]>,
 }
 
@@ -40,7 +40,7 @@ impl Events {
                     format!("the {leader} leads on option {executed}; this human prefers option {preferred}");
                 said.push(say(Level::Info, "episode", words, time));
             }
-            Some((mode, executed_before, preferred_before)) => {
+            Some((mode, executed_before, preferred_before, back_before)) => {
                 if mode != tick.mode {
                     let words =
                         format!("stubbornness passes 1 ({:.3}): the human takes the lead", tick.stubbornness);
@@ -51,6 +51,10 @@ impl Events {
                     let words = format!("the human prefers option {preferred} to option {before}");
                     said.push(say(Level::Info, "preference", words, time));
                 }
+                if let (None, Some(option)) = (back_before, tick.steps_back_for) {
+                    let words = format!("the team steps back, to turn onto option {}", names.option(option));
+                    said.push(say(Level::Info, "option", words, time));
+                }
                 if executed_before != tick.executed {
                     let before = names.option(executed_before);
                     let words = format!("the {leader} leads from option {before} to option {executed}");
@@ -58,7 +62,7 @@ impl Events {
                 }
             }
         }
-        self.before = Some((tick.mode, tick.executed, tick.preferred));
+        self.before = Some((tick.mode, tick.executed, tick.preferred, tick.steps_back_for));
         said
     }
 

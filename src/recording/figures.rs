@@ -53,6 +53,7 @@ pub(super) fn coordination(tick: &Tick, names: Names) -> Value {
         "executed_index": tick.executed,
         "preferred": names.option(tick.preferred),
         "preferred_index": tick.preferred,
+        "steps_back_for": tick.steps_back_for.map(|option| names.option(option)),
         "x_m": tick.position.x,
         "y_m": tick.position.y,
         "heading_deg": tick.heading.to_degrees(),

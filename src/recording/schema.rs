@@ -115,6 +115,11 @@ const COORDINATION: &[Field] = &[
     field("executed_index", Count, "its place among the options, from 0"),
     field("preferred", Text, "name of the option that this human would choose from here"),
     field("preferred_index", Count, "its place among the options, from 0"),
+    field(
+        "steps_back_for",
+        MaybeText,
+        "the option for which the team steps back, to where there is room to turn onto it; mostly null",
+    ),
     field("x_m", Number, "where the team is at the beginning of the step, world x, m"),
     field("y_m", Number, "the same, world y, m"),
     field("heading_deg", Number, "direction of travel, counter-clockwise from x, degrees"),

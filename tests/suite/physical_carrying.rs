@@ -180,6 +180,53 @@ fn a_team_arrives_gently() {
     assert!(peak < 40.0, "{peak} N");
 }
 
+/// A point turns on the spot; a team with bodies that is in a doorway when it changes its mind steps back, and ends on the same option.
+#[test]
+fn a_team_without_room_to_turn_steps_back() {
+    let cases = [
+        ("environment-4", "15", ["0.7572030625405097", "0.9507981020192182"], "4"),
+        ("environment-3", "5", ["0.625852898140465", "0.7584923061528464"], "3"),
+        ("environment-2", "5", ["0.5525230142000969", "0.7611741605980802"], "3"),
+    ];
+    let folder = tempfile::tempdir().expect("a folder");
+    for (world, eta, [alpha, gamma], option) in cases {
+        let human = ["run", world, "--eta", eta, "--alpha", alpha, "--gamma", gamma];
+        let point = json(&[&human[..], &["--plant", "point", "--json"]].concat());
+        let ticks = folder.path().join(format!("{world}.csv"));
+        let ticks = ticks.to_str().expect("a path");
+        let told = json(&[&human[..], &["--sway", "0", "--json", "--ticks", ticks]].concat());
+        assert_eq!([&point["last_option"], &told["last_option"]], [option, option], "{world}");
+        assert_eq!(told["outcome"], "arrived", "{told}");
+        let stretch = told["interaction"]["largest_stretch_m"].as_f64().expect("a length");
+        assert!(stretch < 0.03, "{world}: {stretch} m");
+
+        let mut rows = csv::Reader::from_path(ticks).expect("ticks");
+        let columns = rows.headers().expect("columns").clone();
+        let column = |name: &str| columns.iter().position(|c| c == name).expect("a column");
+        let back = column("steps_back_for");
+        let at = ["hand_x_m", "hand_y_m", "heading_deg"].map(column);
+        let rows: Vec<_> = rows.records().map(|row| row.expect("a row")).collect();
+        let backward: Vec<_> = rows.iter().filter(|row| !row[back].is_empty()).collect();
+        assert!((3..25).contains(&backward.len()), "{world}: {}", backward.len());
+        assert!(backward.iter().all(|row| &row[back] == option), "{world}");
+        // where the hand has come to from the first of these steps to the last, along the direction of travel
+        let [from, to] = [backward[0], backward[backward.len() - 1]]
+            .map(|row| at.map(|column| row[column].parse::<f64>().expect("a number")));
+        let heading = from[2].to_radians();
+        let ahead = (to[0] - from[0]) * heading.cos() + (to[1] - from[1]) * heading.sin();
+        assert!((-1.5..-0.05).contains(&ahead), "{world}: {ahead} m");
+    }
+}
+
+/// The way round that this human would step back for doubles back between two openings: no body walks that.
+#[test]
+fn nobody_steps_back_for_a_way_that_nobody_can_walk() {
+    let told = json(&["run", "worlds/free-form.toml", "--eta", "5", "--seed", "96", "--json"]);
+    assert_eq!([&told["outcome"], &told["last_option"]], ["arrived", "1"], "{told}");
+    let stretch = told["interaction"]["largest_stretch_m"].as_f64().expect("a length");
+    assert!(stretch < 0.03, "{stretch} m");
+}
+
 /// A spring on a swaying hand may pull, but must not chatter.
 #[test]
 fn forces_do_not_chatter_while_walking() {

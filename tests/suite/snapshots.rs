@@ -182,6 +182,28 @@ fn a_human_cut_around_a_change_of_mind_is_the_one_never_cut() {
 }
 
 /// How long it has been stuck already is part of an episode.
+/// Where it steps back to, and that it was in vain, are the team's to remember.
+#[test]
+fn a_team_cut_while_it_steps_back_is_the_one_never_cut() {
+    let [_, _, plant] = plants();
+    let coordination = coordination::Settings { eta: 15.0, ..coordination::Settings::default() };
+    let settings = Settings { coordination, ..Settings::default() };
+    let human = Perception { alpha: 0.7572, gamma: 0.9508 };
+    let whole = stage(Scenario { settings, human, ..scenario(plant, Method::Mutual) });
+    let mut episode = whole.episode().unwrap_or_else(|e| panic!("{e}"));
+    let mut back = 0;
+    while back < 4 {
+        assert_eq!(episode.step(), None, "it steps back");
+        back += u32::from(episode.tick().steps_back_for.is_some());
+    }
+    let bytes = whole.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"));
+    let snapshot = parse(&bytes).unwrap_or_else(|e| panic!("{e}"));
+    let stage = stage(snapshot.scenario);
+    let again = stage.resume(snapshot.state).unwrap_or_else(|e| panic!("{e}"));
+    let (whole, again) = (rest(episode), rest(again));
+    assert!(whole[0].contains("steps_back_for: Some") && again == whole);
+}
+
 #[test]
 fn an_episode_that_is_stuck_stays_so() {
     let [_, _, mut plant] = plants();

@@ -118,6 +118,9 @@ impl PhysicalPlant {
         if matches!(self.failure, Some(Failure::NonFinite { .. })) {
             return self.observe();
         }
+        if self.check().is_none() {
+            return self.observe();
+        }
         let steps = (period * self.settings.rate_hz).round() as u64;
         self.robot.command(rates, steps);
         self.human.begin(human, steps as f64 * dt);
@@ -174,9 +177,8 @@ impl PhysicalPlant {
         self.robot.link_poses(&self.world)
     }
 
-    /// One physics step. `None` if it cannot be taken.
+    /// One physics step of a sound state. `None` if what it comes to is not.
     fn substep(&mut self, dt: f64) -> Option<()> {
-        self.check()?;
         let felt = self.felt()?;
         self.human.step(&felt, dt);
         let hand = self.human.hand(self.height);

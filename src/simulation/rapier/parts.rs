@@ -6,7 +6,7 @@ use crate::robot::{Link, Shape};
 use crate::simulation::convert::to_rapier;
 use rapier3d::prelude::{
     ActiveCollisionTypes, Collider, ColliderBuilder, ColliderHandle, InteractionGroups, InteractionTestMode,
-    PhysicsWorld, RigidBodyHandle,
+    PhysicsWorld, RigidBodyHandle, SharedShape,
 };
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
@@ -91,16 +91,17 @@ impl Parts {
         body_from_link: &Pose,
         kind: (Party, Group),
     ) {
-        let quarter = rapier3d::math::Rotation::from_rotation_x(FRAC_PI_2);
+        let quarter = to_rapier(&Pose::identity()) * rapier3d::math::Rotation::from_rotation_x(FRAC_PI_2);
         for geometry in &link.collisions {
             let at = to_rapier(&(body_from_link * geometry.link_from_shape));
             let (shape, at) = match geometry.shape {
                 Shape::Box { size } => {
                     (ColliderBuilder::cuboid(size.x / 2.0, size.y / 2.0, size.z / 2.0), at)
                 }
-                // rapier's cylinder stands along y
+                // rapier's cylinder stands along y; alone, its box would be searched for in every step
                 Shape::Cylinder { radius, length } => {
-                    (ColliderBuilder::cylinder(length / 2.0, radius), at * quarter)
+                    let cylinder = SharedShape::cylinder(length / 2.0, radius);
+                    (ColliderBuilder::compound(vec![(quarter, cylinder)]), at)
                 }
                 Shape::Capsule { radius, length } => (ColliderBuilder::capsule_z(length / 2.0, radius), at),
                 Shape::Sphere { radius } => (ColliderBuilder::ball(radius), at),

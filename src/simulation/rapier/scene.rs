@@ -45,6 +45,8 @@ impl Scene<'_> {
         let parameters = &mut world.integration_parameters;
         parameters.num_solver_iterations = 1;
         parameters.num_internal_pgs_iterations = settings.sweeps;
+        // nothing here is fast enough to pass through a wall in a step
+        parameters.max_ccd_substeps = 0;
         // depths are reported: they must be of now
         parameters.contact_recycling = false;
 
