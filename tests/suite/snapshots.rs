@@ -130,7 +130,7 @@ fn a_snapshot_of_another_format_says_so() {
     assert_eq!(version, env!("CARGO_PKG_VERSION").as_bytes());
     bytes[16] += 1;
     let error = parse(&bytes).map(|s| s.state.steps()).expect_err("another format").to_string();
-    for part in ["format 4", "this program reads format 3", env!("CARGO_PKG_VERSION")] {
+    for part in ["format 5", "this program reads format 4", env!("CARGO_PKG_VERSION")] {
         assert!(error.contains(part), "{error}");
     }
 }
