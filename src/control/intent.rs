@@ -2,7 +2,7 @@
 
 use crate::geometry::{Point, Vector, angle_of};
 
-/// How far ahead of the middle of the last step a velocity is of soon, in steps: half to its end, and what motors take to answer.
+/// How far ahead of the middle of the last step soon is, in steps: half to its end, and what motors take to answer.
 const SOON: f64 = 0.8;
 
 /// The robot's estimate of where the human is going, and how fast. It knows P_o and what it sees, not the human's parameters.
@@ -18,9 +18,10 @@ pub struct Intent {
     expected: Vec<Vector>,
     #[serde(skip)]
     weights: Vec<f64>,
-    /// Where the hand was, m, its velocity from there, and what that differed by from the one before, m/s.
+    /// Where the hand was, m, its speed (m/s) and displacement (m) from there, and what that differed by from the one before.
     hand: Option<Point>,
-    velocity: Option<Vector>,
+    speed: Option<f64>,
+    moved: Vector,
     change: Vector,
 }
 
@@ -33,7 +34,8 @@ impl Intent {
             expected: Vec::new(),
             weights: Vec::new(),
             hand: None,
-            velocity: None,
+            speed: None,
+            moved: Vector::zeros(),
             change: Vector::zeros(),
         }
     }
@@ -64,25 +66,27 @@ impl Intent {
 
     /// Takes note of where the hand is now, one `period` (s) after the last time.
     pub fn see_hand(&mut self, position: Point, period: f64) {
-        let velocity = self.hand.map(|before| (position - before) / period);
-        self.change = velocity.zip(self.velocity).map_or(Vector::zeros(), |(now, before)| now - before);
-        self.velocity = velocity;
-        self.hand = Some(position);
+        if let Some(before) = self.hand.replace(position) {
+            let moved = position - before;
+            self.change = if self.speed.is_some() { moved - self.moved } else { Vector::zeros() };
+            self.moved = moved;
+            self.speed = Some(moved.norm() / period);
+        }
     }
 
-    /// Mean velocity of the hand in the last step, m/s; `None` before there was one.
-    pub fn velocity(&self) -> Option<Vector> {
-        self.velocity
-    }
-
-    /// Its velocity soon, if it goes on to change as it did, m/s: early in the coming step.
-    pub fn velocity_soon(&self) -> Option<Vector> {
-        self.velocity.map(|velocity| velocity + self.change * SOON)
-    }
-
-    /// Its magnitude, m/s.
+    /// Speed of the hand in the last step, m/s; `None` before there was one.
     pub fn speed(&self) -> Option<f64> {
-        self.velocity.map(|velocity| velocity.norm())
+        self.speed
+    }
+
+    /// Which way the hand went in the last step, m; nothing before there was one.
+    pub fn moved(&self) -> Vector {
+        self.moved
+    }
+
+    /// Which way it goes soon, in a step (m), if that goes on to change as it did.
+    pub fn moves_soon(&self) -> Vector {
+        self.moved + self.change * SOON
     }
 
     /// Takes note of where the options lead from here: where the human would be one step on.
@@ -123,5 +127,10 @@ mod tests {
         assert_eq!(intent.speed(), None);
         intent.see_hand(Point::new(0.07, 0.07), 0.2);
         assert!((intent.speed().unwrap() - 0.07 * 2f64.sqrt() / 0.2).abs() < 1e-12);
+        assert!((intent.moves_soon() - Vector::new(0.07, 0.07)).norm() < 1e-12);
+        // it comes to a stop: soon it goes back
+        intent.see_hand(Point::new(0.08, 0.07), 0.2);
+        assert!((intent.moved() - Vector::new(0.01, 0.0)).norm() < 1e-12);
+        assert!((intent.moves_soon() - Vector::new(0.01 - 0.8 * 0.06, -0.8 * 0.07)).norm() < 1e-12);
     }
 }

@@ -401,13 +401,16 @@ impl<'a> Carrier<'a> {
 
     /// How fast the hand is seen to go ahead, m/s; before it was seen to move, the team goes as the robot led it.
     fn seen_speed(&self, team: &PhysicalTeam, gait: Gait) -> f64 {
+        let Some(speed) = self.intent.speed() else { return team.hurry };
         let ahead = direction(object_on_floor(&team.seen.object).yaw);
-        let velocity = match gait {
-            Gait::Forward => self.intent.velocity(),
+        match gait {
+            Gait::Forward => speed.copysign(self.intent.moved().dot(&ahead)),
             // who is to step back brakes first
-            Gait::Backward => self.intent.velocity_soon(),
-        };
-        velocity.map_or(team.hurry, |v| v.norm().copysign(v.dot(&ahead)))
+            Gait::Backward => {
+                let moves = self.intent.moves_soon();
+                (moves.norm() / self.walk.period).copysign(moves.dot(&ahead))
+            }
+        }
     }
 
     /// s(1..H) along a way.
