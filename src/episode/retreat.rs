@@ -23,6 +23,11 @@ pub(super) enum Retreat {
 }
 
 impl Retreat {
+    /// Whether it leads anywhere.
+    pub fn is_finite(&self) -> bool {
+        !matches!(self, Self::To(place) if !place.is_finite())
+    }
+
     /// The team goes on with the option that it is on.
     pub fn call_off(&mut self) {
         if let Self::To(_) = self {

@@ -51,7 +51,8 @@ impl State {
             (
                 "way",
                 [self.along, self.turns_until].iter().all(|m| m.is_finite())
-                    && self.path.length().is_finite(),
+                    && self.path.length().is_finite()
+                    && self.retreat.is_finite(),
             ),
             ("option", are_options(&[self.tick.executed, self.tick.preferred, first_option, last_option])),
             ("option", self.tick.steps_back_for.is_none_or(|option| option < n)),

@@ -109,6 +109,17 @@ fn what_cannot_be_served_ends_with_2() {
 }
 
 #[test]
+fn a_study_of_nothing_ends_with_2() {
+    let studies = [["h2", "--humans"], ["h3", "--episodes"], ["contacts", "--walks"], ["cycles", "--worlds"]];
+    for [claim, count] in studies {
+        let output = cocarry(&["reproduce", claim, count, "0"]);
+        assert_eq!(output.status.code(), Some(2), "{claim}");
+        let error = stderr(&output);
+        assert!(error.contains(count) && error.contains("0 is not in"), "{claim}: {error}");
+    }
+}
+
+#[test]
 #[cfg(not(feature = "live"))]
 fn a_program_that_cannot_serve_says_how_to_get_one_that_can() {
     let output = cocarry(&["run", "--plant", "point", "--live"]);

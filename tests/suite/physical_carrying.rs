@@ -215,6 +215,8 @@ fn a_team_without_room_to_turn_steps_back() {
         let heading = from[2].to_radians();
         let ahead = (to[0] - from[0]) * heading.cos() + (to[1] - from[1]) * heading.sin();
         assert!((-1.5..-0.05).contains(&ahead), "{world}: {ahead} m");
+        let said = stdout(&cocarry(&[&human[..], &["--sway", "0"]].concat()));
+        assert!(said.contains(&format!("the team steps back, to turn onto option {option}\n")), "{said}");
     }
 }
 

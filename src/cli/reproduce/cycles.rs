@@ -16,8 +16,8 @@ pub(in super::super) struct Arguments {
     #[command(flatten)]
     common: Common,
     /// How many random worlds [default: 10000; with --plant rapier 200]
-    #[arg(long)]
-    worlds: Option<usize>,
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    worlds: Option<u64>,
     /// Seed of the first world; the others follow it
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -48,7 +48,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 fn run_point(arguments: &Arguments) -> Result<(), Failure> {
     let settings = Settings::default();
-    let worlds = arguments.worlds.unwrap_or(cycles::WORLDS);
+    let worlds = arguments.worlds.map_or(cycles::WORLDS, |n| n as usize);
     let bar = Progress::new(worlds, "random worlds");
     let findings =
         arguments.common.on_threads(|| cycles::search(worlds, arguments.seed, &settings, &|| bar.step()))?;
@@ -72,7 +72,7 @@ fn run_bodies(arguments: &Arguments) -> Result<(), Failure> {
         robot: &robot,
         physics: physics(arguments.sway),
         episode: &settings,
-        worlds: arguments.worlds.unwrap_or(cycles_physical::WORLDS),
+        worlds: arguments.worlds.map_or(cycles_physical::WORLDS, |n| n as usize),
         seed: arguments.seed,
     };
     let bar = Progress::new(study.worlds, "random worlds");
