@@ -166,6 +166,11 @@ mod tests {
         (0..50).rev().map(|i| point(walked - Follower::STEP * f64::from(i))).collect()
     }
 
+    fn off_the_way(base: &PlanarPose, way: &[Point]) -> f64 {
+        let off = |w: &[Point]| (base.position - nearest_on_segment(base.position, w[0], w[1])).norm();
+        way.windows(2).map(off).fold(f64::INFINITY, f64::min)
+    }
+
     #[test]
     fn a_base_follows_round_corners_and_keeps_its_distance() {
         for angle in [0.0, 0.5, -1.0, 1.5] {
@@ -181,10 +186,7 @@ mod tests {
                     assert!(rim.abs() <= 1.0 && (rim - before).abs() <= ACCELERATION * PERIOD + 1e-12);
                 }
                 base = DRIVE.roll(&base, rims.map(|rim| rim * PERIOD));
-                let off = way
-                    .windows(2)
-                    .map(|w| (base.position - nearest_on_segment(base.position, w[0], w[1])).norm());
-                let off = off.fold(f64::INFINITY, f64::min);
+                let off = off_the_way(&base, &way);
                 assert!(off < 0.12, "{angle}: {off} m off the way");
                 // a body length past the corner it is on the way again
                 if walked > 2.0 {
@@ -210,10 +212,7 @@ mod tests {
                 let follower = Follower { way: &way, speeds: [-0.3; 2], acceleration: 0.9, distance: 0.8 };
                 rims = follower.rims(&DRIVE, &base, rims, PERIOD)[0];
                 base = DRIVE.roll(&base, rims.map(|rim| rim * PERIOD));
-                let off = way
-                    .windows(2)
-                    .map(|w| (base.position - nearest_on_segment(base.position, w[0], w[1])).norm());
-                let off = off.fold(f64::INFINITY, f64::min);
+                let off = off_the_way(&base, &way);
                 assert!(off < 0.12, "{angle}: {off} m off the way");
             }
             let behind = (corner(angle, -1.2)[49] - base.position).norm();

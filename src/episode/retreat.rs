@@ -1,7 +1,7 @@
 //! A turn for which there is no room in; whether the team steps back to where there is, out.
 //!
-//! A point turns on the spot. A team whose bodies have come too near to an opening to turn away from it steps back on its own way first, and then
-//! turns.
+//! DEVIATION (eq. 3): a point turns on the spot, as soon as another option is preferred. A team whose bodies have come too near to an opening to
+//! turn away from it steps back on its own way first, and then turns.
 
 use super::Episode;
 use super::team::Gait;
