@@ -11,6 +11,7 @@ use cocarry::coordination::Method;
 use cocarry::episode::{self, Episode, Manipulator};
 use cocarry::experiments::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
 use cocarry::geometry::{PlanarPose, Point, direction};
+use cocarry::math;
 use cocarry::options::OptionSet;
 use cocarry::robot::{Configuration, InputJacobian, InputVector, JointVector, Kinematics, Robot};
 use criterion::{Criterion, criterion_group};
@@ -100,7 +101,7 @@ fn naive_mpc(robot: &Robot, b: &InputJacobian, candidate: &Candidate, reference:
     for t in 0..HORIZON {
         for i in 0..6 {
             linear[state(t, i)] = -2000.0 * reference[(i, t)];
-            constant += 1000.0 * reference[(i, t)].powi(2);
+            constant += 1000.0 * math::squared(reference[(i, t)]);
             entry(row, state(t, i), 1.0);
             if t > 0 {
                 entry(row, state(t - 1, i), -1.0);

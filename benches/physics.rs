@@ -5,6 +5,7 @@ use cocarry::control;
 use cocarry::episode::Summary;
 use cocarry::experiments::paper;
 use cocarry::geometry::{PlanarPose, Point};
+use cocarry::math;
 use cocarry::robot::{InputVector, Robot};
 use cocarry::scenario::{Carrier, Plant, Scenario};
 use cocarry::simulation::{HumanCommand, PhysicalPlant, PhysicsSettings};
@@ -35,10 +36,10 @@ fn plant(rate_hz: f64, sweeps: usize) -> (Robot, PhysicalPlant) {
 fn rates(robot: &Robot, tick: usize) -> InputVector {
     let mut rates = InputVector::zeros();
     let phase = 0.2 * tick as f64;
-    let turn = 0.3 * phase.cos() * robot.drive.track / 2.0;
-    (rates[0], rates[1]) = (0.4 * (0.5 * phase).sin() - turn, 0.4 * (0.5 * phase).sin() + turn);
+    let turn = 0.3 * math::cos(phase) * robot.drive.track / 2.0;
+    (rates[0], rates[1]) = (0.4 * math::sin(0.5 * phase) - turn, 0.4 * math::sin(0.5 * phase) + turn);
     for i in 0..robot.joint_count() {
-        rates[2 + i] = 0.1 * (phase + i as f64).cos();
+        rates[2 + i] = 0.1 * math::cos(phase + i as f64);
     }
     rates
 }

@@ -1,5 +1,6 @@
 //! Choice probabilities and expected costs of typical and of many options, against a plain grid over the two parameters.
 
+use cocarry::math;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
@@ -32,14 +33,14 @@ fn grid(prospects: &[Prospect], points: usize) -> Vec<f64> {
     let mut lengths = Vec::with_capacity(points * options);
     for k in 0..points {
         let alpha = middle(0.55, 0.95, k);
-        lengths.extend(prospects.iter().map(|prospect| prospect.length.powf(alpha)));
+        lengths.extend(prospects.iter().map(|prospect| math::pow(prospect.length, alpha)));
     }
     let mut wins = vec![0u64; options];
     let mut risks = vec![0.0; options];
     for row in 0..points {
         let gamma = middle(0.5, 1.1, row);
         for (risk, prospect) in risks.iter_mut().zip(prospects) {
-            *risk = RISK_WEIGHT * (-(-prospect.risk.ln()).powf(gamma)).exp();
+            *risk = RISK_WEIGHT * math::exp(-math::pow(-math::ln(prospect.risk), gamma));
         }
         for column in lengths.chunks_exact(options) {
             let (mut best, mut lowest) = (0, f64::INFINITY);
@@ -129,7 +130,7 @@ fn ratios() {
             "  n = {count:2}  {:8.2} us  {nodes:4} nodes  {:6.1} ns per node  {:5.2} ns / (n log2 n)",
             time * 1e6,
             time * 1e9 / nodes,
-            time * 1e9 / nodes / (n * n.log2()),
+            time * 1e9 / nodes / (n * math::log2(n)),
         );
     }
 }

@@ -23,6 +23,7 @@
 //! world          a TOML file -> obstacles, openings, start, target
 //! robot          a TOML file and a URDF -> drive, arm, grasp; forward kinematics and B(q)
 //! geometry       points, poses, outlines, paths
+//! math           transcendental functions, the same bits everywhere
 //! ```
 //!
 //! # Notation
@@ -76,6 +77,7 @@ pub mod drawing;
 pub mod episode;
 pub mod experiments;
 pub mod geometry;
+pub mod math;
 pub mod options;
 pub mod preference;
 pub mod recording;

@@ -6,6 +6,7 @@
 use super::limits::{HalfPlane, Limits};
 use super::{HORIZON, Inputs, Reference};
 use crate::geometry::{PlanarPose, Point, Pose, angle_of, nearest_on_segment, wrap_angle};
+use crate::math;
 use crate::robot::{Drive, InputJacobian, pose_difference};
 use nalgebra::Rotation3;
 
@@ -56,10 +57,10 @@ impl Follower<'_> {
             ahead += pace * period;
             let bearing = wrap_angle(angle_of(goal) - at.yaw);
             let wanted = side * (pace + SPACING_GAIN * (behind - self.distance));
-            let speed = wanted.max(0.0) * bearing.cos().max(0.0);
-            let turn = if bearing.cos() > 0.0 && goal.norm() > 1e-3 {
-                2.0 * bearing.sin() / goal.norm() * speed
-                    + TURN_GAIN * (1.0 - bearing.cos()) * bearing.signum()
+            let speed = wanted.max(0.0) * math::cos(bearing).max(0.0);
+            let turn = if math::cos(bearing) > 0.0 && goal.norm() > 1e-3 {
+                2.0 * math::sin(bearing) / goal.norm() * speed
+                    + TURN_GAIN * (1.0 - math::cos(bearing)) * bearing.signum()
             } else {
                 TURN_GAIN * bearing
             };

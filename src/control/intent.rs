@@ -1,6 +1,7 @@
 //! P_o and an observed step of the human in; the option that the robot tracks out.
 
 use crate::geometry::{Point, Vector, angle_of};
+use crate::math;
 
 /// How far ahead of the middle of the last step soon is, in steps: half to its end, and what motors take to answer.
 const SOON: f64 = 0.8;
@@ -48,7 +49,7 @@ impl Intent {
         self.weights.extend(probabilities.iter().enumerate().map(|(o, p)| {
             let likelihood = match (step, self.expected.get(o)) {
                 (Some(step), Some(expected)) if step.norm() > 0.0 && expected.norm() > 0.0 => {
-                    (self.concentration * ((angle_of(step) - angle_of(*expected)).cos() - 1.0)).exp()
+                    math::exp(self.concentration * (math::cos(angle_of(step) - angle_of(*expected)) - 1.0))
                 }
                 _ => 1.0,
             };

@@ -1,5 +1,6 @@
 //! Choice probabilities and option costs in; stubbornness phi(k), the mode, and the robot's choice of eq. (6) out.
 
+use crate::math;
 use crate::options::Waypoint;
 use serde::{Deserialize, Serialize};
 
@@ -94,7 +95,7 @@ impl Coordinator {
 
     /// phi(k) = phi(0) exp(g(k) / eta), eq. (5).
     pub fn stubbornness(&self) -> f64 {
-        self.settings.initial_stubbornness * (self.discomfort / self.settings.eta).exp()
+        self.settings.initial_stubbornness * math::exp(self.discomfort / self.settings.eta)
     }
 
     /// Who leads now.
@@ -141,7 +142,7 @@ mod tests {
     fn closed_form_stubbornness_passes_one_at_eta_ln_ten() {
         let settings = Settings { initial_stubbornness: 0.1, eta: 5.0 };
         let mut c = Coordinator::new(settings, Method::Mutual);
-        let threshold = 5.0 * 10f64.ln();
+        let threshold = 5.0 * math::ln(10f64);
         c.accumulate(threshold - 1e-9);
         assert_eq!(c.mode(), Mode::RobotLed);
         c.accumulate(2e-9);

@@ -3,6 +3,7 @@
 use super::style::{INK, LARGE, SMALL, number, px, stroke, ticks};
 use super::text::{Align, Words};
 use crate::geometry::{Bounds, Point, Vector};
+use crate::math;
 use svg::node::element::Group;
 
 /// Where numbers lie along a side of a frame.
@@ -22,7 +23,7 @@ impl Scale {
         let [low, high] = self.range;
         let value = value.clamp(low, high);
         let part = match self.is_log {
-            true => (value / low).ln() / (high / low).ln(),
+            true => math::ln(value / low) / math::ln(high / low),
             false => (value - low) / (high - low),
         };
         self.ends[0] + part * (self.ends[1] - self.ends[0])
@@ -35,9 +36,10 @@ impl Scale {
             let per_px = (high - low) / (self.ends[1] - self.ends[0]).abs();
             return ticks(low, high, apart * per_px);
         }
-        let decades = (low.log10().floor() as i32)..=(high.log10().ceil() as i32);
+        let decades = (math::log10(low).floor() as i32)..=(math::log10(high).ceil() as i32);
         let round = |steps: &[f64]| -> Vec<f64> {
-            let all = decades.clone().flat_map(|d| steps.iter().map(move |s| s * 10f64.powi(d)));
+            let all =
+                decades.clone().flat_map(|d| steps.iter().map(move |s| s * math::pow(10f64, f64::from(d))));
             all.filter(|v| *v >= low * (1.0 - 1e-9) && *v <= high * (1.0 + 1e-9)).collect()
         };
         let fits = |values: &[f64]| {
@@ -51,7 +53,7 @@ impl Scale {
             &[1.0],
         ];
         let values = steps.iter().map(|s| round(s)).find(|values| fits(values)).unwrap_or_default();
-        let decimals = |v: f64| if v >= 10.0 { 0 } else { (1.0 - v.log10().floor()).max(0.0) as usize };
+        let decimals = |v: f64| if v >= 10.0 { 0 } else { (1.0 - math::log10(v).floor()).max(0.0) as usize };
         values.into_iter().map(|v| (v, trimmed(v, decimals(v)))).collect()
     }
 

@@ -1,6 +1,7 @@
 //! Numbers and indices in; what the pictures have in common out: colours, dash patterns, strokes and the notation of numbers.
 
 use crate::geometry::Point;
+use crate::math;
 use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
 use svg::node::element::{Circle, Group, Path};
 
@@ -149,10 +150,10 @@ pub(super) fn number(value: f64, decimals: usize) -> String {
 
 /// Round numbers from `low` to `high` that are at least `least_step` apart, as (value, label).
 pub(super) fn ticks(low: f64, high: f64, least_step: f64) -> Vec<(f64, String)> {
-    let power = 10f64.powf(least_step.log10().floor());
+    let power = math::pow(10f64, math::log10(least_step).floor());
     let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= least_step);
     let step = step.unwrap_or(10.0 * power);
-    let decimals = (-(step.log10() + 1e-9).floor()).max(0.0) as usize;
+    let decimals = (-(math::log10(step) + 1e-9).floor()).max(0.0) as usize;
     let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
     (first..=last).map(|i| i as f64 * step).map(|v| (v, number(v, decimals))).collect()
 }

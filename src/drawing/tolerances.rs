@@ -6,6 +6,7 @@ use super::style::{INK, Look, SMALL, disc, path_data, px, stroke};
 use super::text::{Align, Words, shorten};
 use super::{DrawingError, WIDTH};
 use crate::geometry::{Bounds, Point, Vector};
+use crate::math;
 use svg::node::element::{Group, Path};
 
 /// A participant of the figure of tolerances.
@@ -48,7 +49,7 @@ pub fn tolerances(rows: &[ToleranceRow], overall: Option<(f64, f64)>) -> Result<
     };
     let mut group = Group::new().set("class", "panel");
     if let Some((median, log_std)) = overall {
-        let factor = log_std.exp();
+        let factor = math::exp(log_std);
         let [low, high] = [median / factor, median * factor].map(|eta| scale.at(eta));
         let band = Bounds { min: Point::new(low, frame.min.y), max: Point::new(high, frame.max.y) };
         let x = scale.at(median);
@@ -83,7 +84,7 @@ fn scale(rows: &[ToleranceRow], overall: Option<(f64, f64)>) -> Result<Scale, Dr
             return Err(DrawingError::Fit { what: format!("participant `{}`", row.label), value });
         }
     }
-    let around = overall.into_iter().flat_map(|(m, s)| [m / s.exp(), m * s.exp()]);
+    let around = overall.into_iter().flat_map(|(m, s)| [m / math::exp(s), m * math::exp(s)]);
     let values = rows.iter().flat_map(all).chain(around);
     let values: Vec<f64> = values.filter(|v| *v > 1e-6 && *v < 1e9).collect();
     let low = values.iter().copied().fold(10.0, f64::min);

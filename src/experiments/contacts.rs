@@ -5,6 +5,7 @@ use crate::control::{self, RobotObstacles};
 use crate::coordination::Method;
 use crate::episode::{Episode, Manipulator, Outcome, Settings};
 use crate::experiments::paper::BuiltInError;
+use crate::math;
 use crate::options::OptionSet;
 use crate::robot::Robot;
 use crate::simulation::{Party, PhysicsError, PhysicsSettings};
@@ -147,7 +148,7 @@ enum End {
 
 /// A wall with one opening of this width (m) at the origin, which the team comes to and leaves at this angle (rad) off its axis.
 fn world(width: f64, angle: f64) -> String {
-    let (x, y) = (WAY * angle.cos().max(0.6), WAY * angle.sin());
+    let (x, y) = (WAY * math::cos(angle).max(0.6), WAY * math::sin(angle));
     let middle = width / 2.0 + 5.0;
     format!(
         "name = \"One opening\"\nrobot_width_m = {ROBOT_WIDTH:?}\nstart_m = [{:?}, {:?}]\ntarget_m = [{x:?}, {:?}]\n\

@@ -4,6 +4,7 @@
 use super::{OnDone, in_parallel};
 use crate::coordination;
 use crate::episode::{Outcome, Settings, run};
+use crate::math;
 use crate::options::OptionSet;
 use crate::preference::Perception;
 use crate::world::World;
@@ -109,7 +110,7 @@ fn trial(seed: u64, settings: &Settings) -> Trial {
 /// A human and their eta, from 1 to 30: as many sensitive as tolerant ones.
 pub(super) fn random_human(settings: &Settings, rng: &mut ChaCha8Rng) -> (Perception, f64) {
     let human = settings.predictor.belief().sample(rng);
-    (human, rng.random_range(0.0..30f64.ln()).exp())
+    (human, math::exp(rng.random_range(0.0..math::ln(30f64))))
 }
 
 /// A random world file: a walled field with boxes, cylinders and polygons strewn over it, start on the left, target on the right, nothing
@@ -174,7 +175,9 @@ fn random_shape(rng: &mut ChaCha8Rng, x: f64, y: f64) -> String {
             let turn: f64 = rng.random_range(0.0..std::f64::consts::TAU);
             let vertices: Vec<String> = (0..corners)
                 .map(|c| turn + std::f64::consts::TAU * c as f64 / corners as f64)
-                .map(|angle| format!("[{:.3}, {:.3}]", x + radius * angle.cos(), y + radius * angle.sin()))
+                .map(|angle| {
+                    format!("[{:.3}, {:.3}]", x + radius * math::cos(angle), y + radius * math::sin(angle))
+                })
                 .collect();
             format!("shape = \"polygon\"\nvertices_m = [{}]", vertices.join(", "))
         }

@@ -15,6 +15,7 @@ pub mod report;
 pub mod sweep;
 pub mod table;
 
+use crate::math;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -37,7 +38,7 @@ fn in_parallel<T: Send>(n: usize, on_done: OnDone, work: impl Fn(usize) -> T + S
 pub fn mean_and_std(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
-    let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+    let squares: f64 = values.iter().map(|v| math::squared(v - mean)).sum();
     (mean, (squares / (n - 1.0)).sqrt())
 }
 

@@ -2,6 +2,8 @@
 //!
 //! All coordinates are metres in the world frame (x right, y up, angles counter-clockwise in radians).
 
+use crate::math;
+
 mod bend;
 mod footprint;
 mod path;
@@ -30,12 +32,12 @@ pub fn left_of(v: Vector) -> Vector {
 
 /// The unit vector at `angle` (rad).
 pub fn direction(angle: f64) -> Vector {
-    Vector::new(angle.cos(), angle.sin())
+    Vector::new(math::cos(angle), math::sin(angle))
 }
 
 /// The angle of `v` in (-pi, pi], rad.
 pub fn angle_of(v: Vector) -> f64 {
-    v.y.atan2(v.x)
+    math::atan2(v.y, v.x)
 }
 
 /// `angle` brought into (-pi, pi], rad.

@@ -1,6 +1,7 @@
 //! Lines and circular arcs, end to end, in; points and headings by distance walked out.
 
 use super::{Point, angle_of, direction, left_of, wrap_angle};
+use crate::math;
 
 /// One piece of a path.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -172,7 +173,7 @@ impl Path {
             let chords = match piece {
                 Piece::Line { .. } => 1,
                 Piece::Arc { radius, sweep, .. } => {
-                    let widest = 2.0 * (1.0 - sagitta / radius).clamp(-1.0, 1.0).acos();
+                    let widest = 2.0 * math::acos((1.0 - sagitta / radius).clamp(-1.0, 1.0));
                     (sweep.abs() / widest.max(1e-3)).ceil().max(1.0) as usize
                 }
             };

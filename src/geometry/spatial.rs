@@ -1,6 +1,7 @@
 //! Planar and spatial poses and rotation vectors.
 
 use super::Point;
+use crate::math;
 use nalgebra::{IsometryMatrix3, Rotation3, UnitQuaternion, Vector3};
 
 /// A pose in space, `target_from_source`: rotation matrix and translation (m).
@@ -32,7 +33,7 @@ pub fn rotation_vector(rotation: &Rotation3<f64>) -> Vector3<f64> {
     if cos < -0.9 {
         return UnitQuaternion::from_rotation_matrix(rotation).scaled_axis();
     }
-    if sin < 1e-12 { sine } else { sine * (sin.atan2(cos) / sin) }
+    if sin < 1e-12 { sine } else { sine * (math::atan2(sin, cos) / sin) }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! A path and the length of what two carry along it in; where it is when its middle has come so far out.
 
 use super::{Path, PlanarPose, Point, Vector, angle_of, direction};
+use crate::math;
 
 /// How much of the way behind the object (m) is kept: as much as the base of a robot may be behind.
 const BEHIND: f64 = 2.0;
@@ -36,14 +37,14 @@ impl Tandem {
     /// R cos(a) - (l - R a) sin(a) from the centre where these are on the lines before and after the arc, and R cos(l / R) where they are on it.
     pub fn corner_radius(&self, sweep: f64, beside: f64) -> f64 {
         let (half, angle) = (self.length / 2.0, sweep / 2.0);
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = math::sin_cos(angle);
         let radius = (beside + half * sin) / (cos + angle * sin);
         if radius > 0.0 && radius * angle <= half {
             return radius;
         }
         // Newton's iteration from above, where it is monotone
-        (0..8).fold(half.hypot(beside), |radius, _| {
-            let (sin, cos) = (half / radius).sin_cos();
+        (0..8).fold(math::hypot(half, beside), |radius, _| {
+            let (sin, cos) = math::sin_cos(half / radius);
             radius - (radius * cos - beside) / (cos + half / radius * sin)
         })
     }

@@ -1,6 +1,7 @@
 //! Where somebody walks and the path that they are to be on in; a way that turns onto it in an arc out.
 
 use super::{Path, Piece, Point, angle_of, direction, left_of, wrap_angle};
+use crate::math;
 use std::f64::consts::TAU;
 
 /// What a bend where the arc's tangent meets the path counts as, in metres of way a radian.
@@ -74,7 +75,7 @@ fn turn_to(path: &Path, joined: f64, from: Point, heading: f64, arc: Arc) -> Opt
         return None;
     }
     let from_angle = angle_of(from - center);
-    let leave_angle = angle_of(toward) - side * (radius / toward.norm()).acos();
+    let leave_angle = angle_of(toward) - side * math::acos(radius / toward.norm());
     // as little as rounding the other way round is no round trip
     let turned = (side * (leave_angle - from_angle) + 1e-9).rem_euclid(TAU) - 1e-9;
     let sweep = side * turned.max(0.0);

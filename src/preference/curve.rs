@@ -1,5 +1,6 @@
 //! Options as curves over `alpha`: which can win at all, and where two of them cross.
 
+use crate::math;
 use std::cmp::Ordering;
 
 use super::Prospect;
@@ -23,20 +24,20 @@ pub(super) struct Curve {
 
 impl Curve {
     fn new(option: usize, prospect: Prospect) -> Self {
-        let surprise = -prospect.risk.ln();
+        let surprise = -math::ln(prospect.risk);
         Self {
             option,
             length: prospect.length,
-            log_length: prospect.length.ln(),
+            log_length: math::ln(prospect.length),
             risk: prospect.risk,
             surprise,
-            log_surprise: surprise.ln(),
+            log_surprise: math::ln(surprise),
         }
     }
 
     /// `D^alpha`.
     pub fn perceived_length(&self, alpha: f64) -> f64 {
-        (alpha * self.log_length).exp()
+        math::exp(alpha * self.log_length)
     }
 
     /// Derivative of `D^alpha` with respect to `alpha`.
@@ -79,7 +80,7 @@ pub(super) fn turning_point(shorter: &Curve, longer: &Curve) -> Option<f64> {
         return None;
     }
     let ratio = log_ratio(longer, shorter);
-    Some((ratio / -longer.log_length).ln_1p() / ratio)
+    Some(math::ln_1p(ratio / -longer.log_length) / ratio)
 }
 
 /// Below this difference of logarithms it is computed from the difference of the numbers, to keep its relative accuracy.
@@ -88,14 +89,14 @@ const CLOSE: f64 = 0.02;
 /// `ln(D_long / D_short)`; infinite when the shorter length is 0.
 fn log_ratio(longer: &Curve, shorter: &Curve) -> f64 {
     let ratio = longer.log_length - shorter.log_length;
-    if ratio < CLOSE { ((longer.length - shorter.length) / shorter.length).ln_1p() } else { ratio }
+    if ratio < CLOSE { math::ln_1p((longer.length - shorter.length) / shorter.length) } else { ratio }
 }
 
 /// `ln` of the ratio of `-ln S` of the two (larger for the safer option); infinite when a risk is 0 or 1.
 fn log_surprise_ratio(riskier: &Curve, safer: &Curve) -> f64 {
     let ratio = safer.log_surprise - riskier.log_surprise;
     if ratio < CLOSE {
-        (((riskier.risk - safer.risk) / safer.risk).ln_1p() / riskier.surprise).ln_1p()
+        math::ln_1p(math::ln_1p((riskier.risk - safer.risk) / safer.risk) / riskier.surprise)
     } else {
         ratio
     }
@@ -165,18 +166,18 @@ impl Pair {
         }
         // The two costs share most of their digits: subtract before the exponential instead of after it.
         let excess = if short.exponent > 0.0 && self.surprise_ratio.is_finite() {
-            short.exponent * (gamma * self.surprise_ratio).exp_m1()
+            short.exponent * math::exp_m1(gamma * self.surprise_ratio)
         } else {
             long.exponent - short.exponent
         };
-        short.cost * -(-excess).exp_m1()
+        short.cost * -math::exp_m1(-excess)
     }
 
     /// `D_long^alpha - D_short^alpha`.
     pub fn length_gap(&self, alpha: f64) -> f64 {
-        let short = (alpha * self.short_log).exp();
+        let short = math::exp(alpha * self.short_log);
         let stretch = alpha * self.ratio;
-        if stretch < 0.1 { short * stretch.exp_m1() } else { (alpha * self.long_log).exp() - short }
+        if stretch < 0.1 { short * math::exp_m1(stretch) } else { math::exp(alpha * self.long_log) - short }
     }
 
     /// Cost of the left curve minus that of the right one.
@@ -190,7 +191,7 @@ impl Pair {
     /// Solves `alpha ln D_long + ln(1 - exp(-alpha ratio)) = ln risk_gap`, nearly linear and concave in `alpha`, by Halley steps
     /// inside a shrinking bracket, starting from the expansion around the last solution.
     pub fn crossing(&mut self, risk_gap: f64, lower: f64, upper: f64) -> f64 {
-        let target = risk_gap.ln();
+        let target = math::ln(risk_gap);
         if target == f64::NEG_INFINITY {
             return if self.rising { lower } else { upper };
         }
@@ -238,9 +239,9 @@ impl Pair {
     }
 
     fn tangent(&self, alpha: f64) -> Tangent {
-        let shrunk = (-alpha * self.ratio).exp();
-        let rest = if alpha * self.ratio < 0.1 { -(-alpha * self.ratio).exp_m1() } else { 1.0 - shrunk };
-        let value = alpha * self.long_log + rest.ln();
+        let shrunk = math::exp(-alpha * self.ratio);
+        let rest = if alpha * self.ratio < 0.1 { -math::exp_m1(-alpha * self.ratio) } else { 1.0 - shrunk };
+        let value = alpha * self.long_log + math::ln(rest);
         if shrunk == 0.0 {
             return Tangent { alpha, value, first: self.long_log, second: 0.0, third: 0.0 };
         }

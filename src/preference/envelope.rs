@@ -4,6 +4,7 @@
 //! them wins on the left follows from their slopes alone. Sorted by slope, the envelope is one pass with a stack.
 
 use super::curve::{Curve, Level, Pair};
+use crate::math;
 
 /// The curves over one range of `alpha`, and the envelope at the last `gamma` asked for.
 #[derive(Debug, Clone, Default)]
@@ -131,7 +132,7 @@ impl Envelope {
 
 impl Level {
     fn at(curve: &Curve, gamma: f64, risk_weight: f64) -> Self {
-        let exponent = (gamma * curve.log_surprise).exp();
-        Self { exponent, cost: risk_weight * (-exponent).exp() }
+        let exponent = math::exp(gamma * curve.log_surprise);
+        Self { exponent, cost: risk_weight * math::exp(-exponent) }
     }
 }

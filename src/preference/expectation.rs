@@ -1,5 +1,6 @@
 //! Means of the perceived length and the perceived risk over a marginal: the two halves of the expected subjective cost.
 
+use crate::math;
 use std::num::NonZeroUsize;
 
 use super::Marginal;
@@ -40,14 +41,14 @@ impl Nodes {
 
     /// Mean of Prelec's function of `risk`.
     pub fn perceived_risk(&self, risk: f64) -> f64 {
-        let log_surprise = (-risk.ln()).ln();
-        self.mean(|gamma| (-(gamma * log_surprise).exp()).exp())
+        let log_surprise = math::ln(-math::ln(risk));
+        self.mean(|gamma| math::exp(-math::exp(gamma * log_surprise)))
     }
 
     /// Mean of Stevens' function of `length`.
     pub fn perceived_length(&self, length: f64) -> f64 {
-        let log_length = length.ln();
-        self.mean(|alpha| (alpha * log_length).exp())
+        let log_length = math::ln(length);
+        self.mean(|alpha| math::exp(alpha * log_length))
     }
 }
 
@@ -56,11 +57,11 @@ pub(super) fn uniform_perceived_length(length: f64, lower: f64, upper: f64) -> f
     if length == 0.0 || length == f64::INFINITY {
         return length;
     }
-    let log_length = length.ln();
+    let log_length = math::ln(length);
     let exponent = log_length * (upper - lower);
     // (exp(x) - 1) / x, whose limit at 0 is 1: near D = 1 the closed form is 0 / 0.
-    let growth = if exponent == 0.0 { 1.0 } else { exponent.exp_m1() / exponent };
-    (lower * log_length).exp() * growth
+    let growth = if exponent == 0.0 { 1.0 } else { math::exp_m1(exponent) / exponent };
+    math::exp(lower * log_length) * growth
 }
 
 #[cfg(test)]
@@ -89,7 +90,7 @@ mod tests {
         let alpha = Marginal::uniform(0.55, 0.95).unwrap();
         for length in [0.0, 1e-12, 0.3, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.5, 18.0649, 1e4] {
             let found = uniform_perceived_length(length, 0.55, 0.95);
-            let wanted = slow_mean(&alpha, |alpha| length.powf(alpha));
+            let wanted = slow_mean(&alpha, |alpha| math::pow(length, alpha));
             assert!((found - wanted).abs() < 1e-12 * (1.0 + wanted), "{length}: {found} and {wanted}");
         }
         assert_eq!(uniform_perceived_length(1.0, 0.55, 0.95), 1.0);
@@ -100,13 +101,14 @@ mod tests {
         // exp(mean L + std^2 L^2 / 2) times the ratio of the shifted and the plain probability between the bounds.
         let (mean, std, lower, upper) = (0.75, 0.1, 0.55, 0.95);
         let mass = |shift: f64| {
-            let cdf = |x: f64| 0.5 * libm::erfc(-(x - mean - shift) / std / std::f64::consts::SQRT_2);
+            let cdf = |x: f64| 0.5 * math::erfc(-(x - mean - shift) / std / std::f64::consts::SQRT_2);
             cdf(upper) - cdf(lower)
         };
         let nodes = Nodes::new(&Marginal::truncated_normal(mean, std, lower, upper).unwrap());
         for length in [0.01f64, 0.5, 1.0, 3.0, 18.0, 400.0] {
-            let log = length.ln();
-            let wanted = (mean * log + 0.5 * (std * log).powi(2)).exp() * mass(std * std * log) / mass(0.0);
+            let log = math::ln(length);
+            let wanted =
+                math::exp(mean * log + 0.5 * math::squared(std * log)) * mass(std * std * log) / mass(0.0);
             let found = nodes.perceived_length(length);
             assert!((found - wanted).abs() < 1e-12 * (1.0 + wanted), "{length}: {found} and {wanted}");
         }

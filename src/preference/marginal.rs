@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use libm::{erf, erfc};
+use crate::math::{self, erf, erfc};
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
@@ -143,10 +143,10 @@ impl Marginal {
     pub(super) fn panels(&self) -> Vec<f64> {
         let mut cuts = vec![self.lower, self.upper];
         // Stevens and Prelec vary exponentially with the parameter: a range over several octaves is more than one panel.
-        let octaves = (self.upper / self.lower).ln() / 3.0f64.ln();
+        let octaves = math::ln(self.upper / self.lower) / math::ln(3.0f64);
         let pieces = octaves.ceil().clamp(1.0, 64.0) as i32;
         for piece in 1..pieces {
-            cuts.push(self.lower * (self.upper / self.lower).powf(f64::from(piece) / f64::from(pieces)));
+            cuts.push(self.lower * math::pow(self.upper / self.lower, f64::from(piece) / f64::from(pieces)));
         }
         if let Shape::Normal { mean, std, .. } = self.shape
             && self.upper - self.lower > 6.0 * std
@@ -163,7 +163,7 @@ impl Marginal {
 
 /// Standard normal density.
 fn normal_density(z: f64) -> f64 {
-    (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt()
+    math::exp(-0.5 * z * z) / (2.0 * std::f64::consts::PI).sqrt()
 }
 
 /// Probability a standard normal has in `[from, to]`, accurate in both tails and for short intervals.

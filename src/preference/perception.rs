@@ -1,5 +1,6 @@
 //! One option and one human: from remaining length and risk to objective cost, subjective cost and the human's choice.
 
+use crate::math;
 use serde::{Deserialize, Serialize};
 
 /// What is left of an option, as robot and human see it from where they stand.
@@ -49,12 +50,12 @@ pub struct Perception {
 /// assert!(perceived_risk(0.01, 0.5) > 0.01);
 /// ```
 pub fn perceived_risk(risk: f64, gamma: f64) -> f64 {
-    (-(-risk.ln()).powf(gamma)).exp()
+    math::exp(-math::pow(-math::ln(risk), gamma))
 }
 
 /// Perceived distance `D^ = D^alpha` (Stevens; Sec. III-B) of `length` metres; 0 at length 0.
 pub fn perceived_distance(length: f64, alpha: f64) -> f64 {
-    length.powf(alpha)
+    math::pow(length, alpha)
 }
 
 /// Objective cost `J = D + c_r S` (eq. 1), metres, with the risk weight `c_r` in metres.
@@ -103,7 +104,7 @@ mod tests {
         for gamma in [0.3, 0.5, 1.0, 1.1, 3.0] {
             assert_eq!(perceived_risk(0.0, gamma), 0.0);
             assert_eq!(perceived_risk(1.0, gamma), 1.0);
-            let fixed = (-1.0f64).exp();
+            let fixed = math::exp(-1.0f64);
             assert!((perceived_risk(fixed, gamma) - fixed).abs() < 1e-15);
         }
         assert!((perceived_risk(0.37, 1.0) - 0.37).abs() < 1e-15);

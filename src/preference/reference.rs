@@ -3,6 +3,7 @@
 //! At one `gamma`: all pairwise crossings by bisection, and between neighbouring crossings whoever is cheapest in the middle.
 //! Over `gamma`: Simpson's rule, halved blindly until it agrees with itself. Nothing is shared with the code under test.
 
+use crate::math;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -14,19 +15,20 @@ const RISK_WEIGHT: f64 = 10.0;
 fn difference(i: Prospect, j: Prospect, alpha: f64, gamma: f64) -> f64 {
     let power = |base: f64, other: f64| {
         if other > 0.0 && (base - other).abs() < 1e-2 * other {
-            other.powf(alpha) * (alpha * ((base - other) / other).ln_1p()).exp_m1()
+            math::pow(other, alpha) * math::exp_m1(alpha * math::ln_1p((base - other) / other))
         } else {
-            base.powf(alpha) - other.powf(alpha)
+            math::pow(base, alpha) - math::pow(other, alpha)
         }
     };
-    let (p, q) = (-i.risk.ln(), -j.risk.ln());
+    let (p, q) = (-math::ln(i.risk), -math::ln(j.risk));
     let risks = if i.risk == j.risk {
         0.0
     } else if (i.risk - j.risk).abs() < 1e-2 * j.risk.min(1.0 - j.risk) {
-        let excess = q.powf(gamma) * (gamma * (-((i.risk - j.risk) / j.risk).ln_1p() / q).ln_1p()).exp_m1();
-        (-q.powf(gamma)).exp() * (-excess).exp_m1()
+        let excess = math::pow(q, gamma)
+            * math::exp_m1(gamma * math::ln_1p(-math::ln_1p((i.risk - j.risk) / j.risk) / q));
+        math::exp(-math::pow(q, gamma)) * math::exp_m1(-excess)
     } else {
-        (-p.powf(gamma)).exp() - (-q.powf(gamma)).exp()
+        math::exp(-math::pow(p, gamma)) - math::exp(-math::pow(q, gamma))
     };
     power(i.length, j.length) + RISK_WEIGHT * risks
 }
@@ -38,9 +40,9 @@ fn shares(options: &[Prospect], alpha: &Marginal, gamma: f64) -> Vec<f64> {
     for i in 0..options.len() {
         for j in 0..i {
             let f = |alpha: f64| difference(options[i], options[j], alpha, gamma);
-            let (a, b) = (options[i].length.ln(), options[j].length.ln());
+            let (a, b) = (math::ln(options[i].length), math::ln(options[j].length));
             // Where the derivative a exp(a x) - b exp(b x) changes sign.
-            let turn = ((b / a).ln() / (a - b)).clamp(lower, upper);
+            let turn = (math::ln(b / a) / (a - b)).clamp(lower, upper);
             let turn = if turn.is_nan() { upper } else { turn };
             for (mut from, mut to) in [(lower, turn), (turn, upper)] {
                 if (f(from) < 0.0) == (f(to) < 0.0) {
@@ -150,7 +152,7 @@ fn closed_form_reference_agrees_with_itself() {
 fn closed_form_gamma_alone_decides_between_no_metre_and_one() {
     // Costs c_r S^(gamma) and 1: the first wins where (-ln S)^gamma > ln c_r.
     let risk = 0.0586f64;
-    let turn = RISK_WEIGHT.ln().ln() / (-risk.ln()).ln();
+    let turn = math::ln(math::ln(RISK_WEIGHT)) / math::ln(-math::ln(risk));
     let found = predicted(&options_of(&[(0.0, risk), (1.0, 0.0)]), Belief::default());
     assert!((found[0] - (1.1 - turn) / 0.6).abs() < 1e-10, "{found:?}");
 }
@@ -158,7 +160,7 @@ fn closed_form_gamma_alone_decides_between_no_metre_and_one() {
 #[test]
 fn closed_form_alpha_alone_decides_between_certainties() {
     // Costs c_r and D^alpha.
-    let turn = RISK_WEIGHT.ln() / 25f64.ln();
+    let turn = math::ln(RISK_WEIGHT) / math::ln(25f64);
     let found = predicted(&options_of(&[(0.0, 1.0), (25.0, 0.0)]), Belief::default());
     assert!((found[1] - (turn - 0.55) / 0.4).abs() < 1e-12, "{found:?}");
 }
@@ -343,9 +345,9 @@ proptest! {
         other in (8.0..30.0, 0.2..0.9),
     ) {
         // As much safer as makes up for being longer at this alpha and gamma.
-        let longer = 10f64.powf(closeness);
+        let longer = math::pow(10f64, closeness);
         let slope = (perceived_risk(risk + 1e-4, gamma) - perceived_risk(risk - 1e-4, gamma)) / 2e-4;
-        let safer = longer * alpha * length.powf(alpha - 1.0) / (RISK_WEIGHT * slope);
+        let safer = longer * alpha * math::pow(length, alpha - 1.0) / (RISK_WEIGHT * slope);
         let options = options_of(&[(length, risk), (length + longer, risk - safer), other]);
         let (alpha, gamma) = paper_ranges();
         prop_assert!(error(&options, alpha, gamma) < 1e-9);

@@ -2,6 +2,7 @@
 
 use super::{Configuration, Drive, InputJacobian, InputVector, MAX_JOINTS, Motion, PointJacobian, Robot};
 use crate::geometry::{PlanarPose, Pose, direction, wrap_angle};
+use crate::math;
 use nalgebra::{Rotation3, Vector3};
 
 /// Where the grasp is and how it moves, at one configuration.
@@ -149,7 +150,7 @@ impl Drive {
         let turn = (right - left) / self.track;
         let half = turn / 2.0;
         // the chord of the arc: its length over the arc's is sin(half) / half
-        let ratio = if half.abs() < 1e-4 { 1.0 - half * half / 6.0 } else { half.sin() / half };
+        let ratio = if half.abs() < 1e-4 { 1.0 - half * half / 6.0 } else { math::sin(half) / half };
         let chord = (left + right) / 2.0 * ratio;
         PlanarPose {
             position: base.position + direction(base.yaw + half) * chord,

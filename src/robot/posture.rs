@@ -5,6 +5,7 @@ use super::fault::PostureFault;
 use super::file::{PostureEntry, Source};
 use super::{Configuration, JointVector, Motion, Posture, Robot};
 use crate::geometry::{PlanarPose, Point, Pose};
+use crate::math;
 use nalgebra::{Rotation3, Vector3};
 use toml::Spanned;
 
@@ -35,8 +36,8 @@ pub(super) fn read(
         RobotError::Posture {
             place: place.clone(),
             height: at.z,
-            tilt_deg: up.z.clamp(-1.0, 1.0).acos().to_degrees(),
-            heading_deg: ahead.y.atan2(ahead.x).to_degrees(),
+            tilt_deg: math::acos(up.z.clamp(-1.0, 1.0)).to_degrees(),
+            heading_deg: math::atan2(ahead.y, ahead.x).to_degrees(),
             needed: robot.grasp_height,
             why,
         }

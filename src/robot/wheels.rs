@@ -6,6 +6,7 @@ use super::fault::WheelFault;
 use super::link::{Geometry, JointKind, Link, Shape};
 use super::urdf::Urdf;
 use crate::geometry::Pose;
+use crate::math;
 use nalgebra::{Point3, Rotation3, Vector3};
 
 /// How far two lengths may differ that must be the same, m.
@@ -110,7 +111,7 @@ impl Wheels {
             at = parent;
         }
         let axis = base_from_wheel.rotation * joint.axis.into_inner();
-        if axis.x.hypot(axis.z) > SAME_DIRECTION {
+        if math::hypot(axis.x, axis.z) > SAME_DIRECTION {
             return Err(WheelFault::Axis { x: axis.x, y: axis.y, z: axis.z });
         }
         let rate = joint.limits.rate;
@@ -151,7 +152,7 @@ fn along_axis(geometry: &Geometry, axis: &Vector3<f64>) -> Result<Vector3<f64>, 
         _ => ("cylinder", (geometry.link_from_shape.rotation * Vector3::z()).cross(axis).norm()),
     };
     if by_m > SAME_LENGTH || sine > SAME_DIRECTION {
-        return Err(WheelFault::Eccentric { shape, by_m, by_deg: sine.min(1.0).asin().to_degrees() });
+        return Err(WheelFault::Eccentric { shape, by_m, by_deg: math::asin(sine.min(1.0)).to_degrees() });
     }
     Ok(axis * axis.dot(&middle))
 }

@@ -1,6 +1,7 @@
 //! The paper's plant: inputs in, the configuration after one period out, without dynamics: x+ = x + B(q) u, integrated exactly.
 
 use crate::geometry::{PlanarPose, Pose};
+use crate::math;
 use crate::robot::{Configuration, InputVector, JointVector, Robot};
 
 /// A robot that moves exactly as it is told.
@@ -20,7 +21,7 @@ impl<'a> KinematicPlant<'a> {
         let ahead = world_from_drive.rotation * nalgebra::Vector3::x();
         let base = PlanarPose {
             position: world_from_drive.translation.vector.xy().into(),
-            yaw: ahead.y.atan2(ahead.x),
+            yaw: math::atan2(ahead.y, ahead.x),
         };
         Self { robot, configuration: Configuration { base, joints: *joints } }
     }

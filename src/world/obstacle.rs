@@ -3,6 +3,7 @@
 use super::error::{Place, WorldError};
 use super::file::{ObstacleEntry, Pair, ShapeEntry};
 use crate::geometry::{Footprint, Point, cross, direction, left_of};
+use crate::math;
 use parry3d::math::{Pose, Rotation, Vec3};
 use parry3d::shape::{Shape, SharedShape};
 
@@ -195,7 +196,7 @@ impl Check<'_> {
             let after = corners[(i + 1) % n] - corners[i];
             let turn = cross(before, after) * if clockwise { -1.0 } else { 1.0 };
             // a star turns left at every corner too, but more than once around
-            turned += turn.atan2(before.dot(&after));
+            turned += math::atan2(turn, before.dot(&after));
             let once_around = turned < std::f64::consts::TAU + 1e-6;
             if turn <= 1e-9 * before.norm() * after.norm() || before.norm() < SMALLEST || !once_around {
                 return Err(WorldError::NotConvex {

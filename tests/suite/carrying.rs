@@ -5,6 +5,7 @@ use cocarry::control::{self, Avoid, CandidateSet, PoseCriterion, RobotObstacles,
 use cocarry::coordination::{Method, Mode};
 use cocarry::episode::{Episode, Manipulator, Outcome, Settings, Summary, Tick};
 use cocarry::experiments::paper::EXAMPLE_HUMAN;
+use cocarry::math;
 use cocarry::robot::Robot;
 
 fn carry(world: &str, method: Method, control: control::Settings, robot: &Robot) -> (Summary, Vec<Tick>) {
@@ -56,7 +57,7 @@ fn property_every_step_of_the_robot_keeps_its_limits_and_its_books() {
                 let rolled = (next.configuration.base.position - now.configuration.base.position).norm();
                 assert!(rolled <= 0.2 * robot.drive.rim_speed_limit + 1e-8);
                 assert!((next.human.position - now.human.position).norm() <= 0.1 + 1e-9);
-                assert!((next.human.yaw - now.human.yaw).sin().abs() <= 0.16 + 1e-9);
+                assert!(math::sin(next.human.yaw - now.human.yaw).abs() <= 0.16 + 1e-9);
             }
         }
     }
@@ -72,7 +73,7 @@ fn closed_form_the_tracking_error_of_a_step_is_the_distance_to_the_human_after_i
         let grasp = robot.grasp_pose(&next.configuration);
         let off = (grasp.translation.vector - next.human.at_height(0.7).translation.vector).norm();
         assert!((off - now.position_error).abs() < 1e-9, "step {}", pair[0].step);
-        let cost = 1000.0 * (now.position_error.powi(2) + now.orientation_error.powi(2));
+        let cost = 1000.0 * (math::squared(now.position_error) + math::squared(now.orientation_error));
         assert!((cost - now.tracking_cost).abs() < 1e-9 * cost.max(1.0));
         assert!((now.control_effort - now.input.norm_squared()).abs() < 1e-12);
     }

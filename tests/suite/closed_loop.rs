@@ -5,6 +5,7 @@ use cocarry::coordination::{self, Method, Mode};
 use cocarry::episode::{Outcome, Settings, Tick, run};
 use cocarry::experiments::cycles;
 use cocarry::experiments::paper::EXAMPLE_HUMAN;
+use cocarry::math;
 use cocarry::preference::Perception;
 
 fn settings(method: Method, eta: f64) -> Settings {
@@ -57,7 +58,7 @@ fn property_discomfort_is_the_sum_of_the_misaligned_probabilities() {
     for tick in &ticks {
         g += tick.options.iter().filter(|o| o.misaligned).map(|o| o.probability).sum::<f64>();
         assert!((tick.discomfort - g).abs() < 1e-9);
-        let phi = 0.1 * (g / 10.5).exp();
+        let phi = 0.1 * math::exp(g / 10.5);
         assert!((tick.stubbornness - phi).abs() < 1e-9 * phi);
     }
     assert!(g > 1.0);

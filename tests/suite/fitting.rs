@@ -5,6 +5,7 @@ use cocarry::coordination::{self, Method};
 use cocarry::episode::{Episode, Settings, prospects, run};
 use cocarry::experiments::fit::Guidance;
 use cocarry::experiments::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
+use cocarry::math;
 use cocarry::options::OptionSet;
 use cocarry::preference::{Belief, ChoiceDistribution, Predictor};
 use rand::RngExt;
@@ -245,7 +246,7 @@ fn eta_is_recovered_from_videos_of_single_options() {
                 panic!("{} has no way", option.name)
             };
             for eta in etas {
-                let switch = discomfort.iter().position(|g| 0.1 * (g / eta).exp() > 1.0);
+                let switch = discomfort.iter().position(|g| 0.1 * math::exp(g / eta) > 1.0);
                 let switch = step(switch.map(|k| k as u64));
                 text += &format!("{eta},{},{},{switch}\n", environment.name, option.name);
             }

@@ -5,6 +5,7 @@ use cocarry::control::{self, RobotObstacles};
 use cocarry::coordination::{Method, Mode};
 use cocarry::episode::{Episode, Manipulator, Outcome, Settings, Summary, Tick};
 use cocarry::experiments::paper::EXAMPLE_HUMAN;
+use cocarry::math;
 use cocarry::robot::Robot;
 use cocarry::simulation::{HumanSettings, Party, PhysicsSettings};
 
@@ -213,7 +214,7 @@ fn a_team_without_room_to_turn_steps_back() {
         let [from, to] = [backward[0], backward[backward.len() - 1]]
             .map(|row| at.map(|column| row[column].parse::<f64>().expect("a number")));
         let heading = from[2].to_radians();
-        let ahead = (to[0] - from[0]) * heading.cos() + (to[1] - from[1]) * heading.sin();
+        let ahead = (to[0] - from[0]) * math::cos(heading) + (to[1] - from[1]) * math::sin(heading);
         assert!((-1.5..-0.05).contains(&ahead), "{world}: {ahead} m");
         let said = stdout(&cocarry(&[&human[..], &["--sway", "0"]].concat()));
         assert!(said.contains(&format!("the team steps back, to turn onto option {option}\n")), "{said}");

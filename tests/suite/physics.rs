@@ -2,6 +2,7 @@
 
 use crate::support::repository;
 use cocarry::geometry::{PlanarPose, Point, Pose, angle_of, direction, left_of, wrap_angle};
+use cocarry::math;
 use cocarry::robot::{Configuration, InputVector, Robot, pose_difference};
 use cocarry::simulation::{
     Failure, HumanCommand, Observation, Party, PhysicalPlant, PhysicsError, PhysicsSettings,
@@ -45,7 +46,7 @@ fn wheels(robot: &Robot, speed: f64, turn: f64) -> InputVector {
 /// The way around a corner: straight, a quarter turn to the left on a circle of 1 m, straight.
 fn corner(along: f64) -> Point {
     let angle = (along - 1.6).clamp(0.0, FRAC_PI_2);
-    let bend = Point::new(along.min(1.6) + angle.sin(), 1.0 - angle.cos());
+    let bend = Point::new(along.min(1.6) + math::sin(angle), 1.0 - math::cos(angle));
     bend + direction(angle) * (along - 1.6 - FRAC_PI_2).max(0.0)
 }
 
@@ -101,7 +102,7 @@ fn closed_form_links_are_where_the_kinematics_say() {
         for tick in 0..10 {
             let mut rates = wheels(&robot, 0.3, 0.2);
             for i in 0..robot.joint_count() {
-                rates[2 + i] = 0.15 * (f64::from(tick) + i as f64).sin();
+                rates[2 + i] = 0.15 * math::sin(f64::from(tick) + i as f64);
             }
             plant.step(&rates, &HumanCommand::Follow, PERIOD);
         }
@@ -167,7 +168,8 @@ fn closed_form_newton_and_euler_hold_for_the_object() {
         let moment = lever.cross(&(seen.hand_grip.mean.force - seen.grip.mean.force))
             + seen.grip.mean.torque
             + seen.hand_grip.mean.torque;
-        moments += (inertia * (seen.object_twist[5] - before.object_twist[5]) / PERIOD - moment.z).powi(2);
+        moments +=
+            math::squared(inertia * (seen.object_twist[5] - before.object_twist[5]) / PERIOD - moment.z);
         pulled = pulled.max(horizontal(&seen.hand_grip.mean.force));
         ticks += 1.0;
         before = seen;
@@ -383,7 +385,7 @@ fn a_collision_says_who_with_what_where_and_how_hard() {
     let mut plant = plant(&robot, &world, &PhysicsSettings::default());
     let first = plant.observe();
     let near = first.clearances.object_obstacle.clone().expect("a wall");
-    assert!((near.distance - 1.3_f64.hypot(0.15)).abs() < 1e-9, "{near:?}");
+    assert!((near.distance - math::hypot(1.3_f64, 0.15)).abs() < 1e-9, "{near:?}");
     assert_eq!(near.between[1].name, "wall");
     // to the left into the wall's end
     let (mut met, mut deepest, mut hardest) = (None, 0.0_f64, 0.0_f64);
@@ -448,7 +450,7 @@ fn bits(seen: &Observation) -> String {
 /// A drive with contacts: a command for every tick.
 fn eventful(robot: &Robot, tick: usize) -> (InputVector, HumanCommand) {
     let mut rates = wheels(robot, 0.4, 0.12);
-    rates[3] = 0.1 * (tick as f64).sin();
+    rates[3] = 0.1 * math::sin(tick as f64);
     let hand = PlanarPose { position: Point::new(0.6 + 0.05 * tick as f64, 0.0), yaw: 0.0 };
     let human = if tick % 20 < 15 { HumanCommand::Follow } else { HumanCommand::Walk { hand } };
     (rates, human)

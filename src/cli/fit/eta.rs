@@ -7,6 +7,7 @@ use crate::coordination;
 use crate::drawing::{self, ToleranceRow};
 use crate::episode::Settings;
 use crate::experiments::fit::{Eta, EtaFit, Evidence, SwitchFile, fit_eta};
+use crate::math;
 use anyhow::{Context, anyhow};
 use clap::Args;
 use serde_json::json;
@@ -105,7 +106,7 @@ fn text(fit: &EtaFit) -> String {
     text += &table_text(&shown);
     match (&fit.overall, fit.median_interval) {
         (Some(overall), Some(median)) => {
-            let factor = overall.log_std.exp();
+            let factor = math::exp(overall.log_std);
             let (low, high) = (overall.median / factor, overall.median * factor);
             let _ = writeln!(
                 text,
@@ -137,7 +138,7 @@ fn interval([low, high]: [f64; 2]) -> String {
 
 fn evidence(eta: &Eta) -> String {
     match eta.log_scatter {
-        Some(scatter) => format!("{}, factor {:.2}", eta.evidence.name(), scatter.exp()),
+        Some(scatter) => format!("{}, factor {:.2}", eta.evidence.name(), math::exp(scatter)),
         None => eta.evidence.name().to_owned(),
     }
 }

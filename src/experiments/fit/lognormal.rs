@@ -1,6 +1,7 @@
 //! Intervals of a positive number that scatters in; the log-normal distribution that makes them likeliest, and what its median may be, out.
 
 use super::minimum::{SCANNED, least, refined, scanned};
+use crate::math;
 use serde::Serialize;
 
 /// A log-normal distribution.
@@ -43,9 +44,9 @@ impl LogNormal {
         let spreads: Vec<f64> = spreads.into_iter().step_by(SCANNED / 60).collect();
         // the least loss over spreads, for a median
         let best_spread = |median: f64| {
-            let losses: Vec<f64> = spreads.iter().map(|s| loss(intervals, median.ln(), *s)).collect();
-            let spread = refined(&spreads, least(&losses), |s| loss(intervals, median.ln(), s));
-            (spread, loss(intervals, median.ln(), spread))
+            let losses: Vec<f64> = spreads.iter().map(|s| loss(intervals, math::ln(median), *s)).collect();
+            let spread = refined(&spreads, least(&losses), |s| loss(intervals, math::ln(median), s));
+            (spread, loss(intervals, math::ln(median), spread))
         };
         let medians = scanned(MEDIANS);
         let losses: Vec<f64> = medians.iter().map(|m| best_spread(*m).1).collect();
@@ -77,7 +78,7 @@ impl LogNormal {
 
 /// Negative log-likelihood that every interval holds its number.
 fn loss(intervals: &[[f64; 2]], log_median: f64, log_std: f64) -> f64 {
-    let z = |end: f64| (end.ln() - log_median) / log_std;
+    let z = |end: f64| (math::ln(end) - log_median) / log_std;
     intervals.iter().map(|i| -ln_between(z(i[0]), z(i[1]))).sum()
 }
 
@@ -86,24 +87,24 @@ fn ln_between(a: f64, b: f64) -> f64 {
     // in the upper tail, where small probabilities are exact
     let (a, b) = if a + b < 0.0 { (-b, -a) } else { (a, b) };
     if a <= 0.0 {
-        return (1.0 - above(-a) - above(b)).max(f64::MIN_POSITIVE).ln();
+        return math::ln((1.0 - above(-a) - above(b)).max(f64::MIN_POSITIVE));
     }
-    let beyond = if b.is_infinite() { 0.0 } else { (ln_above(b) - ln_above(a)).exp() };
+    let beyond = if b.is_infinite() { 0.0 } else { math::exp(ln_above(b) - ln_above(a)) };
     // two ends that rounding makes equal still hold something
-    ln_above(a) + (1.0 - beyond).max(f64::EPSILON).ln()
+    ln_above(a) + math::ln((1.0 - beyond).max(f64::EPSILON))
 }
 
 /// Probability that a standard normal number is above `x`.
 fn above(x: f64) -> f64 {
-    0.5 * libm::erfc(x / std::f64::consts::SQRT_2)
+    0.5 * math::erfc(x / std::f64::consts::SQRT_2)
 }
 
 /// Its logarithm, for positive `x`.
 fn ln_above(x: f64) -> f64 {
     match x < 30.0 {
-        true => above(x).ln(),
+        true => math::ln(above(x)),
         // the first terms of the asymptotic series
-        false => -x * x / 2.0 - (x * std::f64::consts::TAU.sqrt()).ln() - 1.0 / (x * x),
+        false => -x * x / 2.0 - math::ln(x * std::f64::consts::TAU.sqrt()) - 1.0 / (x * x),
     }
 }
 
@@ -120,15 +121,15 @@ mod tests {
         let values = [4.0f64, 8.0, 10.0, 14.0];
         let intervals: Vec<[f64; 2]> = values.iter().map(|v| around(*v)).collect();
         let (found, interval) = LogNormal::fit(&intervals).unwrap();
-        let logs = values.map(f64::ln);
+        let logs = values.map(math::ln);
         let mean = logs.iter().sum::<f64>() / 4.0;
-        let std = (logs.iter().map(|l| (l - mean).powi(2)).sum::<f64>() / 4.0).sqrt();
-        assert!((found.median.ln() - mean).abs() < 1e-3, "{found:?}");
+        let std = (logs.iter().map(|l| math::squared(l - mean)).sum::<f64>() / 4.0).sqrt();
+        assert!((math::ln(found.median) - mean).abs() < 1e-3, "{found:?}");
         assert!((found.log_std - std).abs() < 1e-3, "{found:?}");
         // the profile likelihood of a normal mean: n / 2 ln(1 + d^2 / s^2) = DROP
-        let half = std * ((2.0 * DROP / 4.0).exp() - 1.0).sqrt();
-        assert!((interval[0].ln() - (mean - half)).abs() < 3e-3, "{interval:?}");
-        assert!((interval[1].ln() - (mean + half)).abs() < 3e-3, "{interval:?}");
+        let half = std * (math::exp(2.0 * DROP / 4.0) - 1.0).sqrt();
+        assert!((math::ln(interval[0]) - (mean - half)).abs() < 3e-3, "{interval:?}");
+        assert!((math::ln(interval[1]) - (mean + half)).abs() < 3e-3, "{interval:?}");
     }
 
     #[test]
@@ -149,7 +150,7 @@ mod tests {
     #[test]
     fn closed_form_tails_join() {
         assert!((ln_above(30.0 - 1e-12) - ln_above(30.0)).abs() < 1e-5);
-        assert!((ln_between(-1.0, 1.0).exp() - 0.682_689_492).abs() < 1e-9);
+        assert!((math::exp(ln_between(-1.0, 1.0)) - 0.682_689_492).abs() < 1e-9);
         assert!((ln_between(-40.0, -39.0) - ln_between(39.0, 40.0)).abs() < 1e-12);
     }
 }

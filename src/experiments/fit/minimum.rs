@@ -1,12 +1,14 @@
 //! A function of one positive number in; where it is least, out: a scan that finds the valley, golden sections that find its bottom.
 
+use crate::math;
+
 /// How many numbers a scan tries.
 pub(super) const SCANNED: usize = 401;
 
 /// Numbers from `lower` to `upper` in equal ratios.
 pub(super) fn scanned([lower, upper]: [f64; 2]) -> Vec<f64> {
-    let ratio = (upper / lower).ln() / (SCANNED - 1) as f64;
-    (0..SCANNED).map(|i| if i + 1 == SCANNED { upper } else { lower * (ratio * i as f64).exp() }).collect()
+    let ratio = math::ln(upper / lower) / (SCANNED - 1) as f64;
+    (0..SCANNED).map(|i| if i + 1 == SCANNED { upper } else { lower * math::exp(ratio * i as f64) }).collect()
 }
 
 /// Index of the least value; the first of several.
@@ -25,22 +27,22 @@ pub(super) fn valleys(values: &[f64]) -> Vec<usize> {
 pub(super) fn refined(scanned: &[f64], index: usize, mut value: impl FnMut(f64) -> f64) -> f64 {
     const SECTION: f64 = 0.618_033_988_749_894_9;
     let ends = [index.saturating_sub(1), (index + 1).min(scanned.len() - 1)];
-    let [mut low, mut high] = ends.map(|i| scanned[i].ln());
+    let [mut low, mut high] = ends.map(|i| math::ln(scanned[i]));
     let mut at = [high - SECTION * (high - low), low + SECTION * (high - low)];
-    let mut values = at.map(|x| value(x.exp()));
+    let mut values = at.map(|x| value(math::exp(x)));
     while high - low > 1e-6 {
         if values[0] <= values[1] {
             high = at[1];
             at = [high - SECTION * (high - low), at[0]];
-            values = [value(at[0].exp()), values[0]];
+            values = [value(math::exp(at[0])), values[0]];
         } else {
             low = at[0];
             at = [at[1], low + SECTION * (high - low)];
-            values = [values[1], value(at[1].exp())];
+            values = [values[1], value(math::exp(at[1]))];
         }
     }
     // between kinks the scan may have been luckier than the sections
-    let found = ((low + high) / 2.0).exp();
+    let found = math::exp((low + high) / 2.0);
     if value(found) <= value(scanned[index]) { found } else { scanned[index] }
 }
 
@@ -50,11 +52,11 @@ mod tests {
 
     #[test]
     fn closed_form_the_deeper_of_two_valleys_is_found() {
-        let value = |x: f64| ((x.ln() - 1.0).powi(2) + 0.1).min((x.ln() - 3.0).abs());
+        let value = |x: f64| (math::squared(math::ln(x) - 1.0) + 0.1).min((math::ln(x) - 3.0).abs());
         let numbers = scanned([0.1, 1000.0]);
         let values: Vec<f64> = numbers.iter().map(|x| value(*x)).collect();
         let found = refined(&numbers, least(&values), value);
-        assert!((found.ln() - 3.0).abs() < 1e-6, "{found}");
+        assert!((math::ln(found) - 3.0).abs() < 1e-6, "{found}");
         assert_eq!(valleys(&values).len(), 2);
     }
 

@@ -10,6 +10,7 @@
 use super::minimum::{least, refined, scanned, valleys};
 use super::{Answers, FitError};
 use crate::experiments::{OnDone, in_parallel};
+use crate::math;
 use crate::preference::{ChoiceDistribution, Predictor};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -279,7 +280,7 @@ impl Model<'_> {
     fn square<'p>(&self, weights: &Weights, p: impl Fn(usize) -> &'p [f64]) -> f64 {
         let (mut sum, mut n) = (0.0, 0);
         for &w in self.fitted.iter().filter(|&&w| weights.counts[w] > 0.0) {
-            sum += p(w).iter().zip(weights.means(w)).map(|(p, mean)| (p - mean).powi(2)).sum::<f64>();
+            sum += p(w).iter().zip(weights.means(w)).map(|(p, mean)| math::squared(p - mean)).sum::<f64>();
             n += p(w).len();
         }
         sum / n as f64
@@ -339,7 +340,7 @@ impl Model<'_> {
         }
         let lapse = if low == 0.0 { 0.0 } else { (low + high) / 2.0 };
         let loss = |lapse: f64| -> f64 {
-            terms.iter().map(|(sum, p, even)| -sum * ((1.0 - lapse) * p + lapse * even).ln()).sum()
+            terms.iter().map(|(sum, p, even)| -sum * math::ln((1.0 - lapse) * p + lapse * even)).sum()
         };
         (lapse, loss(lapse))
     }

@@ -3,6 +3,7 @@
 use crate::coordination::{self, Method, Mode, is_misaligned};
 use crate::episode::{Episode, Settings, prospects};
 use crate::experiments::paper::EXAMPLE_HUMAN;
+use crate::math;
 use crate::options::OptionSet;
 use crate::preference::ChoiceDistribution;
 
@@ -64,7 +65,7 @@ impl Guidance {
     pub fn mutual(set: &OptionSet, settings: &Settings) -> Self {
         let tried = |i: usize| {
             let ratio = DISCOMFORTS[1] / DISCOMFORTS[0];
-            DISCOMFORTS[0] * ratio.powf(i as f64 / (TRIED - 1) as f64) / patience(settings)
+            DISCOMFORTS[0] * math::pow(ratio, i as f64 / (TRIED - 1) as f64) / patience(settings)
         };
         let scanned = (0..TRIED).map(tried).map(|eta| (eta, switch(set, settings, eta))).collect();
         let coordination = settings.coordination;
@@ -124,7 +125,7 @@ impl Guidance {
 
 /// ln(1 / phi(0)).
 fn patience(settings: &Settings) -> f64 {
-    -settings.coordination.initial_stubbornness.ln()
+    -math::ln(settings.coordination.initial_stubbornness)
 }
 
 /// The step at which a human of this eta takes over from a robot that knows it.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::geometry::{Footprint, Vector, direction};
+use crate::math;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -30,7 +31,7 @@ fn slow_distance(space: &Space, from: Point, to: Point) -> f64 {
     let mut points = vec![from, to];
     for (i, (outline, _)) in space.obstacles.iter().enumerate() {
         for disc in Disc::all_of(i, outline, CLEARANCE) {
-            let outer = disc.radius / (PI / SIDES as f64).cos();
+            let outer = disc.radius / math::cos(PI / SIDES as f64);
             let corner = |s: usize| disc.center + direction(TAU * s as f64 / SIDES as f64) * outer;
             points.extend((0..SIDES).map(corner).filter(|p| space.is_clear(*p, *p)));
         }

@@ -2,6 +2,7 @@
 
 use super::HumanSettings;
 use crate::geometry::{PlanarPose, Pose, Vector, direction, left_of, wrap_angle};
+use crate::math;
 use nalgebra::{Rotation3, Vector3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -110,7 +111,7 @@ impl Walker {
 
     /// Where the hand is, carrying at `height` (m): x ahead, level.
     pub fn hand(&self, height: f64) -> Pose {
-        let (sin, cos) = (self.sway.phase.sin(), (2.0 * self.sway.phase).cos());
+        let (sin, cos) = (math::sin(self.sway.phase), math::cos(2.0 * self.sway.phase));
         let [side, up] = [self.sway.size[0] * sin, self.sway.size[1] * cos];
         let position = self.at.position + left_of(direction(self.at.yaw)) * side;
         PlanarPose { position, yaw: self.at.yaw }.at_height(height + up)
@@ -235,8 +236,10 @@ mod tests {
         let mut before = walker.velocity;
         for tick in 1..=40 {
             let angle = 0.05 * f64::from(tick);
-            let goal =
-                PlanarPose { position: Point::new(2.0 * angle.sin(), 2.0 - 2.0 * angle.cos()), yaw: angle };
+            let goal = PlanarPose {
+                position: Point::new(2.0 * math::sin(angle), 2.0 - 2.0 * math::cos(angle)),
+                yaw: angle,
+            };
             walker.begin(&HumanCommand::Walk { hand: goal }, 0.2);
             for _ in 0..48 {
                 let felt = felt(&walker);

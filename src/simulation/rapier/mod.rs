@@ -26,6 +26,7 @@ pub use settings::{HumanSettings, PhysicsSettings};
 
 use super::convert;
 use crate::geometry::{PlanarPose, Point, Pose};
+use crate::math;
 use crate::robot::{InputVector, JointVector, Robot};
 use crate::world::World;
 use articulation::Articulation;
@@ -208,7 +209,7 @@ impl PhysicalPlant {
         let gripper = self.world.bodies.get(self.robot.gripper().0)?;
         let velocity = convert::vector(gripper.velocity_at_point(convert::to_vector(&end.coords)));
         Some(Felt {
-            end: PlanarPose { position: Point::new(end.x, end.y), yaw: ahead.y.atan2(ahead.x) },
+            end: PlanarPose { position: Point::new(end.x, end.y), yaw: math::atan2(ahead.y, ahead.x) },
             velocity: velocity.xy(),
             yaw_rate: gripper.angvel().z,
         })

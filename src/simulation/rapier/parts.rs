@@ -2,6 +2,7 @@
 
 use super::{Part, Party};
 use crate::geometry::Pose;
+use crate::math;
 use crate::robot::{Link, Shape};
 use crate::simulation::convert::to_rapier;
 use rapier3d::prelude::{

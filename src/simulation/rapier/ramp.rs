@@ -1,5 +1,6 @@
 //! The rates that a control period is to have in; the rate at each of its physics steps out.
 
+use crate::math;
 use crate::robot::InputVector;
 use serde::{Deserialize, Serialize};
 
@@ -58,7 +59,7 @@ mod tests {
         let limits = InputVector::repeat(10.0);
         let mut ramp = Ramp::new();
         for period in 0..20 {
-            let mean = InputVector::from_fn(|i, _| ((period * (i + 1)) as f64).sin());
+            let mean = InputVector::from_fn(|i, _| math::sin((period * (i + 1)) as f64));
             ramp.begin(&mean, &limits, STEPS);
             let sum: InputVector = (0..STEPS).map(|_| ramp.next()).sum();
             assert!((sum / STEPS as f64 - mean).norm() < 1e-12, "period {period}");
