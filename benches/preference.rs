@@ -130,7 +130,7 @@ fn ratios() {
             "  n = {count:2}  {:8.2} us  {nodes:4} nodes  {:6.1} ns per node  {:5.2} ns / (n log2 n)",
             time * 1e6,
             time * 1e9 / nodes,
-            time * 1e9 / nodes / (n * math::log2(n)),
+            time * 1e9 / nodes / (n * math::ln(n) / std::f64::consts::LN_2),
         );
     }
 }

@@ -1,7 +1,6 @@
 //! Poses and vectors of nalgebra in; those of rapier and parry (glam) out, and back. The only file that converts between the two.
 
 use crate::geometry::Pose;
-use crate::math;
 use nalgebra::{Isometry3, IsometryMatrix3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use rapier3d::math;
 

@@ -2,6 +2,7 @@
 
 use crate::support::{random_configuration, repository};
 use cocarry::geometry::{PlanarPose, Point, Pose};
+use cocarry::math;
 use cocarry::robot::{
     Configuration, InputVector, JointKind, JointVector, MAX_INPUTS, Motion, Robot, Shape, pose_difference,
 };
@@ -131,8 +132,8 @@ fn closed_form_the_grasp_of_a_planar_arm() {
         let (mut x, mut z, mut pitch) = (0.033 + 0.117, 0.726 + 0.060, 0.0);
         for (turn, length) in [(lift, 0.219 + 0.133), (elbow, 0.197 + 0.1245), (wrist, 0.1385 + 0.16645)] {
             pitch += turn;
-            x += length * f64::cos(pitch);
-            z -= length * f64::sin(pitch);
+            x += length * math::cos(pitch);
+            z -= length * math::sin(pitch);
         }
         let turn = Rotation3::from_axis_angle(&Vector3::y_axis(), pitch);
         let expected = Pose::from_parts(Vector3::new(x, 0.0, z).into(), turn);
@@ -216,12 +217,12 @@ fn property_a_roll_is_many_short_ones() {
         let (mut x, mut y, mut yaw) = (base.position.x, base.position.y, base.yaw);
         for _ in 0..steps {
             // the heading in the middle of the step
-            x += length * f64::cos(yaw + turn / 2.0);
-            y += length * f64::sin(yaw + turn / 2.0);
+            x += length * math::cos(yaw + turn / 2.0);
+            y += length * math::sin(yaw + turn / 2.0);
             yaw += turn;
         }
         assert!((rolled.position - Point::new(x, y)).norm() < 1e-8, "{left} {right}");
-        assert!(f64::sin(rolled.yaw - yaw).abs() < 1e-9 && rolled.yaw.abs() <= std::f64::consts::PI);
+        assert!(math::sin(rolled.yaw - yaw).abs() < 1e-9 && rolled.yaw.abs() <= std::f64::consts::PI);
     }
 }
 

@@ -3,7 +3,6 @@
 use crate::support::{load, repository, world_files};
 use cocarry::experiments::cycles::random_world;
 use cocarry::geometry::Point;
-use cocarry::math;
 use cocarry::options::{OptionSet, Progress, Waypoint};
 use cocarry::world::World;
 use parry3d::math::{Pose, Vec3};

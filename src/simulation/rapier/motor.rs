@@ -1,7 +1,6 @@
 //! A joint of the arm and what it is to do in; the spring and the damper that make it do so, with a limited effort, out.
 
 use crate::geometry::Pose;
-use crate::math;
 use crate::robot::{ArmJoint, Joint, JointKind, JointVector, Robot};
 use crate::simulation::convert::{to_rapier, to_vector};
 use rapier3d::prelude::{

@@ -2,7 +2,6 @@
 
 use super::{Part, Party};
 use crate::geometry::Pose;
-use crate::math;
 use crate::robot::{Link, Shape};
 use crate::simulation::convert::to_rapier;
 use rapier3d::prelude::{

@@ -1,6 +1,5 @@
 //! The rates that a control period is to have in; the rate at each of its physics steps out.
 
-use crate::math;
 use crate::robot::InputVector;
 use serde::{Deserialize, Serialize};
 
@@ -51,6 +50,7 @@ impl Ramp {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math;
 
     const STEPS: u64 = 48;
 

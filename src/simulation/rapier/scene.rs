@@ -10,7 +10,6 @@ use super::{
     TORSO_RADIUS,
 };
 use crate::geometry::{PlanarPose, Pose, direction};
-use crate::math;
 use crate::robot::{JointVector, Robot};
 use crate::simulation::KinematicPlant;
 use crate::simulation::convert::to_rapier;
