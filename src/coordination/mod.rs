@@ -1,7 +1,7 @@
-//! Choice probabilities and option costs in; stubbornness phi(k), the mode, and the robot's choice of eq. (6) out.
+//! Mutual adaptation (Sec. IV-B): the stubbornness measure phi(k) of eq. (5), the two modes, and the robot's choice of eq. (6).
 
 use crate::math;
-use crate::options::Waypoint;
+use crate::options::{Remaining, Waypoint};
 use serde::{Deserialize, Serialize};
 
 /// Who leads the team.
@@ -12,32 +12,6 @@ pub enum Mode {
     RobotLed,
     /// phi(k) > 1: the robot follows the human.
     HumanLed,
-}
-
-/// How the team decides who leads.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
-    /// The paper's: the robot leads until stubbornness passes 1, then the human.
-    Mutual,
-    /// The baseline of Table II: the human leads from start to end, on the option preferred at the start.
-    WithoutModel,
-    /// The human leads from start to end, choosing anew at every step: the situation of Table III.
-    HumanLed,
-    /// The baseline of hypothesis H2 as worded: the robot leads from start to end.
-    RobotLed,
-}
-
-impl Method {
-    /// Name, as in files and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Mutual => "mutual",
-            Self::WithoutModel => "without-model",
-            Self::HumanLed => "human-led",
-            Self::RobotLed => "robot-led",
-        }
-    }
 }
 
 /// Parameters of the stubbornness measure, eq. (5).
@@ -57,35 +31,22 @@ impl Default for Settings {
     }
 }
 
-/// The stubbornness of the human and the mode that follows from it.
+/// The stubbornness measure of eq. (5): discomfort accumulates while the team goes another way than the human would.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Coordinator {
+pub struct Stubbornness {
     settings: Settings,
-    method: Method,
     discomfort: f64,
-    mode: Mode,
 }
 
-impl Coordinator {
+impl Stubbornness {
     /// At the start: g(0) = 0.
-    pub fn new(settings: Settings, method: Method) -> Self {
-        let mode = match method {
-            Method::WithoutModel | Method::HumanLed => Mode::HumanLed,
-            Method::Mutual | Method::RobotLed => Mode::RobotLed,
-        };
-        Self { settings, method, discomfort: 0.0, mode }
+    pub fn new(settings: Settings) -> Self {
+        Self { settings, discomfort: 0.0 }
     }
 
-    /// One step of eq. (5): while the robot leads, g(k) = g(k-1) + sum_o omega_o(k) P_o(k), where `misaligned` is that sum; then the mode.
-    /// The transition happens once. (Sec. IV-B.2)
+    /// One step under the robot's lead: g(k) = g(k-1) + sum_o omega_o(k) P_o(k), where `misaligned` is that sum.
     pub fn accumulate(&mut self, misaligned: f64) {
-        if self.mode == Mode::HumanLed {
-            return;
-        }
         self.discomfort += misaligned;
-        if self.method == Method::Mutual && self.stubbornness() > 1.0 {
-            self.mode = Mode::HumanLed;
-        }
     }
 
     /// g(k), the accumulated discomfort.
@@ -94,19 +55,34 @@ impl Coordinator {
     }
 
     /// phi(k) = phi(0) exp(g(k) / eta), eq. (5).
-    pub fn stubbornness(&self) -> f64 {
+    pub fn measure(&self) -> f64 {
         self.settings.initial_stubbornness * math::exp(self.discomfort / self.settings.eta)
     }
 
-    /// Who leads now.
-    pub fn mode(&self) -> Mode {
-        self.mode
+    /// Whether phi(k) > 1: the human takes the lead. (Sec. IV-B.2)
+    pub fn is_exhausted(&self) -> bool {
+        self.measure() > 1.0
     }
+}
 
-    /// How the team decides who leads.
-    pub fn method(&self) -> Method {
-        self.method
-    }
+/// One option in one planning step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OptionTick {
+    /// D_o, S_o and the next waypoint.
+    pub remaining: Remaining,
+    /// J_o, eq. (1), m.
+    pub objective: f64,
+    /// J~_o, the expected subjective cost of eq. (6), m; evaluated while the robot leads, else NaN.
+    pub expected: f64,
+    /// P_o, eq. (4); NaN where it was not evaluated.
+    pub probability: f64,
+    /// omega_o: whether the team is moving toward something else than this option's next waypoint.
+    pub misaligned: bool,
+}
+
+/// sum_o omega_o(k) P_o(k) of eq. (5): the probability that the human would go another way.
+pub fn misalignment(options: &[OptionTick]) -> f64 {
+    options.iter().filter(|option| option.misaligned).map(|option| option.probability).sum()
 }
 
 /// omega_o(k) = 1 (Sec. IV-B.1): the team moves toward an opening, or the target, that is not the next one on the option.
@@ -140,24 +116,11 @@ mod tests {
 
     #[test]
     fn closed_form_stubbornness_passes_one_at_eta_ln_ten() {
-        let settings = Settings { initial_stubbornness: 0.1, eta: 5.0 };
-        let mut c = Coordinator::new(settings, Method::Mutual);
-        let threshold = 5.0 * math::ln(10f64);
-        c.accumulate(threshold - 1e-9);
-        assert_eq!(c.mode(), Mode::RobotLed);
-        c.accumulate(2e-9);
-        assert_eq!(c.mode(), Mode::HumanLed);
-        let at_transition = c.stubbornness();
-        c.accumulate(1.0);
-        assert_eq!(c.stubbornness(), at_transition, "g grows only while the robot leads");
-    }
-
-    #[test]
-    fn closed_form_a_robot_that_always_leads_never_hands_over() {
-        let mut c = Coordinator::new(Settings::default(), Method::RobotLed);
-        c.accumulate(1e3);
-        assert!(c.stubbornness() > 1.0);
-        assert_eq!(c.mode(), Mode::RobotLed);
+        let mut s = Stubbornness::new(Settings { initial_stubbornness: 0.1, eta: 5.0 });
+        s.accumulate(5.0 * math::ln(10.0) - 1e-9);
+        assert!(!s.is_exhausted());
+        s.accumulate(2e-9);
+        assert!(s.is_exhausted());
     }
 
     #[test]

@@ -1,0 +1,75 @@
+//! The noisy-rational (Boltzmann) human: less costly options are likelier, not certain.
+
+use super::model::{HumanModel, ModelError, Participant};
+use super::{Human, HumanDecision, HumanView, PreferenceChange, PreferenceHuman};
+use crate::math;
+use crate::preference::subjective_cost;
+use crate::saved::{NotRestored, Saved};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+/// The stream of the episode's generator that the choice is drawn from.
+const STREAM: u64 = 2;
+
+/// The model's entry in the list.
+pub(super) const MODEL: HumanModel = HumanModel {
+    name: "boltzmann",
+    form: "boltzmann(RATIONALITY)",
+    about: "Chooses with probability proportional to exp(-RATIONALITY * subjective cost)",
+    make: |arguments, participant| {
+        let rationality = arguments.parse().ok().filter(|r: &f64| *r > 0.0 && *r <= 1e6);
+        let expected = "the rationality, a number greater than 0 and at most 1000000";
+        let rationality = rationality.ok_or(ModelError::Arguments { expected })?;
+        Ok(Box::new(Boltzmann::new(participant, rationality)))
+    },
+};
+
+/// Chooses option o with probability exp(-beta J^_o) / sum_p exp(-beta J^_p), where J^ is the subjective cost of eq. (2) and beta the
+/// rationality: 0 is chance, infinity eq. (3).
+///
+/// The choice is that of a random utility model (McFadden 1974): every option has a Gumbel disturbance, drawn once an episode, and the human
+/// prefers the least of beta J^_o minus it. So probabilities are Boltzmann's at every place, and the human does not waver between two steps.
+#[derive(Clone, Debug)]
+pub struct Boltzmann {
+    rationality: f64,
+    disturbances: Vec<f64>,
+    human: PreferenceHuman,
+}
+
+impl Boltzmann {
+    /// The human at the start, with this rationality (beta > 0).
+    pub fn new(participant: &Participant<'_>, rationality: f64) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(participant.seed);
+        rng.set_stream(STREAM);
+        let mut gumbel = || -math::ln(-math::ln(rng.random_range(f64::MIN_POSITIVE..1.0)));
+        let disturbances = participant.options.options().iter().map(|_| gumbel()).collect();
+        Self { rationality, disturbances, human: participant.preference_human() }
+    }
+}
+
+impl Human for Boltzmann {
+    fn decide(&mut self, view: &HumanView<'_>) -> HumanDecision {
+        let perception = self.human.perceive(view.step);
+        let mut best = (0, f64::INFINITY);
+        for (option, (prospect, disturbance)) in view.prospects.iter().zip(&self.disturbances).enumerate() {
+            let cost = self.rationality * subjective_cost(*prospect, view.risk_weight, perception) - disturbance;
+            if cost < best.1 || (cost == best.1 && view.executed == Some(option)) {
+                best = (option, cost);
+            }
+        }
+        HumanDecision::new(best.0, self.human.accumulate(view))
+    }
+
+    fn change(&self, step: u64) -> Option<&PreferenceChange> {
+        self.human.change(step)
+    }
+
+    fn save(&self) -> Saved {
+        self.human.save()
+    }
+
+    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+        self.human.restore(saved)
+    }
+}

@@ -1,0 +1,68 @@
+//! A human who follows a script: which option from which step on.
+
+use super::model::{HumanModel, ModelError, Participant};
+use super::{Human, HumanDecision, HumanView};
+use crate::coordination::Stubbornness;
+use crate::saved::{NotRestored, Saved};
+
+/// The model's entry in the list.
+pub(super) const MODEL: HumanModel = HumanModel {
+    name: "scripted",
+    form: "scripted(STEP:OPTION,...)",
+    about: "Walks the options of a list, each from its step on",
+    make: |arguments, participant| Ok(Box::new(Scripted::parse(arguments, participant)?)),
+};
+
+/// Prefers the option of the last entry whose step has come; takes the lead by eq. (5) like the paper's human.
+#[derive(Clone, Debug)]
+pub struct Scripted {
+    /// Steps and options (as indices), by step; the first at step 0.
+    script: Vec<(u64, usize)>,
+    stubbornness: Stubbornness,
+}
+
+impl Scripted {
+    fn parse(script: &str, participant: &Participant<'_>) -> Result<Self, ModelError> {
+        let expected = "entries STEP:OPTION separated by commas, the first at step 0, in the order of the steps";
+        let wrong = || ModelError::Arguments { expected };
+        let options = participant.options.options();
+        let entry = |text: &str| {
+            let (step, name) = text.split_once(':').ok_or_else(wrong)?;
+            let step: u64 = step.trim().parse().map_err(|_| wrong())?;
+            let name = name.trim();
+            let option = options.iter().position(|option| option.name == name);
+            let option = option.ok_or_else(|| ModelError::Option {
+                step,
+                option: name.to_owned(),
+                known: options.iter().map(|o| format!("`{}`", o.name)).collect::<Vec<_>>().join(", "),
+            })?;
+            Ok((step, option))
+        };
+        let script: Vec<_> = script.split(',').map(entry).collect::<Result<_, _>>()?;
+        let in_order = script.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        match script.first() {
+            Some((0, _)) if in_order => {
+                Ok(Self { script, stubbornness: Stubbornness::new(participant.stubbornness) })
+            }
+            _ => Err(wrong()),
+        }
+    }
+}
+
+impl Human for Scripted {
+    fn decide(&mut self, view: &HumanView<'_>) -> HumanDecision {
+        view.accumulate(&mut self.stubbornness);
+        let come = self.script.partition_point(|(step, _)| *step <= view.step);
+        let (_, option) = self.script[come.saturating_sub(1)];
+        HumanDecision::new(option, &self.stubbornness)
+    }
+
+    fn save(&self) -> Saved {
+        Saved::of(&self.stubbornness)
+    }
+
+    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+        self.stubbornness = saved.read("human")?;
+        Ok(())
+    }
+}

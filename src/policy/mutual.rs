@@ -1,0 +1,25 @@
+//! The paper's policy: lead until the human's stubbornness exceeds 1, then follow.
+
+use super::{Decision, MethodEntry, RobotPolicy, RobotView};
+use crate::coordination::Mode;
+use crate::human::Stance;
+
+/// The policy's entry in the list.
+pub(super) const METHOD: MethodEntry = MethodEntry {
+    name: "mutual",
+    about: "The robot leads until the human's stubbornness exceeds 1, then follows",
+    make: || Box::new(Mutual),
+};
+
+/// Leads by eq. (6) while phi(k) <= 1, then follows to the end: the transition happens once (Sec. IV-B.2).
+#[derive(Clone, Debug)]
+struct Mutual;
+
+impl RobotPolicy for Mutual {
+    fn decide(&mut self, view: &RobotView<'_>) -> Decision {
+        if view.mode == Mode::HumanLed || view.human.stance == Stance::TakeOver {
+            return Decision::follow();
+        }
+        Decision::lead(view.best_option())
+    }
+}
