@@ -7,12 +7,12 @@ use cocarry::control::{
     Candidate, ClosedForm, HORIZON, Limits, Mpc, PoseOptimiser, PoseProblem, Reference, RobotObstacles,
     Settings, SolveOutcome, motion_cost,
 };
-use cocarry::coordination::Method;
 use cocarry::episode::{self, Episode, Manipulator};
 use cocarry::experiments::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
 use cocarry::geometry::{PlanarPose, Point, direction};
 use cocarry::math;
 use cocarry::options::OptionSet;
+use cocarry::policy::Method;
 use cocarry::robot::{Configuration, InputJacobian, InputVector, JointVector, Kinematics, Robot};
 use criterion::{Criterion, criterion_group};
 use nalgebra::Vector6;
@@ -236,7 +236,7 @@ fn tick_times(environment: usize, share: f64) -> (Vec<Duration>, usize) {
     let world = ENVIRONMENTS[environment].world().expect("a built-in world");
     let options = OptionSet::new(&world, 10.0).expect("its options");
     let obstacles = RobotObstacles::new(&world);
-    let settings = episode::Settings { method: Method::HumanLed, ..episode::Settings::default() };
+    let settings = episode::Settings { method: Method::HUMAN_LED, ..episode::Settings::default() };
     let posture = robot.postures[0].joints;
     let manipulator =
         Manipulator { robot: &robot, posture, control: Settings::default(), obstacles: &obstacles };

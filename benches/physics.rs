@@ -80,6 +80,7 @@ fn episode(rate_hz: f64, sweeps: usize) -> Run {
         world: paper::ENVIRONMENTS[3].world().expect("a world of the repository").into(),
         human: paper::EXAMPLE_HUMAN,
         changes: Vec::new(),
+        human_model: Default::default(),
         settings: Default::default(),
         plant: Plant::Rapier { carrier, physics },
     };

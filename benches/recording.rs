@@ -26,6 +26,7 @@ fn stage(environment: usize) -> Stage {
         world: paper::ENVIRONMENTS[environment].world().expect("a world of the repository").into(),
         human: paper::EXAMPLE_HUMAN,
         changes: Vec::new(),
+        human_model: Default::default(),
         settings: Default::default(),
         plant: Plant::Rapier { carrier, physics: PhysicsSettings::default() },
     };

@@ -3,14 +3,17 @@
 use super::model::{ModelArguments, change, initial_stubbornness, load_world, perception, positive};
 use super::output::{Failure, input};
 use super::robot::RobotArguments;
-use crate::coordination::{self, Method};
+use crate::coordination;
 use crate::episode::{PreferenceChange, Settings};
+use crate::human::ModelName;
 use crate::options::OptionSet;
+use crate::policy::Method;
 use crate::preference::{Belief, Perception};
 use crate::scenario::{Redraws, Scenario, drawn_changes, drawn_human};
 use crate::world::World;
 use anyhow::anyhow;
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
 
 /// World, human, team and plant.
@@ -20,8 +23,8 @@ pub(super) struct ScenarioArguments {
     #[arg(default_value = "environment-4")]
     world: PathBuf,
     /// Who decides the way
-    #[arg(long, value_enum, default_value_t = MethodArgument::Mutual)]
-    method: MethodArgument,
+    #[arg(long, default_value_t = Method::MUTUAL, value_parser = methods())]
+    method: Method,
     /// The human's perception of distance (D^alpha); drawn from the belief if not given
     #[arg(long, value_parser = perception, allow_negative_numbers = true)]
     alpha: Option<f64>,
@@ -44,6 +47,9 @@ pub(super) struct ScenarioArguments {
     /// Stubbornness at the start, in (0, 1]
     #[arg(long, value_name = "PHI", default_value_t = coordination::Settings::default().initial_stubbornness, value_parser = initial_stubbornness, allow_negative_numbers = true)]
     initial_stubbornness: f64,
+    /// How the human decides: preference, boltzmann(RATIONALITY) or scripted(STEP:OPTION,...)
+    #[arg(long, value_name = "MODEL", default_value_t = ModelName::default())]
+    human: ModelName,
     /// Seed from which the human, and what they change their mind to, is drawn
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -54,29 +60,6 @@ pub(super) struct ScenarioArguments {
     model: ModelArguments,
     #[command(flatten)]
     carrier: RobotArguments,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum MethodArgument {
-    /// The robot leads until the human's stubbornness passes 1, then follows
-    Mutual,
-    /// The human leads from start to end, on the option preferred at the start
-    WithoutModel,
-    /// The human leads from start to end, choosing anew at every step
-    HumanLed,
-    /// The robot leads from start to end
-    RobotLed,
-}
-
-impl From<MethodArgument> for Method {
-    fn from(argument: MethodArgument) -> Self {
-        match argument {
-            MethodArgument::Mutual => Self::Mutual,
-            MethodArgument::WithoutModel => Self::WithoutModel,
-            MethodArgument::HumanLed => Self::HumanLed,
-            MethodArgument::RobotLed => Self::RobotLed,
-        }
-    }
 }
 
 impl ScenarioArguments {
@@ -91,13 +74,21 @@ impl ScenarioArguments {
                 initial_stubbornness: self.initial_stubbornness,
                 eta: self.eta,
             },
-            method: self.method.into(),
+            method: self.method,
             tick_limit: self.max_steps,
             ..Settings::default()
         };
         let changes = self.changes(&world, human, &settings)?;
         let plant = self.carrier.plant()?;
-        Ok(Scenario { seed: self.seed, world: world.into(), human, changes, settings, plant })
+        Ok(Scenario {
+            seed: self.seed,
+            world: world.into(),
+            human,
+            human_model: self.human.clone(),
+            changes,
+            settings,
+            plant,
+        })
     }
 
     /// The human: as given, the rest drawn from the seed.
@@ -134,4 +125,10 @@ impl ScenarioArguments {
         });
         Ok(changes.collect())
     }
+}
+
+/// The names of the methods, with what each does.
+fn methods() -> impl TypedValueParser<Value = Method> {
+    let names = Method::all().map(|method| PossibleValue::new(method.name()).help(method.about()));
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<Method>())
 }

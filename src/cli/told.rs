@@ -1,10 +1,11 @@
 //! An episode that is over in; what `cocarry run` tells of it, as text and as JSON, out.
 
 use super::output::{table, table_text};
-use crate::coordination::{self, Method};
+use crate::coordination;
 use crate::drawing::Track;
 use crate::episode::{ControlSummary, Outcome, PreferenceChange, Settings, Summary, Tick, Transition};
 use crate::geometry::Point;
+use crate::policy::Method;
 use crate::preference::Perception;
 use crate::robot::Robot;
 use crate::scenario::{Carrier, Stage};
@@ -57,7 +58,7 @@ impl Told<'_> {
 
     /// The human's changes of mind that came about, in their order.
     fn changes_of_mind(&self) -> Vec<PreferenceChange> {
-        let mut standing = PreferenceChange::standing(&self.stage.scenario().changes);
+        let mut standing = PreferenceChange::in_force(&self.stage.scenario().changes);
         standing.retain(|change| change.step < self.summary.steps);
         standing
     }

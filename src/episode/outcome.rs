@@ -3,7 +3,7 @@
 use super::{PhysicsTick, RobotTick};
 use crate::control::SolveOutcome;
 use crate::geometry::Point;
-use crate::simulation::{Contact, Failure};
+use crate::simulation::{Contact, Failure, Observation, Party};
 use serde::{Deserialize, Serialize};
 
 /// How an episode ended.
@@ -200,6 +200,31 @@ impl ControlSummary {
 }
 
 impl Summary {
+    /// Books a step: what the robot did, and what is seen of the bodies.
+    pub(super) fn add(&mut self, robot: Option<&RobotTick>, seen: Option<&Observation>) {
+        if let Some(tick) = robot {
+            self.control.get_or_insert_default().add(tick);
+            if let Some(physics) = &tick.physics {
+                self.interaction.get_or_insert_default().add(physics);
+            }
+        }
+        if let Some(seen) = seen {
+            let obstacle = |contact: &&Contact| contact.between.iter().any(|p| p.party == Party::Obstacle);
+            self.collision = seen.contacts.iter().find(obstacle).cloned();
+            self.failure.clone_from(&seen.failure);
+        }
+    }
+
+    /// The outcome of an episode that cannot go on: something broke, or touched an obstacle.
+    pub(super) fn incident(&self) -> Option<Outcome> {
+        match &self.failure {
+            Some(Failure::NonFinite { .. }) => return Some(Outcome::NonFinite),
+            Some(Failure::Dropped) => return Some(Outcome::Dropped),
+            None => {}
+        }
+        self.collision.as_ref().map(|_| Outcome::Collided)
+    }
+
     pub(super) fn empty() -> Self {
         Self {
             outcome: Outcome::OutOfTime,

@@ -1,6 +1,7 @@
 //! What an episode is run with: belief, coordination, method, period, speed; documented defaults.
 
-use crate::coordination::{self, Method};
+use crate::coordination;
+use crate::policy::Method;
 use crate::preference::Predictor;
 use serde::{Deserialize, Serialize};
 
@@ -35,7 +36,7 @@ impl Default for Settings {
         Self {
             predictor: Predictor::default(),
             coordination: coordination::Settings::default(),
-            method: Method::Mutual,
+            method: Method::MUTUAL,
             period: 0.2,
             speed: 0.5,
             yaw_rate: 0.8,

@@ -1,12 +1,8 @@
 //! One planning step as data: what was observed, predicted and decided.
 
-use super::team::object_on_floor;
-use crate::control::SolveOutcome;
-use crate::coordination::Mode;
-use crate::geometry::{PlanarPose, Point};
-use crate::options::Remaining;
-use crate::robot::{Configuration, InputVector};
-use crate::simulation::{Clearance, Observation};
+use crate::coordination::{Mode, OptionTick};
+use crate::geometry::Point;
+use crate::team::RobotTick;
 use serde::{Deserialize, Serialize};
 
 /// What was observed and decided in one planning step.
@@ -40,143 +36,6 @@ pub struct Tick {
     pub options: Vec<OptionTick>,
     /// What the robot did, in an episode that has one.
     pub robot: Option<RobotTick>,
-}
-
-/// The robot in one planning step.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RobotTick {
-    /// q_c: where it is at the beginning of the step.
-    pub configuration: Configuration,
-    /// s: where the human is at the beginning of the step, as the pose that the grasp should have.
-    pub human: PlanarPose,
-    /// The pose that it prepared: while the human leads, or always if it is told so.
-    pub preparation: Option<Preparation>,
-    /// u: rim speeds, m/s, and joint rates, rad/s (prismatic: m/s).
-    pub input: InputVector,
-    /// How eq. (7) was solved.
-    pub outcome: SolveOutcome,
-    /// The least singular value of B(q*), m or rad for a unit input.
-    pub least_singular_value: f64,
-    /// Distance between grasp and reference at the end of the step, m.
-    pub position_error: f64,
-    /// Angle between them, rad.
-    pub orientation_error: f64,
-    /// ||x - s||_Q^2 at the end of the step.
-    pub tracking_cost: f64,
-    /// ||u||_R^2.
-    pub control_effort: f64,
-    /// kappa ||q* - q_c||^2.
-    pub pose_cost: f64,
-    /// Distance between the base and the nearest obstacle at the beginning of the step, m; negative where they overlap, infinite without
-    /// obstacles.
-    pub base_clearance: f64,
-    /// What else there is to see of the physical plant.
-    pub physics: Option<PhysicsTick>,
-}
-
-/// The physical plant in one planning step. Forces are magnitudes over the step.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PhysicsTick {
-    /// The object's middle and heading at the end of the step, seen from above.
-    pub object: PlanarPose,
-    /// The human's hand at the end of the step, seen from above.
-    pub hand: PlanarPose,
-    /// Root mean square of the robot's force on the object, N.
-    pub grip_force: f64,
-    /// Root mean square of the human's force on the object, N.
-    pub hand_force: f64,
-    /// The larger of the two forces' peaks, N.
-    pub peak_force: f64,
-    /// Root mean square of what the robot's and the human's force on the object change by from one physics step to the next, N.
-    pub force_change: [f64; 2],
-    /// How far the grips yielded at most: the robot's and the human's, m.
-    pub stretch: [f64; 2],
-    /// Work done on the object by the robot and by the human, J.
-    pub work: [f64; 2],
-    /// Integral of the square of the object's jerk, m^2/s^5.
-    pub squared_jerk: f64,
-    /// Least distance of robot, object or human to an obstacle at the end of the step, m; infinite without obstacles.
-    pub obstacle_distance: f64,
-    /// Distance between robot and human at the end of the step, m.
-    pub human_distance: f64,
-    /// How far ahead of the object who leads means to be at the end of the step, along the way, m.
-    pub pace: f64,
-}
-
-impl PhysicsTick {
-    pub(super) fn of(seen: &Observation, pace: f64) -> Self {
-        let near = &seen.clearances;
-        let distance = |c: &Option<Clearance>| c.as_ref().map_or(f64::INFINITY, |c| c.distance);
-        Self {
-            object: object_on_floor(&seen.object),
-            hand: seen.hand_planar,
-            grip_force: seen.grip.rms,
-            hand_force: seen.hand_grip.rms,
-            peak_force: seen.grip.peak.max(seen.hand_grip.peak),
-            force_change: [seen.grip.step_change, seen.hand_grip.step_change],
-            stretch: [seen.grip.stretch, seen.hand_grip.stretch],
-            work: [seen.grip.work, seen.hand_grip.work],
-            squared_jerk: seen.squared_jerk,
-            obstacle_distance: distance(&near.robot_obstacle)
-                .min(distance(&near.object_obstacle))
-                .min(distance(&near.human_obstacle)),
-            human_distance: distance(&near.robot_human),
-            pace,
-        }
-    }
-}
-
-/// How the robot prepared itself in one planning step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Preparation {
-    /// The option that it takes the human to be on; none while it leads.
-    pub tracked: Option<usize>,
-    /// The configuration that eq. (8) chose; 0 is the one it was in.
-    pub candidate: usize,
-    /// |Q|.
-    pub candidates: usize,
-    /// How many of eq. (8)'s problems had to be solved with limits.
-    pub constrained: usize,
-}
-
-impl RobotTick {
-    /// The step's part of the control cost C (Sec. V-C).
-    pub fn cost(&self) -> f64 {
-        self.tracking_cost + self.control_effort + self.pose_cost
-    }
-
-    pub(super) fn at(configuration: &Configuration, human: PlanarPose) -> Self {
-        Self {
-            configuration: *configuration,
-            human,
-            preparation: None,
-            input: InputVector::zeros(),
-            outcome: SolveOutcome::Unconstrained,
-            least_singular_value: 0.0,
-            position_error: 0.0,
-            orientation_error: 0.0,
-            tracking_cost: 0.0,
-            control_effort: 0.0,
-            pose_cost: 0.0,
-            base_clearance: 0.0,
-            physics: None,
-        }
-    }
-}
-
-/// One option in one planning step.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct OptionTick {
-    /// D_o, S_o and the next waypoint.
-    pub remaining: Remaining,
-    /// J_o, eq. (1), m.
-    pub objective: f64,
-    /// J~_o, the expected subjective cost of eq. (6), m; evaluated while the robot leads, else NaN.
-    pub expected: f64,
-    /// P_o, eq. (4); NaN where it was not evaluated.
-    pub probability: f64,
-    /// omega_o: whether the team is moving toward something else than this option's next waypoint.
-    pub misaligned: bool,
 }
 
 impl Tick {

@@ -2,11 +2,11 @@
 
 use super::{OnDone, in_parallel};
 use crate::control::{self, RobotObstacles};
-use crate::coordination::Method;
 use crate::episode::{Episode, Manipulator, Outcome, Settings};
 use crate::experiments::paper::BuiltInError;
 use crate::math;
 use crate::options::OptionSet;
+use crate::policy::Method;
 use crate::robot::Robot;
 use crate::simulation::{Party, PhysicsError, PhysicsSettings};
 use crate::world::World;
@@ -107,7 +107,7 @@ impl Study<'_> {
         let world = World::parse("opening", &world(ROBOT_WIDTH / risk, angle.to_radians()))?;
         let options = OptionSet::new(&world, self.episode.predictor.risk_weight())?;
         let obstacles = RobotObstacles::new(&world);
-        let settings = Settings { method: Method::WithoutModel, ..self.episode.clone() };
+        let settings = Settings { method: Method::WITHOUT_MODEL, ..self.episode.clone() };
         let human = settings.predictor.belief().sample(&mut ChaCha8Rng::seed_from_u64(self.seed));
         let manipulator = Manipulator {
             robot: self.robot,

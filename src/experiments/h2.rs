@@ -4,9 +4,10 @@ use super::paper::{
     BuiltInError, COLUMNS, ENVIRONMENTS, EXAMPLE, EXAMPLE_ENVIRONMENT, EXAMPLE_HUMAN, Environment,
 };
 use super::{OnDone, in_parallel, mean_and_std};
-use crate::coordination::{self, Method, Mode};
+use crate::coordination::{self, Mode};
 use crate::episode::{Episode, Outcome, Settings, Summary, Tick, run};
 use crate::options::OptionSet;
+use crate::policy::Method;
 use crate::preference::{Belief, Perception};
 use crate::world::World;
 use rand_chacha::ChaCha8Rng;
@@ -72,7 +73,7 @@ fn cell(
     let settings = with_eta(settings, eta);
     let (led, transition_step) = led_by_robot(set, &settings);
     let costs = |humans: &[Perception]| {
-        let ends = in_parallel(humans.len(), on_done, |i| finish(led.clone().with_human(humans[i])));
+        let ends = in_parallel(humans.len(), on_done, |i| finish(led.clone().with_preference(humans[i])));
         let costs: Vec<f64> = ends.iter().map(|s| s.accumulated_cost).collect();
         (costs, ends.iter().filter(|s| s.outcome != Outcome::Arrived).count())
     };
@@ -94,7 +95,7 @@ fn cell(
 
 /// The settings of a column of Table II.
 pub(super) fn with_eta(settings: &Settings, eta: Option<f64>) -> Settings {
-    let method = if eta.is_some() { Method::Mutual } else { Method::WithoutModel };
+    let method = if eta.is_some() { Method::MUTUAL } else { Method::WITHOUT_MODEL };
     let coordination =
         coordination::Settings { eta: eta.unwrap_or(settings.coordination.eta), ..settings.coordination };
     Settings { method, coordination, predict_while_human_leads: false, ..settings.clone() }
@@ -104,7 +105,7 @@ pub(super) fn with_eta(settings: &Settings, eta: Option<f64>) -> Settings {
 /// step at which the human takes over, and that step.
 fn led_by_robot<'a>(set: &'a OptionSet, settings: &'a Settings) -> (Episode<'a>, Option<u64>) {
     let mut episode = Episode::new(set, settings, EXAMPLE_HUMAN);
-    if settings.method == Method::WithoutModel {
+    if settings.method == Method::WITHOUT_MODEL {
         return (episode, None);
     }
     loop {

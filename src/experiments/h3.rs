@@ -7,9 +7,10 @@
 use super::paper::{BuiltInError, ENVIRONMENTS, Environment, HumanSetting, SETTINGS};
 use super::{OnDone, in_parallel, mean_and_std, paired_p_value};
 use crate::control::{Avoid, CandidateSet, PoseCriterion, RobotObstacles};
-use crate::coordination;
 use crate::episode::{ControlSummary, Episode, Manipulator, Outcome, PreferenceChange, Settings};
+use crate::human::PreferenceHuman;
 use crate::options::OptionSet;
+use crate::policy::Method;
 use crate::preference::{Belief, Perception};
 use crate::robot::{Posture, Robot};
 use crate::scenario::Redraws;
@@ -194,7 +195,7 @@ impl Study<'_> {
                 self.humans(setting, stream, &options)
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let settings = Settings { method: coordination::Method::HumanLed, ..self.episode.clone() };
+        let settings = Settings { method: Method::HUMAN_LED, ..self.episode.clone() };
         // every episode of the environment, the last index varying fastest
         let (starts, methods, n) = (&self.robot.postures, self.methods(), self.episodes);
         let cells = SETTINGS.len() * starts.len() * methods.len();
@@ -209,7 +210,9 @@ impl Study<'_> {
                 control: method.control(&self.control),
                 obstacles: &obstacles,
             };
-            let begun = Episode::new(&options, &settings, human.first).with_changes(&human.changes);
+            let begun = Episode::new(&options, &settings, human.first).with_human(
+                PreferenceHuman::new(human.first, settings.coordination).with_changes(&human.changes),
+            );
             let begun = match &self.physics {
                 None => begun.with_robot(manipulator),
                 Some(physics) => {

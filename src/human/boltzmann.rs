@@ -3,7 +3,7 @@
 use super::model::{HumanModel, ModelError, Participant};
 use super::{Human, HumanDecision, HumanView, PreferenceChange, PreferenceHuman};
 use crate::math;
-use crate::preference::subjective_cost;
+use crate::preference::{Perception, subjective_cost};
 use crate::saved::{NotRestored, Saved};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -53,12 +53,17 @@ impl Human for Boltzmann {
         let perception = self.human.perceive(view.step);
         let mut best = (0, f64::INFINITY);
         for (option, (prospect, disturbance)) in view.prospects.iter().zip(&self.disturbances).enumerate() {
-            let cost = self.rationality * subjective_cost(*prospect, view.risk_weight, perception) - disturbance;
+            let cost =
+                self.rationality * subjective_cost(*prospect, view.risk_weight, perception) - disturbance;
             if cost < best.1 || (cost == best.1 && view.executed == Some(option)) {
                 best = (option, cost);
             }
         }
         HumanDecision::new(best.0, self.human.accumulate(view))
+    }
+
+    fn set_preference(&mut self, preference: Perception) {
+        self.human.set_preference(preference);
     }
 
     fn change(&self, step: u64) -> Option<&PreferenceChange> {

@@ -17,7 +17,7 @@ pub use scripted::Scripted;
 use crate::coordination::{Mode, OptionTick, Stubbornness};
 use crate::geometry::{Point, Pose};
 use crate::options::OptionSet;
-use crate::preference::Prospect;
+use crate::preference::{Perception, Prospect};
 use crate::saved::{NotRestored, Saved};
 use crate::simulation::Wrench;
 
@@ -28,6 +28,11 @@ use crate::simulation::Wrench;
 pub trait Human: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// The human's decision at the beginning of a control period.
     fn decide(&mut self, view: &HumanView<'_>) -> HumanDecision;
+
+    /// Perceives risk and distance with this alpha and gamma from here on; models without them take no notice.
+    fn set_preference(&mut self, preference: Perception) {
+        let _ = preference;
+    }
 
     /// The preference change with which step `step` began; none by default.
     fn change(&self, step: u64) -> Option<&PreferenceChange> {

@@ -1,6 +1,6 @@
 //! The paper's human: chooses by eq. (3), and takes the lead by eq. (5).
 
-use super::model::{HumanModel, ModelError, Participant};
+use super::model::{HumanModel, ModelError};
 use super::{Human, HumanDecision, HumanView};
 use crate::coordination::{Settings, Stubbornness};
 use crate::preference::{Perception, human_choice};
@@ -60,6 +60,10 @@ impl Human for PreferenceHuman {
         let perception = self.perceive(view.step);
         let option = human_choice(view.prospects, view.risk_weight, perception, view.executed);
         HumanDecision::new(option, self.accumulate(view))
+    }
+
+    fn set_preference(&mut self, preference: Perception) {
+        self.perception = preference;
     }
 
     fn change(&self, step: u64) -> Option<&PreferenceChange> {

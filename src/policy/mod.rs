@@ -31,6 +31,11 @@ pub trait RobotPolicy: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
         Mode::RobotLed
     }
 
+    /// Whether the policy needs P_o and J~_o also while the human leads.
+    fn predicts(&self) -> bool {
+        false
+    }
+
     /// The robot's decision at the beginning of a control period.
     fn decide(&mut self, view: &RobotView<'_>) -> Decision;
 

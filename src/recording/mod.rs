@@ -40,6 +40,7 @@
 //!     seed: 1,
 //!     world: paper::ENVIRONMENTS[3].world()?.into(),
 //!     human: paper::EXAMPLE_HUMAN,
+//!     human_model: Default::default(),
 //!     changes: Vec::new(),
 //!     settings: Default::default(),
 //!     plant: Plant::Point,

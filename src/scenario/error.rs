@@ -1,8 +1,9 @@
 //! What can be wrong with a scenario, each case with its key and value.
 
-use crate::episode::Misfit;
+use crate::human::ModelError;
 use crate::options::OptionError;
 use crate::robot::RobotError;
+use crate::saved::NotRestored;
 use crate::simulation::PhysicsError;
 use crate::world::WorldError;
 use thiserror::Error;
@@ -59,9 +60,17 @@ pub enum ScenarioError {
     /// The robot's texts are not a valid robot.
     #[error(transparent)]
     Robot(#[from] RobotError),
+    /// The human's model.
+    #[error("scenario: human_model = {model:?}")]
+    HumanModel {
+        /// The model found.
+        model: String,
+        /// What is wrong with it.
+        source: ModelError,
+    },
     /// A state to go on from does not belong to the scenario.
     #[error(transparent)]
-    State(#[from] Misfit),
+    State(#[from] NotRestored),
     /// The physical plant cannot be set up so.
     #[error(transparent)]
     Physics(#[from] PhysicsError),

@@ -9,6 +9,7 @@
 //!     seed: 7,
 //!     world: world.into(),
 //!     human: cocarry::preference::Perception { alpha: 0.7, gamma: 0.8 },
+//!     human_model: Default::default(),
 //!     changes: Vec::new(),
 //!     settings: Default::default(),
 //!     plant: Plant::Point,
@@ -35,6 +36,7 @@ pub use stage::Stage;
 
 use crate::control;
 use crate::episode::{self, PreferenceChange};
+use crate::human::ModelName;
 use crate::preference::{Belief, Perception};
 use crate::robot::RobotTexts;
 use crate::simulation::PhysicsSettings;
@@ -58,6 +60,9 @@ pub struct Scenario {
     pub world: WorldText,
     /// The human, as given or drawn.
     pub human: Perception,
+    /// How the human decides.
+    #[serde(default, skip_serializing_if = "ModelName::is_default")]
+    pub human_model: ModelName,
     /// When the human changes their mind, and to what; as given or drawn. Of several at the same step, the last stands.
     #[serde(rename = "change", default, skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<PreferenceChange>,

@@ -14,7 +14,7 @@ use thiserror::Error;
 
 const MAGIC: &[u8] = b"cocarry snapshot";
 /// To be raised whenever what is written changes.
-const FORMAT: u32 = 4;
+const FORMAT: u32 = 5;
 /// Files larger than this (bytes) are not read: a snapshot has about 100 kB.
 const LARGEST: u64 = 1 << 28;
 
@@ -108,10 +108,7 @@ impl Stage {
     /// # Errors
     /// [`ScenarioError::State`]: the state is not one of this scenario.
     pub fn resume(&self, state: State) -> Result<Episode<'_>, ScenarioError> {
-        let Scenario { settings, changes, plant, .. } = self.scenario();
-        let is_physical = plant.physics().is_some();
-        let episode = Episode::resume(self.options(), settings, self.manipulator(), is_physical, state)?;
-        Ok(episode.with_changes(changes))
+        Ok(self.episode()?.resume(state)?)
     }
 }
 

@@ -3,6 +3,7 @@
 use super::{Scenario, ScenarioError};
 use crate::control::RobotObstacles;
 use crate::episode::{Episode, Manipulator};
+use crate::human::Participant;
 use crate::options::OptionSet;
 use crate::robot::Robot;
 use crate::world::World;
@@ -115,8 +116,14 @@ impl Stage {
     /// [`ScenarioError::Physics`]: the team does not fit where it is to start.
     pub fn episode(&self) -> Result<Episode<'_>, ScenarioError> {
         let Self { scenario, scene, .. } = self;
-        let episode =
-            Episode::new(&scene.options, &scenario.settings, scenario.human).with_changes(&scenario.changes);
+        let Scenario { human_model, human: perception, changes, settings, seed, .. } = scenario;
+        let (options, stubbornness) = (&scene.options, settings.coordination);
+        let participant =
+            Participant { perception: *perception, changes, stubbornness, seed: *seed, options };
+        let human = human_model
+            .make(&participant)
+            .map_err(|source| ScenarioError::HumanModel { model: human_model.to_string(), source })?;
+        let episode = Episode::new(options, settings, *perception).with_boxed_human(human);
         let Some(manipulator) = self.manipulator() else { return Ok(episode) };
         match scenario.plant.physics() {
             None => Ok(episode.with_robot(manipulator)),

@@ -1,11 +1,11 @@
 //! The paper's tables, within the tolerances that the README states.
 
-use cocarry::coordination::Method;
 use cocarry::episode::{Outcome, Settings};
 use cocarry::experiments::fit::{AnswerFile, RiskWeightSettings, Situation, fit_risk_weight};
 use cocarry::experiments::h3::{PoseMethod, Study};
 use cocarry::experiments::{h1, h2, paper};
 use cocarry::options::OptionSet;
+use cocarry::policy::Method;
 use cocarry::preference::Predictor;
 use cocarry::robot::Robot;
 use std::path::Path;
@@ -65,7 +65,7 @@ fn paper_table_2() {
         assert_eq!(row.not_arrived, 0, "{row:?}");
     }
     for environment in rows.chunks(4) {
-        assert_eq!(environment[0].method, Method::WithoutModel);
+        assert_eq!(environment[0].method, Method::WITHOUT_MODEL);
         let costs: Vec<f64> = environment.iter().map(|r| r.ours_mean).collect();
         assert!(costs.is_sorted_by(|a, b| a >= b), "{costs:?}");
         assert!(costs[0] > costs[3], "{costs:?}");

@@ -2,9 +2,9 @@
 
 use crate::support::{load, repository};
 use cocarry::control::{self, RobotObstacles, SolveOutcome};
-use cocarry::coordination::Method;
 use cocarry::episode::{Episode, Manipulator, Settings};
 use cocarry::experiments::paper::EXAMPLE_HUMAN;
+use cocarry::policy::Method;
 use cocarry::robot::Robot;
 
 /// Ticks after which every buffer has had what it needs.
@@ -28,7 +28,7 @@ fn count(share: f64) -> (usize, usize) {
     let (world, options) = load(&repository("worlds/environment-4.toml"));
     let obstacles = RobotObstacles::new(&world);
     let (mut free, mut limited) = (0, 0);
-    for method in [Method::HumanLed, Method::RobotLed] {
+    for method in [Method::HUMAN_LED, Method::ROBOT_LED] {
         let settings = Settings { method, ..Settings::default() };
         let posture = robot.postures[0].joints;
         let control = control::Settings::default();

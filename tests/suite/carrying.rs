@@ -2,10 +2,11 @@
 
 use crate::support::{cocarry, json, load, repository, stderr, stdout};
 use cocarry::control::{self, Avoid, CandidateSet, PoseCriterion, RobotObstacles, SolveOutcome};
-use cocarry::coordination::{Method, Mode};
+use cocarry::coordination::Mode;
 use cocarry::episode::{Episode, Manipulator, Outcome, Settings, Summary, Tick};
 use cocarry::experiments::paper::EXAMPLE_HUMAN;
 use cocarry::math;
+use cocarry::policy::Method;
 use cocarry::robot::Robot;
 
 fn carry(world: &str, method: Method, control: control::Settings, robot: &Robot) -> (Summary, Vec<Tick>) {
@@ -30,7 +31,7 @@ fn carrier() -> Robot {
 fn property_every_step_of_the_robot_keeps_its_limits_and_its_books() {
     let robot = carrier();
     for set in [CandidateSet::None, CandidateSet::Arm, CandidateSet::WholeBody] {
-        for method in [Method::HumanLed, Method::Mutual] {
+        for method in [Method::HUMAN_LED, Method::MUTUAL] {
             let control = control::Settings { candidates: set, ..control::Settings::default() };
             let (summary, ticks) = carry("worlds/environment-4.toml", method, control, &robot);
             assert_eq!(summary.outcome, Outcome::Arrived);
@@ -67,7 +68,7 @@ fn property_every_step_of_the_robot_keeps_its_limits_and_its_books() {
 fn closed_form_the_tracking_error_of_a_step_is_the_distance_to_the_human_after_it() {
     let robot = carrier();
     let (summary, ticks) =
-        carry("worlds/environment-1.toml", Method::HumanLed, control::Settings::default(), &robot);
+        carry("worlds/environment-1.toml", Method::HUMAN_LED, control::Settings::default(), &robot);
     for pair in ticks.windows(2) {
         let (now, next) = (pair[0].robot.unwrap(), pair[1].robot.unwrap());
         let grasp = robot.grasp_pose(&next.configuration);
@@ -93,7 +94,7 @@ fn closed_form_the_tracking_error_of_a_step_is_the_distance_to_the_human_after_i
 #[test]
 fn a_robot_that_leads_follows_the_path_it_chose() {
     let (summary, _) =
-        carry("worlds/environment-4.toml", Method::RobotLed, control::Settings::default(), &carrier());
+        carry("worlds/environment-4.toml", Method::ROBOT_LED, control::Settings::default(), &carrier());
     let control = summary.control.unwrap();
     assert!(control.error_rms(summary.steps) < 0.01, "{control:?}");
     assert_eq!(control.pose_changes, 0);
@@ -104,7 +105,7 @@ fn obstacles_in_the_mpc_keep_the_base_clear() {
     let robot = carrier();
     let with = |avoid| {
         let control = control::Settings { avoid, ..control::Settings::default() };
-        let (_, ticks) = carry("worlds/environment-2.toml", Method::HumanLed, control, &robot);
+        let (_, ticks) = carry("worlds/environment-2.toml", Method::HUMAN_LED, control, &robot);
         let limited =
             ticks.iter().filter(|t| t.robot.unwrap().outcome != SolveOutcome::Unconstrained).count();
         (ticks.iter().map(|t| t.robot.unwrap().base_clearance).fold(f64::INFINITY, f64::min), limited)
@@ -120,7 +121,7 @@ fn the_criterion_decides_the_pose() {
     let robot = carrier();
     let cost = |criterion| {
         let control = control::Settings { criterion, avoid: Avoid::Nothing, ..control::Settings::default() };
-        let (summary, _) = carry("worlds/environment-3.toml", Method::HumanLed, control, &robot);
+        let (summary, _) = carry("worlds/environment-3.toml", Method::HUMAN_LED, control, &robot);
         summary.control.unwrap().cost()
     };
     assert!(cost(PoseCriterion::Expected) < cost(PoseCriterion::Manipulability));
@@ -130,7 +131,7 @@ fn the_criterion_decides_the_pose() {
 fn another_robot_carries_too() {
     let robot = Robot::load(&repository("tests/fixtures/robots/six.toml")).unwrap_or_else(|e| panic!("{e}"));
     let control = control::Settings { candidates: CandidateSet::WholeBody, ..control::Settings::default() };
-    let (summary, ticks) = carry("worlds/environment-4.toml", Method::HumanLed, control, &robot);
+    let (summary, ticks) = carry("worlds/environment-4.toml", Method::HUMAN_LED, control, &robot);
     assert_eq!(summary.outcome, Outcome::Arrived);
     assert!(summary.control.unwrap().error_rms(summary.steps) < 0.05, "{:?}", summary.control);
     assert!(ticks.iter().any(|t| t.robot.unwrap().preparation.is_some_and(|p| p.candidate != 0)));

@@ -1,11 +1,12 @@
 //! Whole episodes: what must hold of every one of them.
 
 use crate::support::{load, repository, world_files};
-use cocarry::coordination::{self, Method, Mode};
+use cocarry::coordination::{self, Mode};
 use cocarry::episode::{Outcome, Settings, Tick, run};
 use cocarry::experiments::cycles;
 use cocarry::experiments::paper::EXAMPLE_HUMAN;
 use cocarry::math;
+use cocarry::policy::Method;
 use cocarry::preference::Perception;
 
 fn settings(method: Method, eta: f64) -> Settings {
@@ -24,7 +25,7 @@ fn ticks(world: &str, settings: &Settings, human: Perception) -> (cocarry::episo
 fn property_every_episode_keeps_its_books() {
     for file in world_files() {
         let (_, set) = load(&file);
-        for method in [Method::Mutual, Method::WithoutModel, Method::RobotLed] {
+        for method in [Method::MUTUAL, Method::WITHOUT_MODEL, Method::ROBOT_LED] {
             for (alpha, gamma) in [(0.56, 1.05), (0.747, 0.765), (0.94, 0.55)] {
                 let mut ticks: Vec<Tick> = Vec::new();
                 let settings = settings(method, 5.0);
@@ -53,7 +54,7 @@ fn property_every_episode_keeps_its_books() {
 /// g(k) of eq. (5), summed again from what the ticks say.
 #[test]
 fn property_discomfort_is_the_sum_of_the_misaligned_probabilities() {
-    let (_, ticks) = ticks("worlds/environment-1.toml", &settings(Method::RobotLed, 10.5), EXAMPLE_HUMAN);
+    let (_, ticks) = ticks("worlds/environment-1.toml", &settings(Method::ROBOT_LED, 10.5), EXAMPLE_HUMAN);
     let mut g = 0.0;
     for tick in &ticks {
         g += tick.options.iter().filter(|o| o.misaligned).map(|o| o.probability).sum::<f64>();
@@ -67,14 +68,14 @@ fn property_discomfort_is_the_sum_of_the_misaligned_probabilities() {
 
 #[test]
 fn closed_form_in_the_example_only_the_options_through_other_openings_are_misaligned() {
-    let (_, ticks) = ticks("worlds/environment-4.toml", &settings(Method::Mutual, 15.0), EXAMPLE_HUMAN);
+    let (_, ticks) = ticks("worlds/environment-4.toml", &settings(Method::MUTUAL, 15.0), EXAMPLE_HUMAN);
     let misaligned: Vec<bool> = ticks[1].options.iter().map(|o| o.misaligned).collect();
     assert_eq!(misaligned, [true, true, false, true]);
 }
 
 #[test]
 fn a_robot_that_leads_to_the_end_never_hands_over() {
-    let settings = settings(Method::RobotLed, 1.0);
+    let settings = settings(Method::ROBOT_LED, 1.0);
     let (summary, ticks) = ticks("worlds/environment-4.toml", &settings, EXAMPLE_HUMAN);
     assert!(ticks.iter().all(|t| t.mode == Mode::RobotLed));
     assert!(ticks.last().unwrap().stubbornness > 1.0);
@@ -84,7 +85,7 @@ fn a_robot_that_leads_to_the_end_never_hands_over() {
 #[test]
 fn without_the_model_the_first_choice_is_kept() {
     let (summary, ticks) =
-        ticks("worlds/environment-4.toml", &settings(Method::WithoutModel, 5.0), EXAMPLE_HUMAN);
+        ticks("worlds/environment-4.toml", &settings(Method::WITHOUT_MODEL, 5.0), EXAMPLE_HUMAN);
     assert!(ticks.iter().all(|t| t.mode == Mode::HumanLed && t.executed == ticks[0].preferred));
     assert_eq!(summary.changes, 0);
 }

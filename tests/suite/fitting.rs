@@ -1,12 +1,13 @@
 //! c_r and eta from what people answered: what was put in comes out, and what is wrong is named.
 
 use crate::support::{cocarry, json, load, repository, stderr, stdout};
-use cocarry::coordination::{self, Method};
+use cocarry::coordination;
 use cocarry::episode::{Episode, Settings, prospects, run};
 use cocarry::experiments::fit::Guidance;
 use cocarry::experiments::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
 use cocarry::math;
 use cocarry::options::OptionSet;
+use cocarry::policy::Method;
 use cocarry::preference::{Belief, ChoiceDistribution, Predictor};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -192,7 +193,7 @@ fn answers_that_tell_nothing_are_refused() {
 /// The step at which a human of this eta takes over from a robot that knows it.
 fn transition(set: &OptionSet, eta: f64) -> Option<u64> {
     let coordination = coordination::Settings { eta, ..coordination::Settings::default() };
-    let settings = Settings { coordination, method: Method::Mutual, ..Settings::default() };
+    let settings = Settings { coordination, method: Method::MUTUAL, ..Settings::default() };
     run(set, &settings, EXAMPLE_HUMAN, |_| ()).transition.map(|t| t.step)
 }
 
@@ -264,7 +265,7 @@ fn eta_is_recovered_from_videos_of_single_options() {
 
 #[test]
 fn the_discomfort_of_a_video_is_that_of_an_episode() {
-    let settings = Settings { method: Method::RobotLed, ..Settings::default() };
+    let settings = Settings { method: Method::ROBOT_LED, ..Settings::default() };
     let mut compared = 0;
     for environment in &ENVIRONMENTS {
         let set = OptionSet::new(&environment.world().unwrap(), 10.0).unwrap();

@@ -4,8 +4,8 @@ use crate::support::repository;
 use std::path::{Path, PathBuf};
 
 /// The floors from the bottom; those in one row may not use each other.
-const FLOORS: [&[&str]; 14] = [
-    &["math"],
+const FLOORS: [&[&str]; 17] = [
+    &["math", "saved"],
     &["geometry"],
     &["robot"],
     &["world"],
@@ -14,6 +14,9 @@ const FLOORS: [&[&str]; 14] = [
     &["coordination"],
     &["control"],
     &["simulation"],
+    &["human"],
+    &["policy"],
+    &["team"],
     &["episode"],
     &["scenario"],
     &["recording", "drawing"],

@@ -2,10 +2,11 @@
 
 use crate::support::{cocarry, json, load, repository, stderr, stdout};
 use cocarry::control::{self, RobotObstacles};
-use cocarry::coordination::{Method, Mode};
+use cocarry::coordination::Mode;
 use cocarry::episode::{Episode, Manipulator, Outcome, Settings, Summary, Tick};
 use cocarry::experiments::paper::EXAMPLE_HUMAN;
 use cocarry::math;
+use cocarry::policy::Method;
 use cocarry::robot::Robot;
 use cocarry::simulation::{HumanSettings, Party, PhysicsSettings};
 
@@ -40,7 +41,7 @@ fn carry(world: &str, method: Method, physics: Option<PhysicsSettings>) -> (Summ
 #[test]
 fn without_sway_the_episode_is_the_kinematic_plants() {
     for world in ["worlds/environment-1.toml", "worlds/environment-3.toml", "worlds/environment-4.toml"] {
-        for method in [Method::Mutual, Method::WithoutModel] {
+        for method in [Method::MUTUAL, Method::WITHOUT_MODEL] {
             let (physical, _) = carry(world, method, Some(steady()));
             let (kinematic, _) = carry(world, method, None);
             assert_eq!(physical.outcome, Outcome::Arrived, "{world}: {:?}", physical.collision);
@@ -74,7 +75,7 @@ fn table_2_with_bodies_is_table_2() {
 #[test]
 fn property_the_team_stays_together_on_its_way() {
     let (summary, ticks) =
-        carry("worlds/environment-4.toml", Method::HumanLed, Some(PhysicsSettings::default()));
+        carry("worlds/environment-4.toml", Method::HUMAN_LED, Some(PhysicsSettings::default()));
     assert_eq!(summary.outcome, Outcome::Arrived);
     for tick in &ticks {
         let physics = tick.robot.expect("a robot").physics.expect("physics");
@@ -100,7 +101,7 @@ fn two_runs_give_the_same_bits() {
     assert_eq!(stdout(&cocarry(&arguments)), stdout(&cocarry(&arguments)));
     // as text: what was not evaluated is NaN
     let run = || {
-        format!("{:?}", carry("worlds/environment-4.toml", Method::Mutual, Some(PhysicsSettings::default())))
+        format!("{:?}", carry("worlds/environment-4.toml", Method::MUTUAL, Some(PhysicsSettings::default())))
     };
     assert!(run() == run(), "the ticks differ");
 }
@@ -130,7 +131,7 @@ fn a_collision_ends_the_episode_and_is_told() {
     let physics = PhysicsSettings::default();
     let human = HumanSettings { sway_lateral: 0.1, ..physics.human };
     let swaying = PhysicsSettings { human, ..physics };
-    let (summary, ticks) = carry("worlds/environment-2.toml", Method::Mutual, Some(swaying));
+    let (summary, ticks) = carry("worlds/environment-2.toml", Method::MUTUAL, Some(swaying));
     assert_eq!(summary.outcome, Outcome::Collided);
     let contact = summary.collision.expect("a contact");
     assert_eq!(contact.between.map(|part| part.party), [Party::Human, Party::Obstacle]);
@@ -140,7 +141,7 @@ fn a_collision_ends_the_episode_and_is_told() {
 /// Environment 2: openings of 0.57 to 0.78 m, one turn behind the other, for a base of 0.5 m.
 #[test]
 fn the_team_gets_through_narrow_openings_without_touching() {
-    for method in [Method::Mutual, Method::WithoutModel] {
+    for method in [Method::MUTUAL, Method::WITHOUT_MODEL] {
         let (summary, ticks) = carry("worlds/environment-2.toml", method, Some(PhysicsSettings::default()));
         assert_eq!(summary.outcome, Outcome::Arrived, "{method:?}: {:?}", summary.collision);
         let control = summary.control.expect("a robot");
@@ -160,7 +161,7 @@ fn the_team_gets_through_narrow_openings_without_touching() {
 #[test]
 fn a_team_starts_gently_and_takes_the_lead_over_gently() {
     let (summary, ticks) =
-        carry("worlds/environment-4.toml", Method::Mutual, Some(PhysicsSettings::default()));
+        carry("worlds/environment-4.toml", Method::MUTUAL, Some(PhysicsSettings::default()));
     let transition = summary.transition.expect("a transition").step;
     let calm = |tick: &&Tick| tick.step < 10 || tick.step.abs_diff(transition) <= 1;
     for tick in ticks.iter().filter(calm) {
@@ -236,7 +237,7 @@ fn forces_do_not_chatter_while_walking() {
     let robot = Robot::built_in().expect("the built-in robot");
     let (world, options) = load(&repository("worlds/environment-4.toml"));
     let obstacles = RobotObstacles::new(&world);
-    let settings = Settings { method: Method::WithoutModel, ..Settings::default() };
+    let settings = Settings { method: Method::WITHOUT_MODEL, ..Settings::default() };
     let (posture, control) = (robot.postures[0].joints, control::Settings::default());
     let manipulator = Manipulator { robot: &robot, posture, control, obstacles: &obstacles };
     let mut episode = Episode::new(&options, &settings, EXAMPLE_HUMAN)

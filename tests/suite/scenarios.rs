@@ -2,8 +2,8 @@
 
 use crate::support::repository;
 use cocarry::control;
-use cocarry::coordination::Method;
 use cocarry::episode::{Episode, PreferenceChange, Settings};
+use cocarry::policy::Method;
 use cocarry::preference::{Belief, Marginal, Perception, Predictor, WeightedSample};
 use cocarry::robot::Robot;
 use cocarry::scenario::{Carrier, Plant, Scenario, ScenarioError, WorldText};
@@ -31,6 +31,7 @@ fn scenario(plant: Plant) -> Scenario {
         world: WorldText { file, text },
         human: Perception { alpha: 2.241 / 3.0, gamma: 0.765 },
         changes: Vec::new(),
+        human_model: Default::default(),
         settings: Settings { predictor, tick_limit: Some(1000), ..Settings::default() },
         plant,
     }
@@ -140,7 +141,7 @@ fn samples_keep_their_weights_to_the_last_bit() {
         let samples = weights[..n].iter().enumerate().map(sample).collect();
         let belief = Belief::samples(samples).unwrap_or_else(|e| panic!("{e}"));
         let predictor = Predictor::new(belief, 10.0).unwrap_or_else(|e| panic!("{e}"));
-        let settings = Settings { predictor, method: Method::HumanLed, ..Settings::default() };
+        let settings = Settings { predictor, method: Method::HUMAN_LED, ..Settings::default() };
         let scenario = Scenario { settings, ..scenario(Plant::Point) };
         let text = scenario.text().unwrap_or_else(|e| panic!("{e}"));
         assert!(parsed(&text) == scenario, "{text}");

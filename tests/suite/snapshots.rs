@@ -2,9 +2,10 @@
 
 use crate::support::{cocarry, stderr, stdout};
 use cocarry::control;
-use cocarry::coordination::{self, Method};
+use cocarry::coordination;
 use cocarry::episode::{Episode, PreferenceChange, Settings};
 use cocarry::experiments::paper;
+use cocarry::policy::Method;
 use cocarry::preference::Perception;
 use cocarry::robot::Robot;
 use cocarry::scenario::{Carrier, Plant, Scenario, Snapshot, SnapshotError, Stage};
@@ -20,6 +21,7 @@ fn scenario(plant: Plant, method: Method) -> Scenario {
         world: world.into(),
         human: paper::EXAMPLE_HUMAN,
         changes: Vec::new(),
+        human_model: Default::default(),
         settings,
         plant,
     }
@@ -65,7 +67,7 @@ fn saved(stage: &Stage, steps: u64) -> Vec<u8> {
 fn an_episode_gone_on_with_is_the_one_never_cut() {
     for plant in plants() {
         let name = plant.name();
-        let stage_of_whole = stage(scenario(plant, Method::Mutual));
+        let stage_of_whole = stage(scenario(plant, Method::MUTUAL));
         let whole = stage_of_whole.episode().unwrap_or_else(|e| panic!("{e}"));
         let transition = {
             let mut episode = whole.clone();
@@ -93,7 +95,7 @@ fn an_episode_gone_on_with_is_the_one_never_cut() {
 fn a_snapshot_of_an_episode_gone_on_with_is_the_one_of_the_episode_never_cut() {
     for plant in plants() {
         let name = plant.name();
-        let whole = stage(scenario(plant, Method::HumanLed));
+        let whole = stage(scenario(plant, Method::HUMAN_LED));
         let early = parse(&saved(&whole, 20)).unwrap_or_else(|e| panic!("{e}"));
         let stage = stage(early.scenario);
         let mut episode = stage.resume(early.state).unwrap_or_else(|e| panic!("{e}"));
@@ -107,7 +109,7 @@ fn a_snapshot_of_an_episode_gone_on_with_is_the_one_of_the_episode_never_cut() {
 
 #[test]
 fn a_cut_or_flipped_snapshot_is_refused() {
-    let [_, kinematic, rapier] = plants().map(|plant| saved(&stage(scenario(plant, Method::Mutual)), 30));
+    let [_, kinematic, rapier] = plants().map(|plant| saved(&stage(scenario(plant, Method::MUTUAL)), 30));
     for (bytes, stride) in [(kinematic, 97), (rapier, 9973)] {
         assert!(parse(&bytes).is_ok());
         for at in (0..bytes.len()).step_by(stride) {
@@ -125,7 +127,7 @@ fn a_cut_or_flipped_snapshot_is_refused() {
 
 #[test]
 fn a_snapshot_of_another_format_says_so() {
-    let mut bytes = saved(&stage(scenario(Plant::Point, Method::Mutual)), 3);
+    let mut bytes = saved(&stage(scenario(Plant::Point, Method::MUTUAL)), 3);
     let version = &bytes[21..21 + usize::from(bytes[20])];
     assert_eq!(version, env!("CARGO_PKG_VERSION").as_bytes());
     bytes[16] += 1;
@@ -138,9 +140,9 @@ fn a_snapshot_of_another_format_says_so() {
 #[test]
 fn a_state_of_another_scenario_is_refused() {
     let [point, kinematic, rapier] = plants();
-    let point = stage(scenario(point, Method::Mutual));
-    let kinematic = stage(scenario(kinematic, Method::Mutual));
-    let rapier = stage(scenario(rapier, Method::Mutual));
+    let point = stage(scenario(point, Method::MUTUAL));
+    let kinematic = stage(scenario(kinematic, Method::MUTUAL));
+    let rapier = stage(scenario(rapier, Method::MUTUAL));
     let state = |of: &Stage| of.episode().unwrap_or_else(|e| panic!("{e}")).state();
     let refused =
         |stage: &Stage, of: &Stage| stage.resume(state(of)).map(|_| ()).expect_err("misfit").to_string();
@@ -149,7 +151,7 @@ fn a_state_of_another_scenario_is_refused() {
     assert!(refused(&kinematic, &rapier).contains("plant"));
     let door = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [0, 0]\ntarget_m = [9, 0]\n";
     let world = cocarry::world::World::parse("w.toml", door).unwrap_or_else(|e| panic!("{e}"));
-    let other = stage(Scenario { world: world.into(), ..scenario(Plant::Point, Method::Mutual) });
+    let other = stage(Scenario { world: world.into(), ..scenario(Plant::Point, Method::MUTUAL) });
     assert!(refused(&other, &point).contains("place"));
 }
 
@@ -163,7 +165,7 @@ fn a_human_cut_around_a_change_of_mind_is_the_one_never_cut() {
         // at step 25, the second of the two stands
         let changes =
             vec![change(45, 0.6, 0.6), change(25, 0.5, 0.5), change(25, 0.95, 1.1), change(0, 0.7, 0.8)];
-        let scenario = scenario(plant, Method::HumanLed);
+        let scenario = scenario(plant, Method::HUMAN_LED);
         let kept = rest(stage(scenario.clone()).episode().unwrap_or_else(|e| panic!("{e}")));
         let of_whole = stage(Scenario { changes, ..scenario });
         let whole = rest(of_whole.episode().unwrap_or_else(|e| panic!("{e}")));
@@ -189,7 +191,7 @@ fn a_team_cut_while_it_steps_back_is_the_one_never_cut() {
     let coordination = coordination::Settings { eta: 15.0, ..coordination::Settings::default() };
     let settings = Settings { coordination, ..Settings::default() };
     let human = Perception { alpha: 0.7572, gamma: 0.9508 };
-    let whole = stage(Scenario { settings, human, ..scenario(plant, Method::Mutual) });
+    let whole = stage(Scenario { settings, human, ..scenario(plant, Method::MUTUAL) });
     let mut episode = whole.episode().unwrap_or_else(|e| panic!("{e}"));
     let mut back = 0;
     while back < 4 {
@@ -210,7 +212,7 @@ fn an_episode_that_is_stuck_stays_so() {
     let Plant::Rapier { carrier, .. } = &mut plant else { panic!("the physical plant") };
     // wheels that hardly turn
     carrier.robot.urdf = carrier.robot.urdf.replace("velocity=\"17.4\"", "velocity=\"0.1\"");
-    let whole = stage(scenario(plant, Method::RobotLed));
+    let whole = stage(scenario(plant, Method::ROBOT_LED));
     let end = rest(whole.episode().unwrap_or_else(|e| panic!("{e}")));
     assert!(end.last().expect("a summary").contains("Stuck"), "{:?}", end.last());
     let snapshot = parse(&saved(&whole, 40)).unwrap_or_else(|e| panic!("{e}"));

@@ -2,9 +2,9 @@
 
 use super::table::{Column, named_worlds, read};
 use super::{FitError, Guidance};
-use crate::coordination::Method;
 use crate::episode::Settings;
 use crate::options::OptionSet;
+use crate::policy::Method;
 use std::path::Path;
 
 /// A file of switches, not yet matched with its worlds.
@@ -39,7 +39,7 @@ impl Executed {
     pub fn name(&self) -> String {
         match self {
             Self::Option(name) => format!("option {name}"),
-            Self::Mutual => Method::Mutual.name().to_owned(),
+            Self::Mutual => Method::MUTUAL.name().to_owned(),
         }
     }
 }

@@ -1,10 +1,11 @@
 //! A world and what the robot does in it in; the discomfort of eq. (5) on the way, and which eta switches at which step, out.
 
-use crate::coordination::{self, Method, Mode, is_misaligned};
+use crate::coordination::{self, Mode, is_misaligned};
 use crate::episode::{Episode, Settings, prospects};
 use crate::experiments::paper::EXAMPLE_HUMAN;
 use crate::math;
 use crate::options::OptionSet;
+use crate::policy::Method;
 use crate::preference::ChoiceDistribution;
 
 /// How a robot leads a participant through a world, and what that tells of eta.
@@ -69,7 +70,7 @@ impl Guidance {
         };
         let scanned = (0..TRIED).map(tried).map(|eta| (eta, switch(set, settings, eta))).collect();
         let coordination = settings.coordination;
-        let led = Settings { method: Method::RobotLed, coordination, ..settings.clone() };
+        let led = Settings { method: Method::ROBOT_LED, coordination, ..settings.clone() };
         let mut episode = Episode::new(set, &led, EXAMPLE_HUMAN);
         while episode.step().is_none() {}
         Self::Mutual { scanned, steps: episode.summary().steps }
@@ -131,7 +132,7 @@ fn patience(settings: &Settings) -> f64 {
 /// The step at which a human of this eta takes over from a robot that knows it.
 fn switch(set: &OptionSet, settings: &Settings, eta: f64) -> u64 {
     let coordination = coordination::Settings { eta, ..settings.coordination };
-    let settings = Settings { method: Method::Mutual, coordination, ..settings.clone() };
+    let settings = Settings { method: Method::MUTUAL, coordination, ..settings.clone() };
     let mut episode = Episode::new(set, &settings, EXAMPLE_HUMAN);
     while episode.step().is_none() {
         if episode.tick().mode == Mode::HumanLed {

@@ -1,12 +1,12 @@
 //! H2: Table II, the Environment 4 example, and the same human in the other environments.
 
 use super::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
-use crate::coordination::Method;
 use crate::drawing::{Curve, CurvePanel, DrawingError, Track, adaptation, curves};
 use crate::experiments::OnDone;
 use crate::experiments::h2::{self, ExampleRun, Row};
 use crate::experiments::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
 use crate::experiments::table::{Cell, Columns, Table};
+use crate::policy::Method;
 use crate::world::World;
 
 /// Table II.
@@ -53,7 +53,7 @@ fn with_baseline(rows: &[Row]) -> Vec<(&Row, f64)> {
     let mut without = f64::NAN;
     rows.iter()
         .map(|row| {
-            if row.method == Method::WithoutModel {
+            if row.method == Method::WITHOUT_MODEL {
                 without = row.ours_mean;
             }
             (row, without)

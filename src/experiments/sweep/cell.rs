@@ -2,8 +2,9 @@
 
 use super::names::Plants;
 use crate::control::{Avoid, CandidateSet, PoseCriterion, Settings as Control};
-use crate::coordination::{self, Method};
+use crate::coordination;
 use crate::episode::Settings;
+use crate::policy::Method;
 use crate::preference::RISK_WEIGHT;
 use crate::scenario::Redraws;
 use crate::simulation::HumanSettings;

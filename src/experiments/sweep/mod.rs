@@ -200,7 +200,8 @@ impl Study {
         };
         let world = contents.worlds[cell.world].1.clone();
         let human = contents.humans[cell.humans].1.draw(seed);
-        Scenario { seed, world, human, changes: Vec::new(), settings, plant }
+        let human_model = Default::default();
+        Scenario { seed, world, human, human_model, changes: Vec::new(), settings, plant }
     }
 
     fn carrier(&self, cell: &Cell) -> Carrier {

@@ -1,7 +1,7 @@
 //! The words that study files and results use for what a program calls by a type.
 
 use crate::control::{Avoid, CandidateSet, PoseCriterion};
-use crate::coordination::Method;
+use crate::policy::Method;
 
 /// What the controller acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,10 +17,10 @@ pub(super) type Names<T> = [(&'static str, T)];
 pub(super) const PLANTS: &Names<Plants> =
     &[("point", Plants::Point), ("kinematic", Plants::Kinematic), ("rapier", Plants::Rapier)];
 pub(super) const METHODS: &Names<Method> = &[
-    ("mutual", Method::Mutual),
-    ("without-model", Method::WithoutModel),
-    ("human-led", Method::HumanLed),
-    ("robot-led", Method::RobotLed),
+    ("mutual", Method::MUTUAL),
+    ("without-model", Method::WITHOUT_MODEL),
+    ("human-led", Method::HUMAN_LED),
+    ("robot-led", Method::ROBOT_LED),
 ];
 pub(super) const POSES: &Names<CandidateSet> =
     &[("none", CandidateSet::None), ("arm", CandidateSet::Arm), ("whole-body", CandidateSet::WholeBody)];

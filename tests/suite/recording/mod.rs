@@ -23,7 +23,15 @@ use std::path::Path;
 pub fn example(plant: Plant) -> Scenario {
     let world = World::load(&repository("worlds/environment-4.toml")).expect("a world");
     let settings = Settings::default();
-    Scenario { seed: 1, world: world.into(), human: EXAMPLE_HUMAN, changes: Vec::new(), settings, plant }
+    Scenario {
+        seed: 1,
+        world: world.into(),
+        human: EXAMPLE_HUMAN,
+        human_model: Default::default(),
+        changes: Vec::new(),
+        settings,
+        plant,
+    }
 }
 
 pub fn carrier() -> Carrier {

@@ -2,8 +2,8 @@
 
 use super::{carrier, chunks, encoded, example, path, rapier, short, unpacked};
 use crate::support::{cocarry, json, stderr, stdout};
-use cocarry::coordination::Method;
 use cocarry::episode::{PreferenceChange, Settings};
+use cocarry::policy::Method;
 use cocarry::preference::Perception;
 use cocarry::recording::{Reader, Verdict, recover, replay};
 use cocarry::scenario::{Plant, Scenario};
@@ -38,7 +38,7 @@ fn a_human_who_changes_their_mind_replays_and_is_told() {
     let change = |step, alpha| PreferenceChange { step, perception: Perception { alpha, gamma: 1.1 } };
     for plant in [Plant::Point, Plant::Kinematic { carrier: carrier() }, rapier()] {
         let scenario = example(plant);
-        let settings = Settings { method: Method::HumanLed, tick_limit: Some(60), ..scenario.settings };
+        let settings = Settings { method: Method::HUMAN_LED, tick_limit: Some(60), ..scenario.settings };
         let changes = vec![change(30, 0.5), change(10, 0.6), change(10, 0.95), change(60, 0.5)];
         let (bytes, written) = encoded(Scenario { settings, changes, ..scenario }, |_| {});
         let again = replayed(&bytes);

@@ -1,8 +1,8 @@
-//! The paths that a team with an object takes in; where the object and the carriers' bodies are on the way that they walk out.
+//! How a team with an object walks a path: where the object and the carriers' bodies are on it, and how the team turns onto another.
 //!
-//! A team does not turn on the spot: whoever walks ahead goes on from where they are, in an arc onto the new path, and the others follow on the
-//! same way. Where there is no room for that, in a doorway say, the team does not turn. Corners that a point would cut closely are walked
-//! wide, for the object is on their inside.
+//! A team does not turn on the spot: whoever walks ahead goes on from where they are, in an arc onto the new path, and the others follow on
+//! the same way. Where there is no room for that, in a doorway say, the team does not turn. Corners that a point would cut closely are
+//! walked wide, for the object is on their inside.
 
 use crate::control::RobotObstacles;
 use crate::geometry::{Arc, Path, PlanarPose, Point, Tandem, Widening, angle_of, direction, write_turn_onto};
@@ -13,33 +13,33 @@ use crate::world::World;
 /// arm has to bend as the way does in between; it cannot bend back. Nobody turns in a loop, by more than 200 degrees.
 const ARCS: [Arc; 2] = [Arc { radius: 0.5, most: 1.4 }, Arc { radius: 1.0, most: 3.5 }];
 /// Room (m) that the team wants around the points of its way, and around the object's axis.
-const BODY_ROOM: f64 = 0.249;
-const OBJECT_ROOM: f64 = 0.1;
+const BODY_ROOM_M: f64 = 0.249;
+const OBJECT_ROOM_M: f64 = 0.1;
 /// What the team takes off corners by rounding them, m.
-const ROUNDED_OFF: f64 = 0.05;
+const ROUNDING_M: f64 = 0.05;
 /// How far ahead of the hand the human walks, m.
-pub(super) const WALKS_AHEAD: f64 = 0.35;
+pub(super) const WALKS_AHEAD_M: f64 = 0.35;
 /// How far (m) the object may come in one step.
-const REACH: f64 = 0.4;
+const STEP_LIMIT_M: f64 = 0.4;
 /// How far (m) the object may be ahead of where it is to be.
-const YIELD: f64 = 0.05;
+const AHEAD_TOLERANCE_M: f64 = 0.05;
 /// What is anticipated of a way beyond its end, m.
-const BEYOND: f64 = 1.0;
+const ANTICIPATED_BEYOND_M: f64 = 1.0;
 /// Steps in which a way is taken over, m.
-const STEP: f64 = 0.05;
+const STEP_M: f64 = 0.05;
 /// In which steps (m) a team looks for where it can turn, and how many places in a row are enough: a step is no longer.
-const LOOKS: f64 = 0.1;
-const ENOUGH: u32 = 2;
+const SEARCH_STEP_M: f64 = 0.1;
+const PLACES_IN_A_ROW: u32 = 2;
 /// How far it looks ahead for an opening, how far through one its first may be to step back, and how far back it does at most, m.
-const LOOKS_AHEAD: f64 = 2.0;
-const THROUGH: f64 = 0.6;
-const BACK: f64 = 1.5;
+const SEARCH_AHEAD_M: f64 = 2.0;
+const PAST_OPENING_M: f64 = 0.6;
+const SEARCH_BEHIND_M: f64 = 1.5;
 /// Nobody steps back for a path with a sharper bend than this (rad): between openings close to each other, a point's may double back.
-const WALKABLE: f64 = 2.0;
+const SHARPEST_BEND_RAD: f64 = 2.0;
 
 /// The way of a team.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub(super) struct Way {
+pub(super) struct TeamPath {
     tandem: Tandem,
     /// Half the object's width, m.
     beside: f64,
@@ -57,19 +57,20 @@ pub(super) struct Ground<'g> {
 impl Ground<'_> {
     /// Whether a body has room at the end of a step, and the step does not go through an opening: only options' paths do.
     pub fn is_free(&self, from: Point, to: Point) -> bool {
-        self.obstacles.is_clear(to, BODY_ROOM) && !self.options.goes_through_opening(from, to)
+        self.obstacles.is_clear(to, BODY_ROOM_M) && !self.options.goes_through_opening(from, to)
     }
 }
 
-/// A way on which a team turns.
-pub(super) struct Turned {
+/// A path on which a team turns.
+#[derive(Clone, Debug)]
+pub struct Turned {
     /// What the object's middle walks.
     pub path: Path,
     /// How far along it (m) the team has turned.
     pub until: f64,
 }
 
-impl Way {
+impl TeamPath {
     /// A team in this world whose object is at `start` with its middle.
     pub fn new(world: &World, start: &PlanarPose) -> Self {
         let [length, width, _] = world.object.size;
@@ -87,7 +88,7 @@ impl Way {
     ) {
         let radius = |narrow: f64, sweep| {
             let obstacle = (narrow - self.clearance).max(0.0);
-            self.tandem.corner_radius(sweep, obstacle + self.beside + OBJECT_ROOM + ROUNDED_OFF)
+            self.tandem.corner_radius(sweep, obstacle + self.beside + OBJECT_ROOM_M + ROUNDING_M)
         };
         widening.write(path, radius, is_free, way);
     }
@@ -120,14 +121,18 @@ impl Way {
 
     /// How far the human's body is ahead of the object's middle, m.
     fn body_ahead(&self) -> f64 {
-        self.half() + WALKS_AHEAD
+        self.half() + WALKS_AHEAD_M
     }
 
     /// How far along `path` (m) an object is whose middle is at `position`, if it was at `from` a step ago and is to be at `to`. It is no
     /// farther than that, but for a little that the grips yield; it comes back only with a team that steps back.
     pub fn locate(&self, path: &Path, position: Point, from: f64, to: f64, is_backward: bool) -> f64 {
-        let low = if is_backward { (to - YIELD).clamp(from - REACH, from) } else { from };
-        self.tandem.locate(path, position, [low, from + (to + YIELD - from).clamp(0.0, REACH)])
+        let low = if is_backward { (to - AHEAD_TOLERANCE_M).clamp(from - STEP_LIMIT_M, from) } else { from };
+        self.tandem.locate(
+            path,
+            position,
+            [low, from + (to + AHEAD_TOLERANCE_M - from).clamp(0.0, STEP_LIMIT_M)],
+        )
     }
 
     /// Where the human's body is when the object's middle has come `along` (m), and where it heads, rad.
@@ -146,7 +151,7 @@ impl Way {
         if is_there || ARCS.iter().find_map(turn).is_none() {
             // straight on
             way.clear();
-            way.line(body, body + direction(heading) * BEYOND);
+            way.line(body, body + direction(heading) * ANTICIPATED_BEYOND_M);
         }
     }
 
@@ -167,7 +172,7 @@ impl Way {
             self.is_room_for_object(path, along, &onto, ground).then_some(turning)
         })?;
         let mut way = Path::default();
-        let steps = (self.body_ahead() / STEP).ceil();
+        let steps = (self.body_ahead() / STEP_M).ceil();
         let step = self.body_ahead() / steps;
         for i in 0..steps as usize {
             let [from, to] = [i, i + 1].map(|i| self.point(path, along + step * i as f64));
@@ -185,38 +190,43 @@ impl Way {
     /// Where along `path` (m), no farther back than `least`, a team whose object's middle is `along` it had better step back to, to turn there:
     /// `None` if there is no such place, or the team comes to one before whoever walks ahead is through the next opening. `next` is the path to
     /// turn onto, from where it is told that the middle is.
-    pub fn place_behind(
+    pub fn place_to_turn(
         &self,
         path: &Path,
         [least, along]: [f64; 2],
-        next: impl Fn(Point) -> Path,
+        next: &dyn Fn(Point) -> Path,
         ground: Ground,
     ) -> Option<f64> {
         let can_turn = |along: f64| {
             let next = next(self.point(path, along));
-            next.sharpest_bend() <= WALKABLE && self.planned_turn(path, along, &next, ground).is_some()
+            next.sharpest_bend() <= SHARPEST_BEND_RAD
+                && self.planned_turn(path, along, &next, ground).is_some()
         };
         let body = |ahead: f64| self.point(path, along + self.body_ahead() + ahead);
-        let is_through = |ahead: f64| ground.options.goes_through_opening(body(ahead), body(ahead + LOOKS));
+        let is_through =
+            |ahead: f64| ground.options.goes_through_opening(body(ahead), body(ahead + SEARCH_STEP_M));
         let steps = |from: f64, to: f64| {
-            let n = ((to - from) / LOOKS).round() as usize;
-            (0..n).map(move |i| from + LOOKS * i as f64)
+            let n = ((to - from) / SEARCH_STEP_M).round() as usize;
+            (0..n).map(move |i| from + SEARCH_STEP_M * i as f64)
         };
-        let opening = steps(-THROUGH, LOOKS_AHEAD).find(|ahead| is_through(*ahead))?;
-        if steps(LOOKS, opening).any(|ahead| can_turn(along + ahead)) {
+        let opening = steps(-PAST_OPENING_M, SEARCH_AHEAD_M).find(|ahead| is_through(*ahead))?;
+        if steps(SEARCH_STEP_M, opening).any(|ahead| can_turn(along + ahead)) {
             return None;
         }
         let mut room = 0;
-        steps(LOOKS, BACK).map(|back| along - back).take_while(|place| *place >= least).find(|place| {
-            room = if can_turn(*place) { room + 1 } else { 0 };
-            room == ENOUGH
-        })
+        steps(SEARCH_STEP_M, SEARCH_BEHIND_M)
+            .map(|back| along - back)
+            .take_while(|place| *place >= least)
+            .find(|place| {
+                room = if can_turn(*place) { room + 1 } else { 0 };
+                room == PLACES_IN_A_ROW
+            })
     }
 
     /// The crossing that a path makes before whoever walks ahead is far from here.
     fn first_crossing(&self, path: &Path, options: &OptionSet) -> Option<Crossing> {
-        let steps = ((self.body_ahead() + THROUGH) / STEP).ceil() as usize;
-        let point = |i: usize| path.point_at(STEP * i as f64);
+        let steps = ((self.body_ahead() + PAST_OPENING_M) / STEP_M).ceil() as usize;
+        let point = |i: usize| path.point_at(STEP_M * i as f64);
         (0..steps).find_map(|i| options.crossing(point(i)?, point(i + 1)?))
     }
 
@@ -226,7 +236,7 @@ impl Way {
             let pose = self.pose_after_turning(path, along, onto, walked);
             (-2..=2).all(|i| {
                 let point = pose.position + direction(pose.yaw) * (self.half() * f64::from(i) / 2.0);
-                ground.obstacles.is_clear(point, OBJECT_ROOM)
+                ground.obstacles.is_clear(point, OBJECT_ROOM_M)
             })
         })
     }
@@ -248,7 +258,7 @@ mod tests {
             let path = options.path(&progress, option).unwrap();
             let start =
                 PlanarPose { position: path.point_at(0.0).unwrap(), yaw: path.heading_at(0.0).unwrap() };
-            let way = Way::new(&world, &start);
+            let way = TeamPath::new(&world, &start);
             let mut expected = Path::default();
             for step in 0..30 {
                 let along = 0.1 * f64::from(step);

@@ -1,0 +1,219 @@
+//! The loop: the paper's algorithm, one control period at a time.
+
+use super::{Episode, OptionTick, Outcome, RobotTick, Transition, prospect};
+use crate::coordination::{Mode, is_misaligned};
+use crate::geometry::Point;
+use crate::human::{HumanDecision, HumanView, Stance};
+use crate::policy::{Decision, Lead, RobotView};
+use crate::preference::objective_cost;
+use crate::team::{Situation, Step, TurnOutcome};
+
+/// Steps without progress after which a team is stuck: ten seconds.
+const STUCK_STEPS: u32 = 50;
+
+impl Episode<'_> {
+    /// Takes one planning step, or says how the episode ended.
+    pub fn step(&mut self) -> Option<Outcome> {
+        if let Some(outcome) = self.ended() {
+            self.summary.outcome = outcome;
+            return Some(outcome);
+        }
+        self.observe();
+        self.evaluate_options(); //                            D_o, S_o, J_o            eq. (1)
+        self.predict_choice(); //                              P_o, J~_o                eq. (4), (6)
+        let human = self.ask_human(); //                       o_h, g(k), phi(k)        eq. (3), (5)
+        let decision = self.ask_policy(&human); //             mode, o*(k)              eq. (6)
+        self.execute(&human, &decision);
+        let robot = self.control(&decision); //                q*, u                    eq. (8), (7)
+        self.walk(&human, robot);
+        None
+    }
+
+    fn ended(&self) -> Option<Outcome> {
+        if let Some(outcome) = self.summary.incident() {
+            return Some(outcome);
+        }
+        if self.underway && self.route.along >= self.route.path.length() {
+            let at_target = (self.progress.position - self.options.target()).norm() < 1e-6;
+            return Some(if at_target { Outcome::Arrived } else { Outcome::NoWay });
+        }
+        if self.steps_without_progress > STUCK_STEPS {
+            return Some(Outcome::Stuck);
+        }
+        (self.summary.steps >= self.tick_limit).then_some(Outcome::OutOfTime)
+    }
+
+    fn observe(&mut self) {
+        self.tick.step = self.summary.steps;
+        self.tick.time = self.tick.step as f64 * self.settings.period;
+        self.tick.position = self.progress.position;
+    }
+
+    fn evaluate_options(&mut self) {
+        let toward = self.underway.then(|| self.options.next(&self.progress, self.tick.executed));
+        self.tick.options.clear();
+        self.prospects.clear();
+        for o in 0..self.options.options().len() {
+            let remaining = self.options.remaining(&self.progress, o);
+            let prospect = prospect(remaining);
+            self.prospects.push(prospect);
+            self.tick.options.push(OptionTick {
+                remaining,
+                objective: objective_cost(prospect, self.predictor.risk_weight()),
+                expected: f64::NAN,
+                probability: f64::NAN,
+                // g(0) = 0: before the first step the team moves nowhere
+                misaligned: self.mode == Mode::RobotLed
+                    && toward.is_some_and(|toward| is_misaligned(toward, remaining.next)),
+            });
+        }
+    }
+
+    fn predict_choice(&mut self) {
+        let robot_leads = self.mode == Mode::RobotLed;
+        let is_needed = self.team.anticipates() || self.policy.predicts();
+        if robot_leads || is_needed || self.settings.predict_while_human_leads {
+            self.predictor.predict(&self.prospects, &mut self.choice);
+            for (tick, p) in self.tick.options.iter_mut().zip(self.choice.probabilities()) {
+                tick.probability = *p;
+            }
+        }
+        if robot_leads || self.policy.predicts() {
+            self.predictor.expected_costs(&self.prospects, &mut self.expected);
+            for (tick, cost) in self.tick.options.iter_mut().zip(&self.expected) {
+                tick.expected = *cost;
+            }
+        }
+    }
+
+    fn ask_human(&mut self) -> HumanDecision {
+        let seen = self.team.observation();
+        let decision = self.human.decide(&HumanView {
+            step: self.tick.step,
+            time: self.tick.time,
+            position: self.tick.position,
+            options: self.options,
+            prospects: &self.prospects,
+            evaluated: &self.tick.options,
+            risk_weight: self.predictor.risk_weight(),
+            executed: self.underway.then_some(self.tick.executed),
+            mode: self.mode,
+            hand: seen.map(|seen| &seen.hand),
+            wrench: seen.map(|seen| &seen.hand_grip.mean),
+        });
+        self.tick.preferred = decision.option;
+        self.tick.stubbornness = decision.stubbornness;
+        self.tick.discomfort = decision.discomfort;
+        decision
+    }
+
+    fn ask_policy(&mut self, human: &HumanDecision) -> Decision {
+        let decision = self.policy.decide(&RobotView {
+            step: self.tick.step,
+            time: self.tick.time,
+            position: self.tick.position,
+            options: self.options,
+            progress: &self.progress,
+            evaluated: &self.tick.options,
+            executed: self.underway.then_some(self.tick.executed),
+            mode: self.mode,
+            human,
+            configuration: self.team.configuration(),
+            grasp: self.team.grasp(),
+            seen: self.team.observation(),
+        });
+        if self.mode == Mode::RobotLed && decision.mode() == Mode::HumanLed && self.underway {
+            self.summary.transition = Some(Transition { step: self.tick.step, position: self.tick.position });
+        }
+        self.mode = decision.mode();
+        self.tick.mode = self.mode;
+        decision
+    }
+
+    fn execute(&mut self, human: &HumanDecision, decision: &Decision) {
+        let current = self.underway.then_some(self.tick.executed);
+        let option = match decision.lead {
+            Lead::Robot(option) => option.min(self.tick.options.len() - 1),
+            Lead::Human => human.option,
+            Lead::HumanKeepingOption => current.unwrap_or(human.option),
+        };
+        self.tick.steps_back_for = None;
+        match current {
+            None => {
+                let path = self.options.path(&self.progress, option).unwrap_or_default();
+                self.route.begin(self.team.walkable(path, self.options));
+                self.tick.executed = option;
+                self.summary.first_option = option;
+                self.underway = true;
+            }
+            Some(executed) if executed == option => self.route.keep(),
+            Some(_) => {
+                let team = self.team.as_mut();
+                match self.route.turn_onto(option, team, self.options, &self.progress) {
+                    TurnOutcome::Turned => {
+                        self.tick.executed = option;
+                        self.summary.changes += 1;
+                    }
+                    TurnOutcome::Reverses => self.tick.steps_back_for = Some(option),
+                    TurnOutcome::GoesOn => {}
+                }
+            }
+        }
+        let executed = self.tick.executed;
+        self.tick.objective_cost = self.tick.options[executed].objective;
+        self.tick.heading = self.route.path.heading_at(self.route.along).unwrap_or(self.tick.heading);
+        self.summary.accumulated_cost += self.tick.objective_cost;
+        self.tick.accumulated_cost = self.summary.accumulated_cost;
+        self.summary.last_option = executed;
+    }
+
+    fn control(&mut self, decision: &Decision) -> Option<RobotTick> {
+        self.team.control(&Situation {
+            mode: self.mode,
+            travel: self.route.travel,
+            options: self.options,
+            progress: &self.progress,
+            choice: &self.choice,
+            path: &self.route.path,
+            along: self.route.along,
+            motion: &decision.motion,
+        })
+    }
+
+    fn walk(&mut self, human: &HumanDecision, mut robot: Option<RobotTick>) {
+        let (from, length) = (self.route.along, self.route.path.length());
+        let per_step = self.settings.speed * self.settings.period;
+        let resists = human.stance == Stance::Resist && self.mode == Mode::RobotLed;
+        let to = if resists { from } else { from + per_step };
+        // a last step shorter than rounding is not a step
+        let to = if to >= length - 1e-9 { length } else { to };
+        let step = Step {
+            mode: self.mode,
+            travel: self.route.travel,
+            human,
+            path: &self.route.path,
+            from,
+            to,
+            position: self.point_at(to),
+        };
+        let along = self.team.walk(&step, robot.as_mut());
+        self.summary.add(robot.as_ref(), self.team.observation());
+        self.tick.robot = robot;
+        let came_on = (along - from).abs() > 0.1 * per_step;
+        self.steps_without_progress = if came_on { 0 } else { self.steps_without_progress + 1 };
+        let position = self.point_at(along);
+        self.options.advance(&mut self.progress, position);
+        self.summary.walked += (along - from).abs();
+        self.route.along = along;
+        self.summary.steps += 1;
+    }
+
+    /// The point of the path under way after `along` (m).
+    fn point_at(&self, along: f64) -> Point {
+        match self.route.path.point_at(along) {
+            Some(_) if along == self.route.path.length() => self.options.target(),
+            Some(point) => point,
+            None => self.progress.position,
+        }
+    }
+}

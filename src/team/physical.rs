@@ -1,0 +1,350 @@
+//! The physical plant: robot, object and human as bodies. The object's ends ride on the path, the robot's end behind.
+
+use super::carrying::{Bodies, Manipulator, Moved, Onward};
+use super::team_path::{Ground, TeamPath, Turned, WALKS_AHEAD_M};
+use super::tick::PhysicsTick;
+use super::{Situation, Step, Travel, Walk};
+use crate::control::{Candidate, Follower, HORIZON, Intent, Reference, Rims, reference};
+use crate::coordination::Mode;
+use crate::geometry::{Path, PlanarPose, Point, Pose, Widening, angle_of, direction, nearest, wrap_angle};
+use crate::human::Stance;
+use crate::options::turned;
+use crate::robot::{Configuration, InputVector, Robot, pose_difference};
+use crate::saved::{NotRestored, Saved};
+use crate::simulation::{HumanCommand, Observation, PhysicalPlant, PhysicsError, PhysicsSettings};
+use crate::world::World;
+use serde::{Deserialize, Serialize};
+
+/// On the physical plant, the team has arrived when the object's middle is this near (m) to the end of its path.
+const ARRIVAL_TOLERANCE_M: f64 = 0.05;
+/// How quickly a team comes to its walking speed, m/s^2.
+const ACCELERATION: f64 = 0.9;
+/// A team slows down where the object has to turn farther (rad) than it can in a step, to a tenth at so much more.
+const TURNING_LAG_RAD: [f64; 2] = [0.1, 0.4];
+/// What is out of place is moved into it at this many times the walking speed.
+const CATCH_UP: f64 = 1.5;
+/// Points that are kept of the path walked: as far back as a base is.
+const POINTS_BEHIND: u32 = 50;
+/// How fast a team reverses, m/s.
+const REVERSING_SPEED: f64 = 0.35;
+/// The object is turned slower where the robot's end is this far (m) from its place, and at a fifth of the rate at so much.
+const OUT_OF_PLACE_M: [f64; 2] = [0.02, 0.08];
+/// The leader slows when the object lags by the first and stops at the second, m.
+const LAG_M: [f64; 2] = [0.01, 0.08];
+
+impl Travel {
+    /// How fast a team goes in the end, m/s ahead.
+    fn speed(self, walk: &Walk) -> f64 {
+        match self {
+            Self::Forward => walk.speed,
+            Self::Backward => -REVERSING_SPEED,
+        }
+    }
+
+    /// How fast a team that goes with `speed` goes a period later, no faster than this `share` of what it comes to; m/s ahead.
+    fn speed_after(self, speed: f64, share: f64, walk: &Walk) -> f64 {
+        let change = ACCELERATION * walk.period;
+        match self {
+            Self::Forward => (speed + change).min(walk.speed * share),
+            Self::Backward => (speed - change).max(-REVERSING_SPEED * share),
+        }
+    }
+}
+
+/// Robot, object and human.
+#[derive(Clone)]
+pub(super) struct Physical {
+    state: State,
+    /// The grasp's height, m.
+    height: f64,
+    /// How far the base was behind the grasp at the start, m: as far it follows.
+    distance: f64,
+    /// Buffers: an option's path as the team walks it, and the path that the grasp has gone.
+    wide: Path,
+    widening: Widening,
+    walked: Vec<Point>,
+}
+
+/// What later steps depend on.
+#[derive(Clone, Serialize, Deserialize)]
+struct State {
+    plant: PhysicalPlant,
+    team_path: TeamPath,
+    /// The leader's intended position along the path, m: ahead of the object by what the grips yield.
+    path_position: f64,
+    /// The speed of that, m/s.
+    path_speed: f64,
+    /// Where the leader means the object to be.
+    goal: PlanarPose,
+    seen: Observation,
+}
+
+impl Physical {
+    /// A team at rest, its object's middle at `start`.
+    pub fn new(
+        manipulator: &Manipulator,
+        world: &World,
+        physics: &PhysicsSettings,
+        seed: u64,
+        start: &PlanarPose,
+    ) -> Result<Self, PhysicsError> {
+        let Manipulator { robot, posture, .. } = *manipulator;
+        let plant = PhysicalPlant::new(world, robot, &posture, start, physics, seed)?;
+        let at_origin = PlanarPose { position: Point::origin(), yaw: 0.0 };
+        let configuration = Configuration { base: at_origin, joints: posture };
+        Ok(Self {
+            height: robot.grasp_height,
+            distance: robot.grasp_pose(&configuration).translation.vector.x,
+            wide: Path::with_capacity(64),
+            widening: Widening::default(),
+            walked: Vec::with_capacity(64),
+            state: State {
+                seen: plant.observe(),
+                plant,
+                team_path: TeamPath::new(world, start),
+                path_position: 0.0,
+                path_speed: 0.0,
+                goal: *start,
+            },
+        })
+    }
+
+    /// How far along the path under way the object is to be now (m), and how fast that goes (m/s), as the robot knows it: from what it means to
+    /// do while it leads, else from the hand, which it sees move at `speed` (m/s).
+    fn path_position(&self, onward: &Onward, speed: f64) -> (f64, f64) {
+        match onward.mode {
+            Mode::RobotLed => (self.state.path_position, self.state.path_speed),
+            Mode::HumanLed => (onward.along + onward.lead, speed),
+        }
+    }
+
+    fn pose(&self, onward: &Onward, walked: f64) -> PlanarPose {
+        let path = &self.state.team_path;
+        match onward.turn {
+            None => path.pose(onward.path, onward.along + walked),
+            Some(onto) => path.pose_after_turning(onward.path, onward.along, onto, walked),
+        }
+    }
+
+    /// Where the object would be if it were where the hand is.
+    fn held_by_hand(&self) -> PlanarPose {
+        let yaw = object_on_floor(&self.state.seen.object).yaw;
+        let hand = PlanarPose { position: self.hand(), yaw };
+        PlanarPose { position: self.state.team_path.end(&hand, -1.0).position, yaw }
+    }
+
+    /// Where the human's body walks: on the path, whoever leads, since it sees where that goes; as far from the hand as it is.
+    fn body_on(&self, path: &Path, hand: Point) -> Point {
+        const STEP: f64 = 0.02;
+        let State { team_path, path_position, .. } = &self.state;
+        let point = |ahead: f64| team_path.point(path, path_position + team_path.half() + ahead);
+        let mut ahead = (0..50).map(|i| point(STEP * f64::from(i)));
+        let far_enough = ahead.find(|point| (point - hand).norm() >= WALKS_AHEAD_M);
+        far_enough.unwrap_or_else(|| point(WALKS_AHEAD_M))
+    }
+
+    /// The leader's place on the path goes on by one period, and with it where the object is to be.
+    fn set_goal(&mut self, step: &Step, walk: &Walk) {
+        let share = |[slower, least]: [f64; 2], value: f64| (least - value) / (least - slower);
+        let out_of_place = (self.grasp_goal().position - on_floor(&self.state.seen.grasp)).norm();
+        let State { team_path, path_position, path_speed, goal, .. } = &mut self.state;
+        let turn = wrap_angle(team_path.pose(step.path, *path_position).yaw - goal.yaw).abs();
+        let turning = share(TURNING_LAG_RAD, turn).clamp(0.1, 1.0);
+        let ahead = match step.travel {
+            Travel::Forward => *path_position - step.from,
+            Travel::Backward => step.from - *path_position,
+        };
+        let waiting = share(LAG_M, ahead).clamp(0.0, 1.0);
+        *path_speed = step.travel.speed_after(*path_speed, turning * waiting, walk);
+        *path_position += *path_speed * walk.period;
+        let following = share(OUT_OF_PLACE_M, out_of_place).clamp(0.2, 1.0);
+        let gently = Walk { yaw_rate: walk.yaw_rate * following, ..*walk };
+        *goal = brought_to(goal, &team_path.pose(step.path, *path_position), &gently);
+    }
+
+    /// What the human's hand does: follows the object, or walks.
+    fn command(&self, step: &Step) -> HumanCommand {
+        let led = self.state.team_path.end(&self.state.goal, 1.0);
+        match (step.human.hand, step.human.stance, step.mode) {
+            (Some(position), _, _) => HumanCommand::Walk { hand: PlanarPose { position, ..led } },
+            (None, _, Mode::HumanLed) => HumanCommand::Walk { hand: led },
+            (None, Stance::Resist, Mode::RobotLed) => {
+                HumanCommand::Walk { hand: self.state.seen.hand_planar }
+            }
+            (None, Stance::Follow | Stance::TakeOver, Mode::RobotLed) => HumanCommand::Follow,
+        }
+    }
+}
+
+impl Bodies for Physical {
+    fn configuration(&self) -> &Configuration {
+        &self.state.seen.configuration
+    }
+
+    fn grasp_goal(&self) -> PlanarPose {
+        self.state.team_path.end(&self.state.goal, -1.0)
+    }
+
+    fn body(&self) -> Point {
+        on_floor(&self.state.seen.torso)
+    }
+
+    fn hand(&self) -> Point {
+        on_floor(&self.state.seen.hand)
+    }
+
+    fn lead(&self, path: &Path, along: f64) -> f64 {
+        const STEP: f64 = 0.02;
+        let (team_path, hand) = (&self.state.team_path, self.hand());
+        let distance = |walked: f64| {
+            let front = team_path.end(&team_path.pose(path, along + walked), 1.0);
+            (front.position - hand).norm_squared()
+        };
+        let leads = (0..=25).map(|i| STEP * f64::from(i) - 0.1);
+        nearest(leads, distance).unwrap_or(0.0)
+    }
+
+    /// How fast the hand is seen to go ahead; before it was seen to move, the team goes as the robot led it.
+    fn observed_speed(&self, intent: &Intent, travel: Travel, walk: &Walk) -> f64 {
+        let Some(speed) = intent.speed() else { return self.state.path_speed };
+        let ahead = direction(object_on_floor(&self.state.seen.object).yaw);
+        match travel {
+            Travel::Forward => speed.copysign(intent.moved().dot(&ahead)),
+            // before reversing, the team brakes
+            Travel::Backward => {
+                let moves = intent.moves_soon();
+                (moves.norm() / walk.period).copysign(moves.dot(&ahead))
+            }
+        }
+    }
+
+    fn expect_path(&mut self, situation: &Situation, path: &mut Path, ground: Ground) {
+        let team_path = &self.state.team_path;
+        // as if there were room
+        team_path.write_wide(path, |_, _| true, &mut self.widening, &mut self.wide);
+        team_path.write_onto(situation.path, situation.along, &self.wide, ground, path);
+    }
+
+    fn reference(&self, onward: &Onward, speed: f64, walk: &Walk, grasp: &Pose) -> Reference {
+        let (position, mut path_speed) = self.path_position(onward, speed);
+        let mut ahead = position - onward.along;
+        let mut at = if onward.mode == Mode::RobotLed { self.state.goal } else { self.held_by_hand() };
+        let grasps = (1..=HORIZON).map(|_| {
+            path_speed = onward.travel.speed_after(path_speed, 1.0, walk);
+            ahead += path_speed * walk.period;
+            at = brought_to(&at, &self.pose(onward, ahead), walk);
+            self.state.team_path.end(&at, -1.0)
+        });
+        reference(grasps, grasp, self.height)
+    }
+
+    fn base_on_path(&mut self, onward: &Onward, speed: f64, robot: &Robot, walk: &Walk) -> Option<Rims> {
+        let (position, speed) = self.path_position(onward, speed);
+        let State { team_path, seen, .. } = &self.state;
+        // from where the grasp is to be when the object is there, back to where the base surely is
+        self.walked.clear();
+        let behind = (0..POINTS_BEHIND).rev().map(|i| team_path.half() + Follower::STEP * f64::from(i));
+        self.walked.extend(behind.map(|behind| team_path.point(onward.path, position - behind)));
+        let follower = Follower {
+            way: &self.walked,
+            speeds: [speed.min(walk.speed), onward.travel.speed(walk)],
+            acceleration: ACCELERATION,
+            distance: self.distance,
+        };
+        Some(follower.rims(&robot.drive, &seen.configuration.base, seen.rim_speeds, walk.period))
+    }
+
+    fn walkable(&self, path: Path, ground: Ground) -> Path {
+        let mut wide = Path::default();
+        let is_free = |from, to| ground.is_free(from, to);
+        self.state.team_path.write_wide(&path, is_free, &mut Widening::default(), &mut wide);
+        wide
+    }
+
+    fn turn(&mut self, path: &Path, along: f64, next: Path, ground: Ground) -> Option<Turned> {
+        let State { team_path, path_position, .. } = &mut self.state;
+        let turned = team_path.planned_turn(path, along, &next, ground)?;
+        team_path.leave(path, along);
+        *path_position -= along;
+        Some(turned)
+    }
+
+    fn place_to_turn(
+        &self,
+        path: &Path,
+        range: [f64; 2],
+        next: &dyn Fn(Point) -> Path,
+        ground: Ground,
+    ) -> Option<f64> {
+        self.state.team_path.place_to_turn(path, range, next, ground)
+    }
+
+    fn step(&mut self, target: &Candidate, input: &InputVector, step: &Step, walk: &Walk) -> Moved {
+        self.set_goal(step, walk);
+        let hand = self.state.team_path.end(&self.state.goal, 1.0).position;
+        let facing = angle_of(self.body_on(step.path, hand) - hand);
+        let command = self.command(step);
+        let State { plant, team_path, path_position, path_speed, goal, seen } = &mut self.state;
+        plant.face(Some(facing));
+        *seen = plant.step(&(target.rates + input), &command, walk.period);
+        let object = object_on_floor(&seen.object);
+        let along =
+            team_path.locate(step.path, object.position, step.from, *path_position, *path_speed < 0.0);
+        let grasp = team_path.end(goal, -1.0).at_height(self.height);
+        let length = step.path.length();
+        Moved {
+            along: if along >= length - ARRIVAL_TOLERANCE_M { length } else { along },
+            error: pose_difference(&grasp, &seen.grasp),
+            physics: Some(PhysicsTick::of(seen, *path_position - along)),
+        }
+    }
+
+    fn link_poses(&self) -> Vec<Pose> {
+        self.state.plant.link_poses()
+    }
+
+    fn observation(&self) -> Option<&Observation> {
+        Some(&self.state.seen)
+    }
+
+    fn save(&self) -> Saved {
+        Saved::of(&self.state)
+    }
+
+    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+        self.state = saved.read("plant")?;
+        Ok(())
+    }
+}
+
+impl std::fmt::Debug for Physical {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let State { path_position, seen, .. } = &self.state;
+        f.debug_struct("Physical")
+            .field("path_position", path_position)
+            .field("seen", seen)
+            .finish_non_exhaustive()
+    }
+}
+
+/// A step from where the object is toward where it is to be: no faster than it can be carried there.
+fn brought_to(at: &PlanarPose, goal: &PlanarPose, walk: &Walk) -> PlanarPose {
+    let way = goal.position - at.position;
+    let most = CATCH_UP * walk.speed * walk.period;
+    let share = if way.norm() > most { most / way.norm() } else { 1.0 };
+    PlanarPose {
+        position: at.position + way * share,
+        yaw: turned(at.yaw, goal.yaw, walk.yaw_rate * walk.period),
+    }
+}
+
+/// Where something is, seen from above, m.
+fn on_floor(world_from_it: &Pose) -> Point {
+    world_from_it.translation.vector.xy().into()
+}
+
+/// Where the object's middle is and where it heads, seen from above.
+pub(super) fn object_on_floor(world_from_object: &Pose) -> PlanarPose {
+    let ahead = world_from_object.rotation * nalgebra::Vector3::x();
+    PlanarPose { position: on_floor(world_from_object), yaw: angle_of(ahead.xy()) }
+}
