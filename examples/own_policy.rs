@@ -1,0 +1,47 @@
+//! A robot policy of one's own: eq. (6) written anew, which gives the same episode as the built-in `mutual`.
+//!
+//! ```text
+//! cargo run --release --example own_policy
+//! ```
+
+use cocarry::coordination::Mode;
+use cocarry::episode::{Episode, Settings};
+use cocarry::experiments::paper;
+use cocarry::human::Stance;
+use cocarry::options::OptionSet;
+use cocarry::policy::{Decision, RobotPolicy, RobotView};
+
+/// Leads on the option of least (1 - phi) J_o + phi J~_o until the human takes over, then follows.
+#[derive(Clone, Debug)]
+struct OwnPolicy;
+
+impl RobotPolicy for OwnPolicy {
+    fn decide(&mut self, view: &RobotView<'_>) -> Decision {
+        if view.mode == Mode::HumanLed || view.human.stance == Stance::TakeOver {
+            return Decision::follow();
+        }
+        let phi = view.human.stubbornness;
+        let mut best = (0, f64::INFINITY);
+        for (option, seen) in view.evaluated.iter().enumerate() {
+            let cost = (1.0 - phi) * seen.objective + phi * seen.expected;
+            if cost < best.1 || (cost == best.1 && view.executed == Some(option)) {
+                best = (option, cost);
+            }
+        }
+        Decision::lead(best.0)
+    }
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let world = paper::ENVIRONMENTS[3].world()?;
+    let settings = Settings::default();
+    let options = OptionSet::new(&world, settings.predictor.risk_weight())?;
+    let mut own = Episode::new(&options, &settings, paper::EXAMPLE_HUMAN).with_policy(OwnPolicy);
+    let mut mutual = Episode::new(&options, &settings, paper::EXAMPLE_HUMAN);
+    while own.step().is_none() & mutual.step().is_none() {
+        assert_eq!(own.tick(), mutual.tick());
+    }
+    let end = own.summary();
+    println!("{} after {} steps, J accumulated {:.1} m", end.outcome.name(), end.steps, end.accumulated_cost);
+    Ok(())
+}
