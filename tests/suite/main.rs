@@ -20,6 +20,7 @@ mod regress;
 mod reports;
 mod robots;
 mod scenarios;
+mod seams;
 mod snapshots;
 mod spoiled_robot;
 mod support;

@@ -1,0 +1,262 @@
+//! The seams: policies, humans and plants of one's own, and the human models that scenarios know by name.
+
+use crate::support::{cocarry, json, stderr};
+use cocarry::control;
+use cocarry::coordination::Mode;
+use cocarry::episode::{Episode, Outcome, Settings};
+use cocarry::experiments::paper;
+use cocarry::geometry::PlanarPose;
+use cocarry::human::{Human, HumanDecision, HumanView, ModelName, Participant, Stance};
+use cocarry::math;
+use cocarry::options::OptionSet;
+use cocarry::policy::{Decision, Motion, RobotPolicy, RobotView};
+use cocarry::preference::{Perception, subjective_cost};
+use cocarry::robot::{InputVector, Robot};
+use cocarry::scenario::{Carrier, Plant, Scenario, Snapshot, Stage};
+use cocarry::simulation::PhysicsSettings;
+use cocarry::team::{PointTeam, RobotTick, Step, Team};
+
+/// Eq. (6) as somebody outside the library would write it.
+#[derive(Clone, Debug)]
+struct OwnPolicy;
+
+impl RobotPolicy for OwnPolicy {
+    fn decide(&mut self, view: &RobotView<'_>) -> Decision {
+        if view.mode == Mode::HumanLed || view.human.stance == Stance::TakeOver {
+            return Decision::follow();
+        }
+        let phi = view.human.stubbornness;
+        let mut best = (0, f64::INFINITY);
+        for (option, seen) in view.evaluated.iter().enumerate() {
+            let cost = (1.0 - phi) * seen.objective + phi * seen.expected;
+            if cost < best.1 || (cost == best.1 && view.executed == Some(option)) {
+                best = (option, cost);
+            }
+        }
+        Decision::lead(best.0)
+    }
+}
+
+fn carrier() -> Carrier {
+    let robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
+    let posture = robot.postures[0].name.clone();
+    Carrier { posture, control: control::Settings::default(), robot: robot.texts }
+}
+
+fn stage(plant: Plant, model: &str) -> Stage {
+    let scenario = Scenario {
+        seed: 3,
+        world: paper::ENVIRONMENTS[3].world().unwrap_or_else(|e| panic!("{e}")).into(),
+        human: paper::EXAMPLE_HUMAN,
+        human_model: model.parse().unwrap_or_else(|e| panic!("{e}")),
+        changes: Vec::new(),
+        settings: Settings::default(),
+        plant,
+    };
+    scenario.prepare().unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn ticks(mut episode: Episode) -> Vec<String> {
+    let mut ticks = Vec::new();
+    while episode.step().is_none() {
+        ticks.push(format!("{:?}", episode.tick()));
+    }
+    ticks.push(format!("{:?}", episode.summary()));
+    ticks
+}
+
+#[test]
+fn a_policy_of_ones_own_that_is_eq_6_walks_like_mutual_on_every_plant() {
+    for plant in [
+        Plant::Point,
+        Plant::Kinematic { carrier: carrier() },
+        Plant::Rapier { carrier: carrier(), physics: PhysicsSettings::default() },
+    ] {
+        let name = plant.name();
+        let stage = stage(plant, "preference");
+        let episode = || stage.episode().unwrap_or_else(|e| panic!("{e}"));
+        let own = ticks(episode().with_policy(OwnPolicy));
+        assert!(own.iter().any(|tick| tick.contains("HumanLed")), "{name}: the human takes over");
+        assert!(own == ticks(episode()), "{name}");
+    }
+}
+
+/// Drives a robot by its inputs: it stands still.
+#[derive(Clone, Debug)]
+struct StandStill;
+
+impl RobotPolicy for StandStill {
+    fn decide(&mut self, view: &RobotView<'_>) -> Decision {
+        Decision::lead(view.best_option()).with_motion(Motion::Inputs(InputVector::zeros()))
+    }
+}
+
+/// Tracks poses of its own: where the grasp is already.
+#[derive(Clone, Debug)]
+struct StayThere;
+
+impl RobotPolicy for StayThere {
+    fn decide(&mut self, view: &RobotView<'_>) -> Decision {
+        let grasp = view.grasp.expect("a robot");
+        let here = PlanarPose { position: grasp.translation.vector.xy().into(), yaw: 0.0 };
+        let motion = Motion::Reference([here; control::HORIZON]);
+        Decision::lead(view.best_option()).with_motion(motion)
+    }
+}
+
+#[test]
+fn a_policy_may_set_the_reference_or_the_inputs() {
+    let stage = stage(Plant::Kinematic { carrier: carrier() }, "preference");
+    let episode = || stage.episode().unwrap_or_else(|e| panic!("{e}"));
+    let begin = *episode().configuration().expect("a robot");
+    let mut still = episode().with_policy(StandStill);
+    let mut stay = episode().with_policy(StayThere);
+    for _ in 0..5 {
+        assert_eq!(still.step(), None);
+        assert_eq!(stay.step(), None);
+    }
+    assert_eq!(still.configuration(), Some(&begin), "no inputs, no motion");
+    let tracked = stay.tick().robot.expect("a robot");
+    assert!(tracked.position_error > 0.3, "the human walks on: {}", tracked.position_error);
+}
+
+/// Wants the last option, holds back for three steps, then takes over.
+#[derive(Clone, Debug)]
+struct Reluctant;
+
+impl Human for Reluctant {
+    fn decide(&mut self, view: &HumanView<'_>) -> HumanDecision {
+        let stance = match view.step {
+            0 => Stance::Follow,
+            1..=3 => Stance::Resist,
+            _ => Stance::TakeOver,
+        };
+        let option = view.prospects.len() - 1;
+        HumanDecision { option, stance, stubbornness: 0.5, discomfort: 0.0, hand: None }
+    }
+}
+
+#[test]
+fn a_human_of_ones_own_resists_and_takes_over() {
+    let world = paper::ENVIRONMENTS[3].world().unwrap_or_else(|e| panic!("{e}"));
+    let settings = Settings::default();
+    let options = OptionSet::new(&world, 10.0).unwrap_or_else(|e| panic!("{e}"));
+    let mut episode = Episode::new(&options, &settings, paper::EXAMPLE_HUMAN).with_human(Reluctant);
+    let mut positions = Vec::new();
+    while episode.step().is_none() {
+        positions.push(episode.position());
+    }
+    assert!(positions[0] != options.begin().position && positions[1..4].iter().all(|p| *p == positions[0]));
+    let summary = episode.summary();
+    assert_eq!((summary.outcome, summary.last_option), (Outcome::Arrived, options.options().len() - 1));
+    assert_eq!(summary.transition.map(|t| t.step), Some(4));
+}
+
+/// A plant of one's own: a team that walks at half speed.
+#[derive(Clone, Debug)]
+struct Slow(PointTeam);
+
+impl Team for Slow {
+    fn walk(&mut self, step: &Step<'_>, tick: Option<&mut RobotTick>) -> f64 {
+        let to = self.0.walk(step, tick);
+        if to >= step.path.length() { to } else { (step.from + to) / 2.0 }
+    }
+}
+
+#[test]
+fn a_plant_of_ones_own_moves_the_team() {
+    let world = paper::ENVIRONMENTS[3].world().unwrap_or_else(|e| panic!("{e}"));
+    let settings = Settings::default();
+    let options = OptionSet::new(&world, 10.0).unwrap_or_else(|e| panic!("{e}"));
+    let steps = |team: Box<dyn Fn(Episode) -> Episode>| {
+        let mut episode = team(Episode::new(&options, &settings, paper::EXAMPLE_HUMAN));
+        while episode.step().is_none() {}
+        assert_eq!(episode.summary().outcome, Outcome::Arrived);
+        episode.summary().steps
+    };
+    let (point, slow) = (steps(Box::new(|e| e)), steps(Box::new(|e| e.with_team(Slow(PointTeam)))));
+    assert!((2 * point - 4..=2 * point + 4).contains(&slow), "{point} steps, {slow} at half speed");
+}
+
+/// Frequencies of the first choice over seeds against exp(-beta J^) / sum, eq. (2).
+#[test]
+fn closed_form_boltzmann_choices_have_boltzmann_frequencies() {
+    let world = paper::ENVIRONMENTS[3].world().unwrap_or_else(|e| panic!("{e}"));
+    let options = OptionSet::new(&world, 10.0).unwrap_or_else(|e| panic!("{e}"));
+    let prospects = cocarry::episode::prospects(&options, &options.begin());
+    let perception = Perception { alpha: 0.75, gamma: 0.8 };
+    let model: ModelName = "boltzmann(0.7)".parse().unwrap_or_else(|e| panic!("{e}"));
+    let mut counts = vec![0.0; prospects.len()];
+    let seeds = 4000;
+    for seed in 0..seeds {
+        let participant = Participant {
+            perception,
+            changes: &[],
+            stubbornness: Settings::default().coordination,
+            seed,
+            options: &options,
+        };
+        let mut human = model.make(&participant).unwrap_or_else(|e| panic!("{e}"));
+        let view = HumanView {
+            step: 0,
+            time: 0.0,
+            position: options.begin().position,
+            options: &options,
+            prospects: &prospects,
+            evaluated: &[],
+            risk_weight: 10.0,
+            executed: None,
+            mode: Mode::HumanLed,
+            hand: None,
+            wrench: None,
+        };
+        counts[human.decide(&view).option] += 1.0 / seeds as f64;
+    }
+    let weights: Vec<f64> =
+        prospects.iter().map(|p| math::exp(-0.7 * subjective_cost(*p, 10.0, perception))).collect();
+    let sum: f64 = weights.iter().sum();
+    for (count, weight) in counts.iter().zip(&weights) {
+        let p = weight / sum;
+        let sigma = (p * (1.0 - p) / seeds as f64).sqrt();
+        assert!((count - p).abs() < 4.0 * sigma + 1e-9, "{counts:?} against {weights:?} / {sum}");
+    }
+}
+
+#[test]
+fn a_human_of_any_model_is_in_scenarios_and_snapshots() {
+    for model in ["boltzmann(0.5)", "scripted(0:2,30:1)"] {
+        let stage = stage(Plant::Point, model);
+        let text = stage.scenario().text().unwrap_or_else(|e| panic!("{e}"));
+        assert!(text.contains(&format!("human_model = \"{model}\"")), "{text}");
+        assert_eq!(&Scenario::parse(&text).unwrap_or_else(|e| panic!("{e}")), stage.scenario());
+        let mut episode = stage.episode().unwrap_or_else(|e| panic!("{e}"));
+        for _ in 0..25 {
+            assert_eq!(episode.step(), None);
+        }
+        let bytes = stage.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"));
+        let snapshot = Snapshot::parse("x.snapshot", &bytes).unwrap_or_else(|e| panic!("{e}"));
+        let again = stage.resume(snapshot.state).unwrap_or_else(|e| panic!("{e}"));
+        assert!(ticks(again) == ticks(episode), "{model}");
+    }
+}
+
+#[test]
+fn the_command_line_takes_human_models() {
+    let run = |model: &str| json(&["run", "--plant", "point", "--method", "human-led", "--human", model, "--json"]);
+    assert_eq!(run("scripted(0:2,30:1)")["last_option"], "1");
+    assert_eq!(run("scripted(0:2)")["last_option"], "2");
+    // who is rational enough chooses like eq. (3)
+    assert_eq!(run("boltzmann(1000)")["first_option"], run("preference")["first_option"]);
+    for (model, said) in [
+        ("robot", "unknown human model `robot`; expected one of: preference, boltzmann(RATIONALITY)"),
+        ("boltzmann", "a number greater than 0"),
+        ("boltzmann(-1)", "a number greater than 0"),
+        ("scripted(5:1)", "the first at step 0"),
+        ("scripted(0:9)", "no option `9`"),
+        ("preference(1)", "no arguments"),
+    ] {
+        let output = cocarry(&["run", "--plant", "point", "--human", model]);
+        let error = stderr(&output);
+        assert!(output.status.code() == Some(2) && error.contains(said), "{model}: {error}");
+    }
+}
