@@ -42,7 +42,7 @@ pub fn adaptation(world: &World, tracks: &[Track], period: f64) -> Result<String
         }
     }
     let labels = opening_labels(&view, world, false, &mut clutter);
-    let mut legend = Legend::default();
+    let mut legend = Legend::of_lines();
     for (i, track) in tracks.iter().enumerate() {
         legend =
             legend.entry(line_sample(LineStyle::of(i), width_by_rank(i, tracks.len())), track.label.as_str());

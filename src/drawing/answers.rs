@@ -79,7 +79,7 @@ pub fn answers(
         }
     }
     let has_several = rows().any(|r| r.answers.len() > 1);
-    let mut legend = Legend::default();
+    let mut legend = Legend::of_marks();
     if has_several {
         legend = legend.entry(answer_mark(), "answers");
     }

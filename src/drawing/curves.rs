@@ -66,7 +66,7 @@ fn draw(panel: &CurvePanel, frame: Bounds) -> (Group, f64) {
     if let Some(mark) = panel.mark {
         group = group.add(guide(level(plot.y.at(mark), frame)));
     }
-    let mut legend = Legend::default();
+    let mut legend = Legend::of_lines();
     for (i, curve) in panel.curves.iter().enumerate() {
         let (style, width) = (LineStyle::of(i), 0.7 * width_by_rank(i, panel.curves.len()));
         let points: Vec<Point> = curve.points.iter().map(|[x, y]| plot.at(*x, *y)).collect();

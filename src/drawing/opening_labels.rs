@@ -1,6 +1,6 @@
 //! The names of a map's openings, at places where they cover as little as possible.
 
-use super::kit::{Align, Clutter, INK, TEXT_SIZE, Text, number, stroke};
+use super::kit::{Align, Clutter, INK, TEXT_SIZE, Text, nearest, number, stroke};
 use super::map_view::{BAR, END, MapView, paper};
 use crate::geometry::{Bounds, Point, Vector, direction};
 use crate::world::World;
@@ -17,7 +17,7 @@ const NAME: f64 = 120.0;
 
 /// What covering a pixel of its length costs: of a path or a leading line, of an obstacle's outline, of an opening.
 pub(super) const PATH_COST: f64 = 4.0;
-const OUTLINE_COST: f64 = 3.0;
+const OUTLINE_COST: f64 = 6.0;
 const OPENING_COST: f64 = 12.0;
 /// A label that costs more than `CROWDED` loses the width of its opening where that saves `SAVED`.
 const CROWDED: f64 = 140.0;
@@ -101,10 +101,6 @@ fn best_place(lines: &[Text], own: usize, bars: &[[Point; 2]], clutter: &Clutter
     };
     let found = areas.map(|area| (area, cost(&area))).min_by(|a, b| a.1.total_cmp(&b.1));
     found.unwrap_or((Bounds { min: center - half, max: center + half }, f64::INFINITY))
-}
-
-fn nearest(area: Bounds, p: Point) -> Point {
-    Point::from(p.coords.sup(&area.min.coords).inf(&area.max.coords))
 }
 
 /// The point of an opening's bar, away from its ends, that is nearest to an area.

@@ -78,7 +78,7 @@ pub fn cost_ratios(panels: &[RatioPanel]) -> Result<String, DrawingError> {
         }
     }
     let environments: BTreeSet<u32> = rows().flat_map(|r| &r.ratios).map(|r| r.0).collect();
-    let legend = environments.into_iter().fold(Legend::default(), |legend, environment| {
+    let legend = environments.into_iter().fold(Legend::of_marks(), |legend, environment| {
         legend.entry(environment_mark(environment), format!("environment {environment}"))
     });
     let ends = [Point::new(0.0, -0.2 * ROW), Point::new(0.0, 0.2 * ROW)];

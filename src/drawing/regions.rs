@@ -2,7 +2,7 @@
 
 use super::kit::{
     AXIS_ROOM, Align, Clutter, GAP, INK, LineStyle, Plot, TEXT_SIZE, Text, disc, frame_title, in_two_columns,
-    number, path_data, stroke,
+    nearest, number, path_data, stroke,
 };
 use super::map_view::paper;
 use super::{DrawingError, check_probabilities};
@@ -160,7 +160,7 @@ impl Label {
             Text::new(format!("{} %", number(100.0 * probability, 1))),
         ];
         let widest = lines.iter().map(|line| line.width(TEXT_SIZE)).fold(0.0, f64::max);
-        Self { lines, half: Vector::new(0.5 * widest + 3.0, TEXT_SIZE * 1.15) }
+        Self { lines, half: Vector::new(0.48 * widest, TEXT_SIZE * 1.15) }
     }
 
     fn area(&self, at: Point) -> Bounds {
@@ -190,7 +190,7 @@ impl Label {
         let deepest = inside.max_by(|a, b| depth(**a).total_cmp(&depth(**b)));
         let deepest = deepest.or(own.first().and_then(|o| o.first())).copied().unwrap_or(frame.min);
         let cost = |at: Point| {
-            let apart = if is_own(at) { -20.0 * depth(at) } else { 60.0 + (at - deepest).norm() };
+            let apart = if is_own(at) { -20.0 * depth(at) } else { 160.0 + (at - deepest).norm() };
             clutter.cost(self.area(at)) + apart
         };
         let best = places.iter().map(|at| (*at, cost(*at))).min_by(|a, b| a.1.total_cmp(&b.1));
@@ -201,7 +201,8 @@ impl Label {
     fn draw(&self, [at, deepest]: [Point; 2], own: &[&[Point]]) -> Group {
         let mut group = Group::new();
         if !own.iter().any(|outline| contains(outline, at)) {
-            group = group.add(stroke(&[at, deepest], INK, 1.2)).add(disc(deepest, 3.2).set("fill", INK));
+            let edge = nearest(self.area(at), deepest);
+            group = group.add(stroke(&[edge, deepest], INK, 1.2)).add(disc(deepest, 3.2).set("fill", INK));
         }
         let baselines = [-0.2, 0.88].map(|down| at + Vector::new(0.0, down * TEXT_SIZE));
         let lines = self.lines.iter().zip(baselines).map(|(line, at)| line.at(at, TEXT_SIZE, Align::Middle));

@@ -55,9 +55,11 @@ pub fn tolerances(rows: &[ToleranceRow], overall: Option<(f64, f64)>) -> Result<
         let factor = math::exp(log_std);
         let [low, high] = [median / factor, median * factor].map(|eta| axis.at(eta));
         let band = Bounds { min: Point::new(low, frame.min.y), max: Point::new(high, frame.max.y) };
-        group = group.add(rectangle(band).set("fill", BAND)).add(guide(upright(axis.at(median), frame)));
+        group = group.add(rectangle(band).set("fill", BAND)).add(axis.grid(frame));
+        group = group.add(guide(upright(axis.at(median), frame)));
+    } else {
+        group = group.add(axis.grid(frame));
     }
-    group = group.add(axis.grid(frame));
     let mut top = frame.min.y;
     for row in rows {
         let bottom = top + height(row);
@@ -133,7 +135,7 @@ fn legend(rows: &[ToleranceRow], has_overall: bool) -> Legend {
     let participant = |is_scattered| {
         level_sample(&LineStyle::of(0).colour(), INTERVAL_LINE).add(estimate_mark(is_scattered))
     };
-    let mut legend = Legend::default().entry(participant(false), "participant");
+    let mut legend = Legend::of_lines().entry(participant(false), "participant");
     if rows.iter().any(|row| row.is_scattered) {
         legend = legend.entry(participant(true), "episodes contradict");
     }

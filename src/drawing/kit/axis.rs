@@ -12,7 +12,7 @@ use svg::node::element::Group;
 /// Length of a tick, px.
 const TICK: f64 = 6.0;
 /// The widest that the numbers of a vertical axis get before they are drawn smaller, px.
-const NUMBERS: f64 = 42.0;
+const NUMBERS: f64 = 38.0;
 /// Least distance of two ticks, px.
 const APART: f64 = 46.0;
 
@@ -152,7 +152,7 @@ impl Axis {
             Side::Below => ([0.0, 23.0], Align::Middle, Point::new(x, frame.max.y + AXIS_ROOM - GAP), 0),
             Side::Above => ([0.0, -12.0], Align::Middle, Point::new(x, frame.min.y - 38.0), 0),
             Side::Left => {
-                let at = Point::new(frame.min.x - 1.9 * GAP - widest.min(NUMBERS), middle.y);
+                let at = Point::new(frame.min.x - 2.2 * GAP - widest.min(NUMBERS), middle.y);
                 ([-GAP, 0.35 * size], Align::Right, at, -90)
             }
         };

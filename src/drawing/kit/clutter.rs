@@ -58,6 +58,11 @@ fn overlap(a: Bounds, b: Bounds) -> f64 {
     if size.min() <= 0.0 { 0.0 } else { size.product() }
 }
 
+/// The point of an area that is nearest to `p`.
+pub(in super::super) fn nearest(area: Bounds, p: Point) -> Point {
+    p.sup(&area.min).inf(&area.max)
+}
+
 /// Length of the part of a line that lies inside an area.
 fn length_inside(area: Bounds, [a, b]: [Point; 2]) -> f64 {
     let along = b - a;

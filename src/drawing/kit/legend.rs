@@ -9,12 +9,15 @@ pub(in super::super) const SAMPLE: f64 = 46.0;
 const SAMPLE_ENDS: [[f64; 2]; 2] = [[-SAMPLE / 2.0, 0.0], [SAMPLE / 2.0, 0.0]];
 /// Height of a line, px.
 const LINE: f64 = 25.0;
+/// Room below the last line, px.
+const BELOW: f64 = 14.0;
 /// Distance of columns, px.
-const COLUMN_GAP: f64 = 16.0;
+const COLUMN_GAP: f64 = 14.0;
 
 /// Samples and what they mean.
-#[derive(Default)]
 pub(in super::super) struct Legend {
+    /// Room for a sample, px.
+    sample: f64,
     heads: Vec<(Text, Align)>,
     entries: Vec<Entry>,
 }
@@ -27,9 +30,17 @@ struct Entry {
 }
 
 impl Legend {
-    /// A legend that is a table, with a head and an alignment for every column.
+    pub fn of_lines() -> Self {
+        Self::table(Vec::new())
+    }
+
+    pub fn of_marks() -> Self {
+        Self { sample: SAMPLE / 2.0, ..Self::of_lines() }
+    }
+
+    /// A legend of lines that is a table, with a head and an alignment for every column.
     pub fn table(heads: Vec<(Text, Align)>) -> Self {
-        Self { heads, entries: Vec::new() }
+        Self { sample: SAMPLE, heads, entries: Vec::new() }
     }
 
     /// Adds a sample, drawn around the origin, and what it means.
@@ -45,7 +56,7 @@ impl Legend {
 
     /// How wide a sample with its cells is, px.
     pub fn width(&self) -> f64 {
-        SAMPLE + self.column_widths().iter().map(|width| COLUMN_GAP + width).sum::<f64>()
+        self.sample + self.column_widths().iter().map(|width| COLUMN_GAP + width).sum::<f64>()
     }
 
     fn column_widths(&self) -> Vec<f64> {
@@ -63,7 +74,7 @@ impl Legend {
         let aligns = || self.heads.iter().map(|h| h.1).chain(std::iter::repeat(Align::Left));
         // cells side by side, beginning at `from` on the first baseline
         let cells = |group: Group, from: Point, cells: &[Vec<Text>]| {
-            let mut left = from.x + SAMPLE;
+            let mut left = from.x + self.sample;
             let mut group = group;
             for ((lines, width), align) in cells.iter().zip(&widths).zip(aligns()) {
                 left += COLUMN_GAP;
@@ -91,13 +102,13 @@ impl Legend {
             y += LINE;
             for (column, entry) in row.iter().enumerate() {
                 let from = Point::new(at.x + column as f64 * (self.width() + COLUMN_GAP), y);
-                let middle = from + Vector::new(SAMPLE / 2.0, -0.35 * TEXT_SIZE);
+                let middle = from + Vector::new(self.sample / 2.0, -0.35 * TEXT_SIZE);
                 group = cells(group.add(place(entry.sample.clone(), middle)), from, &entry.cells);
             }
             let lines = row.iter().flat_map(|e| &e.cells).map(Vec::len).fold(1, usize::max);
             y += (lines - 1) as f64 * LINE;
         }
-        (group, y + GAP)
+        (group, y + BELOW)
     }
 }
 
@@ -119,9 +130,9 @@ mod tests {
     fn entries_stand_in_as_many_columns_as_fit() {
         let entry =
             |legend: Legend, i: usize| legend.entry(line_sample(LineStyle::of(i), 3.0), format!("entry {i}"));
-        let legend = (0..5).fold(Legend::default(), entry);
+        let legend = (0..5).fold(Legend::of_lines(), entry);
         let height =
-            |columns: f64| legend.draw(Point::origin(), columns * (legend.width() + COLUMN_GAP)).1 - GAP;
+            |columns: f64| legend.draw(Point::origin(), columns * (legend.width() + COLUMN_GAP)).1 - BELOW;
         assert_eq!(
             [1.0, 2.0, 3.5, 5.0, 0.1].map(height),
             [5.0, 3.0, 2.0, 1.0, 5.0].map(|lines| lines * LINE)

@@ -13,7 +13,7 @@ mod palette;
 mod text;
 
 pub(super) use axis::{Axis, Plot, Side};
-pub(super) use clutter::Clutter;
+pub(super) use clutter::{Clutter, nearest};
 pub(super) use legend::{Legend, SAMPLE, level_sample, line_sample};
 pub(super) use marks::{Shape, mark, mean_bar, place};
 pub(super) use palette::{

@@ -22,10 +22,10 @@ const COLOURS: [[u8; 3]; 8] = [
     [230, 159, 0],
     [136, 34, 85],
     [0, 158, 115],
-    [17, 17, 17],
     [86, 180, 233],
     [213, 94, 0],
     [204, 121, 167],
+    [17, 17, 17],
 ];
 
 /// Lengths drawn and left out in turn, px, for a line of middling width; empty is solid.

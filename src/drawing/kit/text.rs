@@ -143,7 +143,9 @@ impl Text {
                 Form::Italic => " font-style=\"italic\"".to_owned(),
                 Form::Sub => format!(" font-size=\"{}\"", px(size * SUB_SIZE)),
             };
-            content += &format!("<tspan dy=\"{}\"{style}>{}</tspan>", px(low - lowered), escape(text));
+            // renderers drop blanks at the ends of a run otherwise
+            let style = format!("dy=\"{}\"{style} xml:space=\"preserve\"", px(low - lowered));
+            content += &format!("<tspan {style}>{}</tspan>", escape(text));
             lowered = low;
         }
         let mut element = Element::new("text");
@@ -152,8 +154,6 @@ impl Text {
         element.assign("font-size", px(size));
         element.assign("text-anchor", anchor);
         element.assign("fill", INK);
-        // renderers drop blanks at the ends of a run otherwise
-        element.assign("xml:space", "preserve");
         if self.is_bold {
             element.assign("font-weight", "bold");
         }
