@@ -160,7 +160,7 @@ impl Label {
             Text::new(format!("{} %", number(100.0 * probability, 1))),
         ];
         let widest = lines.iter().map(|line| line.width(TEXT_SIZE)).fold(0.0, f64::max);
-        Self { lines, half: Vector::new(0.45 * widest, TEXT_SIZE * 1.15) }
+        Self { lines, half: Vector::new(0.48 * widest, TEXT_SIZE * 1.15) }
     }
 
     fn area(&self, at: Point) -> Bounds {
@@ -190,7 +190,7 @@ impl Label {
         let deepest = inside.max_by(|a, b| depth(**a).total_cmp(&depth(**b)));
         let deepest = deepest.or(own.first().and_then(|o| o.first())).copied().unwrap_or(frame.min);
         let cost = |at: Point| {
-            let apart = if is_own(at) { -20.0 * depth(at) } else { 80.0 + (at - deepest).norm() };
+            let apart = if is_own(at) { -20.0 * depth(at) } else { 160.0 + (at - deepest).norm() };
             clutter.cost(self.area(at)) + apart
         };
         let best = places.iter().map(|at| (*at, cost(*at))).min_by(|a, b| a.1.total_cmp(&b.1));
