@@ -39,7 +39,7 @@ pub(in super::super) fn mark(shape: Shape, is_full: bool, colour: &str) -> Group
         .set("stroke", colour)
         .set("stroke-width", 1.5)
         .set("fill", if is_full { colour } else { PAPER })
-        .set("fill-opacity", if is_full { 1.0 } else { 0.85 });
+        .set("fill-opacity", if is_full { 1.0 } else { 0.6 });
     Group::new().set("class", "mark").add(outline(edge)).add(outline(ink))
 }
 
