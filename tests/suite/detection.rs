@@ -1,6 +1,6 @@
 //! Openings of walls that are made of several obstacles, gaps as wide as the robot, and an independent flood fill for what can be reached.
 
-use crate::support::{cocarry, json, stdout};
+use crate::support::{cocarry, json, stderr, stdout};
 use cocarry::experiments::cycles::random_world;
 use cocarry::geometry::Point;
 use cocarry::math;
@@ -370,4 +370,30 @@ fn openings_that_no_option_uses_are_told() {
     let text = stdout(&cocarry(&["world", &path]));
     assert!(text.contains("1 opening is on none of these options"), "{text}");
     assert!(!stdout(&cocarry(&["world", "environment-1"])).contains("nowhere new"));
+}
+
+/// On the physical plant the human walks on beyond the target: what stands there is named before the run, and with room for the human the team
+/// arrives.
+#[test]
+fn a_target_without_room_for_the_human_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |shelf: f64, plant: &str| {
+        let text = format!(
+            "{HEAD}start_m = [0, 0]\ntarget_m = [3, 0]\n{}",
+            wall("shelf", [shelf, -1.0, shelf + 0.3, 1.0], 0.0)
+        );
+        let path = folder.path().join("shelf.toml");
+        std::fs::write(&path, text).unwrap();
+        cocarry(&["run", path.to_str().unwrap(), "--plant", plant])
+    };
+    let refused = run(4.1, "rapier");
+    assert_eq!(refused.status.code(), Some(2));
+    let error = stderr(&refused);
+    assert!(
+        error.contains("no room at the target") && error.contains("`shelf`") && error.contains("option `1`"),
+        "{error}"
+    );
+    assert!(run(4.1, "point").status.success(), "a point needs no room beyond its target");
+    let arrives = run(4.25, "rapier");
+    assert!(arrives.status.success() && stdout(&arrives).contains("arrived"), "{}", stdout(&arrives));
 }
