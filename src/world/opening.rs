@@ -17,8 +17,8 @@ const MEASURED: f64 = 1e-6;
 /// Directions that differ by no more than this (rad) are measured as one.
 const SAME_DIRECTION: f64 = 1e-3;
 /// Gaps whose ends differ by no more than this (m) are one gap, measured between other parts of the same walls: closest points of cylinders are
-/// off by up to 5e-5 m along the outline.
-const SAME_GAP: f64 = 1e-4;
+/// off by up to 2e-4 m along the outline.
+const SAME_GAP: f64 = 3e-4;
 
 /// A passage between two obstacles.
 #[derive(Clone, Debug, PartialEq)]

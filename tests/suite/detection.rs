@@ -100,9 +100,9 @@ fn rooms(seed: u64, build: Build) -> String {
     text
 }
 
-/// The width to 1e-6 m; the ends to 1e-4 m, since the closest points of cylinders are no better.
+/// The width to 1e-6 m; the ends to 1e-3 m, since the closest points of cylinders are no better.
 fn is_same_gap(a: &Opening, b: &Opening) -> bool {
-    let near = |p: Point, q: Point| (p - q).norm() < 1e-4;
+    let near = |p: Point, q: Point| (p - q).norm() < 1e-3;
     let [p, q] = b.ends;
     let ends = |p, q| near(a.ends[0], p) && near(a.ends[1], q);
     (a.width - b.width).abs() < 1e-6 && (ends(p, q) || ends(q, p))
