@@ -24,7 +24,7 @@ pub use tick::{OptionTick, PhysicsTick, Preparation, RobotTick, Tick};
 use carrier::{Carrier, Situation};
 use retreat::Retreat;
 use team::{Gait, PhysicalTeam, Walk};
-use way::Turned;
+use way::{Ground, Turned};
 
 use crate::coordination::{Coordinator, Method, Mode, is_misaligned, robot_choice};
 use crate::geometry::{Path, PlanarPose, Point, Pose};
@@ -146,7 +146,8 @@ impl<'a> Episode<'a> {
     /// The same episode with robot, object and human as bodies, on the physical plant. Before the first step only. `seed` is the gait's.
     ///
     /// # Errors
-    /// [`PhysicsError`] if the team does not fit where it is to start, or a setting is out of its range.
+    /// [`PhysicsError`] if the team does not fit where it is to start, the human has no room at the end of an option, or a setting is out of
+    /// its range.
     pub fn with_physics(
         mut self,
         manipulator: Manipulator<'a>,
@@ -158,6 +159,11 @@ impl<'a> Episode<'a> {
         let Manipulator { robot, posture, .. } = manipulator;
         let plant = PhysicalPlant::new(world, robot, &posture, &start, physics, seed)?;
         let team = PhysicalTeam::new(plant, world, robot.grasp_height, &start);
+        let ground = Ground { obstacles: manipulator.obstacles, options: self.options };
+        for (o, option) in self.options.options().iter().enumerate() {
+            let path = self.options.path(&self.progress, o).unwrap_or_default();
+            team.check_end(&path, &option.name, world, ground)?;
+        }
         let options = self.options.options().len();
         self.carrier = Some(Carrier::physical(manipulator, self.walk_settings(), options, team));
         Ok(self)
@@ -305,7 +311,8 @@ impl<'a> Episode<'a> {
     fn predict_choice(&mut self) {
         let robot_leads = self.coordinator.mode() == Mode::RobotLed;
         if robot_leads || self.settings.predict_while_human_leads || self.carrier.is_some() {
-            self.predictor.predict(&self.prospects, &mut self.choice);
+            let current = self.underway.then_some(self.tick.executed);
+            self.predictor.predict_from(&self.prospects, current, &mut self.choice);
             for (tick, p) in self.tick.options.iter_mut().zip(self.choice.probabilities()) {
                 tick.probability = *p;
             }

@@ -1,13 +1,13 @@
 //! The two plants as the loop sees them: what the robot observes of the human, where the grasp should be, and what a step makes of it.
 
 use super::tick::PhysicsTick;
-use super::way::{Ground, Turned, WALKS_AHEAD, Way};
+use super::way::{BODY_ROOM, Ground, Turned, WALKS_AHEAD, Way};
 use crate::control::{Follower, HORIZON, Reference, reference};
 use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose, Widening, angle_of, nearest, wrap_angle};
 use crate::options::{nominal_trajectory, turned};
 use crate::robot::{Configuration, InputVector, Robot, pose_difference};
-use crate::simulation::{HumanCommand, KinematicPlant, Observation, PhysicalPlant};
+use crate::simulation::{HumanCommand, KinematicPlant, Observation, PhysicalPlant, PhysicsError};
 use crate::world::World;
 
 /// How the team walks: what the robot knows of it.
@@ -271,6 +271,32 @@ impl PhysicalTeam {
         let mut way = Path::default();
         self.way.write_wide(path, |from, to| ground.is_free(from, to), &mut Widening::default(), &mut way);
         way
+    }
+
+    /// Refuses an option, by the path that a point walks on it, where the human has no room to walk on beyond its end: as far as the human is ahead
+    /// of the object's middle.
+    pub fn check_end(
+        &self,
+        path: &Path,
+        option: &str,
+        world: &World,
+        ground: Ground,
+    ) -> Result<(), PhysicsError> {
+        let [end, human] = self.way.beyond_end(&self.wide(path, ground));
+        let distances = world.obstacles.iter().map(|o| (o.footprint.distance_to_segment(end, human), o));
+        match distances.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((distance, obstacle)) if distance < BODY_ROOM => Err(PhysicsError::NoRoomAtTarget {
+                file: world.file.clone(),
+                option: option.to_owned(),
+                x: human.x,
+                y: human.y,
+                obstacle: obstacle.name.clone(),
+                distance,
+                needed: BODY_ROOM,
+                ahead: (human - end).norm() + BODY_ROOM,
+            }),
+            _ => Ok(()),
+        }
     }
 
     /// Writes the way on which whoever walks ahead would turn onto `next`, from `along` (m) on `path`.

@@ -89,7 +89,8 @@ impl OptionSet {
     /// [`OptionError`]: the target cannot be reached, or a listed option cannot be walked.
     pub fn new(world: &World, risk_weight: f64) -> Result<Self, OptionError> {
         let clearance = world.robot_width / 2.0;
-        let barriers = world.openings.iter().map(|o| o.ends).collect();
+        let closed = world.exactly_closed_gaps();
+        let barriers = world.openings.iter().map(|o| o.ends).chain(closed).collect();
         let space = Space::new(world.obstacles.iter().map(|o| o.footprint.clone()), barriers, clearance);
         let passages = passages(world, &space);
         let portals = passages.iter().flat_map(|p| [p.portal(0), p.portal(1)]);
@@ -131,6 +132,18 @@ impl OptionSet {
     /// The options, in file order or cheapest first. Never empty.
     pub fn options(&self) -> &[PathOption] {
         &self.options
+    }
+
+    /// Whether an option goes through an opening (an index into the world's).
+    pub fn uses(&self, opening: usize) -> bool {
+        self.options.iter().flat_map(|o| &o.crossings).any(|c| c.opening == opening)
+    }
+
+    /// Whether the two sides of an opening (an index into the world's) are one region: there is a way around it through no other opening, so
+    /// that enumerated options, which enter no region twice, do not go through it.
+    pub fn leads_nowhere_new(&self, opening: usize) -> bool {
+        let crossing = Crossing { opening, into: 0 };
+        self.region_before(crossing) == self.region_after(crossing)
     }
 
     /// Where the target lies.
@@ -187,10 +200,15 @@ impl OptionSet {
         Remaining { length, risk: self.risk(rest, option), next }
     }
 
-    /// What an option leads to next from where the team is.
+    /// What an option leads to next from where the team is. It depends on what is ahead only, not on the openings that the option lists behind
+    /// the team: between a gap and the end of its straight part that is the opening under way, or the way back through it.
     pub fn next(&self, progress: &Progress, option: usize) -> Waypoint {
-        let ahead = progress.rests[option].ahead(&self.options[option]).next();
-        ahead.map_or(Waypoint::Target, Waypoint::Opening)
+        let rests = if progress.inside.is_some() { &progress.rests_outside } else { &progress.rests };
+        let ahead = rests[option].ahead(&self.options[option]).next();
+        match progress.inside {
+            Some(crossing) if ahead != Some(crossing.back()) => Waypoint::Opening(crossing),
+            _ => ahead.map_or(Waypoint::Target, Waypoint::Opening),
+        }
     }
 
     /// The path that is left of an option from where the team is; its length is [`Remaining::length`]. `None` where there is no way.
@@ -246,28 +264,26 @@ impl OptionSet {
 
     /// Length from the end of a passage to the target.
     fn length_after(&self, crossing: Crossing, rest: &Rest, option: usize) -> f64 {
-        match rest.ahead(&self.options[option]).next() {
-            None => self.roadmap.between(portal_site(crossing.opening, crossing.into), TARGET),
-            Some(next) => self.leg(crossing, next) + self.straight(next) + self.beyond(rest, option),
-        }
+        let next = rest.ahead(&self.options[option]).next();
+        self.after(crossing, next.map(|next| (next, self.beyond(rest, option))))
     }
 
-    /// Length from the end of the first passage ahead to the target.
+    /// Length from the end of the first passage ahead to the target. Summed from the target's end, so that options that are one way from here on
+    /// have equal bits, however they came there.
     fn beyond(&self, rest: &Rest, option: usize) -> f64 {
         let option = &self.options[option];
-        if rest.back.is_empty() {
-            return option.after[rest.place];
+        let onward = option.crossings.get(rest.place).map(|&next| (next, option.after[rest.place]));
+        let whole =
+            rest.back.iter().fold(onward, |onward, &crossing| Some((crossing, self.after(crossing, onward))));
+        whole.map_or(0.0, |(_, length)| length)
+    }
+
+    /// Length from the end of a passage to the target, by the next passage, if there is one, and the length from its end.
+    fn after(&self, crossing: Crossing, onward: Option<(Crossing, f64)>) -> f64 {
+        match onward {
+            Some((next, after)) => self.leg(crossing, next) + self.straight(next) + after,
+            None => self.roadmap.between(portal_site(crossing.opening, crossing.into), TARGET),
         }
-        let mut ahead = rest.ahead(option).take(rest.back.len() + 1).peekable();
-        let mut length = 0.0;
-        while let Some(crossing) = ahead.next() {
-            length += match ahead.peek() {
-                Some(next) => self.leg(crossing, *next) + self.straight(*next),
-                None if rest.place < option.crossings.len() => option.after[rest.place],
-                None => self.roadmap.between(portal_site(crossing.opening, crossing.into), TARGET),
-            };
-        }
-        length
     }
 
     fn risk(&self, rest: &Rest, option: usize) -> f64 {
@@ -304,10 +320,7 @@ impl OptionSet {
         let mut after = vec![0.0; n];
         let mut risk_left = vec![0.0; n + 1];
         for i in (0..n).rev() {
-            after[i] = match crossings.get(i + 1) {
-                Some(&next) => self.leg(crossings[i], next) + self.straight(next) + after[i + 1],
-                None => self.roadmap.between(portal_site(crossings[i].opening, crossings[i].into), TARGET),
-            };
+            after[i] = self.after(crossings[i], crossings.get(i + 1).map(|&next| (next, after[i + 1])));
             risk_left[i] = self.risk_with(risk_left[i + 1], crossings[i]);
         }
         PathOption { name, crossings, regions, after, risk_left }

@@ -126,17 +126,28 @@ impl Predictor {
     ///
     /// Options equal in length and risk count as the one with the lowest index. Without options `choice` is left empty.
     pub fn predict(&mut self, prospects: &[Prospect], choice: &mut ChoiceDistribution) {
+        self.predict_from(prospects, None, choice);
+    }
+
+    /// [`Predictor::predict`] on the way: options equal in length and risk count as `current`, the option being executed, if it is one of
+    /// them, as in [`human_choice`].
+    pub fn predict_from(
+        &mut self,
+        prospects: &[Prospect],
+        current: Option<usize>,
+        choice: &mut ChoiceDistribution,
+    ) {
         self.masses.clear();
         self.masses.resize(prospects.len(), 0.0);
         match &mut self.model {
             Model::Samples(set) => {
                 for sample in set.samples().iter().filter(|_| !prospects.is_empty()) {
-                    self.masses[human_choice(prospects, self.risk_weight, sample.perception, None)] +=
-                        sample.weight;
+                    let chosen = human_choice(prospects, self.risk_weight, sample.perception, current);
+                    self.masses[chosen] += sample.weight;
                 }
             }
             Model::Independent(model) => {
-                pareto_front(prospects, self.risk_weight > 0.0, &mut model.front);
+                pareto_front(prospects, self.risk_weight > 0.0, current, &mut model.front);
                 model.strips.nodes = 0;
                 if let [only] = model.front.as_slice() {
                     self.masses[only.option] = 1.0;
@@ -147,8 +158,8 @@ impl Predictor {
         }
         if !choice.set_masses(&self.masses) {
             // Only lengths whose powers overflow get here; the choice of the middle of the belief is still defined.
-            choice
-                .set_certain(prospects.len(), human_choice(prospects, self.risk_weight, self.middle(), None));
+            let chosen = human_choice(prospects, self.risk_weight, self.middle(), current);
+            choice.set_certain(prospects.len(), chosen);
         }
     }
 
