@@ -26,7 +26,7 @@ pub struct AnswerRow {
     pub answers: Vec<f64>,
     /// Their mean.
     pub mean: f64,
-    /// By least squares and by likelihood.
+    /// By likelihood and by least squares.
     pub fits: [f64; 2],
 }
 
@@ -45,12 +45,15 @@ const FRAME: [f64; 2] = [104.0, WIDTH - 22.0];
 const ROW: f64 = 30.0;
 /// Room above a panel for its title, px.
 const ABOVE: f64 = 32.0;
+/// Height of a line of the caution, px.
+const NOTE: f64 = 22.0;
 /// Height of the chart of errors, px.
 const CHART: f64 = 200.0;
 /// What the marks of either fit mean.
-const FITS: [&str; 2] = ["least squares", "likelihood"];
+const FITS: [&str; 2] = ["likelihood (recommended)", "least squares"];
 
-/// Answers and fits, a panel for every world; below, the rms error for every c_r with the two that were fitted.
+/// Answers and fits, a panel for every world; below, the rms error for every c_r with the two that were fitted, by likelihood and by least
+/// squares, and `caution`, sentence by sentence.
 ///
 /// # Errors
 /// [`DrawingError::NoPanels`]; [`DrawingError::Fit`] for what is no percentage or cannot be on the axis of c_r.
@@ -58,6 +61,7 @@ pub fn answers(
     panels: &[AnswerPanel],
     curve: &[(f64, f64)],
     marks: &[RiskWeightMark; 2],
+    caution: &str,
 ) -> Result<String, DrawingError> {
     check(panels, curve, marks)?;
     let percent = Scale { range: [0.0, 100.0], ends: [FRAME[0] + 8.0, FRAME[1] - 8.0], is_log: false };
@@ -76,8 +80,17 @@ pub fn answers(
     let (legend, bottom) = legend(Point::new(FRAME[0] - 84.0, top + 76.0), panels);
     let min = Point::new(FRAME[0], bottom + 16.0);
     let frame = Bounds { min, max: Point::new(FRAME[1], min.y + CHART) };
-    let picture = drawn.into_iter().fold(document(frame.max.y + 58.0), svg::Document::add);
-    Ok(picture.add(legend).add(errors(curve, marks, frame)).to_string())
+    let sentences: Vec<&str> = caution.split_inclusive(". ").collect();
+    let below = frame.max.y + 74.0;
+    let picture = document(below + NOTE * sentences.len() as f64 - 16.0);
+    let picture = drawn.into_iter().fold(picture, svg::Document::add);
+    let mut notes = Group::new().set("class", "caution");
+    for (i, sentence) in sentences.into_iter().enumerate() {
+        let words = Words::new().plain(sentence.trim());
+        let size = (0.85 * SMALL).min(SMALL * (WIDTH - 40.0) / words.width(SMALL));
+        notes = notes.add(words.at(Point::new(20.0, below + NOTE * i as f64), size, Align::Left));
+    }
+    Ok(picture.add(legend).add(errors(curve, marks, frame)).add(notes).to_string())
 }
 
 fn check(
@@ -246,14 +259,15 @@ mod tests {
     fn the_figure_is_well_formed_and_shows_every_answer() {
         let curve = [(0.1, 30.0), (10.0, 5.0), (1000.0, 20.0)];
         let marks = [8.0, 9.0].map(|at| RiskWeightMark { at, interval: Some([7.0, 11.0]) });
-        let picture = answers(&panels(), &curve, &marks).unwrap();
-        assert_eq!(picture, answers(&panels(), &curve, &marks).unwrap());
+        let picture = answers(&panels(), &curve, &marks, "One <. Two").unwrap();
+        assert_eq!(picture, answers(&panels(), &curve, &marks, "One <. Two").unwrap());
         crate::drawing::tests::check_well_formed(&picture);
         assert!(!picture.contains("NaN") && !picture.contains("inf"));
         let (legend, chart) = (1, 2);
         assert_eq!(picture.matches("class=\"answer\"").count(), 4 + legend);
         assert_eq!(picture.matches("class=\"mean\"").count(), 2 + legend);
         assert_eq!(picture.matches("class=\"fit\"").count(), 4 + 2 * legend + chart);
+        assert!(picture.contains("One &lt;.") && picture.contains("Two"));
         assert!(picture.contains("a &amp; b") && picture.contains("&lt;1&gt;"));
     }
 
@@ -270,9 +284,9 @@ mod tests {
     fn what_cannot_be_drawn_is_refused() {
         let marks = [RiskWeightMark { at: 8.0, interval: None }; 2];
         let curve = [(0.1, 30.0), (10.0, 5.0)];
-        assert!(matches!(answers(&[], &curve, &marks), Err(DrawingError::NoPanels)));
+        assert!(matches!(answers(&[], &curve, &marks, ""), Err(DrawingError::NoPanels)));
         let mut spoiled = panels();
         spoiled[0].rows[1].mean = f64::NAN;
-        assert!(matches!(answers(&spoiled, &curve, &marks), Err(DrawingError::Fit { .. })));
+        assert!(matches!(answers(&spoiled, &curve, &marks, ""), Err(DrawingError::Fit { .. })));
     }
 }

@@ -14,8 +14,8 @@ use svg::node::element::{Group, Path};
 pub struct ToleranceRow {
     /// Stands on the left; long ones are shortened.
     pub label: String,
-    /// The bounds of eta from each episode; the upper one is infinite where nobody switched.
-    pub bounds: Vec<[f64; 2]>,
+    /// The eta that agree with each episode, as intervals; the upper end is infinite where nobody switched.
+    pub bounds: Vec<Vec<[f64; 2]>>,
     /// eta; none without an upper bound.
     pub estimate: Option<f64>,
     /// Where eta lies; none if nothing is known.
@@ -34,10 +34,15 @@ const BEYOND: f64 = 1.35;
 
 /// A row for every participant: thin lines for the bounds of each episode (arrows where nobody switched), a thick one for where eta lies, a
 /// disc at the estimate (open where episodes contradict each other); behind them the median of all and one standard deviation of ln(eta).
+/// `no_interval` says why there is no interval of that median, if there is none.
 ///
 /// # Errors
 /// [`DrawingError::NoPanels`]; [`DrawingError::Fit`] for what cannot be on an axis in ratios.
-pub fn tolerances(rows: &[ToleranceRow], overall: Option<(f64, f64)>) -> Result<String, DrawingError> {
+pub fn tolerances(
+    rows: &[ToleranceRow],
+    overall: Option<(f64, f64)>,
+    no_interval: Option<&str>,
+) -> Result<String, DrawingError> {
     if rows.is_empty() {
         return Err(DrawingError::NoPanels);
     }
@@ -71,12 +76,18 @@ pub fn tolerances(rows: &[ToleranceRow], overall: Option<(f64, f64)>) -> Result<
         .add(rectangle(frame).set("fill", "none").set("stroke", INK).set("stroke-width", 1.2))
         .add(scale.below(frame, title));
     let (legend, bottom) = legend(Point::new(20.0, frame.max.y + 80.0), rows, overall.is_some());
-    Ok(document(bottom).add(group).add(legend).to_string())
+    let Some(reason) = no_interval else {
+        return Ok(document(bottom).add(group).add(legend).to_string());
+    };
+    let words = Words::new().plain(reason);
+    let size = SMALL * ((WIDTH - 40.0) / words.width(SMALL)).min(1.0);
+    let note = words.at(Point::new(20.0, bottom + 12.0), size, Align::Left);
+    Ok(document(bottom + 28.0).add(group).add(legend).add(note).to_string())
 }
 
 fn scale(rows: &[ToleranceRow], overall: Option<(f64, f64)>) -> Result<Scale, DrawingError> {
     let all = |row: &ToleranceRow| -> Vec<f64> {
-        let bounds = row.bounds.iter().chain(&row.interval).flatten().copied();
+        let bounds = row.bounds.iter().flatten().chain(&row.interval).flatten().copied();
         bounds.chain(row.estimate).collect()
     };
     for row in rows {
@@ -103,7 +114,9 @@ fn draw(row: &ToleranceRow, scale: &Scale, top: f64, height: f64) -> Group {
     group = group.add(stroke(&ends, "#c8c8c8", 0.8));
     for (i, bounds) in row.bounds.iter().enumerate() {
         let y = top + ROW - 1.0 + EPISODE * i as f64;
-        group = group.add(span(*bounds, scale, y, 1.6, "#6f6f6f").set("class", "episode"));
+        let episode = Group::new().set("class", "episode");
+        let spans = bounds.iter().map(|piece| span(*piece, scale, y, 1.6, "#6f6f6f"));
+        group = group.add(spans.fold(episode, Group::add));
     }
     if let Some(interval) = row.interval {
         let colour = Look::of(0).colour;
@@ -186,7 +199,7 @@ mod tests {
     fn rows() -> Vec<ToleranceRow> {
         let row = |label: &str, bounds: &[[f64; 2]], estimate, interval| ToleranceRow {
             label: label.to_owned(),
-            bounds: bounds.to_vec(),
+            bounds: bounds.iter().map(|piece| vec![*piece]).collect(),
             estimate,
             interval,
             is_scattered: false,
@@ -201,22 +214,24 @@ mod tests {
 
     #[test]
     fn the_figure_is_well_formed_and_shows_every_episode() {
-        let picture = tolerances(&rows(), Some((6.0, 0.4))).unwrap();
-        assert_eq!(picture, tolerances(&rows(), Some((6.0, 0.4))).unwrap());
+        let picture = tolerances(&rows(), Some((6.0, 0.4)), None).unwrap();
+        assert_eq!(picture, tolerances(&rows(), Some((6.0, 0.4)), None).unwrap());
         crate::drawing::tests::check_well_formed(&picture);
         assert!(!picture.contains("NaN") && !picture.contains("inf"));
         assert_eq!(picture.matches("class=\"episode\"").count(), 4);
         assert_eq!(picture.matches("class=\"interval\"").count(), 3);
         assert_eq!(picture.matches("class=\"estimate\"").count(), 2 + 1);
         assert!(picture.contains("&lt;p&gt;"));
-        tolerances(&rows()[3..], None).unwrap();
+        let without = tolerances(&rows()[3..], None, Some("1 < 2")).unwrap();
+        crate::drawing::tests::check_well_formed(&without);
+        assert!(without.contains("1 &lt; 2"));
     }
 
     #[test]
     fn what_cannot_be_drawn_is_refused() {
-        assert!(matches!(tolerances(&[], None), Err(DrawingError::NoPanels)));
+        assert!(matches!(tolerances(&[], None, None), Err(DrawingError::NoPanels)));
         let mut spoiled = rows();
         spoiled[0].estimate = Some(f64::NAN);
-        assert!(matches!(tolerances(&spoiled, None), Err(DrawingError::Fit { .. })));
+        assert!(matches!(tolerances(&spoiled, None, None), Err(DrawingError::Fit { .. })));
     }
 }
