@@ -104,7 +104,8 @@ fn coverage(design: &Design, studies: u64) -> [Coverage; 2] {
         if let Some(interval) = fit.median_interval {
             found[0].add(interval, MEDIAN);
         }
-        let scattered = fit.participants.iter().zip(medians).filter(|(p, _)| p.evidence == Evidence::Scattered);
+        let scattered =
+            fit.participants.iter().zip(medians).filter(|(p, _)| p.evidence == Evidence::Scattered);
         for (participant, median) in scattered {
             if let Some(interval) = participant.interval {
                 found[1].add(interval, median);
@@ -251,6 +252,8 @@ fn diffuse_answers_spoil_least_squares_but_not_the_likelihood() {
 fn coverage_of_the_risk_weight() {
     for risk_weight in [5.0, 10.0, 20.0] {
         let [likelihood, squares] = held(risk_weight, 200);
-        println!("c_r {risk_weight}, 30 % diffuse: held by likelihood {likelihood}, by least squares {squares} of 200");
+        println!(
+            "c_r {risk_weight}, 30 % diffuse: held by likelihood {likelihood}, by least squares {squares} of 200"
+        );
     }
 }

@@ -335,7 +335,11 @@ fn what_the_switches_do_not_determine_is_said_in_text_json_and_picture() {
             assert!(fit.to_string().contains(reason.trim_start_matches("episodes: ")), "{fit}");
         }
         if participant.is_empty() {
-            assert!(fit["overall"].is_null() && fit["median_interval"].is_null() && said.contains("All: the median"));
+            assert!(
+                fit["overall"].is_null()
+                    && fit["median_interval"].is_null()
+                    && said.contains("All: the median")
+            );
             let picture = std::fs::read_to_string(&picture).unwrap();
             assert!(picture.contains("not determined: participants: 1 of 10"), "{picture}");
         } else {
@@ -352,7 +356,8 @@ fn golden_no_eta_that_switches_at_a_step_is_missed() {
         let guidance = Guidance::mutual(&set, &Settings::default());
         let Guidance::Mutual { pieces, .. } = &guidance else { panic!("not mutual") };
         assert!(pieces.windows(2).all(|p| p[0].upper == p[1].lower && p[0].lower < p[0].upper));
-        let is_monotone = pieces.windows(2).all(|p| p[0].step.unwrap_or(u64::MAX) <= p[1].step.unwrap_or(u64::MAX));
+        let is_monotone =
+            pieces.windows(2).all(|p| p[0].step.unwrap_or(u64::MAX) <= p[1].step.unwrap_or(u64::MAX));
         assert_eq!(is_monotone, MONOTONE.contains(&environment.name), "{}", environment.name);
         let mut rng = ChaCha8Rng::seed_from_u64(4);
         for _ in 0..2000 {

@@ -193,7 +193,8 @@ fn figures_of_an_earlier_format_are_to_be_recorded_anew() {
     let file = at(folder.path(), SMALL);
     assert!(cocarry(&["regress", "record", &file]).status.success());
     let recorded = std::fs::read_to_string(&file).unwrap();
-    let is_new = |line: &&str| ["format", "openings", "mean_offset_m"].iter().any(|key| line.starts_with(key));
+    let is_new =
+        |line: &&str| ["format", "openings", "mean_offset_m"].iter().any(|key| line.starts_with(key));
     let old: Vec<&str> = recorded.lines().filter(|line| !is_new(line)).collect();
     let file = at(folder.path(), &(old.join("\n") + "\n"));
     let output = cocarry(&["regress", "check", &file]);

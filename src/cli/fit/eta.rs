@@ -114,7 +114,8 @@ fn text(fit: &EtaFit) -> String {
             text,
             "All: median {:.2} ({}), spread: a factor of {factor:.2} (two thirds of people from {low:.2} to {high:.2}).",
             overall.median,
-            fit.median_interval.map_or("no interval".to_owned(), |ends| format!("95 % interval {}", interval(ends)))
+            fit.median_interval
+                .map_or("no interval".to_owned(), |ends| format!("95 % interval {}", interval(ends)))
         );
     }
     if let Some(reason) = no_interval(fit) {
@@ -135,15 +136,20 @@ fn text(fit: &EtaFit) -> String {
     }
     text += "bounded: all episodes agree, eta lies in the interval. censored: never switched.";
     text += match fit.is_scattered {
-        true => " scattered: somebody's episodes contradict each other, so\neta is taken to scatter between episodes: a median, with its 95 % interval.\n",
-        false => " Nobody's episodes contradict each other: eta\nis taken to stay the same from episode to episode.\n",
+        true => {
+            " scattered: somebody's episodes contradict each other, so\neta is taken to scatter between episodes: a median, with its 95 % interval.\n"
+        }
+        false => {
+            " Nobody's episodes contradict each other: eta\nis taken to stay the same from episode to episode.\n"
+        }
     };
     text + "All: the log-normal distribution of everyone's eta.\n"
 }
 
 /// Why the interval of all is not there, if it is not.
 fn no_interval(fit: &EtaFit) -> Option<String> {
-    fit.no_interval.map(|reason| format!("the median's 95 % interval is not determined: participants: {reason}"))
+    fit.no_interval
+        .map(|reason| format!("the median's 95 % interval is not determined: participants: {reason}"))
 }
 
 fn interval([low, high]: [f64; 2]) -> String {

@@ -5,9 +5,9 @@
 //! episode, log-normally, and so it does for everyone with several episodes. All participants are taken as draws from one log-normal
 //! distribution, each known up to what their episodes have in common, or, where it scatters, up to what the scatter of all leaves of it.
 
+use super::Switch;
 use super::lognormal::{self, LogNormal, NoInterval};
 use super::set::{Set, hull, intersection};
-use super::Switch;
 use serde::Serialize;
 
 /// What is known of a participant's eta.

@@ -58,7 +58,9 @@ const EXACT: f64 = 1e-4;
 impl fmt::Display for NoInterval {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Self::Few { found } => write!(f, "{found} of the at least {LEAST_DRAWS} that a 95 % interval needs"),
+            Self::Few { found } => {
+                write!(f, "{found} of the at least {LEAST_DRAWS} that a 95 % interval needs")
+            }
             Self::Unbounded { bounded, of } => write!(
                 f,
                 "{bounded} of {of} {} bounded from below and from above; at least {LEAST_BOUNDED} are needed to tell median and spread apart",
@@ -289,7 +291,8 @@ impl Draw {
                     }
                     last.1
                 };
-                let shares = pieces.iter().map(|([low, high], weight)| weight * (above_end(*low) - above_end(*high)));
+                let shares =
+                    pieces.iter().map(|([low, high], weight)| weight * (above_end(*low) - above_end(*high)));
                 shares.sum::<f64>().max(0.0)
             }
         }
@@ -451,7 +454,9 @@ mod tests {
     #[test]
     fn golden_probabilities_agree_with_statrs() {
         let normal = Normal::new(0.0, 1.0).unwrap();
-        for (a, b) in [(-1.0, 1.0), (0.3, 0.300_05), (-2.0, f64::INFINITY), (3.0, 9.0), (f64::NEG_INFINITY, -5.0)] {
+        for (a, b) in
+            [(-1.0, 1.0), (0.3, 0.300_05), (-2.0, f64::INFINITY), (3.0, 9.0), (f64::NEG_INFINITY, -5.0)]
+        {
             let expected = if a > 0.0 { normal.sf(a) - normal.sf(b) } else { normal.cdf(b) - normal.cdf(a) };
             assert!((between(a, b) / expected - 1.0).abs() < 1e-9, "{a}, {b}");
         }

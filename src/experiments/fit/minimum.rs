@@ -32,7 +32,11 @@ pub(super) fn refined(scanned: &[f64], index: usize, mut value: impl FnMut(f64) 
 }
 
 /// Where a `value` with one valley between two numbers is least, to `tolerance`, by golden sections.
-pub(super) fn golden([mut low, mut high]: [f64; 2], tolerance: f64, mut value: impl FnMut(f64) -> f64) -> f64 {
+pub(super) fn golden(
+    [mut low, mut high]: [f64; 2],
+    tolerance: f64,
+    mut value: impl FnMut(f64) -> f64,
+) -> f64 {
     const SECTION: f64 = 0.618_033_988_749_894_9;
     let mut at = [high - SECTION * (high - low), low + SECTION * (high - low)];
     let mut values = at.map(&mut value);

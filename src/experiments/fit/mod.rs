@@ -16,7 +16,8 @@ pub use error::FitError;
 pub use eta::{Eta, EtaFit, Evidence, fit_eta};
 pub use lognormal::{LEAST_BOUNDED, LEAST_DRAWS, LogNormal, NoInterval};
 pub use risk_weight::{
-    CELL_ERROR, Errors, Estimate, LEAST_SQUARES_CAUTION, RiskWeightFit, RiskWeightSettings, Row, fit_risk_weight,
+    CELL_ERROR, Errors, Estimate, LEAST_SQUARES_CAUTION, RiskWeightFit, RiskWeightSettings, Row,
+    fit_risk_weight,
 };
 pub use set::Set;
 pub use switches::{Executed, Switch, SwitchFile};

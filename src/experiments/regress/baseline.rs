@@ -88,7 +88,8 @@ impl Baseline {
         }
         let format = document.get("format").map_or(Ok(1), |item| {
             let format = item.as_integer().filter(|format| (1..=FORMAT).contains(format));
-            let expected = format!("a whole number from 1 to {FORMAT}, the latest format that this version knows");
+            let expected =
+                format!("a whole number from 1 to {FORMAT}, the latest format that this version knows");
             format.ok_or_else(|| source.wrong(item, "the file", "format", &expected))
         })?;
         let tolerances =
