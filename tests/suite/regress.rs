@@ -138,6 +138,7 @@ fn a_figure_that_is_gone_or_new_has_moved() {
 
 /// Two ways around a pillar, of which the one above the line from start to target is listed as the only option.
 const PILLAR: &str = r#"
+name = "Pillar"
 robot_width_m = 0.5
 start_m = [0.0, 0.0]
 target_m = [8.0, 0.0]
