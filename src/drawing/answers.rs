@@ -2,8 +2,8 @@
 
 use super::kit::{
     AXIS_ROOM, Axis, FAINT, GAP, GRID, INK, Legend, LineStyle, MARGIN, Plot, Shape, Side, TITLE_ROOM, Text,
-    border, document, frame_title, left_of_rows, level, mark, mean_bar, place, rectangle, row_label, stroke,
-    upright,
+    border, document, frame_title, left_of_rows, level, mark, mean_bar, notes, place, rectangle, row_label,
+    stroke, upright,
 };
 use super::{DrawingError, WIDTH};
 use crate::geometry::{Bounds, Point, Vector};
@@ -27,7 +27,7 @@ pub struct AnswerRow {
     pub answers: Vec<f64>,
     /// Their mean.
     pub mean: f64,
-    /// By least squares and by likelihood.
+    /// By likelihood and by least squares.
     pub fits: [f64; 2],
 }
 
@@ -47,10 +47,11 @@ const ROW: f64 = 30.0;
 const MEAN: f64 = 22.0;
 /// Height of the chart of errors, px.
 const CHART: f64 = 200.0;
-/// What the two fits are called.
-const FITS: [&str; 2] = ["least squares", "likelihood"];
+/// What the marks of either fit mean.
+const FITS: [&str; 2] = ["likelihood (recommended)", "least squares"];
 
-/// Answers and fits, a panel for every world; below, the rms error for every c_r with the two that were fitted.
+/// Answers and fits, a panel for every world; below, the rms error for every c_r with the two that were fitted, by likelihood and by least
+/// squares, and `caution`, sentence by sentence.
 ///
 /// # Errors
 /// [`DrawingError::NoPanels`]; [`DrawingError::Fit`] for what is no percentage or cannot be on the axis of c_r.
@@ -58,6 +59,7 @@ pub fn answers(
     panels: &[AnswerPanel],
     curve: &[(f64, f64)],
     marks: &[RiskWeightMark; 2],
+    caution: &str,
 ) -> Result<String, DrawingError> {
     check(panels, curve, marks)?;
     let rows = || panels.iter().flat_map(|p| &p.rows);
@@ -87,8 +89,9 @@ pub fn answers(
     legend = FITS.iter().enumerate().fold(legend, |legend, (fit, name)| legend.entry(fit_mark(fit), *name));
     let (legend, bottom) = legend.draw(Point::new(MARGIN, top), WIDTH - 2.0 * MARGIN);
     let frame = frame(bottom + GAP, CHART);
-    let picture = document(frame.max.y + AXIS_ROOM).add(drawn).add(legend);
-    Ok(picture.add(errors(curve, marks, frame)).to_string())
+    let (caution, bottom) = notes(caution.split_inclusive(". "), frame.max.y + AXIS_ROOM);
+    let picture = document(bottom).add(drawn).add(legend).add(errors(curve, marks, frame));
+    Ok(picture.add(caution.set("class", "caution")).to_string())
 }
 
 fn check(
@@ -205,11 +208,12 @@ mod tests {
     fn the_figure_is_well_formed_and_shows_every_answer() {
         let curve = [(0.1, 30.0), (10.0, 5.0), (1000.0, 20.0)];
         let marks = [8.0, 9.0].map(|at| RiskWeightMark { at, interval: Some([7.0, 11.0]) });
-        let picture = checked(|| answers(&panels(), &curve, &marks));
+        let picture = checked(|| answers(&panels(), &curve, &marks, "One <. Two"));
         let (legend, chart) = (1, 2);
         assert_eq!(picture.matches("class=\"answer\"").count(), 4 + legend);
         assert_eq!(picture.matches("class=\"mean\"").count(), 2 + legend);
         assert_eq!(picture.matches("class=\"fit\"").count(), 4 + 2 * legend + chart);
+        assert!(picture.contains("One &lt;.") && picture.contains("Two"));
         assert!(picture.contains("a &amp; b") && picture.contains("&lt;1&gt;"));
     }
 
@@ -226,9 +230,9 @@ mod tests {
     fn what_cannot_be_drawn_is_refused() {
         let marks = [RiskWeightMark { at: 8.0, interval: None }; 2];
         let curve = [(0.1, 30.0), (10.0, 5.0)];
-        assert!(matches!(answers(&[], &curve, &marks), Err(DrawingError::NoPanels)));
+        assert!(matches!(answers(&[], &curve, &marks, ""), Err(DrawingError::NoPanels)));
         let mut spoiled = panels();
         spoiled[0].rows[1].mean = f64::NAN;
-        assert!(matches!(answers(&spoiled, &curve, &marks), Err(DrawingError::Fit { .. })));
+        assert!(matches!(answers(&spoiled, &curve, &marks, ""), Err(DrawingError::Fit { .. })));
     }
 }

@@ -2,8 +2,8 @@
 
 use super::kit::{
     AXIS_ROOM, Axis, BAND, FAINT, GRID, Legend, LineStyle, MARGIN, SAMPLE, Shape, Side, Text, border,
-    document, guide, left_of_rows, level, level_sample, mark, place, polygon, rectangle, row_label, stroke,
-    upright,
+    document, guide, left_of_rows, level, level_sample, mark, notes, place, polygon, rectangle, row_label,
+    stroke, upright,
 };
 use super::{DrawingError, WIDTH};
 use crate::geometry::{Bounds, Point, Vector};
@@ -15,8 +15,8 @@ use svg::node::element::Group;
 pub struct ToleranceRow {
     /// Stands on the left; long ones are shortened.
     pub label: String,
-    /// The bounds of eta from each episode; the upper one is infinite where nobody switched.
-    pub bounds: Vec<[f64; 2]>,
+    /// The eta that agree with each episode, as intervals; the upper end is infinite where nobody switched.
+    pub bounds: Vec<Vec<[f64; 2]>>,
     /// eta; none without an upper bound.
     pub estimate: Option<f64>,
     /// Where eta lies; none if nothing is known.
@@ -38,10 +38,15 @@ const BEYOND: f64 = 1.35;
 
 /// A row for every participant: thin lines for the bounds of each episode (arrows where nobody switched), a thick one for where eta lies, a
 /// disc at the estimate (open where episodes contradict each other); behind them the median of all and one standard deviation of ln(eta).
+/// `no_interval` says why there is no interval of that median, if there is none.
 ///
 /// # Errors
 /// [`DrawingError::NoPanels`]; [`DrawingError::Fit`] for what cannot be on an axis in ratios.
-pub fn tolerances(rows: &[ToleranceRow], overall: Option<(f64, f64)>) -> Result<String, DrawingError> {
+pub fn tolerances(
+    rows: &[ToleranceRow],
+    overall: Option<(f64, f64)>,
+    no_interval: Option<&str>,
+) -> Result<String, DrawingError> {
     if rows.is_empty() {
         return Err(DrawingError::NoPanels);
     }
@@ -70,12 +75,13 @@ pub fn tolerances(rows: &[ToleranceRow], overall: Option<(f64, f64)>) -> Result<
     group = group.add(border(frame)).add(axis.draw(frame, &Text::new("tolerance ").italic("\u{3b7}")));
     let legend = legend(rows, overall.is_some());
     let (legend, bottom) = legend.draw(Point::new(MARGIN, frame.max.y + AXIS_ROOM), WIDTH - 2.0 * MARGIN);
-    Ok(document(bottom).add(group).add(legend).to_string())
+    let (reason, bottom) = notes(no_interval, bottom);
+    Ok(document(bottom).add(group).add(legend).add(reason).to_string())
 }
 
 fn axis(rows: &[ToleranceRow], overall: Option<(f64, f64)>, frame: Bounds) -> Result<Axis, DrawingError> {
     let all = |row: &ToleranceRow| -> Vec<f64> {
-        let bounds = row.bounds.iter().chain(&row.interval).flatten().copied();
+        let bounds = row.bounds.iter().flatten().chain(&row.interval).flatten().copied();
         bounds.chain(row.estimate).collect()
     };
     for row in rows {
@@ -98,7 +104,9 @@ fn draw(row: &ToleranceRow, axis: &Axis, top: f64, frame: Bounds) -> Group {
     let mut group = Group::new().set("class", "row");
     for (i, bounds) in row.bounds.iter().enumerate() {
         let y = top + ROW - 1.0 + EPISODE * i as f64;
-        group = group.add(span(*bounds, axis, y, EPISODE_LINE, FAINT, frame).set("class", "episode"));
+        let episode = Group::new().set("class", "episode");
+        let spans = bounds.iter().map(|piece| span(*piece, axis, y, EPISODE_LINE, FAINT, frame));
+        group = group.add(spans.fold(episode, Group::add));
     }
     if let Some(interval) = row.interval {
         let colour = LineStyle::of(0).colour();
@@ -157,7 +165,7 @@ mod tests {
     fn rows() -> Vec<ToleranceRow> {
         let row = |label: &str, bounds: &[[f64; 2]], estimate, interval| ToleranceRow {
             label: label.to_owned(),
-            bounds: bounds.to_vec(),
+            bounds: bounds.iter().map(|piece| vec![*piece]).collect(),
             estimate,
             interval,
             is_scattered: false,
@@ -172,19 +180,21 @@ mod tests {
 
     #[test]
     fn the_figure_is_well_formed_and_shows_every_episode() {
-        let picture = checked(|| tolerances(&rows(), Some((6.0, 0.4))));
+        let picture = checked(|| tolerances(&rows(), Some((6.0, 0.4)), None));
         assert_eq!(picture.matches("class=\"episode\"").count(), 4);
         assert_eq!(picture.matches("class=\"interval\"").count(), 3);
         assert_eq!(picture.matches("class=\"estimate\"").count(), 2 + 1);
         assert!(picture.contains("&lt;p&gt;"));
-        tolerances(&rows()[3..], None).unwrap();
+        let without = tolerances(&rows()[3..], None, Some("1 < 2")).unwrap();
+        crate::drawing::tests::check_well_formed(&without);
+        assert!(without.contains("1 &lt; 2"));
     }
 
     #[test]
     fn what_cannot_be_drawn_is_refused() {
-        assert!(matches!(tolerances(&[], None), Err(DrawingError::NoPanels)));
+        assert!(matches!(tolerances(&[], None, None), Err(DrawingError::NoPanels)));
         let mut spoiled = rows();
         spoiled[0].estimate = Some(f64::NAN);
-        assert!(matches!(tolerances(&spoiled, None), Err(DrawingError::Fit { .. })));
+        assert!(matches!(tolerances(&spoiled, None, None), Err(DrawingError::Fit { .. })));
     }
 }

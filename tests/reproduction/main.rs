@@ -1,5 +1,7 @@
 //! The paper's tables, within the tolerances that the README states.
 
+mod coverage;
+
 use cocarry::coordination::Method;
 use cocarry::episode::{Outcome, Settings};
 use cocarry::experiments::fit::{AnswerFile, RiskWeightSettings, Situation, fit_risk_weight};

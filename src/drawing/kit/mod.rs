@@ -97,6 +97,19 @@ pub(super) fn row_label(text: &str, left: f64, middle: f64) -> Element {
     Text::new(text).within(left - MARGIN - GAP, TEXT_SIZE).at(at, TEXT_SIZE, Align::Right)
 }
 
+/// Sentences below a picture from `top` (px) on, one a line, as small as the width asks for, and where they end.
+pub(super) fn notes<'a>(sentences: impl IntoIterator<Item = &'a str>, top: f64) -> (Group, f64) {
+    let mut bottom = top;
+    let mut group = Group::new();
+    for sentence in sentences {
+        let text = Text::new(sentence.trim());
+        let size = (0.85 * TEXT_SIZE).min(TEXT_SIZE * (WIDTH - 2.0 * MARGIN) / text.width(TEXT_SIZE));
+        bottom += 22.0;
+        group = group.add(text.at(Point::new(MARGIN, bottom - 6.0), size, Align::Left));
+    }
+    (group, bottom)
+}
+
 /// The outline of a frame.
 pub(super) fn border(frame: Bounds) -> Rectangle {
     rectangle(frame).set("fill", "none").set("stroke", INK).set("stroke-width", FRAME_WIDTH)

@@ -1,7 +1,9 @@
-//! An episode that is over in; the figures that a baseline keeps of it out.
+//! An episode that is over and the way that it went in; the figures that a baseline keeps of it out.
 
 use super::{Figures, Tolerance};
 use crate::episode::Summary;
+use crate::geometry::{Point, cross};
+use crate::options::Crossing;
 use crate::scenario::Stage;
 
 /// A figure of a run.
@@ -16,15 +18,18 @@ pub enum Figure {
 }
 
 /// The names of all figures, in the order in which they are recorded: those of `cocarry run --json`, with `control_` and `interaction_` before
-/// what stands inside `control` and `interaction` there. What a run does not have is left out; `transition_step` is then `"never"`, `collision`
-/// `"none"`.
-pub const FIGURES: [&str; 21] = [
+/// what stands inside `control` and `interaction` there; beside these, the way: `openings`, each with its middle, in the order in which the team went
+/// through them, and `mean_offset_m`, how far to the left of the straight line from start to target. What a run does not have is left out;
+/// `transition_step` is then `"never"`, `openings` and `collision` are `"none"`.
+pub const FIGURES: [&str; 23] = [
     "outcome",
     "steps",
     "first_option",
     "last_option",
     "option_changes",
     "transition_step",
+    "openings",
+    "mean_offset_m",
     "walked_m",
     "accumulated_objective_cost_m",
     "control_cost",
@@ -76,8 +81,46 @@ impl std::fmt::Display for Figure {
     }
 }
 
+/// The way that a team went: on which side, which the names of options do not say.
+#[derive(Clone, Debug)]
+pub struct Way {
+    position: Point,
+    crossings: Vec<Crossing>,
+    /// Sum over the steps of the distance to the left of the straight line from start to target, m.
+    offsets: f64,
+    steps: u64,
+}
+
+impl Way {
+    /// At the start.
+    pub fn new(stage: &Stage) -> Self {
+        Self { position: stage.world().start, crossings: Vec::new(), offsets: 0.0, steps: 0 }
+    }
+
+    /// One step on.
+    pub fn step(&mut self, stage: &Stage, to: Point) {
+        let world = stage.world();
+        self.crossings.extend(stage.options().crossing(self.position, to));
+        let ahead = world.target - world.start;
+        self.offsets += cross(ahead, to - world.start) / ahead.norm();
+        self.steps += 1;
+        self.position = to;
+    }
+
+    fn openings(&self, stage: &Stage) -> String {
+        let names = self.crossings.iter().map(|crossing| {
+            let opening = &stage.world().openings[crossing.opening];
+            // to the centimetre; no negative zero
+            let [x, y] = [opening.center().x, opening.center().y].map(|c| (c * 100.0).round() / 100.0 + 0.0);
+            format!("{} ({x:.2}, {y:.2})", opening.name)
+        });
+        let names = names.collect::<Vec<_>>().join(", ");
+        if names.is_empty() { "none".to_owned() } else { names }
+    }
+}
+
 /// The figures of an episode that is over.
-pub fn figures(stage: &Stage, summary: &Summary) -> Figures {
+pub fn figures(stage: &Stage, summary: &Summary, way: &Way) -> Figures {
     let option = |o: usize| Figure::Text(stage.options().options()[o].name.clone());
     let count = |n: u64| Figure::Count(i64::try_from(n).unwrap_or(i64::MAX));
     let transition = summary.transition.map(|t| count(t.step));
@@ -88,6 +131,8 @@ pub fn figures(stage: &Stage, summary: &Summary) -> Figures {
         option(summary.last_option),
         count(u64::from(summary.changes)),
         transition.unwrap_or_else(|| Figure::Text("never".to_owned())),
+        Figure::Text(way.openings(stage)),
+        Figure::Number(way.offsets / way.steps.max(1) as f64),
         Figure::Number(summary.walked),
         Figure::Number(summary.accumulated_cost),
     ];
