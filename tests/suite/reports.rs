@@ -192,6 +192,66 @@ fn the_figures_are_those_of_the_single_commands() {
     );
 }
 
+/// The paper's protocol of twenty humans stands beside the expectation over all, with intervals and tests, also where it goes the other way.
+#[test]
+fn the_twenty_humans_of_table_2_are_compared_in_pairs() {
+    let number = |row: &std::collections::BTreeMap<String, String>, key: &str| -> f64 {
+        row[key].parse().unwrap_or_else(|_| panic!("{key}: {}", row[key]))
+    };
+    let markdown = text("report.md");
+    let mut compared = 0;
+    for row in rows("table-2") {
+        if row["eta"].is_empty() {
+            assert!(row["sample_against_without_difference_m"].is_empty());
+            continue;
+        }
+        let [lower, mean, upper, raw, holm] = [
+            "sample_against_without_difference_lower_m",
+            "sample_against_without_difference_m",
+            "sample_against_without_difference_upper_m",
+            "sample_against_without_p_value",
+            "sample_against_without_p_holm",
+        ]
+        .map(|key| number(&row, key));
+        assert_eq!(row["sample_against_without_pairs"], "20");
+        assert!(lower < mean && mean < upper && raw <= holm, "{row:?}");
+        assert_eq!(raw < 0.05, lower > 0.0 || upper < 0.0, "interval and test agree: {row:?}");
+        let told = format!("not lower in Environment {}, mutual, eta {}", row["environment"], row["eta"]);
+        assert_eq!(markdown.contains(&told), mean >= 0.0, "{told}");
+        compared += 1;
+    }
+    assert_eq!(compared, 12);
+    assert!(markdown.contains("the paper's protocol, 20 random humans"));
+    assert!(markdown.contains("Holm's method for the 12 comparisons of this table"));
+}
+
+/// Every comparison of Table III is corrected, and not made where all humans have one outcome; the account of H3 is in figures of the run.
+#[test]
+fn table_3_is_tested_where_humans_differ() {
+    let mut untested = 0;
+    for row in rows("table-3-all").iter().filter(|row| !row["difference"].is_empty()) {
+        let is_tested = !row["p_value"].is_empty();
+        assert_eq!(
+            [&row["p_holm"], &row["difference_lower"], &row["effect_size"]].map(|c| !c.is_empty()),
+            [is_tested; 3]
+        );
+        untested += usize::from(!is_tested);
+        assert_eq!(row["pairs"], "2");
+    }
+    let markdown = text("report.md");
+    assert!(
+        untested > 0 && markdown.contains("not tested, as all humans there have one outcome"),
+        "{untested}"
+    );
+    for part in [
+        "What the probabilities are worth",
+        "Costs against manipulability",
+        "How much of it is the baseline's",
+    ] {
+        assert!(markdown.contains(part), "{part}");
+    }
+}
+
 #[test]
 fn the_regions_of_the_map_are_as_large_as_their_options_are_probable() {
     let picture = text("figures/preference-regions.svg");
