@@ -14,6 +14,7 @@
 //! drawing        maps and curves as SVG
 //! recording      an episode as an MCAP file, and back; live, to those who watch
 //! scenario       all that settles an episode, as text; snapshots of one under way; from either the episode again
+//! arithmetic     the stamp that says which machines give the same bits
 //! episode        THE LOOP: observe, evaluate, predict, accumulate, decide, choose, prepare, control, walk
 //! simulation     what the controller acts on: exact kinematics, or bodies with dynamics and contacts
 //! control        MPC, pose optimisation, the human's intent
@@ -70,6 +71,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod arithmetic;
 pub mod cli;
 pub mod control;
 pub mod coordination;

@@ -5,7 +5,8 @@
 //! half; the robot only knows the full ranges. Every method meets the same humans: all comparisons are paired.
 
 use super::paper::{BuiltInError, ENVIRONMENTS, Environment, HumanSetting, SETTINGS};
-use super::{OnDone, in_parallel, mean_and_std, paired_p_value};
+use super::statistics::{self, Paired, mean_and_std};
+use super::{OnDone, Way, in_parallel, way};
 use crate::control::{Avoid, CandidateSet, PoseCriterion, RobotObstacles};
 use crate::coordination;
 use crate::episode::{ControlSummary, Episode, Manipulator, Outcome, PreferenceChange, Settings};
@@ -18,6 +19,7 @@ use crate::{control, preference};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// Random experiments a cell, as in the paper.
 pub const EPISODES: usize = 100;
@@ -136,8 +138,10 @@ pub struct Row {
     pub ours_std: f64,
     /// Mean over the method's baseline's mean.
     pub ratio: f64,
-    /// Two-sided p-value of the paired t-test against the baseline; none for the baselines.
-    pub p_value: Option<f64>,
+    /// C less that of the baseline with the same human; corrected for all comparisons from this start. None for the baselines.
+    pub against_baseline: Option<Paired>,
+    /// Different sequences of options that the humans walk, as far as they are compared: first and last option, and how often they change.
+    pub ways: usize,
     /// Episodes run.
     pub episodes: usize,
     /// Episodes that cost less than the baseline's with the same human.
@@ -178,6 +182,10 @@ impl Study<'_> {
         let mut rows = Vec::new();
         for environment in &ENVIRONMENTS {
             rows.extend(self.environment(environment, on_done)?);
+        }
+        for start in &self.robot.postures {
+            let from_there = rows.iter_mut().filter(|row| row.start == start.name);
+            statistics::correct(from_there.filter_map(|row| row.against_baseline.as_mut()));
         }
         Ok(rows)
     }
@@ -230,7 +238,9 @@ impl Study<'_> {
                 let all = &ends[group * methods.len() * n..][..methods.len() * n];
                 let (setting, start) = (group / starts.len(), &starts[group % starts.len()]);
                 (0..methods.len())
-                    .map(move |m| row(environment, setting, start, (methods, m), all, n))
+                    .map(move |m| {
+                        row(environment, setting, start, (methods, m), all, (n, self.physics.is_some()))
+                    })
                     .collect::<Vec<_>>()
             })
             .collect())
@@ -269,6 +279,7 @@ struct End {
     control: ControlSummary,
     steps: u64,
     arrived: bool,
+    way: Way,
 }
 
 fn follow(mut episode: Episode) -> End {
@@ -282,17 +293,19 @@ fn follow(mut episode: Episode) -> End {
         control: summary.control.unwrap_or_default(),
         steps: summary.steps,
         arrived: outcome == Outcome::Arrived,
+        way: way(summary),
     }
 }
 
-/// One method's row; `all` are the episodes of all methods of the cell.
+/// One method's row; `all` are the episodes of all methods of the cell, `n` each. Where bodies sway (`is_noisy`), humans who all walk the same
+/// way differ by noise alone.
 fn row(
     environment: &Environment,
     setting: usize,
     start: &Posture,
     (methods, method): (&[PoseMethod], usize),
     all: &[End],
-    n: usize,
+    (n, is_noisy): (usize, bool),
 ) -> Row {
     let ends = |m: usize| &all[m * n..(m + 1) * n];
     let this = methods[method];
@@ -302,6 +315,8 @@ fn row(
     let costs = |m: usize| (0..n).filter(|&i| both(i)).map(|i| ends(m)[i].control.cost()).collect::<Vec<_>>();
     let (ours, theirs) = (costs(method), costs(baseline));
     let (ours_mean, ours_std) = mean_and_std(&ours);
+    let ways: BTreeSet<_> =
+        (0..n).filter(|&i| both(i)).map(|i| (ends(method)[i].way, ends(baseline)[i].way)).collect();
     let mean = |part: fn(&ControlSummary) -> f64| {
         ends(method).iter().map(|e| part(&e.control)).sum::<f64>() / n as f64
     };
@@ -321,7 +336,10 @@ fn row(
         ours_mean,
         ours_std,
         ratio: ours_mean / mean_and_std(&theirs).0,
-        p_value: (method != baseline).then(|| paired_p_value(&ours, &theirs)).flatten(),
+        against_baseline: (method != baseline)
+            .then(|| Paired::of_lists(&ours, &theirs, ways.len() > 1 || !is_noisy))
+            .flatten(),
+        ways: ways.len(),
         episodes: n,
         wins: ours.iter().zip(&theirs).filter(|(a, b)| a < b).count(),
         parts: [mean(|c| c.tracking), mean(|c| c.effort), mean(|c| c.pose)],

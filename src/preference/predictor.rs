@@ -66,6 +66,8 @@ struct Independent {
     /// Nodes over `alpha` where no closed form is used.
     alpha_nodes: Option<Nodes>,
     gamma_nodes: Nodes,
+    /// By option, the risk of the last call and its mean perception: what is left of an option changes its risk at openings only.
+    perceived_risks: Vec<(f64, f64)>,
     front: Vec<Curve>,
     strips: Strips,
 }
@@ -94,6 +96,7 @@ impl Predictor {
                 },
                 alpha_nodes: alpha.normal_shape().map(|_| Nodes::new(alpha)),
                 gamma_nodes: Nodes::new(gamma),
+                perceived_risks: Vec::new(),
                 front: Vec::new(),
                 strips: Strips::new(),
             })),
@@ -167,21 +170,28 @@ impl Predictor {
     pub fn expected_costs(&mut self, prospects: &[Prospect], costs: &mut Vec<f64>) {
         costs.clear();
         let risk_weight = self.risk_weight;
-        costs.extend(prospects.iter().map(|prospect| match &self.model {
-            Model::Samples(set) => {
+        match &mut self.model {
+            Model::Samples(set) => costs.extend(prospects.iter().map(|prospect| -> f64 {
                 let cost = |perception| subjective_cost(*prospect, risk_weight, perception);
                 set.samples().iter().map(|sample| sample.weight * cost(sample.perception)).sum()
-            }
+            })),
             Model::Independent(model) => {
-                let Prospect { length, risk } = prospect.clamped();
-                let alpha = &model.domain.alpha;
-                let perceived_length = match &model.alpha_nodes {
-                    Some(nodes) => nodes.perceived_length(length),
-                    None => uniform_perceived_length(length, alpha.lower(), alpha.upper()),
-                };
-                perceived_length + risk_weight * model.gamma_nodes.perceived_risk(risk)
+                // no risk equals what is not a number
+                model.perceived_risks.resize(prospects.len(), (f64::NAN, f64::NAN));
+                costs.extend(prospects.iter().zip(&mut model.perceived_risks).map(|(prospect, known)| {
+                    let Prospect { length, risk } = prospect.clamped();
+                    let alpha = &model.domain.alpha;
+                    let perceived_length = match &model.alpha_nodes {
+                        Some(nodes) => nodes.perceived_length(length),
+                        None => uniform_perceived_length(length, alpha.lower(), alpha.upper()),
+                    };
+                    if known.0 != risk {
+                        *known = (risk, model.gamma_nodes.perceived_risk(risk));
+                    }
+                    perceived_length + risk_weight * known.1
+                }));
             }
-        }));
+        }
     }
 
     /// Values of `gamma` at which the last [`predict`](Self::predict) evaluated all options; 0 for samples.

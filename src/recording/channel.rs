@@ -3,6 +3,7 @@
 use super::schema;
 use foxglove::messages::{FrameTransforms, JointStates, Log, SceneUpdate};
 use foxglove::{Encode, Schema};
+use serde_json::Value;
 
 /// What a message tells of. The table in [the module's documentation](super) says what is in each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -122,8 +123,20 @@ impl Message {
         Self { channel, time, data }
     }
 
-    /// A JSON message.
-    pub(super) fn json(channel: Channel, time: u64, message: &serde_json::Value) -> Self {
+    /// A JSON message, without the fields that are null.
+    pub(super) fn json(channel: Channel, time: u64, mut message: Value) -> Self {
+        leave_out_nulls(&mut message);
         Self { channel, time, data: message.to_string().into_bytes() }
+    }
+}
+
+fn leave_out_nulls(value: &mut Value) {
+    match value {
+        Value::Object(fields) => {
+            fields.retain(|_, field| !field.is_null());
+            fields.values_mut().for_each(leave_out_nulls);
+        }
+        Value::Array(items) => items.iter_mut().for_each(leave_out_nulls),
+        _ => {}
     }
 }

@@ -1,4 +1,5 @@
-//! A step of an episode in; its JSON messages out, with the fields that [`schema`](super::schema) describes. What is no number is null.
+//! A step of an episode in; its JSON messages out, with the fields that [`schema`](super::schema) describes. What is null here, as
+//! is what is no number, is left out of the message.
 
 use super::encoder::Ending;
 use crate::control::{Failure, SolveOutcome};

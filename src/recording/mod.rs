@@ -9,7 +9,7 @@
 //!
 //! Times are simulated. Decisions are stamped with the beginning of their step, motion and forces with its end. Lengths are in m, angles in
 //! Foxglove's messages in rad, forces in N, torques in Nm; JSON fields say their unit in their name and in the JSON Schema of the
-//! channel, and what is no number is null. All frames are in `world` (z up, the floor at 0).
+//! channel, and what is no number is left out. All frames are in `world` (z up, the floor at 0).
 //!
 //! | topic | schema | rate | what |
 //! | --- | --- | --- | --- |

@@ -4,7 +4,7 @@ use crate::support::repository;
 use std::path::{Path, PathBuf};
 
 /// The floors from the bottom; those in one row may not use each other.
-const FLOORS: [&[&str]; 14] = [
+const FLOORS: [&[&str]; 15] = [
     &["math"],
     &["geometry"],
     &["robot"],
@@ -14,6 +14,7 @@ const FLOORS: [&[&str]; 14] = [
     &["coordination"],
     &["control"],
     &["simulation"],
+    &["arithmetic"],
     &["episode"],
     &["scenario"],
     &["recording", "drawing"],

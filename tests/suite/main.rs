@@ -1,6 +1,7 @@
 //! The fast tests, in one binary.
 
 mod allocation;
+mod arithmetic;
 mod bad_input;
 mod bad_robots;
 mod bad_urdfs;

@@ -21,7 +21,7 @@ mod summary;
 pub use error::SweepError;
 pub use merge::merge;
 pub use partial::{Shard, Sweep};
-pub use summary::{Comparison, Estimate, Group, Summary};
+pub use summary::{Comparison, Group, Summary};
 
 use crate::control;
 use crate::coordination;

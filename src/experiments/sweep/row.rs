@@ -2,6 +2,7 @@
 
 use super::names::{AVOID, BOOLEANS, CRITERIA, METHODS, PLANTS, POSES, Plants, name};
 use super::{Cell, Study};
+use crate::arithmetic;
 use crate::control::CandidateSet;
 use crate::episode::{ControlSummary, InteractionSummary, Outcome, Summary};
 use crate::scenario::{Scenario, Stage};
@@ -13,7 +14,7 @@ type InputColumn = (&'static str, fn(&Inputs) -> Option<String>);
 type ResultColumn = (&'static str, fn(&End) -> Option<String>);
 
 /// What tells rows and studies apart.
-pub(super) const IDENTITY: [&str; 3] = ["episode", "episodes", "study"];
+pub(super) const IDENTITY: [&str; 4] = ["episode", "episodes", "study", "arithmetic"];
 
 /// A combination of values.
 struct Inputs<'a> {
@@ -159,7 +160,8 @@ impl Study {
         };
         let (preferred, summary, refusal) = end;
         let end = End { scenario: &scenario, stage: basis, preferred, summary, refusal };
-        let identity = [episode.to_string(), self.episodes.to_string(), self.digest.clone()];
+        let (digest, arithmetic) = (self.digest.clone(), arithmetic::stamp().to_owned());
+        let identity = [episode.to_string(), self.episodes.to_string(), digest, arithmetic];
         let results = RESULTS.iter().map(|(_, value)| value(&end).unwrap_or_default());
         line(identity.into_iter().chain(inputs(self, cell)).chain(results))
     }
@@ -259,4 +261,9 @@ impl End<'_> {
 /// The outcome that counts as success.
 pub(super) fn arrived() -> &'static str {
     Outcome::Arrived.name()
+}
+
+/// The plant on which the same choices may cost differently, by noise.
+pub(super) fn with_bodies() -> &'static str {
+    name(PLANTS, Plants::Rapier)
 }

@@ -14,6 +14,7 @@ mod motor;
 mod observation;
 mod parts;
 mod ramp;
+mod sample;
 mod scene;
 mod settings;
 mod tally;
@@ -22,6 +23,7 @@ mod touch;
 pub use error::PhysicsError;
 pub use human::HumanCommand;
 pub use observation::{Clearance, Clearances, Contact, Failure, Forces, Observation, Part, Party, Wrench};
+pub use sample::sample_motion;
 pub use settings::{HumanSettings, PhysicsSettings};
 
 use super::convert;

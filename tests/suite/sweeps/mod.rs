@@ -5,7 +5,7 @@ mod redraws;
 mod studies;
 
 use crate::support::{cocarry, json, repository, stderr, stdout};
-use cocarry::experiments::{mean_and_std, paired_p_value};
+use cocarry::experiments::statistics::{mean_and_std, paired_p_value};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -394,9 +394,70 @@ fn the_summary_is_that_of_the_rows() {
     let pair = compared.iter().find(|c| is_same(&c["inputs"])).expect("a comparison");
     assert_eq!((&pair["first"], &pair["second"]), (&"mutual".into(), &"without-model".into()));
     near(&pair["difference"]["mean"], mean - mean_and_std(&without).0);
-    near(&pair["p_value"], paired_p_value(&mutual, &without).expect("a p-value"));
+    let paired = &pair["difference"];
+    near(&paired["p_value"], paired_p_value(&mutual, &without).expect("a p-value"));
+    near(&paired["effect_size"], paired["mean"].as_f64().unwrap() / paired["std"].as_f64().unwrap());
     let lower = mutual.iter().zip(&without).filter(|(a, b)| a < b).count();
     near(&pair["share_lower"], lower as f64 / 6.0);
+}
+
+/// Holm's correction against its definition, for all comparisons of a summary; humans who are all the same are one outcome.
+#[test]
+fn comparisons_are_corrected_and_only_made_where_humans_differ() {
+    let bench = Bench::new(STUDY);
+    let output = bench.good(&["study.toml", "--json"]);
+    let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let compared = told["summary"]["comparisons"].as_array().expect("comparisons");
+    let of = |c: &Value, key: &str| c["difference"][key].as_f64();
+    let mut tested: Vec<[f64; 2]> =
+        compared.iter().filter_map(|c| Some([of(c, "p_value")?, of(c, "p_holm")?])).collect();
+    tested.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    assert!(tested.len() > 2);
+    let mut largest = 0.0_f64;
+    for (i, [p, holm]) in tested.iter().enumerate() {
+        largest = largest.max((p * (tested.len() - i) as f64).min(1.0));
+        assert_eq!(*holm, largest);
+    }
+    let mut alike = 0;
+    for c in compared.iter().filter(|c| c["inputs"]["humans"] == "same") {
+        assert_eq!(c["difference"]["n"], 6);
+        for key in ["interval", "effect_size", "p_value", "p_holm"] {
+            assert!(c["difference"][key].is_null(), "{c}");
+        }
+        alike += 1;
+    }
+    assert_eq!(alike, 4);
+    let said = stdout(&bench.good(&["--summary", "study.csv"]));
+    let said_of = format!("Holm's method for the {} comparisons tested", tested.len());
+    assert!(said.contains(&said_of) && said.contains("all make the same choices"), "{said}");
+}
+
+/// With bodies, humans who all go the same way still cost differently, by the noise of their gait: that is no sample of humans.
+#[test]
+fn the_noise_of_the_gait_is_not_tested() {
+    let study = r#"worlds = "environment-1"
+plants = "rapier"
+methods = "human-led"
+pose = ["none", "arm"]
+seeds = 3
+[[human]]
+name = "same"
+alpha = 0.747
+gamma = 0.765
+"#;
+    let bench = Bench::new(study);
+    let output = bench.good(&["study.toml", "--json"]);
+    let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let compared = told["summary"]["comparisons"].as_array().expect("comparisons");
+    let control = compared.iter().find(|c| c["cost"] == "control_cost").expect("a comparison");
+    let paired = &control["difference"];
+    assert!(paired["n"] == 3 && paired["std"].as_f64().expect("noise") > 0.0, "{paired}");
+    for key in ["interval", "effect_size", "p_value", "p_holm"] {
+        assert!(paired[key].is_null(), "{paired}");
+    }
+    for group in told["summary"]["groups"].as_array().expect("groups") {
+        assert!(group["control_cost"]["interval"].is_null() && group["control_cost"]["std"].is_f64());
+    }
 }
 
 #[test]
