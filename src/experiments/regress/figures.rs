@@ -18,7 +18,7 @@ pub enum Figure {
 /// The names of all figures, in the order in which they are recorded: those of `cocarry run --json`, with `control_` and `interaction_` before
 /// what stands inside `control` and `interaction` there. What a run does not have is left out; `transition_step` is then `"never"`, `collision`
 /// `"none"`.
-pub const FIGURES: [&str; 21] = [
+pub const FIGURES: [&str; 29] = [
     "outcome",
     "steps",
     "first_option",
@@ -27,11 +27,18 @@ pub const FIGURES: [&str; 21] = [
     "transition_step",
     "walked_m",
     "accumulated_objective_cost_m",
+    "final_stubbornness",
+    "final_discomfort",
+    "share_off_preference",
+    "accumulated_subjective_cost",
+    "changes_of_mind",
+    "preference_switches",
     "control_cost",
     "control_tracking",
     "control_effort",
     "control_pose",
     "control_position_error_rms_m",
+    "control_largest_position_error_m",
     "control_constrained_steps",
     "control_fallback_steps",
     "control_pose_changes",
@@ -39,6 +46,7 @@ pub const FIGURES: [&str; 21] = [
     "interaction_hand_force_rms_n",
     "interaction_peak_force_n",
     "interaction_human_work_j",
+    "interaction_largest_effort_share",
     "collision",
 ];
 
@@ -90,6 +98,12 @@ pub fn figures(stage: &Stage, summary: &Summary) -> Figures {
         transition.unwrap_or_else(|| Figure::Text("never".to_owned())),
         Figure::Number(summary.walked),
         Figure::Number(summary.accumulated_cost),
+        Figure::Number(summary.human.stubbornness),
+        Figure::Number(summary.human.discomfort),
+        Figure::Number(summary.human.share_off_preference(summary.steps)),
+        Figure::Number(summary.human.subjective_cost),
+        count(u64::from(summary.human.changes_of_mind)),
+        count(u64::from(summary.human.preference_switches)),
     ];
     if let Some(control) = &summary.control {
         values.extend([
@@ -98,6 +112,7 @@ pub fn figures(stage: &Stage, summary: &Summary) -> Figures {
             Figure::Number(control.effort),
             Figure::Number(control.pose),
             Figure::Number(control.error_rms(summary.steps)),
+            Figure::Number(control.largest_error),
             count(control.constrained_steps),
             count(control.fallback_steps),
             count(control.pose_changes),
@@ -113,6 +128,7 @@ pub fn figures(stage: &Stage, summary: &Summary) -> Figures {
             Figure::Number(interaction.rms_force()),
             Figure::Number(interaction.peak_force),
             Figure::Number(interaction.work[1]),
+            Figure::Number(interaction.effort_share),
             Figure::Text(touched.unwrap_or_else(|| "none".to_owned())),
         ]);
     }
