@@ -231,8 +231,13 @@ impl Told<'_> {
             let words = format!("the human's mind changes: alpha {alpha:.4}, gamma {gamma:.4}");
             events.push((change.step, format!("{place}: {words}{prefers}")));
         }
+        let mind_changes = self.changes_of_mind();
         for pair in self.ticks.windows(2).filter(|w| w[0].preferred != w[1].preferred) {
             let [before, now] = [&pair[0], &pair[1]];
+            // told with the change itself
+            if mind_changes.iter().any(|change| change.step == now.step) {
+                continue;
+            }
             let [from, to] = [before, now].map(|tick| self.option_name(tick.preferred));
             events.push((
                 now.step,
