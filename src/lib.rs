@@ -48,7 +48,7 @@
 //! | omega_o(k) | [`coordination::is_misaligned`] | - |
 //! | o*(k), eq. (6) | [`coordination::robot_choice`] | - |
 //! | q, q_c | [`robot::Configuration`] | m, rad |
-//! | x, s | [`robot::Kinematics::grasp`], [`episode::RobotTick::human`]; in eq. (7) relative to the grasp: [`control::Reference`] | m, rad |
+//! | x, s | [`robot::Kinematics::grasp`], [`episode::RobotTick::grasp_goal`]; in eq. (7) relative to the grasp: [`control::Reference`] | m, rad |
 //! | u, B(q), eq. (7) | [`robot::InputVector`], the period times [`robot::Kinematics::jacobian`] | m/s and rad/s, s |
 //! | H, Q, R, kappa | [`control::HORIZON`], [`control::Settings`] | - |
 //! | G_o, eq. (7) | [`control::Plan::cost`] | - |

@@ -1,6 +1,6 @@
 //! `cocarry sweep`: a study file in; one row for every episode of it as CSV, and means and paired comparisons as tables or JSON, out.
 
-use super::output::{Failure, Progress, input, print, print_json, table, table_text};
+use super::output::{Failure, Progress, input, print, print_json, table, table_text, warn};
 use super::reproduce::Common;
 use crate::experiments::statistics::Estimate;
 use crate::experiments::sweep::{Comparison, Group, Shard, Study, Summary, Sweep, SweepError, merge};
@@ -57,6 +57,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 
 fn sweep(arguments: &Arguments, file: &Path) -> Result<(), Failure> {
     let study = Study::load(file, arguments.seeds).map_err(failure)?;
+    study.slow_drives().iter().for_each(warn);
     let out = arguments.out.clone().unwrap_or_else(|| results_of(file, arguments.shard));
     let sweep = Sweep::open(&study, &out, arguments.shard, arguments.overwrite).map_err(failure)?;
     let (kept, episodes) = (sweep.kept(), sweep.episodes());

@@ -1,7 +1,7 @@
 //! `cocarry world`: a world file in; its obstacles, openings and options as tables, JSON or a map out.
 
 use super::model::{ModelArguments, load_world};
-use super::output::{Failure, input, print, print_json, table, table_text, write_file};
+use super::output::{Failure, OPTION_HEADINGS, input, print, print_json, table, table_text, write_file};
 use crate::drawing;
 use crate::episode::prospects;
 use crate::geometry::Footprint;
@@ -125,8 +125,7 @@ fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
         ),
     };
     text += &format!("\nOptions{origin}\n");
-    let mut options =
-        table(["option", "openings", "D (m)", "risk S", "cost J (m)", "subjective J~ (m)", "P (%)"], 2);
+    let mut options = table(OPTION_HEADINGS, 2);
     for o in offers {
         options.add_row([
             o.name.clone(),

@@ -167,7 +167,7 @@ impl RobotObstacles {
                         coefficients.fixed_view_mut::<MAX_JOINTS, 1>(2, step).copy_from(&joints);
                     }
                     let bound = coefficients.dot(inputs) + distance - ARM_RADIUS - MARGIN;
-                    limits.half_planes.push(HalfPlane { coefficients, bound, price: PRICE });
+                    limits.half_planes.push(HalfPlane { coefficients, bound, price: PRICE, is_guide: false });
                 }
             }
         });

@@ -42,6 +42,18 @@ pub struct PoseChoice {
     pub solved: usize,
 }
 
+/// A candidate of eq. (8), and what was found of the sum that is minimised: that of eq. (8), or for
+/// [`PoseCriterion::Manipulability`] minus the manipulability.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Considered<'a> {
+    /// The candidate.
+    pub candidate: &'a Candidate,
+    /// A lower bound of the sum: its value without limits. `None` where costs were not asked for.
+    pub floor: Option<f64>,
+    /// The sum. `None` where the lower bound, or a part of the sum, already exceeded the least, or there was no choice.
+    pub total: Option<f64>,
+}
+
 /// Solves eq. (8); keeps memory between calls.
 #[derive(Clone, Debug, Default)]
 pub struct PoseOptimiser {
@@ -51,6 +63,8 @@ pub struct PoseOptimiser {
     bounds: Vec<f64>,
     /// Lower bound, then value, of each candidate's total.
     totals: Vec<f64>,
+    /// The lower bounds that the totals began as.
+    floors: Vec<f64>,
     order: Vec<usize>,
 }
 
@@ -89,6 +103,8 @@ impl PoseOptimiser {
         let PoseProblem { robot, configuration, kinematics, period, share, .. } = *problem;
         let around = Neighbourhood { robot, configuration, kinematics, limits, period, share };
         around.candidates(settings.candidates, &mut self.candidates);
+        self.totals.clear();
+        self.floors.clear();
         let mut solved = 0;
         let index = match (self.candidates.len(), settings.criterion) {
             (1, _) => 0,
@@ -106,6 +122,15 @@ impl PoseOptimiser {
     /// The candidates of the last call.
     pub fn candidates(&self) -> &[Candidate] {
         &self.candidates
+    }
+
+    /// What the last call made of its candidates.
+    pub fn considered(&self) -> impl Iterator<Item = Considered<'_>> {
+        self.candidates.iter().enumerate().map(|(i, candidate)| Considered {
+            candidate,
+            floor: self.floors.get(i).copied(),
+            total: self.totals.get(i).copied().filter(|total| total.is_finite()),
+        })
     }
 
     fn most_manipulable(&mut self, robot: &Robot) -> usize {
@@ -136,6 +161,7 @@ impl PoseOptimiser {
             self.forms.push(form);
             self.totals.push(total);
         }
+        self.floors.extend(&self.totals);
     }
 
     /// Turns bounds into values, in the order of the bounds, as long as a bound is no greater than the best value.

@@ -191,7 +191,7 @@ fn the_constrained_solution_agrees_with_a_dense_program() {
         assert!(limits.allow(&plan.inputs), "case {case}");
         match plan.outcome {
             SolveOutcome::Unconstrained => {}
-            SolveOutcome::Constrained { active } => {
+            SolveOutcome::Constrained { active, .. } => {
                 assert!(active > 0);
                 constrained += 1;
             }

@@ -34,6 +34,20 @@ pub struct Manipulator<'a> {
     pub obstacles: &'a RobotObstacles,
 }
 
+/// What the robot decided a step from: all of eq. (8) that others need to check it.
+#[derive(Clone, Copy, Debug)]
+pub struct Decision<'e> {
+    /// s_o(1..H) of every option while the human leads, else of the robot's own way alone; on the physical plant what the base, which
+    /// follows its way, leaves of it for the arm.
+    pub references: &'e [Reference],
+    /// What each counts for in eq. (8): P_o, if nothing else is asked for.
+    pub weights: &'e [f64],
+    /// q*.
+    pub target: &'e Configuration,
+    /// What became of the candidates, in a step that has a [`Preparation`].
+    pub poses: &'e PoseOptimiser,
+}
+
 /// The robot's side of an episode.
 #[derive(Clone, Debug)]
 pub(super) struct Carrier<'a> {
@@ -319,6 +333,16 @@ impl<'a> Carrier<'a> {
         tick.control_effort = control.input_weight * self.input.norm_squared();
         tick.base_clearance = obstacles.clearance(q.base.position, robot.drive.base_radius);
         tick
+    }
+
+    /// What the last step decided from.
+    pub fn decision(&self) -> Decision<'_> {
+        Decision {
+            references: &self.references,
+            weights: &self.weights,
+            target: &self.target.configuration,
+            poses: &self.poses,
+        }
     }
 
     /// How far the human who leads is ahead of where the object is, m.

@@ -14,9 +14,12 @@ mod team;
 mod tick;
 mod way;
 
-pub use carrier::Manipulator;
+pub use carrier::{Decision, Manipulator};
 pub use change::PreferenceChange;
-pub use outcome::{ControlSummary, InteractionSummary, Outcome, Summary, Transition};
+pub use outcome::{
+    ControlSummary, GRASP_WARNING_RMS_M, HumanSummary, InteractionSummary, LOSS_DISTANCE_M, Loss, Outcome,
+    Summary, Transition,
+};
 pub use settings::Settings;
 pub use state::{Misfit, State};
 pub use tick::{OptionTick, PhysicsTick, Preparation, RobotTick, Tick};
@@ -29,7 +32,9 @@ use way::{Ground, Turned};
 use crate::coordination::{Coordinator, Method, Mode, is_misaligned, robot_choice};
 use crate::geometry::{Path, PlanarPose, Point, Pose};
 use crate::options::{OptionSet, Progress, Remaining, Waypoint};
-use crate::preference::{ChoiceDistribution, Perception, Predictor, Prospect, human_choice, objective_cost};
+use crate::preference::{
+    ChoiceDistribution, Perception, Predictor, Prospect, human_choice, objective_cost, subjective_cost,
+};
 use crate::robot::Configuration;
 use crate::simulation::{Failure, Observation, Party, PhysicalPlant, PhysicsError, PhysicsSettings};
 use crate::world::World;
@@ -65,6 +70,8 @@ pub struct Episode<'a> {
     choice: ChoiceDistribution,
     expected: Vec<f64>,
     carrier: Option<Carrier<'a>>,
+    /// Whether the episode goes on when the object is lost.
+    ignores_loss: bool,
     /// Which way the team walks in this step, and what for.
     gait: Gait,
     retreat: Retreat,
@@ -120,6 +127,7 @@ impl<'a> Episode<'a> {
             choice: ChoiceDistribution::default(),
             expected: Vec::with_capacity(n),
             carrier: None,
+            ignores_loss: false,
             gait: Gait::Forward,
             retreat: Retreat::None,
             steps_without_progress: 0,
@@ -169,6 +177,13 @@ impl<'a> Episode<'a> {
         Ok(self)
     }
 
+    /// The same episode, which goes on as if nothing were when the object is lost: the paper simulates no object, so that its tables have
+    /// episodes in which the grasp is far off. [`ControlSummary::largest_error`] says so.
+    pub fn ignoring_loss(mut self) -> Self {
+        self.ignores_loss = true;
+        self
+    }
+
     /// The team faces the way that it will take.
     fn starting_pose(&self) -> PlanarPose {
         let mut planned = self.clone();
@@ -199,6 +214,11 @@ impl<'a> Episode<'a> {
     /// s, the pose that the grasp should have, on the kinematic plant, where that is all there is of the human; `None` on others.
     pub fn human(&self) -> Option<&PlanarPose> {
         self.carrier.as_ref().and_then(Carrier::human)
+    }
+
+    /// What the robot decided the last step from; `None` without one, and before the first step.
+    pub fn decision(&self) -> Option<Decision<'_>> {
+        self.carrier.as_ref().map(Carrier::decision).filter(|decision| !decision.references.is_empty())
     }
 
     /// The way from where the executed option was last chosen to the target; empty before the first step.
@@ -268,6 +288,9 @@ impl<'a> Episode<'a> {
         if self.summary.collision.is_some() {
             return Some(Outcome::Collided);
         }
+        if self.summary.loss.is_some() {
+            return Some(Outcome::ObjectLost);
+        }
         if self.underway && self.along >= self.path.length() {
             let at_target = (self.progress.position - self.options.target()).norm() < 1e-6;
             return Some(if at_target { Outcome::Arrived } else { Outcome::NoWay });
@@ -282,6 +305,7 @@ impl<'a> Episode<'a> {
     fn change_mind(&mut self) {
         if let Some(change) = PreferenceChange::at(&self.changes, self.summary.steps) {
             self.human = change.perception;
+            self.summary.human.changes_of_mind += 1;
         }
     }
 
@@ -351,8 +375,10 @@ impl<'a> Episode<'a> {
 
     fn choose(&mut self) -> usize {
         let current = self.underway.then_some(self.tick.executed);
-        let (weight, human) = (self.predictor.risk_weight(), self.human);
+        let (weight, human, before) = (self.predictor.risk_weight(), self.human, self.tick.preferred);
         self.tick.preferred = human_choice(&self.prospects, weight, human, current);
+        let switched = current.is_some() && self.tick.preferred != before;
+        self.summary.human.preference_switches += u32::from(switched);
         match (self.coordinator.mode(), self.coordinator.method()) {
             (Mode::RobotLed, _) => {
                 let costs = self.tick.options.iter().map(|o| (o.objective, o.expected));
@@ -387,6 +413,10 @@ impl<'a> Episode<'a> {
         self.summary.accumulated_cost += self.tick.objective_cost;
         self.tick.accumulated_cost = self.summary.accumulated_cost;
         self.summary.last_option = executed;
+        let (human, weight) = (&mut self.summary.human, self.predictor.risk_weight());
+        human.subjective_cost += subjective_cost(self.prospects[executed], weight, self.human);
+        human.steps_off_preference += u64::from(executed != self.tick.preferred);
+        (human.stubbornness, human.discomfort) = (self.tick.stubbornness, self.tick.discomfort);
     }
 
     /// A path under way is walked on as it is, until another option is chosen and, on the physical plant, the team has turned onto this one
@@ -456,8 +486,14 @@ impl<'a> Episode<'a> {
         }
     }
 
-    /// Contacts with obstacles, and what broke.
+    /// A loss of the object, contacts with obstacles, and what broke.
     fn note_incidents(&mut self) {
+        let hold = self.tick.robot.as_ref().map(RobotTick::worst_hold);
+        if let Some((by, distance)) = hold.filter(|(_, distance)| *distance > LOSS_DISTANCE_M)
+            && !self.ignores_loss
+        {
+            self.summary.loss = Some(Loss { by, step: self.tick.step, distance });
+        }
         let Some(seen) = self.carrier.as_ref().and_then(Carrier::observation) else { return };
         let with_obstacle =
             seen.contacts.iter().find(|c| c.between.iter().any(|p| p.party == Party::Obstacle));

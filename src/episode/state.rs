@@ -70,7 +70,7 @@ impl<'a> Episode<'a> {
         let Self {
             human, coordinator, progress, path, along, turns_until, tick, summary, underway, steps_without_progress, carrier, retreat,
             // given
-            options: _, settings: _, tick_limit: _, changes: _,
+            options: _, settings: _, tick_limit: _, changes: _, ignores_loss: _,
             // memory, and what every step works out anew
             predictor: _, prospects: _, choice: _, expected: _, gait: _,
         } = self;

@@ -9,7 +9,9 @@ use super::statistics::{self, Paired, mean_and_std};
 use super::{OnDone, Way, in_parallel, way};
 use crate::control::{Avoid, CandidateSet, PoseCriterion, RobotObstacles};
 use crate::coordination;
-use crate::episode::{ControlSummary, Episode, Manipulator, Outcome, PreferenceChange, Settings};
+use crate::episode::{
+    ControlSummary, Episode, LOSS_DISTANCE_M, Manipulator, Outcome, PreferenceChange, Settings,
+};
 use crate::options::OptionSet;
 use crate::preference::{Belief, Perception};
 use crate::robot::{Posture, Robot};
@@ -156,7 +158,9 @@ pub struct Row {
     pub fallback_steps: u64,
     /// Episodes in which the base overlapped an obstacle.
     pub overlapping_episodes: usize,
-    /// Episodes that did not arrive.
+    /// Episodes in which the object was lost: the grasp was off, or on the physical plant a grip yielded, by more than 10 cm.
+    pub lost_object: usize,
+    /// Episodes that did not arrive. On the kinematic plant, the team goes on when the object is lost: the paper simulates none.
     pub not_arrived: usize,
 }
 
@@ -194,14 +198,7 @@ impl Study<'_> {
         let world = environment.world()?;
         let options = OptionSet::new(&world, self.episode.predictor.risk_weight())?;
         let obstacles = RobotObstacles::new(&world);
-        let humans = SETTINGS
-            .iter()
-            .enumerate()
-            .map(|(s, setting)| {
-                let stream = u64::from(environment.number) * 16 + s as u64;
-                self.humans(setting, stream, &options)
-            })
-            .collect::<Result<Vec<_>, _>>()?;
+        let humans = self.humans_of(environment, &options)?;
         let settings = Settings { method: coordination::Method::HumanLed, ..self.episode.clone() };
         // every episode of the environment, the last index varying fastest
         let (starts, methods, n) = (&self.robot.postures, self.methods(), self.episodes);
@@ -210,7 +207,7 @@ impl Study<'_> {
             let (cell, episode) = (i / n, i % n);
             let (method, start) =
                 (methods[cell % methods.len()], &starts[cell / methods.len() % starts.len()]);
-            let human = &humans[cell / methods.len() / starts.len()][episode];
+            let human = &humans[cell / methods.len() / starts.len() * n + episode];
             let mut manipulator = Manipulator {
                 robot: self.robot,
                 posture: start.joints,
@@ -219,15 +216,10 @@ impl Study<'_> {
             };
             let begun = Episode::new(&options, &settings, human.first).with_changes(&human.changes);
             let begun = match &self.physics {
-                None => begun.with_robot(manipulator),
+                None => begun.with_robot(manipulator).ignoring_loss(),
                 Some(physics) => {
                     manipulator.control.avoid = Avoid::Robot;
-                    begun.with_physics(
-                        manipulator,
-                        &world,
-                        physics,
-                        self.seed.wrapping_add(episode as u64),
-                    )?
+                    begun.with_physics(manipulator, &world, physics, human.gait_seed)?
                 }
             };
             Ok(follow(begun))
@@ -246,38 +238,69 @@ impl Study<'_> {
             .collect())
     }
 
-    /// The humans of a cell: the same for every method and start.
-    fn humans(
+    /// All humans, by environment, setting and episode: the same for every method and start.
+    ///
+    /// # Errors
+    /// If a built-in world is not valid.
+    pub fn humans(&self) -> Result<Vec<Human>, BuiltInError> {
+        let mut humans = Vec::new();
+        for environment in &ENVIRONMENTS {
+            let options = OptionSet::new(&environment.world()?, self.episode.predictor.risk_weight())?;
+            humans.extend(self.humans_of(environment, &options)?);
+        }
+        Ok(humans)
+    }
+
+    fn humans_of(
         &self,
-        setting: &HumanSetting,
-        stream: u64,
+        environment: &Environment,
         options: &OptionSet,
-    ) -> Result<Vec<ChangingHuman>, preference::PreferenceError> {
+    ) -> Result<Vec<Human>, preference::PreferenceError> {
         let range = |[center, half]: [f64; 2]| (center - half, center + half);
-        let belief = Belief::uniform(range(setting.alpha), range(setting.gamma))?;
-        Ok((0..self.episodes)
-            .map(|episode| {
+        let mut humans = Vec::with_capacity(SETTINGS.len() * self.episodes);
+        for (s, setting) in SETTINGS.iter().enumerate() {
+            let belief = Belief::uniform(range(setting.alpha), range(setting.gamma))?;
+            humans.extend((0..self.episodes).map(|episode| {
+                let stream = ((u64::from(environment.number) * 16 + s as u64) << 32) + episode as u64;
                 let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-                rng.set_stream((stream << 32) + episode as u64);
+                rng.set_stream(stream);
                 let first = belief.sample(&mut rng);
                 let changes = Redraws::OnceOrTwice.draw(&belief, first, options, self.episode, &mut rng);
-                ChangingHuman { first, changes }
-            })
-            .collect())
+                let gait_seed = self.seed.wrapping_add(episode as u64);
+                let (environment, setting) = (environment.number, setting.name);
+                Human { environment, setting, episode, stream, gait_seed, first, changes }
+            }));
+        }
+        Ok(humans)
     }
 }
 
-/// A human whose perception changes on the way.
+/// A human whose perception changes on the way, and what they are drawn from: ChaCha8 with the study's seed ([`SeedableRng::seed_from_u64`]) and
+/// the stream 2^32 (16 environment + s) + episode, s from 0 for S1. Drawn are alpha and gamma of the start, then the changes
+/// ([`Redraws::draw`]).
 #[derive(Clone, Debug, PartialEq)]
-struct ChangingHuman {
-    first: Perception,
-    changes: Vec<PreferenceChange>,
+pub struct Human {
+    /// Environment, 1 to 4.
+    pub environment: u32,
+    /// S1 to S4.
+    pub setting: &'static str,
+    /// Which of the cell's episodes, from 0.
+    pub episode: usize,
+    /// The generator's stream.
+    pub stream: u64,
+    /// The seed of the gait, on the physical plant: the study's plus the episode.
+    pub gait_seed: u64,
+    /// Perception at the start.
+    pub first: Perception,
+    /// Changes of mind.
+    pub changes: Vec<PreferenceChange>,
 }
 
 /// How one episode ended.
 struct End {
     control: ControlSummary,
     steps: u64,
+    lost_object: bool,
     arrived: bool,
     way: Way,
 }
@@ -289,9 +312,11 @@ fn follow(mut episode: Episode) -> End {
         }
     };
     let summary = episode.summary();
+    let control = summary.control.unwrap_or_default();
     End {
-        control: summary.control.unwrap_or_default(),
+        control,
         steps: summary.steps,
+        lost_object: summary.loss.is_some() || control.largest_error > LOSS_DISTANCE_M,
         arrived: outcome == Outcome::Arrived,
         way: way(summary),
     }
@@ -347,6 +372,7 @@ fn row(
         constrained_share: constrained as f64 / steps as f64,
         fallback_steps: ends(method).iter().map(|e| e.control.fallback_steps).sum(),
         overlapping_episodes: ends(method).iter().filter(|e| e.control.overlapping_steps > 0).count(),
+        lost_object: ends(method).iter().filter(|e| e.lost_object).count(),
         not_arrived: ends(method).iter().filter(|e| !e.arrived).count(),
     }
 }

@@ -28,6 +28,8 @@ pub enum Channel {
     Coordination,
     /// What the controller decided, and how well it was followed.
     Control,
+    /// What the controller decided from: references, and the candidates of eq. (8).
+    Preparation,
     /// Forces.
     Interaction,
     /// Running totals.
@@ -38,7 +40,7 @@ pub enum Channel {
 
 impl Channel {
     /// All, in the order in which files define them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Transforms,
         Self::World,
         Self::Team,
@@ -49,6 +51,7 @@ impl Channel {
         Self::Options,
         Self::Coordination,
         Self::Control,
+        Self::Preparation,
         Self::Interaction,
         Self::Cost,
         Self::Outcome,
@@ -72,6 +75,7 @@ impl Channel {
             Self::Options => "/options",
             Self::Coordination => "/coordination",
             Self::Control => "/control",
+            Self::Preparation => "/preparation",
             Self::Interaction => "/interaction",
             Self::Cost => "/cost",
             Self::Outcome => "/outcome",

@@ -52,9 +52,11 @@ impl<'a> Encoder<'a> {
     /// What an episode is told of on.
     pub fn channels(&self, episode: &Episode) -> Vec<Channel> {
         let is_used = |channel: &Channel| match channel {
-            Channel::Transforms | Channel::Team | Channel::Joints | Channel::Control => {
-                self.stage.robot().is_some()
-            }
+            Channel::Transforms
+            | Channel::Team
+            | Channel::Joints
+            | Channel::Control
+            | Channel::Preparation => self.stage.robot().is_some(),
             Channel::Interaction => episode.observation().is_some(),
             _ => true,
         };
@@ -90,6 +92,9 @@ impl<'a> Encoder<'a> {
         self.json(Channel::Coordination, from, figures::coordination(tick, names));
         if let Some(ways) = self.ways.update(tick, from) {
             self.messages.push(Message::of(Channel::Ways, from, &ways));
+        }
+        if let (Some(robot), Some(decision)) = (self.stage.robot(), episode.decision()) {
+            self.json(Channel::Preparation, from, &figures::preparation(tick, &decision, names, robot));
         }
         self.state(episode, to);
         if let (Some(robot), Some(decided)) = (self.stage.robot(), &tick.robot) {

@@ -93,7 +93,11 @@ const OPTION: &[Field] = &[
     field("length_m", Maybe, "D_o: length of what is left, m; left out where there is no way"),
     field("risk", Number, "S_o: risk of what is left, 0 to 1"),
     field("objective_m", Number, "J_o = D_o + c_r S_o, eq. (1), m"),
-    field("expected_m", Maybe, "J~_o: expected subjective cost, eq. (6), m; left out while the human leads"),
+    field(
+        "expected_subjective",
+        Maybe,
+        "J~_o: mean over the robot's belief of the subjective cost, eq. (6), cost units; left out while the human leads",
+    ),
     field(
         "probability",
         Maybe,
@@ -154,7 +158,8 @@ const CONTROL: &[Field] = &[
         Text,
         "how eq. (7) was solved: unconstrained, constrained, or fallback with the reason",
     ),
-    field("mpc_active_limits", Count, "limits active in its solution"),
+    field("mpc_active_limits", Count, "limits of joints, wheels and obstacles active in its solution"),
+    field("mpc_active_guides", Count, "bounds active in it that hold the base to its way; physics only"),
     field("least_singular_value", Number, "least singular value of B(q*), m or rad for a unit input"),
     field(
         "base_clearance_m",
@@ -163,6 +168,50 @@ const CONTROL: &[Field] = &[
     ),
     field("rim_speeds_m_per_s", Numbers, "u of the left and the right wheel's rim, m/s"),
     field("joint_rates", Numbers, "u of the joints, in the order of /joints, rad/s (prismatic: m/s)"),
+];
+
+const PREPARATION: &[Field] = &[
+    STEP,
+    field(
+        "references",
+        List(REFERENCE),
+        "what eq. (7) and (8) track: all options while the human leads, else the one executed",
+    ),
+    field("target", Record(CONFIGURATION), "q*, the configuration that eq. (8) chose, else the present one"),
+    field(
+        "candidates",
+        List(CANDIDATE),
+        "Q of eq. (8), the present configuration first; none where it was not asked",
+    ),
+];
+
+const REFERENCE: &[Field] = &[
+    field("name", Text, "name of the option"),
+    field("weight", Number, "what it counts for in eq. (8): P_o, if nothing else was asked for"),
+    field(
+        "s",
+        Numbers,
+        "s_o(1) to s_o(8), six numbers each: x, y, z (m) and rotation vector (rad), relative to the grasp's present pose, world axes; on the \
+         physical plant what is left for the arm while the base follows its way",
+    ),
+];
+
+const CONFIGURATION: &[Field] = &[
+    field("x_m", Number, "where the base is, world x, m"),
+    field("y_m", Number, "the same, world y, m"),
+    field("yaw_rad", Number, "its heading, rad"),
+    field("joints", Numbers, "positions of the joints, in the order of /joints, rad (prismatic: m)"),
+];
+
+const CANDIDATE: &[Field] = &[
+    field("q", Record(CONFIGURATION), "the configuration"),
+    field("lower_bound", Maybe, "the sum of eq. (8) without limits; left out where no costs were asked for"),
+    field(
+        "total",
+        Maybe,
+        "the sum of eq. (8) (minus the manipulability, if that is the criterion); left out where it is known to be more than the least without being \
+         worked out",
+    ),
 ];
 
 const INTERACTION: &[Field] = &[
@@ -174,6 +223,7 @@ const INTERACTION: &[Field] = &[
         Number,
         "integral over the step of the square of the object's jerk, m^2/s^5",
     ),
+    field("effort_share", Number, "the most that a motor of the arm exerted, as a share of its effort limit"),
     field(
         "obstacle_distance_m",
         Maybe,
@@ -212,7 +262,7 @@ const OUTCOME: &[Field] = &[
     field(
         "outcome",
         Text,
-        "arrived, out-of-time, no-way, collided, stuck, dropped, non-finite, or interrupted by the user",
+        "arrived, out-of-time, no-way, collided, stuck, dropped, object-lost, non-finite, or interrupted by the user",
     ),
     field("steps", Count, "steps taken"),
     field("time_s", Number, "simulated time, s"),
@@ -222,6 +272,21 @@ const OUTCOME: &[Field] = &[
     field("last_option", Text, "name of the option executed last"),
     field("changes", Count, "how often the executed option changed"),
     field("transition_step", Maybe, "k at which the human took the lead; left out if not"),
+    field("final_stubbornness", Number, "phi in the last step"),
+    field("final_discomfort", Number, "g in the last step"),
+    field(
+        "share_off_preference",
+        Number,
+        "share of the steps off the option that this human preferred, 0 to 1",
+    ),
+    field(
+        "accumulated_subjective_cost",
+        Number,
+        "sum of J^ of the option executed, eq. (2), with this human's alpha and gamma; cost units",
+    ),
+    field("lost_by", MaybeText, "robot or human, if the object was lost; else left out"),
+    field("lost_at_step", Maybe, "k at which it was lost; left out if not"),
+    field("lost_distance_m", Maybe, "how far off the grasp was then, or its grip yielded, m; left out if not"),
     field("control_cost", Maybe, "C; left out without a robot"),
     field(
         "position_error_rms_m",
@@ -242,6 +307,7 @@ pub(super) fn fields(channel: Channel) -> &'static [Field] {
         Channel::Options => OPTIONS,
         Channel::Coordination => COORDINATION,
         Channel::Control => CONTROL,
+        Channel::Preparation => PREPARATION,
         Channel::Interaction => INTERACTION,
         Channel::Cost => COST,
         Channel::Outcome => OUTCOME,

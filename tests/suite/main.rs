@@ -13,6 +13,7 @@ mod detection;
 mod determinism;
 mod fitting;
 mod floors;
+mod object_lost;
 mod physical_carrying;
 mod physics;
 mod readme;

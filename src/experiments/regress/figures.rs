@@ -21,7 +21,7 @@ pub enum Figure {
 /// what stands inside `control` and `interaction` there; beside these, the way: `openings`, each with its middle, in the order in which the team went
 /// through them, and `mean_offset_m`, how far to the left of the straight line from start to target. What a run does not have is left out;
 /// `transition_step` is then `"never"`, `openings` and `collision` are `"none"`.
-pub const FIGURES: [&str; 23] = [
+pub const FIGURES: [&str; 31] = [
     "outcome",
     "steps",
     "first_option",
@@ -32,11 +32,18 @@ pub const FIGURES: [&str; 23] = [
     "mean_offset_m",
     "walked_m",
     "accumulated_objective_cost_m",
+    "final_stubbornness",
+    "final_discomfort",
+    "share_off_preference",
+    "accumulated_subjective_cost",
+    "changes_of_mind",
+    "preference_switches",
     "control_cost",
     "control_tracking",
     "control_effort",
     "control_pose",
     "control_position_error_rms_m",
+    "control_largest_position_error_m",
     "control_constrained_steps",
     "control_fallback_steps",
     "control_pose_changes",
@@ -44,6 +51,7 @@ pub const FIGURES: [&str; 23] = [
     "interaction_hand_force_rms_n",
     "interaction_peak_force_n",
     "interaction_human_work_j",
+    "interaction_largest_effort_share",
     "collision",
 ];
 
@@ -135,6 +143,12 @@ pub fn figures(stage: &Stage, summary: &Summary, way: &Way) -> Figures {
         Figure::Number(way.offsets / way.steps.max(1) as f64),
         Figure::Number(summary.walked),
         Figure::Number(summary.accumulated_cost),
+        Figure::Number(summary.human.stubbornness),
+        Figure::Number(summary.human.discomfort),
+        Figure::Number(summary.human.share_off_preference(summary.steps)),
+        Figure::Number(summary.human.subjective_cost),
+        count(u64::from(summary.human.changes_of_mind)),
+        count(u64::from(summary.human.preference_switches)),
     ];
     if let Some(control) = &summary.control {
         values.extend([
@@ -143,6 +157,7 @@ pub fn figures(stage: &Stage, summary: &Summary, way: &Way) -> Figures {
             Figure::Number(control.effort),
             Figure::Number(control.pose),
             Figure::Number(control.error_rms(summary.steps)),
+            Figure::Number(control.largest_error),
             count(control.constrained_steps),
             count(control.fallback_steps),
             count(control.pose_changes),
@@ -158,6 +173,7 @@ pub fn figures(stage: &Stage, summary: &Summary, way: &Way) -> Figures {
             Figure::Number(interaction.rms_force()),
             Figure::Number(interaction.peak_force),
             Figure::Number(interaction.work[1]),
+            Figure::Number(interaction.effort_share),
             Figure::Text(touched.unwrap_or_else(|| "none".to_owned())),
         ]);
     }

@@ -234,6 +234,7 @@ fn figures<'a>(columns: Columns<'a, &'a Row>) -> Columns<'a, &'a Row> {
             shown: format!("{:.1} %", 100.0 * r.constrained_share),
             values: vec![r.constrained_share.into()],
         })
+        .count("lost", "lost_object", |r| r.lost_object as u64)
         .count("overlaps", "overlapping_episodes", |r| r.overlapping_episodes as u64)
 }
 

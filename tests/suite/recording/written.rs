@@ -77,8 +77,18 @@ fn frames_and_figures_are_those_of_the_episode() {
             let recorded = &value["options"][o];
             assert_eq!(recorded["probability"].as_f64(), Some(option.probability));
             let expected = Some(option.expected).filter(|e| e.is_finite());
-            assert_eq!(recorded["expected_m"].as_f64(), expected, "what is no number is left out");
+            assert_eq!(recorded["expected_subjective"].as_f64(), expected, "what is no number is left out");
         }
+    }
+    assert_eq!(of(Channel::Preparation).count(), ticks.len());
+    for (message, tick) in of(Channel::Preparation).zip(&ticks) {
+        let value = decoded(message);
+        let references = value["references"].as_array().unwrap();
+        let prepared = tick.robot.unwrap().preparation;
+        assert_eq!(references.len(), if prepared.is_some() { tick.options.len() } else { 1 });
+        assert!(references.iter().all(|r| r["s"].as_array().is_some_and(|s| s.len() == 48)));
+        let chosen = prepared.map(|p| &value["candidates"][p.candidate]["q"]);
+        assert!(chosen.is_none_or(|chosen| *chosen == value["target"]), "{value}");
     }
     let said: Vec<String> =
         of(Channel::Log).map(|m| decoded(m)["message"].as_str().unwrap().to_owned()).collect();
