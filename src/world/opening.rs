@@ -55,7 +55,7 @@ impl Opening {
         let [a, b] = other.ends;
         [[a, b], [b, a]]
             .iter()
-            .any(|ends| ends.iter().zip(&self.ends).all(|(p, q)| (p - q).norm() <= SAME_GAP))
+            .any(|ends| ends.iter().zip(&self.ends).all(|(p, q)| (p - q).norm() <= 3.0 * SAME_GAP))
     }
 
     /// The risk S_xi = d_r / w of passing (Sec. III-A): 0 where w > 5 d_r, 1 where w <= d_r.
