@@ -112,7 +112,7 @@ impl Study<'_> {
         eta: Option<f64>,
         humans: &[Perception],
         on_done: OnDone,
-    ) -> Result<(Row, Vec<Option<(f64, Way)>>), BuiltInError> {
+    ) -> Result<(Row, Vec<Cost>), BuiltInError> {
         let settings = h2::with_eta(self.episode, eta);
         let obstacles = RobotObstacles::new(world);
         let manipulator = Manipulator {
@@ -142,8 +142,11 @@ impl Study<'_> {
     }
 }
 
+/// What an episode that arrived has cost, and the way it went.
+type Cost = Option<(f64, Way)>;
+
 /// The comparison of the humans who arrive both times. Where all of them go the same ways, they differ by the noise of the gait alone.
-fn against(costs: &[Option<(f64, Way)>], without: &[Option<(f64, Way)>]) -> Option<Paired> {
+fn against(costs: &[Cost], without: &[Cost]) -> Option<Paired> {
     let both: Vec<_> = costs.iter().zip(without).filter_map(|(a, b)| Some(((*a)?, (*b)?))).collect();
     let ways: BTreeSet<(Way, Way)> = both.iter().map(|(a, b)| (a.1, b.1)).collect();
     let [first, second]: [Vec<f64>; 2] =
