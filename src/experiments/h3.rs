@@ -4,7 +4,7 @@
 //! The human leads from the start. (alpha, gamma) is drawn from a setting's sub-range, and redrawn once or twice at random steps of the first
 //! half; the robot only knows the full ranges. Every method meets the same humans: all comparisons are paired.
 
-use super::paper::{BuiltInError, ENVIRONMENTS, Environment, HumanSetting, SETTINGS};
+use super::paper::{BuiltInError, ENVIRONMENTS, Environment, SETTINGS};
 use super::statistics::{self, Paired, mean_and_std};
 use super::{OnDone, Way, in_parallel, way};
 use crate::control::{Avoid, CandidateSet, PoseCriterion, RobotObstacles};

@@ -94,7 +94,7 @@ impl<'a> Encoder<'a> {
             self.messages.push(Message::of(Channel::Ways, from, &ways));
         }
         if let (Some(robot), Some(decision)) = (self.stage.robot(), episode.decision()) {
-            self.json(Channel::Preparation, from, &figures::preparation(tick, &decision, names, robot));
+            self.json(Channel::Preparation, from, figures::preparation(tick, &decision, names, robot));
         }
         self.state(episode, to);
         if let (Some(robot), Some(decided)) = (self.stage.robot(), &tick.robot) {
