@@ -1,6 +1,6 @@
 //! Regions and passages in; the cheapest sequences of openings from the start to the target, which enter no region twice, out.
 
-use super::{Crossing, OptionSet, START, TARGET, portal_site};
+use super::{Crossing, OptionSet, START, TARGET, before, beyond, site};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -41,9 +41,9 @@ pub(super) fn cheapest(set: &OptionSet, limit: usize, risk_weight: f64) -> Found
             found.options.push(partial.crossings);
             continue;
         }
-        let leave = partial.crossings.last().map_or(START, |c| portal_site(c.opening, c.into));
+        let leave = partial.crossings.last().map_or(START, |&c| beyond(c));
         let here = set.roadmap.component(leave);
-        let to_target = set.roadmap.between(leave, TARGET);
+        let to_target = set.stages.between(leave, TARGET).length();
         if to_target.is_finite() {
             let length = partial.length + to_target;
             queue.push(Partial {
@@ -63,11 +63,9 @@ pub(super) fn cheapest(set: &OptionSet, limit: usize, risk_weight: f64) -> Found
                 if set.region_before(crossing) != here || entered(set.region_after(crossing)) {
                     continue;
                 }
-                let length = partial.length
-                    + set.roadmap.between(leave, portal_site(opening, 1 - into))
-                    + set.straight(crossing);
+                let length = partial.length + set.stages.between(leave, before(crossing)).length();
                 let safe = partial.safe * (1.0 - passage.risk);
-                let bound = length + onward[portal_site(opening, into)] + risk_weight * (1.0 - safe);
+                let bound = length + onward[beyond(crossing)] + risk_weight * (1.0 - safe);
                 if bound.is_finite() {
                     let crossings = partial.crossings.iter().copied().chain([crossing]).collect();
                     queue.push(Partial { bound, length, safe, crossings, arrived: false });
@@ -79,22 +77,18 @@ pub(super) fn cheapest(set: &OptionSet, limit: usize, risk_weight: f64) -> Found
     found
 }
 
-/// The shortest way (m) from every site to the target through any passages.
+/// The shortest way (m) through any passages to the target, from the start and from the gap of every crossing, by the site beyond it.
 fn shortest_onward(set: &OptionSet) -> Vec<f64> {
-    let n = 2 + 2 * set.passages.len();
+    let n = site(set.passages.len(), 0);
     let mut graph = petgraph::graph::DiGraph::new();
     let nodes: Vec<_> = (0..n).map(|_| graph.add_node(())).collect();
-    for from in 0..n {
-        for to in (0..n).filter(|&to| to != from) {
-            // from the target's side, so that one search finds all
-            let through = from >= 2 && to == (from ^ 1);
-            let length = if through {
-                set.passages[(from - 2) / 2].reach.iter().sum()
-            } else {
-                set.roadmap.between(to, from)
-            };
+    for from in (0..n).filter(|&from| from != TARGET) {
+        for to in (0..n).filter(|&to| to != START) {
+            let length = set.stages.between(from, to).length();
             if length.is_finite() {
-                graph.add_edge(nodes[from], nodes[to], length);
+                // from the target's side, so that one search finds all; through a gap to its other side
+                let gap = if to == TARGET { TARGET } else { to ^ 1 };
+                graph.add_edge(nodes[gap], nodes[from], length);
             }
         }
     }

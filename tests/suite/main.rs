@@ -11,6 +11,7 @@ mod command_line;
 mod determinism;
 mod fitting;
 mod floors;
+mod paths;
 mod physical_carrying;
 mod physics;
 mod readme;
