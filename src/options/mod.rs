@@ -211,7 +211,11 @@ impl OptionSet {
 
     /// What an option leads to next from where the team is.
     pub fn next(&self, progress: &Progress, option: usize) -> Waypoint {
-        let ahead = progress.rests[option].ahead(&self.options[option]).next();
+        let rest = match self.exit(progress, option) {
+            (rest, None) => rest,
+            _ => &progress.rests[option],
+        };
+        let ahead = rest.ahead(&self.options[option]).next();
         ahead.map_or(Waypoint::Target, Waypoint::Opening)
     }
 
@@ -249,7 +253,7 @@ impl OptionSet {
         let rest = &progress.rests_outside[option];
         let next = rest.ahead(&self.options[option]).next();
         let reach = self.stages.exit(beyond(crossing), next);
-        (rest, Some(self.passages[crossing.opening].exit(progress.position, crossing.into, reach)))
+        (rest, self.passages[crossing.opening].exit(progress.position, crossing.into, reach))
     }
 
     /// Length from a point that is in no straight part beyond a gap to the target.

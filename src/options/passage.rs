@@ -44,7 +44,7 @@ const ON_AXIS: f64 = 1e-6;
 pub(super) enum Exit {
     /// The axis, to the end of the straight part.
     Axis(Point),
-    /// From off the axis, this point, which may be where the team is.
+    /// From off the axis, this point.
     Beside(Point),
 }
 
@@ -99,19 +99,19 @@ impl Passage {
         depth >= 0.0 && depth < self.reach[side] - NARROWING * self.off_axis(p)
     }
 
-    /// Where a team at `p`, in the straight part on a side, leaves it, if that is `reach` (m) from the gap on the axis.
-    pub fn exit(&self, p: Point, side: usize, reach: f64) -> Exit {
+    /// Where a team at `p`, in the straight part on a side, leaves it, if that is `reach` (m) from the gap on the axis; `None` if it is out.
+    pub fn exit(&self, p: Point, side: usize, reach: f64) -> Option<Exit> {
         let (depth, beside) = (self.depth(p, side), self.off_axis(p));
-        if depth < reach && beside <= ON_AXIS {
-            return Exit::Axis(self.at(side, reach));
-        }
         let left = reach - NARROWING * beside - depth;
-        if left <= 0.0 {
-            return Exit::Beside(p);
+        if left <= 2.0 * NARROWING * ON_AXIS {
+            return None;
+        }
+        if beside <= ON_AXIS {
+            return Some(Exit::Axis(self.at(side, reach)));
         }
         // toward the axis, by as much as is left of the part that is narrower here
         let toward_axis = self.at(side, depth) - p;
-        Exit::Beside(p + self.outward(side) * left + toward_axis * (left / (reach - depth)))
+        Some(Exit::Beside(p + self.outward(side) * left + toward_axis * (left / (reach - depth))))
     }
 
     /// Where on the step from `a` to `b` (0 to 1) the gap is crossed, and the side that the step leads to.

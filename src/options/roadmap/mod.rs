@@ -105,9 +105,10 @@ impl Leg {
 #[derive(Clone, Debug)]
 struct Site {
     straight: Straight,
-    /// The far end of the straight part.
-    portal: Point,
+    /// Its far end, where ways may go on.
     node: NodeIndex,
+    /// Where ways to it end.
+    goal: NodeIndex,
     /// Cost (m) of the way to the site from every node; infinite where there is none.
     from_node: Vec<f64>,
     /// That way.
@@ -153,6 +154,8 @@ impl Roadmap {
         let mut graph = DiGraph::new();
         let mut rings: Vec<Vec<Stop>> = vec![Vec::new(); 2 * discs.len()];
         let nodes: Vec<NodeIndex> = sites.iter().map(|_| graph.add_node(())).collect();
+        // ways end where they join a straight part, and go on from its far end only
+        let goals: Vec<NodeIndex> = sites.iter().map(|_| graph.add_node(())).collect();
         let mut stop = |graph: &mut DiGraph<(), Way>, ring: usize, at: Point, kind: StopKind| {
             let node = graph.add_node(());
             let angle = angle_of(at - discs[ring / 2].center);
@@ -163,6 +166,7 @@ impl Roadmap {
         };
         let portals: Vec<Point> = sites.iter().map(Straight::portal).collect();
         for (i, &a) in portals.iter().enumerate() {
+            graph.add_edge(nodes[i], goals[i], Way::Join { from: a, join: sites[i].join_at_portal(a) });
             for (j, &b) in portals.iter().enumerate().skip(i + 1) {
                 if space.is_clear(a, b) {
                     let length = (b - a).norm();
@@ -172,7 +176,7 @@ impl Roadmap {
             }
             for (j, site) in sites.iter().enumerate().filter(|(j, _)| *j != i) {
                 if let Some(join) = site.join_from(a).filter(|join| space.can_join(a, join.to, site)) {
-                    graph.add_edge(nodes[i], nodes[j], Way::Join { from: a, join });
+                    graph.add_edge(nodes[i], goals[j], Way::Join { from: a, join });
                 }
             }
             for ring in 0..2 * discs.len() {
@@ -192,7 +196,7 @@ impl Roadmap {
                         && space.can_join(touch, join.to, &sites[i])
                     {
                         let leave = stop(&mut graph, ring, touch, StopKind::Leave);
-                        graph.add_edge(leave, nodes[i], Way::Join { from: touch, join });
+                        graph.add_edge(leave, goals[i], Way::Join { from: touch, join });
                     }
                 }
             }
@@ -218,20 +222,20 @@ impl Roadmap {
         let components = map.components();
         map.sites = sites
             .iter()
-            .zip(&nodes)
-            .map(|(straight, &node)| map.site(straight.clone(), node, components[node.index()]))
+            .zip(nodes.iter().zip(&goals))
+            .map(|(straight, (&node, &goal))| map.site(straight.clone(), node, goal, components[node.index()]))
             .collect();
         map
     }
 
-    fn site(&self, straight: Straight, node: NodeIndex, component: usize) -> Site {
+    fn site(&self, straight: Straight, node: NodeIndex, goal: NodeIndex, component: usize) -> Site {
         let mut from_node = vec![f64::INFINITY; self.graph.node_count()];
-        let found = petgraph::algo::dijkstra(Reversed(&self.graph), node, None, |edge| edge.weight().cost());
+        let found = petgraph::algo::dijkstra(Reversed(&self.graph), goal, None, |edge| edge.weight().cost());
         for (n, distance) in found {
             from_node[n.index()] = distance;
         }
         let here = Leg { length: 0.0, depth: straight.reach };
-        let (onward, legs) = self.onward(node, &from_node, here);
+        let (onward, legs) = self.onward(goal, &from_node, here);
         let mut rings: Vec<(usize, f64)> = self
             .rings
             .iter()
@@ -243,8 +247,7 @@ impl Roadmap {
             .filter(|(_, nearest)| nearest.is_finite())
             .collect();
         rings.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let portal = straight.portal();
-        Site { straight, portal, node, from_node, legs, onward, rings, component }
+        Site { straight, node, goal, from_node, legs, onward, rings, component }
     }
 
     /// The first edge of a shortest way from every node: a breadth-first tree over the edges that shortest ways consist of, since following
@@ -331,7 +334,7 @@ impl Roadmap {
                 next
             }
         };
-        while node != goal.node {
+        loop {
             let edge = goal.onward[node.index()]?;
             match self.graph[edge] {
                 Way::Line { from, to, .. } => path.line(from, to),
@@ -346,7 +349,6 @@ impl Roadmap {
             }
             node = self.graph.edge_endpoints(edge)?.1;
         }
-        Some(goal.portal)
     }
 
     fn approach(&self, p: Point, site: usize) -> Option<Found> {
