@@ -185,10 +185,7 @@ fn walls([width, depth]: [f64; 2], room: f64) -> String {
         ("east", width + 0.05 + room, depth / 2.0, 0.1, depth + 0.2),
     ];
     let wall = |(name, x, y, sx, sy): (&str, f64, f64, f64, f64)| {
-        obstacle(
-            name,
-            &format!("shape = \"box\"\ncenter_m = [{x:.3}, {y:.3}]\nsize_m = [{sx:.3}, {sy:.3}]"),
-        )
+        obstacle(name, &format!("shape = \"box\"\ncenter_m = [{x:.3}, {y:.3}]\nsize_m = [{sx:.3}, {sy:.3}]"))
     };
     walls.into_iter().map(wall).collect()
 }

@@ -114,8 +114,7 @@ impl OptionSet {
         let barriers = world.openings.iter().map(|o| o.ends).collect();
         let space = Space::new(world.obstacles.iter().map(|o| o.footprint.clone()), barriers, clearance);
         let passages = passages(world, &space);
-        let straights =
-            passages.iter().enumerate().flat_map(|(i, p)| [0, 1].map(|side| p.straight(i, side)));
+        let straights = passages.iter().enumerate().flat_map(|(i, p)| [0, 1].map(|side| p.straight(i, side)));
         let ends = [world.start, world.target].map(Straight::from);
         let sites: Vec<Straight> = ends.into_iter().chain(straights).collect();
         let roadmap = Roadmap::new(space, &sites);

@@ -68,13 +68,7 @@ impl Passage {
                 .fold(alignment, f64::min);
             longest_clear(center, outward, free, space)
         });
-        Self {
-            center,
-            axis,
-            reach,
-            risk: opening.risk(robot_width),
-            half_width: opening.width / 2.0,
-        }
+        Self { center, axis, reach, risk: opening.risk(robot_width), half_width: opening.width / 2.0 }
     }
 
     /// The straight part on a side of this passage, which is that of the opening with index `opening`.

@@ -67,10 +67,7 @@ impl Stages {
             }
             Some((crossing, after)) => {
                 let stage = self.between(from, before(crossing));
-                After {
-                    exit: stage.exit,
-                    length: stage.between + (stage.entry + after.exit) + after.length,
-                }
+                After { exit: stage.exit, length: stage.between + (stage.entry + after.exit) + after.length }
             }
         }
     }
@@ -87,9 +84,7 @@ fn stage(sites: &[Straight], roadmap: &Roadmap, from: usize, to: usize) -> Stage
     if from == to || from == START {
         return whole;
     }
-    let turn = |exit: f64| {
-        roadmap.departure(first.at(exit), to).map(|along| first.outward.dot(&along))
-    };
+    let turn = |exit: f64| roadmap.departure(first.at(exit), to).map(|along| first.outward.dot(&along));
     let is_forward = |exit: f64| turn(exit).is_none_or(|cos| cos >= -MOST_BACKWARD);
     let facing = first.outward.dot(&second.outward) < FACING;
     let apart = first.depth(second.center);

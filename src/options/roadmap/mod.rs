@@ -54,10 +54,22 @@ enum StopKind {
 /// How an edge is walked.
 #[derive(Clone, Copy, Debug)]
 enum Way {
-    Line { from: Point, to: Point, length: f64 },
+    Line {
+        from: Point,
+        to: Point,
+        length: f64,
+    },
     /// A line onto a straight part, so far (m) before the gap.
-    Join { from: Point, join: Join },
-    Arc { disc: usize, from_angle: f64, sweep: f64, length: f64 },
+    Join {
+        from: Point,
+        join: Join,
+    },
+    Arc {
+        disc: usize,
+        from_angle: f64,
+        sweep: f64,
+        length: f64,
+    },
 }
 
 impl Way {
@@ -223,7 +235,9 @@ impl Roadmap {
         map.sites = sites
             .iter()
             .zip(nodes.iter().zip(&goals))
-            .map(|(straight, (&node, &goal))| map.site(straight.clone(), node, goal, components[node.index()]))
+            .map(|(straight, (&node, &goal))| {
+                map.site(straight.clone(), node, goal, components[node.index()])
+            })
             .collect();
         map
     }
@@ -354,15 +368,16 @@ impl Roadmap {
     fn approach(&self, p: Point, site: usize) -> Option<Found> {
         let goal = &self.sites[site];
         let straight = &goal.straight;
-        let direct = straight.join_from(p).unwrap_or_else(|| straight.join_at_portal(p));
-        if self.space.can_join_by(p, direct.to, straight, self.space.clearance) {
-            return Some(Found::straight(direct));
+        let direct = straight.best_join(p);
+        let joined = |room: f64| direct.filter(|join| self.space.can_join_by(p, join.to, straight, room));
+        if let Some(join) = joined(self.space.clearance) {
+            return Some(Found::straight(join));
         }
         self.approach_around(p, goal, self.space.clearance).or_else(|| {
             // a team that stands nearer to an obstacle than it should may leave along it
             let room = self.space.clearance_at(p).min(self.space.clearance);
-            if self.space.can_join_by(p, direct.to, straight, room) {
-                return Some(Found::straight(direct));
+            if let Some(join) = joined(room) {
+                return Some(Found::straight(join));
             }
             self.approach_around(p, goal, room)
         })

@@ -58,7 +58,8 @@ impl Space {
     /// As [`Space::can_join`], with another clearance, m.
     pub fn can_join_by(&self, p: Point, to: Point, straight: &Straight, clearance: f64) -> bool {
         let in_front = straight.depth(p) >= 0.0;
-        let mut others = self.barriers.iter().enumerate().filter(|(i, _)| !(in_front && straight.barrier == Some(*i)));
+        let mut others =
+            self.barriers.iter().enumerate().filter(|(i, _)| !(in_front && straight.barrier == Some(*i)));
         self.keeps(p, to, clearance - SLACK) && !others.any(|(_, [c, d])| segments_meet(p, to, *c, *d, SLACK))
     }
 

@@ -67,9 +67,20 @@ impl Straight {
     }
 
     fn join_beside(&self, p: Point, beside: f64) -> Option<Join> {
-        let slope = MOST_BACKWARD / (1.0 - MOST_BACKWARD * MOST_BACKWARD).sqrt();
-        let depth = self.depth(p) + beside * slope;
+        let depth = self.ideal_depth(p, beside);
         (0.0 <= depth && depth < self.reach).then(|| self.join(p, self.at(depth), depth))
+    }
+
+    /// Where the axis, endless, would be joined from a point `beside` (m) it.
+    fn ideal_depth(&self, p: Point, beside: f64) -> f64 {
+        self.depth(p) + beside * MOST_BACKWARD / (1.0 - MOST_BACKWARD * MOST_BACKWARD).sqrt()
+    }
+
+    /// Where a line from `p` joins it best; `None` from behind the gap, where that is not along a straight line.
+    pub(super) fn best_join(&self, p: Point) -> Option<Join> {
+        let is_behind =
+            || self.reach > 0.0 && self.ideal_depth(p, cross(self.outward, p - self.center).abs()) < 0.0;
+        self.join_from(p).or_else(|| (!is_behind()).then(|| self.join_at_portal(p)))
     }
 
     /// The line from `p` to the far end.
