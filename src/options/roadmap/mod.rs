@@ -119,8 +119,6 @@ struct Site {
     straight: Straight,
     /// Its far end, where ways may go on.
     node: NodeIndex,
-    /// Where ways to it end.
-    goal: NodeIndex,
     /// Cost (m) of the way to the site from every node; infinite where there is none.
     from_node: Vec<f64>,
     /// That way.
@@ -261,7 +259,7 @@ impl Roadmap {
             .filter(|(_, nearest)| nearest.is_finite())
             .collect();
         rings.sort_by(|a, b| a.1.total_cmp(&b.1));
-        Site { straight, node, goal, from_node, legs, onward, rings, component }
+        Site { straight, node, from_node, legs, onward, rings, component }
     }
 
     /// The first edge of a shortest way from every node: a breadth-first tree over the edges that shortest ways consist of, since following
