@@ -1,6 +1,6 @@
 //! Regions and passages in; the cheapest sequences of openings from the start to the target, which enter no region twice, out.
 
-use super::{Crossing, OptionSet, START, TARGET, portal_site};
+use super::{Crossing, OptionSet, START, TARGET, before, beyond, site};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -79,22 +79,18 @@ impl<'a> Search<'a> {
         let mut out = vec![Vec::new(); known.len()];
         for opening in 0..set.passages.len() {
             for into in [0, 1] {
-                let [before, after] = [1 - into, into].map(|side| regions[portal_site(opening, side)]);
+                let [before, after] = [1 - into, into].map(|side| regions[site(opening, side)]);
                 if before != after {
                     out[before].push(Crossing { opening, into });
                 }
             }
         }
-        let passage = |site: usize| &set.passages[(site - 2) / 2];
-        let length = |from: usize, to: usize, is_through: bool| match is_through {
-            true => passage(from).reach.iter().sum(),
-            false => set.roadmap.between(from, to),
-        };
+        let length = |from: usize, to: usize| set.stages.between(from, to).length();
         // the inverse of the chance to pass unharmed
-        let danger = |from: usize, to: usize, is_through: bool| match is_through {
-            true => 1.0 / (1.0 - passage(from).risk),
-            false if regions[from] == regions[to] => 1.0,
-            false => f64::INFINITY,
+        let danger = |from: usize, to: usize| match to {
+            _ if regions[from] != regions[to] => f64::INFINITY,
+            TARGET => 1.0,
+            _ => 1.0 / (1.0 - set.passages[(to - 2) / 2].risk),
         };
         let shortest = least_onward(sites, 0.0, length, |a, b| a + b);
         let safest = least_onward(sites, 1.0, danger, |a, b| a * b).into_iter().map(f64::recip).collect();
@@ -104,8 +100,8 @@ impl<'a> Search<'a> {
     /// The sequences that go on from this one by a crossing, or to the target.
     fn onward(&self, partial: &Partial) -> Vec<Partial> {
         let set = self.set;
-        let leave = partial.crossings.last().map_or(START, |c| portal_site(c.opening, c.into));
-        let to_target = set.roadmap.between(leave, TARGET);
+        let leave = partial.crossings.last().map_or(START, |&c| beyond(c));
+        let to_target = set.stages.between(leave, TARGET).length();
         if to_target.is_finite() {
             let length = partial.length + to_target;
             let bound = length + self.risk_weight * (1.0 - partial.safe);
@@ -114,9 +110,8 @@ impl<'a> Search<'a> {
         }
         let leads_on = self.leads_on(partial, self.regions[leave]);
         let extended = |crossing: &Crossing| {
-            let entry = portal_site(crossing.opening, 1 - crossing.into);
-            let exit = portal_site(crossing.opening, crossing.into);
-            let length = partial.length + set.roadmap.between(leave, entry) + set.straight(*crossing);
+            let exit = beyond(*crossing);
+            let length = partial.length + set.stages.between(leave, before(*crossing)).length();
             let safe = partial.safe * (1.0 - set.passages[crossing.opening].risk);
             let bound = length + self.shortest[exit] + self.risk_weight * (1.0 - safe * self.safest[exit]);
             let crossings = partial.crossings.iter().copied().chain([*crossing]).collect();
@@ -132,7 +127,7 @@ impl<'a> Search<'a> {
 
     /// The region that a crossing leads into.
     fn after(&self, crossing: Crossing) -> usize {
-        self.regions[portal_site(crossing.opening, crossing.into)]
+        self.regions[beyond(crossing)]
     }
 
     /// For every region, whether the target can be reached from it without a region that the sequence has entered, of which `here` is the last.
@@ -158,12 +153,13 @@ impl<'a> Search<'a> {
     }
 }
 
-/// What the best way costs from every site to the target, by Dijkstra's algorithm over all pairs: `cost` of a step from a site to another, within
-/// a region or through a passage, costs of ways put together by `join`, beginning with `none`.
+/// What the best way to the target costs from the start and from the gap of every crossing, by the site beyond it; any passages may be used,
+/// regions entered twice. Dijkstra's algorithm over all pairs: `cost` of the way from such a place to another site, costs of ways put together
+/// by `join`, beginning with `none`.
 fn least_onward(
     sites: usize,
     none: f64,
-    cost: impl Fn(usize, usize, bool) -> f64,
+    cost: impl Fn(usize, usize) -> f64,
     join: impl Fn(f64, f64) -> f64,
 ) -> Vec<f64> {
     let mut least = vec![f64::INFINITY; sites];
@@ -172,12 +168,12 @@ fn least_onward(
     let nearest = |least: &[f64], is_done: &[bool]| {
         (0..sites).filter(|&s| !is_done[s]).min_by(|&a, &b| least[a].total_cmp(&least[b]))
     };
-    while let Some(to) = nearest(&least, &is_done).filter(|&s| least[s].is_finite()) {
-        is_done[to] = true;
-        for from in (0..sites).filter(|&from| from != to) {
-            let within = cost(from, to, false);
-            let step = if from >= 2 && to == (from ^ 1) { within.min(cost(from, to, true)) } else { within };
-            least[from] = least[from].min(join(step, least[to]));
+    while let Some(place) = nearest(&least, &is_done).filter(|&s| least[s].is_finite()) {
+        is_done[place] = true;
+        // a gap is entered on its other side
+        let to = if place == TARGET { TARGET } else { place ^ 1 };
+        for from in (0..sites).filter(|&from| place != START && from != TARGET) {
+            least[from] = least[from].min(join(cost(from, to), least[place]));
         }
     }
     least

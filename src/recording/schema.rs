@@ -286,7 +286,11 @@ const OUTCOME: &[Field] = &[
     ),
     field("lost_by", MaybeText, "robot or human, if the object was lost; else left out"),
     field("lost_at_step", Maybe, "k at which it was lost; left out if not"),
-    field("lost_distance_m", Maybe, "how far off the grasp was then, or its grip yielded, m; left out if not"),
+    field(
+        "lost_distance_m",
+        Maybe,
+        "how far off the grasp was then, or its grip yielded, m; left out if not",
+    ),
     field("control_cost", Maybe, "C; left out without a robot"),
     field(
         "position_error_rms_m",
