@@ -9,7 +9,9 @@ const CLAIMS: [(&str, fn(&Value) -> bool); 9] = [
     ("ends on option 4", |told| told["last_option"] == "4"),
     ("turns onto option 4", |told| told["option_changes"][0]["to"] == "4"),
     ("ends on option 3", |told| told["last_option"] == "3"),
-    ("the human leads from start to end", |told| told["method"] == "without-model" && told["transition"].is_null()),
+    ("the human leads from start to end", |told| {
+        told["method"] == "without-model" && told["transition"].is_null()
+    }),
     ("through narrow openings", |told| told["world"] == "Environment 2"),
     ("without a robot", |told| told["robot"].is_null()),
     ("a human who changes their mind on the way", |told| told["preference_changes"][0]["applied"] == true),
