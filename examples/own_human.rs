@@ -30,6 +30,7 @@ impl Human for Cautious {
             stance: if self.led_elsewhere_s > 5.0 { Stance::TakeOver } else { Stance::Follow },
             stubbornness: (self.led_elsewhere_s / 5.0).min(1.0),
             discomfort: self.led_elsewhere_s,
+            perception: None,
             hand: None,
         }
     }
@@ -39,11 +40,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let world = paper::ENVIRONMENTS[3].world()?;
     let settings = Settings::default();
     let options = OptionSet::new(&world, settings.predictor.risk_weight())?;
-    let mut episode =
-        Episode::new(&options, &settings, paper::EXAMPLE_HUMAN).with_human(Cautious::default());
+    let mut episode = Episode::new(&options, &settings, paper::EXAMPLE_HUMAN).with_human(Cautious::default());
     while episode.step().is_none() {}
     let end = episode.summary();
     let name = |option: usize| &options.options()[option].name;
-    println!("{}: option {} first, {} last", end.outcome.name(), name(end.first_option), name(end.last_option));
+    println!(
+        "{}: option {} first, {} last",
+        end.outcome.name(),
+        name(end.first_option),
+        name(end.last_option)
+    );
     Ok(())
 }

@@ -14,6 +14,7 @@
 //! drawing        maps and curves as SVG
 //! recording      an episode as an MCAP file, and back; live, to those who watch
 //! scenario       all that settles an episode, as text; snapshots of one under way; from either the episode again
+//! arithmetic     the stamp that says which machines give the same bits
 //! episode        THE LOOP: observe, evaluate, predict, accumulate, decide, choose, prepare, control, walk
 //! simulation     what the controller acts on: exact kinematics, or bodies with dynamics and contacts
 //! control        MPC, pose optimisation, the human's intent
@@ -47,7 +48,7 @@
 //! | omega_o(k) | [`coordination::is_misaligned`] | - |
 //! | o*(k), eq. (6) | [`coordination::robot_choice`] | - |
 //! | q, q_c | [`robot::Configuration`] | m, rad |
-//! | x, s | [`robot::Kinematics::grasp`], [`episode::RobotTick::human`]; in eq. (7) relative to the grasp: [`control::Reference`] | m, rad |
+//! | x, s | [`robot::Kinematics::grasp`], [`episode::RobotTick::grasp_goal`]; in eq. (7) relative to the grasp: [`control::Reference`] | m, rad |
 //! | u, B(q), eq. (7) | [`robot::InputVector`], the period times [`robot::Kinematics::jacobian`] | m/s and rad/s, s |
 //! | H, Q, R, kappa | [`control::HORIZON`], [`control::Settings`] | - |
 //! | G_o, eq. (7) | [`control::Plan::cost`] | - |
@@ -70,6 +71,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod arithmetic;
 pub mod cli;
 pub mod control;
 pub mod coordination;

@@ -20,3 +20,33 @@ pub fn sin_cos(angle: f64) -> (f64, f64) {
 pub fn squared(x: f64) -> f64 {
     x * x
 }
+
+/// Every function of this module at `x` or near it: what a stamp of the arithmetic is made of.
+pub fn sample(x: f64) -> [f64; 17] {
+    let (positive, within) = (x.abs() + 0.1, x / (1.0 + x.abs()));
+    let (sine, cosine) = sin_cos(1e3 * x);
+    [
+        sin(x),
+        cos(x),
+        sine,
+        cosine,
+        asin(within),
+        acos(within),
+        atan2(x, 1.7),
+        exp(0.1 * x),
+        exp_m1(within),
+        ln(positive),
+        ln_1p(positive),
+        log10(positive),
+        pow(positive, within),
+        hypot(x, 1.3),
+        erf(within),
+        erfc(0.01 * x),
+        ln_gamma(positive),
+    ]
+}
+
+/// ln |Gamma(x)|.
+pub fn ln_gamma(x: f64) -> f64 {
+    libm::lgamma(x)
+}

@@ -53,6 +53,16 @@ pub(super) fn write_file(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), 
     })
 }
 
+/// Headings of a table of options. J~ is the robot's expectation: the subjective cost's mean over its belief, in cost units (eq. (2) adds
+/// m^alpha and m).
+pub(super) const OPTION_HEADINGS: [&str; 7] =
+    ["option", "openings", "D (m)", "risk S", "cost J (m)", "belief's mean J~", "P (%)"];
+
+/// Prints a warning, which stops nothing.
+pub(super) fn warn(warning: &impl std::fmt::Display) {
+    eprintln!("warning: {warning}");
+}
+
 /// A table with the given headings. The first `left` columns are text, the others numbers.
 pub(super) fn table<const N: usize>(headings: [&str; N], left: usize) -> Table {
     let mut table = Table::new();

@@ -4,7 +4,7 @@ use super::output::{Failure, Progress, input, print, print_json, table, table_te
 use super::reproduce::Common;
 use super::scenario::ScenarioArguments;
 use crate::experiments::regress::{
-    Baseline, BaselineError, Figure, Figures, Moved, Run, Value, moved, run_all,
+    Baseline, BaselineError, FORMAT, Figure, Figures, Moved, Run, Value, moved, run_all,
 };
 use crate::scenario::Scenario;
 use anyhow::anyhow;
@@ -52,6 +52,9 @@ pub(super) fn run(action: &Action) -> Result<ExitCode, Failure> {
     if let Some(run) = baseline.runs.iter().find(|run| is_check && run.recorded.is_none()) {
         let (file, line, name) = (baseline.file.clone(), run.line, run.name.clone());
         return Err(input(BaselineError::NotRecorded { file, line, name }));
+    }
+    if is_check && baseline.format < FORMAT {
+        return Err(input(BaselineError::Older { file: baseline.file, found: baseline.format }));
     }
     let bar = Progress::new(scenarios.len(), "runs");
     let results = arguments.common.on_threads(|| run_all(scenarios, &|| bar.step()))?;

@@ -1,6 +1,7 @@
 //! `cocarry replay`: a recording in; whether the same run gives the same messages again out.
 
 use super::output::{Failure, input, print};
+use crate::arithmetic;
 use crate::recording::{Reader, Verdict, replay};
 use clap::Args;
 use std::path::PathBuf;
@@ -17,16 +18,24 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let open = || Reader::open(&arguments.file).map_err(input);
     let replayed = replay(open()?, open()?).map_err(input)?;
     let file = arguments.file.display();
+    let ours = arithmetic::stamp();
+    let other = match replayed.arithmetic.as_deref() {
+        Some(theirs) if theirs == ours => String::new(),
+        Some(theirs) => format!(
+            "recorded with arithmetic {theirs}, run again with {ours}: the last bits of results differ between the two\n"
+        ),
+        None => "recorded by a version that does not say with which arithmetic\n".to_owned(),
+    };
     let so_far = format!("{} messages, up to {:.1} s", replayed.same, replayed.until as f64 / 1e9);
     match &replayed.verdict {
-        Verdict::Identical => print(&format!("{file}: identical: {so_far}\n"))?,
+        Verdict::Identical => print(&format!("{file}: identical: {so_far}\n{other}"))?,
         Verdict::IdenticalUntilCut => {
-            print(&format!("{file}: identical as far as it goes: {so_far}; it was cut there\n"))?;
+            print(&format!("{file}: identical as far as it goes: {so_far}; it was cut there\n{other}"))?;
         }
         Verdict::Different(difference) => {
             let at = replayed.step.map_or("before the first tick".to_owned(), |k| format!("in tick {k}"));
             print(&format!(
-                "{file}: differs {at}, at {:.1} s, on {}, in {}\n  recorded: {}\n  run again: {}\nidentical before that: {so_far}\n",
+                "{file}: differs {at}, at {:.1} s, on {}, in {}\n  recorded: {}\n  run again: {}\nidentical before that: {so_far}\n{other}",
                 difference.time as f64 / 1e9,
                 difference.topic,
                 difference.field,

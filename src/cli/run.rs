@@ -2,7 +2,7 @@
 
 use super::interrupt::Interrupt;
 use super::live::LiveArguments;
-use super::output::{Failure, Progress, print, print_json, write_file};
+use super::output::{Failure, Progress, print, print_json, warn, write_file};
 use super::record::RecordArguments;
 use super::scenario::ScenarioArguments;
 use super::serving::Serving;
@@ -64,6 +64,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let resumed = state.as_ref().map(State::steps);
     let refused = |error| arguments.snapshots.refused(error);
     let stage = scenario.prepare().map_err(refused)?;
+    stage.slow_drive().iter().for_each(warn);
     let episode = match state {
         None => stage.episode(),
         Some(state) => stage.resume(state),

@@ -1,6 +1,7 @@
 //! The arguments of snapshots in; an episode to go on from, and files of the ticks asked for, out.
 
 use super::output::{Failure, input, write_file};
+use crate::arithmetic;
 use crate::episode::Episode;
 use crate::scenario::{ScenarioError, Snapshot, Stage};
 use anyhow::{Error, anyhow};
@@ -65,6 +66,14 @@ impl SnapshotArguments {
             eprintln!(
                 "note: {} was written by cocarry {theirs}; with {ours} the episode may go on differently",
                 file.display()
+            );
+        }
+        let (theirs, ours) = (&snapshot.arithmetic, arithmetic::stamp());
+        if theirs != ours {
+            eprintln!(
+                "note: {} was saved with arithmetic {}, this program has {ours}: the last bits of the episode will not be those that it would have had there",
+                file.display(),
+                theirs.escape_debug()
             );
         }
         Ok(Some(snapshot))

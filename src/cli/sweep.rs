@@ -1,10 +1,9 @@
 //! `cocarry sweep`: a study file in; one row for every episode of it as CSV, and means and paired comparisons as tables or JSON, out.
 
-use super::output::{Failure, Progress, input, print, print_json, table, table_text};
+use super::output::{Failure, Progress, input, print, print_json, table, table_text, warn};
 use super::reproduce::Common;
-use crate::experiments::sweep::{
-    Comparison, Estimate, Group, Shard, Study, Summary, Sweep, SweepError, merge,
-};
+use crate::experiments::statistics::Estimate;
+use crate::experiments::sweep::{Comparison, Group, Shard, Study, Summary, Sweep, SweepError, merge};
 use anyhow::Error;
 use clap::Args;
 use serde_json::json;
@@ -58,6 +57,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 
 fn sweep(arguments: &Arguments, file: &Path) -> Result<(), Failure> {
     let study = Study::load(file, arguments.seeds).map_err(failure)?;
+    study.slow_drives().iter().for_each(warn);
     let out = arguments.out.clone().unwrap_or_else(|| results_of(file, arguments.shard));
     let sweep = Sweep::open(&study, &out, arguments.shard, arguments.overwrite).map_err(failure)?;
     let (kept, episodes) = (sweep.kept(), sweep.episodes());
@@ -149,7 +149,7 @@ fn groups(summary: &Summary) -> String {
         shown.add_row(cells);
     }
     format!(
-        "{}J: accumulated objective cost; C: control cost; of the episodes that arrived. 95 %: interval of the mean.\n",
+        "{}J: accumulated objective cost; C: control cost; of the episodes that arrived. 95 %: interval of the mean over humans; none where these all make the same choices, so that seeds repeat one outcome.\n",
         table_text(&shown)
     )
 }
@@ -172,35 +172,41 @@ fn comparisons(summary: &Summary) -> String {
     let shown: Vec<&Comparison> = summary
         .comparisons
         .iter()
-        .filter(|c| c.difference.mean != 0.0 || c.difference.std.is_some_and(|std| std > 0.0))
+        .filter(|c| {
+            let Estimate { mean, std, .. } = c.difference.difference;
+            mean != 0.0 || std.is_some_and(|std| std > 0.0)
+        })
         .collect();
     if shown.is_empty() {
         return String::new();
     }
+    let tested = summary.comparisons.iter().filter(|c| c.difference.p_value.is_some()).count();
     let keys = headings(summary);
     let common = |key: &&String| shown.iter().any(|c| c.inputs.contains_key(*key));
     let keys: Vec<String> = keys.iter().filter(common).cloned().collect();
     let mut titles = keys.clone();
-    let figures = ["cost", "compared", "pairs", "difference", "95 %", "p", "lower in"];
+    let figures = ["cost", "compared", "pairs", "difference", "95 %", "d", "p (Holm)", "lower in"];
     titles.extend(figures.map(str::to_owned));
     let mut rows = table_of(&titles, keys.len() + 2);
     for c in shown {
         let mut cells: Vec<String> =
             keys.iter().map(|key| c.inputs.get(key).cloned().unwrap_or_default()).collect();
-        let [difference, _, interval] = estimate(Some(&c.difference));
+        let paired = &c.difference;
+        let [difference, _, interval] = estimate(Some(&paired.difference));
         cells.extend([
             if c.cost == "control_cost" { "C" } else { "J (m)" }.to_owned(),
             format!("{} - {}", c.first, c.second),
-            c.difference.n.to_string(),
+            paired.difference.n.to_string(),
             difference,
             interval,
-            c.p_value.map_or("-".to_owned(), |p| format!("{p:.1e}")),
+            paired.effect_size.map_or("-".to_owned(), |d| format!("{d:.2}")),
+            paired.p_holm.map_or("-".to_owned(), |p| format!("{p:.1e}")),
             format!("{:.0} %", 100.0 * c.share_lower),
         ]);
         rows.add_row(cells);
     }
     format!(
-        "\nPaired by seed\n{}Two of a kind, all else equal, over the seeds with which both arrived; p: paired t-test. What differs in no pair is left out.\n",
+        "\nPaired by seed\n{}Two of a kind, all else equal, over the seeds with which both arrived. d: mean of the differences over their standard deviation; p: paired t-test, corrected by Holm's method for the {tested} comparisons tested. No interval and no test where the outcome does not vary between humans: all make the same choices, and what differs between seeds, if anything, is the gait's noise. What differs in no pair is left out.\n",
         table_text(&rows)
     )
 }

@@ -88,21 +88,21 @@ fn columns(tick: &Tick, names: &Names) -> Vec<(String, Value)> {
 /// the distance to obstacles where there are none.
 fn robot_columns(robot: &RobotTick, names: &Names) -> Vec<(String, Value)> {
     let preparation = robot.preparation;
-    let (base, human) = (robot.configuration.base, robot.human);
+    let (base, goal) = (robot.configuration.base, robot.grasp_goal);
     let outcome = match robot.outcome {
         SolveOutcome::Unconstrained => "unconstrained",
         SolveOutcome::Constrained { .. } => "constrained",
         SolveOutcome::Fallback(SolveFailure::NotFinite) => "fallback: not finite",
         SolveOutcome::Fallback(SolveFailure::NotSolved) => "fallback: not solved",
     };
-    let active = match robot.outcome {
-        SolveOutcome::Constrained { active } => active,
-        _ => 0,
+    let (active, guides) = match robot.outcome {
+        SolveOutcome::Constrained { active, guides } => (active, guides),
+        _ => (0, 0),
     };
     let fixed = [
-        ("human_x_m", json!(human.position.x)),
-        ("human_y_m", json!(human.position.y)),
-        ("human_yaw_deg", json!(human.yaw.to_degrees())),
+        ("grasp_goal_x_m", json!(goal.position.x)),
+        ("grasp_goal_y_m", json!(goal.position.y)),
+        ("grasp_goal_yaw_deg", json!(goal.yaw.to_degrees())),
         ("base_x_m", json!(base.position.x)),
         ("base_y_m", json!(base.position.y)),
         ("base_yaw_deg", json!(base.yaw.to_degrees())),
@@ -113,6 +113,7 @@ fn robot_columns(robot: &RobotTick, names: &Names) -> Vec<(String, Value)> {
         ("pose_constrained_problems", json!(preparation.map(|p| p.constrained))),
         ("mpc_outcome", json!(outcome)),
         ("mpc_active_limits", json!(active)),
+        ("mpc_active_guides", json!(guides)),
         ("least_singular_value", json!(robot.least_singular_value)),
         ("position_error_m", json!(robot.position_error)),
         ("orientation_error_deg", json!(robot.orientation_error.to_degrees())),
@@ -135,8 +136,8 @@ fn robot_columns(robot: &RobotTick, names: &Names) -> Vec<(String, Value)> {
 }
 
 /// The values of the physical plant in a tick, in the order of the columns; null for a distance where there is nothing to be near to.
-fn physics_columns(physics: &PhysicsTick) -> [(&'static str, Value); 19] {
-    let (object, hand) = (physics.object, physics.hand);
+fn physics_columns(physics: &PhysicsTick) -> [(&'static str, Value); 23] {
+    let PhysicsTick { object, hand, torso, .. } = *physics;
     [
         ("object_x_m", json!(object.position.x)),
         ("object_y_m", json!(object.position.y)),
@@ -144,6 +145,9 @@ fn physics_columns(physics: &PhysicsTick) -> [(&'static str, Value); 19] {
         ("hand_x_m", json!(hand.position.x)),
         ("hand_y_m", json!(hand.position.y)),
         ("hand_yaw_deg", json!(hand.yaw.to_degrees())),
+        ("torso_x_m", json!(torso.position.x)),
+        ("torso_y_m", json!(torso.position.y)),
+        ("torso_yaw_deg", json!(torso.yaw.to_degrees())),
         ("grip_force_n", json!(physics.grip_force)),
         ("hand_force_n", json!(physics.hand_force)),
         ("peak_force_n", json!(physics.peak_force)),
@@ -151,6 +155,7 @@ fn physics_columns(physics: &PhysicsTick) -> [(&'static str, Value); 19] {
         ("hand_stretch_m", json!(physics.stretch[1])),
         ("grip_force_change_n", json!(physics.force_change[0])),
         ("hand_force_change_n", json!(physics.force_change[1])),
+        ("effort_share", json!(physics.effort_share)),
         ("robot_work_j", json!(physics.work[0])),
         ("human_work_j", json!(physics.work[1])),
         ("squared_jerk_m2_per_s5", json!(physics.squared_jerk)),
@@ -167,7 +172,7 @@ fn option_columns(tick: &Tick, option: usize) -> [(&'static str, Value); 6] {
         ("length_m", json!(o.remaining.length)),
         ("risk", json!(o.remaining.risk)),
         ("objective_m", json!(o.objective)),
-        ("expected_subjective_m", json!(o.expected)),
+        ("expected_subjective", json!(o.expected)),
         ("probability", json!(o.probability)),
         ("misaligned", json!(u8::from(o.misaligned))),
     ]

@@ -1,14 +1,18 @@
 //! An episode that is over in; what `cocarry run` tells of it, as text and as JSON, out.
 
-use super::output::{table, table_text};
+use super::output::{OPTION_HEADINGS, table, table_text};
 use crate::coordination;
 use crate::drawing::Track;
-use crate::episode::{ControlSummary, Outcome, PreferenceChange, Settings, Summary, Tick, Transition};
+use crate::episode::{
+    ControlSummary, GRASP_WARNING_RMS_M, HumanSummary, Loss, Outcome, PreferenceChange, Settings, Summary,
+    Tick, Transition,
+};
 use crate::geometry::Point;
 use crate::policy::Method;
 use crate::preference::Perception;
 use crate::robot::Robot;
 use crate::scenario::{Carrier, Stage};
+use crate::simulation::Party;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -95,8 +99,7 @@ impl Told<'_> {
         text += &format!(
             "human: alpha {alpha:.4}, gamma {gamma:.4}; method {method}, eta {eta}, phi(0) {initial_stubbornness}\n\nOptions at {from}\n"
         );
-        let headings = ["option", "openings", "D (m)", "risk S", "cost J (m)", "subjective J~ (m)", "P (%)"];
-        let mut options = table(headings, 2);
+        let mut options = table(OPTION_HEADINGS, 2);
         for (o, option) in self.ticks.first().into_iter().flat_map(|t| t.options.iter().enumerate()) {
             options.add_row([
                 self.option_name(o).to_owned(),
@@ -114,8 +117,18 @@ impl Told<'_> {
             let _ = writeln!(text, "  {event}");
         }
         text += &format!("  accumulated objective cost {:.2} m\n", summary.accumulated_cost);
+        let HumanSummary { stubbornness, discomfort, subjective_cost, .. } = summary.human;
+        let _ = writeln!(
+            text,
+            "  to the human: final phi {stubbornness:.3}, discomfort g {discomfort:.2}; {:.0} % of the steps off the option preferred; accumulated \
+             subjective cost {subjective_cost:.2}",
+            100.0 * summary.human.share_off_preference(summary.steps)
+        );
         if let (Some((robot, carrier)), Some(control)) = (self.carrier(), &summary.control) {
             text += &self.control_text(robot, &carrier.posture, control);
+        }
+        for warning in self.warnings() {
+            let _ = writeln!(text, "\nwarning: {warning}");
         }
         text
     }
@@ -133,8 +146,9 @@ impl Told<'_> {
         );
         let _ = writeln!(
             text,
-            "  tracking error {:.1} mm rms; limits active in {} of {steps} steps, configuration changed in {}",
+            "  tracking error {:.1} mm rms, {:.1} mm at most; limits active in {} of {steps} steps, configuration changed in {}",
             1e3 * control.error_rms(steps),
+            1e3 * control.largest_error,
             control.constrained_steps,
             control.pose_changes
         );
@@ -159,12 +173,30 @@ impl Told<'_> {
                 interaction.peak_force,
                 100.0 * interaction.stretch
             );
+            let _ = writeln!(
+                text,
+                "  the arm's motors exert at most {:.0} % of their effort limits",
+                100.0 * interaction.effort_share
+            );
         }
         if control.fallback_steps > 0 {
             let _ =
                 writeln!(text, "  no solution of eq. (7) in {} steps: see --ticks", control.fallback_steps);
         }
         text
+    }
+
+    /// What is to be doubted: of the scenario, and of how it went.
+    fn warnings(&self) -> Vec<String> {
+        let rms = self.summary.control.map(|control| control.error_rms(self.summary.steps));
+        let off = rms.filter(|rms| *rms >= GRASP_WARNING_RMS_M).map(|rms| {
+            format!(
+                "the grasp is {:.1} cm (rms) off where it should be, {:.0} cm or more: the robot does not keep up",
+                100.0 * rms,
+                100.0 * GRASP_WARNING_RMS_M
+            )
+        });
+        self.stage.slow_drive().map(|slow| slow.to_string()).into_iter().chain(off).collect()
     }
 
     fn events(&self) -> Vec<String> {
@@ -200,6 +232,19 @@ impl Told<'_> {
             let words = format!("the human's mind changes: alpha {alpha:.4}, gamma {gamma:.4}");
             events.push((change.step, format!("{place}: {words}{prefers}")));
         }
+        let mind_changes = self.changes_of_mind();
+        for pair in self.ticks.windows(2).filter(|w| w[0].preferred != w[1].preferred) {
+            let [before, now] = [&pair[0], &pair[1]];
+            // told with the change itself
+            if mind_changes.iter().any(|change| change.step == now.step) {
+                continue;
+            }
+            let [from, to] = [before, now].map(|tick| self.option_name(tick.preferred));
+            events.push((
+                now.step,
+                format!("{}: this human now prefers option {to} to option {from}", at(now)),
+            ));
+        }
         if let Some(Transition { step, position }) = summary.transition {
             let told = self.tick(step);
             let stubbornness = told.map_or(String::new(), |tick| format!(" ({:.3})", tick.stubbornness));
@@ -232,8 +277,20 @@ impl Told<'_> {
             Outcome::Collided => "did not arrive: collided",
             Outcome::Stuck => "did not arrive: stuck for ten seconds",
             Outcome::Dropped => "did not arrive: the object fell",
+            Outcome::ObjectLost => "did not arrive: the object was lost",
             Outcome::NonFinite => "did not arrive: the physics broke down",
         };
+        if let Some(Loss { by, step, distance }) = summary.loss {
+            let words = match by {
+                Party::Human => "the human's grip yielded by",
+                _ => "the robot's grasp was off by",
+            };
+            events.push(format!(
+                "{}: {words} {:.1} cm: it lost the object",
+                self.when(step),
+                100.0 * distance
+            ));
+        }
         if let Some(contact) = &summary.collision {
             let [first, second] = &contact.between;
             events.push(format!(
@@ -313,6 +370,7 @@ impl Told<'_> {
                 "effort": c.effort,
                 "pose": c.pose,
                 "position_error_rms_m": c.error_rms(summary.steps),
+                "largest_position_error_m": c.largest_error,
                 "constrained_steps": c.constrained_steps,
                 "fallback_steps": c.fallback_steps,
                 "pose_changes": c.pose_changes,
@@ -328,6 +386,13 @@ impl Told<'_> {
                 "squared_jerk_m2_per_s5": i.squared_jerk,
                 "force_noise_rms_n": i.force_noise(),
                 "largest_stretch_m": i.stretch,
+                "largest_effort_share": i.effort_share,
+            })),
+            "loss": summary.loss.map(|loss| json!({
+                "by": loss.by.name(),
+                "step": loss.step,
+                "time_s": self.seconds(loss.step),
+                "distance_m": loss.distance,
             })),
             "collision": summary.collision.as_ref().map(|c| json!({
                 "between": c.between.each_ref().map(|part| json!({
@@ -339,6 +404,18 @@ impl Told<'_> {
                 "force_n": c.force,
             })),
         });
+        let human = &summary.human;
+        for (key, value) in [
+            ("final_stubbornness", json!(human.stubbornness)),
+            ("final_discomfort", json!(human.discomfort)),
+            ("share_off_preference", json!(human.share_off_preference(summary.steps))),
+            ("accumulated_subjective_cost", json!(human.subjective_cost)),
+            ("changes_of_mind", json!(human.changes_of_mind)),
+            ("preference_switches", json!(human.preference_switches)),
+            ("warnings", json!(self.warnings())),
+        ] {
+            told[key] = value;
+        }
         if let Some(step) = self.resumed {
             told["resumed_at_step"] = json!(step);
         }

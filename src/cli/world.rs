@@ -1,7 +1,7 @@
 //! `cocarry world`: a world file in; its obstacles, openings and options as tables, JSON or a map out.
 
 use super::model::{ModelArguments, load_world};
-use super::output::{Failure, input, print, print_json, table, table_text, write_file};
+use super::output::{Failure, OPTION_HEADINGS, input, print, print_json, table, table_text, write_file};
 use crate::drawing;
 use crate::episode::prospects;
 use crate::geometry::Footprint;
@@ -115,6 +115,7 @@ fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
         ]);
     }
     text += &table_text(&openings);
+    text += &unused_openings(world, set);
     let origin = match (world.listed_options.is_empty(), set.is_cut) {
         (false, _) => String::new(),
         (true, false) => " (all there are: the file lists none)".to_owned(),
@@ -124,8 +125,7 @@ fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
         ),
     };
     text += &format!("\nOptions{origin}\n");
-    let mut options =
-        table(["option", "openings", "D (m)", "risk S", "cost J (m)", "subjective J~ (m)", "P (%)"], 2);
+    let mut options = table(OPTION_HEADINGS, 2);
     for o in offers {
         options.add_row([
             o.name.clone(),
@@ -140,6 +140,27 @@ fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
     text + &table_text(&options)
 }
 
+/// A line for openings that lead from a region to itself, and one for others that no option goes through.
+fn unused_openings(world: &World, set: &OptionSet) -> String {
+    let line = |one: &str, many: &str, leads_nowhere_new: bool, what_to_do: &str| {
+        let names: Vec<&str> = (0..world.openings.len())
+            .filter(|&o| !set.uses(o) && set.leads_nowhere_new(o) == leads_nowhere_new)
+            .map(|o| world.openings[o].name.as_str())
+            .collect();
+        match names.len() {
+            0 => String::new(),
+            1 => format!("1 opening {one} ({}){what_to_do}\n", names[0]),
+            n => format!("{n} openings {many} ({}){what_to_do}\n", names.join(", ")),
+        }
+    };
+    line(
+        "leads nowhere new",
+        "lead nowhere new",
+        true,
+        ": there is a way around through no opening; list [[option]]s in the file to use what is named here",
+    ) + &line("is on none of these options", "are on none of these options", false, "")
+}
+
 fn as_json(world: &World, set: &OptionSet, offers: &[Offer]) -> Value {
     let point = |p: crate::geometry::Point| json!([p.x, p.y]);
     json!({
@@ -150,13 +171,15 @@ fn as_json(world: &World, set: &OptionSet, offers: &[Offer]) -> Value {
         "target_m": point(world.target),
         "obstacles": world.obstacles.iter().map(obstacle_json).collect::<Vec<_>>(),
         "openings_detected": world.openings_detected,
-        "openings": world.openings.iter().map(|o| json!({
+        "openings": world.openings.iter().enumerate().map(|(i, o)| json!({
             "name": o.name,
             "between": o.between.map(|i| &world.obstacles[i].name),
             "center_m": point(o.center()),
             "ends_m": o.ends.map(point),
             "width_m": o.width,
             "risk": o.risk(world.robot_width),
+            "used": set.uses(i),
+            "leads_nowhere_new": set.leads_nowhere_new(i),
         })).collect::<Vec<_>>(),
         "options_enumerated": world.listed_options.is_empty(),
         "options_cut": set.is_cut,

@@ -104,7 +104,12 @@ pub fn hold_base_to(rims: &Rims, limits: &mut Limits) {
             for sign in [1.0, -1.0] {
                 let mut coefficients = Inputs::zeros();
                 coefficients[(side, t)] = sign;
-                limits.half_planes.push(HalfPlane { coefficients, bound: sign * rim, price: PRICE });
+                limits.half_planes.push(HalfPlane {
+                    coefficients,
+                    bound: sign * rim,
+                    price: PRICE,
+                    is_guide: true,
+                });
             }
         }
     }

@@ -30,6 +30,8 @@ pub struct HalfPlane {
     pub bound: f64,
     /// What exceeding it costs: this times the square of the excess.
     pub price: f64,
+    /// Whether it holds the base to its way: no limit of what the robot can do, or of where it may be.
+    pub is_guide: bool,
 }
 
 impl HalfPlane {
@@ -137,6 +139,11 @@ impl Limits {
                 on_violation(Row::Place(i), excess);
             }
         }
+    }
+
+    /// Whether a row holds the base to its way ([`HalfPlane::is_guide`]).
+    pub fn is_guide(&self, row: Row) -> bool {
+        matches!(row, Row::Place(i) if self.half_planes[i].is_guide)
     }
 
     /// Whether `u` violates nothing.

@@ -24,7 +24,10 @@ pub use intent::Intent;
 pub use limits::{HalfPlane, Limits};
 pub use mpc::{Failure, Mpc, Plan, SolveOutcome};
 pub use obstacles::{Avoid, RobotObstacles};
-pub use pose::{PoseChoice, PoseCriterion, PoseOptimiser, PoseProblem, manipulability, motion_cost};
+pub use pose::{
+    Considered, PoseChoice, PoseCriterion, PoseOptimiser, PoseProblem, manipulability, motion_cost,
+};
+pub use qp::Qp;
 pub use settings::Settings;
 
 use crate::geometry::{PlanarPose, Pose};

@@ -31,10 +31,12 @@ pub struct Plan {
 pub enum SolveOutcome {
     /// In closed form: no limit is active.
     Unconstrained,
-    /// With this many active limits.
+    /// With this many active constraints: those with a positive multiplier.
     Constrained {
-        /// Limits with a positive multiplier.
+        /// Limits of joints and wheels, and half-planes that keep the robot off obstacles.
         active: usize,
+        /// Bounds that hold the base to its way, on the physical plant.
+        guides: usize,
     },
     /// Not at all: the first input without limits, scaled down into them, is applied once; where even that is no number, nothing is.
     Fallback(Failure),
@@ -160,8 +162,12 @@ impl Mpc {
             // with some of the constraints only, the optimum is a lower bound
             let cost = optimum.cost + self.dual_value();
             if self.joining.is_empty() {
-                let active = self.multipliers.iter().filter(|m| **m > 0.0).count();
-                return Ok(Plan { inputs, cost, outcome: SolveOutcome::Constrained { active } });
+                let positive = self.multipliers.iter().zip(&self.rows).filter(|(m, _)| **m > 0.0);
+                let (mut active, mut guides) = (0, 0);
+                for (_, row) in positive {
+                    *if limits.is_guide(*row) { &mut guides } else { &mut active } += 1;
+                }
+                return Ok(Plan { inputs, cost, outcome: SolveOutcome::Constrained { active, guides } });
             }
             if cost > cutoff {
                 return Err(Stopped::Above);

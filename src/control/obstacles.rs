@@ -83,6 +83,10 @@ impl RobotObstacles {
     /// n . (p(t) + dp(t)/du (u - inputs)) >= n . p(t) - (d - radius - margin). The base rolls on arcs and carries
     /// the arm's points, which move on it as their Jacobians at `q` say. Where one of these would be too near, n points to the side on
     /// which the arm's chain from base to grasp passes it, and d is measured along n.
+    ///
+    /// The arm's planes are linear in its joints. They end at the step at which `inputs` move a joint by more than `most_moved` (rad, m),
+    /// where they would tell of walls that the arm does not come near.
+    #[expect(clippy::too_many_arguments)]
     pub fn half_planes(
         &self,
         avoid: Avoid,
@@ -90,6 +94,7 @@ impl RobotObstacles {
         q: &Configuration,
         inputs: &Inputs,
         period: f64,
+        most_moved: f64,
         limits: &mut Limits,
     ) {
         limits.half_planes.clear();
@@ -98,7 +103,7 @@ impl RobotObstacles {
             self.keep_base_off(&robot.drive, &q.base, inputs, period, limits);
         }
         if avoid == Avoid::Robot {
-            self.keep_arm_off(robot, q, inputs, period, limits);
+            self.keep_arm_off(robot, q, inputs, period, most_moved, limits);
         }
     }
 
@@ -127,6 +132,7 @@ impl RobotObstacles {
         q: &Configuration,
         inputs: &Inputs,
         period: f64,
+        most_moved: f64,
         limits: &mut Limits,
     ) {
         let base = q.base;
@@ -152,6 +158,9 @@ impl RobotObstacles {
                     continue;
                 }
                 for (t, chain) in chain.iter().enumerate() {
+                    if reaching.farthest(t) > most_moved {
+                        break;
+                    }
                     let (lever, at) = reaching.place(from_base, &arm, t);
                     let Some((mut distance, mut away)) = outline.near(at, ARM_RADIUS + FAR_FROM_ARM) else {
                         continue;
@@ -167,7 +176,7 @@ impl RobotObstacles {
                         coefficients.fixed_view_mut::<MAX_JOINTS, 1>(2, step).copy_from(&joints);
                     }
                     let bound = coefficients.dot(inputs) + distance - ARM_RADIUS - MARGIN;
-                    limits.half_planes.push(HalfPlane { coefficients, bound, price: PRICE });
+                    limits.half_planes.push(HalfPlane { coefficients, bound, price: PRICE, is_guide: false });
                 }
             }
         });
@@ -218,7 +227,7 @@ mod tests {
             }
             let planes = |avoid, inputs: &Inputs| {
                 let mut limits = Limits::new(&robot);
-                obstacles.half_planes(avoid, &robot, &q, inputs, 0.2, &mut limits);
+                obstacles.half_planes(avoid, &robot, &q, inputs, 0.2, f64::INFINITY, &mut limits);
                 limits.half_planes
             };
             let distance = |plane: &HalfPlane, inputs: &Inputs| plane.bound - plane.coefficients.dot(inputs);
@@ -271,7 +280,7 @@ mod tests {
         let mut inputs = Inputs::zeros();
         inputs.fixed_rows_mut::<2>(0).fill(0.5);
         let mut limits = Limits::new(&robot);
-        obstacles.half_planes(Avoid::Robot, &robot, &q, &inputs, 0.2, &mut limits);
+        obstacles.half_planes(Avoid::Robot, &robot, &q, &inputs, 0.2, f64::INFINITY, &mut limits);
         let overstepped =
             limits.half_planes.iter().map(|plane| plane.coefficients.dot(&inputs) - plane.bound);
         let most = overstepped.fold(0.0, f64::max);

@@ -42,6 +42,18 @@ pub struct PoseChoice {
     pub solved: usize,
 }
 
+/// A candidate of eq. (8), and what was found of the sum that is minimised: that of eq. (8), or for
+/// [`PoseCriterion::Manipulability`] minus the manipulability.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Considered<'a> {
+    /// The candidate.
+    pub candidate: &'a Candidate,
+    /// A lower bound of the sum: its value without limits. `None` where costs were not asked for.
+    pub floor: Option<f64>,
+    /// The sum. `None` where the lower bound, or a part of the sum, already exceeded the least, or there was no choice.
+    pub total: Option<f64>,
+}
+
 /// Solves eq. (8); keeps memory between calls.
 #[derive(Clone, Debug, Default)]
 pub struct PoseOptimiser {
@@ -51,6 +63,8 @@ pub struct PoseOptimiser {
     bounds: Vec<f64>,
     /// Lower bound, then value, of each candidate's total.
     totals: Vec<f64>,
+    /// The lower bounds that the totals began as.
+    floors: Vec<f64>,
     order: Vec<usize>,
 }
 
@@ -75,6 +89,8 @@ pub struct PoseProblem<'a> {
     pub period: f64,
     /// The share of the rate limits that the change of configuration may take, up to 1.
     pub share: f64,
+    /// How far (rad, m) a joint may move for the arm's half-planes to be believed: see [`RobotObstacles::half_planes`].
+    pub most_moved: f64,
 }
 
 impl PoseOptimiser {
@@ -89,6 +105,8 @@ impl PoseOptimiser {
         let PoseProblem { robot, configuration, kinematics, period, share, .. } = *problem;
         let around = Neighbourhood { robot, configuration, kinematics, limits, period, share };
         around.candidates(settings.candidates, &mut self.candidates);
+        self.totals.clear();
+        self.floors.clear();
         let mut solved = 0;
         let index = match (self.candidates.len(), settings.criterion) {
             (1, _) => 0,
@@ -106,6 +124,15 @@ impl PoseOptimiser {
     /// The candidates of the last call.
     pub fn candidates(&self) -> &[Candidate] {
         &self.candidates
+    }
+
+    /// What the last call made of its candidates.
+    pub fn considered(&self) -> impl Iterator<Item = Considered<'_>> {
+        self.candidates.iter().enumerate().map(|(i, candidate)| Considered {
+            candidate,
+            floor: self.floors.get(i).copied(),
+            total: self.totals.get(i).copied().filter(|total| total.is_finite()),
+        })
     }
 
     fn most_manipulable(&mut self, robot: &Robot) -> usize {
@@ -136,6 +163,7 @@ impl PoseOptimiser {
             self.forms.push(form);
             self.totals.push(total);
         }
+        self.floors.extend(&self.totals);
     }
 
     /// Turns bounds into values, in the order of the bounds, as long as a bound is no greater than the best value.
@@ -168,7 +196,16 @@ impl PoseOptimiser {
                     if let Some(rims) = problem.rims {
                         set_base(&mut inputs, rims);
                     }
-                    obstacles.half_planes(avoid, problem.robot, q, &inputs, problem.period, limits);
+                    let most_moved = problem.most_moved;
+                    obstacles.half_planes(
+                        avoid,
+                        problem.robot,
+                        q,
+                        &inputs,
+                        problem.period,
+                        most_moved,
+                        limits,
+                    );
                     if let Some(rims) = problem.rims {
                         limits.half_planes.iter_mut().for_each(|plane| plane.settle_base(rims));
                     }

@@ -191,7 +191,7 @@ fn the_constrained_solution_agrees_with_a_dense_program() {
         assert!(limits.allow(&plan.inputs), "case {case}");
         match plan.outcome {
             SolveOutcome::Unconstrained => {}
-            SolveOutcome::Constrained { active } => {
+            SolveOutcome::Constrained { active, .. } => {
                 assert!(active > 0);
                 constrained += 1;
             }
@@ -335,6 +335,7 @@ fn the_pose_chosen_is_the_exact_minimum_over_candidates() {
             rims: None,
             period: PERIOD,
             share: 1.0,
+            most_moved: f64::INFINITY,
         };
         let choice = poses.choose(&problem, &settings, &mut limits, &mut mpc);
         let totals = brute_force(&problem, &settings, poses.candidates());
@@ -368,6 +369,7 @@ fn in_the_planar_posture_both_ways_out_are_equal_and_the_first_is_taken() {
         rims: None,
         period: PERIOD,
         share: 1.0,
+        most_moved: f64::INFINITY,
     };
     let (mut poses, mut mpc, mut limits) = (PoseOptimiser::default(), Mpc::default(), Limits::new(&robot));
     let choice = poses.choose(&problem, &Settings::default(), &mut limits, &mut mpc);

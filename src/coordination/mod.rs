@@ -72,7 +72,8 @@ pub struct OptionTick {
     pub remaining: Remaining,
     /// J_o, eq. (1), m.
     pub objective: f64,
-    /// J~_o, the expected subjective cost of eq. (6), m; evaluated while the robot leads, else NaN.
+    /// J~_o, the expected subjective cost of eq. (6), cost units: the mean over the robot's belief. Evaluated while the robot leads, else
+    /// NaN.
     pub expected: f64,
     /// P_o, eq. (4); NaN where it was not evaluated.
     pub probability: f64,

@@ -1,12 +1,13 @@
-//! Participants' percentages and what was fitted to them in; the figure of both, and of the error for every c_r, out.
+//! Participants' answers in percent with what was fitted to them, and the error of the fit for every c_r.
 
-use super::axis::Scale;
-use super::scene::{document, rectangle};
-use super::style::{INK, LARGE, Look, SMALL, disc, path_data, stroke};
-use super::text::{Align, Words, shorten};
+use super::kit::{
+    AXIS_ROOM, Axis, FAINT, GAP, GRID, INK, Legend, LineStyle, MARGIN, Plot, Shape, Side, TITLE_ROOM, Text,
+    border, document, frame_title, left_of_rows, level, mark, mean_bar, notes, place, rectangle, row_label,
+    stroke, upright,
+};
 use super::{DrawingError, WIDTH};
 use crate::geometry::{Bounds, Point, Vector};
-use svg::node::element::{Group, Path};
+use svg::node::element::Group;
 
 /// A world of the figure of answers.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,7 +27,7 @@ pub struct AnswerRow {
     pub answers: Vec<f64>,
     /// Their mean.
     pub mean: f64,
-    /// By least squares and by likelihood.
+    /// By likelihood and by least squares.
     pub fits: [f64; 2],
 }
 
@@ -39,18 +40,18 @@ pub struct RiskWeightMark {
     pub interval: Option<[f64; 2]>,
 }
 
-/// Left and right end of the frames, px.
-const FRAME: [f64; 2] = [104.0, WIDTH - 22.0];
-/// Height of a row, px.
+/// The widest that the names of options get, px.
+const NAMES: f64 = 110.0;
+/// Height of a row, px, and of the mark at a mean.
 const ROW: f64 = 30.0;
-/// Room above a panel for its title, px.
-const ABOVE: f64 = 32.0;
+const MEAN: f64 = 22.0;
 /// Height of the chart of errors, px.
 const CHART: f64 = 200.0;
 /// What the marks of either fit mean.
-const FITS: [&str; 2] = ["least squares", "likelihood"];
+const FITS: [&str; 2] = ["likelihood (recommended)", "least squares"];
 
-/// Answers and fits, a panel for every world; below, the rms error for every c_r with the two that were fitted.
+/// Answers and fits, a panel for every world; below, the rms error for every c_r with the two that were fitted, by likelihood and by least
+/// squares, and `caution`, sentence by sentence.
 ///
 /// # Errors
 /// [`DrawingError::NoPanels`]; [`DrawingError::Fit`] for what is no percentage or cannot be on the axis of c_r.
@@ -58,26 +59,39 @@ pub fn answers(
     panels: &[AnswerPanel],
     curve: &[(f64, f64)],
     marks: &[RiskWeightMark; 2],
+    caution: &str,
 ) -> Result<String, DrawingError> {
     check(panels, curve, marks)?;
-    let percent = Scale { range: [0.0, 100.0], ends: [FRAME[0] + 8.0, FRAME[1] - 8.0], is_log: false };
-    let mut drawn = Vec::new();
-    let mut top = 4.0;
+    let rows = || panels.iter().flat_map(|p| &p.rows);
+    let left = left_of_rows(rows().map(|r| r.option.as_str()), NAMES);
+    let frame = |top: f64, height: f64| Bounds {
+        min: Point::new(left, top),
+        max: Point::new(WIDTH - MARGIN, top + height),
+    };
+    let mut drawn = Group::new();
+    let mut top = 0.0;
     for (i, panel) in panels.iter().enumerate() {
-        let min = Point::new(FRAME[0], top + ABOVE);
-        let frame = Bounds { min, max: Point::new(FRAME[1], min.y + panel.rows.len() as f64 * ROW) };
-        let mut group = draw(panel, &percent, frame);
+        let frame = frame(top + TITLE_ROOM, panel.rows.len() as f64 * ROW);
+        let percent = Axis::linear(Side::Below, [0.0, 100.0], frame.grown(-GAP));
+        drawn = drawn.add(draw(panel, &percent, frame));
+        top = frame.max.y;
         if i + 1 == panels.len() {
-            group = group.add(percent.below(frame, Words::new().plain("share of answers (%)")));
+            drawn = drawn.add(percent.draw(frame, &Text::new("share of answers (%)")));
+            top += AXIS_ROOM;
         }
-        drawn.push(group);
-        top = frame.max.y + 6.0;
     }
-    let (legend, bottom) = legend(Point::new(FRAME[0] - 84.0, top + 76.0), panels);
-    let min = Point::new(FRAME[0], bottom + 16.0);
-    let frame = Bounds { min, max: Point::new(FRAME[1], min.y + CHART) };
-    let picture = drawn.into_iter().fold(document(frame.max.y + 58.0), svg::Document::add);
-    Ok(picture.add(legend).add(errors(curve, marks, frame)).to_string())
+    let has_several = rows().any(|r| r.answers.len() > 1);
+    let mut legend = Legend::of_marks();
+    if has_several {
+        legend = legend.entry(answer_mark(), "answers");
+    }
+    legend = legend.entry(mean_bar(MEAN), if has_several { "their mean" } else { "answer" });
+    legend = FITS.iter().enumerate().fold(legend, |legend, (fit, name)| legend.entry(fit_mark(fit), *name));
+    let (legend, bottom) = legend.draw(Point::new(MARGIN, top), WIDTH - 2.0 * MARGIN);
+    let frame = frame(bottom + GAP, CHART);
+    let (caution, bottom) = notes(caution.split_inclusive(". "), frame.max.y + AXIS_ROOM);
+    let picture = document(bottom).add(drawn).add(legend).add(errors(curve, marks, frame));
+    Ok(picture.add(caution.set("class", "caution")).to_string())
 }
 
 fn check(
@@ -101,88 +115,40 @@ fn check(
     }
 }
 
-fn draw(panel: &AnswerPanel, percent: &Scale, frame: Bounds) -> Group {
-    let title = Words::new().plain(shorten(&panel.title, 60));
-    let title = title.at(Point::new(20.0, frame.min.y - 9.0), LARGE, Align::Left);
-    let mut group =
-        Group::new().set("class", "panel").add(Group::new().set("font-weight", "bold").add(title));
-    group = group.add(percent.grid_across(frame));
+fn draw(panel: &AnswerPanel, percent: &Axis, frame: Bounds) -> Group {
+    let mut group = Group::new().set("class", "panel");
+    group = group.add(frame_title(&panel.title, MARGIN, frame)).add(percent.grid(frame));
     for (i, row) in panel.rows.iter().enumerate() {
         let y = frame.min.y + (i as f64 + 0.5) * ROW;
         let at = |value: f64| Point::new(percent.at(value), y);
-        let words = Words::new().plain(shorten(&row.option, 12));
-        let size = SMALL * (78.0 / words.width(SMALL)).min(1.0);
-        group = group.add(words.at(Point::new(frame.min.x - 10.0, y + 0.35 * size), size, Align::Right));
+        group = group.add(row_label(&row.option, frame.min.x, y));
         if i > 0 {
-            let y = frame.min.y + i as f64 * ROW;
-            let ends = [Point::new(frame.min.x, y), Point::new(frame.max.x, y)];
-            group = group.add(stroke(&ends, "#d9d9d9", 1.0));
+            group = group.add(stroke(&level(y - 0.5 * ROW, frame), GRID, 1.0));
         }
         if row.answers.len() > 1 {
             for (n, answer) in row.answers.iter().enumerate() {
                 // on five lines, so that equal answers are told apart
                 let lane = (n * 2 % 5) as f64 - 2.0;
-                group = group.add(answer_mark(at(*answer) + Vector::new(0.0, 4.2 * lane)));
+                group = group.add(place(answer_mark(), at(*answer) + Vector::new(0.0, 4.2 * lane)));
             }
         }
-        group = group.add(mean_mark(at(row.mean)));
+        group = group.add(place(mean_bar(MEAN), at(row.mean)));
         for (fit, value) in row.fits.iter().enumerate() {
-            group = group.add(fit_mark(fit, at(*value)));
+            group = group.add(place(fit_mark(fit), at(*value)));
         }
     }
-    group.add(rectangle(frame).set("fill", "none").set("stroke", INK).set("stroke-width", 1.2))
+    group.add(border(frame))
 }
 
 /// A participant's answer: a small grey disc.
-fn answer_mark(at: Point) -> Group {
-    Group::new().set("class", "answer").add(disc(at, 2.6).set("fill", "#9a9a9a"))
+fn answer_mark() -> Group {
+    mark(Shape::Dot, true, FAINT).set("class", "answer")
 }
 
-/// The mean: a thick upright bar.
-fn mean_mark(at: Point) -> Group {
-    let half = Vector::new(0.0, 11.0);
-    Group::new().set("class", "mean").add(stroke(&[at - half, at + half], "#ffffff", 7.0)).add(stroke(
-        &[at - half, at + half],
-        INK,
-        4.2,
-    ))
-}
-
-/// A fit: full circle, or open diamond.
-fn fit_mark(fit: usize, at: Point) -> Group {
-    let colour = Look::of(fit).colour;
-    let group = Group::new().set("class", "fit").set("stroke", colour).set("stroke-width", 1.8);
-    match fit {
-        0 => group.add(disc(at, 5.2).set("fill", colour)),
-        _ => {
-            let corners = [[0.0, -8.5], [8.5, 0.0], [0.0, 8.5], [-8.5, 0.0]];
-            let corners = corners.map(|[x, y]| at + Vector::new(x, y));
-            group.add(Path::new().set("d", path_data(&corners) + "Z").set("fill", "none"))
-        }
-    }
-}
-
-/// What the marks mean, and the y at which that ends.
-fn legend(at: Point, panels: &[AnswerPanel]) -> (Group, f64) {
-    const SAMPLE: f64 = 24.0;
-    let mut group = Group::new().set("class", "legend");
-    let mut x = at.x;
-    let mut put = |sample: &dyn Fn(Point) -> Group, words: &str| {
-        let words = Words::new().plain(words);
-        let text = words.at(Point::new(x + SAMPLE, at.y), SMALL, Align::Left);
-        let sample = sample(Point::new(x + 0.45 * SAMPLE, at.y - 0.35 * SMALL));
-        group = std::mem::take(&mut group).add(sample).add(text);
-        x += SAMPLE + words.width(SMALL) + 12.0;
-    };
-    let has_several = panels.iter().flat_map(|p| &p.rows).any(|r| r.answers.len() > 1);
-    if has_several {
-        put(&answer_mark, "answers");
-    }
-    put(&mean_mark, if has_several { "their mean" } else { "answer" });
-    for (fit, name) in FITS.iter().enumerate() {
-        put(&|at| fit_mark(fit, at), name);
-    }
-    (group, at.y + 10.0)
+/// A fit: a full disc or an open diamond.
+fn fit_mark(fit: usize) -> Group {
+    let shape = [Shape::Disc, Shape::Diamond][fit];
+    mark(shape, fit == 0, &LineStyle::of(fit).colour()).set("class", "fit")
 }
 
 /// The curve without the plains at its ends.
@@ -199,37 +165,33 @@ fn without_plains(curve: &[(f64, f64)]) -> &[(f64, f64)] {
 fn errors(curve: &[(f64, f64)], marks: &[RiskWeightMark; 2], frame: Bounds) -> Group {
     let curve = without_plains(curve);
     let top = curve.iter().map(|c| c.1).fold(1.0, f64::max) * 1.06;
-    let [first, last] = [curve[0].0, curve[curve.len() - 1].0];
-    let x = Scale { range: [first, last], ends: [frame.min.x, frame.max.x], is_log: true };
-    let y = Scale { range: [0.0, top], ends: [frame.max.y, frame.min.y], is_log: false };
-    let line: Vec<Point> = curve.iter().map(|(c, rms)| Point::new(x.at(*c), y.at(*rms))).collect();
-    let mut group = Group::new().set("class", "chart").add(x.grid_across(frame));
+    let x = Axis::log(Side::Below, [curve[0].0, curve[curve.len() - 1].0], frame);
+    let plot = Plot { frame, x, y: Axis::linear(Side::Left, [0.0, top], frame) };
+    let line: Vec<Point> = curve.iter().map(|(c, rms)| plot.at(*c, *rms)).collect();
+    let mut group = Group::new().set("class", "chart").add(plot.x.grid(frame)).add(plot.y.grid(frame));
     for (fit, mark) in marks.iter().enumerate() {
         if let Some([low, high]) = mark.interval {
             // one band in the upper half, the other in the lower
             let middle = (frame.min.y + frame.max.y) / 2.0;
             let [from, to] = [[frame.min.y, middle], [middle, frame.max.y]][fit];
             let band = Bounds { min: Point::new(x.at(low), from), max: Point::new(x.at(high), to) };
-            let colour = Look::of(fit).colour;
+            let colour = LineStyle::of(fit).colour();
             group = group.add(rectangle(band).set("fill", colour).set("fill-opacity", 0.22));
         }
     }
     group = group.add(stroke(&line, INK, 2.2));
     for (fit, mark) in marks.iter().enumerate() {
-        let foot = [Point::new(x.at(mark.at), frame.min.y), Point::new(x.at(mark.at), frame.max.y)];
-        group = group.add(Look::of(fit).draw(&foot, 2.0));
-        group = group.add(fit_mark(fit, Point::new(x.at(mark.at), frame.min.y + 14.0 + 22.0 * fit as f64)));
+        let at = Point::new(x.at(mark.at), frame.min.y + (1.5 + 2.2 * fit as f64) * GAP);
+        group = group.add(LineStyle::of(fit).draw(&upright(at.x, frame), 2.0)).add(place(fit_mark(fit), at));
     }
-    let title = Words::new().plain("risk weight ").italic("c").sub("r").plain(" (m)");
-    group
-        .add(rectangle(frame).set("fill", "none").set("stroke", INK).set("stroke-width", 1.2))
-        .add(x.below(frame, title))
-        .add(y.beside(frame, Words::new().plain("rms error (%)")))
+    let title = Text::new("risk weight ").italic("c").sub("r").plain(" (m)");
+    group.add(plot.axes(&title, &Text::new("rms error (%)")))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::drawing::tests::checked;
 
     fn panels() -> Vec<AnswerPanel> {
         let row = |option: &str, answers: &[f64]| AnswerRow {
@@ -246,14 +208,12 @@ mod tests {
     fn the_figure_is_well_formed_and_shows_every_answer() {
         let curve = [(0.1, 30.0), (10.0, 5.0), (1000.0, 20.0)];
         let marks = [8.0, 9.0].map(|at| RiskWeightMark { at, interval: Some([7.0, 11.0]) });
-        let picture = answers(&panels(), &curve, &marks).unwrap();
-        assert_eq!(picture, answers(&panels(), &curve, &marks).unwrap());
-        crate::drawing::tests::check_well_formed(&picture);
-        assert!(!picture.contains("NaN") && !picture.contains("inf"));
+        let picture = checked(|| answers(&panels(), &curve, &marks, "One <. Two"));
         let (legend, chart) = (1, 2);
         assert_eq!(picture.matches("class=\"answer\"").count(), 4 + legend);
         assert_eq!(picture.matches("class=\"mean\"").count(), 2 + legend);
         assert_eq!(picture.matches("class=\"fit\"").count(), 4 + 2 * legend + chart);
+        assert!(picture.contains("One &lt;.") && picture.contains("Two"));
         assert!(picture.contains("a &amp; b") && picture.contains("&lt;1&gt;"));
     }
 
@@ -270,9 +230,9 @@ mod tests {
     fn what_cannot_be_drawn_is_refused() {
         let marks = [RiskWeightMark { at: 8.0, interval: None }; 2];
         let curve = [(0.1, 30.0), (10.0, 5.0)];
-        assert!(matches!(answers(&[], &curve, &marks), Err(DrawingError::NoPanels)));
+        assert!(matches!(answers(&[], &curve, &marks, ""), Err(DrawingError::NoPanels)));
         let mut spoiled = panels();
         spoiled[0].rows[1].mean = f64::NAN;
-        assert!(matches!(answers(&spoiled, &curve, &marks), Err(DrawingError::Fit { .. })));
+        assert!(matches!(answers(&spoiled, &curve, &marks, ""), Err(DrawingError::Fit { .. })));
     }
 }

@@ -1,11 +1,11 @@
-//! Curves in; a figure of charts with even axes out, two in a row, each with a legend of its own.
+//! Charts of curves, two in a row, each with a legend of its own.
 
 use super::DrawingError;
-use super::axis::Scale;
-use super::scene::{document, rectangle};
-use super::style::{INK, LARGE, Look, SMALL, stroke, width_by_rank};
-use super::text::{Align, Words, shorten};
-use crate::geometry::{Bounds, Point, Vector};
+use super::kit::{
+    AXIS_ROOM, GAP, LEFT_ROOM, Legend, LineStyle, Plot, Text, frame_title, guide, in_two_columns, level,
+    line_sample, width_by_rank,
+};
+use crate::geometry::{Bounds, Point};
 use svg::node::element::Group;
 
 /// A chart of curves.
@@ -32,19 +32,8 @@ pub struct Curve {
     pub points: Vec<[f64; 2]>,
 }
 
-/// Charts in a row.
-const ACROSS: usize = 2;
-/// Size of a chart's frame, px.
-const SIZE: Vector = Vector::new(262.0, 236.0);
-/// Left side of the first column, and the distance from one to the next, px.
-const LEFT: f64 = 78.0;
-const PITCH: f64 = 360.0;
-/// Room above a chart, and below it up to the legend, px.
-const ABOVE: f64 = 38.0;
-const BELOW: f64 = 74.0;
-/// Length of a sample of a line, and height of a line of the legend, px.
-const SAMPLE: f64 = 44.0;
-const LINE: f64 = 24.0;
+/// Height of a chart's frame, px.
+const HEIGHT: f64 = 236.0;
 
 /// The charts, two in a row.
 ///
@@ -55,19 +44,7 @@ pub fn curves(panels: &[CurvePanel]) -> Result<String, DrawingError> {
         return Err(DrawingError::NoPanels);
     }
     panels.iter().try_for_each(check)?;
-    let mut drawn = Vec::new();
-    let mut top = 0.0;
-    for row in panels.chunks(ACROSS) {
-        let mut lowest: f64 = top;
-        for (column, panel) in row.iter().enumerate() {
-            let min = Point::new(LEFT + column as f64 * PITCH, top + ABOVE);
-            let (group, bottom) = draw(panel, Bounds { min, max: min + SIZE });
-            drawn.push(group);
-            lowest = lowest.max(bottom);
-        }
-        top = lowest;
-    }
-    Ok(drawn.into_iter().fold(document(top), svg::Document::add).to_string())
+    Ok(in_two_columns(panels, HEIGHT, draw))
 }
 
 fn check(panel: &CurvePanel) -> Result<(), DrawingError> {
@@ -81,59 +58,33 @@ fn check(panel: &CurvePanel) -> Result<(), DrawingError> {
 
 /// A chart with its legend, and the y at which that ends.
 fn draw(panel: &CurvePanel, frame: Bounds) -> (Group, f64) {
-    let across = Scale { range: panel.ranges[0], ends: [frame.min.x, frame.max.x], is_log: false };
-    let up = Scale { range: panel.ranges[1], ends: [frame.max.y, frame.min.y], is_log: false };
-    let title = Words::new().plain(shorten(&panel.title, 34));
-    let title = title.at(frame.min - Vector::new(0.0, 12.0), LARGE, Align::Left);
+    let plot = Plot::linear(frame, panel.ranges);
     let mut group = Group::new()
-        .set("class", "panel")
-        .add(Group::new().set("font-weight", "bold").add(title))
-        .add(across.grid_across(frame));
+        .add(frame_title(&panel.title, frame.min.x, frame))
+        .add(plot.x.grid(frame))
+        .add(plot.y.grid(frame));
     if let Some(mark) = panel.mark {
-        let ends = [frame.min.x, frame.max.x].map(|x| Point::new(x, up.at(mark)));
-        group = group.add(stroke(&ends, INK, 1.4).set("stroke-dasharray", "7 5"));
+        group = group.add(guide(level(plot.y.at(mark), frame)));
     }
+    let mut legend = Legend::of_lines();
     for (i, curve) in panel.curves.iter().enumerate() {
-        let points: Vec<Point> =
-            curve.points.iter().map(|[x, y]| Point::new(across.at(*x), up.at(*y))).collect();
+        let (style, width) = (LineStyle::of(i), 0.7 * width_by_rank(i, panel.curves.len()));
+        let points: Vec<Point> = curve.points.iter().map(|[x, y]| plot.at(*x, *y)).collect();
         if points.len() > 1 {
-            let line = Group::new().set("class", "curve").add(Look::of(i).draw(&points, width(i, panel)));
-            group = group.add(line);
+            group = group.add(style.draw(&points, width).set("class", "curve"));
         }
+        legend = legend.entry(line_sample(style, width), curve.label.as_str());
     }
-    group = group
-        .add(rectangle(frame).set("fill", "none").set("stroke", INK).set("stroke-width", 1.2))
-        .add(across.below(frame, Words::new().plain(panel.axes[0].as_str())))
-        .add(up.beside(frame, Words::new().plain(panel.axes[1].as_str())));
-    let widest = panel.curves.iter().map(|c| words(c).width(SMALL)).fold(0.0, f64::max);
-    let pitch = SAMPLE + 8.0 + widest + 14.0;
-    let columns = (((SIZE.x + 40.0) / pitch) as usize).clamp(1, 2);
-    let lines = panel.curves.len().div_ceil(columns);
-    for (i, curve) in panel.curves.iter().enumerate() {
-        let (column, line) = ((i / lines) as f64, (i % lines) as f64);
-        let from = Point::new(frame.min.x + column * pitch, frame.max.y + BELOW + line * LINE);
-        let to = from + Vector::new(SAMPLE, 0.0);
-        group = group.add(Look::of(i).draw(&[from, to], width(i, panel))).add(words(curve).at(
-            to + Vector::new(8.0, 0.35 * SMALL),
-            SMALL,
-            Align::Left,
-        ));
-    }
-    (group, frame.max.y + BELOW + lines as f64 * LINE)
-}
-
-/// Width of a curve, px: each is narrower than the one before, so that those which coincide remain visible.
-fn width(index: usize, panel: &CurvePanel) -> f64 {
-    0.7 * width_by_rank(index, panel.curves.len())
-}
-
-fn words(curve: &Curve) -> Words {
-    Words::new().plain(shorten(&curve.label, 28))
+    let [x, y] = panel.axes.each_ref().map(Text::new);
+    let below = Point::new(frame.min.x - LEFT_ROOM / 2.0, frame.max.y + AXIS_ROOM);
+    let (legend, bottom) = legend.draw(below, frame.max.x - below.x);
+    (group.add(plot.axes(&x, &y)).add(legend), bottom + GAP)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::drawing::tests::checked;
 
     fn panel() -> CurvePanel {
         CurvePanel {
@@ -150,10 +101,8 @@ mod tests {
     #[test]
     fn the_figure_is_well_formed_and_shows_every_curve() {
         let panels = [panel(), panel(), CurvePanel { curves: Vec::new(), ..panel() }];
-        let picture = curves(&panels).unwrap();
-        assert_eq!(picture, curves(&panels).unwrap());
-        crate::drawing::tests::check_well_formed(&picture);
-        assert!(!picture.contains("NaN") && picture.contains("a &lt;chart&gt;"));
+        let picture = checked(|| curves(&panels));
+        assert!(picture.contains("a &lt;chart&gt;"));
         assert_eq!(picture.matches("class=\"curve\"").count(), 6);
     }
 

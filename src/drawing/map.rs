@@ -1,11 +1,13 @@
-//! A world, its options and their probabilities in; the map of the world, with a legend, out.
+//! The map of a world: obstacles, openings coloured by risk, options as paths, and a table of the options.
 
-use super::labels::Ground;
-use super::legend::{Row, legend};
-use super::scene::{BELOW, LEFT, View, document};
-use super::style::{LARGE, Look, stroke, widths_by_probability};
-use super::text::{Align, Words, shorten};
-use super::{DrawingError, WIDTH};
+use super::kit::{
+    AXIS_ROOM, Clutter, FAINT, FAINT_WIDTH, GAP, LEFT_ROOM, LineStyle, MARGIN, TITLE_ROOM, document,
+    frame_title, stroke, widths_by_probability,
+};
+use super::map_view::MapView;
+use super::opening_labels::{PATH_COST, clutter, opening_labels};
+use super::option_table::{LEAST_WIDTH, option_table};
+use super::{DrawingError, WIDTH, check_probabilities};
 use crate::geometry::{Point, Vector};
 use crate::options::OptionSet;
 use crate::world::World;
@@ -18,64 +20,65 @@ pub const MOST_LISTED: usize = 12;
 const SAGITTA: f64 = 0.01;
 
 /// An option as it is drawn.
-struct Route {
-    index: usize,
-    probability: f64,
+pub(super) struct Route {
+    pub index: usize,
+    pub name: String,
+    pub openings: Vec<String>,
+    /// D_o (m), S_o and P_o.
+    pub length: f64,
+    pub risk: f64,
+    pub probability: f64,
     /// World frame, m; empty where there is no way.
     points: Vec<Point>,
 }
 
-/// The map of a world: obstacles, openings coloured by risk, and every option as a path from A to B whose width grows with its probability.
+/// The map of a world: obstacles, openings coloured by risk, and every option as a path from A to B whose width grows with
+/// its probability.
 ///
-/// `probabilities` holds P_o of every option, in the order of `options`. Beyond [`MOST_LISTED`] options, the most probable are shown in
-/// colour (of equally probable ones, the first, which is the cheapest where options were enumerated); the legend says so.
+/// `probabilities` holds P_o of every option, in the order of `options`. Beyond [`MOST_LISTED`] options, the most probable are
+/// shown in colour (of equally probable ones, the first, which is the cheapest where options were enumerated); the table says
+/// so.
 ///
 /// # Errors
 /// [`DrawingError::ProbabilityCount`], [`DrawingError::Probability`].
 pub fn world_map(world: &World, options: &OptionSet, probabilities: &[f64]) -> Result<String, DrawingError> {
-    let (listed, others) = routes(options, probabilities)?;
-    let top = Point::new(LEFT, 44.0);
+    let (listed, others) = routes(world, options, probabilities)?;
+    let top = Point::new(LEFT_ROOM, TITLE_ROOM);
     let points = listed.iter().chain(&others).flat_map(|r| r.points.iter().copied());
-    let most = Vector::new(WIDTH - LEFT - 26.0, 700.0);
-    let view = View::fit(world, points, top, Vector::new(214.0, 210.0), most);
-
-    let rows: Vec<Row> = listed.iter().map(|r| row(world, options, r)).collect();
-    let beside = WIDTH - view.frame().max.x - 40.0;
-    let (view, at, width) = if beside >= super::legend::LEAST_WIDTH {
-        (view, Point::new(view.frame().max.x + 26.0, top.y), beside)
+    let most = Vector::new(WIDTH - LEFT_ROOM - MARGIN, 700.0);
+    let view = MapView::fit(world, points, top, Vector::new(214.0, 210.0), most);
+    let beside = WIDTH - view.frame().max.x - 2.0 * MARGIN;
+    let (view, at, width) = if beside >= LEAST_WIDTH {
+        (view, Point::new(view.frame().max.x + MARGIN, top.y), beside)
     } else {
         let spare = Vector::new((most.x - view.frame().size().x) / 2.0, 0.0);
-        let below = view.frame().max.y + BELOW + 18.0;
-        (view.moved_to(top + spare), Point::new(20.0, below), WIDTH - 34.0)
+        let below = Point::new(MARGIN, view.frame().max.y + AXIS_ROOM + MARGIN);
+        (view.moved_to(top + spare), below, WIDTH - 2.0 * MARGIN)
     };
     let frame = view.frame();
-    let left_out: f64 = others.iter().map(|r| r.probability).sum();
-    let (legend, bottom) = legend(at, width, &rows, others.len(), left_out, options.is_cut);
-
-    let title = Words::new().plain(shorten(&world.name, 60));
-    let title = Group::new().set("font-weight", "bold").add(title.at(
-        Point::new(frame.min.x, 28.0),
-        LARGE,
-        Align::Left,
-    ));
-    let mut ground = Ground::of(&view, world);
-    let paths = paths(&view, &listed, &others, &mut ground);
-    let names = ground.label_openings(&view, world, true);
-    let height = bottom.max(frame.max.y + BELOW) + 10.0;
-    let picture = document(height)
-        .add(title)
+    let widths = widths_by_probability(listed.iter().map(|r| r.probability));
+    let mut clutter = clutter(&view, world);
+    let paths = paths(&view, &listed, &widths, &others, &mut clutter);
+    let labels = opening_labels(&view, world, true, &mut clutter);
+    let (table, bottom) = option_table(at, width, &listed, &widths, &others, options.is_cut);
+    let picture = document(bottom.max(frame.max.y + AXIS_ROOM) + GAP)
+        .add(frame_title(&world.name, frame.min.x, frame))
         .add(view.obstacles(world))
         .add(paths)
         .add(view.openings(world, true))
         .add(view.ends(world))
-        .add(names)
+        .add(labels)
         .add(view.axes())
-        .add(legend);
+        .add(table);
     Ok(picture.to_string())
 }
 
 /// The options to show in colour, in their own order, and the others.
-fn routes(options: &OptionSet, probabilities: &[f64]) -> Result<(Vec<Route>, Vec<Route>), DrawingError> {
+fn routes(
+    world: &World,
+    options: &OptionSet,
+    probabilities: &[f64],
+) -> Result<(Vec<Route>, Vec<Route>), DrawingError> {
     let all = options.options();
     if probabilities.len() != all.len() {
         return Err(DrawingError::ProbabilityCount {
@@ -83,17 +86,23 @@ fn routes(options: &OptionSet, probabilities: &[f64]) -> Result<(Vec<Route>, Vec
             options: all.len(),
         });
     }
-    // rounding may leave a sum of areas a little above 1
-    if let Some(i) = probabilities.iter().position(|p| !(0.0..=1.0 + 1e-9).contains(p)) {
-        return Err(DrawingError::Probability { option: all[i].name.clone(), value: probabilities[i] });
-    }
+    check_probabilities(all.iter().map(|o| o.name.as_str()).zip(probabilities.iter().copied()))?;
     let begin = options.begin();
     let mut listed: Vec<Route> = probabilities
         .iter()
         .enumerate()
         .map(|(index, &probability)| {
-            let points = options.path(&begin, index).map(|p| p.polyline(SAGITTA)).unwrap_or_default();
-            Route { index, probability, points }
+            let option = &all[index];
+            let remaining = options.remaining(&begin, index);
+            Route {
+                index,
+                name: option.name.clone(),
+                openings: option.crossings.iter().map(|c| world.openings[c.opening].name.clone()).collect(),
+                length: remaining.length,
+                risk: remaining.risk,
+                probability,
+                points: options.path(&begin, index).map(|p| p.polyline(SAGITTA)).unwrap_or_default(),
+            }
         })
         .collect();
     listed.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.index.cmp(&b.index)));
@@ -102,46 +111,33 @@ fn routes(options: &OptionSet, probabilities: &[f64]) -> Result<(Vec<Route>, Vec
     Ok((listed, others))
 }
 
-/// What the legend says of an option; its line is as wide as on the map.
-fn row(world: &World, options: &OptionSet, route: &Route) -> Row {
-    let option = &options.options()[route.index];
-    let remaining = options.remaining(&options.begin(), route.index);
-    Row {
-        name: option.name.clone(),
-        openings: option.crossings.iter().map(|c| world.openings[c.opening].name.clone()).collect(),
-        length: remaining.length,
-        risk: remaining.risk,
-        probability: route.probability,
-    }
-}
-
 /// The paths, the widest lowest, so that those which share a leg remain visible.
-fn paths(view: &View, listed: &[Route], others: &[Route], ground: &mut Ground) -> Group {
-    let widths = widths_by_probability(listed.iter().map(|r| r.probability));
-    let mut order: Vec<usize> = (0..listed.len()).collect();
-    order.sort_by(|&a, &b| widths[b].total_cmp(&widths[a]));
-    let px = |route: &Route| -> Vec<Point> { route.points.iter().map(|p| view.px(*p)).collect() };
+fn paths(view: &MapView, listed: &[Route], widths: &[f64], others: &[Route], clutter: &mut Clutter) -> Group {
+    let mut order: Vec<(&Route, f64)> = listed.iter().zip(widths.iter().copied()).collect();
+    order.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let faint = others.iter().map(|route| (route, None));
+    let all = faint.chain(order.into_iter().map(|(route, width)| (route, Some(width))));
     let mut group = Group::new().set("class", "options");
-    for route in others.iter().filter(|r| r.points.len() > 1) {
-        let points = px(route);
-        ground.add(&points, 1.1, 2.0);
-        group = group.add(labelled(route, stroke(&points, Look::FAINT.colour, 1.1).into()));
-    }
-    for place in order.into_iter().filter(|&i| listed[i].points.len() > 1) {
-        let points = px(&listed[place]);
-        ground.add(&points, widths[place], 4.0);
-        group = group.add(labelled(&listed[place], Look::of(place).draw(&points, widths[place]).into()));
+    for (route, width) in all.filter(|(route, _)| route.points.len() > 1) {
+        let points: Vec<Point> = route.points.iter().map(|p| view.px(*p)).collect();
+        let line: Element = match width {
+            Some(width) => LineStyle::of(route.index).draw(&points, width).into(),
+            None => stroke(&points, FAINT, FAINT_WIDTH).into(),
+        };
+        clutter.add(
+            &points,
+            width.unwrap_or(FAINT_WIDTH),
+            if width.is_some() { PATH_COST } else { PATH_COST / 2.0 },
+        );
+        group = group.add(Group::new().set("data-option", route.index).add(line));
     }
     group
-}
-
-fn labelled(route: &Route, line: Element) -> Group {
-    Group::new().set("data-option", route.index).add(line)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::drawing::tests::checked;
 
     const WORLD: &str = r#"
 name = "<Two & \"ways\">"
@@ -183,13 +179,9 @@ between = ["a<&", "c"]
     fn a_map_is_well_formed_deterministic_and_shows_every_option() {
         let (world, options) = scene();
         let n = options.options().len();
-        let draw = || world_map(&world, &options, &vec![1.0 / n as f64; n]).unwrap();
-        let picture = draw();
-        assert_eq!(picture, draw());
+        let picture = checked(|| world_map(&world, &options, &vec![1.0 / n as f64; n]));
         assert_eq!(picture.matches("data-option=").count(), n);
-        assert!(!picture.contains("NaN") && !picture.contains("inf"), "{picture}");
         assert!(picture.contains("&lt;Two &amp; &quot;ways&quot;&gt;"), "{picture}");
-        crate::drawing::tests::check_well_formed(&picture);
     }
 
     #[test]

@@ -1,21 +1,21 @@
-//! A world, its options and what became of them, or what that cost, in; SVG pictures for a paper's column out.
+//! Pictures for a paper's column, as SVG: maps of worlds with their options, curves, regions and strips of marks.
 //!
-//! Every function is pure: data in, the text of one SVG picture out, the same text for the same data. Pictures are [`WIDTH`] px wide, meant
-//! to be printed 88 mm wide. Lines differ in colour and in dash pattern, so that they survive print in grey.
+//! Every function is pure: the same data give the same text of one SVG picture. Pictures are [`WIDTH`] px wide, meant to be
+//! printed 88 mm wide, on white paper of their own. Lines differ in colour and in dash pattern and areas in hatching, so that
+//! pictures survive print in grey and readers with any colour vision can tell things apart. All pictures are made of one
+//! chart kit, the submodule `kit`.
 
 mod adaptation;
 mod answers;
-mod axis;
-mod chart;
 mod curves;
-mod labels;
-mod legend;
+mod kit;
 mod map;
+mod map_view;
+mod opening_labels;
+mod option_table;
 mod ratios;
 mod regions;
-mod scene;
-mod style;
-mod text;
+mod stubbornness;
 mod tolerances;
 mod track;
 
@@ -101,18 +101,26 @@ pub enum DrawingError {
         /// The number.
         value: f64,
     },
-    /// The chart library refused.
-    #[error("the chart could not be drawn: {reason}")]
-    Chart {
-        /// What it said.
-        reason: String,
-    },
+}
+
+/// Checks that every option's P_o is a probability.
+fn check_probabilities<'a>(options: impl Iterator<Item = (&'a str, f64)>) -> Result<(), DrawingError> {
+    // rounding may leave a sum of areas a little above 1
+    let mut spoiled = options.filter(|(_, p)| !(0.0..=1.0 + 1e-9).contains(p));
+    spoiled
+        .next()
+        .map_or(Ok(()), |(option, value)| Err(DrawingError::Probability { option: option.to_owned(), value }))
 }
 
 #[cfg(test)]
 mod tests {
-    /// Panics unless every element of the picture is closed by its own tag and every `&` begins an entity.
-    pub(super) fn check_well_formed(picture: &str) {
+    use super::DrawingError;
+
+    /// A picture that is well formed, the same when drawn again, and free of what is not a number.
+    pub(super) fn checked(draw: impl Fn() -> Result<String, DrawingError>) -> String {
+        let picture = draw().unwrap();
+        assert_eq!(picture, draw().unwrap());
+        assert!(!picture.contains("NaN") && !picture.contains("inf"), "{picture}");
         let mut open = Vec::new();
         for tag in picture.split('<').skip(1) {
             let (tag, text) = tag.split_once('>').expect("a tag ends");
@@ -125,5 +133,6 @@ mod tests {
             }
         }
         assert!(open.is_empty(), "{open:?}");
+        picture
     }
 }

@@ -1,12 +1,12 @@
-//! The regions of the (alpha, gamma) plane and P_o in; the figure of them out: each region with its option's name and P_o in it.
+//! The regions of the (alpha, gamma) plane in which humans prefer an option, each with the option's name and P_o in it.
 
-use super::DrawingError;
-use super::axis::Scale;
-use super::labels::{length_inside, overlap};
-use super::scene::{document, rectangle};
-use super::style::{INK, LARGE, Look, SMALL, disc, number, path_data, px, stroke};
-use super::text::{Align, Words, shorten};
-use crate::geometry::{Bounds, Point, Vector};
+use super::kit::{
+    AXIS_ROOM, Align, Clutter, GAP, INK, LineStyle, Plot, TEXT_SIZE, Text, disc, frame_title, in_two_columns,
+    nearest, number, path_data, stroke,
+};
+use super::map_view::paper;
+use super::{DrawingError, check_probabilities};
+use crate::geometry::{Bounds, Point, Vector, cross};
 use crate::preference::{Perception, Regions};
 use svg::node::element::{Group, Path};
 
@@ -21,48 +21,32 @@ pub struct RegionPanel {
     pub options: Vec<(String, f64)>,
 }
 
-/// Panels in a row.
-const ACROSS: usize = 2;
-/// Size of a panel's frame, px.
-const SIZE: Vector = Vector::new(262.0, 280.0);
-/// Left side of the first column, and the distance from one to the next, px.
-const LEFT: f64 = 78.0;
-const PITCH: f64 = 360.0;
-/// Room above a panel, and below it with the numbers and the line of options that nobody prefers, px.
-const ABOVE: f64 = 36.0;
-const BELOW: f64 = 88.0;
+/// Height of a panel's frame, px.
+const HEIGHT: f64 = 280.0;
 /// Distance between the lines of a hatching, px.
 const HATCH: f64 = 11.0;
-/// Paper of a region, from light to dark; with its hatching and its name it is told from the others in grey too.
-const PAPERS: [&str; 4] = ["#ffffff", "#d3d9e6", "#efe3c8", "#b9cdbf"];
+/// The widest that an option's name gets, px.
+const NAME: f64 = 100.0;
 
 /// Which option a human with every (alpha, gamma) prefers, two panels in a row.
 ///
-/// Regions differ in paper and hatching, and carry the option's name and P_o; below a panel stand the options that nobody prefers. Every
-/// region is one path with `data-option`, the option's index, whose area is its share of the frame.
+/// Regions have the colour of their option and a hatching, and carry the option's name and P_o; below a panel stand the
+/// options that nobody prefers. Every region is one path with `data-option`, the option's index, whose area is its share of
+/// the frame.
 ///
 /// # Errors
-/// [`DrawingError::NoPanels`]; [`DrawingError::Probability`] for what is not a number from 0 to 1; [`DrawingError::ProbabilityCount`].
+/// [`DrawingError::NoPanels`]; [`DrawingError::Probability`] for what is not a number from 0 to 1;
+/// [`DrawingError::ProbabilityCount`].
 pub fn preference_regions(panels: &[RegionPanel]) -> Result<String, DrawingError> {
     if panels.is_empty() {
         return Err(DrawingError::NoPanels);
     }
-    let rows = panels.len().div_ceil(ACROSS) as f64;
-    let mut picture = document(rows * (ABOVE + SIZE.y + BELOW) + 4.0);
-    for (i, panel) in panels.iter().enumerate() {
-        check(panel)?;
-        let (row, column) = ((i / ACROSS) as f64, (i % ACROSS) as f64);
-        let min = Point::new(LEFT + column * PITCH, ABOVE + row * (ABOVE + SIZE.y + BELOW));
-        picture = picture.add(draw(panel, Bounds { min, max: min + SIZE }));
-    }
-    Ok(picture.to_string())
+    panels.iter().try_for_each(check)?;
+    Ok(in_two_columns(panels, HEIGHT, draw))
 }
 
 fn check(panel: &RegionPanel) -> Result<(), DrawingError> {
-    // rounding may leave a sum of areas a little above 1
-    if let Some((option, value)) = panel.options.iter().find(|o| !(0.0..=1.0 + 1e-9).contains(&o.1)) {
-        return Err(DrawingError::Probability { option: option.clone(), value: *value });
-    }
+    check_probabilities(panel.options.iter().map(|(name, p)| (name.as_str(), *p)))?;
     let named = panel.regions.parts.iter().map(|p| p.option + 1).max().unwrap_or(0);
     match named > panel.options.len() {
         true => Err(DrawingError::ProbabilityCount { probabilities: panel.options.len(), options: named }),
@@ -70,76 +54,67 @@ fn check(panel: &RegionPanel) -> Result<(), DrawingError> {
     }
 }
 
-fn draw(panel: &RegionPanel, frame: Bounds) -> Group {
+/// A panel, and the y at which it ends.
+fn draw(panel: &RegionPanel, frame: Bounds) -> (Group, f64) {
     let regions = &panel.regions;
-    let across = Scale { range: regions.alpha, ends: [frame.min.x, frame.max.x], is_log: false };
-    let up = Scale { range: regions.gamma, ends: [frame.max.y, frame.min.y], is_log: false };
-    let place = |p: &Perception| Point::new(across.at(p.alpha), up.at(p.gamma));
-    let title = Words::new().plain(shorten(&panel.title, 30));
-    let title = title.at(frame.min - Vector::new(0.0, 11.0), LARGE, Align::Left);
-    let mut group =
-        Group::new().set("class", "panel").add(Group::new().set("font-weight", "bold").add(title));
-
+    let plot = Plot::linear(frame, [regions.alpha, regions.gamma]);
+    let corners =
+        |line: &[Perception]| line.iter().map(|p| plot.at(p.alpha, p.gamma)).collect::<Vec<Point>>();
     let outlines: Vec<(usize, Vec<Point>)> =
-        regions.parts.iter().map(|part| (part.option, part.outline.iter().map(place).collect())).collect();
-    let borders: Vec<Vec<Point>> =
-        regions.borders.iter().map(|border| border.iter().map(place).collect()).collect();
+        regions.parts.iter().map(|part| (part.option, corners(&part.outline))).collect();
+    let borders: Vec<Vec<Point>> = regions.borders.iter().map(|border| corners(border)).collect();
+    let mut group = Group::new().add(frame_title(&panel.title, frame.min.x, frame));
+    let mut clutter = Clutter::new(frame.grown(-4.0));
     let mut labels = Vec::new();
     let mut unwanted = Vec::new();
     for (option, (name, probability)) in panel.options.iter().enumerate() {
         let own: Vec<&[Point]> = outlines.iter().filter(|o| o.0 == option).map(|o| o.1.as_slice()).collect();
         if own.is_empty() {
-            unwanted.push(shorten(name, 12));
+            unwanted.push(name.as_str());
             continue;
         }
         let data: String = own.iter().map(|outline| path_data(outline) + "Z").collect();
-        let paper = Path::new().set("d", data).set("fill", PAPERS[option % PAPERS.len()]);
-        group = group.add(paper.set("data-option", option)).add(hatching(option, &own, frame));
+        let region = Path::new().set("d", data).set("fill", LineStyle::of(option).tint());
+        group = group.add(region.set("data-option", option)).add(hatching(option, &own, frame));
         labels.push((Label::new(name, *probability), own));
     }
     for border in &borders {
+        clutter.add(border, 6.0, 4.0);
         group = group.add(stroke(border, INK, 1.6));
     }
-    group = group.add(rectangle(frame).set("fill", "none").set("stroke", INK).set("stroke-width", 1.2));
-    let letter = |letter: &str, what: &str| Words::new().plain(what).italic(letter);
+    let title = |what: &str, letter: &str| Text::new(what).italic(letter);
     group = group
-        .add(across.below(frame, letter("\u{3b1}", "distance perception ")))
-        .add(up.beside(frame, letter("\u{3b3}", "risk perception ")));
+        .add(plot.axes(&title("distance perception ", "\u{3b1}"), &title("risk perception ", "\u{3b3}")));
+    let mut bottom = frame.max.y + AXIS_ROOM + GAP;
     if !unwanted.is_empty() {
-        let text = match unwanted.as_slice() {
-            [one] => format!("option {one}: preferred by nobody"),
-            more => format!("options {}: preferred by nobody", more.join(", ")),
-        };
-        let at = Point::new((frame.min.x + frame.max.x) / 2.0, frame.max.y + 70.0);
-        group = group.add(Words::new().plain(text).at(at, SMALL - 1.5, Align::Middle));
+        let plural = if unwanted.len() > 1 { "s" } else { "" };
+        let text = format!("option{plural} {}: preferred by nobody", unwanted.join(", "));
+        bottom += GAP;
+        let at = Point::new((frame.min.x + frame.max.x) / 2.0, bottom - 0.5 * GAP);
+        let text = Text::new(text).within(frame.size().x, TEXT_SIZE);
+        group = group.add(text.at(at, TEXT_SIZE, Align::Middle));
     }
     // the largest regions choose first
     let mut names = Group::new().set("class", "names");
-    let mut taken = Vec::new();
     labels.sort_by(|a, b| area(&b.1).total_cmp(&area(&a.1)));
     for (label, own) in &labels {
-        let place = label.place(own, &borders, frame, &taken);
-        taken.push(label.area(place[0]));
-        names = names.add(label.draw(place, own));
+        let [at, deepest] = label.place(own, &borders, frame, &clutter);
+        clutter.take(label.area(at));
+        names = names.add(label.draw([at, deepest], own));
     }
-    group.add(names)
+    (group.add(names), bottom)
 }
 
 /// Area of a region, px^2.
 fn area(outlines: &[&[Point]]) -> f64 {
     let corners = outlines.iter().flat_map(|o| o.iter().zip(o.iter().cycle().skip(1)));
-    0.5 * corners.map(|(a, b)| crate::geometry::cross(a.coords, b.coords)).sum::<f64>().abs()
+    0.5 * corners.map(|(a, b)| cross(a.coords, b.coords)).sum::<f64>().abs()
 }
 
-/// Lines across a region, in a direction that tells its option; the first option of four has none.
+/// Lines across a region, in a direction that tells its option.
 fn hatching(option: usize, outlines: &[&[Point]], frame: Bounds) -> Group {
-    let Some(along) =
-        [None, Some(Vector::new(1.0, -1.0)), Some(Vector::new(1.0, 1.0)), Some(Vector::new(1.0, 0.0))]
-            [option % PAPERS.len()]
-    else {
-        return Group::new();
-    };
-    let along = along.normalize();
+    const DIRECTIONS: [[f64; 2]; 4] = [[0.0, 1.0], [1.0, -1.0], [1.0, 1.0], [1.0, 0.0]];
+    let along = Vector::from(DIRECTIONS[option % DIRECTIONS.len()]).normalize();
     let across = Vector::new(-along.y, along.x);
     let middle = nalgebra::center(&frame.min, &frame.max);
     let reach = frame.size().norm() / 2.0;
@@ -153,14 +128,13 @@ fn hatching(option: usize, outlines: &[&[Point]], frame: Bounds) -> Group {
             }
         }
     }
-    let colour = Look::of(option).colour;
-    let line = Path::new().set("d", data).set("fill", "none").set("stroke", colour);
-    Group::new().set("class", "hatching").add(line.set("stroke-width", px(1.1)).set("stroke-opacity", 0.55))
+    let line = Path::new().set("d", data).set("fill", "none").set("stroke", LineStyle::of(option).colour());
+    Group::new().set("class", "hatching").add(line.set("stroke-width", 1.1).set("stroke-opacity", 0.6))
 }
 
 /// The parts of a line that lie inside an outline, as distances along it.
 fn inside(foot: Point, along: Vector, outline: &[Point]) -> Vec<[f64; 2]> {
-    let side = |p: &Point| crate::geometry::cross(along, p - foot);
+    let side = |p: &Point| cross(along, p - foot);
     let next = outline.iter().cycle().skip(1);
     let mut met: Vec<f64> = outline
         .iter()
@@ -174,7 +148,7 @@ fn inside(foot: Point, along: Vector, outline: &[Point]) -> Vec<[f64; 2]> {
 
 /// An option's name and P_o on the picture.
 struct Label {
-    lines: [Words; 2],
+    lines: [Text; 2],
     /// Half of its size, px.
     half: Vector,
 }
@@ -182,29 +156,33 @@ struct Label {
 impl Label {
     fn new(name: &str, probability: f64) -> Self {
         let lines = [
-            Words::new().plain(format!("option {}", shorten(name, 10))),
-            Words::new().plain(format!("{} %", number(100.0 * probability, 1))),
+            Text::new(format!("option {name}")).bold().within(NAME, TEXT_SIZE),
+            Text::new(format!("{} %", number(100.0 * probability, 1))),
         ];
-        let widest = lines.iter().map(|words| words.width(SMALL)).fold(0.0, f64::max);
-        Self { lines, half: Vector::new(0.48 * widest, SMALL * 1.15) }
+        let widest = lines.iter().map(|line| line.width(TEXT_SIZE)).fold(0.0, f64::max);
+        Self { lines, half: Vector::new(0.48 * widest, TEXT_SIZE * 1.15) }
     }
 
     fn area(&self, at: Point) -> Bounds {
         Bounds { min: at - self.half, max: at + self.half }
     }
 
-    /// The place where the label covers the least of borders and of what is `taken`, deep in the region or else near it, and the deepest
-    /// point of the region.
-    fn place(&self, own: &[&[Point]], borders: &[Vec<Point>], frame: Bounds, taken: &[Bounds]) -> [Point; 2] {
+    /// The place where the label covers the least, deep in the region or else near it, and the deepest point of the region.
+    fn place(
+        &self,
+        own: &[&[Point]],
+        borders: &[Vec<Point>],
+        frame: Bounds,
+        clutter: &Clutter,
+    ) -> [Point; 2] {
         const GRID: i32 = 40;
         let grid = (1..GRID).flat_map(|i| (1..GRID).map(move |j| Vector::new(f64::from(i), f64::from(j))));
         let places: Vec<Point> =
             grid.map(|at| frame.min + frame.size().component_mul(&(at / f64::from(GRID)))).collect();
-        let pairs = || borders.iter().flat_map(|line| line.windows(2));
         // how far border and frame are, in labels' sizes
         let depth = |at: Point| {
             let sides = [at - frame.min, frame.max - at].map(|v| v.component_div(&self.half).min());
-            let near = pairs().map(|pair| (pair[0] - at).component_div(&self.half).norm());
+            let near = borders.iter().flatten().map(|p| (p - at).component_div(&self.half).norm());
             near.chain(sides).fold(3.0, f64::min)
         };
         let is_own = |at: Point| own.iter().any(|outline| contains(outline, at));
@@ -212,13 +190,8 @@ impl Label {
         let deepest = inside.max_by(|a, b| depth(**a).total_cmp(&depth(**b)));
         let deepest = deepest.or(own.first().and_then(|o| o.first())).copied().unwrap_or(frame.min);
         let cost = |at: Point| {
-            let area = self.area(at);
-            let covered: f64 = pairs().map(|pair| length_inside(area.grown(3.0), [pair[0], pair[1]])).sum();
-            let shared: f64 = taken.iter().map(|t| overlap(area.grown(4.0), *t)).sum();
-            let room = [area.min - frame.min, frame.max - area.max].map(|v| v.min());
-            let outside = (4.0 - room[0].min(room[1])).max(0.0);
-            let apart = if is_own(at) { -20.0 * depth(at) } else { 60.0 + (at - deepest).norm() };
-            4.0 * covered + 2.0 * shared + 40.0 * outside + apart
+            let apart = if is_own(at) { -20.0 * depth(at) } else { 160.0 + (at - deepest).norm() };
+            clutter.cost(self.area(at)) + apart
         };
         let best = places.iter().map(|at| (*at, cost(*at))).min_by(|a, b| a.1.total_cmp(&b.1));
         [best.map_or(deepest, |b| b.0), deepest]
@@ -228,15 +201,12 @@ impl Label {
     fn draw(&self, [at, deepest]: [Point; 2], own: &[&[Point]]) -> Group {
         let mut group = Group::new();
         if !own.iter().any(|outline| contains(outline, at)) {
-            let line = stroke(&[at, deepest], INK, 1.2);
-            group = group.add(line).add(disc(deepest, 3.2).set("fill", INK));
+            let edge = nearest(self.area(at), deepest);
+            group = group.add(stroke(&[edge, deepest], INK, 1.2)).add(disc(deepest, 3.2).set("fill", INK));
         }
-        let line =
-            |i: usize, down: f64| self.lines[i].at(at + Vector::new(0.0, down * SMALL), SMALL, Align::Middle);
-        group
-            .add(rectangle(self.area(at)).set("fill", "#ffffff").set("fill-opacity", 0.9).set("rx", 4))
-            .add(Group::new().set("font-weight", "bold").add(line(0, -0.2)))
-            .add(line(1, 0.88))
+        let baselines = [-0.2, 0.88].map(|down| at + Vector::new(0.0, down * TEXT_SIZE));
+        let lines = self.lines.iter().zip(baselines).map(|(line, at)| line.at(at, TEXT_SIZE, Align::Middle));
+        lines.fold(group.add(paper(self.area(at))), Group::add)
     }
 }
 
@@ -248,6 +218,7 @@ fn contains(outline: &[Point], at: Point) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::drawing::tests::checked;
     use crate::preference::Prospect;
 
     fn panel(title: &str) -> RegionPanel {
@@ -265,10 +236,7 @@ mod tests {
     #[test]
     fn the_figure_is_well_formed_and_names_every_region() {
         let panels = [panel("a & b"), panel("c"), panel("d")];
-        let picture = preference_regions(&panels).unwrap();
-        assert_eq!(picture, preference_regions(&panels).unwrap());
-        crate::drawing::tests::check_well_formed(&picture);
-        assert!(!picture.contains("NaN") && !picture.contains("inf"));
+        let picture = checked(|| preference_regions(&panels));
         assert_eq!(picture.matches("data-option=").count(), 9);
         assert_eq!(picture.matches("preferred by nobody").count(), 3);
         assert!(picture.contains("40.0 %") && picture.contains("a &amp; b"));

@@ -1,4 +1,4 @@
-//! Where a team went, and how stubborn its human was, in; checked tracks, to be drawn, out.
+//! Tracks to draw: where a team went and how stubborn its human was, checked.
 
 use super::DrawingError;
 use crate::coordination::Mode;

@@ -11,8 +11,11 @@ mod tick;
 
 pub use crate::coordination::OptionTick;
 pub use crate::human::PreferenceChange;
-pub use crate::team::{Manipulator, PhysicsTick, Preparation, RobotTick};
-pub use outcome::{ControlSummary, InteractionSummary, Outcome, Summary, Transition};
+pub use crate::team::{Considerations, Manipulator, PhysicsTick, Preparation, RobotTick};
+pub use outcome::{
+    ControlSummary, GRASP_WARNING_RMS_M, HumanSummary, InteractionSummary, LOSS_DISTANCE_M, Loss, Outcome,
+    Summary, Transition,
+};
 pub use settings::Settings;
 pub use state::State;
 pub use tick::Tick;
@@ -51,6 +54,8 @@ pub struct Episode<'a> {
     choice: ChoiceDistribution,
     expected: Vec<f64>,
     steps_without_progress: u32,
+    /// Whether the episode goes on when the object is lost.
+    ignores_loss: bool,
 }
 
 /// What is left of every option from where the team is, as it is perceived, in the order of the option set.
@@ -102,6 +107,7 @@ impl<'a> Episode<'a> {
             choice: ChoiceDistribution::default(),
             expected: Vec::with_capacity(n),
             steps_without_progress: 0,
+            ignores_loss: false,
             progress,
         }
     }
@@ -148,7 +154,8 @@ impl<'a> Episode<'a> {
     /// The same episode with robot, object and human as bodies, on the physical plant. Before the first step only. `seed` is the gait's.
     ///
     /// # Errors
-    /// [`PhysicsError`] if the team does not fit where it is to start, or a setting is out of its range.
+    /// [`PhysicsError`] if the team does not fit where it is to start, the human has no room at the end of an option, or a setting is out of
+    /// its range.
     pub fn with_physics(
         mut self,
         manipulator: Manipulator<'a>,
@@ -156,10 +163,16 @@ impl<'a> Episode<'a> {
         physics: &PhysicsSettings,
         seed: u64,
     ) -> Result<Self, PhysicsError> {
-        let (start, options) = (self.starting_pose(), self.options.options().len());
-        let walk = self.walk_settings();
-        self.team = crate::team::physical(manipulator, walk, options, start, world, physics, seed)?;
+        let (start, walk) = (self.starting_pose(), self.walk_settings());
+        self.team = crate::team::physical(manipulator, walk, self.options, start, world, physics, seed)?;
         Ok(self)
+    }
+
+    /// The same episode, which goes on when the object is lost: the paper simulates no object, so that its tables have episodes in which the
+    /// grasp is far off. [`ControlSummary::largest_error`] says so.
+    #[must_use]
+    pub fn ignoring_loss(self) -> Self {
+        Self { ignores_loss: true, ..self }
     }
 
     /// The team faces the way that it will take.
@@ -195,6 +208,11 @@ impl Episode<'_> {
     /// s, the pose that the grasp should have, on the kinematic plant, where that is all there is of the human; `None` on others.
     pub fn human(&self) -> Option<&PlanarPose> {
         self.team.human()
+    }
+
+    /// What the robot's controller decided the last step from; `None` without one, and before the first step.
+    pub fn considerations(&self) -> Option<Considerations<'_>> {
+        self.team.considerations().filter(|considered| !considered.references.is_empty())
     }
 
     /// The path from where the executed option was last chosen to the target; empty before the first step.

@@ -21,6 +21,8 @@ pub enum Outcome {
     Stuck,
     /// The object fell.
     Dropped,
+    /// Robot or human no longer held the object: see [`Summary::loss`].
+    ObjectLost,
     /// A state stopped being a number: see [`Summary::failure`].
     NonFinite,
 }
@@ -35,6 +37,7 @@ impl Outcome {
             Self::Collided => "collided",
             Self::Stuck => "stuck",
             Self::Dropped => "dropped",
+            Self::ObjectLost => "object-lost",
             Self::NonFinite => "non-finite",
         }
     }
@@ -47,6 +50,22 @@ pub struct Transition {
     pub step: u64,
     /// Where the team was, m, world frame.
     pub position: Point,
+}
+
+/// How far (m) the grasp may be from where it should be, and a grip may yield; beyond, the object is lost.
+pub const LOSS_DISTANCE_M: f64 = 0.1;
+/// From this grasp error (m, root mean square over an episode) on, a robot is said not to keep up.
+pub const GRASP_WARNING_RMS_M: f64 = 0.05;
+
+/// The loss of the object: a grasp or a grip that was more than [`LOSS_DISTANCE_M`] off.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Loss {
+    /// At whose end: the robot or the human.
+    pub by: Party,
+    /// k of the step in which it happened.
+    pub step: u64,
+    /// How far the grasp was from where it should have been, or the grip yielded, m.
+    pub distance: f64,
 }
 
 /// What is worth knowing of an episode afterwards.
@@ -68,14 +87,42 @@ pub struct Summary {
     pub changes: u32,
     /// The transition of the mode, if there was one.
     pub transition: Option<Transition>,
+    /// What the human made of it.
+    pub human: HumanSummary,
     /// What the robot's part cost, in an episode that has one.
     pub control: Option<ControlSummary>,
     /// What robot, object and human did to each other, on the physical plant.
     pub interaction: Option<InteractionSummary>,
     /// The first contact with an obstacle, which ends an episode.
     pub collision: Option<Contact>,
+    /// The loss of the object, which ends an episode.
+    pub loss: Option<Loss>,
     /// What broke, if anything did.
     pub failure: Option<Failure>,
+}
+
+/// What an episode was to the human.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct HumanSummary {
+    /// phi in the last step.
+    pub stubbornness: f64,
+    /// g in the last step.
+    pub discomfort: f64,
+    /// Steps in which another option was executed than this human preferred.
+    pub steps_off_preference: u64,
+    /// Sum over the steps of J^, eq. (2), of the option executed, with the alpha and gamma that the human had then; cost units.
+    pub subjective_cost: f64,
+    /// How often the human's alpha and gamma changed.
+    pub changes_of_mind: u32,
+    /// How often the option that the human preferred changed.
+    pub preference_switches: u32,
+}
+
+impl HumanSummary {
+    /// Share of so many steps in which another option was executed than this human preferred.
+    pub fn share_off_preference(&self, steps: u64) -> f64 {
+        self.steps_off_preference as f64 / steps.max(1) as f64
+    }
 }
 
 /// What robot, object and human did to each other over an episode.
@@ -98,6 +145,8 @@ pub struct InteractionSummary {
     pub squared_jerk: f64,
     /// The most that a grip yielded, m.
     pub stretch: f64,
+    /// The most that a motor of the arm exerted in a physics step, as a share of the URDF's effort limit.
+    pub effort_share: f64,
 }
 
 impl InteractionSummary {
@@ -113,6 +162,7 @@ impl InteractionSummary {
         self.work[1] += tick.work[1];
         self.squared_jerk += tick.squared_jerk;
         self.stretch = self.stretch.max(tick.stretch[0]).max(tick.stretch[1]);
+        self.effort_share = self.effort_share.max(tick.effort_share);
     }
 
     /// Mean of the human's force on the object, N.
@@ -144,7 +194,9 @@ pub struct ControlSummary {
     pub pose: f64,
     /// Sum of squared distances between grasp and reference, m^2.
     pub squared_error: f64,
-    /// Steps in which a limit was active.
+    /// The largest of these distances, m.
+    pub largest_error: f64,
+    /// Steps in which a limit of joints or wheels was active, or an obstacle kept the robot off.
     pub constrained_steps: u64,
     /// Steps without a solution of eq. (7).
     pub fallback_steps: u64,
@@ -163,6 +215,7 @@ impl Default for ControlSummary {
             effort: 0.0,
             pose: 0.0,
             squared_error: 0.0,
+            largest_error: 0.0,
             constrained_steps: 0,
             fallback_steps: 0,
             pose_changes: 0,
@@ -188,9 +241,10 @@ impl ControlSummary {
         self.effort += tick.control_effort;
         self.pose += tick.pose_cost;
         self.squared_error += tick.position_error * tick.position_error;
+        self.largest_error = self.largest_error.max(tick.position_error);
         match tick.outcome {
             SolveOutcome::Unconstrained => {}
-            SolveOutcome::Constrained { .. } => self.constrained_steps += 1,
+            SolveOutcome::Constrained { active, .. } => self.constrained_steps += u64::from(active > 0),
             SolveOutcome::Fallback(_) => self.fallback_steps += 1,
         }
         self.pose_changes += u64::from(tick.preparation.is_some_and(|p| p.candidate != 0));
@@ -200,9 +254,13 @@ impl ControlSummary {
 }
 
 impl Summary {
-    /// Books a step: what the robot did, and what is seen of the bodies.
-    pub(super) fn add(&mut self, robot: Option<&RobotTick>, seen: Option<&Observation>) {
+    /// Books a step: what the robot did, what is seen of the bodies, and the loss of the object, unless that is to be ignored.
+    pub(super) fn add(&mut self, robot: Option<&RobotTick>, seen: Option<&Observation>, ignores_loss: bool) {
         if let Some(tick) = robot {
+            let (by, distance) = tick.worst_hold();
+            if distance > LOSS_DISTANCE_M && !ignores_loss {
+                self.loss = Some(Loss { by, step: self.steps, distance });
+            }
             self.control.get_or_insert_default().add(tick);
             if let Some(physics) = &tick.physics {
                 self.interaction.get_or_insert_default().add(physics);
@@ -222,7 +280,10 @@ impl Summary {
             Some(Failure::Dropped) => return Some(Outcome::Dropped),
             None => {}
         }
-        self.collision.as_ref().map(|_| Outcome::Collided)
+        if self.collision.is_some() {
+            return Some(Outcome::Collided);
+        }
+        self.loss.map(|_| Outcome::ObjectLost)
     }
 
     pub(super) fn empty() -> Self {
@@ -235,9 +296,11 @@ impl Summary {
             last_option: 0,
             changes: 0,
             transition: None,
+            human: HumanSummary::default(),
             control: None,
             interaction: None,
             collision: None,
+            loss: None,
             failure: None,
         }
     }

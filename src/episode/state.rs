@@ -36,7 +36,7 @@ impl Episode<'_> {
         let Self {
             human, policy, team, mode, progress, route, tick, summary, underway, steps_without_progress,
             // given
-            options: _, settings: _, tick_limit: _,
+            options: _, settings: _, tick_limit: _, ignores_loss: _,
             // memory, and what every step works out anew
             predictor: _, prospects: _, choice: _, expected: _,
         } = self;

@@ -5,7 +5,7 @@ use crate::coordination::{Mode, is_misaligned};
 use crate::geometry::Point;
 use crate::human::{HumanDecision, HumanView, Stance};
 use crate::policy::{Decision, Lead, RobotView};
-use crate::preference::objective_cost;
+use crate::preference::{objective_cost, subjective_cost};
 use crate::team::{Situation, Step, TurnOutcome};
 
 /// Steps without progress after which a team is stuck: ten seconds.
@@ -73,7 +73,8 @@ impl Episode<'_> {
         let robot_leads = self.mode == Mode::RobotLed;
         let is_needed = self.team.anticipates() || self.policy.predicts();
         if robot_leads || is_needed || self.settings.predict_while_human_leads {
-            self.predictor.predict(&self.prospects, &mut self.choice);
+            let current = self.underway.then_some(self.tick.executed);
+            self.predictor.predict_from(&self.prospects, current, &mut self.choice);
             for (tick, p) in self.tick.options.iter_mut().zip(self.choice.probabilities()) {
                 tick.probability = *p;
             }
@@ -101,6 +102,9 @@ impl Episode<'_> {
             hand: seen.map(|seen| &seen.hand),
             wrench: seen.map(|seen| &seen.hand_grip.mean),
         });
+        let switched = self.underway && decision.option != self.tick.preferred;
+        self.summary.human.preference_switches += u32::from(switched);
+        self.summary.human.changes_of_mind += u32::from(self.human.change(self.tick.step).is_some());
         self.tick.preferred = decision.option;
         self.tick.stubbornness = decision.stubbornness;
         self.tick.discomfort = decision.discomfort;
@@ -165,6 +169,12 @@ impl Episode<'_> {
         self.summary.accumulated_cost += self.tick.objective_cost;
         self.tick.accumulated_cost = self.summary.accumulated_cost;
         self.summary.last_option = executed;
+        let (felt, weight) = (&mut self.summary.human, self.predictor.risk_weight());
+        if let Some(perception) = human.perception {
+            felt.subjective_cost += subjective_cost(self.prospects[executed], weight, perception);
+        }
+        felt.steps_off_preference += u64::from(executed != human.option);
+        (felt.stubbornness, felt.discomfort) = (human.stubbornness, human.discomfort);
     }
 
     fn control(&mut self, decision: &Decision) -> Option<RobotTick> {
@@ -197,7 +207,7 @@ impl Episode<'_> {
             position: self.point_at(to),
         };
         let along = self.team.walk(&step, robot.as_mut());
-        self.summary.add(robot.as_ref(), self.team.observation());
+        self.summary.add(robot.as_ref(), self.team.observation(), self.ignores_loss);
         self.tick.robot = robot;
         let came_on = (along - from).abs() > 0.1 * per_step;
         self.steps_without_progress = if came_on { 0 } else { self.steps_without_progress + 1 };

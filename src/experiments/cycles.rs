@@ -12,6 +12,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::Serialize;
+use std::ops::Range;
 
 /// How many worlds are tried, where nobody says.
 pub const WORLDS: usize = 10_000;
@@ -125,29 +126,41 @@ pub fn roomy_world(rng: &mut ChaCha8Rng) -> String {
     random_field(rng, 1.2, 2.0, 8)
 }
 
+/// A random world file of 3 to 20 mixed obstacles: rotated boxes, some of them long and thin as walls are, cylinders and irregular convex
+/// polygons, on a field that every other world has no walls around; start and target anywhere but near to each other.
+pub fn mixed_world(rng: &mut ChaCha8Rng) -> String {
+    let size: [f64; 2] = [rng.random_range(8.0..16.0), rng.random_range(5.0..12.0)];
+    let mut place = || [0, 1].map(|i| rng.random_range(0.4..size[i] - 0.4));
+    let start = place();
+    let target = loop {
+        let target = place();
+        if math::hypot(target[0] - start[0], target[1] - start[1]) > size[0] / 2.0 {
+            break target;
+        }
+    };
+    let mut text = head(start, target);
+    if rng.random_bool(0.5) {
+        text += &walls(size, 0.0);
+    }
+    for i in 0..rng.random_range(3..=20) {
+        let [x, y] = size.map(|size| rng.random_range(0.0..size));
+        let shape = match rng.random_range(0..4) {
+            0 => rotated_box(rng, [x, y], [0.1..0.2, 1.0..4.0]),
+            1 => irregular_polygon(rng, [x, y]),
+            _ => random_shape(rng, x, y),
+        };
+        text += &obstacle(&format!("obstacle-{}", i + 1), &shape);
+    }
+    text
+}
+
 /// Start and target `beside` (m) off the walls at the sides at least, `room` (m) more behind them, and so many obstacles at most.
 fn random_field(rng: &mut ChaCha8Rng, beside: f64, room: f64, most: usize) -> String {
     let width: f64 = rng.random_range(8.0..16.0);
     let depth: f64 = rng.random_range(5.0..12.0);
     let start_y = rng.random_range(beside..depth - beside);
     let target_y = rng.random_range(beside..depth - beside);
-    let mut text = format!(
-        "name = \"random\"\nrobot_width_m = 0.5\nstart_m = [0.8, {start_y:.3}]\ntarget_m = [{:.3}, {target_y:.3}]\n",
-        width - 0.8,
-    );
-    let long = width + 2.0 * room;
-    let walls = [
-        ("south", width / 2.0, -0.05, long, 0.1),
-        ("north", width / 2.0, depth + 0.05, long, 0.1),
-        ("west", -0.05 - room, depth / 2.0, 0.1, depth + 0.2),
-        ("east", width + 0.05 + room, depth / 2.0, 0.1, depth + 0.2),
-    ];
-    for (name, x, y, sx, sy) in walls {
-        text += &obstacle(
-            name,
-            &format!("shape = \"box\"\ncenter_m = [{x:.3}, {y:.3}]\nsize_m = [{sx:.3}, {sy:.3}]"),
-        );
-    }
+    let mut text = head([0.8, start_y], [width - 0.8, target_y]) + &walls([width, depth], room);
     for i in 0..rng.random_range(4..18).min(most) {
         let x = rng.random_range(1.5..width - 1.5);
         let y = rng.random_range(0.0..depth);
@@ -156,16 +169,31 @@ fn random_field(rng: &mut ChaCha8Rng, beside: f64, room: f64, most: usize) -> St
     text
 }
 
+fn head([start_x, start_y]: [f64; 2], [target_x, target_y]: [f64; 2]) -> String {
+    format!(
+        "name = \"random\"\nrobot_width_m = 0.5\nstart_m = [{start_x:.3}, {start_y:.3}]\ntarget_m = [{target_x:.3}, {target_y:.3}]\n"
+    )
+}
+
+/// Walls around a field, with `room` (m) between it and those in the west and the east.
+fn walls([width, depth]: [f64; 2], room: f64) -> String {
+    let long = width + 2.0 * room;
+    let walls = [
+        ("south", width / 2.0, -0.05, long, 0.1),
+        ("north", width / 2.0, depth + 0.05, long, 0.1),
+        ("west", -0.05 - room, depth / 2.0, 0.1, depth + 0.2),
+        ("east", width + 0.05 + room, depth / 2.0, 0.1, depth + 0.2),
+    ];
+    let wall = |(name, x, y, sx, sy): (&str, f64, f64, f64, f64)| {
+        obstacle(name, &format!("shape = \"box\"\ncenter_m = [{x:.3}, {y:.3}]\nsize_m = [{sx:.3}, {sy:.3}]"))
+    };
+    walls.into_iter().map(wall).collect()
+}
+
 /// A shape at (x, y), m, as in a world file.
 fn random_shape(rng: &mut ChaCha8Rng, x: f64, y: f64) -> String {
     match rng.random_range(0..3) {
-        0 => {
-            let (sx, sy) = (rng.random_range(0.1..1.0), rng.random_range(0.3..2.0));
-            let yaw = rng.random_range(-90.0..90.0);
-            format!(
-                "shape = \"box\"\ncenter_m = [{x:.3}, {y:.3}]\nsize_m = [{sx:.3}, {sy:.3}]\nyaw_deg = {yaw:.2}"
-            )
-        }
+        0 => rotated_box(rng, [x, y], [0.1..1.0, 0.3..2.0]),
         1 => {
             let radius = rng.random_range(0.1..0.7);
             format!("shape = \"cylinder\"\ncenter_m = [{x:.3}, {y:.3}]\nradius_m = {radius:.3}")
@@ -182,6 +210,25 @@ fn random_shape(rng: &mut ChaCha8Rng, x: f64, y: f64) -> String {
             format!("shape = \"polygon\"\nvertices_m = [{}]", vertices.join(", "))
         }
     }
+}
+
+fn rotated_box(rng: &mut ChaCha8Rng, [x, y]: [f64; 2], size: [Range<f64>; 2]) -> String {
+    let [sx, sy] = size.map(|range| rng.random_range(range));
+    let yaw = rng.random_range(-90.0..90.0);
+    format!("shape = \"box\"\ncenter_m = [{x:.3}, {y:.3}]\nsize_m = [{sx:.3}, {sy:.3}]\nyaw_deg = {yaw:.2}")
+}
+
+/// Corners on an ellipse, in a random turn, each in a sector of its own.
+fn irregular_polygon(rng: &mut ChaCha8Rng, [x, y]: [f64; 2]) -> String {
+    let corners = rng.random_range(3..9);
+    let radii = [0, 1].map(|_| rng.random_range(0.3..1.2));
+    let (sin, cos) = math::sin_cos(rng.random_range(0.0..std::f64::consts::PI));
+    let vertices: Vec<String> = (0..corners)
+        .map(|c| std::f64::consts::TAU * (f64::from(c) + rng.random_range(0.0..0.8)) / f64::from(corners))
+        .map(|angle| [radii[0] * math::cos(angle), radii[1] * math::sin(angle)])
+        .map(|[a, b]| format!("[{:.3}, {:.3}]", x + cos * a - sin * b, y + sin * a + cos * b))
+        .collect();
+    format!("shape = \"polygon\"\nvertices_m = [{}]", vertices.join(", "))
 }
 
 fn obstacle(name: &str, shape: &str) -> String {

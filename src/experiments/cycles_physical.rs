@@ -119,7 +119,7 @@ impl Study<'_> {
         let settings = Settings { coordination, ..self.episode.clone() };
         loop {
             let text = roomy_world(&mut rng);
-            // start or target built over, or closed in, or no room for the team at the start: draw again
+            // start or target built over, or closed in, or no room for the team at the start or the target: draw again
             let Ok(world) = World::parse("random world", &text) else { continue };
             let Ok(options) = OptionSet::new(&world, settings.predictor.risk_weight()) else { continue };
             let obstacles = RobotObstacles::new(&world);
@@ -131,7 +131,7 @@ impl Study<'_> {
             };
             let episode = Episode::new(&options, &settings, human);
             let mut episode = match episode.with_physics(manipulator, &world, &self.physics, seed) {
-                Err(PhysicsError::Occupied { .. }) => continue,
+                Err(PhysicsError::Occupied { .. } | PhysicsError::NoRoomAtTarget { .. }) => continue,
                 episode => episode?,
             };
             while episode.step().is_none() {}

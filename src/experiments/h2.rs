@@ -3,7 +3,8 @@
 use super::paper::{
     BuiltInError, COLUMNS, ENVIRONMENTS, EXAMPLE, EXAMPLE_ENVIRONMENT, EXAMPLE_HUMAN, Environment,
 };
-use super::{OnDone, in_parallel, mean_and_std};
+use super::statistics::{self, Paired, mean_and_std};
+use super::{OnDone, in_parallel};
 use crate::coordination::{self, Mode};
 use crate::episode::{Episode, Outcome, Settings, Summary, Tick, run};
 use crate::options::OptionSet;
@@ -38,6 +39,8 @@ pub struct Row {
     pub sample_mean: f64,
     /// Their standard deviation, m.
     pub sample_std: f64,
+    /// The same twenty humans' cost less that without the model, m; corrected for the comparisons of the table. None without the model.
+    pub sample_against_without: Option<Paired>,
     /// Step of the mode transition; it does not depend on the human.
     pub transition_step: Option<u64>,
     /// Episodes of the cell that did not arrive.
@@ -54,13 +57,21 @@ pub fn table(settings: &Settings, seed: u64, on_done: OnDone) -> Result<Vec<Row>
     let mut rows = Vec::new();
     for environment in &ENVIRONMENTS {
         let set = OptionSet::new(&environment.world()?, settings.predictor.risk_weight())?;
+        let mut without = Vec::new();
         for (column, eta) in COLUMNS.into_iter().enumerate() {
-            rows.push(cell(environment, column, eta, &set, settings, [&grid, &sample], on_done));
+            let (mut row, costs) = cell(environment, column, eta, &set, settings, [&grid, &sample], on_done);
+            match eta {
+                None => without = costs,
+                Some(_) => row.sample_against_without = Paired::of_lists(&costs, &without, true),
+            }
+            rows.push(row);
         }
     }
+    statistics::correct(rows.iter_mut().filter_map(|row| row.sample_against_without.as_mut()));
     Ok(rows)
 }
 
+/// A cell's row, and the costs of the twenty humans.
 fn cell(
     environment: &Environment,
     column: usize,
@@ -69,7 +80,7 @@ fn cell(
     settings: &Settings,
     [grid, sample]: [&[Perception]; 2],
     on_done: OnDone,
-) -> Row {
+) -> (Row, Vec<f64>) {
     let settings = with_eta(settings, eta);
     let (led, transition_step) = led_by_robot(set, &settings);
     let costs = |humans: &[Perception]| {
@@ -80,7 +91,7 @@ fn cell(
     let (on_grid, lost_on_grid) = costs(grid);
     let (at_random, lost_at_random) = costs(sample);
     let (sample_mean, sample_std) = mean_and_std(&at_random);
-    Row {
+    let row = Row {
         environment: environment.number,
         method: settings.method,
         eta,
@@ -88,9 +99,11 @@ fn cell(
         ours_mean: mean_and_std(&on_grid).0,
         sample_mean,
         sample_std,
+        sample_against_without: None,
         transition_step,
         not_arrived: lost_on_grid + lost_at_random,
-    }
+    };
+    (row, at_random)
 }
 
 /// The settings of a column of Table II.

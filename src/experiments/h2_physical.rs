@@ -2,7 +2,8 @@
 
 use super::h2::{self, humans_at_random};
 use super::paper::{BuiltInError, COLUMNS, ENVIRONMENTS, Environment};
-use super::{OnDone, in_parallel, mean_and_std};
+use super::statistics::{self, Paired, mean_and_std};
+use super::{OnDone, Way, in_parallel, way};
 use crate::control::{self, RobotObstacles};
 use crate::episode::{self, Episode, Manipulator, Outcome, Settings, Summary};
 use crate::options::OptionSet;
@@ -12,6 +13,7 @@ use crate::robot::Robot;
 use crate::simulation::{PhysicsError, PhysicsSettings};
 use crate::world::World;
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// What is run.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +52,9 @@ pub struct Row {
     pub point_mean: f64,
     /// The same with bodies, m.
     pub physical_mean: f64,
+    /// The cost with bodies less that without the model, of the humans who arrive both times, m; corrected for the comparisons of the table. None
+    /// without the model.
+    pub against_without: Option<Paired>,
     /// Mean of the ratios of the two, human by human.
     pub mean_ratio: f64,
     /// The ratio that is farthest from 1.
@@ -84,13 +89,21 @@ impl Study<'_> {
         for environment in &ENVIRONMENTS {
             let world = environment.world()?;
             let options = OptionSet::new(&world, self.episode.predictor.risk_weight())?;
+            let mut without = Vec::new();
             for eta in COLUMNS {
-                rows.push(self.cell(environment, &world, &options, eta, &humans, on_done)?);
+                let (mut row, costs) = self.cell(environment, &world, &options, eta, &humans, on_done)?;
+                match eta {
+                    None => without = costs,
+                    Some(_) => row.against_without = against(&costs, &without),
+                }
+                rows.push(row);
             }
         }
+        statistics::correct(rows.iter_mut().filter_map(|row| row.against_without.as_mut()));
         Ok(rows)
     }
 
+    /// A cell's row, and what each human's episode with bodies has cost.
     fn cell(
         &self,
         environment: &Environment,
@@ -99,7 +112,7 @@ impl Study<'_> {
         eta: Option<f64>,
         humans: &[Perception],
         on_done: OnDone,
-    ) -> Result<Row, BuiltInError> {
+    ) -> Result<(Row, Vec<Cost>), BuiltInError> {
         let settings = h2::with_eta(self.episode, eta);
         let obstacles = RobotObstacles::new(world);
         let manipulator = Manipulator {
@@ -121,8 +134,24 @@ impl Study<'_> {
             Ok((point, physical.summary().clone()))
         });
         let ends = ends.into_iter().collect::<Result<Vec<_>, PhysicsError>>()?;
-        Ok(row(environment, &settings, eta, &ends))
+        let cost = |physical: &Summary| {
+            (physical.outcome == Outcome::Arrived).then(|| (physical.accumulated_cost, way(physical)))
+        };
+        let costs = ends.iter().map(|(_, physical)| cost(physical)).collect();
+        Ok((row(environment, &settings, eta, &ends), costs))
     }
+}
+
+/// What an episode that arrived has cost, and the way it went.
+type Cost = Option<(f64, Way)>;
+
+/// The comparison of the humans who arrive both times. Where all of them go the same ways, they differ by the noise of the gait alone.
+fn against(costs: &[Cost], without: &[Cost]) -> Option<Paired> {
+    let both: Vec<_> = costs.iter().zip(without).filter_map(|(a, b)| Some(((*a)?, (*b)?))).collect();
+    let ways: BTreeSet<(Way, Way)> = both.iter().map(|(a, b)| (a.1, b.1)).collect();
+    let [first, second]: [Vec<f64>; 2] =
+        [both.iter().map(|(a, _)| a.0).collect(), both.iter().map(|(_, b)| b.0).collect()];
+    Paired::of_lists(&first, &second, ways.len() > 1)
 }
 
 fn row(environment: &Environment, settings: &Settings, eta: Option<f64>, ends: &[(Summary, Summary)]) -> Row {
@@ -152,6 +181,7 @@ fn row(environment: &Environment, settings: &Settings, eta: Option<f64>, ends: &
             .collect(),
         point_mean: mean_and_std(&of(&|(point, _)| point.accumulated_cost)).0,
         physical_mean: mean_and_std(&of(&|(_, physical)| physical.accumulated_cost)).0,
+        against_without: None,
         mean_ratio: mean_and_std(&ratios).0,
         farthest_ratio: ratios.iter().copied().max_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(f64::NAN),
         alike: ratios.iter().filter(|ratio| off(ratio) <= ALIKE).count(),

@@ -4,10 +4,13 @@
 //! The human leads from the start. (alpha, gamma) is drawn from a setting's sub-range, and redrawn once or twice at random steps of the first
 //! half; the robot only knows the full ranges. Every method meets the same humans: all comparisons are paired.
 
-use super::paper::{BuiltInError, ENVIRONMENTS, Environment, HumanSetting, SETTINGS};
-use super::{OnDone, in_parallel, mean_and_std, paired_p_value};
+use super::paper::{BuiltInError, ENVIRONMENTS, Environment, SETTINGS};
+use super::statistics::{self, Paired, mean_and_std};
+use super::{OnDone, Way, in_parallel, way};
 use crate::control::{Avoid, CandidateSet, PoseCriterion, RobotObstacles};
-use crate::episode::{ControlSummary, Episode, Manipulator, Outcome, PreferenceChange, Settings};
+use crate::episode::{
+    ControlSummary, Episode, LOSS_DISTANCE_M, Manipulator, Outcome, PreferenceChange, Settings,
+};
 use crate::human::PreferenceHuman;
 use crate::options::OptionSet;
 use crate::policy::Method;
@@ -19,6 +22,7 @@ use crate::{control, preference};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// Random experiments a cell, as in the paper.
 pub const EPISODES: usize = 100;
@@ -137,8 +141,10 @@ pub struct Row {
     pub ours_std: f64,
     /// Mean over the method's baseline's mean.
     pub ratio: f64,
-    /// Two-sided p-value of the paired t-test against the baseline; none for the baselines.
-    pub p_value: Option<f64>,
+    /// C less that of the baseline with the same human; corrected for all comparisons from this start. None for the baselines.
+    pub against_baseline: Option<Paired>,
+    /// Different sequences of options that the humans walk, as far as they are compared: first and last option, and how often they change.
+    pub ways: usize,
     /// Episodes run.
     pub episodes: usize,
     /// Episodes that cost less than the baseline's with the same human.
@@ -153,7 +159,9 @@ pub struct Row {
     pub fallback_steps: u64,
     /// Episodes in which the base overlapped an obstacle.
     pub overlapping_episodes: usize,
-    /// Episodes that did not arrive.
+    /// Episodes in which the object was lost: the grasp was off, or on the physical plant a grip yielded, by more than 10 cm.
+    pub lost_object: usize,
+    /// Episodes that did not arrive. On the kinematic plant, the team goes on when the object is lost: the paper simulates none.
     pub not_arrived: usize,
 }
 
@@ -180,6 +188,10 @@ impl Study<'_> {
         for environment in &ENVIRONMENTS {
             rows.extend(self.environment(environment, on_done)?);
         }
+        for start in &self.robot.postures {
+            let from_there = rows.iter_mut().filter(|row| row.start == start.name);
+            statistics::correct(from_there.filter_map(|row| row.against_baseline.as_mut()));
+        }
         Ok(rows)
     }
 
@@ -187,14 +199,7 @@ impl Study<'_> {
         let world = environment.world()?;
         let options = OptionSet::new(&world, self.episode.predictor.risk_weight())?;
         let obstacles = RobotObstacles::new(&world);
-        let humans = SETTINGS
-            .iter()
-            .enumerate()
-            .map(|(s, setting)| {
-                let stream = u64::from(environment.number) * 16 + s as u64;
-                self.humans(setting, stream, &options)
-            })
-            .collect::<Result<Vec<_>, _>>()?;
+        let humans = self.humans_of(environment, &options)?;
         let settings = Settings { method: Method::HUMAN_LED, ..self.episode.clone() };
         // every episode of the environment, the last index varying fastest
         let (starts, methods, n) = (&self.robot.postures, self.methods(), self.episodes);
@@ -203,7 +208,7 @@ impl Study<'_> {
             let (cell, episode) = (i / n, i % n);
             let (method, start) =
                 (methods[cell % methods.len()], &starts[cell / methods.len() % starts.len()]);
-            let human = &humans[cell / methods.len() / starts.len()][episode];
+            let human = &humans[cell / methods.len() / starts.len() * n + episode];
             let mut manipulator = Manipulator {
                 robot: self.robot,
                 posture: start.joints,
@@ -214,15 +219,10 @@ impl Study<'_> {
                 PreferenceHuman::new(human.first, settings.coordination).with_changes(&human.changes),
             );
             let begun = match &self.physics {
-                None => begun.with_robot(manipulator),
+                None => begun.with_robot(manipulator).ignoring_loss(),
                 Some(physics) => {
                     manipulator.control.avoid = Avoid::Robot;
-                    begun.with_physics(
-                        manipulator,
-                        &world,
-                        physics,
-                        self.seed.wrapping_add(episode as u64),
-                    )?
+                    begun.with_physics(manipulator, &world, physics, human.gait_seed)?
                 }
             };
             Ok(follow(begun))
@@ -233,45 +233,79 @@ impl Study<'_> {
                 let all = &ends[group * methods.len() * n..][..methods.len() * n];
                 let (setting, start) = (group / starts.len(), &starts[group % starts.len()]);
                 (0..methods.len())
-                    .map(move |m| row(environment, setting, start, (methods, m), all, n))
+                    .map(move |m| {
+                        row(environment, setting, start, (methods, m), all, (n, self.physics.is_some()))
+                    })
                     .collect::<Vec<_>>()
             })
             .collect())
     }
 
-    /// The humans of a cell: the same for every method and start.
-    fn humans(
+    /// All humans, by environment, setting and episode: the same for every method and start.
+    ///
+    /// # Errors
+    /// If a built-in world is not valid.
+    pub fn humans(&self) -> Result<Vec<Human>, BuiltInError> {
+        let mut humans = Vec::new();
+        for environment in &ENVIRONMENTS {
+            let options = OptionSet::new(&environment.world()?, self.episode.predictor.risk_weight())?;
+            humans.extend(self.humans_of(environment, &options)?);
+        }
+        Ok(humans)
+    }
+
+    fn humans_of(
         &self,
-        setting: &HumanSetting,
-        stream: u64,
+        environment: &Environment,
         options: &OptionSet,
-    ) -> Result<Vec<ChangingHuman>, preference::PreferenceError> {
+    ) -> Result<Vec<Human>, preference::PreferenceError> {
         let range = |[center, half]: [f64; 2]| (center - half, center + half);
-        let belief = Belief::uniform(range(setting.alpha), range(setting.gamma))?;
-        Ok((0..self.episodes)
-            .map(|episode| {
+        let mut humans = Vec::with_capacity(SETTINGS.len() * self.episodes);
+        for (s, setting) in SETTINGS.iter().enumerate() {
+            let belief = Belief::uniform(range(setting.alpha), range(setting.gamma))?;
+            humans.extend((0..self.episodes).map(|episode| {
+                let stream = ((u64::from(environment.number) * 16 + s as u64) << 32) + episode as u64;
                 let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-                rng.set_stream((stream << 32) + episode as u64);
+                rng.set_stream(stream);
                 let first = belief.sample(&mut rng);
                 let changes = Redraws::OnceOrTwice.draw(&belief, first, options, self.episode, &mut rng);
-                ChangingHuman { first, changes }
-            })
-            .collect())
+                let gait_seed = self.seed.wrapping_add(episode as u64);
+                let (environment, setting) = (environment.number, setting.name);
+                Human { environment, setting, episode, stream, gait_seed, first, changes }
+            }));
+        }
+        Ok(humans)
     }
 }
 
-/// A human whose perception changes on the way.
+/// A human whose perception changes on the way, and what they are drawn from: ChaCha8 with the study's seed ([`SeedableRng::seed_from_u64`]) and
+/// the stream 2^32 (16 environment + s) + episode, s from 0 for S1. Drawn are alpha and gamma of the start, then the changes
+/// ([`Redraws::draw`]).
 #[derive(Clone, Debug, PartialEq)]
-struct ChangingHuman {
-    first: Perception,
-    changes: Vec<PreferenceChange>,
+pub struct Human {
+    /// Environment, 1 to 4.
+    pub environment: u32,
+    /// S1 to S4.
+    pub setting: &'static str,
+    /// Which of the cell's episodes, from 0.
+    pub episode: usize,
+    /// The generator's stream.
+    pub stream: u64,
+    /// The seed of the gait, on the physical plant: the study's plus the episode.
+    pub gait_seed: u64,
+    /// Perception at the start.
+    pub first: Perception,
+    /// Changes of mind.
+    pub changes: Vec<PreferenceChange>,
 }
 
 /// How one episode ended.
 struct End {
     control: ControlSummary,
     steps: u64,
+    lost_object: bool,
     arrived: bool,
+    way: Way,
 }
 
 fn follow(mut episode: Episode) -> End {
@@ -281,21 +315,25 @@ fn follow(mut episode: Episode) -> End {
         }
     };
     let summary = episode.summary();
+    let control = summary.control.unwrap_or_default();
     End {
-        control: summary.control.unwrap_or_default(),
+        control,
         steps: summary.steps,
+        lost_object: summary.loss.is_some() || control.largest_error > LOSS_DISTANCE_M,
         arrived: outcome == Outcome::Arrived,
+        way: way(summary),
     }
 }
 
-/// One method's row; `all` are the episodes of all methods of the cell.
+/// One method's row; `all` are the episodes of all methods of the cell, `n` each. Where bodies sway (`is_noisy`), humans who all walk the same
+/// way differ by noise alone.
 fn row(
     environment: &Environment,
     setting: usize,
     start: &Posture,
     (methods, method): (&[PoseMethod], usize),
     all: &[End],
-    n: usize,
+    (n, is_noisy): (usize, bool),
 ) -> Row {
     let ends = |m: usize| &all[m * n..(m + 1) * n];
     let this = methods[method];
@@ -305,6 +343,8 @@ fn row(
     let costs = |m: usize| (0..n).filter(|&i| both(i)).map(|i| ends(m)[i].control.cost()).collect::<Vec<_>>();
     let (ours, theirs) = (costs(method), costs(baseline));
     let (ours_mean, ours_std) = mean_and_std(&ours);
+    let ways: BTreeSet<_> =
+        (0..n).filter(|&i| both(i)).map(|i| (ends(method)[i].way, ends(baseline)[i].way)).collect();
     let mean = |part: fn(&ControlSummary) -> f64| {
         ends(method).iter().map(|e| part(&e.control)).sum::<f64>() / n as f64
     };
@@ -324,7 +364,10 @@ fn row(
         ours_mean,
         ours_std,
         ratio: ours_mean / mean_and_std(&theirs).0,
-        p_value: (method != baseline).then(|| paired_p_value(&ours, &theirs)).flatten(),
+        against_baseline: (method != baseline)
+            .then(|| Paired::of_lists(&ours, &theirs, ways.len() > 1 || !is_noisy))
+            .flatten(),
+        ways: ways.len(),
         episodes: n,
         wins: ours.iter().zip(&theirs).filter(|(a, b)| a < b).count(),
         parts: [mean(|c| c.tracking), mean(|c| c.effort), mean(|c| c.pose)],
@@ -332,6 +375,7 @@ fn row(
         constrained_share: constrained as f64 / steps as f64,
         fallback_steps: ends(method).iter().map(|e| e.control.fallback_steps).sum(),
         overlapping_episodes: ends(method).iter().filter(|e| e.control.overlapping_steps > 0).count(),
+        lost_object: ends(method).iter().filter(|e| e.lost_object).count(),
         not_arrived: ends(method).iter().filter(|e| !e.arrived).count(),
     }
 }

@@ -59,7 +59,7 @@ impl Human for Boltzmann {
                 best = (option, cost);
             }
         }
-        HumanDecision::new(best.0, self.human.accumulate(view))
+        HumanDecision::new(best.0, self.human.accumulate(view), Some(perception))
     }
 
     fn set_preference(&mut self, preference: Perception) {

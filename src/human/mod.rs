@@ -103,6 +103,8 @@ pub struct HumanDecision {
     pub stubbornness: f64,
     /// g(k), eq. (5).
     pub discomfort: f64,
+    /// The alpha and gamma behind the decision, eq. (2); none for humans without.
+    pub perception: Option<Perception>,
     /// Where the hand goes in this period, m, world frame, on the physical plant; by default where the leader's path leads it.
     pub hand: Option<Point>,
 }
@@ -120,12 +122,13 @@ pub enum Stance {
 
 impl HumanDecision {
     /// Walks `option`; takes the lead once stubbornness exceeds 1 (Sec. IV-B.2).
-    pub fn new(option: usize, stubbornness: &Stubbornness) -> Self {
+    pub fn new(option: usize, stubbornness: &Stubbornness, perception: Option<Perception>) -> Self {
         Self {
             option,
             stance: if stubbornness.is_exhausted() { Stance::TakeOver } else { Stance::Follow },
             stubbornness: stubbornness.measure(),
             discomfort: stubbornness.discomfort(),
+            perception,
             hand: None,
         }
     }

@@ -59,7 +59,7 @@ impl Human for PreferenceHuman {
     fn decide(&mut self, view: &HumanView<'_>) -> HumanDecision {
         let perception = self.perceive(view.step);
         let option = human_choice(view.prospects, view.risk_weight, perception, view.executed);
-        HumanDecision::new(option, self.accumulate(view))
+        HumanDecision::new(option, self.accumulate(view), Some(perception))
     }
 
     fn set_preference(&mut self, preference: Perception) {

@@ -3,6 +3,7 @@
 use super::model::{HumanModel, ModelError, Participant};
 use super::{Human, HumanDecision, HumanView};
 use crate::coordination::Stubbornness;
+use crate::preference::Perception;
 use crate::saved::{NotRestored, Saved};
 
 /// The model's entry in the list.
@@ -19,6 +20,7 @@ pub struct Scripted {
     /// Steps and options (as indices), by step; the first at step 0.
     script: Vec<(u64, usize)>,
     stubbornness: Stubbornness,
+    perception: Perception,
 }
 
 impl Scripted {
@@ -43,7 +45,8 @@ impl Scripted {
         let in_order = script.windows(2).all(|pair| pair[0].0 < pair[1].0);
         match script.first() {
             Some((0, _)) if in_order => {
-                Ok(Self { script, stubbornness: Stubbornness::new(participant.stubbornness) })
+                let stubbornness = Stubbornness::new(participant.stubbornness);
+                Ok(Self { script, stubbornness, perception: participant.perception })
             }
             _ => Err(wrong()),
         }
@@ -55,7 +58,7 @@ impl Human for Scripted {
         view.accumulate(&mut self.stubbornness);
         let come = self.script.partition_point(|(step, _)| *step <= view.step);
         let (_, option) = self.script[come.saturating_sub(1)];
-        HumanDecision::new(option, &self.stubbornness)
+        HumanDecision::new(option, &self.stubbornness, Some(self.perception))
     }
 
     fn save(&self) -> Saved {

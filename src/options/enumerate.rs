@@ -1,6 +1,6 @@
 //! Regions and passages in; the cheapest sequences of openings from the start to the target, which enter no region twice, out.
 
-use super::{Crossing, OptionSet, START, TARGET, portal_site};
+use super::{Crossing, OptionSet, START, TARGET, before, beyond, site};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -24,85 +24,159 @@ struct Partial {
     arrived: bool,
 }
 
-/// The `limit` cheapest options by D_o + c_r S_o, cheapest first: best-first search, bounded from below by the shortest way on from each
-/// passage (regions entered twice allowed).
+/// Lower bounds are taken this much (m) lower, so that rounding does not put them above what they bound.
+const ROUNDING: f64 = 1e-9;
+
+/// The `limit` cheapest options by D_o + c_r S_o, cheapest first: best-first search over regions from which the target can still be reached,
+/// bounded from below by the shortest and the safest way on from each passage (regions entered twice allowed). A search that has looked at too
+/// much gives up; if nothing was found until then, it takes the way that its bounds lead to at once.
 pub(super) fn cheapest(set: &OptionSet, limit: usize, risk_weight: f64) -> Found {
-    let onward = shortest_onward(set);
+    let search = Search::new(set, risk_weight);
     let mut queue = BinaryHeap::new();
     queue.push(Partial { bound: 0.0, length: 0.0, safe: 1.0, crossings: Vec::new(), arrived: false });
     let mut found = Found { options: Vec::new(), is_cut: false };
-    for _ in 0..MOST_LOOKED_AT {
-        let Some(partial) = queue.pop() else { return found };
+    let mut looked_at = 0;
+    while let Some(partial) = queue.pop() {
+        looked_at += 1;
+        let gives_up = looked_at > MOST_LOOKED_AT;
+        if found.options.len() == limit && partial.arrived || gives_up && !found.options.is_empty() {
+            found.is_cut = true;
+            break;
+        }
         if partial.arrived {
-            if found.options.len() == limit {
-                found.is_cut = true;
-                return found;
-            }
             found.options.push(partial.crossings);
             continue;
         }
-        let leave = partial.crossings.last().map_or(START, |c| portal_site(c.opening, c.into));
-        let here = set.roadmap.component(leave);
-        let to_target = set.roadmap.between(leave, TARGET);
-        if to_target.is_finite() {
-            let length = partial.length + to_target;
-            queue.push(Partial {
-                bound: length + risk_weight * (1.0 - partial.safe),
-                length,
-                safe: partial.safe,
-                crossings: partial.crossings.clone(),
-                arrived: true,
-            });
+        if gives_up {
+            queue.clear();
         }
-        let entered = |region: usize| {
-            region == here || partial.crossings.iter().any(|&c| set.region_before(c) == region)
-        };
-        for (opening, passage) in set.passages.iter().enumerate() {
-            for into in [0, 1] {
-                let crossing = Crossing { opening, into };
-                if set.region_before(crossing) != here || entered(set.region_after(crossing)) {
-                    continue;
-                }
-                let length = partial.length
-                    + set.roadmap.between(leave, portal_site(opening, 1 - into))
-                    + set.straight(crossing);
-                let safe = partial.safe * (1.0 - passage.risk);
-                let bound = length + onward[portal_site(opening, into)] + risk_weight * (1.0 - safe);
-                if bound.is_finite() {
-                    let crossings = partial.crossings.iter().copied().chain([crossing]).collect();
-                    queue.push(Partial { bound, length, safe, crossings, arrived: false });
-                }
-            }
-        }
+        queue.extend(search.onward(&partial));
     }
-    found.is_cut = true;
     found
 }
 
-/// The shortest way (m) from every site to the target through any passages.
-fn shortest_onward(set: &OptionSet) -> Vec<f64> {
-    let n = 2 + 2 * set.passages.len();
-    let mut graph = petgraph::graph::DiGraph::new();
-    let nodes: Vec<_> = (0..n).map(|_| graph.add_node(())).collect();
-    for from in 0..n {
-        for to in (0..n).filter(|&to| to != from) {
-            // from the target's side, so that one search finds all
-            let through = from >= 2 && to == (from ^ 1);
-            let length = if through {
-                set.passages[(from - 2) / 2].reach.iter().sum()
-            } else {
-                set.roadmap.between(to, from)
-            };
-            if length.is_finite() {
-                graph.add_edge(nodes[from], nodes[to], length);
+/// The regions and passages as the search sees them.
+struct Search<'a> {
+    set: &'a OptionSet,
+    risk_weight: f64,
+    /// The number of every site's region, from 0 on.
+    regions: Vec<usize>,
+    /// The crossings that lead out of each region into another one.
+    out: Vec<Vec<Crossing>>,
+    /// From every site to the target through any passages: the shortest way, m, and the best chance to pass unharmed.
+    shortest: Vec<f64>,
+    safest: Vec<f64>,
+}
+
+impl<'a> Search<'a> {
+    fn new(set: &'a OptionSet, risk_weight: f64) -> Self {
+        let sites = 2 + 2 * set.passages.len();
+        let components: Vec<usize> = (0..sites).map(|s| set.roadmap.component(s)).collect();
+        let mut known = components.clone();
+        known.sort_unstable();
+        known.dedup();
+        let regions: Vec<usize> = components.iter().map(|c| known.partition_point(|k| k < c)).collect();
+        let mut out = vec![Vec::new(); known.len()];
+        for opening in 0..set.passages.len() {
+            for into in [0, 1] {
+                let [before, after] = [1 - into, into].map(|side| regions[site(opening, side)]);
+                if before != after {
+                    out[before].push(Crossing { opening, into });
+                }
             }
         }
+        let length = |from: usize, to: usize| set.stages.between(from, to).length();
+        // the inverse of the chance to pass unharmed
+        let danger = |from: usize, to: usize| match to {
+            _ if regions[from] != regions[to] => f64::INFINITY,
+            TARGET => 1.0,
+            _ => 1.0 / (1.0 - set.passages[(to - 2) / 2].risk),
+        };
+        let shortest = least_onward(sites, 0.0, length, |a, b| a + b);
+        let safest = least_onward(sites, 1.0, danger, |a, b| a * b).into_iter().map(f64::recip).collect();
+        Self { set, risk_weight, regions, out, shortest, safest }
     }
-    let mut onward = vec![f64::INFINITY; n];
-    for (node, length) in petgraph::algo::dijkstra(&graph, nodes[TARGET], None, |e| *e.weight()) {
-        onward[node.index()] = length;
+
+    /// The sequences that go on from this one by a crossing, or to the target.
+    fn onward(&self, partial: &Partial) -> Vec<Partial> {
+        let set = self.set;
+        let leave = partial.crossings.last().map_or(START, |&c| beyond(c));
+        let to_target = set.stages.between(leave, TARGET).length();
+        if to_target.is_finite() {
+            let length = partial.length + to_target;
+            let bound = length + self.risk_weight * (1.0 - partial.safe);
+            let crossings = partial.crossings.clone();
+            return vec![Partial { bound, length, safe: partial.safe, crossings, arrived: true }];
+        }
+        let leads_on = self.leads_on(partial, self.regions[leave]);
+        let extended = |crossing: &Crossing| {
+            let exit = beyond(*crossing);
+            let length = partial.length + set.stages.between(leave, before(*crossing)).length();
+            let safe = partial.safe * (1.0 - set.passages[crossing.opening].risk);
+            let bound = length + self.shortest[exit] + self.risk_weight * (1.0 - safe * self.safest[exit]);
+            let crossings = partial.crossings.iter().copied().chain([*crossing]).collect();
+            Partial { bound: bound - ROUNDING, length, safe, crossings, arrived: false }
+        };
+        self.out[self.regions[leave]]
+            .iter()
+            .filter(|crossing| leads_on[self.after(**crossing)])
+            .map(extended)
+            .filter(|next| next.bound.is_finite())
+            .collect()
     }
-    onward
+
+    /// The region that a crossing leads into.
+    fn after(&self, crossing: Crossing) -> usize {
+        self.regions[beyond(crossing)]
+    }
+
+    /// For every region, whether the target can be reached from it without a region that the sequence has entered, of which `here` is the last.
+    fn leads_on(&self, partial: &Partial, here: usize) -> Vec<bool> {
+        let target = self.regions[TARGET];
+        let mut closed = vec![false; self.out.len()];
+        for region in partial.crossings.iter().map(|c| self.after(c.back())).chain([here]) {
+            closed[region] = true;
+        }
+        let mut leads_on = vec![false; self.out.len()];
+        leads_on[target] = true;
+        let mut queue = vec![target];
+        while let Some(region) = queue.pop() {
+            for &crossing in &self.out[region] {
+                let next = self.after(crossing);
+                if !closed[next] && !leads_on[next] {
+                    leads_on[next] = true;
+                    queue.push(next);
+                }
+            }
+        }
+        leads_on
+    }
+}
+
+/// What the best way to the target costs from the start and from the gap of every crossing, by the site beyond it; any passages may be used,
+/// regions entered twice. Dijkstra's algorithm over all pairs: `cost` of the way from such a place to another site, costs of ways put together
+/// by `join`, beginning with `none`.
+fn least_onward(
+    sites: usize,
+    none: f64,
+    cost: impl Fn(usize, usize) -> f64,
+    join: impl Fn(f64, f64) -> f64,
+) -> Vec<f64> {
+    let mut least = vec![f64::INFINITY; sites];
+    let mut is_done = vec![false; sites];
+    least[TARGET] = none;
+    let nearest = |least: &[f64], is_done: &[bool]| {
+        (0..sites).filter(|&s| !is_done[s]).min_by(|&a, &b| least[a].total_cmp(&least[b]))
+    };
+    while let Some(place) = nearest(&least, &is_done).filter(|&s| least[s].is_finite()) {
+        is_done[place] = true;
+        // a gap is entered on its other side
+        let to = if place == TARGET { TARGET } else { place ^ 1 };
+        for from in (0..sites).filter(|&from| place != START && from != TARGET) {
+            least[from] = least[from].min(join(cost(from, to), least[place]));
+        }
+    }
+    least
 }
 
 impl Ord for Partial {

@@ -9,6 +9,7 @@ mod error;
 mod passage;
 mod progress;
 mod roadmap;
+mod stage;
 mod trajectory;
 
 pub use error::{Blockage, OptionError};
@@ -18,21 +19,32 @@ pub use trajectory::{nominal_trajectory, turned};
 
 use crate::geometry::{Path, Point};
 use crate::world::{ListedOption, World};
-use passage::Passage;
+use passage::{Exit, Passage};
 use progress::Rest;
-use roadmap::{Roadmap, Space};
+use roadmap::{Roadmap, Space, Straight};
 use serde::{Deserialize, Serialize};
+use stage::Stages;
 
 /// How far the team walks straight before and after an opening, m: human, object and robot in tandem are about 2.5 m long and must be
 /// straight when they enter.
 pub const ALIGNMENT: f64 = 1.0;
 
-/// The sites of the roadmap: the start, the target, then both ends of every passage.
+/// The sites of the roadmap: the start, the target, then both straight parts of every passage.
 const START: usize = 0;
 const TARGET: usize = 1;
 
-fn portal_site(opening: usize, side: usize) -> usize {
+fn site(opening: usize, side: usize) -> usize {
     2 + 2 * opening + side
+}
+
+/// The site that a way to a crossing leads to.
+fn before(crossing: Crossing) -> usize {
+    site(crossing.opening, 1 - crossing.into)
+}
+
+/// The site that a way from a crossing begins at.
+fn beyond(crossing: Crossing) -> usize {
+    site(crossing.opening, crossing.into)
 }
 
 /// The options of a world, and everything needed to evaluate them from anywhere.
@@ -40,6 +52,7 @@ fn portal_site(opening: usize, side: usize) -> usize {
 pub struct OptionSet {
     roadmap: Roadmap,
     passages: Vec<Passage>,
+    stages: Stages,
     options: Vec<PathOption>,
     /// Whether more options exist than were enumerated.
     pub is_cut: bool,
@@ -56,10 +69,19 @@ pub struct PathOption {
     pub crossings: Vec<Crossing>,
     /// The region before each crossing, and the last one.
     regions: Vec<usize>,
-    /// Length from the end of each passage to the target, m.
-    after: Vec<f64>,
+    /// What is left from each crossing's gap on.
+    after: Vec<After>,
     /// S_o over the crossings from each place on; 0 after the last.
     risk_left: Vec<f64>,
+}
+
+/// What is left of an option from a gap on.
+#[derive(Clone, Copy, Debug)]
+struct After {
+    /// Straight on to where the way leaves the axis, m.
+    exit: f64,
+    /// From there to the target, m.
+    length: f64,
 }
 
 /// What is left of an option from where the team is.
@@ -89,15 +111,19 @@ impl OptionSet {
     /// [`OptionError`]: the target cannot be reached, or a listed option cannot be walked.
     pub fn new(world: &World, risk_weight: f64) -> Result<Self, OptionError> {
         let clearance = world.robot_width / 2.0;
-        let barriers = world.openings.iter().map(|o| o.ends).collect();
+        let closed = world.exactly_closed_gaps();
+        let barriers = world.openings.iter().map(|o| o.ends).chain(closed).collect();
         let space = Space::new(world.obstacles.iter().map(|o| o.footprint.clone()), barriers, clearance);
         let passages = passages(world, &space);
-        let portals = passages.iter().flat_map(|p| [p.portal(0), p.portal(1)]);
-        let sites: Vec<Point> = [world.start, world.target].into_iter().chain(portals).collect();
+        let straights = passages.iter().enumerate().flat_map(|(i, p)| [0, 1].map(|side| p.straight(i, side)));
+        let ends = [world.start, world.target].map(Straight::from);
+        let sites: Vec<Straight> = ends.into_iter().chain(straights).collect();
         let roadmap = Roadmap::new(space, &sites);
+        let stages = Stages::new(&sites, &roadmap);
         let mut set = Self {
             roadmap,
             passages,
+            stages,
             options: Vec::new(),
             is_cut: false,
             start: world.start,
@@ -131,6 +157,18 @@ impl OptionSet {
     /// The options, in file order or cheapest first. Never empty.
     pub fn options(&self) -> &[PathOption] {
         &self.options
+    }
+
+    /// Whether an option goes through an opening (an index into the world's).
+    pub fn uses(&self, opening: usize) -> bool {
+        self.options.iter().flat_map(|o| &o.crossings).any(|c| c.opening == opening)
+    }
+
+    /// Whether the two sides of an opening (an index into the world's) are one region: there is a way around it through no other opening, so
+    /// that enumerated options, which enter no region twice, do not go through it.
+    pub fn leads_nowhere_new(&self, opening: usize) -> bool {
+        let crossing = Crossing { opening, into: 0 };
+        self.region_before(crossing) == self.region_after(crossing)
     }
 
     /// Where the target lies.
@@ -171,26 +209,27 @@ impl OptionSet {
     /// opening's risk.
     pub fn remaining(&self, progress: &Progress, option: usize) -> Remaining {
         let next = self.next(progress, option);
-        let position = progress.position;
-        if let Some(crossing) = progress.inside {
-            let rest = &progress.rests_outside[option];
-            let exit = self.passages[crossing.opening].portal(crossing.into);
-            let onward = self.length_after(crossing, rest, option);
-            let risk = self.risk_with(self.risk(rest, option), crossing);
-            return Remaining { length: (exit - position).norm() + onward, risk, next };
-        }
-        let rest = &progress.rests[option];
-        let length = match next {
-            Waypoint::Target => self.roadmap.distance(position, TARGET),
-            Waypoint::Opening(crossing) => self.through(progress, crossing) + self.beyond(rest, option),
+        let (rest, exit) = self.exit(progress, option);
+        let risk = self.risk(rest, option);
+        let Some((crossing, exit)) = progress.inside.zip(exit) else {
+            return Remaining { length: self.length_from(progress.position, rest, option), risk, next };
         };
-        Remaining { length, risk: self.risk(rest, option), next }
+        let length = match exit {
+            Exit::Axis(end) => (end - progress.position).norm() + self.length_beyond(crossing, rest, option),
+            Exit::Beside(end) => (end - progress.position).norm() + self.length_from(end, rest, option),
+        };
+        Remaining { length, risk: self.risk_with(risk, crossing), next }
     }
 
-    /// What an option leads to next from where the team is.
+    /// What an option leads to next from where the team is. It depends on what is ahead only, not on the openings that the option lists behind
+    /// the team: between a gap and the end of its straight part that is the opening under way, or the way back through it.
     pub fn next(&self, progress: &Progress, option: usize) -> Waypoint {
-        let ahead = progress.rests[option].ahead(&self.options[option]).next();
-        ahead.map_or(Waypoint::Target, Waypoint::Opening)
+        let (rest, exit) = self.exit(progress, option);
+        let ahead = rest.ahead(&self.options[option]).next();
+        match progress.inside.filter(|_| exit.is_some()) {
+            Some(crossing) if ahead != Some(crossing.back()) => Waypoint::Opening(crossing),
+            _ => ahead.map_or(Waypoint::Target, Waypoint::Opening),
+        }
     }
 
     /// The path that is left of an option from where the team is; its length is [`Remaining::length`]. `None` where there is no way.
@@ -204,70 +243,59 @@ impl OptionSet {
     pub fn write_path(&self, progress: &Progress, option: usize, path: &mut Path) -> bool {
         path.clear();
         let mut at = progress.position;
-        let mut rests = &progress.rests;
-        if let Some(crossing) = progress.inside {
-            let exit = self.passages[crossing.opening].portal(crossing.into);
-            path.line(at, exit);
-            at = exit;
-            rests = &progress.rests_outside;
+        let (rest, exit) = self.exit(progress, option);
+        if let Some(Exit::Axis(end) | Exit::Beside(end)) = exit {
+            path.line(at, end);
+            at = end;
         }
-        for crossing in rests[option].ahead(&self.options[option]) {
+        let mut crossings = rest.ahead(&self.options[option]).peekable();
+        while let Some(crossing) = crossings.next() {
+            let Some(joined) = self.roadmap.extend(path, at, before(crossing)) else { return false };
             let passage = &self.passages[crossing.opening];
-            if at == progress.position && progress.aligned.contains(&crossing) {
-                let foot = passage.foot(at, 1 - crossing.into);
-                path.line(at, foot);
-                at = foot;
-            } else if !self.lead(path, &mut at, portal_site(crossing.opening, 1 - crossing.into)) {
-                return false;
-            }
-            path.line(at, passage.center);
-            path.line(passage.center, passage.portal(crossing.into));
-            at = passage.portal(crossing.into);
+            let exit = self.stages.exit(beyond(crossing), crossings.peek().copied());
+            at = passage.at(crossing.into, exit);
+            path.line(joined, passage.center);
+            path.line(passage.center, at);
         }
-        self.lead(path, &mut at, TARGET)
+        self.roadmap.extend(path, at, TARGET).is_some()
     }
 
-    fn lead(&self, path: &mut Path, at: &mut Point, site: usize) -> bool {
-        let found = self.roadmap.extend(path, *at, site);
-        *at = self.roadmap.point(site);
-        found
+    /// What is left of an option once the team is out of the straight part that it is in, and where it leaves that.
+    fn exit<'a>(&self, progress: &'a Progress, option: usize) -> (&'a Rest, Option<Exit>) {
+        let Some(crossing) = progress.inside else { return (&progress.rests[option], None) };
+        let rest = &progress.rests_outside[option];
+        let next = rest.ahead(&self.options[option]).next();
+        let reach = self.stages.exit(beyond(crossing), next);
+        (rest, self.passages[crossing.opening].exit(progress.position, crossing.into, reach))
     }
 
-    /// Length from where the team is to the end of the passage of `next`.
-    fn through(&self, progress: &Progress, next: Crossing) -> f64 {
-        let (passage, position) = (&self.passages[next.opening], progress.position);
-        if progress.aligned.contains(&next) {
-            let foot = passage.foot(position, 1 - next.into);
-            (foot - position).norm() + (passage.center - foot).norm() + passage.reach[next.into]
-        } else {
-            self.roadmap.distance(position, portal_site(next.opening, 1 - next.into)) + self.straight(next)
-        }
-    }
-
-    /// Length from the end of a passage to the target.
-    fn length_after(&self, crossing: Crossing, rest: &Rest, option: usize) -> f64 {
+    /// Length from a point that is in no straight part beyond a gap to the target.
+    fn length_from(&self, p: Point, rest: &Rest, option: usize) -> f64 {
         match rest.ahead(&self.options[option]).next() {
-            None => self.roadmap.between(portal_site(crossing.opening, crossing.into), TARGET),
-            Some(next) => self.leg(crossing, next) + self.straight(next) + self.beyond(rest, option),
+            None => self.roadmap.leg(p, TARGET).length,
+            Some(next) => {
+                let (leg, after) = (self.roadmap.leg(p, before(next)), self.after(rest, option));
+                leg.length + (leg.depth + after.exit) + after.length
+            }
         }
     }
 
-    /// Length from the end of the first passage ahead to the target.
-    fn beyond(&self, rest: &Rest, option: usize) -> f64 {
+    /// Length from where the way leaves the straight part beyond `crossing` to the target.
+    fn length_beyond(&self, crossing: Crossing, rest: &Rest, option: usize) -> f64 {
+        let next = rest.ahead(&self.options[option]).next();
+        let after = next.map(|_| self.after(rest, option));
+        self.stages.after(beyond(crossing), next.zip(after)).length
+    }
+
+    /// What is left from the gap of the first crossing ahead on; there is one.
+    fn after(&self, rest: &Rest, option: usize) -> After {
         let option = &self.options[option];
-        if rest.back.is_empty() {
-            return option.after[rest.place];
+        let place = rest.place;
+        let mut next = option.crossings.get(place).copied().zip(option.after.get(place).copied());
+        for &crossing in &rest.back {
+            next = Some((crossing, self.stages.after(beyond(crossing), next)));
         }
-        let mut ahead = rest.ahead(option).take(rest.back.len() + 1).peekable();
-        let mut length = 0.0;
-        while let Some(crossing) = ahead.next() {
-            length += match ahead.peek() {
-                Some(next) => self.leg(crossing, *next) + self.straight(*next),
-                None if rest.place < option.crossings.len() => option.after[rest.place],
-                None => self.roadmap.between(portal_site(crossing.opening, crossing.into), TARGET),
-            };
-        }
-        length
+        next.map_or(After { exit: 0.0, length: 0.0 }, |(_, after)| after)
     }
 
     fn risk(&self, rest: &Rest, option: usize) -> f64 {
@@ -279,35 +307,23 @@ impl OptionSet {
         1.0 - (1.0 - risk) * (1.0 - self.passages[crossing.opening].risk)
     }
 
-    /// Length between two passages: from the end of one to the beginning of the next.
-    fn leg(&self, from: Crossing, to: Crossing) -> f64 {
-        self.roadmap.between(portal_site(from.opening, from.into), portal_site(to.opening, 1 - to.into))
-    }
-
-    fn straight(&self, crossing: Crossing) -> f64 {
-        let reach = self.passages[crossing.opening].reach;
-        reach[0] + reach[1]
-    }
-
     fn region_before(&self, crossing: Crossing) -> usize {
         self.region_after(crossing.back())
     }
 
     fn region_after(&self, crossing: Crossing) -> usize {
-        self.roadmap.component(portal_site(crossing.opening, crossing.into))
+        self.roadmap.component(beyond(crossing))
     }
 
     fn option(&self, name: String, crossings: Vec<Crossing>) -> PathOption {
         let start = self.roadmap.component(START);
         let regions = [start].into_iter().chain(crossings.iter().map(|&c| self.region_after(c))).collect();
         let n = crossings.len();
-        let mut after = vec![0.0; n];
+        let mut after = vec![After { exit: 0.0, length: 0.0 }; n];
         let mut risk_left = vec![0.0; n + 1];
         for i in (0..n).rev() {
-            after[i] = match crossings.get(i + 1) {
-                Some(&next) => self.leg(crossings[i], next) + self.straight(next) + after[i + 1],
-                None => self.roadmap.between(portal_site(crossings[i].opening, crossings[i].into), TARGET),
-            };
+            let next = crossings.get(i + 1).map(|&next| (next, after[i + 1]));
+            after[i] = self.stages.after(beyond(crossings[i]), next);
             risk_left[i] = self.risk_with(risk_left[i + 1], crossings[i]);
         }
         PathOption { name, crossings, regions, after, risk_left }
@@ -317,7 +333,7 @@ impl OptionSet {
     fn directed(&self, world: &World, listed: &ListedOption) -> Result<Vec<Crossing>, OptionError> {
         // for either direction of the last crossing: length so far and the crossings that lead there
         let mut ways: Vec<(f64, Vec<Crossing>)> = vec![(0.0, Vec::new())];
-        let leave = |way: &[Crossing]| way.last().map_or(START, |c| portal_site(c.opening, c.into));
+        let leave = |way: &[Crossing]| way.last().map_or(START, |&c| beyond(c));
         let not_walkable = |i: usize, to: String| OptionError::NotWalkable {
             file: world.file.clone(),
             line: listed.line,
@@ -339,9 +355,9 @@ impl OptionSet {
                     ways.clone()
                         .into_iter()
                         .map(|(length, mut way)| {
-                            let leg = self.roadmap.between(leave(&way), portal_site(opening, 1 - into));
+                            let stage = self.stages.between(leave(&way), before(crossing));
                             way.push(crossing);
-                            (length + leg + self.straight(crossing), way)
+                            (length + stage.length(), way)
                         })
                         .collect(),
                 )
@@ -354,7 +370,7 @@ impl OptionSet {
         }
         let arrived = ways
             .into_iter()
-            .map(|(length, way)| (length + self.roadmap.between(leave(&way), TARGET), way))
+            .map(|(length, way)| (length + self.stages.between(leave(&way), TARGET).length(), way))
             .collect();
         shortest(arrived)
             .map(|(_, way)| way)

@@ -1,6 +1,6 @@
 //! An opening and the free space in; the straight way through it out.
 
-use super::roadmap::Space;
+use super::roadmap::{Space, Straight};
 use crate::geometry::{Point, Vector, cross};
 use crate::world::Opening;
 
@@ -16,8 +16,6 @@ pub(super) struct Passage {
     pub risk: f64,
     /// Half of the gap, m: a step that meets the gap's line within it goes through the opening.
     half_width: f64,
-    /// How far from the axis the team may be and still count as inside the straight part, m.
-    half_corridor: f64,
 }
 
 /// A passage walked in one direction.
@@ -36,10 +34,19 @@ impl Crossing {
     }
 }
 
-/// Off the axis by more than this (m), the team is not in the straight part of a passage.
-const OFF_AXIS: f64 = 0.1;
-/// Within this (m) of the axis, or of the end of the straight part, the team is on it up to rounding.
+/// By how much (m) the straight part ahead of a team beyond the gap gets shorter for every metre that the team is off the axis: it narrows to a
+/// point, so that the way through it and the way past it are the same where the team leaves it.
+const NARROWING: f64 = 2.0;
+/// Within this (m) of the axis, the team is on it up to rounding.
 const ON_AXIS: f64 = 1e-6;
+
+/// What is ahead of a team beyond the gap.
+pub(super) enum Exit {
+    /// The axis, to the end of the straight part.
+    Axis(Point),
+    /// From off the axis, this point.
+    Beside(Point),
+}
 
 impl Passage {
     /// The passage through `opening`, straight for up to `alignment` (m) on either side, less where an obstacle or another opening leaves
@@ -61,19 +68,18 @@ impl Passage {
                 .fold(alignment, f64::min);
             longest_clear(center, outward, free, space)
         });
-        Self {
-            center,
-            axis,
-            reach,
-            risk: opening.risk(robot_width),
-            half_width: opening.width / 2.0,
-            half_corridor: ((opening.width - robot_width) / 2.0).min(OFF_AXIS),
-        }
+        Self { center, axis, reach, risk: opening.risk(robot_width), half_width: opening.width / 2.0 }
     }
 
-    /// The end of the straight part on a side.
-    pub fn portal(&self, side: usize) -> Point {
-        self.center + self.outward(side) * self.reach[side]
+    /// The straight part on a side of this passage, which is that of the opening with index `opening`.
+    pub fn straight(&self, opening: usize, side: usize) -> Straight {
+        let (center, outward, reach) = (self.center, self.outward(side), self.reach[side]);
+        Straight { center, outward, reach, barrier: Some(opening) }
+    }
+
+    /// The point of the axis at a distance (m) from the gap on a side.
+    pub fn at(&self, side: usize, depth: f64) -> Point {
+        self.center + self.outward(side) * depth
     }
 
     /// Distance (m) of `p` from the gap's line, positive on the given side.
@@ -81,30 +87,25 @@ impl Passage {
         (p - self.center).dot(&self.outward(side))
     }
 
-    /// Whether `p` lies in the straight part on a side, the gap's line included.
-    pub fn holds(&self, p: Point, side: usize) -> bool {
-        let depth = self.depth(p, side);
-        (0.0..=self.reach[side]).contains(&depth) && self.off_axis(p) <= self.half_corridor
-    }
-
-    /// Whether a team at `p` is aligned in the straight part on a side: it walks on the axis, or it did so before (`already`) and has not
-    /// left the straight part. Who merely crosses the straight part is not aligned.
-    pub fn aligns(&self, p: Point, side: usize, already: bool) -> bool {
-        self.holds(p, side)
-            && self.depth(p, side) < self.reach[side] - ON_AXIS
-            && (already || self.off_axis(p) <= ON_AXIS)
-    }
-
-    /// Whether a team that came through the gap to a side is still in the straight part there. Off the axis near the part's end it is not: it
-    /// has turned the corner there between two steps.
+    /// Whether a team at `p` that came through the gap to a side is still in the straight part there.
     pub fn keeps(&self, p: Point, side: usize) -> bool {
-        let turned = self.off_axis(p) > ON_AXIS && (p - self.portal(side)).norm() <= OFF_AXIS;
-        self.holds(p, side) && self.depth(p, side) < self.reach[side] && !turned
+        let depth = self.depth(p, side);
+        depth >= 0.0 && depth < self.reach[side] - NARROWING * self.off_axis(p)
     }
 
-    /// From a point of the straight part, onto its axis.
-    pub fn foot(&self, p: Point, side: usize) -> Point {
-        self.center + self.outward(side) * self.depth(p, side)
+    /// Where a team at `p`, in the straight part on a side, leaves it, if that is `reach` (m) from the gap on the axis; `None` if it is out.
+    pub fn exit(&self, p: Point, side: usize, reach: f64) -> Option<Exit> {
+        let (depth, beside) = (self.depth(p, side), self.off_axis(p));
+        let left = reach - NARROWING * beside - depth;
+        if left <= 2.0 * NARROWING * ON_AXIS {
+            return None;
+        }
+        if beside <= ON_AXIS {
+            return Some(Exit::Axis(self.at(side, reach)));
+        }
+        // toward the axis, by as much as is left of the part that is narrower here
+        let toward_axis = self.at(side, depth) - p;
+        Some(Exit::Beside(p + self.outward(side) * left + toward_axis * (left / (reach - depth))))
     }
 
     /// Where on the step from `a` to `b` (0 to 1) the gap is crossed, and the side that the step leads to.

@@ -12,8 +12,6 @@ pub struct Progress {
     pub position: Point,
     /// The crossing that the team is in the midst of: beyond the gap, but not out of the straight part.
     pub(super) inside: Option<Crossing>,
-    /// The crossings that the team is aligned for: in the straight part before the gap. Mostly one; straight parts may overlap.
-    pub(super) aligned: Vec<Crossing>,
     pub(super) rests: Vec<Rest>,
     /// What `rests` will be once the team is out of the straight part; meaningful while `inside` is set.
     pub(super) rests_outside: Vec<Rest>,
@@ -59,8 +57,7 @@ impl Progress {
     pub(super) fn new(position: Point, options: usize) -> Self {
         // room for what may happen on the way, so that steps do not allocate; cloning a vector would not keep it
         let rests = || (0..options).map(|_| Rest { place: 0, back: Vec::with_capacity(8) }).collect();
-        let aligned = Vec::with_capacity(8);
-        Self { position, inside: None, aligned, rests_outside: rests(), rests: rests() }
+        Self { position, inside: None, rests_outside: rests(), rests: rests() }
     }
 
     /// Whether this is a place among these passages and options.
@@ -72,7 +69,7 @@ impl Progress {
             };
             rests.len() == options.len() && rests.iter().zip(options).all(is_rest)
         };
-        let crossings = self.inside.iter().chain(&self.aligned).all(is_crossing);
+        let crossings = self.inside.iter().all(is_crossing);
         let position = self.position.iter().all(|c| c.is_finite());
         position && crossings && are_rests(&self.rests) && are_rests(&self.rests_outside)
     }
@@ -103,17 +100,6 @@ impl Progress {
         if self.inside.is_some_and(|c| !passages[c.opening].keeps(to, c.into)) {
             self.leave();
         }
-        let was_aligned = self.aligned.len();
-        for (opening, passage) in passages.iter().enumerate() {
-            for into in [0, 1] {
-                let crossing = Crossing { opening, into };
-                let already = self.aligned[..was_aligned].contains(&crossing);
-                if passage.aligns(to, 1 - into, already) {
-                    self.aligned.push(crossing);
-                }
-            }
-        }
-        self.aligned.drain(..was_aligned);
     }
 
     fn enter(&mut self, crossing: Crossing, options: &[PathOption], region: usize) {

@@ -49,15 +49,21 @@ impl Curve {
 /// Fills `front` with the options no other one dominates, shortest first.
 ///
 /// Both perceptions are monotone, so an option that is neither shorter nor safer than another never wins, whatever `alpha` and
-/// `gamma` are; of two equal ones the lower index stays. In the result lengths strictly rise and risks strictly fall.
-pub(super) fn pareto_front(prospects: &[Prospect], risk_matters: bool, front: &mut Vec<Curve>) {
+/// `gamma` are; of equal ones `current` stays, else the lowest index. In the result lengths strictly rise and risks strictly fall.
+pub(super) fn pareto_front(
+    prospects: &[Prospect],
+    risk_matters: bool,
+    current: Option<usize>,
+    front: &mut Vec<Curve>,
+) {
     front.clear();
     front.extend(
         prospects.iter().enumerate().map(|(option, prospect)| Curve::new(option, prospect.clamped())),
     );
     front.sort_unstable_by(|a, b| {
         let by_risk = if risk_matters { a.risk.total_cmp(&b.risk) } else { Ordering::Equal };
-        a.length.total_cmp(&b.length).then(by_risk).then(a.option.cmp(&b.option))
+        let rank = |curve: &Curve| (current != Some(curve.option), curve.option);
+        a.length.total_cmp(&b.length).then(by_risk).then(rank(a).cmp(&rank(b)))
     });
     let mut lowest = f64::INFINITY;
     front.retain(|curve| {

@@ -83,10 +83,10 @@ pub fn human_choice(
     if prospects.is_empty() {
         return 0;
     }
-    let mut best = current.filter(|&option| option < prospects.len()).unwrap_or(0);
-    let mut lowest = cost(best);
+    let first = current.filter(|&option| option < prospects.len()).unwrap_or(0);
+    let (mut best, mut lowest) = (first, cost(first));
     // Strictly better only: the option looked at first keeps a tie.
-    for option in 0..prospects.len() {
+    for option in (0..prospects.len()).filter(|&option| option != first) {
         let candidate = cost(option);
         if candidate < lowest {
             (best, lowest) = (option, candidate);

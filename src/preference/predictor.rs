@@ -66,6 +66,8 @@ struct Independent {
     /// Nodes over `alpha` where no closed form is used.
     alpha_nodes: Option<Nodes>,
     gamma_nodes: Nodes,
+    /// By option, the risk of the last call and its mean perception: what is left of an option changes its risk at openings only.
+    perceived_risks: Vec<(f64, f64)>,
     front: Vec<Curve>,
     strips: Strips,
 }
@@ -94,6 +96,7 @@ impl Predictor {
                 },
                 alpha_nodes: alpha.normal_shape().map(|_| Nodes::new(alpha)),
                 gamma_nodes: Nodes::new(gamma),
+                perceived_risks: Vec::new(),
                 front: Vec::new(),
                 strips: Strips::new(),
             })),
@@ -126,17 +129,28 @@ impl Predictor {
     ///
     /// Options equal in length and risk count as the one with the lowest index. Without options `choice` is left empty.
     pub fn predict(&mut self, prospects: &[Prospect], choice: &mut ChoiceDistribution) {
+        self.predict_from(prospects, None, choice);
+    }
+
+    /// [`Predictor::predict`] on the way: options equal in length and risk count as `current`, the option being executed, if it is one of
+    /// them, as in [`human_choice`].
+    pub fn predict_from(
+        &mut self,
+        prospects: &[Prospect],
+        current: Option<usize>,
+        choice: &mut ChoiceDistribution,
+    ) {
         self.masses.clear();
         self.masses.resize(prospects.len(), 0.0);
         match &mut self.model {
             Model::Samples(set) => {
                 for sample in set.samples().iter().filter(|_| !prospects.is_empty()) {
-                    self.masses[human_choice(prospects, self.risk_weight, sample.perception, None)] +=
-                        sample.weight;
+                    let chosen = human_choice(prospects, self.risk_weight, sample.perception, current);
+                    self.masses[chosen] += sample.weight;
                 }
             }
             Model::Independent(model) => {
-                pareto_front(prospects, self.risk_weight > 0.0, &mut model.front);
+                pareto_front(prospects, self.risk_weight > 0.0, current, &mut model.front);
                 model.strips.nodes = 0;
                 if let [only] = model.front.as_slice() {
                     self.masses[only.option] = 1.0;
@@ -147,8 +161,8 @@ impl Predictor {
         }
         if !choice.set_masses(&self.masses) {
             // Only lengths whose powers overflow get here; the choice of the middle of the belief is still defined.
-            choice
-                .set_certain(prospects.len(), human_choice(prospects, self.risk_weight, self.middle(), None));
+            let chosen = human_choice(prospects, self.risk_weight, self.middle(), current);
+            choice.set_certain(prospects.len(), chosen);
         }
     }
 
@@ -156,21 +170,28 @@ impl Predictor {
     pub fn expected_costs(&mut self, prospects: &[Prospect], costs: &mut Vec<f64>) {
         costs.clear();
         let risk_weight = self.risk_weight;
-        costs.extend(prospects.iter().map(|prospect| match &self.model {
-            Model::Samples(set) => {
+        match &mut self.model {
+            Model::Samples(set) => costs.extend(prospects.iter().map(|prospect| -> f64 {
                 let cost = |perception| subjective_cost(*prospect, risk_weight, perception);
                 set.samples().iter().map(|sample| sample.weight * cost(sample.perception)).sum()
-            }
+            })),
             Model::Independent(model) => {
-                let Prospect { length, risk } = prospect.clamped();
-                let alpha = &model.domain.alpha;
-                let perceived_length = match &model.alpha_nodes {
-                    Some(nodes) => nodes.perceived_length(length),
-                    None => uniform_perceived_length(length, alpha.lower(), alpha.upper()),
-                };
-                perceived_length + risk_weight * model.gamma_nodes.perceived_risk(risk)
+                // no risk equals what is not a number
+                model.perceived_risks.resize(prospects.len(), (f64::NAN, f64::NAN));
+                costs.extend(prospects.iter().zip(&mut model.perceived_risks).map(|(prospect, known)| {
+                    let Prospect { length, risk } = prospect.clamped();
+                    let alpha = &model.domain.alpha;
+                    let perceived_length = match &model.alpha_nodes {
+                        Some(nodes) => nodes.perceived_length(length),
+                        None => uniform_perceived_length(length, alpha.lower(), alpha.upper()),
+                    };
+                    if known.0 != risk {
+                        *known = (risk, model.gamma_nodes.perceived_risk(risk));
+                    }
+                    perceived_length + risk_weight * known.1
+                }));
             }
-        }));
+        }
     }
 
     /// Values of `gamma` at which the last [`predict`](Self::predict) evaluated all options; 0 for samples.

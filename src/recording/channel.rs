@@ -3,6 +3,7 @@
 use super::schema;
 use foxglove::messages::{FrameTransforms, JointStates, Log, SceneUpdate};
 use foxglove::{Encode, Schema};
+use serde_json::Value;
 
 /// What a message tells of. The table in [the module's documentation](super) says what is in each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -27,6 +28,8 @@ pub enum Channel {
     Coordination,
     /// What the controller decided, and how well it was followed.
     Control,
+    /// What the controller decided from: references, and the candidates of eq. (8).
+    Preparation,
     /// Forces.
     Interaction,
     /// Running totals.
@@ -37,7 +40,7 @@ pub enum Channel {
 
 impl Channel {
     /// All, in the order in which files define them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Transforms,
         Self::World,
         Self::Team,
@@ -48,6 +51,7 @@ impl Channel {
         Self::Options,
         Self::Coordination,
         Self::Control,
+        Self::Preparation,
         Self::Interaction,
         Self::Cost,
         Self::Outcome,
@@ -71,6 +75,7 @@ impl Channel {
             Self::Options => "/options",
             Self::Coordination => "/coordination",
             Self::Control => "/control",
+            Self::Preparation => "/preparation",
             Self::Interaction => "/interaction",
             Self::Cost => "/cost",
             Self::Outcome => "/outcome",
@@ -122,8 +127,20 @@ impl Message {
         Self { channel, time, data }
     }
 
-    /// A JSON message.
-    pub(super) fn json(channel: Channel, time: u64, message: &serde_json::Value) -> Self {
+    /// A JSON message, without the fields that are null.
+    pub(super) fn json(channel: Channel, time: u64, mut message: Value) -> Self {
+        leave_out_nulls(&mut message);
         Self { channel, time, data: message.to_string().into_bytes() }
+    }
+}
+
+fn leave_out_nulls(value: &mut Value) {
+    match value {
+        Value::Object(fields) => {
+            fields.retain(|_, field| !field.is_null());
+            fields.values_mut().for_each(leave_out_nulls);
+        }
+        Value::Array(items) => items.iter_mut().for_each(leave_out_nulls),
+        _ => {}
     }
 }

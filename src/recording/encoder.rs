@@ -52,9 +52,11 @@ impl<'a> Encoder<'a> {
     /// What an episode is told of on.
     pub fn channels(&self, episode: &Episode) -> Vec<Channel> {
         let is_used = |channel: &Channel| match channel {
-            Channel::Transforms | Channel::Team | Channel::Joints | Channel::Control => {
-                self.stage.robot().is_some()
-            }
+            Channel::Transforms
+            | Channel::Team
+            | Channel::Joints
+            | Channel::Control
+            | Channel::Preparation => self.stage.robot().is_some(),
             Channel::Interaction => episode.observation().is_some(),
             _ => true,
         };
@@ -86,21 +88,24 @@ impl<'a> Encoder<'a> {
         let decided = self.events.decided(tick, names, from);
         let events = changed.into_iter().chain(decided);
         self.messages.extend(events.map(|log| Message::of(Channel::Log, from, &log)));
-        self.json(Channel::Options, from, &figures::options(tick, names));
-        self.json(Channel::Coordination, from, &figures::coordination(tick, names));
+        self.json(Channel::Options, from, figures::options(tick, names));
+        self.json(Channel::Coordination, from, figures::coordination(tick, names));
         if let Some(ways) = self.ways.update(tick, from) {
             self.messages.push(Message::of(Channel::Ways, from, &ways));
         }
+        if let (Some(robot), Some(decision)) = (self.stage.robot(), episode.considerations()) {
+            self.json(Channel::Preparation, from, figures::preparation(tick, &decision, names, robot));
+        }
         self.state(episode, to);
         if let (Some(robot), Some(decided)) = (self.stage.robot(), &tick.robot) {
-            self.json(Channel::Control, to, &figures::control(tick.step, decided, names, robot));
+            self.json(Channel::Control, to, figures::control(tick.step, decided, names, robot));
         }
         if let Some(seen) = episode.observation() {
-            self.json(Channel::Interaction, to, &figures::interaction(tick.step, seen));
+            self.json(Channel::Interaction, to, figures::interaction(tick.step, seen));
             let events = self.events.touched(&seen.contacts, to);
             self.messages.extend(events.iter().map(|log| Message::of(Channel::Log, to, log)));
         }
-        self.json(Channel::Cost, to, &figures::cost(tick, episode.summary()));
+        self.json(Channel::Cost, to, figures::cost(tick, episode.summary()));
         self.walk(episode.position());
         let path = scene::path(&self.walked, episode.path(), to);
         self.messages.push(Message::of(Channel::Path, to, &path));
@@ -113,7 +118,7 @@ impl<'a> Encoder<'a> {
         let summary = episode.summary();
         let (time, names) = (self.time(summary.steps), Names(self.stage.options()));
         self.messages.push(Message::of(Channel::Log, time, &Events::ended(episode, ending, names, time)));
-        self.json(Channel::Outcome, time, &figures::outcome(summary, ending, self.period(), names));
+        self.json(Channel::Outcome, time, figures::outcome(summary, ending, self.period(), names));
         &self.messages
     }
 
@@ -126,7 +131,7 @@ impl<'a> Encoder<'a> {
         (step as f64 * self.period() * 1e9).round() as u64
     }
 
-    fn json(&mut self, channel: Channel, time: u64, message: &serde_json::Value) {
+    fn json(&mut self, channel: Channel, time: u64, message: serde_json::Value) {
         self.messages.push(Message::json(channel, time, message));
     }
 

@@ -1,11 +1,12 @@
-//! A step of an episode in; its JSON messages out, with the fields that [`schema`](super::schema) describes. What is no number is null.
+//! A step of an episode in; its JSON messages out, with the fields that [`schema`](super::schema) describes. What is null here, as
+//! is what is no number, is left out of the message.
 
 use super::encoder::Ending;
-use crate::control::{Failure, SolveOutcome};
+use crate::control::{Considered, Failure, SolveOutcome};
 use crate::coordination::Mode;
-use crate::episode::{RobotTick, Summary, Tick};
+use crate::episode::{Considerations, RobotTick, Summary, Tick};
 use crate::options::OptionSet;
-use crate::robot::Robot;
+use crate::robot::{Configuration, Robot};
 use crate::simulation::{Clearance, Forces, Observation};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
@@ -34,7 +35,7 @@ pub(super) fn options(tick: &Tick, names: Names) -> Value {
             "length_m": o.remaining.length,
             "risk": o.remaining.risk,
             "objective_m": o.objective,
-            "expected_m": o.expected,
+            "expected_subjective": o.expected,
             "probability": o.probability,
             "misaligned": o.misaligned,
         })
@@ -62,11 +63,11 @@ pub(super) fn coordination(tick: &Tick, names: Names) -> Value {
 
 pub(super) fn control(step: u64, tick: &RobotTick, names: Names, robot: &Robot) -> Value {
     let preparation = tick.preparation;
-    let (outcome, active) = match tick.outcome {
-        SolveOutcome::Unconstrained => ("unconstrained", 0),
-        SolveOutcome::Constrained { active } => ("constrained", active),
-        SolveOutcome::Fallback(Failure::NotFinite) => ("fallback: not finite", 0),
-        SolveOutcome::Fallback(Failure::NotSolved) => ("fallback: not solved", 0),
+    let (outcome, active, guides) = match tick.outcome {
+        SolveOutcome::Unconstrained => ("unconstrained", 0, 0),
+        SolveOutcome::Constrained { active, guides } => ("constrained", active, guides),
+        SolveOutcome::Fallback(Failure::NotFinite) => ("fallback: not finite", 0, 0),
+        SolveOutcome::Fallback(Failure::NotSolved) => ("fallback: not solved", 0, 0),
     };
     json!({
         "step": step,
@@ -81,10 +82,33 @@ pub(super) fn control(step: u64, tick: &RobotTick, names: Names, robot: &Robot) 
         "pose_constrained_problems": preparation.map(|p| p.constrained),
         "mpc_outcome": outcome,
         "mpc_active_limits": active,
+        "mpc_active_guides": guides,
         "least_singular_value": tick.least_singular_value,
         "base_clearance_m": tick.base_clearance,
         "rim_speeds_m_per_s": [tick.input[0], tick.input[1]],
         "joint_rates": (0..robot.joint_count()).map(|j| tick.input[2 + j]).collect::<Vec<_>>(),
+    })
+}
+
+pub(super) fn preparation(tick: &Tick, decision: &Considerations, names: Names, robot: &Robot) -> Value {
+    let prepared = tick.robot.and_then(|robot| robot.preparation);
+    let is_led = prepared.is_some_and(|p| p.tracked.is_some());
+    let reference = |(i, (s, weight)): (usize, (&crate::control::Reference, &f64))| {
+        let option = if is_led { i } else { tick.executed };
+        json!({ "name": names.option(option), "weight": weight, "s": s.as_slice() })
+    };
+    let references = decision.references.iter().zip(decision.weights).enumerate().map(reference);
+    let configuration = |q: &Configuration| {
+        let joints: Vec<f64> = (0..robot.joint_count()).map(|j| q.joints[j]).collect();
+        json!({ "x_m": q.base.position.x, "y_m": q.base.position.y, "yaw_rad": q.base.yaw, "joints": joints })
+    };
+    let candidate = |Considered { candidate, floor, total }: Considered| json!({ "q": configuration(&candidate.configuration), "lower_bound": floor, "total": total });
+    let considered = prepared.map(|_| decision.poses.considered().map(candidate).collect::<Vec<_>>());
+    json!({
+        "step": tick.step,
+        "references": references.collect::<Vec<_>>(),
+        "target": configuration(decision.target),
+        "candidates": considered.unwrap_or_default(),
     })
 }
 
@@ -97,6 +121,7 @@ pub(super) fn interaction(step: u64, seen: &Observation) -> Value {
         "grip": grip(&seen.grip),
         "hand": grip(&seen.hand_grip),
         "squared_jerk_m2_per_s5": seen.squared_jerk,
+        "effort_share": seen.effort_share,
         "obstacle_distance_m": obstacle.into_iter().map(distance).fold(f64::INFINITY, f64::min),
         "human_distance_m": distance(&near.robot_human),
         "contacts": seen.contacts.len(),
@@ -143,6 +168,13 @@ pub(super) fn outcome(summary: &Summary, ending: Ending, period: f64, names: Nam
         "last_option": names.option(summary.last_option),
         "changes": summary.changes,
         "transition_step": summary.transition.map(|t| t.step),
+        "final_stubbornness": summary.human.stubbornness,
+        "final_discomfort": summary.human.discomfort,
+        "share_off_preference": summary.human.share_off_preference(summary.steps),
+        "accumulated_subjective_cost": summary.human.subjective_cost,
+        "lost_by": summary.loss.map(|loss| loss.by.name()),
+        "lost_at_step": summary.loss.map(|loss| loss.step),
+        "lost_distance_m": summary.loss.map(|loss| loss.distance),
         "control_cost": summary.control.map(|c| c.cost()),
         "position_error_rms_m": summary.control.map(|c| c.error_rms(summary.steps)),
         "hand_force_rms_n": interaction.map(|i| i.rms_force()),

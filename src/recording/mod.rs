@@ -9,7 +9,7 @@
 //!
 //! Times are simulated. Decisions are stamped with the beginning of their step, motion and forces with its end. Lengths are in m, angles in
 //! Foxglove's messages in rad, forces in N, torques in Nm; JSON fields say their unit in their name and in the JSON Schema of the
-//! channel, and what is no number is null. All frames are in `world` (z up, the floor at 0).
+//! channel, and what is no number is left out. All frames are in `world` (z up, the floor at 0).
 //!
 //! | topic | schema | rate | what |
 //! | --- | --- | --- | --- |
@@ -20,14 +20,15 @@
 //! | `/scene/path` | foxglove.SceneUpdate | every step | where the team walked, and the way of the option executed |
 //! | `/joints` | foxglove.JointStates | every step, and at 0 | arm joints (rad or m, per s, Nm or N), then wheels (rad, rad/s) |
 //! | `/log` | foxglove.Log | when it happens | start, change of the human's mind, mode transition, change of option, change of preference, contact, end |
-//! | `/options` | JSON | every step | per option: D_o (m), S_o, J_o (m), J~_o (m), P_o, omega_o |
+//! | `/options` | JSON | every step | per option: D_o (m), S_o, J_o (m), J~_o, P_o, omega_o |
 //! | `/coordination` | JSON | every step | phi, its threshold, g, mode, option executed and preferred, position (m), heading (deg) |
 //! | `/control` | JSON | every step | tracking error (m, deg), cost terms, candidate of eq. (8), outcome of eq. (7), u (m/s, rad/s) |
+//! | `/preparation` | JSON | every step | references s_o(1..H) with their weights, q*, the candidates of eq. (8) with their totals |
 //! | `/interaction` | JSON | every step, with physics | mean wrenches of both grips on the object (N, Nm, world axes), peaks, work (J), distances (m) |
 //! | `/cost` | JSON | every step | running totals: accumulated J (m), C and its parts, work (J) |
 //! | `/outcome` | JSON | once, at the end | how it ended, and totals |
 //!
-//! Where the team is a point there is no `/tf`, `/scene/team`, `/joints` and `/control`.
+//! Where the team is a point there is no `/tf`, `/scene/team`, `/joints`, `/control` and `/preparation`.
 //!
 //! ```
 //! use cocarry::episode::Outcome;

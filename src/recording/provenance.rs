@@ -1,6 +1,7 @@
 //! A scenario in; what a recording says of where it comes from out, and the scenario again.
 
 use super::{Entry, ReadError, Reader};
+use crate::arithmetic;
 use crate::scenario::{Plant, Scenario, ScenarioError};
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -9,6 +10,8 @@ use std::io::Read;
 pub const METADATA: &str = "cocarry";
 /// The name of the metadata record that says what [`recover`](super::recover()) had to leave out.
 pub const RECOVERED: &str = "recovered";
+/// The fact that says which arithmetic a recording was made with: a [stamp](arithmetic::stamp).
+pub(super) const ARITHMETIC: &str = "arithmetic";
 /// The name of the attachment that is the scenario's text.
 pub const SCENARIO: &str = "scenario.toml";
 
@@ -46,6 +49,7 @@ impl Provenance {
         }
         let facts = [
             ("crate_version", env!("CARGO_PKG_VERSION").to_owned()),
+            (ARITHMETIC, arithmetic::stamp().to_owned()),
             ("seed", scenario.seed.to_string()),
             ("world", scenario.world.file.clone()),
             ("plant", scenario.plant.name().to_owned()),

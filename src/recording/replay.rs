@@ -1,7 +1,7 @@
 //! A recording in; the same run again, compared message by message, out.
 
 use super::encoder::{Encoder, Ending};
-use super::provenance::{RECOVERED, scenario};
+use super::provenance::{ARITHMETIC, METADATA, RECOVERED, scenario};
 use super::{Channel, Difference, Entry, Message, ReadError, Reader, decode};
 use std::io::Read;
 
@@ -14,6 +14,8 @@ pub struct Replay {
     pub until: u64,
     /// k of the last step that was run again; `None` before the first.
     pub step: Option<u64>,
+    /// The [stamp](crate::arithmetic::stamp) of the arithmetic that it was recorded with; `None` if it says none, as earlier versions' do.
+    pub arithmetic: Option<String>,
     /// How it goes on.
     pub verdict: Verdict,
 }
@@ -80,7 +82,7 @@ fn stopped_after<R: Read>(reader: &mut Reader<R>) -> Result<Option<u64>, ReadErr
 
 impl Default for Replay {
     fn default() -> Self {
-        Self { same: 0, until: 0, step: None, verdict: Verdict::Identical }
+        Self { same: 0, until: 0, step: None, arithmetic: None, verdict: Verdict::Identical }
     }
 }
 
@@ -112,6 +114,9 @@ impl<R: Read> Compared<R> {
             match self.reader.next()? {
                 None => break None,
                 Some(Entry::Metadata { name, .. }) if name == RECOVERED => self.is_recovered = true,
+                Some(Entry::Metadata { name, mut entries }) if name == METADATA => {
+                    self.replay.arithmetic = entries.remove(ARITHMETIC);
+                }
                 Some(entry) => {
                     if let Some(message) = entry.message() {
                         break Some((message.time, Difference::between(Some(&message), expected)));

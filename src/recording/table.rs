@@ -1,7 +1,7 @@
 //! A recording and a topic in; the messages on it as rows of a table out.
 
 use super::decode::{decode, flatten};
-use super::{Entry, ReadError, Reader};
+use super::{Definition, Entry, ReadError, Reader};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -9,7 +9,7 @@ use std::io::Read;
 /// The most columns that a table may have.
 const MOST: usize = 4096;
 
-/// The columns that messages on a topic have, in the order in which they first occur.
+/// The columns that messages on a topic have, in the order in which they first occur; then those that its schema knows and no message has.
 ///
 /// # Errors
 /// [`ReadError`]: also if there is no such topic, or its messages cannot be decoded.
@@ -17,10 +17,14 @@ pub fn columns<R: Read>(reader: &mut Reader<R>, topic: &str) -> Result<Vec<Strin
     let mut columns = Vec::new();
     let mut known = BTreeMap::new();
     let mut topics = Vec::new();
+    let mut declared = Vec::new();
     let file = reader.name().to_owned();
     while let Some(entry) = reader.next()? {
         if let Entry::Channel { definition, .. } = &entry {
             topics.push(format!("`{}`", definition.topic));
+            if definition.topic == topic {
+                declared = declared_fields(definition);
+            }
         }
         let Some(message) = entry.message().filter(|m| m.channel.topic == topic) else { continue };
         let Some(value) = decode(message.channel, message.data) else {
@@ -46,7 +50,31 @@ pub fn columns<R: Read>(reader: &mut Reader<R>, topic: &str) -> Result<Vec<Strin
         };
         return Err(ReadError::Lacks { file, what });
     }
+    declared.retain(|path| !known.contains_key(path));
+    columns.extend(declared.into_iter().take(MOST - columns.len()));
     Ok(columns)
+}
+
+/// The single values that a JSON Schema knows, by their paths, but for those in lists.
+fn declared_fields(definition: &Definition) -> Vec<String> {
+    fn descend(path: &str, schema: &Value, found: &mut Vec<String>) {
+        match &schema["properties"] {
+            Value::Object(properties) => {
+                for (key, property) in properties {
+                    let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                    descend(&path, property, found);
+                }
+            }
+            _ if schema["type"] != "array" => found.push(path.to_owned()),
+            _ => {}
+        }
+    }
+    let mut found = Vec::new();
+    let schema = definition.schema.as_ref().filter(|schema| schema.encoding == "jsonschema");
+    if let Some(schema) = schema.and_then(|schema| serde_json::from_slice::<Value>(&schema.data).ok()) {
+        descend("", &schema, &mut found);
+    }
+    found
 }
 
 /// Hands on every message on a topic as its time (ns) and its cells in the order of `columns`; a cell is `None` where the message has none.

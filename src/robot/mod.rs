@@ -24,6 +24,7 @@ pub use load::RobotTexts;
 
 use crate::geometry::{PlanarPose, Pose};
 use nalgebra::{SMatrix, SVector, Unit, Vector3};
+use thiserror::Error;
 
 /// The most arm joints a robot may have that move on their own: seven, and a lift.
 pub const MAX_JOINTS: usize = 8;
@@ -83,6 +84,24 @@ pub struct Drive {
     pub rim_speed_limit: f64,
     /// Radius around the middle of the axle that is kept out of obstacles, m.
     pub base_radius: f64,
+}
+
+/// A drive that is slower than its team is to walk: a warning, not an error.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error(
+    "robot `{robot}`: its wheels drive {limit:.3} m/s at most (their limit velocity of {:.2} rad/s times their radius of {wheel_radius} m), \
+     but the team is to walk {speed} m/s: the robot cannot keep up",
+    limit / wheel_radius
+)]
+pub struct SlowDrive {
+    /// Name of the robot.
+    pub robot: String,
+    /// The most that its rims may move, m/s.
+    pub limit: f64,
+    /// Radius of its wheels, m.
+    pub wheel_radius: f64,
+    /// Walking speed of the team, m/s.
+    pub speed: f64,
 }
 
 /// A joint of the arm that moves on its own.
@@ -148,6 +167,13 @@ impl Robot {
     /// Number of arm joints that move on their own.
     pub fn joint_count(&self) -> usize {
         self.joints.len()
+    }
+
+    /// The drive's lack of speed, if the team is to walk at `speed` (m/s) and the wheels cannot.
+    pub fn slow_drive(&self, speed: f64) -> Option<SlowDrive> {
+        let Drive { rim_speed_limit: limit, wheel_radius, .. } = self.drive;
+        let robot = self.name.clone();
+        (limit < speed).then_some(SlowDrive { robot, limit, wheel_radius, speed })
     }
 
     /// The posture of that name.

@@ -6,6 +6,7 @@
 //! within the physics.
 
 use super::{Scenario, ScenarioError, Stage};
+use crate::arithmetic;
 use crate::episode::{Episode, State};
 use serde::{Deserialize, Serialize};
 use std::io::Read;
@@ -25,6 +26,8 @@ pub struct Snapshot {
     pub scenario: Scenario,
     /// What it has come to.
     pub state: State,
+    /// The [stamp](arithmetic::stamp) of the arithmetic that it came to that with. With another, the episode goes on with other last bits.
+    pub arithmetic: String,
     /// The version of the program that wrote it. With another, the episode may go on with other bits.
     #[serde(skip)]
     pub written_by: String,
@@ -100,7 +103,8 @@ impl Stage {
     /// The snapshot of an episode of this stage.
     pub fn snapshot(&self, episode: &Episode) -> Snapshot {
         let written_by = env!("CARGO_PKG_VERSION").to_owned();
-        Snapshot { scenario: self.scenario().clone(), state: episode.state(), written_by }
+        let arithmetic = arithmetic::stamp().to_owned();
+        Snapshot { scenario: self.scenario().clone(), state: episode.state(), arithmetic, written_by }
     }
 
     /// The episode that had come to `state`: it goes on with the same bits.

@@ -5,7 +5,7 @@ use crate::control::RobotObstacles;
 use crate::episode::{Episode, Manipulator};
 use crate::human::Participant;
 use crate::options::OptionSet;
-use crate::robot::Robot;
+use crate::robot::{Robot, SlowDrive};
 use crate::world::World;
 use std::sync::Arc;
 
@@ -101,6 +101,11 @@ impl Stage {
     /// The robot; none on the planning level alone. Its meshes are as the URDF names them.
     pub fn robot(&self) -> Option<&Robot> {
         self.robot.as_deref()
+    }
+
+    /// The robot's drive, if it is slower than the team is to walk.
+    pub fn slow_drive(&self) -> Option<SlowDrive> {
+        self.robot()?.slow_drive(self.scenario.settings.speed)
     }
 
     /// The robot as the episode takes it; none on the planning level alone.

@@ -8,4 +8,5 @@ pub use kinematic::KinematicPlant;
 pub use rapier::{
     Clearance, Clearances, Contact, Failure, Forces, HAND_RADIUS, HumanCommand, HumanSettings, Observation,
     Part, Party, PhysicalPlant, PhysicsError, PhysicsSettings, TORSO_HEIGHT, TORSO_RADIUS, Wrench,
+    sample_motion,
 };

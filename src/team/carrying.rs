@@ -11,13 +11,27 @@ use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose};
 use crate::options::OptionSet;
 use crate::policy::Motion;
-use crate::robot::{Configuration, InputVector, JointVector, Kinematics, Robot};
+use crate::robot::{
+    Configuration, InputJacobian, InputVector, JointVector, Kinematics, MAX_JOINTS, Robot, pose_difference,
+};
 use crate::saved::{NotRestored, Saved};
 use crate::simulation::Observation;
+use nalgebra::Vector6;
 
 /// DEVIATION (eq. 8): bodies take a new configuration at this share of their rate limits, so that what is linear in eq. (7) stays nearly so,
 /// and rates are left for the grasp.
 const RECONFIGURATION_SHARE: f64 = 0.25;
+
+/// Bodies believe the arm's half-planes until a joint has moved so far, rad (m).
+const LINEAR_UNTIL: f64 = 0.3;
+/// The most (m and rad) that the linear model of eq. (7) is corrected by.
+const MOST_MISSED: f64 = 0.2;
+
+/// How far a joint may move for the arm's half-planes to be believed, rad (m): bodies whose base follows its path at given rim speeds turn
+/// the arm by radians while it swings round a corner.
+fn most_moved(rims: Option<&Rims>) -> f64 {
+    if rims.is_some() { LINEAR_UNTIL } else { f64::INFINITY }
+}
 
 /// The robot, its starting posture and its controller.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +44,20 @@ pub struct Manipulator<'a> {
     pub control: control::Settings,
     /// The obstacles of the world.
     pub obstacles: &'a RobotObstacles,
+}
+
+/// What the robot decided a step from: all of eq. (8) that others need to check it.
+#[derive(Clone, Copy, Debug)]
+pub struct Considerations<'e> {
+    /// s_o(1..H) of every option while the human leads, else of the robot's own way alone; on the physical plant what the base, which
+    /// follows its path, leaves of it for the arm.
+    pub references: &'e [Reference],
+    /// What each counts for in eq. (8): P_o, if nothing else is asked for.
+    pub weights: &'e [f64],
+    /// q*.
+    pub target: &'e Configuration,
+    /// What became of the candidates, in a step that has a [`Preparation`].
+    pub poses: &'e PoseOptimiser,
 }
 
 /// The bodies that a controller acts on: those of the kinematic or of the physical plant.
@@ -242,6 +270,7 @@ impl<'a, B: Bodies> Carrying<'a, B> {
             rims,
             period: self.walk.period,
             share: if rims.is_some() { RECONFIGURATION_SHARE } else { 1.0 },
+            most_moved: most_moved(rims),
         };
         let chosen = self.poses.choose(&problem, &control, &mut self.limits, &mut self.mpc);
         tick.preparation = Some(Preparation {
@@ -254,8 +283,19 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         self.target = chosen.candidate;
     }
 
-    /// u of eq. (7), tracking one of the references.
-    fn track(&mut self, reference: usize, rims: Option<&Rims>, tick: &mut RobotTick) {
+    /// What eq. (7)'s linear model misses of the first period of `input`: the grasp as the arm's kinematics have it, minus as the model does; no
+    /// more than [`MOST_MISSED`] in norm, m and rad.
+    fn missed(&self, jacobian: &InputJacobian, input: &InputVector, grasp: &Pose) -> Vector6<f64> {
+        let Candidate { configuration: target, .. } = self.target;
+        let moved: JointVector = input.fixed_rows::<MAX_JOINTS>(2) * self.walk.period;
+        let reached = Configuration { base: target.base, joints: target.joints + moved };
+        let reached = pose_difference(&self.manipulator.robot.grasp_pose(&reached), grasp);
+        let missed = reached - jacobian.fixed_columns::<MAX_JOINTS>(2) * moved;
+        missed * (MOST_MISSED / missed.norm()).min(1.0)
+    }
+
+    /// u of eq. (7), tracking one of the references. Bodies have it solved twice, the second time knowing what the linear model misses.
+    fn track(&mut self, reference: usize, rims: Option<&Rims>, grasp: &Pose, tick: &mut RobotTick) {
         let Manipulator { robot, control, obstacles, .. } = self.manipulator;
         let period = self.walk.period;
         let Candidate { configuration: target, rates } = self.target;
@@ -271,12 +311,27 @@ impl<'a, B: Bodies> Carrying<'a, B> {
             if let Some(rims) = rims {
                 set_base(&mut about, rims);
             }
-            obstacles.half_planes(control.avoid, robot, &target, &about, period, &mut self.limits);
+            let most_moved = most_moved(rims);
+            obstacles.half_planes(
+                control.avoid,
+                robot,
+                &target,
+                &about,
+                period,
+                most_moved,
+                &mut self.limits,
+            );
         }
         if let Some(rims) = rims {
             hold_base_to(rims, &mut self.limits);
         }
-        let plan = self.mpc.solve(&free, &self.limits, &to_track);
+        let mut plan = self.mpc.solve(&free, &self.limits, &to_track);
+        if rims.is_some() {
+            let missed = self.missed(&jacobian, &plan.inputs.column(0).into_owned(), grasp);
+            let mut first = to_track.column_mut(0);
+            first -= missed;
+            plan = self.mpc.solve(&free, &self.limits, &to_track);
+        }
         self.input = plan.inputs.column(0).into_owned();
         tick.outcome = plan.outcome;
         tick.least_singular_value = free.least_singular_value();
@@ -335,7 +390,7 @@ impl<B: Bodies> Team for Carrying<'_, B> {
             if tracked.is_some() || control.prepare_while_leading {
                 self.prepare(&at, rims.as_ref(), tracked, &mut tick);
             }
-            self.track(tracked.unwrap_or(0), rims.as_ref(), &mut tick);
+            self.track(tracked.unwrap_or(0), rims.as_ref(), &at.grasp, &mut tick);
         }
         tick.input = self.input;
         tick.control_effort = control.input_weight * self.input.norm_squared();
@@ -353,6 +408,15 @@ impl<B: Bodies> Team for Carrying<'_, B> {
             tick.physics = moved.physics;
         }
         moved.along
+    }
+
+    fn considerations(&self) -> Option<Considerations<'_>> {
+        Some(Considerations {
+            references: &self.references,
+            weights: &self.weights,
+            target: &self.target.configuration,
+            poses: &self.poses,
+        })
     }
 
     fn configuration(&self) -> Option<&Configuration> {

@@ -11,7 +11,7 @@ mod route;
 mod team_path;
 mod tick;
 
-pub use carrying::Manipulator;
+pub use carrying::{Considerations, Manipulator};
 pub use point::PointTeam;
 pub use route::{Route, Travel, TurnOutcome};
 pub use team_path::Turned;
@@ -71,6 +71,11 @@ pub trait Team: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
 
     /// Moves everybody by one period, books in `tick` what the step cost, and returns how far along the path the team is then, m.
     fn walk(&mut self, step: &Step<'_>, tick: Option<&mut RobotTick>) -> f64;
+
+    /// What the controller decided the last step from; none without one.
+    fn considerations(&self) -> Option<Considerations<'_>> {
+        None
+    }
 
     /// The robot's base and joints; none without one.
     fn configuration(&self) -> Option<&Configuration> {
@@ -182,16 +187,18 @@ pub fn kinematic<'a>(
 /// The team of the physical plant, at rest with the object's middle at `start`. `seed` is the gait's.
 ///
 /// # Errors
-/// [`PhysicsError`] if the team does not fit where it is to start, or a setting is out of its range.
+/// [`PhysicsError`] if the team does not fit where it is to start, the human has no room at the end of an option, or a setting is out of its
+/// range.
 pub fn physical<'a>(
     manipulator: Manipulator<'a>,
     walk: Walk,
-    options: usize,
+    options: &OptionSet,
     start: PlanarPose,
     world: &World,
     physics: &PhysicsSettings,
     seed: u64,
 ) -> Result<Box<dyn Team + 'a>, PhysicsError> {
     let team = physical::Physical::new(&manipulator, world, physics, seed, &start)?;
-    Ok(Box::new(carrying::Carrying::new(manipulator, walk, options, team)))
+    team.check_ends(options, world, manipulator.obstacles)?;
+    Ok(Box::new(carrying::Carrying::new(manipulator, walk, options.options().len(), team)))
 }

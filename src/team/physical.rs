@@ -1,14 +1,14 @@
 //! The physical plant: robot, object and human as bodies. The object's ends ride on the path, the robot's end behind.
 
 use super::carrying::{Bodies, Manipulator, Moved, Onward};
-use super::team_path::{Ground, TeamPath, Turned, WALKS_AHEAD_M};
+use super::team_path::{BODY_ROOM_M, Ground, TeamPath, Turned, WALKS_AHEAD_M};
 use super::tick::PhysicsTick;
 use super::{Situation, Step, Travel, Walk};
-use crate::control::{Candidate, Follower, HORIZON, Intent, Reference, Rims, reference};
+use crate::control::{Candidate, Follower, HORIZON, Intent, Reference, Rims, RobotObstacles, reference};
 use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose, Widening, angle_of, direction, nearest, wrap_angle};
 use crate::human::Stance;
-use crate::options::turned;
+use crate::options::{OptionSet, turned};
 use crate::robot::{Configuration, InputVector, Robot, pose_difference};
 use crate::saved::{NotRestored, Saved};
 use crate::simulation::{HumanCommand, Observation, PhysicalPlant, PhysicsError, PhysicsSettings};
@@ -107,6 +107,37 @@ impl Physical {
                 goal: *start,
             },
         })
+    }
+
+    /// Refuses a world in which the human has no room to walk on beyond the end of an option: as far as the human is ahead of the object's middle.
+    pub fn check_ends(
+        &self,
+        options: &OptionSet,
+        world: &World,
+        obstacles: &RobotObstacles,
+    ) -> Result<(), PhysicsError> {
+        let ground = Ground { obstacles, options };
+        for (o, option) in options.options().iter().enumerate() {
+            let path = options.path(&options.begin(), o).unwrap_or_default();
+            let [end, human] = self.state.team_path.beyond_end(&self.walkable(path, ground));
+            let distances = world.obstacles.iter().map(|o| (o.footprint.distance_to_segment(end, human), o));
+            match distances.min_by(|a, b| a.0.total_cmp(&b.0)) {
+                Some((distance, obstacle)) if distance < BODY_ROOM_M => {
+                    return Err(PhysicsError::NoRoomAtTarget {
+                        file: world.file.clone(),
+                        option: option.name.clone(),
+                        x: human.x,
+                        y: human.y,
+                        obstacle: obstacle.name.clone(),
+                        distance,
+                        needed: BODY_ROOM_M,
+                        ahead: (human - end).norm() + BODY_ROOM_M,
+                    });
+                }
+                _ => {}
+            }
+        }
+        Ok(())
     }
 
     /// How far along the path under way the object is to be now (m), and how fast that goes (m/s), as the robot knows it: from what it means to

@@ -13,7 +13,7 @@ use crate::world::World;
 /// arm has to bend as the way does in between; it cannot bend back. Nobody turns in a loop, by more than 200 degrees.
 const ARCS: [Arc; 2] = [Arc { radius: 0.5, most: 1.4 }, Arc { radius: 1.0, most: 3.5 }];
 /// Room (m) that the team wants around the points of its way, and around the object's axis.
-const BODY_ROOM_M: f64 = 0.249;
+pub(super) const BODY_ROOM_M: f64 = 0.249;
 const OBJECT_ROOM_M: f64 = 0.1;
 /// What the team takes off corners by rounding them, m.
 const ROUNDING_M: f64 = 0.05;
@@ -122,6 +122,11 @@ impl TeamPath {
     /// How far the human's body is ahead of the object's middle, m.
     fn body_ahead(&self) -> f64 {
         self.half() + WALKS_AHEAD_M
+    }
+
+    /// Where the human's body walks on to while the object comes to the end of `path`: from there straight ahead.
+    pub fn beyond_end(&self, path: &Path) -> [Point; 2] {
+        [0.0, self.body_ahead()].map(|beyond| self.point(path, path.length() + beyond))
     }
 
     /// How far along `path` (m) an object is whose middle is at `position`, if it was at `from` a step ago and is to be at `to`. It is no

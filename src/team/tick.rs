@@ -4,7 +4,7 @@ use super::physical::object_on_floor;
 use crate::control::SolveOutcome;
 use crate::geometry::PlanarPose;
 use crate::robot::{Configuration, InputVector};
-use crate::simulation::{Clearance, Observation};
+use crate::simulation::{Clearance, Observation, Party};
 use serde::{Deserialize, Serialize};
 
 /// The robot in one planning step.
@@ -12,8 +12,8 @@ use serde::{Deserialize, Serialize};
 pub struct RobotTick {
     /// q_c: where it is at the beginning of the step.
     pub configuration: Configuration,
-    /// s: where the human is at the beginning of the step, as the pose that the grasp should have.
-    pub human: PlanarPose,
+    /// s: the pose that the grasp should have at the beginning of the step. On the kinematic plant, it is all there is of the human.
+    pub grasp_goal: PlanarPose,
     /// The pose that it prepared: while the human leads, or always if it is told so.
     pub preparation: Option<Preparation>,
     /// u: rim speeds, m/s, and joint rates, rad/s (prismatic: m/s).
@@ -46,6 +46,8 @@ pub struct PhysicsTick {
     pub object: PlanarPose,
     /// The human's hand at the end of the step, seen from above.
     pub hand: PlanarPose,
+    /// The human's torso at the end of the step, seen from above.
+    pub torso: PlanarPose,
     /// Root mean square of the robot's force on the object, N.
     pub grip_force: f64,
     /// Root mean square of the human's force on the object, N.
@@ -56,6 +58,8 @@ pub struct PhysicsTick {
     pub force_change: [f64; 2],
     /// How far the grips yielded at most: the robot's and the human's, m.
     pub stretch: [f64; 2],
+    /// The most that a motor of the arm exerted in a physics step, as a share of the URDF's effort limit; 0 without such limits.
+    pub effort_share: f64,
     /// Work done on the object by the robot and by the human, J.
     pub work: [f64; 2],
     /// Integral of the square of the object's jerk, m^2/s^5.
@@ -75,11 +79,13 @@ impl PhysicsTick {
         Self {
             object: object_on_floor(&seen.object),
             hand: seen.hand_planar,
+            torso: object_on_floor(&seen.torso),
             grip_force: seen.grip.rms,
             hand_force: seen.hand_grip.rms,
             peak_force: seen.grip.peak.max(seen.hand_grip.peak),
             force_change: [seen.grip.step_change, seen.hand_grip.step_change],
             stretch: [seen.grip.stretch, seen.hand_grip.stretch],
+            effort_share: seen.effort_share,
             work: [seen.grip.work, seen.hand_grip.work],
             squared_jerk: seen.squared_jerk,
             obstacle_distance: distance(&near.robot_obstacle)
@@ -110,10 +116,17 @@ impl RobotTick {
         self.tracking_cost + self.control_effort + self.pose_cost
     }
 
-    pub(super) fn at(configuration: &Configuration, human: PlanarPose) -> Self {
+    /// Who holds the object worst, and by how much (m): the robot where the grasp is off, or either where their grip yields.
+    pub(crate) fn worst_hold(&self) -> (Party, f64) {
+        let [gripper, hand] = self.physics.map_or([0.0; 2], |physics| physics.stretch);
+        let robot = self.position_error.max(gripper);
+        if hand > robot { (Party::Human, hand) } else { (Party::Robot, robot) }
+    }
+
+    pub(super) fn at(configuration: &Configuration, grasp_goal: PlanarPose) -> Self {
         Self {
             configuration: *configuration,
-            human,
+            grasp_goal,
             preparation: None,
             input: InputVector::zeros(),
             outcome: SolveOutcome::Unconstrained,

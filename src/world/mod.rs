@@ -137,14 +137,14 @@ impl World {
             .unwrap_or(Bounds { min: self.start, max: self.target })
     }
 
+    /// The gaps, from end to end, that are exactly as wide as the robot. They are impassable, too (Sec. III-A).
+    pub(crate) fn exactly_closed_gaps(&self) -> Vec<[Point; 2]> {
+        opening::exactly_closed(&self.obstacles, self.robot_width)
+    }
+
     /// Gaps that the robot cannot pass, widest first: what may have closed a way.
     pub fn impassable_gaps(&self) -> Vec<Opening> {
-        let n = self.obstacles.len();
-        let mut gaps: Vec<Opening> = (0..n)
-            .flat_map(|i| (i + 1..n).map(move |j| [i, j]))
-            .filter_map(|between| opening::measure(&self.obstacles, between))
-            .filter(|gap| gap.width <= self.robot_width)
-            .collect();
+        let mut gaps = opening::impassable(&self.obstacles, self.robot_width);
         gaps.sort_by(|a, b| b.width.total_cmp(&a.width));
         gaps
     }
@@ -225,7 +225,7 @@ fn declared_openings(
             let gap = opening::measure(obstacles, between);
             let width = gap.as_ref().map_or(0.0, |g| g.width);
             let (first, second) = (first.clone(), second.clone());
-            let Some(gap) = gap.filter(|g| g.width > robot_width) else {
+            let Some(gap) = gap.filter(|g| g.is_passable(robot_width)) else {
                 return Err(WorldError::Impassable { place, first, second, width, robot_width });
             };
             if let Some((third, distance)) = opening::obstructed(obstacles, &gap) {

@@ -1,23 +1,34 @@
-//! Two obstacles in; the gap between them, measured by parry, and whether it is an opening, out.
+//! Gaps between obstacles: their width and place, measured with parry, and which of them are openings.
+//!
+//! An opening is a place where free space is narrowest across: the middle of its gap has the gap's two ends for the nearest points of all
+//! obstacles. So it does not matter of how many obstacles a wall is made: where several touch or overlap, only the outline of them all counts.
 
 use super::obstacle::Obstacle;
-use crate::geometry::{Point, Vector, left_of};
+use crate::geometry::{Footprint, Point, Vector, left_of};
 use parry3d::query::{ClosestPoints, closest_points};
 
 /// An opening wider than this many robot widths is free passage (Sec. III-A, footnote 1).
 pub const FREE_PASSAGE: f64 = 5.0;
 
-/// Outline parts within this distance (m) of the closest ones count as closest too: parallel faces.
+/// Outline parts within this distance (m) of the closest ones count as closest too: parallel faces. Obstacles this near to each other touch.
 const PARALLEL: f64 = 1e-6;
+/// A gap is measured to this (m): no wider than the robot by more, it is impassable.
+const MEASURED: f64 = 1e-6;
+/// Directions that differ by no more than this (rad) are measured as one.
+const SAME_DIRECTION: f64 = 1e-3;
+/// Gaps whose ends differ by no more than this (m) are one gap, measured between other parts of the same walls: closest points of cylinders are
+/// off by up to 2e-4 m along the outline.
+const SAME_GAP: f64 = 3e-4;
 
 /// A passage between two obstacles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opening {
     /// Name, unique in its world.
     pub name: String,
-    /// The two obstacles, as indices into the world's obstacles.
+    /// The two obstacles, as indices into the world's obstacles. Where several that touch make a side, one of them.
     pub between: [usize; 2],
-    /// The gap: from the outline of the first obstacle to that of the second. Where faces are parallel, in their middle.
+    /// The gap: from the outline of the first obstacle to that of the second. Where faces are parallel, in their middle; a face goes on over
+    /// obstacles that touch and are flush with it.
     pub ends: [Point; 2],
     /// Width w, m: the distance of the two obstacles.
     pub width: f64,
@@ -32,6 +43,19 @@ impl Opening {
     /// The unit vector perpendicular to the gap, from the opening's side 0 to its side 1.
     pub fn axis(&self) -> Vector {
         left_of((self.ends[1] - self.ends[0]) / self.width)
+    }
+
+    /// Whether the robot fits through: it is wider than d_r.
+    pub(super) fn is_passable(&self, robot_width: f64) -> bool {
+        self.width > robot_width + MEASURED
+    }
+
+    /// Whether it is the same gap as another one, from whichever side.
+    fn is_same(&self, other: &Self) -> bool {
+        let [a, b] = other.ends;
+        [[a, b], [b, a]]
+            .iter()
+            .any(|ends| ends.iter().zip(&self.ends).all(|(p, q)| (p - q).norm() <= 3.0 * SAME_GAP))
     }
 
     /// The risk S_xi = d_r / w of passing (Sec. III-A): 0 where w > 5 d_r, 1 where w <= d_r.
@@ -55,10 +79,10 @@ pub(super) fn measure(obstacles: &[Obstacle], between: [usize; 2]) -> Option<Ope
     if width < PARALLEL {
         return None;
     }
-    let toward = (p2 - p1) / width;
+    let toward = across([&first.footprint, &second.footprint], (p2 - p1) / width, width);
     let left = left_of(toward);
-    let part1 = first.footprint.farthest_part(toward, PARALLEL);
-    let part2 = second.footprint.farthest_part(-toward, PARALLEL);
+    let part1 = face(obstacles, &first.footprint, toward);
+    let part2 = face(obstacles, &second.footprint, -toward);
     // the second obstacle's axis points the other way
     let (low, high) = (part1[0].max(-part2[1]), part1[1].min(-part2[0]));
     let shift = if low < high { (low + high) / 2.0 - left.dot(&p1.coords) } else { 0.0 };
@@ -66,17 +90,81 @@ pub(super) fn measure(obstacles: &[Obstacle], between: [usize; 2]) -> Option<Ope
     Some(Opening { name: String::new(), between, ends, width })
 }
 
-/// The third obstacle nearest to the middle of a gap, if it is nearer than the gap's own two: then the constriction is elsewhere.
-/// Returns its index and distance (m).
+/// The direction of a gap of this `width` (m) from the first to the second of two outlines, measured as `toward`: where it is perpendicular to a side of
+/// either up to what is measured, exactly so.
+fn across([first, second]: [&Footprint; 2], toward: Vector, width: f64) -> Vector {
+    let sides = [(first, 1.0), (second, -1.0)].into_iter().flat_map(|(outline, sign)| {
+        let corners: &[Point] = match outline {
+            Footprint::Polygon(corners) => corners,
+            Footprint::Disc { .. } => &[],
+        };
+        let next = |i: usize| corners[(i + 1) % corners.len()];
+        corners.iter().enumerate().map(move |(i, c)| left_of((next(i) - c).normalize()) * -sign)
+    });
+    let is_across = |normal: &Vector| {
+        let gap = -second.reach(-normal) - first.reach(*normal);
+        (normal - toward).norm() <= SAME_DIRECTION && (gap - width).abs() <= MEASURED
+    };
+    sides
+        .filter(is_across)
+        .min_by(|a, b| (a - toward).norm().total_cmp(&(b - toward).norm()))
+        .unwrap_or(toward)
+}
+
+/// The face of an outline that lies farthest along the unit vector `toward`, with those of the obstacles that touch it and are flush with it: its
+/// interval on the axis to the left of `toward`, m from the world's origin.
+fn face(obstacles: &[Obstacle], outline: &Footprint, toward: Vector) -> [f64; 2] {
+    let reach = outline.reach(toward);
+    let mut flush: Vec<[f64; 2]> = obstacles
+        .iter()
+        .filter(|o| (o.footprint.reach(toward) - reach).abs() <= PARALLEL)
+        .map(|o| o.footprint.farthest_part(toward, PARALLEL))
+        .collect();
+    let mut face = outline.farthest_part(toward, PARALLEL);
+    loop {
+        let before = flush.len();
+        flush.retain(|[low, high]| {
+            let is_apart = *low > face[1] + PARALLEL || *high < face[0] - PARALLEL;
+            if !is_apart {
+                face = [face[0].min(*low), face[1].max(*high)];
+            }
+            is_apart
+        });
+        if flush.len() == before {
+            return face;
+        }
+    }
+}
+
+/// The third obstacle nearest to the middle of a gap, if it is nearer than the gap's own two: then the constriction is elsewhere. One whose
+/// nearest point is an end of the gap is part of that side. Returns its index and distance (m).
 pub(super) fn obstructed(obstacles: &[Obstacle], gap: &Opening) -> Option<(usize, f64)> {
     let center = gap.center();
+    let is_part_of_a_side = |o: &Obstacle| {
+        let (distance, away) = o.footprint.separation(center);
+        let nearest = center - away * distance;
+        gap.ends.iter().any(|end| (nearest - end).norm() <= SAME_GAP)
+    };
     obstacles
         .iter()
         .enumerate()
         .filter(|(i, _)| !gap.between.contains(i))
         .map(|(i, o)| (i, o.footprint.distance_to_point(center)))
-        .filter(|&(_, distance)| distance <= gap.width / 2.0 + PARALLEL)
+        .filter(|&(i, distance)| distance <= gap.width / 2.0 + PARALLEL && !is_part_of_a_side(&obstacles[i]))
         .min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// The gaps of at most `widest` (m), in the order of their obstacles.
+fn gaps(obstacles: &[Obstacle], widest: f64) -> impl Iterator<Item = Opening> + '_ {
+    let bounds: Vec<_> = obstacles.iter().map(|o| o.footprint.bounds()).collect();
+    (0..obstacles.len())
+        .flat_map(move |i| {
+            let near = bounds[i].grown(widest);
+            let is_near = |j: &usize| near.min <= bounds[*j].max && bounds[*j].min <= near.max;
+            (i + 1..obstacles.len()).filter(is_near).map(|j| [i, j]).collect::<Vec<_>>()
+        })
+        .filter_map(|between| measure(obstacles, between))
+        .filter(move |gap| gap.width <= widest)
 }
 
 /// Every opening between two of the obstacles: d_r < w <= 5 d_r, and no third obstacle in the disc over the gap.
@@ -84,18 +172,23 @@ pub(super) fn obstructed(obstacles: &[Obstacle], gap: &Opening) -> Option<(usize
 /// DEVIATION (design): a gap counts only if the disc that has it for a diameter is free of other obstacles, which is stronger than a free
 /// gap segment. Without it the diagonals between four pillars count as well: the same constriction twice, and gaps that cross.
 pub(super) fn detect(obstacles: &[Obstacle], robot_width: f64) -> Vec<Opening> {
-    let pairs = (0..obstacles.len()).flat_map(|i| (i + 1..obstacles.len()).map(move |j| [i, j]));
-    let widest = FREE_PASSAGE * robot_width;
-    pairs
-        .filter(|&[i, j]| {
-            let near = obstacles[i].footprint.bounds().grown(widest);
-            let other = obstacles[j].footprint.bounds();
-            near.min <= other.max && other.min <= near.max
-        })
-        .filter_map(|between| measure(obstacles, between))
-        .filter(|gap| gap.width > robot_width && gap.width <= widest)
-        .filter(|gap| obstructed(obstacles, gap).is_none())
-        .enumerate()
-        .map(|(i, gap)| Opening { name: format!("xi{}", i + 1), ..gap })
-        .collect()
+    let mut openings: Vec<Opening> = Vec::new();
+    for gap in gaps(obstacles, FREE_PASSAGE * robot_width) {
+        let is_opening = gap.is_passable(robot_width) && obstructed(obstacles, &gap).is_none();
+        if is_opening && !openings.iter().any(|o| o.is_same(&gap)) {
+            openings.push(Opening { name: format!("xi{}", openings.len() + 1), ..gap });
+        }
+    }
+    openings
+}
+
+/// The gaps that the robot does not fit through.
+pub(super) fn impassable(obstacles: &[Obstacle], robot_width: f64) -> Vec<Opening> {
+    gaps(obstacles, robot_width + MEASURED).collect()
+}
+
+/// Of them, those as wide as the robot, from end to end: impassable, though a path through the middle would keep half of d_r off either side.
+pub(super) fn exactly_closed(obstacles: &[Obstacle], robot_width: f64) -> Vec<[Point; 2]> {
+    let gaps = impassable(obstacles, robot_width).into_iter();
+    gaps.filter(|gap| gap.width >= robot_width - MEASURED).map(|gap| gap.ends).collect()
 }

@@ -1,6 +1,9 @@
 //! The paper's tables, within the tolerances that the README states.
 
+mod coverage;
+
 use cocarry::episode::{Outcome, Settings};
+use cocarry::experiments::cycles::mixed_world;
 use cocarry::experiments::fit::{AnswerFile, RiskWeightSettings, Situation, fit_risk_weight};
 use cocarry::experiments::h3::{PoseMethod, Study};
 use cocarry::experiments::{h1, h2, paper};
@@ -8,6 +11,9 @@ use cocarry::options::OptionSet;
 use cocarry::policy::Method;
 use cocarry::preference::Predictor;
 use cocarry::robot::Robot;
+use cocarry::world::World;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
 use std::path::Path;
 
 #[test]
@@ -70,6 +76,26 @@ fn paper_table_2() {
         assert!(costs.is_sorted_by(|a, b| a >= b), "{costs:?}");
         assert!(costs[0] > costs[3], "{costs:?}");
     }
+}
+
+/// Random worlds of 3 to 20 mixed obstacles: no path turns by more than 100 degrees at an end of a straight part, anywhere.
+#[test]
+fn property_no_option_doubles_back_in_1000_random_worlds() {
+    let worlds = (0..).filter_map(|seed| {
+        let text = mixed_world(&mut ChaCha8Rng::seed_from_u64(seed));
+        let world = World::parse("random world", &text).ok()?;
+        Some((seed, OptionSet::new(&world, 10.0).ok()?))
+    });
+    let mut options = 0;
+    for (seed, set) in worlds.take(1000) {
+        for o in 0..set.options().len() {
+            let path = set.path(&set.begin(), o).expect("a path");
+            let degrees = path.sharpest_bend().to_degrees();
+            assert!(degrees <= 100.0, "random world {seed}, option {o}: {degrees:.1} degrees");
+            options += 1;
+        }
+    }
+    assert!(options > 2000, "{options} options");
 }
 
 #[test]

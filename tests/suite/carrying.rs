@@ -57,8 +57,8 @@ fn property_every_step_of_the_robot_keeps_its_limits_and_its_books() {
                 }
                 let rolled = (next.configuration.base.position - now.configuration.base.position).norm();
                 assert!(rolled <= 0.2 * robot.drive.rim_speed_limit + 1e-8);
-                assert!((next.human.position - now.human.position).norm() <= 0.1 + 1e-9);
-                assert!(math::sin(next.human.yaw - now.human.yaw).abs() <= 0.16 + 1e-9);
+                assert!((next.grasp_goal.position - now.grasp_goal.position).norm() <= 0.1 + 1e-9);
+                assert!(math::sin(next.grasp_goal.yaw - now.grasp_goal.yaw).abs() <= 0.16 + 1e-9);
             }
         }
     }
@@ -72,7 +72,7 @@ fn closed_form_the_tracking_error_of_a_step_is_the_distance_to_the_human_after_i
     for pair in ticks.windows(2) {
         let (now, next) = (pair[0].robot.unwrap(), pair[1].robot.unwrap());
         let grasp = robot.grasp_pose(&next.configuration);
-        let off = (grasp.translation.vector - next.human.at_height(0.7).translation.vector).norm();
+        let off = (grasp.translation.vector - next.grasp_goal.at_height(0.7).translation.vector).norm();
         assert!((off - now.position_error).abs() < 1e-9, "step {}", pair[0].step);
         let cost = 1000.0 * (math::squared(now.position_error) + math::squared(now.orientation_error));
         assert!((cost - now.tracking_cost).abs() < 1e-9 * cost.max(1.0));
@@ -125,6 +125,51 @@ fn the_criterion_decides_the_pose() {
         summary.control.unwrap().cost()
     };
     assert!(cost(PoseCriterion::Expected) < cost(PoseCriterion::Manipulability));
+}
+
+/// Eq. (8) once more from what is told of a step: the totals of all candidates, each problem solved by itself, and the least of them.
+#[test]
+fn closed_form_eq_8_can_be_worked_out_from_what_a_step_tells() {
+    let robot = carrier();
+    let (world, options) = load(&repository("worlds/environment-4.toml"));
+    let obstacles = RobotObstacles::new(&world);
+    let settings = Settings { method: Method::HUMAN_LED, ..Settings::default() };
+    let control = control::Settings { avoid: Avoid::Nothing, ..control::Settings::default() };
+    let posture = robot.postures[0].joints;
+    let manipulator = Manipulator { robot: &robot, posture, control, obstacles: &obstacles };
+    let mut episode = Episode::new(&options, &settings, EXAMPLE_HUMAN).with_robot(manipulator);
+    let (mut limits, mut mpc) = (control::Limits::new(&robot), control::Mpc::default());
+    let (mut changed, mut skipped) = (0, 0);
+    while episode.step().is_none() {
+        let tick = episode.tick().robot.unwrap();
+        let decision = episode.considerations().unwrap();
+        assert_eq!(decision.references.len(), options.options().len());
+        let mut totals = Vec::new();
+        for considered in decision.poses.considered() {
+            let candidate = considered.candidate;
+            let jacobian = robot.kinematics(&candidate.configuration).jacobian * settings.period;
+            let form = control::ClosedForm::new(&jacobian, control.state_weight, control.input_weight);
+            limits.set(&robot, &candidate.configuration, &candidate.rates, settings.period);
+            let mut total = control::motion_cost(candidate, &tick.configuration, &control);
+            let mut floor = total;
+            for (reference, weight) in decision.references.iter().zip(decision.weights) {
+                total += weight * mpc.solve(&form, &limits, reference).cost;
+                floor += weight * form.cost(reference);
+            }
+            let near = |a: f64, b: f64| (a - b).abs() < 1e-9 * b.max(1.0);
+            assert!(considered.floor.is_some_and(|told| near(told, floor)), "{considered:?} {floor}");
+            assert!(considered.total.is_none_or(|told| near(told, total)), "{considered:?} {total}");
+            skipped += usize::from(considered.total.is_none());
+            totals.push(total);
+        }
+        let least = totals.iter().copied().fold(f64::INFINITY, f64::min);
+        let chosen = tick.preparation.unwrap().candidate;
+        assert!(totals[chosen] <= least + 2e-9, "{totals:?} {chosen}");
+        let target = decision.poses.considered().nth(chosen).unwrap().candidate.configuration;
+        assert_eq!(&target, decision.target);
+        changed += usize::from(chosen > 0);
+    }
+    assert!(changed > 0 && skipped > 0, "{changed} {skipped}");
 }
 
 #[test]

@@ -2,12 +2,13 @@
 
 use crate::support::{load, repository, world_files};
 use cocarry::coordination::{self, Mode};
-use cocarry::episode::{Outcome, Settings, Tick, run};
+use cocarry::episode::{Episode, Outcome, PreferenceChange, Settings, Tick, run};
 use cocarry::experiments::cycles;
 use cocarry::experiments::paper::EXAMPLE_HUMAN;
+use cocarry::human::PreferenceHuman;
 use cocarry::math;
 use cocarry::policy::Method;
-use cocarry::preference::Perception;
+use cocarry::preference::{Perception, Prospect, RISK_WEIGHT, subjective_cost};
 
 fn settings(method: Method, eta: f64) -> Settings {
     let coordination = coordination::Settings { eta, ..coordination::Settings::default() };
@@ -88,6 +89,36 @@ fn without_the_model_the_first_choice_is_kept() {
         ticks("worlds/environment-4.toml", &settings(Method::WITHOUT_MODEL, 5.0), EXAMPLE_HUMAN);
     assert!(ticks.iter().all(|t| t.mode == Mode::HumanLed && t.executed == ticks[0].preferred));
     assert_eq!(summary.changes, 0);
+}
+
+/// Sums over the ticks, with the perception that the human has in each.
+#[test]
+fn closed_form_what_an_episode_is_to_the_human() {
+    let (_, set) = load(&repository("worlds/environment-4.toml"));
+    let settings = settings(Method::MUTUAL, 5.0);
+    let later = Perception { alpha: 0.55, gamma: 1.1 };
+    let changes = [PreferenceChange { step: 10, perception: later }];
+    let mut episode = Episode::new(&set, &settings, EXAMPLE_HUMAN)
+        .with_human(PreferenceHuman::new(EXAMPLE_HUMAN, settings.coordination).with_changes(&changes));
+    let (mut ticks, mut cost) = (Vec::<Tick>::new(), 0.0);
+    while episode.step().is_none() {
+        let tick = episode.tick();
+        let perception = if tick.step < 10 { EXAMPLE_HUMAN } else { later };
+        let remaining = tick.options[tick.executed].remaining;
+        cost += subjective_cost(Prospect::new(remaining.length, remaining.risk), RISK_WEIGHT, perception);
+        ticks.push(tick.clone());
+    }
+    let (human, steps) = (episode.summary().human, episode.summary().steps);
+    let last = ticks.last().expect("a tick");
+    assert!((human.subjective_cost - cost).abs() < 1e-9 * cost, "{} {cost}", human.subjective_cost);
+    assert_eq!((human.stubbornness, human.discomfort), (last.stubbornness, last.discomfort));
+    let off = ticks.iter().filter(|t| t.executed != t.preferred).count();
+    assert_eq!(human.steps_off_preference, off as u64);
+    assert!(off > 0 && off < ticks.len(), "{off} of {}", ticks.len());
+    assert!((human.share_off_preference(steps) - off as f64 / ticks.len() as f64).abs() < 1e-15);
+    let switches = ticks.windows(2).filter(|w| w[0].preferred != w[1].preferred).count();
+    assert_eq!((human.changes_of_mind, human.preference_switches as usize), (1, switches));
+    assert!(switches > 0);
 }
 
 #[test]

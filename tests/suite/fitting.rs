@@ -3,7 +3,7 @@
 use crate::support::{cocarry, json, load, repository, stderr, stdout};
 use cocarry::coordination;
 use cocarry::episode::{Episode, Settings, prospects, run};
-use cocarry::experiments::fit::Guidance;
+use cocarry::experiments::fit::{Guidance, LEAST_SQUARES_CAUTION};
 use cocarry::experiments::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
 use cocarry::math;
 use cocarry::options::OptionSet;
@@ -79,6 +79,17 @@ fn closed_form_answers_of_the_model_give_its_risk_weight_back() {
         }
         assert!(fit["likelihood"]["lapse"].as_f64().unwrap() < 1e-6);
     }
+}
+
+#[test]
+fn the_likelihood_is_recommended_and_what_least_squares_leave_out_is_said() {
+    let arguments = ["fit", "risk-weight", TABLE_1, "--normalise"];
+    let said = stdout(&cocarry(&arguments));
+    let [first, second] = ["likelihood (recommended)", "least squares"].map(|by| said.find(by).unwrap());
+    assert!(first < second && said.contains(LEAST_SQUARES_CAUTION), "{said}");
+    let fit = json(&[&arguments[..], &["--json"]].concat());
+    assert_eq!(fit["recommended"], "likelihood");
+    assert_eq!(fit["least_squares_caution"], LEAST_SQUARES_CAUTION);
 }
 
 #[test]
@@ -292,16 +303,68 @@ fn the_discomfort_of_a_video_is_that_of_an_episode() {
 #[test]
 fn participants_who_contradict_themselves_scatter() {
     let text = "participant,world,option,step,trial\n\
-        a,environment-4,1,30,1\na,environment-4,1,60,2\na,environment-4,1,45,3\n";
+        a,environment-4,1,30,1\na,environment-4,1,60,2\na,environment-4,1,45,3\na,environment-4,1,50,4\n";
     let fit = json(&["fit", "eta", File::new("switches.csv", text).path(), "--json"]);
     let found = &fit["participants"][0];
-    assert_eq!(found["evidence"], "scattered");
+    assert_eq!((&found["evidence"], &fit["is_scattered"]), (&"scattered".into(), &true.into()));
     let bounds = found["bounds"].as_array().unwrap();
-    let middle = |i: usize| (bounds[i][0].as_f64().unwrap() + bounds[i][1].as_f64().unwrap()) / 2.0;
+    let middle = |i: usize| (bounds[i][0][0].as_f64().unwrap() + bounds[i][0][1].as_f64().unwrap()) / 2.0;
     let [low, high] = interval(found);
     let eta = found["eta"].as_f64().unwrap();
     assert!(middle(0) < eta && eta < middle(1), "{found}");
     assert!(low < eta && eta < high && low < middle(2) && middle(2) < high, "{found}");
+}
+
+#[test]
+fn what_the_switches_do_not_determine_is_said_in_text_json_and_picture() {
+    // nine who never switched in a short world, and one switch in a long one
+    let mut text = "participant,world,option,step,trial\nten,environment-4,1,70,1\n".to_owned();
+    for person in 0..9 {
+        text += &format!("{person},environment-4,3,,1\n");
+    }
+    // too few episodes for an interval of somebody whose eta scatters
+    for (participant, reasons) in [
+        ("", vec!["1 of 10 is bounded from below and from above; at least 2"]),
+        ("s,environment-4,1,30,1\ns,environment-4,1,60,2\n", vec!["episodes: 2 of the at least 4"]),
+    ] {
+        let file = File::new("switches.csv", &(text.clone() + participant));
+        let fit = json(&["fit", "eta", file.path(), "--json"]);
+        let picture = file.path.with_file_name("fit.svg");
+        let said = stdout(&cocarry(&["fit", "eta", file.path(), "--svg", picture.to_str().unwrap()]));
+        for reason in reasons {
+            assert!(said.contains(reason) && said.contains("not determined"), "{said}");
+            assert!(fit.to_string().contains(reason.trim_start_matches("episodes: ")), "{fit}");
+        }
+        if participant.is_empty() {
+            assert!(
+                fit["overall"].is_null()
+                    && fit["median_interval"].is_null()
+                    && said.contains("All: the median")
+            );
+            let picture = std::fs::read_to_string(&picture).unwrap();
+            assert!(picture.contains("not determined: participants: 1 of 10"), "{picture}");
+        } else {
+            assert!(fit["participants"][10]["interval"].is_null());
+        }
+    }
+}
+
+/// The set of a step is compared with a scan a hundred times finer than the one that used to find its ends.
+#[test]
+fn golden_no_eta_that_switches_at_a_step_is_missed() {
+    for environment in [&ENVIRONMENTS[0], &ENVIRONMENTS[3]] {
+        let set = OptionSet::new(&environment.world().unwrap(), 10.0).unwrap();
+        let guidance = Guidance::mutual(&set, &Settings::default());
+        let Guidance::Mutual { pieces, .. } = &guidance else { panic!("not mutual") };
+        assert!(pieces.windows(2).all(|p| p[0].upper == p[1].lower && p[0].lower < p[0].upper));
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        for _ in 0..2000 {
+            let eta = math::exp(rng.random_range(-1.0..4.2));
+            let step = transition(&set, eta);
+            let holds = guidance.etas(step).iter().any(|[low, high]| *low <= eta && eta < *high);
+            assert!(holds, "{}: {eta} switches at {step:?}", environment.name);
+        }
+    }
 }
 
 #[test]
@@ -353,7 +416,7 @@ fn pictures_of_fits_are_written() {
     let folder = tempfile::tempdir().unwrap();
     let switches = File::new("switches.csv", "participant,world,option,step\na,environment-4,1,40\n");
     let cases = [
-        (vec!["fit", "risk-weight", TABLE_1, "--normalise"], "least squares"),
+        (vec!["fit", "risk-weight", TABLE_1, "--normalise"], "prefer it"),
         (vec!["fit", "eta", switches.path()], "participant"),
     ];
     for (arguments, said) in cases {

@@ -4,7 +4,7 @@ use crate::support::repository;
 use std::path::{Path, PathBuf};
 
 /// The floors from the bottom; those in one row may not use each other.
-const FLOORS: [&[&str]; 17] = [
+const FLOORS: [&[&str]; 18] = [
     &["math", "saved"],
     &["geometry"],
     &["robot"],
@@ -14,6 +14,7 @@ const FLOORS: [&[&str]; 17] = [
     &["coordination"],
     &["control"],
     &["simulation"],
+    &["arithmetic"],
     &["human"],
     &["policy"],
     &["team"],

@@ -1,6 +1,7 @@
 //! The fast tests, in one binary.
 
 mod allocation;
+mod arithmetic;
 mod bad_input;
 mod bad_robots;
 mod bad_urdfs;
@@ -8,9 +9,12 @@ mod carrying;
 mod changes;
 mod closed_loop;
 mod command_line;
+mod detection;
 mod determinism;
 mod fitting;
 mod floors;
+mod object_lost;
+mod paths;
 mod physical_carrying;
 mod physics;
 mod readme;
@@ -21,6 +25,7 @@ mod reports;
 mod robots;
 mod scenarios;
 mod seams;
+mod shared_ways;
 mod snapshots;
 mod spoiled_robot;
 mod support;

@@ -1,9 +1,31 @@
 //! The commands of the README, as they are written there.
 
 use crate::support::{cocarry, repository, stderr};
+use serde_json::Value;
+
+/// What comments behind `cocarry run` say of how an episode goes, and what its JSON has then. Each must occur in the README.
+const CLAIMS: [(&str, fn(&Value) -> bool); 9] = [
+    ("takes the lead at step 22", |told| told["transition"]["step"] == 22),
+    ("ends on option 4", |told| told["last_option"] == "4"),
+    ("turns onto option 4", |told| told["option_changes"][0]["to"] == "4"),
+    ("ends on option 3", |told| told["last_option"] == "3"),
+    ("the human leads from start to end", |told| {
+        told["method"] == "without-model" && told["transition"].is_null()
+    }),
+    ("through narrow openings", |told| told["world"] == "Environment 2"),
+    ("without a robot", |told| told["robot"].is_null()),
+    ("a human who changes their mind on the way", |told| told["preference_changes"][0]["applied"] == true),
+    ("at step 15, and again at step 40", |told| {
+        [15, 40].into_iter().enumerate().all(|(i, step)| {
+            let change = &told["preference_changes"][i];
+            change["step"] == step && change["applied"] == true
+        })
+    }),
+];
 
 #[test]
-fn the_commands_of_the_readme_run() {
+fn the_commands_of_the_readme_run_and_do_what_is_said_of_them() {
+    let mut unseen: Vec<&str> = CLAIMS.iter().map(|(claim, _)| *claim).collect();
     let readme = std::fs::read_to_string(repository("README.md")).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let mut run = 0;
@@ -13,8 +35,8 @@ fn the_commands_of_the_readme_run() {
             in_shell = line == "```sh";
             continue;
         }
-        let command = line.split('#').next().unwrap_or("").trim();
-        let Some(arguments) = command.strip_prefix("cocarry").filter(|_| in_shell) else { continue };
+        let (command, comment) = line.split_once('#').unwrap_or((line, ""));
+        let Some(arguments) = command.trim().strip_prefix("cocarry").filter(|_| in_shell) else { continue };
         // pictures and logs go elsewhere than into the repository; long searches are shortened
         let arguments: Vec<String> = arguments
             .split_whitespace()
@@ -31,11 +53,22 @@ fn the_commands_of_the_readme_run() {
                 word => word.to_owned(),
             })
             .collect();
-        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let mut arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let is_episode = arguments.first() == Some(&"run");
+        if is_episode {
+            arguments.push("--json");
+        }
         let output = cocarry(&arguments);
         assert!(output.status.success(), "{line}: {}", stderr(&output));
         run += 1;
+        let claims = CLAIMS.iter().filter(|(claim, _)| is_episode && comment.contains(claim));
+        for (claim, holds) in claims {
+            let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+            assert!(holds(&told), "{line}: not so: {claim}\n{told}");
+            unseen.retain(|unseen| unseen != claim);
+        }
     }
+    assert!(unseen.is_empty(), "the README no longer says: {unseen:?}");
     assert!(run >= 5, "only {run} commands were found");
 }
 

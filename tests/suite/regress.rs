@@ -106,7 +106,7 @@ fn tolerances_decide_what_moved() {
     let walked: f64 = line.split(" = ").nth(1).unwrap().parse().unwrap();
     let spoiled = recorded.replacen(line, &format!("walked_m = {}", walked * 1.001), 1);
     let moved = |head: &str| {
-        let file = at(folder.path(), &format!("{head}\n{spoiled}"));
+        let file = at(folder.path(), &spoiled.replacen("format = 2\n", &format!("format = 2\n{head}\n"), 1));
         let output = cocarry(&["regress", "check", &file, "--json"]);
         let told: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
         let moved = told["moved"].as_array().unwrap().clone();
@@ -134,6 +134,78 @@ fn a_figure_that_is_gone_or_new_has_moved() {
     assert_eq!(output.status.code(), Some(1));
     let text = stdout(&output);
     assert!(text.contains("control_cost") && text.contains("outcome") && text.contains("2 moved"), "{text}");
+}
+
+/// Two ways around a pillar, of which the one above the line from start to target is listed as the only option.
+const PILLAR: &str = r#"
+name = "Pillar"
+robot_width_m = 0.5
+start_m = [0.0, 0.0]
+target_m = [8.0, 0.0]
+
+[[obstacle]]
+name = "pillar"
+shape = "cylinder"
+center_m = [4.0, 0.0]
+radius_m = 0.6
+height_m = 2.0
+
+[[obstacle]]
+name = "wall"
+shape = "box"
+center_m = [4.0, 3.0]
+size_m = [0.2, 3.0]
+height_m = 2.0
+
+[[opening]]
+name = "door"
+between = ["pillar", "wall"]
+
+[[option]]
+name = "only"
+openings = ["door"]
+"#;
+
+#[test]
+fn the_same_way_on_the_other_side_has_moved() {
+    let folder = tempfile::tempdir().unwrap();
+    let world = folder.path().join("pillar.toml");
+    std::fs::write(&world, PILLAR).unwrap();
+    let text = "[[run]]\nworld = \"pillar.toml\"\nplant = \"point\"\nseed = 1\n";
+    let file = at(folder.path(), text);
+    assert!(cocarry(&["regress", "record", &file]).status.success());
+    let recorded = std::fs::read_to_string(&file).unwrap();
+    assert!(recorded.contains("openings = \"door (4.00, 1.05)\""), "{recorded}");
+    let mirrored = PILLAR.replace("center_m = [4.0, 3.0]", "center_m = [4.0, -3.0]");
+    assert_ne!(mirrored, PILLAR);
+    std::fs::write(&world, mirrored).unwrap();
+    let output = cocarry(&["regress", "check", &file, "--json"]);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let moved: Vec<&str> =
+        told["moved"].as_array().unwrap().iter().map(|m| m["figure"].as_str().unwrap()).collect();
+    assert_eq!(moved, ["openings", "mean_offset_m"], "nothing else tells the sides apart");
+    assert_eq!(told["moved"][0]["now"], "door (4.00, -1.05)");
+}
+
+#[test]
+fn figures_of_an_earlier_format_are_to_be_recorded_anew() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = at(folder.path(), SMALL);
+    assert!(cocarry(&["regress", "record", &file]).status.success());
+    let recorded = std::fs::read_to_string(&file).unwrap();
+    let is_new =
+        |line: &&str| ["format", "openings", "mean_offset_m"].iter().any(|key| line.starts_with(key));
+    let old: Vec<&str> = recorded.lines().filter(|line| !is_new(line)).collect();
+    let file = at(folder.path(), &(old.join("\n") + "\n"));
+    let output = cocarry(&["regress", "check", &file]);
+    assert_eq!(output.status.code(), Some(2));
+    let error = stderr(&output);
+    assert!(error.contains("format 1") && error.contains("openings"), "{error}");
+    assert!(error.contains("regress record"), "{error}");
+    assert!(cocarry(&["regress", "record", &file]).status.success());
+    assert!(cocarry(&["regress", "check", &file]).status.success());
+    refused(&format!("format = 3\n{SMALL}"), &[":1:", "format = 3", "from 1 to 2"]);
 }
 
 #[test]
@@ -190,7 +262,7 @@ fn wrong_files_are_named_by_line() {
     refused("", &["no runs", "[[run]]"]);
     refused("[run]\nworld = 1\n", &["no runs"]);
     refused("[[run]\n", &["line 1"]);
-    refused(&spoil("# kept", "runs = 3"), &[":1:", "unknown key `runs`", "tolerance, run"]);
+    refused(&spoil("# kept", "runs = 3"), &[":1:", "unknown key `runs`", "format, tolerance, run"]);
     refused(&spoil("seed = 1", "sed = 1"), &[":7:", "unknown key `sed`", "seed", "eta", "world"]);
     refused(&spoil("seed = 1", "json = true"), &[":7:", "unknown key `json`"]);
     refused(&spoil("eta = 5", "eta = 0"), &[":11:", "eta", "greater than 0"]);

@@ -1,6 +1,6 @@
 //! The report of a small run: complete, by itself, the same for any number of threads, and true to the commands it is made of.
 
-use crate::support::{cocarry, json, stderr};
+use crate::support::{cocarry, cocarry_without_fma, json, stderr};
 use cocarry::episode::prospects;
 use cocarry::experiments::paper::ENVIRONMENTS;
 use cocarry::options::OptionSet;
@@ -44,10 +44,11 @@ const FIGURES: [&str; 13] = [
 
 /// Runs as little as there can be, with these arguments besides.
 fn small(folder: &Path, more: &[&str]) -> std::process::Output {
-    let folder = folder.to_str().expect("a path");
-    let small =
-        ["reproduce", "all", "--episodes", "2", "--humans", "2", "--worlds", "20", "--report", folder];
-    cocarry(&[&small, more].concat())
+    cocarry(&[&as_little(folder.to_str().expect("a path")), more].concat())
+}
+
+fn as_little(folder: &str) -> [&str; 10] {
+    ["reproduce", "all", "--episodes", "2", "--humans", "2", "--worlds", "20", "--report", folder]
 }
 
 /// A report made on two threads, and what `--json` told of it.
@@ -130,7 +131,7 @@ fn the_page_needs_nothing_but_itself() {
 }
 
 #[test]
-fn equal_runs_write_equal_files_for_any_number_of_threads() {
+fn equal_runs_write_equal_files_for_any_number_of_threads_on_any_processor() {
     let folder = tempfile::tempdir().unwrap();
     let one = folder.path().join("one");
     // over an old report, beside a file of somebody's
@@ -138,7 +139,8 @@ fn equal_runs_write_equal_files_for_any_number_of_threads() {
     for name in ["mine.txt", "report.html", "table-1.csv"] {
         std::fs::write(one.join(name), "old").unwrap();
     }
-    let output = small(&one, &["--threads", "1", "--overwrite"]);
+    let more = ["--threads", "1", "--overwrite"];
+    let output = cocarry_without_fma(&[&as_little(one.to_str().expect("a path")), &more[..]].concat());
     assert!(output.status.success(), "{}", stderr(&output));
     assert_eq!(std::fs::read_to_string(one.join("mine.txt")).unwrap(), "old");
     std::fs::remove_file(one.join("mine.txt")).unwrap();
@@ -188,6 +190,66 @@ fn the_figures_are_those_of_the_single_commands() {
             ("transition_step", "transition_step"),
         ],
     );
+}
+
+/// The paper's protocol of twenty humans stands beside the expectation over all, with intervals and tests, also where it goes the other way.
+#[test]
+fn the_twenty_humans_of_table_2_are_compared_in_pairs() {
+    let number = |row: &std::collections::BTreeMap<String, String>, key: &str| -> f64 {
+        row[key].parse().unwrap_or_else(|_| panic!("{key}: {}", row[key]))
+    };
+    let markdown = text("report.md");
+    let mut compared = 0;
+    for row in rows("table-2") {
+        if row["eta"].is_empty() {
+            assert!(row["sample_against_without_difference_m"].is_empty());
+            continue;
+        }
+        let [lower, mean, upper, raw, holm] = [
+            "sample_against_without_difference_lower_m",
+            "sample_against_without_difference_m",
+            "sample_against_without_difference_upper_m",
+            "sample_against_without_p_value",
+            "sample_against_without_p_holm",
+        ]
+        .map(|key| number(&row, key));
+        assert_eq!(row["sample_against_without_pairs"], "20");
+        assert!(lower < mean && mean < upper && raw <= holm, "{row:?}");
+        assert_eq!(raw < 0.05, lower > 0.0 || upper < 0.0, "interval and test agree: {row:?}");
+        let told = format!("not lower in Environment {}, mutual, eta {}", row["environment"], row["eta"]);
+        assert_eq!(markdown.contains(&told), mean >= 0.0, "{told}");
+        compared += 1;
+    }
+    assert_eq!(compared, 12);
+    assert!(markdown.contains("the paper's protocol, 20 random humans"));
+    assert!(markdown.contains("Holm's method for the 12 comparisons of this table"));
+}
+
+/// Every comparison of Table III is corrected, and not made where all humans have one outcome; the account of H3 is in figures of the run.
+#[test]
+fn table_3_is_tested_where_humans_differ() {
+    let mut untested = 0;
+    for row in rows("table-3-all").iter().filter(|row| !row["difference"].is_empty()) {
+        let is_tested = !row["p_value"].is_empty();
+        assert_eq!(
+            [&row["p_holm"], &row["difference_lower"], &row["effect_size"]].map(|c| !c.is_empty()),
+            [is_tested; 3]
+        );
+        untested += usize::from(!is_tested);
+        assert_eq!(row["pairs"], "2");
+    }
+    let markdown = text("report.md");
+    assert!(
+        untested > 0 && markdown.contains("not tested, as all humans there have one outcome"),
+        "{untested}"
+    );
+    for part in [
+        "What the probabilities are worth",
+        "Costs against manipulability",
+        "How much of it is the baseline's",
+    ] {
+        assert!(markdown.contains(part), "{part}");
+    }
 }
 
 #[test]

@@ -132,7 +132,7 @@ impl Human for Reluctant {
             _ => Stance::TakeOver,
         };
         let option = view.prospects.len() - 1;
-        HumanDecision { option, stance, stubbornness: 0.5, discomfort: 0.0, hand: None }
+        HumanDecision { option, stance, stubbornness: 0.5, discomfort: 0.0, perception: None, hand: None }
     }
 }
 
@@ -242,7 +242,8 @@ fn a_human_of_any_model_is_in_scenarios_and_snapshots() {
 
 #[test]
 fn the_command_line_takes_human_models() {
-    let run = |model: &str| json(&["run", "--plant", "point", "--method", "human-led", "--human", model, "--json"]);
+    let run =
+        |model: &str| json(&["run", "--plant", "point", "--method", "human-led", "--human", model, "--json"]);
     assert_eq!(run("scripted(0:2,30:1)")["last_option"], "1");
     assert_eq!(run("scripted(0:2)")["last_option"], "2");
     // who is rational enough chooses like eq. (3)

@@ -23,6 +23,17 @@ pub fn cocarry(arguments: &[&str]) -> Output {
         .expect("the program starts")
 }
 
+/// As [`cocarry`], where the C library takes its functions for processors without fused multiplication and addition: their last bits are
+/// others. (Where there is no glibc on x86-64, the same as [`cocarry`].)
+pub fn cocarry_without_fma(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_cocarry"))
+        .args(arguments)
+        .env("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2")
+        .current_dir(repository("."))
+        .output()
+        .expect("the program starts")
+}
+
 pub fn stdout(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).expect("UTF-8")
 }

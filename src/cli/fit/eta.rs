@@ -22,8 +22,9 @@ use std::path::PathBuf;
 /// or a built-in world.
 ///
 /// Since g(k) is the same for everyone, a switch at step k says that g(k - 1) / ln(1 / phi(0)) <= eta < g(k) / ln(1 / phi(0)), and none
-/// that eta is at least the last of these. A participant's eta lies in all of these intervals; where they contradict each other, it is taken to scatter
-/// log-normally between episodes.
+/// that eta is at least the last of these. A participant's eta lies in all of these intervals; where somebody's contradict each other, eta is
+/// taken to scatter log-normally between everyone's episodes. Intervals of medians are 95 % intervals; where the switches do not determine
+/// one, the output says why instead.
 #[derive(Args, Debug)]
 pub(in crate::cli) struct Arguments {
     /// Switches (CSV)
@@ -60,7 +61,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let fit = fit_eta(&switches);
     if let Some(path) = &arguments.svg {
         let overall = fit.overall.map(|o| (o.median, o.log_std));
-        let svg = drawing::tolerances(&rows(&fit), overall)
+        let svg = drawing::tolerances(&rows(&fit), overall, no_interval(&fit).as_deref())
             .with_context(|| path.display().to_string())
             .map_err(Failure::Output)?;
         write_file(path, &svg)?;
@@ -70,6 +71,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             "participants": fit.participants,
             "overall": fit.overall,
             "median_interval": fit.median_interval,
+            "no_interval": fit.no_interval,
+            "is_scattered": fit.is_scattered,
             "unexplained_lines": fit.unexplained_lines,
             "initial_stubbornness": phi,
             "episodes": switches.iter().map(|s| json!({
@@ -78,7 +81,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
                 "world": s.world,
                 "executed": s.executed.name(),
                 "step": s.step,
-                "eta": s.bounds,
+                "eta": s.etas,
             })).collect::<Vec<_>>(),
         }));
     }
@@ -104,18 +107,24 @@ fn text(fit: &EtaFit) -> String {
         ]);
     }
     text += &table_text(&shown);
-    match (&fit.overall, fit.median_interval) {
-        (Some(overall), Some(median)) => {
-            let factor = math::exp(overall.log_std);
-            let (low, high) = (overall.median / factor, overall.median * factor);
-            let _ = writeln!(
-                text,
-                "All: median {:.2} ({}), spread: a factor of {factor:.2} (two thirds of people from {low:.2} to {high:.2}).",
-                overall.median,
-                interval(median)
-            );
+    if let Some(overall) = &fit.overall {
+        let factor = math::exp(overall.log_std);
+        let (low, high) = (overall.median / factor, overall.median * factor);
+        let _ = writeln!(
+            text,
+            "All: median {:.2} ({}), spread: a factor of {factor:.2} (two thirds of people from {low:.2} to {high:.2}).",
+            overall.median,
+            fit.median_interval
+                .map_or("no interval".to_owned(), |ends| format!("95 % interval {}", interval(ends)))
+        );
+    }
+    if let Some(reason) = no_interval(fit) {
+        let _ = writeln!(text, "All: {reason}.");
+    }
+    for eta in &fit.participants {
+        if let Some(reason) = &eta.no_interval {
+            let _ = writeln!(text, "{}: not determined: episodes: {reason}.", eta.participant);
         }
-        _ => text += "All: no median, since nobody switched at a step that bounds eta from above.\n",
     }
     if !fit.unexplained_lines.is_empty() {
         let lines: Vec<String> = fit.unexplained_lines.iter().map(u64::to_string).collect();
@@ -125,8 +134,22 @@ fn text(fit: &EtaFit) -> String {
             lines.join(", ")
         );
     }
-    text + "bounded: all episodes agree, eta lies in the interval. censored: never switched. scattered: episodes contradict each other; the likeliest\n\
-        log-normal median with its 95 % profile likelihood interval. All: the likeliest log-normal distribution of the intervals.\n"
+    text += "bounded: all episodes agree, eta lies in the interval. censored: never switched.";
+    text += match fit.is_scattered {
+        true => {
+            " scattered: somebody's episodes contradict each other, so\neta is taken to scatter between episodes: a median, with its 95 % interval.\n"
+        }
+        false => {
+            " Nobody's episodes contradict each other: eta\nis taken to stay the same from episode to episode.\n"
+        }
+    };
+    text + "All: the log-normal distribution of everyone's eta.\n"
+}
+
+/// Why the interval of all is not there, if it is not.
+fn no_interval(fit: &EtaFit) -> Option<String> {
+    fit.no_interval
+        .map(|reason| format!("the median's 95 % interval is not determined: participants: {reason}"))
 }
 
 fn interval([low, high]: [f64; 2]) -> String {

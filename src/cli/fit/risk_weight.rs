@@ -1,11 +1,12 @@
-//! `cocarry fit risk-weight`: participants' percentages in; c_r by least squares and by likelihood, and how well it says them, out.
+//! `cocarry fit risk-weight`: participants' percentages in; c_r by likelihood and by least squares, and how well it says them, out.
 
 use super::options;
 use crate::cli::model::BeliefArguments;
 use crate::cli::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
 use crate::cli::reproduce::Common;
 use crate::experiments::fit::{
-    AnswerFile, Answers, CELL_ERROR, Estimate, RiskWeightFit, RiskWeightSettings, Situation, fit_risk_weight,
+    AnswerFile, Answers, CELL_ERROR, Estimate, LEAST_SQUARES_CAUTION, RiskWeightFit, RiskWeightSettings,
+    Situation, fit_risk_weight,
 };
 use crate::experiments::report::answers_picture;
 use crate::preference::RISK_WEIGHT;
@@ -71,8 +72,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.common.json {
         return print_json(&json!({
             "participants": answers.participants.len(),
-            "least_squares": fit.least_squares,
+            "recommended": "likelihood",
             "likelihood": fit.likelihood,
+            "least_squares": fit.least_squares,
+            "least_squares_caution": LEAST_SQUARES_CAUTION,
             "nearly_as_good_m": fit.nearly_as_good,
             "tried_m": settings.range,
             "resamples": settings.resamples,
@@ -96,10 +99,11 @@ fn text(answers: &Answers, settings: &RiskWeightSettings, fit: &RiskWeightFit) -
     let headings =
         ["by", "c_r (m)", "95 % interval (m)", "lapse (%)", "rms error, fitted (pp)", "held out (pp)"];
     let mut shown = table(headings, 1);
-    for (name, estimate) in [("least squares", &fit.least_squares), ("likelihood", &fit.likelihood)] {
+    let estimates = [("likelihood", &fit.likelihood), ("least squares", &fit.least_squares)];
+    for (name, estimate) in estimates {
         let interval = estimate.interval.map(|[low, high]| format!("{low:.2} to {high:.2}"));
         shown.add_row([
-            name.to_owned(),
+            if estimate.lapse.is_some() { format!("{name} (recommended)") } else { name.to_owned() },
             format!("{:.3}", estimate.risk_weight),
             interval.unwrap_or_else(|| "-".to_owned()),
             estimate.lapse.map_or("-".to_owned(), |lapse| format!("{:.1}", 100.0 * lapse)),
@@ -108,6 +112,7 @@ fn text(answers: &Answers, settings: &RiskWeightSettings, fit: &RiskWeightFit) -
         ]);
     }
     text += &table_text(&shown);
+    let _ = writeln!(text, "{LEAST_SQUARES_CAUTION}");
     let [low, high] = fit.nearly_as_good;
     let _ = writeln!(
         text,
@@ -122,7 +127,7 @@ fn text(answers: &Answers, settings: &RiskWeightSettings, fit: &RiskWeightFit) -
             settings.resamples, settings.seed
         );
     }
-    for (name, estimate) in [("least squares", &fit.least_squares), ("likelihood", &fit.likelihood)] {
+    for (name, estimate) in estimates {
         text += &notes(name, estimate, settings);
     }
     for (participant, world, sum) in &answers.scaled {
@@ -133,9 +138,9 @@ fn text(answers: &Answers, settings: &RiskWeightSettings, fit: &RiskWeightFit) -
         "world",
         "option",
         "answered (%)",
-        "least squares (%)",
-        "difference",
         "likelihood (%)",
+        "difference",
+        "least squares (%)",
         "difference",
     ];
     let mut shown = table(headings, 2);
@@ -144,10 +149,10 @@ fn text(answers: &Answers, settings: &RiskWeightSettings, fit: &RiskWeightFit) -
             format!("{}{}", row.world, if row.is_held_out { " (held out)" } else { "" }),
             row.option.clone(),
             format!("{:.1}", row.mean_percent),
-            format!("{:.1}", row.least_squares_percent),
-            format!("{:+.1}", row.least_squares_percent - row.mean_percent),
             format!("{:.1}", row.likelihood_percent),
             format!("{:+.1}", row.likelihood_percent - row.mean_percent),
+            format!("{:.1}", row.least_squares_percent),
+            format!("{:+.1}", row.least_squares_percent - row.mean_percent),
         ]);
     }
     text + "\n" + &table_text(&shown)

@@ -1,11 +1,11 @@
 //! `cocarry reproduce h3`: Table III beside the paper's, and what the paper does not measure.
 
-use super::super::output::{Failure, Progress, input, print, print_json, table_with_notes, write_file};
+use super::super::output::{Failure, Progress, input, print, print_json, table_with_notes, warn, write_file};
 use super::super::robot::load_robot;
 use super::{Common, TablePlant};
 use crate::control;
 use crate::episode::Settings;
-use crate::experiments::h3::{EPISODES, PoseMethod, Row, Study};
+use crate::experiments::h3::{EPISODES, Human, PoseMethod, Row, Study};
 use crate::experiments::report::{Compared, ratio_picture, table_3, table_3_ratios};
 use crate::simulation::PhysicsSettings;
 use anyhow::Context;
@@ -29,6 +29,9 @@ pub(in super::super) struct Arguments {
     /// Robot file (TOML), or a URDF with a robot file of the same name beside it [default: the built-in carrier]
     #[arg(long, value_name = "FILE")]
     robot: Option<PathBuf>,
+    /// Write the humans of all cells into this CSV file: perception at the start, changes, and the generator's stream and the seed they come from
+    #[arg(long, value_name = "FILE")]
+    humans: Option<PathBuf>,
     /// Draw all cost ratios into this file
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
@@ -37,6 +40,7 @@ pub(in super::super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let robot = load_robot(arguments.robot.as_deref())?;
     let settings = Settings::default();
+    robot.slow_drive(settings.speed).iter().for_each(warn);
     let physics = (arguments.plant == TablePlant::Rapier).then(PhysicsSettings::default);
     let default = if physics.is_some() { EPISODES / 5 } else { EPISODES };
     let episodes = arguments.episodes.map_or(default, |n| n as usize);
@@ -48,6 +52,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         control: control::Settings::default(),
         physics,
     };
+    if let Some(path) = &arguments.humans {
+        let humans = study.humans().map_err(input)?;
+        write_file(path, humans_as_csv(&humans, study.seed).map_err(Failure::Output)?)?;
+    }
     let bar = Progress::new(study.units(), "Table III");
     let rows = arguments.common.on_threads(|| study.table(&|| bar.step()))?.map_err(input)?;
     bar.finish();
@@ -76,4 +84,37 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let tables =
         [table_3(of(starts[0]))].into_iter().chain(starts.iter().map(|start| table_3_ratios(of(start))));
     print(&tables.map(|table| table_with_notes(&table)).collect::<Vec<_>>().join("\n"))
+}
+
+/// A row each; changes as `cocarry run --change` takes them, with spaces between.
+fn humans_as_csv(humans: &[Human], seed: u64) -> Result<Vec<u8>, anyhow::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record([
+        "environment",
+        "setting",
+        "episode",
+        "seed",
+        "stream",
+        "gait_seed",
+        "alpha",
+        "gamma",
+        "preference_changes",
+    ])?;
+    for Human { environment, setting, episode, stream, gait_seed, first, changes } in humans {
+        let changes = changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
+        let numbers = [*episode as u64, seed, *stream, *gait_seed].map(|number| number.to_string());
+        let [episode, seed, stream, gait_seed] = numbers;
+        writer.write_record([
+            environment.to_string(),
+            (*setting).to_owned(),
+            episode,
+            seed,
+            stream,
+            gait_seed,
+            first.alpha.to_string(),
+            first.gamma.to_string(),
+            changes,
+        ])?;
+    }
+    writer.into_inner().context("CSV")
 }

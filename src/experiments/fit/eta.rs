@@ -1,12 +1,13 @@
-//! What episodes tell of eta in; eta of every participant, and of all, out.
+//! What episodes tell of their participants' eta in; eta of each participant and of all out.
 //!
-//! phi(k) grows without chance once world, belief and the robot's way are settled, so an episode bounds eta from both sides, or from below if
-//! nobody switched. A participant's eta lies in all intervals. Where these have nothing in common, the participant's eta is taken to scatter
-//! from episode to episode, log-normally: the likeliest median, with its 95 % profile likelihood interval. All participants together are
-//! described by the likeliest log-normal distribution of their etas, each known up to its interval, those who never switched from below.
+//! An episode says in which set eta lies: which eta switch at that step, or never (bounded from below only). In the model, a participant's eta
+//! stays the same, and lies in what all sets have in common. Where somebody's sets have nothing in common, eta scatters from episode to
+//! episode, log-normally, and so it does for everyone with several episodes. All participants are taken as draws from one log-normal
+//! distribution, each known up to what their episodes have in common, or, where it scatters, up to what the scatter of all leaves of it.
 
-use super::lognormal::intersection;
-use super::{LogNormal, Switch};
+use super::Switch;
+use super::lognormal::{self, LogNormal, NoInterval};
+use super::set::{Set, hull, intersection};
 use serde::Serialize;
 
 /// What is known of a participant's eta.
@@ -24,23 +25,25 @@ pub struct Eta {
     pub evidence: Evidence,
     /// The estimate; none if there is no upper bound.
     pub eta: Option<f64>,
-    /// Where it lies; none if nothing is known. The upper end is infinite (in JSON null) for who never switched.
+    /// Where it lies; none if the episodes do not determine it. The upper end is infinite (in JSON null) for who never switched.
     pub interval: Option<[f64; 2]>,
+    /// Why there is no interval, where eta scatters.
+    pub no_interval: Option<NoInterval>,
     /// Standard deviation of ln(eta) between episodes, where these contradict each other.
     pub log_scatter: Option<f64>,
-    /// The bounds of each episode that has any.
-    pub bounds: Vec<[f64; 2]>,
+    /// The eta that agree with each episode that tells anything.
+    pub bounds: Vec<Set>,
 }
 
 /// How a participant's eta is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Evidence {
-    /// All episodes agree: it lies in what their bounds have in common.
+    /// All episodes agree: it lies in what their sets have in common.
     Bounded,
     /// They never switched: it lies above.
     Censored,
-    /// Episodes contradict each other: the likeliest median, with a 95 % interval.
+    /// It scatters from episode to episode: a median, with a 95 % interval.
     Scattered,
     /// No episode tells anything.
     Nothing,
@@ -63,10 +66,14 @@ impl Evidence {
 pub struct EtaFit {
     /// In the order of the file.
     pub participants: Vec<Eta>,
-    /// Of all participants; none if all are censored.
+    /// Of all participants; none if they do not determine it.
     pub overall: Option<LogNormal>,
-    /// The 95 % interval of its median: what the participants have in common, if they have anything in common.
+    /// The 95 % interval of its median; none if they do not determine it.
     pub median_interval: Option<[f64; 2]>,
+    /// Why there is no interval.
+    pub no_interval: Option<NoInterval>,
+    /// Whether somebody's episodes contradict each other: then eta is not taken to stay the same from episode to episode.
+    pub is_scattered: bool,
     /// Lines of switches that no eta explains.
     pub unexplained_lines: Vec<u64>,
 }
@@ -79,49 +86,72 @@ pub fn fit_eta(switches: &[Switch]) -> EtaFit {
             names.push(&switch.participant);
         }
     }
-    let of = |name: &str| {
-        let own: Vec<&Switch> = switches.iter().filter(|s| s.participant == name).collect();
-        participant(name, &own)
+    let of = |name: &&str| switches.iter().filter(|s| s.participant == *name).collect::<Vec<_>>();
+    let episodes: Vec<Vec<&Switch>> = names.iter().map(of).collect();
+    let is_scattered = episodes.iter().any(|own| {
+        let sets = told(own);
+        !sets.is_empty() && intersection(&sets).is_empty()
+    });
+    let participants: Vec<Eta> =
+        names.into_iter().zip(&episodes).map(|(name, own)| participant(name, own, is_scattered)).collect();
+    let told: Vec<Vec<Set>> = episodes.iter().map(|own| told(own)).filter(|sets| !sets.is_empty()).collect();
+    let fitted = match is_scattered {
+        true => lognormal::fit_repeated(&told),
+        false => lognormal::fit(&told.iter().map(|sets| intersection(sets)).collect::<Vec<_>>()),
     };
-    let participants: Vec<Eta> = names.into_iter().map(of).collect();
-    let known: Vec<[f64; 2]> = participants.iter().filter_map(|p| p.interval).collect();
-    let overall = LogNormal::fit(&known);
+    let (overall, interval) = match fitted {
+        Ok((overall, interval)) => (Some(overall), interval),
+        Err(reason) => (None, Err(reason)),
+    };
     EtaFit {
-        overall: overall.map(|o| o.0),
-        median_interval: overall.map(|o| o.1),
-        unexplained_lines: switches.iter().filter(|s| s.bounds.is_none()).map(|s| s.line).collect(),
         participants,
+        overall,
+        median_interval: interval.ok(),
+        no_interval: interval.err(),
+        is_scattered,
+        unexplained_lines: switches.iter().filter(|s| s.etas.is_empty()).map(|s| s.line).collect(),
     }
 }
 
-fn participant(name: &str, switches: &[&Switch]) -> Eta {
-    let bounds: Vec<[f64; 2]> = switches.iter().filter_map(|s| s.bounds).collect();
+/// The sets of the episodes that tell anything.
+fn told(switches: &[&Switch]) -> Vec<Set> {
+    switches.iter().map(|s| s.etas.clone()).filter(|set| !set.is_empty()).collect()
+}
+
+fn participant(name: &str, switches: &[&Switch], is_scattered: bool) -> Eta {
     let mut eta = Eta {
         participant: name.to_owned(),
         episodes: switches.len(),
         switches: switches.iter().filter(|s| s.step.is_some()).count(),
-        unexplained: switches.len() - bounds.len(),
+        unexplained: switches.iter().filter(|s| s.etas.is_empty()).count(),
         evidence: Evidence::Nothing,
         eta: None,
         interval: None,
+        no_interval: None,
         log_scatter: None,
-        bounds,
+        bounds: told(switches),
     };
     if eta.bounds.is_empty() {
         return eta;
     }
-    match LogNormal::fit(&eta.bounds) {
-        None => {
-            eta.evidence = Evidence::Censored;
-            eta.interval = intersection(&eta.bounds);
+    if eta.bounds.iter().all(|set| hull(set).is_some_and(|[_, high]| high.is_infinite())) {
+        eta.evidence = Evidence::Censored;
+        eta.interval = hull(&intersection(&eta.bounds));
+    } else if is_scattered && eta.bounds.len() > 1 {
+        eta.evidence = Evidence::Scattered;
+        match lognormal::fit(&eta.bounds) {
+            Ok((found, interval)) => {
+                eta.eta = Some(found.median);
+                eta.log_scatter = Some(found.log_std);
+                eta.interval = interval.ok();
+                eta.no_interval = interval.err();
+            }
+            Err(reason) => eta.no_interval = Some(reason),
         }
-        Some((found, interval)) => {
-            let is_scattered = found.log_std > 0.0;
-            eta.evidence = if is_scattered { Evidence::Scattered } else { Evidence::Bounded };
-            eta.eta = Some(found.median);
-            eta.interval = Some(interval);
-            eta.log_scatter = is_scattered.then_some(found.log_std);
-        }
+    } else {
+        eta.evidence = Evidence::Bounded;
+        eta.interval = hull(&intersection(&eta.bounds));
+        eta.eta = eta.interval.map(|[low, high]| (low + high) / 2.0);
     }
     eta
 }

@@ -25,25 +25,33 @@ pub(super) fn valleys(values: &[f64]) -> Vec<usize> {
 
 /// Where `value` is least between the neighbours of the number at `index`, to a millionth.
 pub(super) fn refined(scanned: &[f64], index: usize, mut value: impl FnMut(f64) -> f64) -> f64 {
+    let ends = [index.saturating_sub(1), (index + 1).min(scanned.len() - 1)].map(|i| math::ln(scanned[i]));
+    let found = math::exp(golden(ends, 1e-6, |x| value(math::exp(x))));
+    // between kinks the scan may have been luckier than the sections
+    if value(found) <= value(scanned[index]) { found } else { scanned[index] }
+}
+
+/// Where a `value` with one valley between two numbers is least, to `tolerance`, by golden sections.
+pub(super) fn golden(
+    [mut low, mut high]: [f64; 2],
+    tolerance: f64,
+    mut value: impl FnMut(f64) -> f64,
+) -> f64 {
     const SECTION: f64 = 0.618_033_988_749_894_9;
-    let ends = [index.saturating_sub(1), (index + 1).min(scanned.len() - 1)];
-    let [mut low, mut high] = ends.map(|i| math::ln(scanned[i]));
     let mut at = [high - SECTION * (high - low), low + SECTION * (high - low)];
-    let mut values = at.map(|x| value(math::exp(x)));
-    while high - low > 1e-6 {
+    let mut values = at.map(&mut value);
+    while high - low > tolerance {
         if values[0] <= values[1] {
             high = at[1];
             at = [high - SECTION * (high - low), at[0]];
-            values = [value(math::exp(at[0])), values[0]];
+            values = [value(at[0]), values[0]];
         } else {
             low = at[0];
             at = [at[1], low + SECTION * (high - low)];
-            values = [values[1], value(math::exp(at[1]))];
+            values = [values[1], value(at[1])];
         }
     }
-    // between kinks the scan may have been luckier than the sections
-    let found = math::exp((low + high) / 2.0);
-    if value(found) <= value(scanned[index]) { found } else { scanned[index] }
+    (low + high) / 2.0
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ mod eta;
 mod lognormal;
 mod minimum;
 mod risk_weight;
+mod set;
 mod switches;
 mod table;
 mod walk;
@@ -13,9 +14,11 @@ mod walk;
 pub use answers::{AnswerFile, Answers, SUM_TOLERANCE, Situation};
 pub use error::FitError;
 pub use eta::{Eta, EtaFit, Evidence, fit_eta};
-pub use lognormal::LogNormal;
+pub use lognormal::{LEAST_BOUNDED, LEAST_DRAWS, LogNormal, NoInterval};
 pub use risk_weight::{
-    CELL_ERROR, Errors, Estimate, RiskWeightFit, RiskWeightSettings, Row, fit_risk_weight,
+    CELL_ERROR, Errors, Estimate, LEAST_SQUARES_CAUTION, RiskWeightFit, RiskWeightSettings, Row,
+    fit_risk_weight,
 };
+pub use set::Set;
 pub use switches::{Executed, Switch, SwitchFile};
-pub use walk::Guidance;
+pub use walk::{Guidance, Piece};

@@ -19,6 +19,10 @@ use serde::Serialize;
 /// A c_r fits nearly as well as the best if its root mean square error is no more than this above, percentage points.
 pub const CELL_ERROR: f64 = 0.5;
 
+/// What least squares leave out, said wherever their c_r is.
+pub const LEAST_SQUARES_CAUTION: &str = "Least squares take every answer as the model's. Answers that are not (lapses) bias their c_r, and their interval does not \
+     include that bias. The likelihood estimates the share of lapses along with c_r: prefer it.";
+
 /// How c_r is fitted.
 #[derive(Clone, Debug)]
 pub struct RiskWeightSettings {

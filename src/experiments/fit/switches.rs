@@ -1,7 +1,7 @@
 //! A file of switches and the worlds that it names in; what every episode tells of its participant's eta out.
 
 use super::table::{Column, named_worlds, read};
-use super::{FitError, Guidance};
+use super::{FitError, Guidance, Set};
 use crate::episode::Settings;
 use crate::options::OptionSet;
 use crate::policy::Method;
@@ -57,8 +57,8 @@ pub struct Switch {
     pub executed: Executed,
     /// The step at which they asked to switch; none if never.
     pub step: Option<u64>,
-    /// Bounds of the eta that do so, the upper one infinite if they never did; none if no eta does.
-    pub bounds: Option<[f64; 2]>,
+    /// All eta that do so; empty if none does.
+    pub etas: Set,
 }
 
 impl SwitchFile {
@@ -163,7 +163,7 @@ impl SwitchFile {
                 world: row.world.clone(),
                 executed: row.executed.clone(),
                 step: row.step,
-                bounds: guidance.bounds(set, settings, row.step),
+                etas: guidance.etas(row.step),
             });
         }
         Ok(switches)

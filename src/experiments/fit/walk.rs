@@ -1,5 +1,6 @@
 //! A world and what the robot does in it in; the discomfort of eq. (5) on the way, and which eta switches at which step, out.
 
+use super::Set;
 use crate::coordination::{self, Mode, is_misaligned};
 use crate::episode::{Episode, Settings, prospects};
 use crate::experiments::paper::EXAMPLE_HUMAN;
@@ -23,18 +24,28 @@ pub enum Guidance {
     },
     /// The robot chooses by eq. (6) with the human's own phi(k), so that g(k) depends on eta.
     Mutual {
-        /// Values of eta, ascending, and the step at which each switches; the largest number if it does not.
-        scanned: Vec<(f64, u64)>,
+        /// From 0 to infinity without gaps.
+        pieces: Vec<Piece>,
         /// Steps of an episode in which the robot leads to the end.
         steps: u64,
     },
 }
 
-/// Stands for the step of a switch that does not happen.
-const NEVER: u64 = u64::MAX;
-/// Values of eta tried: so many, in equal ratios, between these times 1 / ln(1 / phi(0)).
-const TRIED: usize = 241;
-const DISCOMFORTS: [f64; 2] = [0.05, 1000.0];
+/// The eta of humans who switch at the same step after the same walk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// From here, which belongs to it.
+    pub lower: f64,
+    /// To here, which does not.
+    pub upper: f64,
+    /// The step at which they switch; none if they never do.
+    pub step: Option<u64>,
+}
+
+/// The least and the largest eta tried, times ln(1 / phi(0)): far below the first discomfort and far above the last.
+const DISCOMFORTS: [f64; 2] = [1e-6, 1e6];
+/// Two eta whose ratio is nearer to 1 than this are not told apart.
+const RATIO: f64 = 1.0 + 1e-12;
 
 impl Guidance {
     /// The robot walks an option (an index) from start to end. `None` where there is no way.
@@ -64,16 +75,10 @@ impl Guidance {
 
     /// The robot leads by eq. (6), knowing the human's phi(k).
     pub fn mutual(set: &OptionSet, settings: &Settings) -> Self {
-        let tried = |i: usize| {
-            let ratio = DISCOMFORTS[1] / DISCOMFORTS[0];
-            DISCOMFORTS[0] * math::pow(ratio, i as f64 / (TRIED - 1) as f64) / patience(settings)
-        };
-        let scanned = (0..TRIED).map(tried).map(|eta| (eta, switch(set, settings, eta))).collect();
-        let coordination = settings.coordination;
-        let led = Settings { method: Method::ROBOT_LED, coordination, ..settings.clone() };
+        let led = Settings { method: Method::ROBOT_LED, ..settings.clone() };
         let mut episode = Episode::new(set, &led, EXAMPLE_HUMAN);
         while episode.step().is_none() {}
-        Self::Mutual { scanned, steps: episode.summary().steps }
+        Self::Mutual { pieces: pieces(set, settings), steps: episode.summary().steps }
     }
 
     /// How many steps there are.
@@ -84,41 +89,35 @@ impl Guidance {
         }
     }
 
-    /// The bounds of the eta that switch at `step`, or never; the upper one is infinite for the latter. Who asks at a step that switches nobody, since
-    /// discomfort did not grow, is taken to have noticed late: the last step before that does. `None` if there is none: no discomfort so far.
-    pub fn bounds(&self, set: &OptionSet, settings: &Settings, step: Option<u64>) -> Option<[f64; 2]> {
+    /// All eta that switch at `step`, or never. Who asks at a step that switches nobody, since discomfort did not grow, is taken to have noticed
+    /// late: the last step before that does. Empty if there is none: no discomfort so far.
+    pub fn etas(&self, step: Option<u64>) -> Set {
         match self {
             Self::Option { discomfort, patience } => {
-                let Some(step) = step else {
-                    return Some([discomfort.last()? / patience, f64::INFINITY]);
+                let bounds = match step {
+                    None => discomfort.last().map(|last| [last / patience, f64::INFINITY]),
+                    Some(step) => discomfort.get(step as usize).and_then(|g| {
+                        let before = discomfort.iter().rev().find(|before| *before < g)?;
+                        Some([before / patience, g / patience])
+                    }),
                 };
-                let g = discomfort.get(step as usize)?;
-                let before = discomfort.iter().rev().find(|before| *before < g)?;
-                Some([before / patience, g / patience])
+                bounds.into_iter().collect()
             }
-            Self::Mutual { scanned, .. } => {
-                let mut step = step.unwrap_or(NEVER);
-                let reached = |(at, tried): (usize, bool)| tried.then_some(at);
-                loop {
-                    let first = scanned.iter().map(|s| s.1 >= step).enumerate().find_map(reached);
-                    let last = scanned.iter().map(|s| s.1 <= step).enumerate().rev().find_map(reached);
-                    // below the least eta tried, discomfort at all is enough
-                    let last = last?;
-                    let lower = match first {
-                        Some(0) => 0.0,
-                        Some(first) => divided(scanned, first, |eta| switch(set, settings, eta) >= step),
-                        None => scanned[last].0,
-                    };
-                    let upper = match step {
-                        NEVER => f64::INFINITY,
-                        _ if last + 1 == scanned.len() => f64::INFINITY,
-                        _ => divided(scanned, last + 1, |eta| switch(set, settings, eta) > step),
-                    };
-                    if upper > lower * (1.0 + 1e-9) {
-                        return Some([lower, upper]);
+            Self::Mutual { pieces, .. } => {
+                let steps = pieces.iter().map(|piece| piece.step);
+                let noticed = match step {
+                    None => Some(None),
+                    Some(asked) => steps.flatten().filter(|step| *step <= asked).max().map(Some),
+                };
+                let Some(noticed) = noticed else { return Set::new() };
+                let mut etas = Set::new();
+                for piece in pieces.iter().filter(|piece| piece.step == noticed) {
+                    match etas.last_mut() {
+                        Some(last) if last[1] == piece.lower => last[1] = piece.upper,
+                        _ => etas.push([piece.lower, piece.upper]),
                     }
-                    step = switch(set, settings, lower * (1.0 - 1e-9)).min(step.checked_sub(1)?);
                 }
+                etas
             }
         }
     }
@@ -129,28 +128,104 @@ fn patience(settings: &Settings) -> f64 {
     -math::ln(settings.coordination.initial_stubbornness)
 }
 
-/// The step at which a human of this eta takes over from a robot that knows it.
-fn switch(set: &OptionSet, settings: &Settings, eta: f64) -> u64 {
-    let coordination = coordination::Settings { eta, ..settings.coordination };
-    let settings = Settings { method: Method::MUTUAL, coordination, ..settings.clone() };
-    let mut episode = Episode::new(set, &settings, EXAMPLE_HUMAN);
-    while episode.step().is_none() {
-        if episode.tick().mode == Mode::HumanLed {
-            return episode.tick().step;
-        }
-    }
-    NEVER
+/// What happens while the robot leads a human of some eta.
+#[derive(Clone)]
+struct Led {
+    eta: f64,
+    /// The options that the robot executed before the switch, by step.
+    executed: Vec<usize>,
+    /// g(k) up to and with the switch.
+    discomfort: Vec<f64>,
+    /// Whether the human took over, at the step after those executed.
+    has_switched: bool,
 }
 
-/// The eta between the one at `index` and the one before at which `is_beyond` turns true.
-fn divided(scanned: &[(f64, u64)], index: usize, is_beyond: impl Fn(f64) -> bool) -> f64 {
-    let (mut low, mut high) = (scanned[index - 1].0, scanned[index].0);
-    while high > low * (1.0 + 1e-12) {
-        let middle = (low + high) / 2.0;
-        if middle <= low || middle >= high {
-            break;
+impl Led {
+    fn of(set: &OptionSet, settings: &Settings, eta: f64) -> Self {
+        let coordination = coordination::Settings { eta, ..settings.coordination };
+        let settings = Settings { method: Method::MUTUAL, coordination, ..settings.clone() };
+        let mut episode = Episode::new(set, &settings, EXAMPLE_HUMAN);
+        let mut led = Self { eta, executed: Vec::new(), discomfort: Vec::new(), has_switched: false };
+        while episode.step().is_none() {
+            let tick = episode.tick();
+            led.discomfort.push(tick.discomfort);
+            if tick.mode == Mode::HumanLed {
+                led.has_switched = true;
+                break;
+            }
+            led.executed.push(tick.executed);
         }
-        if is_beyond(middle) { high = middle } else { low = middle }
+        led
     }
-    high
+
+    fn switch(&self) -> Option<u64> {
+        self.has_switched.then_some(self.executed.len() as u64)
+    }
+
+    /// The first step at which two humans see another option or only one takes over; none if they see the same.
+    fn differs(&self, other: &Self) -> Option<usize> {
+        let pairs = self.executed.iter().zip(&other.executed);
+        let same = pairs.take_while(|(a, b)| a == b).count();
+        ((self.executed.len(), self.has_switched) != (other.executed.len(), other.has_switched)
+            || same < self.executed.len())
+        .then_some(same)
+    }
+}
+
+/// Who switches when, over all eta.
+///
+/// Two humans who saw the same options up to step k have the same g(k), and the larger eta the smaller phi(k). Eq. (6) is the least of costs
+/// that are linear in phi, so that each option is chosen on one interval of phi. Hence, if the ends of an interval of eta see the same options and
+/// switch at the same step, so do all between them. An interval whose ends differ is divided where they begin to, so that none is missed.
+fn pieces(set: &OptionSet, settings: &Settings) -> Vec<Piece> {
+    let patience = patience(settings);
+    let led = |eta: f64| Led::of(set, settings, eta);
+    let [least, largest] = DISCOMFORTS.map(|g| led(g / patience));
+    let mut pieces: Vec<Piece> = Vec::new();
+    // intervals still to be looked at, the lowest last
+    let mut open = vec![(least, largest)];
+    while let Some((low, high)) = open.pop() {
+        let differs = low.differs(&high).filter(|_| high.eta > low.eta * RATIO);
+        let Some(at) = differs else {
+            pieces.push(Piece { lower: low.eta, upper: high.eta, step: low.switch() });
+            continue;
+        };
+        let is_switch = low.executed.len() == at;
+        let is_low = |led: &Led| match is_switch {
+            true => led.executed.len() == at,
+            false => led.executed.get(at) == low.executed.get(at),
+        };
+        let (mut below, mut above) = (low.clone(), high.clone());
+        let divide = |eta: f64, below: &mut Led, above: &mut Led| {
+            let is_between = eta > below.eta && eta < above.eta;
+            if is_between {
+                let tried = led(eta);
+                let end = if is_low(&tried) { below } else { above };
+                *end = tried;
+            }
+            is_between
+        };
+        if is_switch {
+            // both have the same g up to here, so that the eta whose phi just passes 1 is known
+            let reached = low.discomfort[at] / patience;
+            for eta in [reached / RATIO, reached * RATIO] {
+                divide(eta, &mut below, &mut above);
+            }
+        }
+        while above.eta > below.eta * RATIO * RATIO * RATIO {
+            if !divide((below.eta * above.eta).sqrt(), &mut below, &mut above) {
+                break;
+            }
+        }
+        open.push((above, high));
+        open.push((low, below));
+    }
+    // what was not told apart belongs to the piece below it
+    for i in 1..pieces.len() {
+        pieces[i - 1].upper = pieces[i].lower;
+    }
+    let last = pieces.len() - 1;
+    pieces[0].lower = 0.0;
+    pieces[last].upper = f64::INFINITY;
+    pieces
 }

@@ -9,6 +9,8 @@ use toml_edit::{Document, DocumentMut, Item, Table};
 pub struct Baseline {
     /// The file as it was named by the caller.
     pub file: String,
+    /// The format of its figures; that of files that do not say is 1.
+    pub format: i64,
     /// The runs, in the order of the file.
     pub runs: Vec<Run>,
     text: String,
@@ -56,7 +58,10 @@ impl Default for Tolerance {
 }
 
 /// What a file may hold at its top.
-const TOP: [&str; 2] = ["tolerance", "run"];
+const TOP: [&str; 3] = ["format", "tolerance", "run"];
+
+/// The format of figures that are recorded now. 2: with the openings walked.
+pub const FORMAT: i64 = 2;
 
 impl Baseline {
     /// Reads a file.
@@ -81,6 +86,12 @@ impl Baseline {
         if let Some((key, _)) = document.iter().find(|(key, _)| !TOP.contains(key)) {
             return Err(source.unknown(document.as_table(), key, "the file", &TOP));
         }
+        let format = document.get("format").map_or(Ok(1), |item| {
+            let format = item.as_integer().filter(|format| (1..=FORMAT).contains(format));
+            let expected =
+                format!("a whole number from 1 to {FORMAT}, the latest format that this version knows");
+            format.ok_or_else(|| source.wrong(item, "the file", "format", &expected))
+        })?;
         let tolerances =
             document.get("tolerance").map_or(Ok(Vec::new()), |item| tolerances(&source, item))?;
         let runs = document.get("run").and_then(Item::as_array_of_tables);
@@ -96,7 +107,7 @@ impl Baseline {
             }
             read.push(run);
         }
-        Ok(Self { file, runs: read, text, tolerances })
+        Ok(Self { file, format, runs: read, text, tolerances })
     }
 
     /// By how much a figure may move.
@@ -141,6 +152,7 @@ impl Baseline {
             }
             run.insert("recorded", Item::Table(table));
         }
+        document.insert("format", toml_edit::value(FORMAT));
         Ok(document.to_string())
     }
 }

@@ -1,5 +1,6 @@
 //! What can be wrong with a file of runs, each case with its file, line, run and key.
 
+use super::FORMAT;
 use thiserror::Error;
 
 /// Why a baseline was refused.
@@ -76,5 +77,15 @@ pub enum BaselineError {
         line: usize,
         /// Its name.
         name: String,
+    },
+    /// Figures of an earlier format.
+    #[error(
+        "{file}: its figures are of format {found}, which did not have all that format {FORMAT} compares (since 2: the openings walked); record them anew: cocarry regress record {file}"
+    )]
+    Older {
+        /// The file.
+        file: String,
+        /// Its format.
+        found: i64,
     },
 }

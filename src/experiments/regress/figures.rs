@@ -1,7 +1,9 @@
-//! An episode that is over in; the figures that a baseline keeps of it out.
+//! An episode that is over and the way that it went in; the figures that a baseline keeps of it out.
 
 use super::{Figures, Tolerance};
 use crate::episode::Summary;
+use crate::geometry::{Point, cross};
+use crate::options::Crossing;
 use crate::scenario::Stage;
 
 /// A figure of a run.
@@ -16,22 +18,32 @@ pub enum Figure {
 }
 
 /// The names of all figures, in the order in which they are recorded: those of `cocarry run --json`, with `control_` and `interaction_` before
-/// what stands inside `control` and `interaction` there. What a run does not have is left out; `transition_step` is then `"never"`, `collision`
-/// `"none"`.
-pub const FIGURES: [&str; 21] = [
+/// what stands inside `control` and `interaction` there; beside these, the way: `openings`, each with its middle, in the order in which the team went
+/// through them, and `mean_offset_m`, how far to the left of the straight line from start to target. What a run does not have is left out;
+/// `transition_step` is then `"never"`, `openings` and `collision` are `"none"`.
+pub const FIGURES: [&str; 31] = [
     "outcome",
     "steps",
     "first_option",
     "last_option",
     "option_changes",
     "transition_step",
+    "openings",
+    "mean_offset_m",
     "walked_m",
     "accumulated_objective_cost_m",
+    "final_stubbornness",
+    "final_discomfort",
+    "share_off_preference",
+    "accumulated_subjective_cost",
+    "changes_of_mind",
+    "preference_switches",
     "control_cost",
     "control_tracking",
     "control_effort",
     "control_pose",
     "control_position_error_rms_m",
+    "control_largest_position_error_m",
     "control_constrained_steps",
     "control_fallback_steps",
     "control_pose_changes",
@@ -39,6 +51,7 @@ pub const FIGURES: [&str; 21] = [
     "interaction_hand_force_rms_n",
     "interaction_peak_force_n",
     "interaction_human_work_j",
+    "interaction_largest_effort_share",
     "collision",
 ];
 
@@ -76,8 +89,46 @@ impl std::fmt::Display for Figure {
     }
 }
 
+/// The way that a team went: on which side, which the names of options do not say.
+#[derive(Clone, Debug)]
+pub struct Way {
+    position: Point,
+    crossings: Vec<Crossing>,
+    /// Sum over the steps of the distance to the left of the straight line from start to target, m.
+    offsets: f64,
+    steps: u64,
+}
+
+impl Way {
+    /// At the start.
+    pub fn new(stage: &Stage) -> Self {
+        Self { position: stage.world().start, crossings: Vec::new(), offsets: 0.0, steps: 0 }
+    }
+
+    /// One step on.
+    pub fn step(&mut self, stage: &Stage, to: Point) {
+        let world = stage.world();
+        self.crossings.extend(stage.options().crossing(self.position, to));
+        let ahead = world.target - world.start;
+        self.offsets += cross(ahead, to - world.start) / ahead.norm();
+        self.steps += 1;
+        self.position = to;
+    }
+
+    fn openings(&self, stage: &Stage) -> String {
+        let names = self.crossings.iter().map(|crossing| {
+            let opening = &stage.world().openings[crossing.opening];
+            // to the centimetre; no negative zero
+            let [x, y] = [opening.center().x, opening.center().y].map(|c| (c * 100.0).round() / 100.0 + 0.0);
+            format!("{} ({x:.2}, {y:.2})", opening.name)
+        });
+        let names = names.collect::<Vec<_>>().join(", ");
+        if names.is_empty() { "none".to_owned() } else { names }
+    }
+}
+
 /// The figures of an episode that is over.
-pub fn figures(stage: &Stage, summary: &Summary) -> Figures {
+pub fn figures(stage: &Stage, summary: &Summary, way: &Way) -> Figures {
     let option = |o: usize| Figure::Text(stage.options().options()[o].name.clone());
     let count = |n: u64| Figure::Count(i64::try_from(n).unwrap_or(i64::MAX));
     let transition = summary.transition.map(|t| count(t.step));
@@ -88,8 +139,16 @@ pub fn figures(stage: &Stage, summary: &Summary) -> Figures {
         option(summary.last_option),
         count(u64::from(summary.changes)),
         transition.unwrap_or_else(|| Figure::Text("never".to_owned())),
+        Figure::Text(way.openings(stage)),
+        Figure::Number(way.offsets / way.steps.max(1) as f64),
         Figure::Number(summary.walked),
         Figure::Number(summary.accumulated_cost),
+        Figure::Number(summary.human.stubbornness),
+        Figure::Number(summary.human.discomfort),
+        Figure::Number(summary.human.share_off_preference(summary.steps)),
+        Figure::Number(summary.human.subjective_cost),
+        count(u64::from(summary.human.changes_of_mind)),
+        count(u64::from(summary.human.preference_switches)),
     ];
     if let Some(control) = &summary.control {
         values.extend([
@@ -98,6 +157,7 @@ pub fn figures(stage: &Stage, summary: &Summary) -> Figures {
             Figure::Number(control.effort),
             Figure::Number(control.pose),
             Figure::Number(control.error_rms(summary.steps)),
+            Figure::Number(control.largest_error),
             count(control.constrained_steps),
             count(control.fallback_steps),
             count(control.pose_changes),
@@ -113,6 +173,7 @@ pub fn figures(stage: &Stage, summary: &Summary) -> Figures {
             Figure::Number(interaction.rms_force()),
             Figure::Number(interaction.peak_force),
             Figure::Number(interaction.work[1]),
+            Figure::Number(interaction.effort_share),
             Figure::Text(touched.unwrap_or_else(|| "none".to_owned())),
         ]);
     }

@@ -4,9 +4,9 @@ mod baseline;
 mod error;
 mod figures;
 
-pub use baseline::{Baseline, Run, Tolerance, Value};
+pub use baseline::{Baseline, FORMAT, Run, Tolerance, Value};
 pub use error::BaselineError;
-pub use figures::{FIGURES, Figure, figures};
+pub use figures::{FIGURES, Figure, Way, figures};
 
 use super::{OnDone, in_parallel};
 use crate::scenario::{Scenario, ScenarioError};
@@ -34,8 +34,11 @@ pub fn run_all(scenarios: Vec<Scenario>, on_done: OnDone) -> Vec<Result<Figures,
     in_parallel(scenarios.len(), on_done, |i| {
         let stage = scenarios[i].clone().prepare()?;
         let mut episode = stage.episode()?;
-        while episode.step().is_none() {}
-        Ok(figures(&stage, episode.summary()))
+        let mut way = Way::new(&stage);
+        while episode.step().is_none() {
+            way.step(&stage, episode.position());
+        }
+        Ok(figures(&stage, episode.summary(), &way))
     })
 }
 

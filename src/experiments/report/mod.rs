@@ -8,6 +8,7 @@ mod bodies;
 mod choices;
 mod cycles;
 mod page;
+mod pairs;
 mod preparation;
 mod run;
 mod weight;

@@ -1,5 +1,6 @@
 //! H3: Table III, every method and start against its baseline, and what the costs are made of.
 
+use super::pairs::{LEVEL, compared, explained, is_significant, rounded};
 use super::{Block, Figure, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::control;
 use crate::drawing::{DrawingError, RatioPanel, RatioRow, cost_ratios};
@@ -54,6 +55,12 @@ impl<'a> Compared<'a> {
         ratios.iter().sum::<f64>() / ratios.len() as f64
     }
 
+    /// How many of the comparisons from this start are tested.
+    fn tested(self) -> usize {
+        let own = self.rows.iter().filter(|r| r.start == self.start);
+        own.filter(|r| r.against_baseline.is_some_and(|paired| paired.p_value.is_some())).count()
+    }
+
     /// Every cell without and with pose optimisation.
     fn pairs(self) -> Vec<[&'a Row; 2]> {
         let with = self.of(PoseMethod::WithPo);
@@ -72,19 +79,11 @@ fn saving(with: f64, without: f64) -> String {
     format!("{:.1} %", 100.0 * (1.0 - with / without))
 }
 
-fn rounded(p_value: Option<f64>) -> String {
-    match p_value {
-        None => "-".to_owned(),
-        Some(p) if p >= 1e-3 => format!("{p:.3}"),
-        Some(p) if p < 1e-300 => "< 1e-300".to_owned(),
-        Some(p) => format!("{p:.0e}"),
-    }
-}
-
 /// The paper's table and ours.
-pub fn table_3(compared: Compared) -> Table {
+pub fn table_3(shown: Compared) -> Table {
     let paper = |row: &Row| row.paper_mean.unwrap_or(f64::NAN);
-    Columns::of(&compared.pairs())
+    let pairs = shown.pairs();
+    let columns = Columns::of(&pairs)
         .numbered("environment", "environment", |[_, with]| with.environment)
         .text("setting", "setting", |[_, with]| with.setting)
         .number("paper: without PO", "paper_without_po", 1, |[without, _]| paper(without))
@@ -95,28 +94,31 @@ pub fn table_3(compared: Compared) -> Table {
         })
         .spread("with PO", ["with_po_mean", "with_po_std"], 1, |[_, with]| [with.ours_mean, with.ours_std])
         .derived("saving", |[without, with]| saving(with.ours_mean, without.ours_mean))
-        .data("ratio", |[_, with]| with.ratio)
-        .column("p (paired)", false, &["p_value"], |[_, with]| Cell {
-            shown: rounded(with.p_value),
-            values: vec![with.p_value.into()],
-        })
+        .data("ratio", |[_, with]| with.ratio);
+    let table = compared(columns, "difference", ["with_po", ""], |[_, with]| with.against_baseline)
+        .count("ways", "ways", |[_, with]| with.ways as u64)
         .column("cheaper in", false, &["wins", "episodes"], |[_, with]| Cell {
             shown: format!("{} of {}", with.wins, with.episodes),
             values: vec![with.wins.into(), with.episodes.into()],
         })
         .table(
-            &format!("table-3-{}", compared.start),
+            &format!("table-3-{}", shown.start),
             format!(
                 "Table III: control cost C with and without pose optimisation (PO); episodes start `{}`",
-                compared.start
+                shown.start
             ),
         )
         .with_note(format!(
             "mean ratio with / without: paper {:.3}, ours {:.3}. C depends on robot, worlds and speed, which the paper does not give: compare the savings.",
             paper_ratio(),
-            compared.mean_ratio(PoseMethod::WithPo),
+            shown.mean_ratio(PoseMethod::WithPo),
         ))
+        .with_note("Ways: different sequences of options that the humans walk.");
+    explained(table, shown.tested(), FAMILY)
 }
+
+/// What Holm's correction is made for.
+const FAMILY: &str = "of all methods from this start";
 
 /// Every method's cost over its baseline's.
 pub fn table_3_ratios(compared: Compared) -> Table {
@@ -130,7 +132,7 @@ pub fn table_3_ratios(compared: Compared) -> Table {
         if !compared.methods.contains(&method) {
             continue;
         }
-        let p_key = format!("{key}_p_value");
+        let p_key = format!("{key}_p_holm");
         columns = columns.column(heading, false, &[key, &p_key], |cell| {
             let Some((environment, setting)) = *cell else {
                 let mean = compared.mean_ratio(method);
@@ -140,11 +142,13 @@ pub fn table_3_ratios(compared: Compared) -> Table {
             let Some(row) = row else {
                 return Cell { shown: "-".to_owned(), values: vec![None::<f64>.into(); 2] };
             };
-            let doubt = if row.p_value.is_none_or(|p| p >= 0.01) { "?" } else { "" };
-            Cell {
-                shown: format!("{:.3}{doubt}", row.ratio),
-                values: vec![row.ratio.into(), row.p_value.into()],
-            }
+            let holm = row.against_baseline.and_then(|paired| paired.p_holm);
+            let doubt = match holm {
+                None => "*",
+                Some(p) if p >= LEVEL => "?",
+                Some(_) => "",
+            };
+            Cell { shown: format!("{:.3}{doubt}", row.ratio), values: vec![row.ratio.into(), holm.into()] }
         });
     }
     let table = columns
@@ -152,7 +156,11 @@ pub fn table_3_ratios(compared: Compared) -> Table {
             &format!("table-3-ratios-{}", compared.start),
             format!("C relative to no pose optimisation; episodes start `{}`", compared.start),
         )
-        .with_note("?: p >= 0.01. manipulability: the most manipulable candidate. uniform weights: eq. (8) without P_o.")
+        .with_note(format!(
+            "?: p >= {LEVEL}, paired t-test, corrected by Holm's method for the {} comparisons {FAMILY} that are tested; *: one outcome, nothing is tested.",
+            compared.tested()
+        ))
+        .with_note("manipulability: the most manipulable candidate. uniform weights: eq. (8) without P_o.")
         .with_note("tracked option: eq. (8) for that option alone.");
     let table = match compared.methods.contains(&PoseMethod::WithPoObstacles) {
         true => table.with_note(
@@ -191,7 +199,14 @@ fn all_rows(rows: &[Row]) -> Table {
     let mut table = figures(Columns::of(&rows))
         .data("paper_mean", |r| r.paper_mean)
         .data("ratio", |r| r.ratio)
-        .data("p_value", |r| r.p_value)
+        .data("pairs", |r| r.against_baseline.map(|p| p.difference.n))
+        .data("difference", |r| r.against_baseline.map(|p| p.difference.mean))
+        .data("difference_lower", |r| r.against_baseline.and_then(|p| p.difference.interval).map(|i| i[0]))
+        .data("difference_upper", |r| r.against_baseline.and_then(|p| p.difference.interval).map(|i| i[1]))
+        .data("effect_size", |r| r.against_baseline.and_then(|p| p.effect_size))
+        .data("p_value", |r| r.against_baseline.and_then(|p| p.p_value))
+        .data("p_holm", |r| r.against_baseline.and_then(|p| p.p_holm))
+        .data("ways", |r| r.ways)
         .data("wins", |r| r.wins)
         .data("episodes", |r| r.episodes)
         .data("not_arrived", |r| r.not_arrived)
@@ -219,6 +234,7 @@ fn figures<'a>(columns: Columns<'a, &'a Row>) -> Columns<'a, &'a Row> {
             shown: format!("{:.1} %", 100.0 * r.constrained_share),
             values: vec![r.constrained_share.into()],
         })
+        .count("lost", "lost_object", |r| r.lost_object as u64)
         .count("overlaps", "overlapping_episodes", |r| r.overlapping_episodes as u64)
 }
 
@@ -264,7 +280,8 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     let of = |start| Compared { rows: &rows, start, methods: study.methods() };
     let text = "The human leads from the start and changes (\u{3b1}, \u{3b3}) once or twice on the way; the robot knows only the full ranges. C is the true control cost \
                 of Sec. V-C. Every method meets the same humans, so that all comparisons are paired.";
-    let mut blocks = vec![Block::Text(text.to_owned())];
+    let all: Vec<Compared> = starts.iter().map(|start| of(start)).collect();
+    let mut blocks = vec![Block::Text(text.to_owned()), Block::Text(account(&all))];
     blocks.extend(starts.iter().map(|start| Block::Table(table_3(of(start)))));
     blocks.push(Block::Figure(Figure {
         name: "table-3-ratios".to_owned(),
@@ -276,8 +293,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     blocks.extend(starts.iter().map(|start| Block::Table(table_3_ratios(of(start)))));
     blocks.extend(starts.iter().map(|start| Block::Table(parts_table(of(start)))));
     blocks.push(Block::Table(all_rows(&rows)));
-    let finding = finding(&starts.iter().map(|start| of(start)).collect::<Vec<_>>());
-    Ok(Section { title: "H3: preparing the arm".to_owned(), finding, blocks })
+    Ok(Section { title: "H3: preparing the arm".to_owned(), finding: finding(&all), blocks })
 }
 
 /// `compared` from every start, the robot's first one first.
@@ -285,15 +301,27 @@ fn finding(compared: &[Compared]) -> Finding {
     let pairs: Vec<[&Row; 2]> = compared.iter().take(1).flat_map(|c| c.pairs()).collect();
     let cheaper = |pairs: &[[&Row; 2]]| pairs.iter().filter(|[_, with]| with.ratio < 1.0).count();
     let sum = |of: fn(&Row) -> usize| pairs.iter().map(|[_, with]| of(with)).sum::<usize>();
-    let p_value = pairs.iter().filter_map(|[_, with]| with.p_value).reduce(f64::max);
+    let tested: Vec<_> = pairs.iter().filter_map(|[_, with]| with.against_baseline?.p_holm).collect();
+    let shown = pairs.iter().filter_map(|[_, with]| with.against_baseline.as_ref());
+    let shown = shown.filter(|paired| paired.difference.mean < 0.0 && is_significant(paired)).count();
+    let alike: Vec<String> = pairs
+        .iter()
+        .filter(|[_, with]| with.against_baseline.is_none_or(|paired| paired.p_holm.is_none()))
+        .map(|[_, with]| format!("Environment {}, {}", with.environment, with.setting))
+        .collect();
     let ratio = |c: &Compared, method| format!("{:.3}", c.mean_ratio(method));
     let mut figures = format!(
-        "cheaper in {} of {} cells and {} of {} pairs, largest p {}; mean ratio {} (paper {:.3})",
+        "cheaper in {} of {} cells and {} of {} pairs, significantly (p < {LEVEL}, Holm) in {shown} of {} tested, largest p {}{}; mean ratio {} (paper {:.3})",
         cheaper(&pairs),
         pairs.len(),
         grouped(sum(|r| r.wins)),
         grouped(sum(|r| r.episodes)),
-        rounded(p_value),
+        tested.len(),
+        rounded(tested.iter().copied().reduce(f64::max)),
+        match alike.is_empty() {
+            true => String::new(),
+            false => format!(" (not tested, as all humans there have one outcome: {})", alike.join("; ")),
+        },
         compared.first().map_or(String::new(), |c| ratio(c, PoseMethod::WithPo)),
         paper_ratio(),
     );
@@ -319,4 +347,51 @@ fn finding(compared: &[Compared]) -> Finding {
         verdict: holds(cheaper(&pairs), pairs.len(), "cells"),
         figures,
     }
+}
+
+/// What of H3 holds, and why, in figures of this run; `compared` as for [`finding`].
+fn account(compared: &[Compared]) -> String {
+    let Some(first) = compared.first() else { return String::new() };
+    let ratio = |c: &Compared, method| format!("{:.3}", c.mean_ratio(method));
+    let share = |c: &Compared, method| {
+        let rows: Vec<&Row> = c.of(method).collect();
+        let of = |count: fn(&Row) -> usize| rows.iter().map(|r| count(r)).sum::<usize>();
+        format!("{:.0} %", 100.0 * of(|r| r.overlapping_episodes) as f64 / of(|r| r.episodes) as f64)
+    };
+    let elsewhere = |method| -> String {
+        let others = compared.iter().skip(1).map(|c| format!("{} from `{}`", ratio(c, method), c.start));
+        others.collect::<Vec<_>>().join(", ")
+    };
+    let [po, whole_body, manipulability, uniform, tracked] = [
+        PoseMethod::WithPo,
+        PoseMethod::WithPoWholeBody,
+        PoseMethod::Manipulability,
+        PoseMethod::UniformWeights,
+        PoseMethod::TrackedOption,
+    ];
+    format!(
+        "Numbers are ratios of C to that of the baseline, means of the cells; from `{start}` unless another start is named.\n\n\
+         *How much of it is the baseline's.* Pose optimisation: {po_ratio} ({po_elsewhere}). Minimum-norm inputs leave an arm that starts in the upright plane there, where sideways \
+         and yaw motion cost most; pose optimisation swings the elbow out once and keeps it there. What remains where both start with the elbow out is what preparing is worth by itself.\n\n\
+         *What the probabilities are worth.* Weights of eq. (8) by P\u{2092}: {po_ratio}; equal weights: {uniform_ratio}; the tracked option alone: {tracked_ratio}. The difference between \
+         the first and the last is what preparing for several options is worth, between the first and the second what knowing their probabilities is.\n\n\
+         *Costs against manipulability.* The most manipulable of the same candidates: {manipulability_ratio} ({manipulability_elsewhere}); above 1 is worse than doing nothing.\n\n\
+         *Base and arm together.* {whole_body_ratio} ({whole_body_elsewhere}).\n\n\
+         *Obstacles.* Eq. (7) knows none, as in the paper: the base overlaps one in {with} of the episodes with pose optimisation and in {without} without. With the base kept out of \
+         them: {kept} and {kept_without}, at a ratio of {obstacle_ratio}.",
+        start = first.start,
+        po_ratio = ratio(first, po),
+        po_elsewhere = elsewhere(po),
+        uniform_ratio = ratio(first, uniform),
+        tracked_ratio = ratio(first, tracked),
+        manipulability_ratio = ratio(first, manipulability),
+        manipulability_elsewhere = elsewhere(manipulability),
+        whole_body_ratio = ratio(first, whole_body),
+        whole_body_elsewhere = elsewhere(whole_body),
+        with = share(first, po),
+        without = share(first, PoseMethod::WithoutPo),
+        kept = share(first, PoseMethod::WithPoObstacles),
+        kept_without = share(first, PoseMethod::WithoutPoObstacles),
+        obstacle_ratio = ratio(first, PoseMethod::WithPoObstacles),
+    )
 }

@@ -139,6 +139,20 @@ pub enum SweepError {
         /// The digest of the study.
         expected: String,
     },
+    /// Rows were calculated with another arithmetic.
+    #[error(
+        "{file}: calculated with arithmetic {found}, {other} has {expected}: the last bits of results differ between the two; run all rows on machines and a version with the same arithmetic (--overwrite begins anew)"
+    )]
+    OtherArithmetic {
+        /// The file, or the line in it.
+        file: String,
+        /// Its stamp.
+        found: String,
+        /// What it is compared with.
+        other: String,
+        /// The stamp of that.
+        expected: String,
+    },
     /// Another process is writing the file.
     #[error("{file}: another process is writing it")]
     Busy {

@@ -68,7 +68,15 @@ fn parts(shards: &[PathBuf]) -> Result<Vec<Part>, SweepError> {
 
 fn check_study(file: &str, found: &Identity, first: &str, expected: &Identity) -> Result<(), SweepError> {
     if (&found.study, found.episodes) == (&expected.study, expected.episodes) {
-        return Ok(());
+        return match found.arithmetic == expected.arithmetic {
+            true => Ok(()),
+            false => Err(SweepError::OtherArithmetic {
+                file: file.to_owned(),
+                found: found.arithmetic.clone(),
+                other: first.to_owned(),
+                expected: expected.arithmetic.clone(),
+            }),
+        };
     }
     Err(SweepError::Foreign {
         file: file.to_owned(),

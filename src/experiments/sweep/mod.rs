@@ -21,12 +21,13 @@ mod summary;
 pub use error::SweepError;
 pub use merge::merge;
 pub use partial::{Shard, Sweep};
-pub use summary::{Comparison, Estimate, Group, Summary};
+pub use summary::{Comparison, Group, Summary};
 
 use crate::control;
 use crate::coordination;
 use crate::episode::Settings;
 use crate::preference::Predictor;
+use crate::robot::SlowDrive;
 use crate::scenario::{Carrier, Plant, Scenario, Stage};
 use crate::simulation::{HumanSettings, PhysicsSettings};
 use cell::Cell;
@@ -139,6 +140,16 @@ impl Study {
     pub fn scenario(&self, episode: u64) -> Option<Scenario> {
         let (cell, seed) = self.place(episode)?;
         Some(self.drawn(cell, seed))
+    }
+
+    /// Drives that are slower than their team is to walk, each once.
+    pub fn slow_drives(&self) -> Vec<SlowDrive> {
+        let mut slow = Vec::new();
+        for (cell, &stage) in self.cells.iter().zip(&self.stage_of) {
+            let found = self.stages[stage].robot().and_then(|robot| robot.slow_drive(cell.speed));
+            slow.extend(found.filter(|found| !slow.contains(found)));
+        }
+        slow
     }
 
     /// The scenario of a cell that has its stage, with all that is drawn.

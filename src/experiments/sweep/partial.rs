@@ -7,6 +7,7 @@
 use super::ordered::in_order;
 use super::results::{self, Identity};
 use super::{Study, SweepError, row};
+use crate::arithmetic;
 use crate::experiments::OnDone;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
@@ -166,6 +167,14 @@ fn check_row(
             line: number,
             found: found.study,
             expected: study.digest().to_owned(),
+        });
+    }
+    if found.arithmetic != arithmetic::stamp() {
+        return Err(SweepError::OtherArithmetic {
+            file: format!("{file}: line {number}"),
+            found: found.arithmetic,
+            other: "this program".to_owned(),
+            expected: arithmetic::stamp().to_owned(),
         });
     }
     if found.episode != due || due >= end {

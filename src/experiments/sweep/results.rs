@@ -1,6 +1,7 @@
 //! The lines of a file of results in; which episodes of which study they are, out.
 
 use super::{SweepError, row};
+use row::IDENTITY;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -12,25 +13,29 @@ pub(super) struct Identity {
     /// Of how many.
     pub episodes: u64,
     pub study: String,
+    /// The stamp of the arithmetic that it was calculated with.
+    pub arithmetic: String,
 }
 
 impl Identity {
     /// Reads the beginning of a row.
     pub fn of_line(line: &[u8], file: &str, number: u64) -> Result<Self, SweepError> {
         let text = String::from_utf8_lossy(line);
-        let mut fields = text.splitn(4, ',');
+        let mut fields = text.splitn(IDENTITY.len() + 1, ',');
         let mut next = || fields.next().unwrap_or_default();
-        let (episode, episodes, study) = (next().parse(), next().parse(), next());
+        let (episode, episodes, study, arithmetic) = (next().parse(), next().parse(), next(), next());
         match (episode, episodes) {
-            (Ok(episode), Ok(episodes)) if episode < episodes && study.len() == 16 => {
-                Ok(Self { episode, episodes, study: study.to_owned() })
+            (Ok(episode), Ok(episodes))
+                if episode < episodes && study.len() == 16 && arithmetic.len() == 8 =>
+            {
+                Ok(Self { episode, episodes, study: study.to_owned(), arithmetic: arithmetic.to_owned() })
             }
             _ => Err(SweepError::Line {
                 file: file.to_owned(),
                 line: number,
                 found: format!("`{}`", text.trim_end().chars().take(60).collect::<String>()),
                 expected:
-                    "a row of results: the number of an episode, how many there are, and the study's digest"
+                    "a row of results: the number of an episode, how many there are, the study's digest, and the arithmetic's stamp"
                         .to_owned(),
             }),
         }

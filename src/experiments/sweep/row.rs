@@ -2,8 +2,9 @@
 
 use super::names::{AVOID, BOOLEANS, CRITERIA, METHODS, PLANTS, POSES, Plants, name};
 use super::{Cell, Study};
+use crate::arithmetic;
 use crate::control::CandidateSet;
-use crate::episode::{ControlSummary, InteractionSummary, Outcome, Summary};
+use crate::episode::{ControlSummary, InteractionSummary, Loss, Outcome, Summary};
 use crate::scenario::{Scenario, Stage};
 use crate::simulation::{Contact, Failure};
 
@@ -13,7 +14,7 @@ type InputColumn = (&'static str, fn(&Inputs) -> Option<String>);
 type ResultColumn = (&'static str, fn(&End) -> Option<String>);
 
 /// What tells rows and studies apart.
-pub(super) const IDENTITY: [&str; 3] = ["episode", "episodes", "study"];
+pub(super) const IDENTITY: [&str; 4] = ["episode", "episodes", "study", "arithmetic"];
 
 /// A combination of values.
 struct Inputs<'a> {
@@ -71,6 +72,12 @@ const RESULTS: &[ResultColumn] = &[
     ("time_s", |r| r.of(|s| r.seconds(s.steps))),
     ("walked_m", |r| r.of(|s| s.walked)),
     ("accumulated_objective_cost_m", |r| r.of(|s| s.accumulated_cost)),
+    ("final_stubbornness", |r| r.of(|s| s.human.stubbornness)),
+    ("final_discomfort", |r| r.of(|s| s.human.discomfort)),
+    ("share_off_preference", |r| r.of(|s| s.human.share_off_preference(s.steps))),
+    ("accumulated_subjective_cost", |r| r.of(|s| s.human.subjective_cost)),
+    ("changes_of_mind", |r| r.of(|s| s.human.changes_of_mind)),
+    ("preference_switches", |r| r.of(|s| s.human.preference_switches)),
     ("preferred_at_start", |r| r.preferred.map(|option| r.option(option))),
     ("first_option", |r| r.summary.as_ref().map(|s| r.option(s.first_option))),
     ("last_option", |r| r.summary.as_ref().map(|s| r.option(s.last_option))),
@@ -84,6 +91,7 @@ const RESULTS: &[ResultColumn] = &[
     ("control_effort", |r| r.control(|c, _| c.effort)),
     ("control_pose", |r| r.control(|c, _| c.pose)),
     ("position_error_rms_m", |r| r.control(|c, steps| c.error_rms(steps))),
+    ("largest_position_error_m", |r| r.control(|c, _| c.largest_error)),
     ("constrained_steps", |r| r.control(|c, _| c.constrained_steps as f64)),
     ("fallback_steps", |r| r.control(|c, _| c.fallback_steps as f64)),
     ("pose_changes", |r| r.control(|c, _| c.pose_changes as f64)),
@@ -97,6 +105,10 @@ const RESULTS: &[ResultColumn] = &[
     ("squared_jerk_m2_per_s5", |r| r.interaction(|i| i.squared_jerk)),
     ("force_noise_rms_n", |r| r.interaction(InteractionSummary::force_noise)),
     ("largest_stretch_m", |r| r.interaction(|i| i.stretch)),
+    ("largest_effort_share", |r| r.interaction(|i| i.effort_share)),
+    ("lost_by", |r| r.loss(|l| l.by.name().to_owned())),
+    ("lost_at_step", |r| r.loss(|l| l.step.to_string())),
+    ("lost_distance_m", |r| r.loss(|l| l.distance.to_string())),
     ("collision_of", |r| r.collision(|c| c.between[0].party.name().to_owned())),
     ("collision_part", |r| r.collision(|c| c.between[0].name.clone())),
     ("collision_with", |r| r.collision(|c| c.between[1].party.name().to_owned())),
@@ -159,7 +171,8 @@ impl Study {
         };
         let (preferred, summary, refusal) = end;
         let end = End { scenario: &scenario, stage: basis, preferred, summary, refusal };
-        let identity = [episode.to_string(), self.episodes.to_string(), self.digest.clone()];
+        let (digest, arithmetic) = (self.digest.clone(), arithmetic::stamp().to_owned());
+        let identity = [episode.to_string(), self.episodes.to_string(), digest, arithmetic];
         let results = RESULTS.iter().map(|(_, value)| value(&end).unwrap_or_default());
         line(identity.into_iter().chain(inputs(self, cell)).chain(results))
     }
@@ -243,6 +256,10 @@ impl End<'_> {
         self.summary.as_ref()?.interaction.as_ref().map(|i| value(i).to_string())
     }
 
+    fn loss(&self, value: impl Fn(&Loss) -> String) -> Option<String> {
+        self.summary.as_ref()?.loss.as_ref().map(value)
+    }
+
     fn collision(&self, value: impl Fn(&Contact) -> String) -> Option<String> {
         self.summary.as_ref()?.collision.as_ref().map(value)
     }
@@ -259,4 +276,9 @@ impl End<'_> {
 /// The outcome that counts as success.
 pub(super) fn arrived() -> &'static str {
     Outcome::Arrived.name()
+}
+
+/// The plant on which the same choices may cost differently, by noise.
+pub(super) fn with_bodies() -> &'static str {
+    name(PLANTS, Plants::Rapier)
 }

@@ -3,14 +3,15 @@
 
 use super::results::Rows;
 use super::{SweepError, row};
-use crate::experiments::p_value_of_mean;
+use crate::experiments::statistics::{self, Estimate, Moments, Paired};
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The columns that are summed up.
 const COSTS: [&str; 2] = ["accumulated_objective_cost_m", "control_cost"];
+/// What tells humans apart who choose differently.
+const CHOICES: [&str; 4] = ["preferred_at_start", "first_option", "last_option", "option_changes"];
 /// What is compared, all other inputs being equal: columns that belong together.
 const COMPARED: [&[&str]; 2] = [&["method"], &["pose", "pose_criterion", "prepare_while_leading"]];
 
@@ -46,19 +47,6 @@ pub struct Group {
     pub control_cost: Option<Estimate>,
 }
 
-/// A mean, and how well it is known.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Estimate {
-    /// Values.
-    pub n: u64,
-    /// Their mean.
-    pub mean: f64,
-    /// Their sample standard deviation; none of a single value.
-    pub std: Option<f64>,
-    /// The 95 % confidence interval of the mean (Student's t); none for a single value.
-    pub interval: Option<[f64; 2]>,
-}
-
 /// Two combinations that differ in one thing, over the seeds with which both arrived.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
@@ -70,44 +58,10 @@ pub struct Comparison {
     pub second: String,
     /// What they have in common, as far as it is varied.
     pub inputs: BTreeMap<String, String>,
-    /// The cost of the first less that of the second, with the same seed.
-    pub difference: Estimate,
-    /// Two-sided p-value of the paired t-test that the difference is 0 in the mean; none for fewer than two pairs.
-    pub p_value: Option<f64>,
+    /// The cost of the first less that of the second, with the same seed; corrected for all comparisons of the summary that are tested.
+    pub difference: Paired,
     /// Share of the pairs in which the first costs less.
     pub share_lower: f64,
-}
-
-/// Mean and squared deviations of the values so far (Welford 1962).
-#[derive(Clone, Copy, Debug, Default)]
-struct Moments {
-    n: u64,
-    mean: f64,
-    squares: f64,
-}
-
-impl Moments {
-    fn add(&mut self, value: f64) {
-        self.n += 1;
-        let before = value - self.mean;
-        self.mean += before / self.n as f64;
-        self.squares += before * (value - self.mean);
-    }
-
-    fn std(&self) -> Option<f64> {
-        (self.n > 1).then(|| (self.squares / (self.n - 1) as f64).sqrt())
-    }
-
-    fn estimate(&self) -> Option<Estimate> {
-        let Self { n, mean, .. } = *self;
-        let std = self.std();
-        let interval = std.and_then(|std| {
-            let students_t = StudentsT::new(0.0, 1.0, (n - 1) as f64).ok()?;
-            let half = students_t.inverse_cdf(0.975) * std / (n as f64).sqrt();
-            Some([mean - half, mean + half])
-        });
-        (n > 0).then_some(Estimate { n, mean, std, interval })
-    }
 }
 
 /// A combination while rows are read.
@@ -116,14 +70,60 @@ struct Cell {
     n: u64,
     arrived: u64,
     costs: [Moments; COSTS.len()],
+    choices: Choices,
+    /// Whether episodes with the same choices may differ by noise: where bodies sway.
+    is_noisy: bool,
     /// The number of its class for each thing compared: those of a class differ in nothing else.
     classes: [usize; COMPARED.len()],
 }
 
-/// The cell of an episode that arrived, and what it has cost.
-type End = (usize, [Option<f64>; COSTS.len()]);
+/// Whether the humans so far make the same choices.
+#[derive(Default)]
+struct Choices {
+    first: Option<Vec<String>>,
+    differ: bool,
+}
+
+impl Choices {
+    fn add(&mut self, choices: &[String]) {
+        let first = self.first.get_or_insert_with(|| choices.to_vec());
+        self.differ |= first != choices;
+    }
+}
+
+/// An episode that arrived.
+struct End {
+    cell: usize,
+    costs: [Option<f64>; COSTS.len()],
+    choices: Vec<String>,
+}
+
+/// The differences of a pair of cells.
+#[derive(Default)]
+struct Differences {
+    moments: Moments,
+    lower: u64,
+    choices: Choices,
+}
+
 /// What is compared, two cells and a cost.
 type Pair = (usize, usize, usize, usize);
+
+impl Cell {
+    /// Whether its costs are those of humans who differ by more than noise.
+    fn is_sample(&self) -> bool {
+        self.choices.differ || !self.is_noisy
+    }
+}
+
+/// Where in a row what is looked at stands.
+struct Places {
+    seed: usize,
+    outcome: usize,
+    costs: [usize; COSTS.len()],
+    choices: [usize; CHOICES.len()],
+    plant: usize,
+}
 
 #[derive(Default)]
 struct Reader {
@@ -131,7 +131,7 @@ struct Reader {
     known: BTreeMap<Vec<String>, usize>,
     classes: BTreeMap<(usize, Vec<String>), usize>,
     /// By what is compared, the two cells, and the cost.
-    pairs: BTreeMap<Pair, (Moments, u64)>,
+    pairs: BTreeMap<Pair, Differences>,
     /// The seed under way, and what its episodes that arrived have cost.
     seed: Option<String>,
     ends: Vec<End>,
@@ -146,7 +146,13 @@ impl Summary {
         let mut rows = Rows::open(path)?;
         let columns = row::columns();
         let at = |name: &str| columns.iter().position(|column| *column == name).unwrap_or_default();
-        let (seed, outcome, costs) = (at("seed"), at("outcome"), COSTS.map(at));
+        let places = Places {
+            seed: at("seed"),
+            outcome: at("outcome"),
+            costs: COSTS.map(at),
+            choices: CHOICES.map(at),
+            plant: at("plant"),
+        };
         let first_input = row::IDENTITY.len();
         let inputs = first_input..first_input + row::input_columns().count();
         let mut reader = Reader::default();
@@ -155,6 +161,14 @@ impl Summary {
         while let Some(identity) = rows.next()? {
             let fields = fields(&rows, columns.len())?;
             let begin = first.get_or_insert_with(|| identity.clone());
+            if identity.arithmetic != begin.arithmetic {
+                return Err(SweepError::OtherArithmetic {
+                    file: format!("{}: line {}", rows.file, rows.number),
+                    found: identity.arithmetic,
+                    other: "its first row".to_owned(),
+                    expected: begin.arithmetic.clone(),
+                });
+            }
             if identity.study != begin.study || identity.episode != begin.episode + count {
                 return Err(SweepError::Line {
                     file: rows.file,
@@ -164,7 +178,7 @@ impl Summary {
                 });
             }
             count += 1;
-            reader.add(&fields, inputs.clone(), seed, outcome, costs);
+            reader.add(&fields, inputs.clone(), &places);
         }
         reader.end_of_seed();
         let first = first.ok_or_else(|| SweepError::Empty { file: rows.file.clone() })?;
@@ -192,9 +206,7 @@ impl Reader {
         &mut self,
         fields: &csv::StringRecord,
         inputs: std::ops::Range<usize>,
-        seed: usize,
-        outcome: usize,
-        costs: [usize; COSTS.len()],
+        &Places { seed, outcome, costs, choices, plant }: &Places,
     ) {
         if self.seed.as_deref() != Some(&fields[seed]) {
             self.end_of_seed();
@@ -204,12 +216,15 @@ impl Reader {
         let costs = costs.map(|i| fields[i].parse::<f64>().ok().filter(|cost| cost.is_finite()));
         let this = &mut self.cells[cell];
         this.n += 1;
+        this.is_noisy = &fields[plant] == row::with_bodies();
         if &fields[outcome] == row::arrived() {
             this.arrived += 1;
             for (moments, cost) in this.costs.iter_mut().zip(costs) {
-                cost.into_iter().for_each(|cost| moments.add(cost));
+                cost.into_iter().for_each(|cost| moments.add(cost, cost.abs()));
             }
-            self.ends.push((cell, costs));
+            let choices: Vec<String> = choices.iter().map(|&i| fields[i].to_owned()).collect();
+            this.choices.add(&choices);
+            self.ends.push(End { cell, costs, choices });
         }
     }
 
@@ -225,7 +240,15 @@ impl Reader {
             *self.classes.entry((what, rest)).or_insert(next)
         });
         let costs = [Moments::default(); COSTS.len()];
-        self.cells.push(Cell { inputs: inputs.clone(), n: 0, arrived: 0, costs, classes });
+        self.cells.push(Cell {
+            inputs: inputs.clone(),
+            n: 0,
+            arrived: 0,
+            costs,
+            choices: Choices::default(),
+            is_noisy: false,
+            classes,
+        });
         self.known.insert(inputs, self.cells.len() - 1);
         self.cells.len() - 1
     }
@@ -236,7 +259,7 @@ impl Reader {
         for what in 0..COMPARED.len() {
             let mut classes: BTreeMap<usize, Vec<&End>> = BTreeMap::new();
             for end in &ends {
-                classes.entry(self.cells[end.0].classes[what]).or_default().push(end);
+                classes.entry(self.cells[end.cell].classes[what]).or_default().push(end);
             }
             for class in classes.values() {
                 for (i, first) in class.iter().enumerate() {
@@ -249,12 +272,14 @@ impl Reader {
     }
 
     fn compare(&mut self, what: usize, a: &End, b: &End) {
-        let (a, b) = if a.0 <= b.0 { (a, b) } else { (b, a) };
+        let (a, b) = if a.cell <= b.cell { (a, b) } else { (b, a) };
+        let both = [&a.choices[..], &b.choices[..]].concat();
         for cost in 0..COSTS.len() {
-            if let (Some(first), Some(second)) = (a.1[cost], b.1[cost]) {
-                let (moments, lower) = self.pairs.entry((what, a.0, b.0, cost)).or_default();
-                moments.add(first - second);
-                *lower += u64::from(first < second);
+            if let (Some(first), Some(second)) = (a.costs[cost], b.costs[cost]) {
+                let pair = self.pairs.entry((what, a.cell, b.cell, cost)).or_default();
+                pair.moments.add(first - second, first.abs().max(second.abs()));
+                pair.lower += u64::from(first < second);
+                pair.choices.add(&both);
             }
         }
     }
@@ -267,10 +292,10 @@ impl Reader {
             inputs: names.iter().zip(&cell.inputs).map(|(name, v)| ((*name).to_owned(), v.clone())).collect(),
             n: cell.n,
             arrived: cell.arrived,
-            accumulated_objective_cost_m: cell.costs[0].estimate(),
-            control_cost: cell.costs[1].estimate(),
+            accumulated_objective_cost_m: cell.costs[0].estimate(cell.is_sample()),
+            control_cost: cell.costs[1].estimate(cell.is_sample()),
         };
-        let comparison = |(&(what, first, second, cost), (moments, lower)): (&Pair, &(Moments, u64))| {
+        let comparison = |(&(what, first, second, cost), pair): (&Pair, &Differences)| {
             let [of_first, of_second] = [first, second].map(|cell| &self.cells[cell].inputs);
             let differs = |i: &usize| COMPARED[what].contains(&names[*i]) && of_first[*i] != of_second[*i];
             let differing: Vec<usize> = (0..names.len()).filter(differs).collect();
@@ -288,42 +313,19 @@ impl Reader {
                 first: label(of_first),
                 second: label(of_second),
                 inputs: common.map(|&i| (names[i].to_owned(), of_first[i].clone())).collect(),
-                difference: moments.estimate()?,
-                p_value: moments.std().and_then(|std| p_value_of_mean(moments.mean, std, moments.n as f64)),
-                share_lower: *lower as f64 / moments.n as f64,
+                difference: Paired::of(&pair.moments, pair.choices.differ || !self.cells[first].is_noisy)?,
+                share_lower: pair.lower as f64 / pair.moments.count() as f64,
             })
         };
+        let mut comparisons: Vec<Comparison> = self.pairs.iter().filter_map(comparison).collect();
+        statistics::correct(comparisons.iter_mut().map(|comparison| &mut comparison.difference));
         Summary {
             study,
             rows,
             episodes,
             varied: varied.iter().map(|i| names[*i].to_owned()).collect(),
             groups: self.cells.iter().map(group).collect(),
-            comparisons: self.pairs.iter().filter_map(comparison).collect(),
+            comparisons,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::experiments::mean_and_std;
-
-    #[test]
-    fn closed_form_moments_are_those_of_all_values_at_once() {
-        let values: Vec<f64> = (0..100).map(|i| 1e6 + f64::from(i * i % 37)).collect();
-        let mut moments = Moments::default();
-        values.iter().for_each(|v| moments.add(*v));
-        let (mean, std) = mean_and_std(&values);
-        assert!((moments.mean - mean).abs() < 1e-9 && (moments.std().unwrap() - std).abs() < 1e-9);
-    }
-
-    #[test]
-    fn golden_the_interval_is_students() {
-        // 1 to 5: mean 3, std 1.5811, t(0.975, 4) = 2.7764
-        let mut moments = Moments::default();
-        (1..=5).for_each(|v| moments.add(f64::from(v)));
-        let [lower, upper] = moments.estimate().unwrap().interval.unwrap();
-        assert!((lower - 1.03676).abs() < 1e-4 && (upper - 4.96324).abs() < 1e-4, "{lower} {upper}");
     }
 }

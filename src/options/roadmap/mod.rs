@@ -1,4 +1,5 @@
 //! Obstacles, a clearance and a few sites in; shortest collision-free paths between sites, and from any point to a site, out.
+//! Sites are points, and the straight parts of openings.
 //!
 //! A shortest path among obstacles with clearance r is a taut string among discs: every corner of an obstacle is a disc of radius r, every
 //! cylinder one of radius R + r, and the path is made of lines tangent to two discs and of arcs along them. The roadmap holds all such lines
@@ -7,16 +8,21 @@
 
 mod disc;
 mod space;
+mod straight;
 
 pub(super) use space::Space;
+pub(super) use straight::{MOST_BACKWARD, Straight};
 
-use crate::geometry::{Path, Piece, Point, angle_of};
+use crate::geometry::{Path, Piece, Point, Vector, angle_of, direction, left_of};
 use disc::{Disc, SAME_ANGLE};
 use petgraph::Direction;
 use petgraph::graph::{DiGraph, EdgeIndex, NodeIndex};
 use petgraph::visit::{EdgeRef, Reversed};
 use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
+
+/// Lines shorter than this (m) are rounding.
+const NO_LENGTH: f64 = 1e-10;
 
 /// The free space of a team, with what its shortest paths are made of.
 #[derive(Clone, Debug)]
@@ -48,25 +54,75 @@ enum StopKind {
 /// How an edge is walked.
 #[derive(Clone, Copy, Debug)]
 enum Way {
-    Line { from: Point, to: Point, length: f64 },
-    Arc { disc: usize, from_angle: f64, sweep: f64, length: f64 },
+    Line {
+        from: Point,
+        to: Point,
+        length: f64,
+    },
+    /// A line onto a straight part, so far (m) before the gap.
+    Join {
+        from: Point,
+        join: Join,
+    },
+    Arc {
+        disc: usize,
+        from_angle: f64,
+        sweep: f64,
+        length: f64,
+    },
 }
 
 impl Way {
     fn length(&self) -> f64 {
         match self {
             Self::Line { length, .. } | Self::Arc { length, .. } => *length,
+            Self::Join { join, .. } => join.length,
         }
     }
+
+    fn cost(&self) -> f64 {
+        match self {
+            Self::Join { join, .. } => join.cost,
+            _ => self.length(),
+        }
+    }
+}
+
+/// A line's end on a straight part.
+#[derive(Clone, Copy, Debug)]
+struct Join {
+    to: Point,
+    /// Length of the line, m.
+    length: f64,
+    /// Distance (m) from the gap.
+    depth: f64,
+    /// See [`Straight::cost`].
+    cost: f64,
+}
+
+/// A way to a site.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leg {
+    /// Length, m; infinite where there is no way.
+    pub length: f64,
+    /// How far (m) before the gap it joins the straight part; 0 at points.
+    pub depth: f64,
+}
+
+impl Leg {
+    const NONE: Self = Self { length: f64::INFINITY, depth: 0.0 };
 }
 
 /// A place that paths are asked to lead to.
 #[derive(Clone, Debug)]
 struct Site {
-    point: Point,
+    straight: Straight,
+    /// Its far end, where ways may go on.
     node: NodeIndex,
-    /// Distance to the site from every node, m; infinite where there is no way.
+    /// Cost (m) of the way to the site from every node; infinite where there is none.
     from_node: Vec<f64>,
+    /// That way.
+    legs: Vec<Leg>,
     /// The way on from every node.
     onward: Vec<Option<EdgeIndex>>,
     /// Rings from which the site can be reached, with a lower bound of the distance from any stop on them, nearest first.
@@ -77,13 +133,28 @@ struct Site {
 /// The first steps of a query's answer.
 #[derive(Clone, Copy, Debug)]
 enum Approach {
-    Straight,
+    Straight(Join),
     Around { ring: usize, touch: Point, from_angle: f64, sweep: f64, next: NodeIndex },
+}
+
+/// The way from a point to a site.
+#[derive(Clone, Copy, Debug)]
+struct Found {
+    approach: Approach,
+    cost: f64,
+    leg: Leg,
+}
+
+impl Found {
+    fn straight(join: Join) -> Self {
+        let leg = Leg { length: join.length, depth: join.depth };
+        Self { approach: Approach::Straight(join), cost: join.cost, leg }
+    }
 }
 
 impl Roadmap {
     /// The roadmap of `space`, with shortest paths to each of `sites`.
-    pub fn new(space: Space, sites: &[Point]) -> Self {
+    pub fn new(space: Space, sites: &[Straight]) -> Self {
         let discs: Vec<Disc> = space
             .obstacles
             .iter()
@@ -93,6 +164,8 @@ impl Roadmap {
         let mut graph = DiGraph::new();
         let mut rings: Vec<Vec<Stop>> = vec![Vec::new(); 2 * discs.len()];
         let nodes: Vec<NodeIndex> = sites.iter().map(|_| graph.add_node(())).collect();
+        // ways end where they join a straight part, and go on from its far end only
+        let goals: Vec<NodeIndex> = sites.iter().map(|_| graph.add_node(())).collect();
         let mut stop = |graph: &mut DiGraph<(), Way>, ring: usize, at: Point, kind: StopKind| {
             let node = graph.add_node(());
             let angle = angle_of(at - discs[ring / 2].center);
@@ -101,12 +174,19 @@ impl Roadmap {
             rings[ring].push(Stop { angle, node, kind, open_to_next: false });
             node
         };
-        for (i, &a) in sites.iter().enumerate() {
-            for (j, &b) in sites.iter().enumerate().skip(i + 1) {
+        let portals: Vec<Point> = sites.iter().map(Straight::portal).collect();
+        for (i, &a) in portals.iter().enumerate() {
+            graph.add_edge(nodes[i], goals[i], Way::Join { from: a, join: sites[i].join_at_portal(a) });
+            for (j, &b) in portals.iter().enumerate().skip(i + 1) {
                 if space.is_clear(a, b) {
                     let length = (b - a).norm();
                     graph.add_edge(nodes[i], nodes[j], Way::Line { from: a, to: b, length });
                     graph.add_edge(nodes[j], nodes[i], Way::Line { from: b, to: a, length });
+                }
+            }
+            for (j, site) in sites.iter().enumerate().filter(|(j, _)| *j != i) {
+                if let Some(join) = site.join_from(a).filter(|join| space.can_join(a, join.to, site)) {
+                    graph.add_edge(nodes[i], goals[j], Way::Join { from: a, join });
                 }
             }
             for ring in 0..2 * discs.len() {
@@ -116,6 +196,18 @@ impl Roadmap {
                     let leave = stop(&mut graph, ring ^ 1, touch, StopKind::Leave);
                     graph.add_edge(nodes[i], arrive, Way::Line { from: a, to: touch, length });
                     graph.add_edge(leave, nodes[i], Way::Line { from: touch, to: a, length });
+                }
+                for along in sites[i].backward() {
+                    let (disc, turn) = (&discs[ring / 2], turn(ring));
+                    let out = -left_of(along) * turn;
+                    let touch = disc.center + out * disc.radius;
+                    if let Some(join) = sites[i].join_along(touch, along)
+                        && disc.is_taut(angle_of(out))
+                        && space.can_join(touch, join.to, &sites[i])
+                    {
+                        let leave = stop(&mut graph, ring, touch, StopKind::Leave);
+                        graph.add_edge(leave, goals[i], Way::Join { from: touch, join });
+                    }
                 }
             }
         }
@@ -140,20 +232,22 @@ impl Roadmap {
         let components = map.components();
         map.sites = sites
             .iter()
-            .zip(&nodes)
-            .map(|(&point, &node)| map.site(point, node, components[node.index()]))
+            .zip(nodes.iter().zip(&goals))
+            .map(|(straight, (&node, &goal))| {
+                map.site(straight.clone(), node, goal, components[node.index()])
+            })
             .collect();
         map
     }
 
-    fn site(&self, point: Point, node: NodeIndex, component: usize) -> Site {
+    fn site(&self, straight: Straight, node: NodeIndex, goal: NodeIndex, component: usize) -> Site {
         let mut from_node = vec![f64::INFINITY; self.graph.node_count()];
-        let found =
-            petgraph::algo::dijkstra(Reversed(&self.graph), node, None, |edge| edge.weight().length());
+        let found = petgraph::algo::dijkstra(Reversed(&self.graph), goal, None, |edge| edge.weight().cost());
         for (n, distance) in found {
             from_node[n.index()] = distance;
         }
-        let onward = self.onward(node, &from_node);
+        let here = Leg { length: 0.0, depth: straight.reach };
+        let (onward, legs) = self.onward(goal, &from_node, here);
         let mut rings: Vec<(usize, f64)> = self
             .rings
             .iter()
@@ -165,25 +259,33 @@ impl Roadmap {
             .filter(|(_, nearest)| nearest.is_finite())
             .collect();
         rings.sort_by(|a, b| a.1.total_cmp(&b.1));
-        Site { point, node, from_node, onward, rings, component }
+        Site { straight, node, from_node, legs, onward, rings, component }
     }
 
     /// The first edge of a shortest way from every node: a breadth-first tree over the edges that shortest ways consist of, since following
     /// these edges freely may go around a loop of length 0.
-    fn onward(&self, goal: NodeIndex, from_node: &[f64]) -> Vec<Option<EdgeIndex>> {
+    fn onward(&self, goal: NodeIndex, from_node: &[f64], here: Leg) -> (Vec<Option<EdgeIndex>>, Vec<Leg>) {
         let mut onward = vec![None; self.graph.node_count()];
+        let mut legs = vec![Leg::NONE; self.graph.node_count()];
+        legs[goal.index()] = here;
         let mut queue = VecDeque::from([goal]);
         while let Some(to) = queue.pop_front() {
             for edge in self.graph.edges_directed(to, Direction::Incoming) {
                 let from = edge.source();
-                let shortest = from_node[to.index()] + edge.weight().length() == from_node[from.index()];
+                let way = edge.weight();
+                let shortest = from_node[to.index()] + way.cost() == from_node[from.index()];
                 if shortest && from != goal && onward[from.index()].is_none() {
                     onward[from.index()] = Some(edge.id());
+                    let after = legs[to.index()];
+                    legs[from.index()] = match way {
+                        Way::Join { join, .. } => Leg { length: join.length, depth: join.depth },
+                        _ => Leg { length: after.length + way.length(), ..after },
+                    };
                     queue.push_back(from);
                 }
             }
         }
-        onward
+        (onward, legs)
     }
 
     fn components(&self) -> Vec<usize> {
@@ -204,77 +306,94 @@ impl Roadmap {
         self.space.crosses_barrier(a, b)
     }
 
-    /// Where a site lies.
-    pub fn point(&self, site: usize) -> Point {
-        self.sites[site].point
+    /// The way from a site (where it is a straight part, from its far end) to another.
+    pub fn between(&self, from: usize, to: usize) -> Leg {
+        self.sites[to].legs[self.sites[from].node.index()]
     }
 
-    /// Length (m) of the shortest path from one site to another; infinite where there is none.
-    pub fn between(&self, from: usize, to: usize) -> f64 {
-        self.sites[to].from_node[self.sites[from].node.index()]
+    /// The way from `p` to a site.
+    pub fn leg(&self, p: Point, site: usize) -> Leg {
+        self.approach(p, site).map_or(Leg::NONE, |found| found.leg)
     }
 
-    /// Length (m) of the shortest path from `p` to a site; infinite where there is none.
-    pub fn distance(&self, p: Point, site: usize) -> f64 {
-        self.approach(p, site).map_or(f64::INFINITY, |(_, length)| length)
-    }
-
-    /// Adds the shortest path from `p` to a site to `path`; returns false where there is none.
-    pub fn extend(&self, path: &mut Path, p: Point, site: usize) -> bool {
-        let goal = &self.sites[site];
-        let mut node = match self.approach(p, site) {
-            None => return false,
-            Some((Approach::Straight, _)) => {
-                path.line(p, goal.point);
-                return true;
+    /// The direction in which the way from `p` to a site begins; `None` where there is no way. From a point of the straight part: along it.
+    pub fn departure(&self, p: Point, site: usize) -> Option<Vector> {
+        match self.approach(p, site)?.approach {
+            Approach::Straight(join) if join.length <= NO_LENGTH => Some(-self.sites[site].straight.outward),
+            Approach::Straight(join) => Some((join.to - p) / join.length),
+            Approach::Around { ring, touch, from_angle, .. } if (touch - p).norm() <= NO_LENGTH => {
+                Some(left_of(direction(from_angle)) * turn(ring))
             }
-            Some((Approach::Around { ring, touch, from_angle, sweep, next }, _)) => {
+            Approach::Around { touch, .. } => Some((touch - p).normalize()),
+        }
+    }
+
+    /// Adds the way from `p` to a site to `path`; returns where on the site it ends, `None` where there is no way.
+    pub fn extend(&self, path: &mut Path, p: Point, site: usize) -> Option<Point> {
+        let goal = &self.sites[site];
+        let mut node = match self.approach(p, site)?.approach {
+            Approach::Straight(join) => {
+                // on the straight part up to rounding there is no way to it
+                if join.length > NO_LENGTH {
+                    path.line(p, join.to);
+                }
+                return Some(join.to);
+            }
+            Approach::Around { ring, touch, from_angle, sweep, next } => {
                 path.line(p, touch);
                 let Disc { center, radius, .. } = self.discs[ring / 2];
                 path.push(Piece::Arc { center, radius, from_angle, sweep });
                 next
             }
         };
-        while node != goal.node {
-            let Some(edge) = goal.onward[node.index()] else { return false };
+        loop {
+            let edge = goal.onward[node.index()]?;
             match self.graph[edge] {
                 Way::Line { from, to, .. } => path.line(from, to),
+                Way::Join { from, join } => {
+                    path.line(from, join.to);
+                    return Some(join.to);
+                }
                 Way::Arc { disc, from_angle, sweep, .. } => {
                     let Disc { center, radius, .. } = self.discs[disc];
                     path.push(Piece::Arc { center, radius, from_angle, sweep });
                 }
             }
-            let Some((_, next)) = self.graph.edge_endpoints(edge) else { return false };
-            node = next;
+            node = self.graph.edge_endpoints(edge)?.1;
         }
-        true
     }
 
-    fn approach(&self, p: Point, site: usize) -> Option<(Approach, f64)> {
+    fn approach(&self, p: Point, site: usize) -> Option<Found> {
         let goal = &self.sites[site];
-        if self.space.is_clear(p, goal.point) {
-            return Some((Approach::Straight, (goal.point - p).norm()));
+        let straight = &goal.straight;
+        let direct = straight.best_join(p);
+        let joined = |room: f64| direct.filter(|join| self.space.can_join_by(p, join.to, straight, room));
+        if let Some(join) = joined(self.space.clearance) {
+            return Some(Found::straight(join));
         }
         self.approach_around(p, goal, self.space.clearance).or_else(|| {
             // a team that stands nearer to an obstacle than it should may leave along it
             let room = self.space.clearance_at(p).min(self.space.clearance);
-            if self.space.is_clear_by(p, goal.point, room) {
-                return Some((Approach::Straight, (goal.point - p).norm()));
+            if let Some(join) = joined(room) {
+                return Some(Found::straight(join));
             }
             self.approach_around(p, goal, room)
         })
     }
 
-    fn approach_around(&self, p: Point, goal: &Site, clearance: f64) -> Option<(Approach, f64)> {
-        let mut best: Option<(Approach, f64)> = None;
+    fn approach_around(&self, p: Point, goal: &Site, clearance: f64) -> Option<Found> {
+        // the far end of the straight part may be in sight where the best place to join it is not
+        let portal = goal.straight.join_at_portal(p);
+        let in_sight = goal.straight.reach > 0.0 && self.space.is_clear_by(p, portal.to, clearance);
+        let mut best = in_sight.then(|| Found::straight(portal));
         for &(ring, nearest) in &goal.rings {
-            let shortest = best.map_or(f64::INFINITY, |(_, length)| length);
-            if nearest >= shortest {
+            let cheapest = best.map_or(f64::INFINITY, |found| found.cost);
+            if nearest >= cheapest {
                 break;
             }
             let disc = &self.discs[ring / 2];
             let least = (p - disc.center).norm() - disc.radius;
-            if nearest + least.max(0.0) >= shortest {
+            if nearest + least.max(0.0) >= cheapest {
                 continue;
             }
             let (mut touch, mut to_touch) = disc.bend(turn(ring)).touch_from(p);
@@ -285,14 +404,16 @@ impl Roadmap {
             }
             let from_angle = angle_of(touch - disc.center);
             let Some((next, sweep, known_open)) = self.next_stop(ring, from_angle) else { continue };
-            let onward = goal.from_node[next.index()];
-            let length = to_touch + disc.radius * sweep.abs() + onward;
-            if length < shortest
+            let Leg { length: onward, depth } = goal.legs[next.index()];
+            let to_next = to_touch + disc.radius * sweep.abs();
+            let cost = to_next + goal.from_node[next.index()];
+            if cost < cheapest
                 && disc.is_taut(from_angle)
                 && self.space.is_clear_by(p, touch, clearance)
                 && (known_open || self.space.is_arc_clear(disc, from_angle, sweep))
             {
-                best = Some((Approach::Around { ring, touch, from_angle, sweep, next }, length));
+                let approach = Approach::Around { ring, touch, from_angle, sweep, next };
+                best = Some(Found { approach, cost, leg: Leg { length: to_next + onward, depth } });
             }
         }
         best

@@ -1,6 +1,7 @@
 //! Obstacles, barriers and a clearance in; whether a line or an arc can be walked out.
 
 use super::disc::{Disc, arc_crosses};
+use super::straight::Straight;
 use crate::geometry::{Bounds, Footprint, Point, segments_meet};
 use std::f64::consts::PI;
 
@@ -47,6 +48,19 @@ impl Space {
     /// Whether the straight way from `a` to `b` crosses a barrier.
     pub fn crosses_barrier(&self, a: Point, b: Point) -> bool {
         self.barriers.iter().any(|[c, d]| segments_meet(a, b, *c, *d, SLACK))
+    }
+
+    /// Whether the team can walk straight from `p` onto a straight part: its own gap, which may be as near as rounding, is not in the way.
+    pub fn can_join(&self, p: Point, to: Point, straight: &Straight) -> bool {
+        self.can_join_by(p, to, straight, self.clearance)
+    }
+
+    /// As [`Space::can_join`], with another clearance, m.
+    pub fn can_join_by(&self, p: Point, to: Point, straight: &Straight, clearance: f64) -> bool {
+        let in_front = straight.depth(p) >= 0.0;
+        let mut others =
+            self.barriers.iter().enumerate().filter(|(i, _)| !(in_front && straight.barrier == Some(*i)));
+        self.keeps(p, to, clearance - SLACK) && !others.any(|(_, [c, d])| segments_meet(p, to, *c, *d, SLACK))
     }
 
     /// Distance (m) from `p` to the nearest obstacle.

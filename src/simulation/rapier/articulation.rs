@@ -210,6 +210,12 @@ impl Articulation {
         Measured { configuration, rim_speeds: self.rim_speeds(world), joint_rates, joint_efforts }
     }
 
+    /// The largest share of its effort limit that a motor exerted in the last step.
+    pub fn effort_share(&self, world: &PhysicsWorld) -> f64 {
+        let share = |motor: &Motor| motor.state(world).map_or(0.0, |(at, rate)| motor.share(at, rate));
+        self.motors.iter().map(share).fold(0.0, f64::max)
+    }
+
     /// `world_from_grasp`.
     pub fn grasp(&self, world: &PhysicsWorld) -> Pose {
         let (body, at) = self.gripper;

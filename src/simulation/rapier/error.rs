@@ -45,4 +45,26 @@ pub enum PhysicsError {
         /// m.
         y: f64,
     },
+    /// The human has no room where an option ends.
+    #[error(
+        "{file}: no room at the target: where option `{option}` ends, the human walks on to ({x:.3}, {y:.3}) and is {distance:.3} m from obstacle `{obstacle}` on the way; leave {needed} m on either side, as far as {ahead:.2} m beyond target_m"
+    )]
+    NoRoomAtTarget {
+        /// The world file.
+        file: String,
+        /// The option.
+        option: String,
+        /// Where the human comes to stand, m.
+        x: f64,
+        /// m.
+        y: f64,
+        /// The obstacle.
+        obstacle: String,
+        /// How near the human comes to it, m.
+        distance: f64,
+        /// How near the middle of a human may come to an obstacle, m.
+        needed: f64,
+        /// How far beyond the target the human comes, m.
+        ahead: f64,
+    },
 }

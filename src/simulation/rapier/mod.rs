@@ -14,6 +14,7 @@ mod motor;
 mod observation;
 mod parts;
 mod ramp;
+mod sample;
 mod scene;
 mod settings;
 mod tally;
@@ -22,6 +23,7 @@ mod touch;
 pub use error::PhysicsError;
 pub use human::HumanCommand;
 pub use observation::{Clearance, Clearances, Contact, Failure, Forces, Observation, Part, Party, Wrench};
+pub use sample::sample_motion;
 pub use settings::{HumanSettings, PhysicsSettings};
 
 use super::convert;
@@ -152,6 +154,7 @@ impl PhysicalPlant {
             rim_speeds: measured.rim_speeds,
             joint_rates: measured.joint_rates,
             joint_efforts: measured.joint_efforts,
+            effort_share: self.tally.effort_share(),
             wheel_angles: self.robot.wheel_angles(),
             grasp: self.robot.grasp(&self.world),
             object: pose(self.object),
@@ -194,6 +197,7 @@ impl PhysicalPlant {
         self.steps += 1;
         self.check()?;
         self.robot.roll(&self.world, dt);
+        self.tally.add_effort(self.robot.effort_share(&self.world));
         let holds = [self.gripper.hold(&self.world, &gripper, dt)?, self.hand.hold(&self.world, &hand, dt)?];
         let velocity = convert::vector(self.world.bodies.get(self.object)?.linvel());
         self.tally.add(&holds, velocity, dt);

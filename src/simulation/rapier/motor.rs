@@ -14,6 +14,8 @@ const STIFFNESS_PER_EFFORT: f64 = 300.0;
 const STIFFNESS_PER_DAMPING: f64 = 50.0;
 /// Effort that a motor without a limit is made for, Nm or N.
 const UNLIMITED_EFFORT: f64 = 200.0;
+/// Stands for no limit, Nm or N: infinity cannot be written down.
+const NO_LIMIT: f64 = 1e9;
 /// How far a joint's reference may run ahead of the joint while the motor is too weak, rad or m: what is beyond is given up.
 const WINDUP: f64 = 0.02;
 /// How near to its limit a joint is stopped, rad or m.
@@ -43,8 +45,7 @@ pub(super) struct Motor {
 impl Motor {
     /// The motor of `joint`, which is or follows the robot's arm joint `driver`.
     pub fn new(handle: MultibodyJointHandle, joint: &Joint, driver: usize, robot: &Robot) -> Self {
-        // infinity cannot be written down
-        let effort = if joint.limits.effort > 0.0 { joint.limits.effort.min(1e9) } else { 1e9 };
+        let effort = if joint.limits.effort > 0.0 { joint.limits.effort.min(NO_LIMIT) } else { NO_LIMIT };
         let stiffness = STIFFNESS_PER_EFFORT * effort.min(UNLIMITED_EFFORT);
         let ArmJoint { lower, upper, .. } = robot.joints[driver];
         Self {
@@ -98,6 +99,11 @@ impl Motor {
     /// What it exerted in the last step, which ended with this position and rate: it is implicit, so that this is exact.
     pub fn effort(&self, position: f64, rate: f64) -> f64 {
         self.stiffness * (self.rest - position) - self.damping * rate
+    }
+
+    /// That effort as a share of its limit; 0 without one.
+    pub fn share(&self, position: f64, rate: f64) -> f64 {
+        if self.most < NO_LIMIT { self.effort(position, rate).abs() / self.most } else { 0.0 }
     }
 
     /// Sets the spring for a step of `dt` seconds, toward a position and a rate. The effort, which is implicit, is cut to its limit as if the

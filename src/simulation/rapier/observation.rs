@@ -16,8 +16,12 @@ pub struct Observation {
     pub rim_speeds: [f64; 2],
     /// Measured joint rates, rad/s or m/s.
     pub joint_rates: JointVector,
-    /// What the joints' motors exerted in the last step, Nm or N. A change of rate within a step adds a little to the limit of the effort.
+    /// What the joints' motors exerted in the last step, Nm or N. See `effort_share` for how exactly they keep their limits.
     pub joint_efforts: JointVector,
+    /// The most that a motor exerted in a step of the period, as a share of the URDF's effort limit; 0 without such limits. It may come to
+    /// somewhat more than 1: a motor is cut to its limit as if its joint kept its rate during a physics step, and what it exerts follows from
+    /// the rate that the joint comes to.
+    pub effort_share: f64,
     /// How far the wheels have turned since the start, rad: left, right.
     pub wheel_angles: [f64; 2],
     /// `world_from_grasp`.

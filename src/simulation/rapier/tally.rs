@@ -12,6 +12,7 @@ pub(super) struct Tally {
     pub touches: Touches,
     grips: [Sum; 2],
     squared_jerk: f64,
+    effort_share: f64,
     /// Velocity (m/s) and acceleration (m/s^2) of the object after the last step; kept from one period to the next.
     velocity: Vector3<f64>,
     acceleration: Vector3<f64>,
@@ -37,6 +38,7 @@ impl Tally {
     pub fn begin(&mut self) {
         self.touches.clear();
         self.squared_jerk = 0.0;
+        self.effort_share = 0.0;
         for sum in &mut self.grips {
             *sum = Sum { last: sum.last, ..Sum::default() };
         }
@@ -52,12 +54,22 @@ impl Tally {
         (self.velocity, self.acceleration) = (velocity, acceleration);
     }
 
+    /// Adds the largest share of its limit that a motor exerted in a step.
+    pub fn add_effort(&mut self, share: f64) {
+        self.effort_share = self.effort_share.max(share);
+    }
+
     pub fn gripper(&self) -> Forces {
         self.grips[0].forces()
     }
 
     pub fn hand(&self) -> Forces {
         self.grips[1].forces()
+    }
+
+    /// The largest share of its limit that a motor exerted.
+    pub fn effort_share(&self) -> f64 {
+        self.effort_share
     }
 
     /// Integral of the squared jerk, m^2/s^5.

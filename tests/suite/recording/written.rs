@@ -4,10 +4,12 @@ use super::{carrier, decoded, encoded, example, messages, path, rapier};
 use crate::support::{cocarry, json, repository, stderr, stdout};
 use cocarry::episode::Tick;
 use cocarry::geometry::Pose;
-use cocarry::recording::{Channel, Contents, Encoder, Message, Reader};
+use cocarry::recording::{Channel, Contents, Definition, Encoder, Message, Reader};
 use cocarry::robot::Robot;
 use cocarry::scenario::Plant;
+use jsonschema::Validator;
 use serde_json::Value;
+use std::collections::BTreeMap;
 
 #[test]
 fn what_is_read_is_what_was_written() {
@@ -75,8 +77,18 @@ fn frames_and_figures_are_those_of_the_episode() {
             let recorded = &value["options"][o];
             assert_eq!(recorded["probability"].as_f64(), Some(option.probability));
             let expected = Some(option.expected).filter(|e| e.is_finite());
-            assert_eq!(recorded["expected_m"].as_f64(), expected, "what is no number is null");
+            assert_eq!(recorded["expected_subjective"].as_f64(), expected, "what is no number is left out");
         }
+    }
+    assert_eq!(of(Channel::Preparation).count(), ticks.len());
+    for (message, tick) in of(Channel::Preparation).zip(&ticks) {
+        let value = decoded(message);
+        let references = value["references"].as_array().unwrap();
+        let prepared = tick.robot.unwrap().preparation;
+        assert_eq!(references.len(), if prepared.is_some() { tick.options.len() } else { 1 });
+        assert!(references.iter().all(|r| r["s"].as_array().is_some_and(|s| s.len() == 48)));
+        let chosen = prepared.map(|p| &value["candidates"][p.candidate]["q"]);
+        assert!(chosen.is_none_or(|chosen| *chosen == value["target"]), "{value}");
     }
     let said: Vec<String> =
         of(Channel::Log).map(|m| decoded(m)["message"].as_str().unwrap().to_owned()).collect();
@@ -85,40 +97,85 @@ fn frames_and_figures_are_those_of_the_episode() {
     }
 }
 
-/// Every JSON message has just the fields of its schema, of the types that it says.
-#[test]
-fn json_messages_are_as_their_schemas_say() {
-    fn check(schema: &Value, value: &Value, path: &str) {
-        let nullable = schema["nullable"] == true;
-        assert!(schema["description"].is_string() || path.is_empty() || path.ends_with("[]"), "{path}");
-        match schema["type"].as_str().unwrap_or_else(|| panic!("{path}: one plain type")) {
-            _ if value.is_null() => assert!(nullable, "{path} is null"),
-            "number" => assert!(value.is_number(), "{path}: {value}"),
-            "integer" => assert!(value.is_u64(), "{path}: {value}"),
-            "string" => assert!(value.is_string(), "{path}: {value}"),
-            "boolean" => assert!(value.is_boolean(), "{path}: {value}"),
-            "array" => {
-                for item in value.as_array().unwrap() {
-                    check(&schema["items"], item, &format!("{path}[]"));
-                }
-            }
-            "object" => {
-                let (fields, known) = (value.as_object().unwrap(), schema["properties"].as_object().unwrap());
-                assert!(fields.keys().eq(known.keys()), "{path}: {:?}", fields.keys());
-                fields.iter().for_each(|(key, value)| check(&known[key], value, &format!("{path}.{key}")));
-            }
-            other => panic!("{path}: {other}"),
+/// The validators of the schemas of JSON channels, by topic; a schema must use only what Foxglove reads.
+#[derive(Default)]
+struct Schemas(BTreeMap<String, (Value, Validator)>);
+
+impl Schemas {
+    fn check(&mut self, channel: &Definition, data: &[u8]) {
+        let (schema, validator) = self.0.entry(channel.topic.clone()).or_insert_with(|| {
+            let text = &channel.schema.as_ref().expect("a schema").data;
+            let schema = serde_json::from_slice(text).expect("JSON");
+            assert!(jsonschema::meta::is_valid(&schema), "{} is no JSON Schema", channel.topic);
+            let validator = jsonschema::validator_for(&schema).expect("a JSON Schema");
+            (schema, validator)
+        });
+        let message = serde_json::from_slice(data).expect("JSON");
+        if let Some(error) = validator.iter_errors(&message).next() {
+            panic!("{}: {error} at `{}`: {message}", channel.topic, error.instance_path());
         }
+        only_declared(schema, &message, &channel.topic);
     }
+}
+
+/// A message has no field that its schema does not describe, and every description has one plain type.
+fn only_declared(schema: &Value, value: &Value, path: &str) {
+    assert!(schema["type"].is_string(), "{path}: one plain type");
+    match value {
+        Value::Object(fields) => {
+            for (key, value) in fields {
+                let path = format!("{path}.{key}");
+                let property = &schema["properties"][key];
+                assert!(property["description"].is_string(), "{path} is not in the schema");
+                only_declared(property, value, &path);
+            }
+        }
+        Value::Array(items) => items.iter().for_each(|item| only_declared(&schema["items"], item, path)),
+        _ => {}
+    }
+}
+
+#[test]
+fn json_messages_satisfy_their_schemas_on_every_plant() {
+    let mut schemas = Schemas::default();
     let mut checked = 0;
     for plant in [Plant::Point, Plant::Kinematic { carrier: carrier() }, rapier()] {
         for message in encoded(example(plant), |_| {}).1.iter().filter(|m| m.channel.encoding() == "json") {
-            let schema: Value = serde_json::from_slice(&message.channel.schema().data).unwrap();
-            check(&schema, &decoded(message), "");
+            schemas.check(&Definition::of(message.channel), &message.data);
             checked += 1;
         }
     }
     assert!(checked > 1000);
+    assert_eq!(schemas.0.len(), 6);
+}
+
+#[test]
+fn json_messages_of_the_reference_recordings_satisfy_the_schemas_in_them() {
+    let mut checked = 0;
+    for environment in 1..=4 {
+        let file = repository(&format!("recordings/environment-{environment}.mcap"));
+        let mut reader = Reader::open(&file).expect("a recording");
+        let mut schemas = Schemas::default();
+        while let Some(entry) = reader.next().expect("a whole recording") {
+            if let Some(message) = entry.message().filter(|m| m.channel.encoding == "json") {
+                schemas.check(message.channel, message.data);
+                checked += 1;
+            }
+        }
+    }
+    assert!(checked > 2000);
+}
+
+/// What a message leaves out has its column in a table all the same.
+#[test]
+fn a_table_has_a_column_for_every_field_of_the_schema() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "point.mcap");
+    json(&["run", "--plant", "point", "--record", &file, "--json"]);
+    let table = stdout(&cocarry(&["inspect", &file, "--csv", "/cost"]));
+    let (heading, rest) = table.split_once('\n').expect("a heading");
+    assert!(heading.contains("control") && heading.contains("robot_work_j"), "{heading}");
+    assert!(rest.lines().all(|line| line.split(',').count() == heading.split(',').count()));
 }
 
 #[test]

@@ -5,7 +5,7 @@ mod redraws;
 mod studies;
 
 use crate::support::{cocarry, json, repository, stderr, stdout};
-use cocarry::experiments::{mean_and_std, paired_p_value};
+use cocarry::experiments::statistics::{mean_and_std, paired_p_value};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -150,6 +150,12 @@ fn a_row_is_what_run_says_of_the_same_episode() {
         ("time_s", "/time_s"),
         ("walked_m", "/walked_m"),
         ("accumulated_objective_cost_m", "/accumulated_objective_cost_m"),
+        ("final_stubbornness", "/final_stubbornness"),
+        ("final_discomfort", "/final_discomfort"),
+        ("share_off_preference", "/share_off_preference"),
+        ("accumulated_subjective_cost", "/accumulated_subjective_cost"),
+        ("changes_of_mind", "/changes_of_mind"),
+        ("preference_switches", "/preference_switches"),
         ("preferred_at_start", "/preferred_at_start"),
         ("first_option", "/first_option"),
         ("last_option", "/last_option"),
@@ -160,6 +166,7 @@ fn a_row_is_what_run_says_of_the_same_episode() {
         ("control_cost", "/control/cost"),
         ("control_pose", "/control/pose"),
         ("position_error_rms_m", "/control/position_error_rms_m"),
+        ("largest_position_error_m", "/control/largest_position_error_m"),
         ("constrained_steps", "/control/constrained_steps"),
         ("pose_changes", "/control/pose_changes"),
         ("least_base_clearance_m", "/control/least_base_clearance_m"),
@@ -167,6 +174,10 @@ fn a_row_is_what_run_says_of_the_same_episode() {
         ("peak_force_n", "/interaction/peak_force_n"),
         ("human_work_j", "/interaction/human_work_j"),
         ("squared_jerk_m2_per_s5", "/interaction/squared_jerk_m2_per_s5"),
+        ("largest_effort_share", "/interaction/largest_effort_share"),
+        ("lost_by", "/loss/by"),
+        ("lost_at_step", "/loss/step"),
+        ("lost_distance_m", "/loss/distance_m"),
         ("collision_of", "/collision/between/0/party"),
         ("collision_with_part", "/collision/between/1/name"),
         ("collision_x_m", "/collision/point_m/0"),
@@ -394,9 +405,70 @@ fn the_summary_is_that_of_the_rows() {
     let pair = compared.iter().find(|c| is_same(&c["inputs"])).expect("a comparison");
     assert_eq!((&pair["first"], &pair["second"]), (&"mutual".into(), &"without-model".into()));
     near(&pair["difference"]["mean"], mean - mean_and_std(&without).0);
-    near(&pair["p_value"], paired_p_value(&mutual, &without).expect("a p-value"));
+    let paired = &pair["difference"];
+    near(&paired["p_value"], paired_p_value(&mutual, &without).expect("a p-value"));
+    near(&paired["effect_size"], paired["mean"].as_f64().unwrap() / paired["std"].as_f64().unwrap());
     let lower = mutual.iter().zip(&without).filter(|(a, b)| a < b).count();
     near(&pair["share_lower"], lower as f64 / 6.0);
+}
+
+/// Holm's correction against its definition, for all comparisons of a summary; humans who are all the same are one outcome.
+#[test]
+fn comparisons_are_corrected_and_only_made_where_humans_differ() {
+    let bench = Bench::new(STUDY);
+    let output = bench.good(&["study.toml", "--json"]);
+    let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let compared = told["summary"]["comparisons"].as_array().expect("comparisons");
+    let of = |c: &Value, key: &str| c["difference"][key].as_f64();
+    let mut tested: Vec<[f64; 2]> =
+        compared.iter().filter_map(|c| Some([of(c, "p_value")?, of(c, "p_holm")?])).collect();
+    tested.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    assert!(tested.len() > 2);
+    let mut largest = 0.0_f64;
+    for (i, [p, holm]) in tested.iter().enumerate() {
+        largest = largest.max((p * (tested.len() - i) as f64).min(1.0));
+        assert_eq!(*holm, largest);
+    }
+    let mut alike = 0;
+    for c in compared.iter().filter(|c| c["inputs"]["humans"] == "same") {
+        assert_eq!(c["difference"]["n"], 6);
+        for key in ["interval", "effect_size", "p_value", "p_holm"] {
+            assert!(c["difference"][key].is_null(), "{c}");
+        }
+        alike += 1;
+    }
+    assert_eq!(alike, 4);
+    let said = stdout(&bench.good(&["--summary", "study.csv"]));
+    let said_of = format!("Holm's method for the {} comparisons tested", tested.len());
+    assert!(said.contains(&said_of) && said.contains("all make the same choices"), "{said}");
+}
+
+/// With bodies, humans who all go the same way still cost differently, by the noise of their gait: that is no sample of humans.
+#[test]
+fn the_noise_of_the_gait_is_not_tested() {
+    let study = r#"worlds = "environment-1"
+plants = "rapier"
+methods = "human-led"
+pose = ["none", "arm"]
+seeds = 3
+[[human]]
+name = "same"
+alpha = 0.747
+gamma = 0.765
+"#;
+    let bench = Bench::new(study);
+    let output = bench.good(&["study.toml", "--json"]);
+    let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let compared = told["summary"]["comparisons"].as_array().expect("comparisons");
+    let control = compared.iter().find(|c| c["cost"] == "control_cost").expect("a comparison");
+    let paired = &control["difference"];
+    assert!(paired["n"] == 3 && paired["std"].as_f64().expect("noise") > 0.0, "{paired}");
+    for key in ["interval", "effect_size", "p_value", "p_holm"] {
+        assert!(paired[key].is_null(), "{paired}");
+    }
+    for group in told["summary"]["groups"].as_array().expect("groups") {
+        assert!(group["control_cost"]["interval"].is_null() && group["control_cost"]["std"].is_f64());
+    }
 }
 
 #[test]

@@ -1,0 +1,91 @@
+//! The stamp of this machine's arithmetic: a checksum of the results of fixed calculations.
+//!
+//! Recordings, rows of sweeps and snapshots carry it. Machines with the same stamp and the same version of the program give the same bits; with
+//! another stamp (another processor architecture, compiler or version of a dependency) the last bits differ, and the comparison says so. It covers
+//! every function of [`math`], nalgebra's rotations and decompositions, a quadratic program of clarabel's, and rapier's steps of bodies with
+//! contacts and of a multibody.
+
+use crate::control::Qp;
+use crate::geometry::rotation_vector;
+use crate::math;
+use crate::simulation;
+use nalgebra::{Matrix3, Matrix6, Rotation3, UnitQuaternion, Vector3};
+use std::sync::OnceLock;
+
+/// The stamp: eight hexadecimal digits. It is calculated once, in about a millisecond.
+pub fn stamp() -> &'static str {
+    static STAMP: OnceLock<String> = OnceLock::new();
+    STAMP.get_or_init(|| {
+        let results = [functions(), linear_algebra(), quadratic_program(), simulation::sample_motion()];
+        digest(results.iter().flatten())
+    })
+}
+
+fn digest<'a>(results: impl Iterator<Item = &'a f64>) -> String {
+    let mut checksum = crc32fast::Hasher::new();
+    for result in results {
+        // the bits of what is not a number mean nothing
+        let bits = if result.is_nan() { u64::MAX } else { result.to_bits() };
+        checksum.update(&bits.to_le_bytes());
+    }
+    format!("{:08x}", checksum.finalize())
+}
+
+/// Arguments from tiny to large, of both signs, that no function is likely to round the same way by chance.
+fn arguments() -> impl Iterator<Item = f64> {
+    (-60..=60).map(|i| f64::from(i) * (0.037 + f64::from(i * i) * 0.0071))
+}
+
+fn functions() -> Vec<f64> {
+    arguments().flat_map(math::sample).collect()
+}
+
+fn linear_algebra() -> Vec<f64> {
+    let mut results = Vec::new();
+    for x in arguments().step_by(10) {
+        let rotation = Rotation3::new(Vector3::new(0.3 * x, 1.0 - x, 0.7));
+        results.extend(rotation_vector(&rotation).iter());
+        let quaternion = UnitQuaternion::from_rotation_matrix(&rotation);
+        results.extend(quaternion.powf(0.3).coords.iter());
+        let symmetric = Matrix3::from_fn(|i, j| math::sin(x + (i + j) as f64));
+        results.extend(symmetric.symmetric_eigenvalues().iter());
+        let matrix = Matrix6::from_fn(|i, j| math::cos(x * (1 + i) as f64 - (j * j) as f64));
+        results.extend(matrix.singular_values().iter());
+        results.extend(matrix.try_inverse().unwrap_or_default().iter());
+    }
+    results
+}
+
+fn quadratic_program() -> Vec<f64> {
+    const N: usize = 6;
+    let entry = |i: usize, j: usize| math::cos((i * j) as f64) + if i == j { 6.0 } else { 0.0 };
+    let matrix: Vec<f64> = (0..N * N).map(|k| entry(k / N, k % N)).collect();
+    let linear: Vec<f64> = (0..N).map(|i| math::sin(3.0 * i as f64) + 0.2).collect();
+    let mut minimiser = Vec::new();
+    match Qp::default().minimise(&matrix, &linear, &mut minimiser) {
+        true => minimiser,
+        false => vec![f64::NAN],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_part_has_results_and_one_bit_makes_another_stamp() {
+        let parts = [functions(), linear_algebra(), quadratic_program(), simulation::sample_motion()];
+        for (part, least) in parts.iter().zip([1000, 300, 6, 12]) {
+            let finite = part.iter().filter(|value| value.is_finite()).count();
+            assert!(finite >= least && finite * 10 > part.len() * 9, "{finite} of {}", part.len());
+        }
+        let mut results = parts.concat();
+        assert_eq!(digest(results.iter()), stamp());
+        for k in (0..results.len()).step_by(97) {
+            let before = results[k];
+            results[k] = f64::from_bits(before.to_bits() ^ 1);
+            assert!(results[k].is_nan() || digest(results.iter()) != stamp(), "value {k}");
+            results[k] = before;
+        }
+    }
+}

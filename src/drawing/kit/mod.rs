@@ -1,0 +1,178 @@
+//! The chart kit under every picture: text with measured widths, one palette, axes, marks, legends and the sizes they share.
+//!
+//! The kit is our own and writes through the `svg` crate; a charting crate was weighed and left. Most pictures here are
+//! maps, hatched regions and strips of marks, which no charting crate draws, so theirs would be a second axis engine beside
+//! this one. plotters, the candidate, also guesses SVG text widths without a system font library, rounds to whole pixels, and
+//! knows no subscripts and no legend outside the frame.
+
+mod axis;
+mod clutter;
+mod legend;
+mod marks;
+mod palette;
+mod text;
+
+pub(super) use axis::{Axis, Plot, Side};
+pub(super) use clutter::{Clutter, nearest};
+pub(super) use legend::{Legend, SAMPLE, level_sample, line_sample};
+pub(super) use marks::{Shape, mark, mean_bar, place};
+pub(super) use palette::{
+    BAND, FAINT, FAINT_WIDTH, GRID, INK, LineStyle, PAPER, RISK_COLOURS, STRIPE, risk_colour, width_by_rank,
+    widths_by_probability,
+};
+pub(super) use text::{Align, Text, number, printable};
+
+use super::WIDTH;
+use crate::geometry::{Bounds, Point, Vector};
+use svg::Document;
+use svg::node::element::{Circle, Element, Group, Path, Rectangle};
+
+/// Font sizes, px: titles; everything else.
+pub(super) const TITLE_SIZE: f64 = 19.0;
+pub(super) const TEXT_SIZE: f64 = 16.5;
+
+/// Room at the sides of a picture, px.
+pub(super) const MARGIN: f64 = 20.0;
+/// Room left of a frame for the numbers and the title of its vertical axis, px.
+pub(super) const LEFT_ROOM: f64 = 78.0;
+/// Room above a frame for its title, and below it for the numbers and the title of its horizontal axis, px.
+pub(super) const TITLE_ROOM: f64 = 38.0;
+pub(super) const AXIS_ROOM: f64 = 58.0;
+/// Distance between one thing and the next, px.
+pub(super) const GAP: f64 = 10.0;
+
+/// Width of frames and ticks, and of lines that mark a value, px.
+const FRAME_WIDTH: f64 = 1.2;
+const GUIDE_WIDTH: f64 = 1.6;
+
+/// An empty white picture.
+pub(super) fn document(height: f64) -> Document {
+    let paper = Bounds { min: Point::origin(), max: Point::new(WIDTH, height) };
+    Document::new()
+        .set("width", px(WIDTH))
+        .set("height", px(height))
+        .set("viewBox", format!("0 0 {} {}", px(WIDTH), px(height)))
+        .set("font-family", text::FONTS)
+        .add(rectangle(paper).set("fill", PAPER))
+}
+
+/// A picture of panels, two in a row: `draw` is given the frame and returns the y at which the panel ends.
+pub(super) fn in_two_columns<P>(
+    panels: &[P],
+    frame_height: f64,
+    draw: impl Fn(&P, Bounds) -> (Group, f64),
+) -> String {
+    const PITCH: f64 = WIDTH / 2.0;
+    let mut drawn = Vec::new();
+    let mut top: f64 = 0.0;
+    for row in panels.chunks(2) {
+        let mut lowest = top;
+        for (column, panel) in row.iter().enumerate() {
+            let min = Point::new(LEFT_ROOM + column as f64 * PITCH, top + TITLE_ROOM);
+            let size = Vector::new(PITCH - LEFT_ROOM - MARGIN, frame_height);
+            let (group, bottom) = draw(panel, Bounds { min, max: min + size });
+            drawn.push(group.set("class", "panel"));
+            lowest = lowest.max(bottom);
+        }
+        top = lowest + GAP;
+    }
+    drawn.into_iter().fold(document(top), Document::add).to_string()
+}
+
+/// A bold title above a frame, from `left` to the frame's right side at most.
+pub(super) fn frame_title(text: &str, left: f64, frame: Bounds) -> Element {
+    let at = Point::new(left, frame.min.y - 1.2 * GAP);
+    Text::new(text).bold().within(frame.max.x - left, TITLE_SIZE).at(at, TITLE_SIZE, Align::Left)
+}
+
+/// The left side of a frame whose rows have these labels, which get `most` px at most.
+pub(super) fn left_of_rows<'a>(labels: impl Iterator<Item = &'a str>, most: f64) -> f64 {
+    let widest = labels.map(|label| Text::new(label).width(TEXT_SIZE)).fold(0.0, f64::max);
+    (MARGIN + GAP + widest.min(most)).max(LEFT_ROOM)
+}
+
+/// What a row is called, left of the frame that begins at `left`; it is cut to the room up to the side of the picture.
+pub(super) fn row_label(text: &str, left: f64, middle: f64) -> Element {
+    let at = Point::new(left - GAP, middle + 0.35 * TEXT_SIZE);
+    Text::new(text).within(left - MARGIN - GAP, TEXT_SIZE).at(at, TEXT_SIZE, Align::Right)
+}
+
+/// Sentences below a picture from `top` (px) on, one a line, as small as the width asks for, and where they end.
+pub(super) fn notes<'a>(sentences: impl IntoIterator<Item = &'a str>, top: f64) -> (Group, f64) {
+    let mut bottom = top;
+    let mut group = Group::new();
+    for sentence in sentences {
+        let text = Text::new(sentence.trim());
+        let size = (0.85 * TEXT_SIZE).min(TEXT_SIZE * (WIDTH - 2.0 * MARGIN) / text.width(TEXT_SIZE));
+        bottom += 22.0;
+        group = group.add(text.at(Point::new(MARGIN, bottom - 6.0), size, Align::Left));
+    }
+    (group, bottom)
+}
+
+/// The outline of a frame.
+pub(super) fn border(frame: Bounds) -> Rectangle {
+    rectangle(frame).set("fill", "none").set("stroke", INK).set("stroke-width", FRAME_WIDTH)
+}
+
+/// A dashed line that marks a value.
+pub(super) fn guide(ends: [Point; 2]) -> Path {
+    stroke(&ends, INK, GUIDE_WIDTH).set("stroke-dasharray", "7 5")
+}
+
+/// The ends of an upright line from the top to the bottom of a frame.
+pub(super) fn upright(x: f64, frame: Bounds) -> [Point; 2] {
+    [Point::new(x, frame.min.y), Point::new(x, frame.max.y)]
+}
+
+/// The ends of a level line from the left to the right of a frame.
+pub(super) fn level(y: f64, frame: Bounds) -> [Point; 2] {
+    [Point::new(frame.min.x, y), Point::new(frame.max.x, y)]
+}
+
+/// A plain line.
+pub(super) fn stroke(points: &[Point], colour: &str, width: f64) -> Path {
+    Path::new()
+        .set("d", path_data(points))
+        .set("fill", "none")
+        .set("stroke", colour)
+        .set("stroke-width", px(width))
+        .set("stroke-linejoin", "round")
+}
+
+/// A closed outline, to be filled.
+pub(super) fn polygon(corners: &[Point]) -> Path {
+    Path::new().set("d", path_data(corners) + "Z")
+}
+
+pub(super) fn disc(center: Point, radius: f64) -> Circle {
+    Circle::new().set("cx", px(center.x)).set("cy", px(center.y)).set("r", px(radius))
+}
+
+pub(super) fn rectangle(bounds: Bounds) -> Rectangle {
+    Rectangle::new()
+        .set("x", px(bounds.min.x))
+        .set("y", px(bounds.min.y))
+        .set("width", px(bounds.size().x))
+        .set("height", px(bounds.size().y))
+}
+
+/// The `d` attribute of a line, less the points too close to be told apart.
+pub(super) fn path_data(points: &[Point]) -> String {
+    const CLOSE: f64 = 0.1;
+    let mut kept: Vec<Point> = Vec::new();
+    for (i, p) in points.iter().enumerate() {
+        if i + 1 == points.len() || kept.last().is_none_or(|last| (p - last).norm() > CLOSE) {
+            kept.push(*p);
+        }
+    }
+    let pairs: Vec<String> = kept.iter().map(|p| format!("{},{}", px(p.x), px(p.y))).collect();
+    format!("M{}", pairs.join("L"))
+}
+
+/// A coordinate or length of the picture, to a hundredth of a pixel.
+pub(super) fn px(value: f64) -> String {
+    let text = format!("{value:.2}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}

@@ -1,0 +1,84 @@
+//! Columns of a paired comparison, the same in every table, and what has to be known to read them.
+
+use crate::experiments::statistics::Paired;
+use crate::experiments::table::{Cell, Columns, Table};
+use serde_json::Value;
+
+/// Below this, a corrected p-value is called significant.
+pub(super) const LEVEL: f64 = 0.05;
+
+/// Whether a comparison is significant after Holm's correction.
+pub(super) fn is_significant(paired: &Paired) -> bool {
+    paired.p_holm.is_some_and(|p| p < LEVEL)
+}
+
+/// A p-value in words; a dash where nothing is tested.
+pub(super) fn rounded(p_value: Option<f64>) -> String {
+    match p_value {
+        None => "-".to_owned(),
+        Some(p) if p >= 1e-3 => format!("{p:.3}"),
+        Some(p) if p < 1e-300 => "< 1e-300".to_owned(),
+        Some(p) => format!("{p:.0e}"),
+    }
+}
+
+/// A mean difference with its interval; without an interval, that there is one outcome only.
+pub(super) fn difference(paired: &Paired, decimals: usize) -> String {
+    let mean = format!("{:+.decimals$}", paired.difference.mean);
+    match paired.difference.interval {
+        Some([lower, upper]) => format!("{mean} ({lower:+.decimals$} to {upper:+.decimals$})"),
+        None => format!("{mean} (one outcome)"),
+    }
+}
+
+/// Three columns: difference with interval, effect size, corrected p-value. `keys` begin with `prefix`; `unit` ends those of lengths.
+pub(super) fn compared<'a, R>(
+    columns: Columns<'a, R>,
+    heading: &str,
+    [prefix, unit]: [&str; 2],
+    of: impl Fn(&R) -> Option<Paired>,
+) -> Columns<'a, R> {
+    let keys = [
+        format!("{prefix}_pairs"),
+        format!("{prefix}_difference{unit}"),
+        format!("{prefix}_difference_lower{unit}"),
+        format!("{prefix}_difference_upper{unit}"),
+    ];
+    let dash = |cell: Option<String>| cell.unwrap_or_else(|| "-".to_owned());
+    columns
+        .column(heading, false, &keys.each_ref().map(String::as_str), |row| {
+            let paired = of(row);
+            let interval = paired.and_then(|p| p.difference.interval);
+            Cell {
+                shown: dash(paired.map(|p| difference(&p, 0))),
+                values: vec![
+                    paired.map(|p| p.difference.n).into(),
+                    paired.map(|p| p.difference.mean).into(),
+                    interval.map(|i| i[0]).into(),
+                    interval.map(|i| i[1]).into(),
+                ],
+            }
+        })
+        .column("d", false, &[&format!("{prefix}_effect_size")], |row| {
+            let effect = of(row).and_then(|p| p.effect_size);
+            Cell { shown: dash(effect.map(|d| format!("{d:+.2}"))), values: vec![effect.into()] }
+        })
+        .column("p (Holm)", false, &[&format!("{prefix}_p_value"), &format!("{prefix}_p_holm")], |row| {
+            let paired = of(row);
+            let [raw, holm]: [Option<f64>; 2] =
+                [paired.and_then(|p| p.p_value), paired.and_then(|p| p.p_holm)];
+            Cell { shown: rounded(holm), values: vec![Value::from(raw), holm.into()] }
+        })
+}
+
+/// The table with a note on its comparisons, of which so many are tested.
+pub(super) fn explained(table: Table, tested: usize, family: &str) -> Table {
+    table
+        .with_note(format!(
+            "Difference: mean over the humans, with its 95 % interval (Student's t); d: mean over standard deviation of the differences; p: two-sided paired t-test, corrected \
+             by Holm's method for the {tested} comparisons {family} that are tested."
+        ))
+        .with_note(
+            "One outcome: it does not vary between these humans, who all make the same choices; nothing is tested.",
+        )
+}

@@ -1,0 +1,95 @@
+//! The straight part of an opening on one side: where a path joins it.
+//!
+//! A path joins the straight part as far out as it can without doubling back: at the far end, or where it would otherwise turn by more than
+//! acos(-[`MOST_BACKWARD`]). That is where the path is cheapest if every metre of the straight part that it leaves out costs [`MOST_BACKWARD`]
+//! metres: moving the place where a line joins outward by ds makes the line longer by -cos(turn) ds.
+
+use super::Join;
+use crate::geometry::{Point, Vector, cross, left_of};
+
+/// How far back a path may lead, per metre, where it joins or leaves a straight part: minus the cosine of the largest turn there, 99.8 degrees. Ways along one wall, from
+/// opening to opening, turn by 90.
+pub(in crate::options) const MOST_BACKWARD: f64 = 0.17;
+
+/// The straight part on one side of an opening, or a point: a straight part without length.
+#[derive(Clone, Debug)]
+pub(in crate::options) struct Straight {
+    /// The middle of the gap.
+    pub center: Point,
+    /// Unit vector away from the gap.
+    pub outward: Vector,
+    /// How far it reaches, m.
+    pub reach: f64,
+    /// The barrier that closes its gap.
+    pub barrier: Option<usize>,
+}
+
+impl From<Point> for Straight {
+    fn from(center: Point) -> Self {
+        Self { center, outward: Vector::x(), reach: 0.0, barrier: None }
+    }
+}
+
+impl Straight {
+    /// Its far end.
+    pub fn portal(&self) -> Point {
+        self.at(self.reach)
+    }
+
+    /// Its point at a distance (m) from the gap.
+    pub fn at(&self, depth: f64) -> Point {
+        self.center + self.outward * depth
+    }
+
+    /// Distance (m) of `p` from the gap's line, positive on this side.
+    pub fn depth(&self, p: Point) -> f64 {
+        (p - self.center).dot(&self.outward)
+    }
+
+    /// The directions, from its left and from its right, in which lines join it that turn as far back as they may.
+    pub(super) fn backward(&self) -> impl Iterator<Item = Vector> + use<> {
+        let ahead = (1.0 - MOST_BACKWARD * MOST_BACKWARD).sqrt();
+        let (across, back) = (left_of(self.outward) * ahead, self.outward * MOST_BACKWARD);
+        let is_point = self.reach <= 0.0;
+        [back - across, back + across].into_iter().filter(move |_| !is_point)
+    }
+
+    /// Where the line from `p` in one of these directions joins it; `None` where it does not.
+    pub(super) fn join_along(&self, p: Point, along: Vector) -> Option<Join> {
+        let beside = cross(self.outward, p - self.center);
+        let toward = -cross(self.outward, along);
+        (beside * toward > 0.0).then(|| self.join_beside(p, beside.abs())).flatten()
+    }
+
+    /// Where a line from `p` joins it before its far end; `None` where that is at the far end, or `p` is behind the gap.
+    pub(super) fn join_from(&self, p: Point) -> Option<Join> {
+        self.join_beside(p, cross(self.outward, p - self.center).abs())
+    }
+
+    fn join_beside(&self, p: Point, beside: f64) -> Option<Join> {
+        let depth = self.ideal_depth(p, beside);
+        (0.0 <= depth && depth < self.reach).then(|| self.join(p, self.at(depth), depth))
+    }
+
+    /// Where the axis, endless, would be joined from a point `beside` (m) it.
+    fn ideal_depth(&self, p: Point, beside: f64) -> f64 {
+        self.depth(p) + beside * MOST_BACKWARD / (1.0 - MOST_BACKWARD * MOST_BACKWARD).sqrt()
+    }
+
+    /// Where a line from `p` joins it best; `None` from behind the gap, where that is not along a straight line.
+    pub(super) fn best_join(&self, p: Point) -> Option<Join> {
+        let is_behind =
+            || self.reach > 0.0 && self.ideal_depth(p, cross(self.outward, p - self.center).abs()) < 0.0;
+        self.join_from(p).or_else(|| (!is_behind()).then(|| self.join_at_portal(p)))
+    }
+
+    /// The line from `p` to the far end.
+    pub(super) fn join_at_portal(&self, p: Point) -> Join {
+        self.join(p, self.portal(), self.reach)
+    }
+
+    fn join(&self, p: Point, to: Point, depth: f64) -> Join {
+        let length = (to - p).norm();
+        Join { to, length, depth, cost: length + MOST_BACKWARD * (self.reach - depth) }
+    }
+}
