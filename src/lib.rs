@@ -4,6 +4,11 @@
 //! Preference Uncertainty*, and reproduces its tables. Equation numbers in this documentation are that paper's. The command-line program of
 //! the same name does all that the library does; see its `--help` and the README.
 //!
+//! # Bring your own partner
+//!
+//! A lab puts in its own [`policy::RobotPolicy`], [`human::Human`] or plant ([`team::Team`]) without touching this crate: see
+//! `examples/own_policy.rs` and `examples/own_human.rs`.
+//!
 //! # Floors
 //!
 //! Data flows upward, and a file uses only floors below its own (`tests/suite/floors.rs` checks it):
@@ -12,19 +17,22 @@
 //! cli            arguments -> text, tables, JSON, files
 //! experiments    one file per claim or table of the paper
 //! drawing        maps and curves as SVG
-//! recording      an episode as an MCAP file, and back; live, to those who watch
-//! scenario       all that settles an episode, as text; snapshots of one under way; from either the episode again
-//! arithmetic     the stamp that says which machines give the same bits
-//! episode        THE LOOP: observe, evaluate, predict, accumulate, decide, choose, prepare, control, walk
-//! simulation     what the controller acts on: exact kinematics, or bodies with dynamics and contacts
+//! recording      an episode as an MCAP file, and back; live viewing
+//! scenario       everything that defines an episode, as text; snapshots; from either the episode again
+//! episode        THE LOOP: observe, evaluate, predict, ask the human, ask the policy, execute, control, walk
+//! team           the plants: point, kinematic, physical; the robot's controller; how a team walks and turns
+//! policy         the robot's policies: who leads, on which option, by which motion
+//! human          the human's models: which option, whether to take over, where the hand goes
+//! arithmetic     the conformance stamp: a digest of fixed results
+//! simulation     exact kinematics, or bodies with dynamics and contacts
 //! control        MPC, pose optimisation, the human's intent
-//! coordination   stubbornness phi(k), the mode, the robot's choice
+//! coordination   stubbornness phi(k), the two modes, eq. (6)
 //! preference     perception of risk and distance, P_o, expected subjective cost
 //! options        openings in order, D_o and S_o from anywhere, shortest paths
 //! world          a TOML file -> obstacles, openings, start, target
 //! robot          a TOML file and a URDF -> drive, arm, grasp; forward kinematics and B(q)
 //! geometry       points, poses, outlines, paths
-//! math           transcendental functions, the same bits everywhere
+//! math, saved    transcendental functions, the same bits everywhere; saved states
 //! ```
 //!
 //! # Notation
@@ -44,7 +52,7 @@
 //! | P_o, eq. (4) | [`preference::ChoiceDistribution`] | - |
 //! | R_o (Sec. IV-A) | [`preference::Regions`] | - |
 //! | J~_o, eq. (6) | [`preference::Predictor::expected_costs`] | - |
-//! | phi(k), g(k), eta, eq. (5) | [`coordination::Coordinator`], [`coordination::Settings`] | - |
+//! | phi(k), g(k), eta, eq. (5) | [`coordination::Stubbornness`], [`coordination::Settings`] | - |
 //! | omega_o(k) | [`coordination::is_misaligned`] | - |
 //! | o*(k), eq. (6) | [`coordination::robot_choice`] | - |
 //! | q, q_c | [`robot::Configuration`] | m, rad |

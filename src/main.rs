@@ -1,4 +1,4 @@
-//! Arguments in; the command's output and exit code out.
+//! The `cocarry` program.
 
 use std::process::ExitCode;
 

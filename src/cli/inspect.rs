@@ -1,4 +1,4 @@
-//! `cocarry inspect`: a recording in; what is in it as text or JSON, a channel as CSV, or the picture of the episode out.
+//! `cocarry inspect`: shows what is in a recording, as text, JSON, CSV or a picture.
 
 use super::output::{Failure, input, print, print_json, table, table_text, write_file};
 use crate::drawing::{self, Track};

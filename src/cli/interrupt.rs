@@ -1,4 +1,4 @@
-//! Ctrl-C in; whether the user wants a run to stop out.
+//! Whether the user has asked a run to stop.
 
 use super::output::Failure;
 use anyhow::anyhow;

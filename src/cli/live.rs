@@ -1,4 +1,4 @@
-//! The arguments of live viewing in; whom to serve, and how fast, out.
+//! The arguments of live viewing.
 
 use clap::Args;
 use std::net::SocketAddr;

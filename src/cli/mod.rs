@@ -1,4 +1,4 @@
-//! The command line in; text, tables, JSON, files and an exit code out.
+//! The command-line program.
 
 mod fit;
 mod inspect;

@@ -1,4 +1,4 @@
-//! Text and files out: tables, whole files or none, a progress bar that is silent when nobody looks.
+//! Output of commands: text, tables, whole files, and a progress bar that is silent in a pipe.
 
 use anyhow::{Context, Error};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_HORIZONTAL_ONLY};

@@ -1,4 +1,4 @@
-//! `--record`: an episode, step by step, in; a recording out, finished also where the user stops the run.
+//! `--record`: writes the recording of a run, finished also where the user stops it.
 
 use super::output::Failure;
 use crate::episode::Episode;

@@ -1,4 +1,4 @@
-//! `cocarry recover`: a recording that was cut or damaged in; a valid one with what is whole in it out.
+//! `cocarry recover`: makes a valid recording of what is whole in a damaged one.
 
 use super::output::{Failure, input, print};
 use super::record::output;

@@ -1,4 +1,4 @@
-//! `cocarry regress`: a file of runs in; their figures, recorded in it or compared with what is recorded there, out.
+//! `cocarry regress`: records the figures of a baseline's runs, or compares them with those recorded.
 
 use super::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
 use super::reproduce::Common;

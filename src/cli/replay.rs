@@ -1,4 +1,4 @@
-//! `cocarry replay`: a recording in; whether the same run gives the same messages again out.
+//! `cocarry replay`: runs a recording's scenario again and compares the messages.
 
 use super::output::{Failure, input, print};
 use crate::arithmetic;

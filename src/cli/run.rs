@@ -1,4 +1,4 @@
-//! `cocarry run`: a world and a human in; one episode, told, tabulated, drawn or logged tick by tick, out.
+//! `cocarry run`: runs one episode and reports, tabulates, draws or records it.
 
 use super::interrupt::Interrupt;
 use super::live::LiveArguments;

@@ -1,4 +1,4 @@
-//! The arguments that settle an episode in; its scenario out.
+//! The arguments that define a scenario.
 
 use super::model::{ModelArguments, change, initial_stubbornness, load_world, perception, positive};
 use super::output::{Failure, input};

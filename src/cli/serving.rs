@@ -1,4 +1,4 @@
-//! An episode, step by step, in; its messages, at the pace of a clock, to those who watch, out.
+//! Serving of a run's messages to live viewers, paced by a clock.
 
 use super::interrupt::Interrupt;
 use super::live::LiveArguments;

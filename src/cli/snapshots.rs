@@ -1,4 +1,4 @@
-//! The arguments of snapshots in; an episode to go on from, and files of the ticks asked for, out.
+//! The arguments of snapshots: which steps to save, and what to resume.
 
 use super::output::{Failure, input, write_file};
 use crate::arithmetic;

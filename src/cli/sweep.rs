@@ -1,4 +1,4 @@
-//! `cocarry sweep`: a study file in; one row for every episode of it as CSV, and means and paired comparisons as tables or JSON, out.
+//! `cocarry sweep`: runs a study, merges shards of one, and prints its summary.
 
 use super::output::{Failure, Progress, input, print, print_json, table, table_text, warn};
 use super::reproduce::Common;

@@ -1,4 +1,4 @@
-//! Ticks in; CSV or JSON lines out, one line a tick, every key with its unit.
+//! Tables of ticks: CSV or JSON lines, one line a tick, every key with its unit.
 
 use super::output::{Failure, write_file};
 use crate::control::{Failure as SolveFailure, SolveOutcome};

@@ -1,4 +1,4 @@
-//! An episode that is over in; what `cocarry run` tells of it, as text and as JSON, out.
+//! The report of an episode that `cocarry run` prints, as text and as JSON.
 
 use super::output::{OPTION_HEADINGS, table, table_text};
 use crate::coordination;

@@ -1,4 +1,4 @@
-//! `cocarry world`: a world file in; its obstacles, openings and options as tables, JSON or a map out.
+//! `cocarry world`: shows a world's obstacles, openings and options, as tables, JSON or a map.
 
 use super::model::{ModelArguments, load_world};
 use super::output::{Failure, OPTION_HEADINGS, input, print, print_json, table, table_text, write_file};

@@ -1,4 +1,5 @@
-//! The dual of eq. (7), minimise 1/2 m' D m - c' m over m >= 0, and a guess of which m are positive in; the exact minimiser out.
+//! An exact active-set solver of the dual of eq. (7): minimise 1/2 m' D m - c' m over m >= 0, from a guess of
+//! which m are positive.
 //!
 //! First by block principal pivoting (Judice and Pires 1994): D m = c is solved on the multipliers taken to be positive, and all that
 //! contradict the conditions of optimality change sides at once. That mostly settles in two or three steps. Where it does not, the method of

@@ -1,4 +1,5 @@
-//! A configuration in; the set Q of eq. (8) out: configurations that hold the grasp where it is and can be reached within one period.
+//! The candidate set Q of eq. (8): configurations that hold the grasp where it is and can be reached within
+//! one period.
 
 use super::limits::Limits;
 use crate::robot::{Configuration, InputJacobian, InputVector, Kinematics, MAX_INPUTS, MAX_JOINTS, Robot};

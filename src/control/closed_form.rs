@@ -1,4 +1,4 @@
-//! B(q) and weights in; the exact unconstrained optimum of eq. (7), its cost, and the inverse of its Hessian out.
+//! The exact unconstrained optimum of eq. (7), its cost, and the inverse of its Hessian.
 //!
 //! x(t+1) = x(t) + B u(t) with scalar weights decouples along the left singular vectors U_k of B. With z = U_k' x, rho_t = U_k' s(t) and
 //! u(t) = sum_k B' U_k w_k(t), each direction is a scalar problem z(t+1) = z(t) + s_k^2 w(t), whose value function p z^2 - 2 g z + c follows

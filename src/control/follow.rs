@@ -1,4 +1,4 @@
-//! The way that the grasp has gone and where the base is in; the rim speeds with which the base follows on that way out.
+//! The base following the path that the grasp has gone: rim speeds by pure pursuit.
 //!
 //! DEVIATION (eq. 7): left to the weights of eq. (7), a base comes a metre behind the grasp and cuts the corners of the way between; the horizon
 //! sees too late that there is a wall. The way that the grasp has gone is free, so on the physical plant the base keeps to it.

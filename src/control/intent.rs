@@ -1,4 +1,4 @@
-//! P_o and an observed step of the human in; the option that the robot tracks out.
+//! The robot's estimate of which option the human walks, from P_o and the observed steps.
 
 use crate::geometry::{Point, Vector, angle_of};
 use crate::math;

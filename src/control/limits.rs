@@ -1,4 +1,4 @@
-//! What a robot can do in a tick in; the constraints of eq. (7) and their violations out.
+//! The constraints of eq. (7): what a robot can do in a period.
 
 use super::{HORIZON, Inputs, Rims};
 use crate::robot::{Configuration, InputVector, JointVector, Robot};

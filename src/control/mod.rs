@@ -1,4 +1,4 @@
-//! A robot's configuration and the nominal trajectories of the options in; the inputs of eq. (7) and the configuration of eq. (8) out.
+//! The robot's controller: MPC (eq. 7), pose optimisation (eq. 8), and the estimate of the human's intent.
 //!
 //! All quantities are relative to where the grasp is now: x(0) = 0, and a reference s(t) is what separates it from the grasp's present pose
 //! (translation in metres, rotation vector in radians, world axes).

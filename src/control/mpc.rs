@@ -1,4 +1,4 @@
-//! Eq. (7): a reference, B(q) and limits in; the optimal inputs, their cost, and how they were found out.
+//! Eq. (7): the optimal inputs for a reference under limits, their cost, and how they were found.
 //!
 //! If the optimum without limits respects the limits, it is the answer. Otherwise multipliers m >= 0 of the constraints that it violates are
 //! found in the dual, u = u* - Hess^-1 A' m, whose program has as many variables as constraints; constraints that the new u violates join, until

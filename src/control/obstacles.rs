@@ -1,4 +1,4 @@
-//! A world's obstacles and the way that the robot would take in; half-planes that keep base and arm off them out.
+//! Linearised half-planes that keep base and arm off a world's obstacles.
 
 use super::limits::{HalfPlane, Limits};
 use super::reaching::{ArmJacobian, Reaching};

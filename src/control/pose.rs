@@ -1,4 +1,4 @@
-//! Eq. (8): candidates, the options' references and their weights in; the configuration that is best prepared out.
+//! Eq. (8): the candidate configuration that is best prepared for all options.
 //!
 //! The winner is the exact minimum over all candidates, found without solving most problems: the optimum without limits bounds the cost of
 //! every (candidate, option) from below, and eq. (7) is solved with limits only where that bound can still win.

@@ -1,4 +1,4 @@
-//! A small quadratic program over non-negative numbers in; its minimiser out. The only file that knows clarabel.
+//! A small quadratic program over non-negative numbers. The only file that knows clarabel.
 //!
 //! The inequality-constrained eq. (7) has 72 inputs but, in its dual, only one multiplier for each constraint that may be active:
 //! minimise 1/2 m' D m - c' m over m >= 0. Programs are padded to a few sizes, and a solver is kept for each: its symbolic factorisation and

@@ -1,4 +1,4 @@
-//! Where a base is and the inputs that the robot would take in; where points of its arm come to out.
+//! Where points of the arm come to under the inputs that the robot would take.
 
 use super::rolling::Rolling;
 use super::{HORIZON, Inputs};

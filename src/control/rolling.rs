@@ -1,4 +1,4 @@
-//! Where a base is and the rim speeds that it would take in; where it comes to, and how that depends on the speeds, out.
+//! Where a base comes to under given rim speeds, with derivatives.
 
 use super::limits::HalfPlane;
 use super::{HORIZON, Inputs};

@@ -1,4 +1,4 @@
-//! Rows of an experiment in; a table out that is the same for people, as Markdown, as CSV and as JSON.
+//! A table of results that is the same for people, as Markdown, as CSV and as JSON.
 
 use serde_json::{Map, Value};
 

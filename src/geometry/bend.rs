@@ -1,4 +1,4 @@
-//! Circles, and the side on which a line passes them, in; the lines that touch them out.
+//! Lines tangent to circles, each passed on a given side.
 
 use super::{Point, Vector, left_of};
 

@@ -1,4 +1,4 @@
-//! The outline of an upright obstacle on the floor in; its distance to points and segments out.
+//! The outline of an upright obstacle on the floor, with distances to points and segments.
 //!
 //! These are the innermost operations of every path query, so they are written out for the two outlines that occur.
 //! `tests/suite` compares them with parry's general distance.

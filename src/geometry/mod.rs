@@ -1,4 +1,4 @@
-//! Planar points, directions and segments in; distances, crossings and [`Path`]s out.
+//! Planar and spatial geometry: points, poses, outlines, paths.
 //!
 //! All coordinates are metres in the world frame (x right, y up, angles counter-clockwise in radians).
 

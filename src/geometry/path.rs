@@ -1,4 +1,4 @@
-//! Lines and circular arcs, end to end, in; points and headings by distance walked out.
+//! A path of lines and circular arcs: points and headings by arc length.
 
 use super::{Point, angle_of, direction, left_of, wrap_angle};
 use crate::math;

@@ -1,4 +1,4 @@
-//! A path and the length of what two carry along it in; where it is when its middle has come so far out.
+//! Where two carriers and what they carry between them are along a path.
 
 use super::{Path, PlanarPose, Point, Vector, angle_of, direction};
 use crate::math;

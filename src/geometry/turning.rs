@@ -1,4 +1,4 @@
-//! Where somebody walks and the path that they are to be on in; a way that turns onto it in an arc out.
+//! A path that turns onto another in an arc.
 
 use super::{Path, Piece, Point, angle_of, direction, left_of, wrap_angle};
 use crate::math;

@@ -1,4 +1,4 @@
-//! A shortest path, which goes round corners as closely as a point may, in; one that leaves room on the inside of them, for what is long, out.
+//! A path widened at its corners, for what is long.
 
 use super::{Bend, Path, Piece, Point, angle_of};
 use std::f64::consts::{PI, TAU};

@@ -1,4 +1,4 @@
-//! Regions and passages in; the cheapest sequences of openings from the start to the target, which enter no region twice, out.
+//! The cheapest sequences of openings from the start to the target that enter no region twice.
 
 use super::{Crossing, OptionSet, START, TARGET, before, beyond, site};
 use std::cmp::Ordering;

@@ -1,4 +1,5 @@
-//! A [`World`] in; its path options out, each with the length D_o and risk S_o of what is left of it from where the team is.
+//! The path options of a [`World`], each with the length D_o and risk S_o of what is left of it from where
+//! the team is.
 //!
 //! Free space is cut along the openings into regions; an option is a sequence of openings, walked straight through their middles, with shortest
 //! collision-free paths between. A tick costs one short query per option: only the first leg depends on where the team is, the rest is

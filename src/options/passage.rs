@@ -1,4 +1,4 @@
-//! An opening and the free space in; the straight way through it out.
+//! An opening as it is walked: straight through its middle.
 
 use super::roadmap::{Space, Straight};
 use crate::geometry::{Point, Vector, cross};

@@ -1,4 +1,4 @@
-//! The steps of the team in; the place that it has on every option out.
+//! Where the team is on every option.
 
 use super::PathOption;
 use super::passage::{Crossing, Passage};

@@ -1,4 +1,4 @@
-//! The roadmap in; the way from every gap to every next one out, and how far it follows the straight part beyond the first.
+//! The path from every gap to every next one, and how far it follows the straight part beyond the first.
 //!
 //! The straight parts of two consecutive openings may pass each other. A path would overshoot the second and double back. It leaves the
 //! first as far out as it can without turning by more than it may there ([`MOST_BACKWARD`]), and joins the second likewise.

@@ -1,4 +1,4 @@
-//! A path and a walking speed in; the nominal trajectory s(t), poses tick by tick, out.
+//! The nominal trajectory s(t) along a path at a walking speed, pose by pose.
 
 use crate::geometry::{Path, PlanarPose, wrap_angle};
 

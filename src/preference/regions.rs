@@ -1,4 +1,4 @@
-//! Prospects and ranges of perception in; the regions R_o of the (alpha, gamma) plane, in each of which one option is preferred, out.
+//! The regions R_o of the (alpha, gamma) plane, in each of which one option is preferred.
 
 use super::{Perception, Prospect, human_choice};
 

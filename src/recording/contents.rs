@@ -1,4 +1,4 @@
-//! A recording in; what is in it, in sum, out.
+//! A summary of what is in a recording.
 
 use super::decode::LONGEST;
 use super::provenance::{METADATA, RECOVERED};

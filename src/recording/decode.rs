@@ -1,4 +1,4 @@
-//! Encoded messages in; their fields out, by name: as JSON, or flat, as the cells of a table.
+//! Encoded messages, decoded by field name: as JSON, or flat as the cells of a table.
 
 use super::schema::Definition;
 use foxglove::Decode;

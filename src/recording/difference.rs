@@ -1,4 +1,4 @@
-//! A recorded message and the one that should be there in; where they differ first out.
+//! Where a recorded message and the one replayed first differ.
 
 use super::channel::Message;
 use super::decode::{decode, flatten};

@@ -1,4 +1,4 @@
-//! An episode, step by step, in; the messages that tell of it, encoded, out: to a file, to a viewer, or to be compared with a recording.
+//! The messages of an episode, step by step: for a file, a viewer, or a comparison with a recording.
 
 use super::channel::{Channel, Message};
 use super::events::Events;

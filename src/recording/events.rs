@@ -1,4 +1,4 @@
-//! Steps of an episode in; what happened in them, in words, out.
+//! What happened in a step, in words.
 
 use super::encoder::Ending;
 use super::figures::Names;

@@ -1,4 +1,4 @@
-//! The bytes of an MCAP record in; its fields out, each checked against what is left.
+//! The fields of an MCAP record, each checked against what is left of it.
 
 use std::collections::BTreeMap;
 

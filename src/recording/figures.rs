@@ -1,5 +1,4 @@
-//! A step of an episode in; its JSON messages out, with the fields that [`schema`](super::schema) describes. What is null here, as
-//! is what is no number, is left out of the message.
+//! The JSON messages of a step. What is null here, as is what is no number, is left out of the message.
 
 use super::encoder::Ending;
 use crate::control::{Considered, Failure, SolveOutcome};

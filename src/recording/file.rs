@@ -1,4 +1,4 @@
-//! Definitions and messages in; an MCAP file out. The only file that knows the mcap crate.
+//! An MCAP file being written. The only file that knows the mcap crate.
 //!
 //! Chunks are put together in memory and written in one go, so that what a crash leaves is whole up to the last of them.
 

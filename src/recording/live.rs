@@ -1,4 +1,4 @@
-//! Messages of an episode under way in; the same messages, over WebSocket, to those who watch in Foxglove, out.
+//! A live server: the messages of a running episode for viewers over WebSocket.
 //!
 //! The only file that knows Foxglove's server. The server has threads of its own; they only wait for viewers and send what is queued, so that an
 //! episode does not depend on who watches.

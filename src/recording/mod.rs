@@ -1,4 +1,4 @@
-//! An episode in, an MCAP file out; and back: summaries, tables, pictures, what a crash left.
+//! Recordings: an episode as an MCAP file, and back as summaries, tables and pictures.
 //!
 //! A recording plays in Foxglove and is read by any MCAP reader. It holds simulated time only, and says itself where it comes from
 //! ([`Provenance`]): equal runs give equal bytes. It is called `<name>.partial` until it is finished, and is in the system's hands up to

@@ -1,4 +1,4 @@
-//! The state of an episode in; the poses of its frames and the states of its joints out.
+//! The poses of an episode's frames, and the states of its joints.
 
 use crate::episode::Episode;
 use crate::geometry::Pose;

@@ -1,4 +1,4 @@
-//! A scenario in; what a recording says of where it comes from out, and the scenario again.
+//! Where a recording comes from: its scenario, versions and conformance.
 
 use super::{Entry, ReadError, Reader};
 use crate::arithmetic;

@@ -1,4 +1,4 @@
-//! The bytes of an MCAP file in; what is in it, entry by entry, out. Memory is bounded, whatever the file says of itself.
+//! The contents of an MCAP file, entry by entry. Memory is bounded, whatever the file says of itself.
 //!
 //! It is not read with the mcap crate because that neither says where in a file something is wrong nor bounds what a length field makes it
 //! allocate.

@@ -1,4 +1,4 @@
-//! An episode, step by step, in; a recording out.
+//! A recording of a running episode.
 
 use super::channel::{Channel, Message};
 use super::encoder::{Encoder, Ending};

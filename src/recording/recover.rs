@@ -1,4 +1,4 @@
-//! A recording that was cut or damaged in; a valid one with all that is whole in it out.
+//! What is whole in a cut or damaged recording, as a valid one.
 
 use super::file::{MessageFile, Named};
 use super::provenance::RECOVERED;

@@ -1,4 +1,4 @@
-//! A recording in; the same run again, compared message by message, out.
+//! A recording's scenario run again, compared message by message.
 
 use super::encoder::{Encoder, Ending};
 use super::provenance::{ARITHMETIC, METADATA, RECOVERED, scenario};

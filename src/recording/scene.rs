@@ -1,4 +1,4 @@
-//! A world, a robot and the state of an episode in; what a viewer draws of them out.
+//! What a viewer draws of world, robot and episode.
 //!
 //! Every message of a channel says all of what that channel shows, so that one who jumps in time needs the last message only.
 

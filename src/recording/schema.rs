@@ -1,4 +1,4 @@
-//! The fields of the JSON channels, with units, in; their JSON Schemas out.
+//! The JSON Schemas of the JSON channels.
 //!
 //! Foxglove reads one plain type a field and refuses lists of types: a field without a value is left out of the message, and the schema does
 //! not require it.

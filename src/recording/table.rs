@@ -1,4 +1,4 @@
-//! A recording and a topic in; the messages on it as rows of a table out.
+//! The messages on a topic, as rows of a table.
 
 use super::decode::{decode, flatten};
 use super::{Definition, Entry, ReadError, Reader};

@@ -1,4 +1,4 @@
-//! Links, and the joints held still, in; the arm from the base to the grasp out: its joints, its chain, and what every joint follows.
+//! The arm from the base to the grasp: its joints, its chain, and what every joint moves.
 
 use super::error::{Place, RobotError, known};
 use super::fault::ArmFault;

@@ -1,4 +1,4 @@
-//! The text of a robot file in; its items as written, each with its line, out.
+//! A robot file as written, each item with its line.
 
 use super::error::{Place, RobotError};
 use serde::Deserialize;

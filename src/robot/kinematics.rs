@@ -1,4 +1,4 @@
-//! A [`Configuration`] in; the grasp's pose and the whole-body Jacobian out. No allocation.
+//! The grasp's pose and the whole-body Jacobian at a [`Configuration`]. No allocation.
 
 use super::{Configuration, Drive, InputJacobian, InputVector, MAX_JOINTS, Motion, PointJacobian, Robot};
 use crate::geometry::{PlanarPose, Pose, direction, wrap_angle};

@@ -1,4 +1,4 @@
-//! A robot's links as its URDF has them in; where each of them is at a [`Configuration`] out.
+//! A robot's links, and where each of them is at a [`Configuration`].
 
 use super::{Configuration, Robot};
 use crate::geometry::Pose;

@@ -1,4 +1,4 @@
-//! A path, or the texts found there, in; the robot of the robot file, and of the URDF that it names, out.
+//! Loading of a robot: its robot file and the URDF that it names.
 
 use super::arm::{Arm, Ends, Hold};
 use super::error::{Place, RobotError, known};

@@ -1,4 +1,4 @@
-//! A mesh as a URDF names it in; the file that it is out.
+//! The file that a URDF's mesh name stands for.
 
 use super::error::{Place, RobotError};
 use std::path::{Path, PathBuf};

@@ -1,4 +1,5 @@
-//! A robot file (TOML) and its URDF in; a validated [`Robot`] out: differential drive, arm, grasp, with forward kinematics and B(q).
+//! A validated [`Robot`] from a robot file and its URDF: differential drive, arm, grasp, forward kinematics
+//! and B(q).
 //!
 //! Frames: `world` is on the floor, z up. `drive` is on the floor in the middle between the wheels, x ahead, y to the left: its pose is the
 //! base's. `grasp` is where the object is held, x ahead.

@@ -1,4 +1,4 @@
-//! A posture as a robot file has it in; the one beside it that holds the object level, at its height and heading ahead out.
+//! Starting postures, closed so that they hold the object level at its height.
 
 use super::error::{RobotError, known};
 use super::fault::PostureFault;

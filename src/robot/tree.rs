@@ -1,4 +1,4 @@
-//! The names of links, and the joints between them, in; the order in which parents come before children out.
+//! The order of links in which parents come before children.
 
 use super::error::{RobotError, known};
 use super::fault::TreeFault;

@@ -1,4 +1,4 @@
-//! The text of a URDF in; its links, parents before children and every number checked, out. The only file that knows `urdf_rs`.
+//! A URDF's links, parents before children, every number checked. The only file that knows `urdf_rs`.
 
 use super::error::{Place, RobotError};
 use super::link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};

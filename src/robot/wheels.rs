@@ -1,4 +1,4 @@
-//! Links, the two joints that are said to be wheels and the width of the base in; the drive, and where it is in the base, out.
+//! The differential drive, found from its two wheel joints.
 
 use super::Drive;
 use super::error::{Place, RobotError};

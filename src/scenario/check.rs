@@ -1,4 +1,4 @@
-//! The numbers of a scenario in; the first that is out of its range out.
+//! The ranges of a scenario's numbers.
 
 use super::{Carrier, Scenario, ScenarioError};
 use crate::episode::PreferenceChange;

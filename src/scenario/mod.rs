@@ -1,4 +1,4 @@
-//! All that settles an episode in, as one plain struct; its text, and from either the same episode, out, without the files it came from.
+//! A scenario: everything that defines an episode, as one plain struct and as text.
 //!
 //! ```
 //! use cocarry::scenario::{Plant, Scenario};

@@ -1,4 +1,4 @@
-//! How often a human changes their mind, and a seed, in; when, and what they make of risk and distance then, out.
+//! Preference changes drawn from a seed: when the human changes, and to which alpha and gamma.
 
 use crate::episode::{PreferenceChange, Settings, prospects};
 use crate::options::OptionSet;

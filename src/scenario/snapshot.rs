@@ -1,4 +1,4 @@
-//! An episode under way in, with its scenario; a file out, from which it goes on in another process, to the same bits.
+//! A snapshot: an episode under way as one file, which resumes in another process to the same bits.
 //!
 //! A snapshot file is `cocarry snapshot`, the version of the format (4 bytes), the version of the program (its length, 1 byte, and its text),
 //! the length of the contents (8 bytes), the contents (CBOR), and the CRC-32 of all that (4 bytes); numbers are little-endian. The checksum

@@ -1,4 +1,4 @@
-//! A scenario in; all that its episode borrows, and the episode, out.
+//! A prepared scenario: everything that its episode borrows.
 
 use super::{Scenario, ScenarioError};
 use crate::control::RobotObstacles;

@@ -1,4 +1,5 @@
-//! Poses and vectors of nalgebra in; those of rapier and parry (glam) out, and back. The only file that converts between the two.
+//! Conversions between nalgebra and the types of rapier and parry (glam). The only file that
+//! converts between the two.
 
 use crate::geometry::Pose;
 use nalgebra::{Isometry3, IsometryMatrix3, Matrix3, Translation3, UnitQuaternion, Vector3};

@@ -1,4 +1,4 @@
-//! The paper's plant: inputs in, the configuration after one period out, without dynamics: x+ = x + B(q) u, integrated exactly.
+//! The paper's plant, without dynamics: x+ = x + B(q) u, integrated exactly.
 
 use crate::geometry::{PlanarPose, Pose};
 use crate::math;

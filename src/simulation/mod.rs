@@ -1,4 +1,4 @@
-//! Commands in; the state of the world one period later out. A plant is what the controller acts on.
+//! Simulation of the bodies that the controller acts on: exact kinematics, or dynamics with contacts.
 
 mod convert;
 mod kinematic;

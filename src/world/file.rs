@@ -1,4 +1,4 @@
-//! The text of a world file in; its items as written, each with its line, out.
+//! A world file as written, each item with its line.
 
 use super::error::{Place, WorldError};
 use super::object::ObjectShape;

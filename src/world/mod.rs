@@ -1,4 +1,4 @@
-//! A world file (TOML) in; a validated [`World`] out: obstacles, start, target, openings measured or detected.
+//! A validated [`World`] from a world file (TOML): obstacles, start, target, openings measured or detected.
 //!
 //! World files hold scenes, never gains. The planar layout is extruded: every obstacle stands upright on the floor z = 0. What is carried
 //! may be said in a table of its own; without one it is the beam that this example describes:

@@ -1,4 +1,4 @@
-//! The `[object]` of a world file in; the object that is carried, with every number checked, out.
+//! The carried object.
 
 use super::error::WorldError;
 use super::file::{ObjectEntry, Source};

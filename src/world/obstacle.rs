@@ -1,4 +1,4 @@
-//! An obstacle's entry in the world file in; a validated upright obstacle with its outline and its solid out.
+//! An upright obstacle with its outline and its solid.
 
 use super::error::{Place, WorldError};
 use super::file::{ObstacleEntry, Pair, ShapeEntry};

@@ -1,4 +1,4 @@
-//! `cocarry fit eta`: the steps at which participants asked to switch in; eta of each and of all out.
+//! `cocarry fit eta`: estimates eta from the steps at which participants asked to switch.
 
 use super::options;
 use crate::cli::model::{ModelArguments, initial_stubbornness};

@@ -1,4 +1,4 @@
-//! `cocarry fit`: what people answered in; the model's parameters, as tables, JSON and pictures, out.
+//! `cocarry fit`: estimates model parameters from what participants answered.
 
 mod eta;
 mod risk_weight;

@@ -1,4 +1,5 @@
-//! `cocarry fit risk-weight`: participants' percentages in; c_r by likelihood and by least squares, and how well it says them, out.
+//! `cocarry fit risk-weight`: estimates c_r from participants' percentages, by least squares and by
+//! likelihood.
 
 use super::options;
 use crate::cli::model::BeliefArguments;

@@ -1,4 +1,4 @@
-//! A file of percentages and the worlds that it names in; every participant's answers, checked and summing to one, out.
+//! A file of participants' percentages, checked and normalised.
 
 use super::FitError;
 use super::table::{Column, named_worlds, read};

@@ -1,4 +1,4 @@
-//! What episodes tell of their participants' eta in; eta of each participant and of all out.
+//! eta of every participant and of all, from the steps at which they switched.
 //!
 //! An episode says in which set eta lies: which eta switch at that step, or never (bounded from below only). In the model, a participant's eta
 //! stays the same, and lies in what all sets have in common. Where somebody's sets have nothing in common, eta scatters from episode to

@@ -1,5 +1,4 @@
-//! Sets of a positive number that scatters, one or several for each draw, in; the log-normal distribution of the draws, and the 95 % interval
-//! of its median, out.
+//! The log-normal distribution of a positive number that is known only by intervals.
 //!
 //! The median is found by integrating the likelihood over the spread, flat in the mean and in the logarithm of the spread: for values known
 //! exactly this is Student's interval, and with censored ones it covers as often as it says (README, "Participants of your own"). The

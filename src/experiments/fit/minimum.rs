@@ -1,4 +1,4 @@
-//! A function of one positive number in; where it is least, out: a scan that finds the valley, golden sections that find its bottom.
+//! The minimum of a function of one positive number: a scan for the valley, golden sections for its bottom.
 
 use crate::math;
 

@@ -1,4 +1,5 @@
-//! What people answered in; the model's parameters that fit it, with intervals, out: c_r from percentages, eta from the steps of switches.
+//! Fits of the model's parameters to participants' answers: c_r from percentages, eta from the steps of
+//! switches.
 
 mod answers;
 mod error;

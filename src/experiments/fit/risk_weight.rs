@@ -1,4 +1,4 @@
-//! Participants' percentages in; the weight c_r of risk with which eq. (4) says them best, by least squares and by likelihood, out.
+//! The weight c_r of risk that fits participants' percentages best, by least squares and by likelihood.
 //!
 //! *Least squares*, as the paper: the mean percentages of all participants, squared differences to P_o, every option of every world alike.
 //!

@@ -1,4 +1,4 @@
-//! A file of switches and the worlds that it names in; what every episode tells of its participant's eta out.
+//! A file of switches: what every episode says of its participant's eta.
 
 use super::table::{Column, named_worlds, read};
 use super::{FitError, Guidance, Set};

@@ -1,4 +1,4 @@
-//! A CSV file in; the values of the columns asked for, each row with its line, out.
+//! A CSV file read by columns, each row with its line.
 
 use super::FitError;
 use std::path::Path;

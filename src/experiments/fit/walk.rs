@@ -1,4 +1,4 @@
-//! A world and what the robot does in it in; the discomfort of eq. (5) on the way, and which eta switches at which step, out.
+//! The discomfort of eq. (5) along a robot-led walk, and which eta switches at which step.
 
 use super::Set;
 use crate::coordination::{self, Mode, is_misaligned};

@@ -1,4 +1,4 @@
-//! A file of runs (TOML) in; the runs, their tolerances and recorded figures, or the same text with other figures, out.
+//! A baseline file (TOML): its runs, tolerances and recorded figures.
 
 use super::{BaselineError, FIGURES, Figure, Figures};
 use std::path::Path;

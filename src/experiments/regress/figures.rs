@@ -1,4 +1,4 @@
-//! An episode that is over and the way that it went in; the figures that a baseline keeps of it out.
+//! The figures that a baseline keeps of an episode.
 
 use super::{Figures, Tolerance};
 use crate::episode::Summary;

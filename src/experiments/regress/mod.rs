@@ -1,4 +1,4 @@
-//! A file of runs with the figures recorded of them in; the runs done again, and what moved, out.
+//! The regression gate: figures of runs compared with a recorded baseline.
 
 mod baseline;
 mod error;

@@ -1,4 +1,4 @@
-//! The paper's claims, tables and figures in; one report of all of them, ours beside the paper's, out.
+//! The report of `reproduce all`: the paper's claims, tables and figures, ours beside the paper's.
 //!
 //! A claim is one file here, with a [`Part`], and one line in [`PARTS`]: its tables, pictures and finding get into the report, its files and
 //! `--json` by themselves. The report is Markdown; the page is made from that.

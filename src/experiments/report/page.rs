@@ -1,4 +1,4 @@
-//! The report as Markdown and its pictures in; one HTML page that needs nothing else out.
+//! The report as one self-contained HTML page.
 
 use super::Figure;
 use pulldown_cmark::{CowStr, Event, Options, Parser, Tag, TagEnd, html::push_html};

@@ -1,4 +1,4 @@
-//! A plan and its sections in; what stands before and after them in the report out.
+//! The report's opening and closing sections: settings, environment and contents.
 
 use super::{PARTS, Plan, Section, grouped};
 use crate::control::{self, HORIZON};

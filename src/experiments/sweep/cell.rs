@@ -1,4 +1,4 @@
-//! The values of a run's keys in; every combination of them out.
+//! The combinations of a run's values.
 
 use super::names::Plants;
 use crate::control::{Avoid, CandidateSet, PoseCriterion, Settings as Control};

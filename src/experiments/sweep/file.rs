@@ -1,4 +1,4 @@
-//! The text of a study file in; what it asks for, read, checked and with its worlds and robots loaded, out.
+//! A study file, read and checked, with its worlds and robots loaded.
 
 use super::cell::{Axes, Cell, LARGEST_RUN};
 use super::humans::{Humans, Range};

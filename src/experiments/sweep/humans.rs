@@ -1,4 +1,4 @@
-//! What humans are drawn from, by name; a human for every seed, and what they change their mind to, out.
+//! The ranges that a study's humans are drawn from, by name.
 
 use crate::episode::{PreferenceChange, Settings};
 use crate::options::OptionSet;

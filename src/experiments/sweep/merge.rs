@@ -1,4 +1,4 @@
-//! The results of a study's shards in; those of the whole study, to the byte as if it had been run at once, out.
+//! Merging of a study's shards into the file that one machine would have written, to the byte.
 
 use super::partial::Shard;
 use super::results::{Identity, Rows};

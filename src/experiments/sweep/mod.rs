@@ -1,5 +1,4 @@
-//! A study file in; one row of results for every episode of it out, in the study's order, whatever the number of threads and however often
-//! the sweep was stopped.
+//! The study engine: one row of results for every episode of a study, in the study's order.
 //!
 //! A study is a product of lists of values, or several such products. Seeds vary slowest: a sweep that is under way has all combinations of
 //! the seeds it has come to, and the combinations of one seed, which is one human, stand together. Every row carries the number of its

@@ -1,4 +1,4 @@
-//! Work by its numbers in; its results, in the order of the numbers, out, with no more of them waiting than fit a window.
+//! Work done in parallel and delivered in order, within a bounded window.
 
 use std::collections::BTreeMap;
 use std::io;

@@ -1,5 +1,5 @@
-//! A study and the name of a file in; that file, whole, out. Until then its rows stand in a file beside it, which may be cut short at any time
-//! and is gone on with.
+//! A study's file of results under way: written beside its name, resumed after interruption. Until then its
+//! rows stand in a file beside it, which may be cut short at any time and is gone on with.
 //!
 //! The partial file is the final one as far as it has come: rows are appended in order, each batch in one write, so a process that is killed
 //! leaves whole rows, and at worst one that is cut, which is taken off. Since every row names its study, nothing else has to be kept beside.

@@ -1,4 +1,4 @@
-//! The lines of a file of results in; which episodes of which study they are, out.
+//! A file of results: which episodes of which study its lines are.
 
 use super::{SweepError, row};
 use row::IDENTITY;

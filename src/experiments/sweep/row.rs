@@ -1,4 +1,4 @@
-//! An episode of a study in; its row of results out: a column for every input and every figure, with its unit.
+//! A row of results: a column for every input and every figure of an episode, with its unit.
 
 use super::names::{AVOID, BOOLEANS, CRITERIA, METHODS, PLANTS, POSES, Plants, name};
 use super::{Cell, Study};

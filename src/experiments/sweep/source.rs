@@ -1,4 +1,4 @@
-//! The text of a study file in; its values out, one or a list for every key, each with the line on which it stands.
+//! The values of a study file, each with the line on which it stands.
 
 use super::SweepError;
 use crate::world::Place;

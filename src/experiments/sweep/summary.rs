@@ -1,5 +1,5 @@
-//! The rows of a file of results in; mean, deviation and interval of the costs of every combination, and paired comparisons over the same
-//! seeds, out. One pass; what is held grows with the combinations, not with the rows.
+//! Means, deviations and intervals of a study's results, and paired comparisons over the same seeds. One
+//! pass; what is held grows with the combinations, not with the rows.
 
 use super::results::Rows;
 use super::{SweepError, row};

@@ -1,4 +1,4 @@
-//! An obstacle's outline and a clearance in; the discs that taut strings bend around out.
+//! The discs that taut strings bend around at an obstacle's corners.
 
 use super::space::SLACK;
 use crate::geometry::{Bend, Footprint, Point, Vector, angle_of, cross, direction, left_of};

@@ -1,5 +1,5 @@
-//! Obstacles, a clearance and a few sites in; shortest collision-free paths between sites, and from any point to a site, out.
-//! Sites are points, and the straight parts of openings.
+//! Shortest collision-free paths between sites, and from any point to a site. Sites are points, and the
+//! straight parts of openings.
 //!
 //! A shortest path among obstacles with clearance r is a taut string among discs: every corner of an obstacle is a disc of radius r, every
 //! cylinder one of radius R + r, and the path is made of lines tangent to two discs and of arcs along them. The roadmap holds all such lines

@@ -1,4 +1,4 @@
-//! Obstacles, barriers and a clearance in; whether a line or an arc can be walked out.
+//! Free space: whether a line or an arc can be walked with a clearance.
 
 use super::disc::{Disc, arc_crosses};
 use super::straight::Straight;

@@ -1,4 +1,4 @@
-//! A robot and commanded rates in; a rapier multibody that follows them with limited efforts out, and its measured configuration.
+//! The robot as a rapier multibody that follows commanded rates with limited efforts.
 //!
 //! The base is a planar joint with velocity motors: it moves along its heading and turns, never sideways. The arm's motors are springs
 //! and dampers that follow an integrated position reference with the commanded rate; they are part of the multibody's own equations,

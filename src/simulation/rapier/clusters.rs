@@ -1,4 +1,4 @@
-//! A robot's links in; the parts that move against each other out, each with its mass, its inertia and where its links are in it.
+//! The parts of a robot that move against each other, each with its mass and inertia.
 //!
 //! Everything that does not move against its parent is merged into it: fixed joints, the wheels (their spin is only shown), and joints
 //! that stay where they are, such as the gripper's. Fewer bodies make a faster step and change nothing else.

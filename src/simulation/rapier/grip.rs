@@ -1,4 +1,4 @@
-//! Two bodies and where on them in; a spring-damper in all six directions between them out, and the wrench that it exerts.
+//! A spring-damper in all six directions between two bodies, and the wrench that it exerts.
 
 use super::Wrench;
 use crate::geometry::Pose;

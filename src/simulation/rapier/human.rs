@@ -1,4 +1,4 @@
-//! What the human is told and feels in; where the hand is a physics step later out. Walks in the plane; sway comes on top.
+//! The simulated human's hand and torso. The human walks in the plane; sway comes on top.
 
 use super::HumanSettings;
 use crate::geometry::{PlanarPose, Pose, Vector, direction, left_of, wrap_angle};

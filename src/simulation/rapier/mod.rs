@@ -1,5 +1,5 @@
-//! A world, a robot and a human's commands in; what physics makes of them out: the robot as a multibody, the object held at both ends by
-//! spring-dampers, a kinematic human, static obstacles.
+//! The physical plant: the robot as a multibody, the object held at both ends by spring-dampers, a kinematic
+//! human, static obstacles.
 //!
 //! The robot stands behind, the human ahead, the object's x from one to the other, all at the robot's grasp height, so that the object is
 //! level. There is no floor: the base moves in its plane, and an object that is let down below 0.2 m counts as dropped. Same inputs

@@ -1,4 +1,4 @@
-//! A joint of the arm and what it is to do in; the spring and the damper that make it do so, with a limited effort, out.
+//! The motor of an arm joint: a spring and a damper with a limited effort.
 
 use crate::geometry::Pose;
 use crate::robot::{ArmJoint, Joint, JointKind, JointVector, Robot};

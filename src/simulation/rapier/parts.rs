@@ -1,4 +1,4 @@
-//! Shapes with their names in; colliders that know whose they are out.
+//! Colliders that know which named part they belong to.
 
 use super::{Part, Party};
 use crate::geometry::Pose;

@@ -1,4 +1,4 @@
-//! The rates that a control period is to have in; the rate at each of its physics steps out.
+//! Smooth rates over the physics steps of a control period.
 
 use crate::robot::InputVector;
 use serde::{Deserialize, Serialize};

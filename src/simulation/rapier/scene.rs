@@ -1,4 +1,4 @@
-//! Where the team starts in; the physical plant with all its bodies and grips out.
+//! The physical plant's bodies and grips at the start.
 
 use super::articulation::Articulation;
 use super::grip::{GRIPPER, Grip, HAND};

@@ -1,4 +1,4 @@
-//! What happens in each physics step in; means, peaks, work and jerk of a control period out.
+//! Means, peaks, work and jerk of a control period, accumulated over its physics steps.
 
 use super::grip::Hold;
 use super::touch::Touches;

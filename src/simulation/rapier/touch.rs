@@ -1,4 +1,4 @@
-//! Colliders in; what touches what, how deep and how hard, and how near the nearest are, out.
+//! Contacts between named parts, and the nearest distances.
 
 use super::observation::Clearances;
 use super::parts::Parts;
