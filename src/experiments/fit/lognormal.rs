@@ -63,11 +63,9 @@ impl fmt::Display for NoInterval {
             Self::Few { found } => {
                 write!(f, "{found} of the at least {LEAST_DRAWS} that a 95 % interval needs")
             }
-            Self::Unbounded { bounded, of } => write!(
-                f,
-                "{bounded} of {of} {} bounded from below and from above; at least {LEAST_BOUNDED} are needed to tell median and spread apart",
-                if *bounded == 1 { "is" } else { "are" }
-            ),
+            Self::Unbounded { bounded, of } => {
+                write!(f, "{bounded} of {of} bounded on both sides, at least {LEAST_BOUNDED} needed")
+            }
         }
     }
 }
