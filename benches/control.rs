@@ -74,7 +74,7 @@ fn problem<'a>(robot: &'a Robot, state: &'a State) -> PoseProblem<'a> {
         rims: None,
         period: PERIOD,
         share: 1.0,
-        most_moved: f64::INFINITY,
+        confidence: 1.0,
     }
 }
 

@@ -84,8 +84,8 @@ impl RobotObstacles {
     /// the arm's points, which move on it as their Jacobians at `q` say. Where one of these would be too near, n points to the side on
     /// which the arm's chain from base to grasp passes it, and d is measured along n.
     ///
-    /// The arm's planes are linear in its joints. They end at the step at which `inputs` move a joint by more than `most_moved` (rad, m),
-    /// where they would tell of walls that the arm does not come near.
+    /// The arm's planes are linear in its joints: each step's price is that of the step before times `confidence`, since what a linear plan
+    /// tells of walls is worth the less the farther the arm turns until then.
     #[expect(clippy::too_many_arguments)]
     pub fn half_planes(
         &self,
@@ -94,7 +94,7 @@ impl RobotObstacles {
         q: &Configuration,
         inputs: &Inputs,
         period: f64,
-        most_moved: f64,
+        confidence: f64,
         limits: &mut Limits,
     ) {
         limits.half_planes.clear();
@@ -103,7 +103,7 @@ impl RobotObstacles {
             self.keep_base_off(&robot.drive, &q.base, inputs, period, limits);
         }
         if avoid == Avoid::Robot {
-            self.keep_arm_off(robot, q, inputs, period, most_moved, limits);
+            self.keep_arm_off(robot, q, inputs, period, confidence, limits);
         }
     }
 
@@ -132,7 +132,7 @@ impl RobotObstacles {
         q: &Configuration,
         inputs: &Inputs,
         period: f64,
-        most_moved: f64,
+        confidence: f64,
         limits: &mut Limits,
     ) {
         let base = q.base;
@@ -157,10 +157,9 @@ impl RobotObstacles {
                 if is_below || outline.near(base.position, OUT_OF_REACH).is_none() {
                     continue;
                 }
+                let mut price = PRICE / confidence;
                 for (t, chain) in chain.iter().enumerate() {
-                    if reaching.farthest(t) > most_moved {
-                        break;
-                    }
+                    price *= confidence;
                     let (lever, at) = reaching.place(from_base, &arm, t);
                     let Some((mut distance, mut away)) = outline.near(at, ARM_RADIUS + FAR_FROM_ARM) else {
                         continue;
@@ -176,7 +175,7 @@ impl RobotObstacles {
                         coefficients.fixed_view_mut::<MAX_JOINTS, 1>(2, step).copy_from(&joints);
                     }
                     let bound = coefficients.dot(inputs) + distance - ARM_RADIUS - MARGIN;
-                    limits.half_planes.push(HalfPlane { coefficients, bound, price: PRICE, is_guide: false });
+                    limits.half_planes.push(HalfPlane { coefficients, bound, price, is_guide: false });
                 }
             }
         });
@@ -227,7 +226,7 @@ mod tests {
             }
             let planes = |avoid, inputs: &Inputs| {
                 let mut limits = Limits::new(&robot);
-                obstacles.half_planes(avoid, &robot, &q, inputs, 0.2, f64::INFINITY, &mut limits);
+                obstacles.half_planes(avoid, &robot, &q, inputs, 0.2, 1.0, &mut limits);
                 limits.half_planes
             };
             let distance = |plane: &HalfPlane, inputs: &Inputs| plane.bound - plane.coefficients.dot(inputs);
@@ -280,7 +279,7 @@ mod tests {
         let mut inputs = Inputs::zeros();
         inputs.fixed_rows_mut::<2>(0).fill(0.5);
         let mut limits = Limits::new(&robot);
-        obstacles.half_planes(Avoid::Robot, &robot, &q, &inputs, 0.2, f64::INFINITY, &mut limits);
+        obstacles.half_planes(Avoid::Robot, &robot, &q, &inputs, 0.2, 1.0, &mut limits);
         let overstepped =
             limits.half_planes.iter().map(|plane| plane.coefficients.dot(&inputs) - plane.bound);
         let most = overstepped.fold(0.0, f64::max);

@@ -89,8 +89,8 @@ pub struct PoseProblem<'a> {
     pub period: f64,
     /// The share of the rate limits that the change of configuration may take, up to 1.
     pub share: f64,
-    /// How far (rad, m) a joint may move for the arm's half-planes to be believed: see [`RobotObstacles::half_planes`].
-    pub most_moved: f64,
+    /// What the arm's half-planes of a step are worth beside those of the step before: see [`RobotObstacles::half_planes`].
+    pub confidence: f64,
 }
 
 impl PoseOptimiser {
@@ -196,14 +196,14 @@ impl PoseOptimiser {
                     if let Some(rims) = problem.rims {
                         set_base(&mut inputs, rims);
                     }
-                    let most_moved = problem.most_moved;
+                    let confidence = problem.confidence;
                     obstacles.half_planes(
                         avoid,
                         problem.robot,
                         q,
                         &inputs,
                         problem.period,
-                        most_moved,
+                        confidence,
                         limits,
                     );
                     if let Some(rims) = problem.rims {

@@ -27,11 +27,6 @@ impl<'r> Reaching<'r> {
         Self { base: *base, rolling: Rolling::new(drive, base, inputs, period), moved }
     }
 
-    /// How far the joint that moves most has moved after the step `t`, rad (m).
-    pub fn farthest(&self, t: usize) -> f64 {
-        self.moved[t].amax()
-    }
-
     /// How far the base has turned after the step `t`.
     pub fn turned(&self, t: usize) -> Rotation2<f64> {
         Rotation2::new(self.rolling.pose(t).yaw - self.base.yaw)

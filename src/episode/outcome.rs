@@ -52,7 +52,9 @@ pub struct Transition {
     pub position: Point,
 }
 
-/// How far (m) the grasp may be from where it should be, and a grip may yield; beyond, the object is lost.
+/// How far (m) the grasp may be from where it should be, and a grip may yield; beyond, the object is lost. On the kinematic plant it is lost
+/// where that holds in two periods one after the other: the human there comes to full speed, or turns, at once, and the robot sees it a
+/// period later.
 pub const LOSS_DISTANCE_M: f64 = 0.1;
 /// From this grasp error (m, root mean square over an episode) on, a robot is said not to keep up.
 pub const GRASP_WARNING_RMS_M: f64 = 0.05;
@@ -97,6 +99,8 @@ pub struct Summary {
     pub collision: Option<Contact>,
     /// The loss of the object, which ends an episode.
     pub loss: Option<Loss>,
+    /// Steps up to now, one after the other, in which the grasp was too far off.
+    pub(super) steps_beyond: u32,
     /// What broke, if anything did.
     pub failure: Option<Failure>,
 }
@@ -258,7 +262,9 @@ impl Summary {
     pub(super) fn add(&mut self, robot: Option<&RobotTick>, seen: Option<&Observation>, ignores_loss: bool) {
         if let Some(tick) = robot {
             let (by, distance) = tick.worst_hold();
-            if distance > LOSS_DISTANCE_M && !ignores_loss {
+            self.steps_beyond = if distance > LOSS_DISTANCE_M { self.steps_beyond + 1 } else { 0 };
+            let enough = if tick.physics.is_some() { 1 } else { 2 };
+            if self.steps_beyond >= enough && !ignores_loss {
                 self.loss = Some(Loss { by, step: self.steps, distance });
             }
             self.control.get_or_insert_default().add(tick);
@@ -301,6 +307,7 @@ impl Summary {
             interaction: None,
             collision: None,
             loss: None,
+            steps_beyond: 0,
             failure: None,
         }
     }

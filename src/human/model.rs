@@ -65,7 +65,7 @@ pub enum ModelError {
 }
 
 /// A model with its arguments, written as `preference` or `boltzmann(2.5)`.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct ModelName {
     model: &'static HumanModel,
     arguments: String,
@@ -122,6 +122,12 @@ impl FromStr for ModelName {
         let model = MODELS.into_iter().find(|model| model.name == name);
         let model = model.ok_or_else(|| ModelError::Unknown { name: name.to_owned() })?;
         Ok(Self { model, arguments: arguments.to_owned() })
+    }
+}
+
+impl std::fmt::Debug for ModelName {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        std::fmt::Display::fmt(self, f)
     }
 }
 

@@ -19,7 +19,7 @@ pub struct MethodEntry {
 }
 
 /// How the team decides who leads: one of [`METHODS`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Method(&'static MethodEntry);
 
 /// No method has this name.
@@ -74,6 +74,12 @@ impl FromStr for Method {
 
     fn from_str(name: &str) -> Result<Self, UnknownMethod> {
         Self::all().find(|m| m.name() == name).ok_or_else(|| UnknownMethod { name: name.to_owned() })
+    }
+}
+
+impl std::fmt::Debug for Method {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(self.name())
     }
 }
 

@@ -22,15 +22,15 @@ use nalgebra::Vector6;
 /// and rates are left for the grasp.
 const RECONFIGURATION_SHARE: f64 = 0.25;
 
-/// Bodies believe the arm's half-planes until a joint has moved so far, rad (m).
-const LINEAR_UNTIL: f64 = 0.3;
+/// What bodies believe of the arm's half-planes of a step, beside those of the step before: where the base follows its path at given rim
+/// speeds, the arm turns by radians within the horizon while it swings round a corner.
+const CONFIDENCE: f64 = 0.7;
 /// The most (m and rad) that the linear model of eq. (7) is corrected by.
 const MOST_MISSED: f64 = 0.2;
 
-/// How far a joint may move for the arm's half-planes to be believed, rad (m): bodies whose base follows its path at given rim speeds turn
-/// the arm by radians while it swings round a corner.
-fn most_moved(rims: Option<&Rims>) -> f64 {
-    if rims.is_some() { LINEAR_UNTIL } else { f64::INFINITY }
+/// The confidence in the arm's half-planes.
+fn confidence(rims: Option<&Rims>) -> f64 {
+    if rims.is_some() { CONFIDENCE } else { 1.0 }
 }
 
 /// The robot, its starting posture and its controller.
@@ -270,7 +270,7 @@ impl<'a, B: Bodies> Carrying<'a, B> {
             rims,
             period: self.walk.period,
             share: if rims.is_some() { RECONFIGURATION_SHARE } else { 1.0 },
-            most_moved: most_moved(rims),
+            confidence: confidence(rims),
         };
         let chosen = self.poses.choose(&problem, &control, &mut self.limits, &mut self.mpc);
         tick.preparation = Some(Preparation {
@@ -311,14 +311,14 @@ impl<'a, B: Bodies> Carrying<'a, B> {
             if let Some(rims) = rims {
                 set_base(&mut about, rims);
             }
-            let most_moved = most_moved(rims);
+            let confidence = confidence(rims);
             obstacles.half_planes(
                 control.avoid,
                 robot,
                 &target,
                 &about,
                 period,
-                most_moved,
+                confidence,
                 &mut self.limits,
             );
         }

@@ -235,7 +235,8 @@ fn eta_of_simulated_participants_lies_in_their_intervals() {
         let [low, high] = interval(found);
         assert!(low <= eta && eta <= high, "{eta} is not in {low} to {high}");
         let is_censored = found["evidence"] == "censored";
-        assert_eq!(is_censored, eta == 90.0, "{found}");
+        // with these, nobody switches before all ways are one
+        assert_eq!(is_censored, eta >= 22.0, "{found}");
         assert!(is_censored || high / low < 1.1, "{eta}: {low} to {high}");
         assert!(found["eta"].as_f64().is_none_or(|e| (e / eta - 1.0).abs() < 0.05), "{found}");
     }

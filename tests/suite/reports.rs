@@ -216,7 +216,8 @@ fn the_twenty_humans_of_table_2_are_compared_in_pairs() {
         assert_eq!(row["sample_against_without_pairs"], "20");
         assert!(lower < mean && mean < upper && raw <= holm, "{row:?}");
         assert_eq!(raw < 0.05, lower > 0.0 || upper < 0.0, "interval and test agree: {row:?}");
-        let told = format!("not lower in Environment {}, mutual, eta {}", row["environment"], row["eta"]);
+        let told =
+            format!("not lower in Environment {}, mutual, eta {}", row["environment"], number(&row, "eta"));
         assert_eq!(markdown.contains(&told), mean >= 0.0, "{told}");
         compared += 1;
     }

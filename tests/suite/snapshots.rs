@@ -132,7 +132,7 @@ fn a_snapshot_of_another_format_says_so() {
     assert_eq!(version, env!("CARGO_PKG_VERSION").as_bytes());
     bytes[16] += 1;
     let error = parse(&bytes).map(|s| s.state.steps()).expect_err("another format").to_string();
-    for part in ["format 5", "this program reads format 4", env!("CARGO_PKG_VERSION")] {
+    for part in ["format 6", "this program reads format 5", env!("CARGO_PKG_VERSION")] {
         assert!(error.contains(part), "{error}");
     }
 }
@@ -146,8 +146,8 @@ fn a_state_of_another_scenario_is_refused() {
     let state = |of: &Stage| of.episode().unwrap_or_else(|e| panic!("{e}")).state();
     let refused =
         |stage: &Stage, of: &Stage| stage.resume(state(of)).map(|_| ()).expect_err("misfit").to_string();
-    assert!(refused(&point, &kinematic).contains("robot"));
-    assert!(refused(&kinematic, &point).contains("robot"));
+    assert!(refused(&point, &kinematic).contains("plant"));
+    assert!(refused(&kinematic, &point).contains("plant"));
     assert!(refused(&kinematic, &rapier).contains("plant"));
     let door = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [0, 0]\ntarget_m = [9, 0]\n";
     let world = cocarry::world::World::parse("w.toml", door).unwrap_or_else(|e| panic!("{e}"));

@@ -146,7 +146,7 @@ fn json_messages_satisfy_their_schemas_on_every_plant() {
         }
     }
     assert!(checked > 1000);
-    assert_eq!(schemas.0.len(), 6);
+    assert_eq!(schemas.0.len(), 7);
 }
 
 #[test]
