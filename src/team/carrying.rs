@@ -26,7 +26,7 @@ const RECONFIGURATION_SHARE: f64 = 0.25;
 /// speeds, the arm turns by radians within the horizon while it swings round a corner.
 const CONFIDENCE: f64 = 0.7;
 /// The most (m and rad) that the linear model of eq. (7) is corrected by.
-const MOST_MISSED: f64 = 0.2;
+const MOST_MISSED: f64 = 0.01;
 
 /// The confidence in the arm's half-planes.
 fn confidence(rims: Option<&Rims>) -> f64 {

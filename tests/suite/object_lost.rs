@@ -34,8 +34,8 @@ fn a_robot_that_drives_too_slowly_loses_the_object() {
     let loss = &told["loss"];
     assert_eq!(loss["by"], "robot");
     let distance = loss["distance_m"].as_f64().expect("a distance");
-    // in one step, the team gets 4.8 cm ahead of it
-    assert!(distance > 0.1 && distance < 0.16, "{distance}");
+    // in one step, the team gets 4.8 cm ahead of it, and the second step beyond 10 cm ends the episode
+    assert!(distance > 0.1 && distance < 0.21, "{distance}");
     assert_eq!(told["control"]["largest_position_error_m"].as_f64(), Some(distance));
     assert_eq!(loss["step"].as_u64().map(|step| step + 1), told["steps"].as_u64(), "it ends there");
     let words = "its wheels drive 0.260 m/s at most";

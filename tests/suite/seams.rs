@@ -115,7 +115,11 @@ fn a_policy_may_set_the_reference_or_the_inputs() {
         assert_eq!(still.step(), None);
         assert_eq!(stay.step(), None);
     }
-    assert_eq!(still.configuration(), Some(&begin), "no inputs, no motion");
+    let end = still.configuration().expect("a robot");
+    assert!(
+        (end.base.position - begin.base.position).norm() < 1e-12 && end.joints == begin.joints,
+        "no motion"
+    );
     let tracked = stay.tick().robot.expect("a robot");
     assert!(tracked.position_error > 0.3, "the human walks on: {}", tracked.position_error);
 }
