@@ -9,13 +9,14 @@ use clap::Args;
 use std::path::PathBuf;
 
 /// The arguments that settle a scenario: with a snapshot, it is settled.
-const SETTLED: [&str; 22] = [
+const SETTLED: [&str; 23] = [
     "world",
     "method",
     "alpha",
     "gamma",
     "change",
     "redraws",
+    "human",
     "eta",
     "initial_stubbornness",
     "seed",

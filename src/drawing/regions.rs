@@ -91,8 +91,10 @@ fn draw(panel: &RegionPanel, frame: Bounds) -> (Group, f64) {
         let text = format!("option{plural} {}: preferred by nobody", unwanted.join(", "));
         bottom += GAP;
         let at = Point::new((frame.min.x + frame.max.x) / 2.0, bottom - 0.5 * GAP);
-        let text = Text::new(text).within(frame.size().x, TEXT_SIZE);
-        group = group.add(text.at(at, TEXT_SIZE, Align::Middle));
+        let text = Text::new(text);
+        // as small as it must be to be read whole, but no smaller than four fifths
+        let size = TEXT_SIZE * (frame.size().x / text.width(TEXT_SIZE)).clamp(0.8, 1.0);
+        group = group.add(text.within(frame.size().x, size).at(at, size, Align::Middle));
     }
     // the largest regions choose first
     let mut names = Group::new().set("class", "names");

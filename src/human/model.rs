@@ -9,6 +9,9 @@ use std::str::FromStr;
 /// All models. A new one is a file of its own and a line here.
 pub const MODELS: [&HumanModel; 3] = [&preference::MODEL, &boltzmann::MODEL, &scripted::MODEL];
 
+/// A human, or why there is none.
+type Made = Result<Box<dyn Human>, ModelError>;
+
 /// A model of human decisions.
 #[derive(Debug)]
 pub struct HumanModel {
@@ -19,7 +22,7 @@ pub struct HumanModel {
     /// What it does, in a sentence.
     pub about: &'static str,
     /// Makes the human from the arguments between the parentheses.
-    pub(super) make: fn(&str, &Participant<'_>) -> Result<Box<dyn Human>, ModelError>,
+    pub(super) make: fn(&str, &Participant<'_>) -> Made,
 }
 
 /// What is known of one human before the episode.

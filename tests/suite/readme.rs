@@ -3,8 +3,11 @@
 use crate::support::{cocarry, repository, stderr};
 use serde_json::Value;
 
+/// Words of a comment, and whether a run does what they say.
+type Claim = (&'static str, fn(&Value) -> bool);
+
 /// What comments behind `cocarry run` say of how an episode goes, and what its JSON has then. Each must occur in the README.
-const CLAIMS: [(&str, fn(&Value) -> bool); 9] = [
+const CLAIMS: [Claim; 9] = [
     ("takes the lead at step 22", |told| told["transition"]["step"] == 22),
     ("ends on option 4", |told| told["last_option"] == "4"),
     ("turns onto option 4", |told| told["option_changes"][0]["to"] == "4"),

@@ -175,6 +175,6 @@ mod tests {
             [risk_colour(-1.0), risk_colour(0.25), risk_colour(2.0)],
             ["#fde725", "#5ec962", "#440154"]
         );
-        assert_eq!(risk_colour(0.125), "#b0d844");
+        assert_eq!(risk_colour(0.125), "#aed844");
     }
 }
