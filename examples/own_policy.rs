@@ -39,7 +39,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut own = Episode::new(&options, &settings, paper::EXAMPLE_HUMAN).with_policy(OwnPolicy);
     let mut mutual = Episode::new(&options, &settings, paper::EXAMPLE_HUMAN);
     while own.step().is_none() & mutual.step().is_none() {
-        assert_eq!(own.tick(), mutual.tick());
+        let walked = |episode: &Episode| (episode.tick().executed, episode.tick().accumulated_cost.to_bits());
+        assert_eq!(walked(&own), walked(&mutual), "the same option at the same place");
     }
     let end = own.summary();
     println!("{} after {} steps, J accumulated {:.1} m", end.outcome.name(), end.steps, end.accumulated_cost);
