@@ -8,10 +8,10 @@ use cocarry::control::{
     Settings, SolveOutcome, motion_cost,
 };
 use cocarry::episode::{self, Episode, Manipulator};
-use cocarry::experiments::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
 use cocarry::geometry::{PlanarPose, Point, direction};
 use cocarry::math;
 use cocarry::options::OptionSet;
+use cocarry::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
 use cocarry::policy::Method;
 use cocarry::robot::{Configuration, InputJacobian, InputVector, JointVector, Kinematics, Robot};
 use criterion::{Criterion, criterion_group};

@@ -3,9 +3,9 @@
 
 use cocarry::control;
 use cocarry::episode::Summary;
-use cocarry::experiments::paper;
 use cocarry::geometry::{PlanarPose, Point};
 use cocarry::math;
+use cocarry::paper;
 use cocarry::robot::{InputVector, Robot};
 use cocarry::scenario::{Carrier, Plant, Scenario};
 use cocarry::simulation::{HumanCommand, PhysicalPlant, PhysicsSettings};

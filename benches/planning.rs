@@ -1,8 +1,8 @@
 //! One planning tick (all options, P_o, expected costs, eq. 6) against a budget of 20 us and against planning anew in every tick.
 
 use cocarry::episode::{Episode, Settings};
-use cocarry::experiments::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
 use cocarry::options::OptionSet;
+use cocarry::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
 use cocarry::world::World;
 use criterion::{BatchSize, Criterion, criterion_group};
 use std::hint::black_box;

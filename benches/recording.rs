@@ -1,7 +1,7 @@
 //! An episode on the physical plant with a recording and without: what recording costs of it, against a budget of 15 %, and how large the file is.
 
 use cocarry::control;
-use cocarry::experiments::paper;
+use cocarry::paper;
 use cocarry::recording::{Ending, FileRecorder};
 use cocarry::robot::Robot;
 use cocarry::scenario::{Carrier, Plant, Scenario, Stage};

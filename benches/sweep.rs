@@ -1,6 +1,6 @@
 //! A sweep from study to file: episodes per second, and two threads against one, taken in turns since other work on the machine comes and goes.
 
-use cocarry::experiments::sweep::{Study, Sweep};
+use cocarry::study::{Study, Sweep};
 use std::path::Path;
 use std::time::{Duration, Instant};
 

@@ -6,9 +6,9 @@
 
 use cocarry::coordination::Mode;
 use cocarry::episode::{Episode, Settings};
-use cocarry::experiments::paper;
 use cocarry::human::{Human, HumanDecision, HumanView, Stance};
 use cocarry::options::OptionSet;
+use cocarry::paper;
 
 /// Counts the time that the team goes another way.
 #[derive(Clone, Debug, Default)]

@@ -6,9 +6,9 @@
 
 use cocarry::coordination::Mode;
 use cocarry::episode::{Episode, Settings};
-use cocarry::experiments::paper;
 use cocarry::human::Stance;
 use cocarry::options::OptionSet;
+use cocarry::paper;
 use cocarry::policy::{Decision, RobotPolicy, RobotView};
 
 /// Leads on the option of least (1 - phi) J_o + phi J~_o until the human takes over, then follows.

@@ -15,7 +15,12 @@
 //!
 //! ```text
 //! cli            arguments -> text, tables, JSON, files
-//! experiments    one file per claim or table of the paper
+//! report         all results as one page
+//! study          many episodes from one file: every combination, every seed; merged, summarised
+//! fit            parameters from observed answers and switches
+//! regression     expected figures of episodes, held against new runs
+//! paper          the paper's figures and claims, one file a claim
+//! statistics     means, intervals, tests; tables of results; work on all threads
 //! drawing        maps and curves as SVG
 //! recording      an episode as an MCAP file, and back; live viewing
 //! scenario       everything that defines an episode, as text; snapshots; from either the episode again
@@ -66,7 +71,7 @@
 //!
 //! ```
 //! use cocarry::episode::{Outcome, Settings, run};
-//! use cocarry::experiments::paper;
+//! use cocarry::paper;
 //! use cocarry::options::OptionSet;
 //!
 //! let world = paper::ENVIRONMENTS[3].world()?;
@@ -85,17 +90,24 @@ pub mod control;
 pub mod coordination;
 pub mod drawing;
 pub mod episode;
-pub mod experiments;
+pub mod fit;
 pub mod geometry;
 pub mod human;
 pub mod math;
 pub mod options;
+pub mod paper;
+pub mod parallel;
 pub mod policy;
 pub mod preference;
 pub mod recording;
+pub mod regression;
+pub mod report;
 pub mod robot;
 pub mod saved;
 pub mod scenario;
 pub mod simulation;
+pub mod statistics;
+pub mod study;
+pub mod table;
 pub mod team;
 pub mod world;

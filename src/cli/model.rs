@@ -2,7 +2,7 @@
 
 use super::output::{Failure, input};
 use crate::episode::PreferenceChange;
-use crate::experiments::paper;
+use crate::paper;
 use crate::preference::{self, Belief, Marginal, Perception, Predictor, WeightedSample};
 use crate::world::World;
 use anyhow::{Context, anyhow};

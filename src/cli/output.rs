@@ -85,7 +85,7 @@ pub(super) fn table_text(table: &Table) -> String {
 }
 
 /// A table of an experiment as text: its title, what people read in it, its notes.
-pub(super) fn table_with_notes(of: &crate::experiments::table::Table) -> String {
+pub(super) fn table_with_notes(of: &crate::table::Table) -> String {
     let (headings, rows) = of.shown();
     let mut shown = Table::new();
     shown

@@ -3,7 +3,7 @@
 use super::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
 use super::reproduce::Common;
 use super::scenario::ScenarioArguments;
-use crate::experiments::regress::{
+use crate::regression::{
     Baseline, BaselineError, FORMAT, Figure, Figures, Moved, Run, Value, moved, run_all,
 };
 use crate::scenario::Scenario;

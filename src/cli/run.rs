@@ -11,7 +11,7 @@ use super::tick_log;
 use super::told::Told;
 use crate::drawing;
 use crate::episode::{Outcome, State, Summary};
-use crate::experiments::paper::EXAMPLE_HUMAN;
+use crate::paper::EXAMPLE_HUMAN;
 use crate::preference::Perception;
 use crate::recording::Ending;
 use crate::scenario::Snapshot;

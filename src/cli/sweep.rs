@@ -2,8 +2,8 @@
 
 use super::output::{Failure, Progress, input, print, print_json, table, table_text, warn};
 use super::reproduce::Common;
-use crate::experiments::statistics::Estimate;
-use crate::experiments::sweep::{Comparison, Group, Shard, Study, Summary, Sweep, SweepError, merge};
+use crate::statistics::Estimate;
+use crate::study::{Comparison, Group, Shard, Study, Summary, Sweep, SweepError, merge};
 use anyhow::Error;
 use clap::Args;
 use serde_json::json;

@@ -32,7 +32,7 @@
 //!
 //! ```
 //! use cocarry::episode::Outcome;
-//! use cocarry::experiments::paper;
+//! use cocarry::paper;
 //! use cocarry::recording::{Ending, Reader, Recorder};
 //! use cocarry::scenario::{Plant, Scenario};
 //! use std::io::Cursor;

@@ -3,12 +3,12 @@
 //! The short tests here run with the suite; the whole table, which README.md quotes, is
 //! `cargo test --release --test reproduction coverage -- --ignored --nocapture`.
 
-use cocarry::experiments::fit::{
+use cocarry::fit::{
     Answers, EtaFit, Evidence, Executed, RiskWeightSettings, Situation, Switch, fit_eta, fit_risk_weight,
 };
-use cocarry::experiments::paper::ENVIRONMENTS;
 use cocarry::math;
 use cocarry::options::OptionSet;
+use cocarry::paper::ENVIRONMENTS;
 use cocarry::preference::{Belief, ChoiceDistribution, Predictor};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

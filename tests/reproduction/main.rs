@@ -3,11 +3,11 @@
 mod coverage;
 
 use cocarry::episode::{Outcome, Settings};
-use cocarry::experiments::cycles::mixed_world;
-use cocarry::experiments::fit::{AnswerFile, RiskWeightSettings, Situation, fit_risk_weight};
-use cocarry::experiments::h3::{PoseMethod, Study};
-use cocarry::experiments::{h1, h2, paper};
+use cocarry::fit::{AnswerFile, RiskWeightSettings, Situation, fit_risk_weight};
 use cocarry::options::OptionSet;
+use cocarry::paper::cycles::mixed_world;
+use cocarry::paper::h3::{PoseMethod, Study};
+use cocarry::paper::{self, h1, h2};
 use cocarry::policy::Method;
 use cocarry::preference::Predictor;
 use cocarry::robot::Robot;

@@ -3,7 +3,7 @@
 use crate::support::{load, repository};
 use cocarry::control::{self, RobotObstacles, SolveOutcome};
 use cocarry::episode::{Episode, Manipulator, Settings};
-use cocarry::experiments::paper::EXAMPLE_HUMAN;
+use cocarry::paper::EXAMPLE_HUMAN;
 use cocarry::policy::Method;
 use cocarry::robot::Robot;
 

@@ -4,8 +4,8 @@ use crate::support::{cocarry, json, load, repository, stderr, stdout};
 use cocarry::control::{self, Avoid, CandidateSet, PoseCriterion, RobotObstacles, SolveOutcome};
 use cocarry::coordination::Mode;
 use cocarry::episode::{Episode, Manipulator, Outcome, Settings, Summary, Tick};
-use cocarry::experiments::paper::EXAMPLE_HUMAN;
 use cocarry::math;
+use cocarry::paper::EXAMPLE_HUMAN;
 use cocarry::policy::Method;
 use cocarry::robot::Robot;
 

@@ -3,10 +3,10 @@
 use crate::support::{load, repository, world_files};
 use cocarry::coordination::{self, Mode};
 use cocarry::episode::{Episode, Outcome, PreferenceChange, Settings, Tick, run};
-use cocarry::experiments::cycles;
-use cocarry::experiments::paper::EXAMPLE_HUMAN;
 use cocarry::human::PreferenceHuman;
 use cocarry::math;
+use cocarry::paper::EXAMPLE_HUMAN;
+use cocarry::paper::cycles;
 use cocarry::policy::Method;
 use cocarry::preference::{Perception, Prospect, RISK_WEIGHT, subjective_cost};
 

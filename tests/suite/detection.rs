@@ -1,10 +1,10 @@
 //! Openings of walls that are made of several obstacles, gaps as wide as the robot, and an independent flood fill for what can be reached.
 
 use crate::support::{cocarry, json, stderr, stdout};
-use cocarry::experiments::cycles::random_world;
 use cocarry::geometry::Point;
 use cocarry::math;
 use cocarry::options::{OptionError, OptionSet};
+use cocarry::paper::cycles::random_world;
 use cocarry::world::{Opening, World, WorldError};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;

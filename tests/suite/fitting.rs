@@ -3,10 +3,10 @@
 use crate::support::{cocarry, json, load, repository, stderr, stdout};
 use cocarry::coordination;
 use cocarry::episode::{Episode, Settings, prospects, run};
-use cocarry::experiments::fit::{Guidance, LEAST_SQUARES_CAUTION};
-use cocarry::experiments::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
+use cocarry::fit::{Guidance, LEAST_SQUARES_CAUTION};
 use cocarry::math;
 use cocarry::options::OptionSet;
+use cocarry::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
 use cocarry::policy::Method;
 use cocarry::preference::{Belief, ChoiceDistribution, Predictor};
 use rand::RngExt;

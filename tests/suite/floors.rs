@@ -4,7 +4,7 @@ use crate::support::repository;
 use std::path::{Path, PathBuf};
 
 /// The floors from the bottom; those in one row may not use each other.
-const FLOORS: [&[&str]; 18] = [
+const FLOORS: [&[&str]; 21] = [
     &["math", "saved"],
     &["geometry"],
     &["robot"],
@@ -21,7 +21,10 @@ const FLOORS: [&[&str]; 18] = [
     &["episode"],
     &["scenario"],
     &["recording", "drawing"],
-    &["experiments"],
+    &["statistics", "table", "parallel"],
+    &["paper"],
+    &["study", "fit", "regression"],
+    &["report"],
     &["cli"],
 ];
 

@@ -1,9 +1,9 @@
 //! The paths of options: that they do not double back, and that lengths change no more than the team moves.
 
 use crate::support::{load, repository};
-use cocarry::experiments::cycles::{mixed_world, random_world};
 use cocarry::geometry::{Path, Piece, Point};
 use cocarry::options::{OptionSet, Progress};
+use cocarry::paper::cycles::{mixed_world, random_world};
 use cocarry::world::World;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;

@@ -2,8 +2,8 @@
 
 use crate::support::{cocarry, cocarry_without_fma, json, stderr};
 use cocarry::episode::prospects;
-use cocarry::experiments::paper::ENVIRONMENTS;
 use cocarry::options::OptionSet;
+use cocarry::paper::ENVIRONMENTS;
 use cocarry::preference::{ChoiceDistribution, Predictor};
 use serde_json::Value;
 use std::path::{Path, PathBuf};

@@ -3,10 +3,10 @@
 use crate::support::{cocarry, load, repository, stderr};
 use cocarry::coordination::{Mode, Settings as Coordination};
 use cocarry::episode::{Episode, Settings};
-use cocarry::experiments::cycles::random_world;
-use cocarry::experiments::paper::EXAMPLE_HUMAN;
 use cocarry::geometry::Path;
 use cocarry::options::{OptionSet, Progress};
+use cocarry::paper::EXAMPLE_HUMAN;
+use cocarry::paper::cycles::random_world;
 use cocarry::policy::Method;
 use cocarry::preference::{Belief, Perception, Predictor, SampleSet, WeightedSample};
 use cocarry::world::World;

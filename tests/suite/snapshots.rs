@@ -4,7 +4,7 @@ use crate::support::{cocarry, stderr, stdout};
 use cocarry::control;
 use cocarry::coordination;
 use cocarry::episode::{Episode, PreferenceChange, Settings};
-use cocarry::experiments::paper;
+use cocarry::paper;
 use cocarry::policy::Method;
 use cocarry::preference::Perception;
 use cocarry::robot::Robot;

@@ -1,9 +1,9 @@
 //! World files, what is measured in them, and the options that come of them.
 
 use crate::support::{load, repository, world_files};
-use cocarry::experiments::cycles::random_world;
 use cocarry::geometry::Point;
 use cocarry::options::{OptionSet, Progress, Waypoint};
+use cocarry::paper::cycles::random_world;
 use cocarry::world::World;
 use parry3d::math::{Pose, Vec3};
 use parry3d::query::distance;

@@ -6,7 +6,7 @@ use crate::cli::output::{Failure, input, print, print_json, table, table_text, w
 use crate::coordination;
 use crate::drawing::{self, ToleranceRow};
 use crate::episode::Settings;
-use crate::experiments::fit::{Eta, EtaFit, Evidence, SwitchFile, fit_eta};
+use crate::fit::{Eta, EtaFit, Evidence, SwitchFile, fit_eta};
 use crate::math;
 use anyhow::{Context, anyhow};
 use clap::Args;

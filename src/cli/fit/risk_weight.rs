@@ -5,12 +5,12 @@ use super::options;
 use crate::cli::model::BeliefArguments;
 use crate::cli::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
 use crate::cli::reproduce::Common;
-use crate::experiments::fit::{
+use crate::fit::{
     AnswerFile, Answers, CELL_ERROR, Estimate, LEAST_SQUARES_CAUTION, RiskWeightFit, RiskWeightSettings,
     Situation, fit_risk_weight,
 };
-use crate::experiments::report::answers_picture;
 use crate::preference::RISK_WEIGHT;
+use crate::report::answers_picture;
 use anyhow::Context;
 use clap::Args;
 use serde_json::json;

@@ -3,7 +3,7 @@
 use super::super::output::{Failure, Progress, input, print, print_json, write_file};
 use super::super::robot::load_robot;
 use super::Common;
-use crate::experiments::report::{PARTS, Plan, Report, ReportError, Section};
+use crate::report::{PARTS, Plan, Report, ReportError, Section};
 use anyhow::{Context, anyhow};
 use clap::Args;
 use serde_json::{Map, Value, json};

@@ -4,7 +4,7 @@ use super::super::output::{Failure, Progress, input, print, print_json, table, t
 use super::super::robot::{load_robot, physics, sway};
 use super::Common;
 use crate::episode::Settings;
-use crate::experiments::contacts::{ANGLES, Row, Study};
+use crate::paper::contacts::{ANGLES, Row, Study};
 use clap::Args;
 use serde_json::json;
 

@@ -4,7 +4,7 @@ use super::super::output::{Failure, Progress, input, print, print_json, write_fi
 use super::super::robot::{load_robot, physics, sway};
 use super::{Common, TeamPlant};
 use crate::episode::Settings;
-use crate::experiments::{cycles, cycles_physical};
+use crate::paper::{cycles, cycles_physical};
 use anyhow::{Context, anyhow};
 use clap::Args;
 use serde_json::json;

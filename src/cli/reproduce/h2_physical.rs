@@ -4,9 +4,9 @@ use super::super::output::{Failure, Progress, input, print, print_json, table_wi
 use super::super::robot::{load_robot, physics};
 use super::H2;
 use crate::episode::Settings;
-use crate::experiments::h2;
-use crate::experiments::h2_physical::Study;
-use crate::experiments::report::table_2_with_bodies;
+use crate::paper::h2;
+use crate::paper::h2_physical::Study;
+use crate::report::table_2_with_bodies;
 use serde_json::json;
 
 pub(super) fn run(arguments: &H2) -> Result<(), Failure> {

@@ -9,7 +9,7 @@ mod written;
 
 use crate::support::repository;
 use cocarry::episode::{Episode, Settings};
-use cocarry::experiments::paper::EXAMPLE_HUMAN;
+use cocarry::paper::EXAMPLE_HUMAN;
 use cocarry::recording::{Definition, Encoder, Ending, Entry, Message, Reader, Recorder, decode};
 use cocarry::robot::Robot;
 use cocarry::scenario::{Carrier, Plant, Scenario};

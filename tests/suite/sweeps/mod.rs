@@ -5,7 +5,7 @@ mod redraws;
 mod studies;
 
 use crate::support::{cocarry, json, repository, stderr, stdout};
-use cocarry::experiments::statistics::{mean_and_std, paired_p_value};
+use cocarry::statistics::{mean_and_std, paired_p_value};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};

@@ -3,11 +3,11 @@
 use super::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
 use crate::drawing::{Curve, CurvePanel, RegionPanel, curves, preference_regions, world_map};
 use crate::episode::prospects;
-use crate::experiments::h1::{self, Fit, Row};
-use crate::experiments::paper::ENVIRONMENTS;
-use crate::experiments::table::{Columns, Table};
 use crate::options::OptionSet;
+use crate::paper::ENVIRONMENTS;
+use crate::paper::h1::{self, Fit, Row};
 use crate::preference::{ChoiceDistribution, Predictor, Regions, perceived_distance, perceived_risk};
+use crate::table::{Columns, Table};
 
 /// Table I.
 pub(super) const PART: Part = Part { name: "Table I", episodes: |_| 0, run };
@@ -59,7 +59,7 @@ fn fits_table(fits: &[Fit]) -> Table {
         )
 }
 
-fn run(plan: &Plan, _: super::OnDone) -> Result<Section, ReportError> {
+fn run(plan: &Plan, _: crate::parallel::OnDone) -> Result<Section, ReportError> {
     let predictor = &plan.settings.predictor;
     let rows = h1::table(predictor)?;
     let fits = h1::fits(&rows);

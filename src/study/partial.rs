@@ -8,7 +8,7 @@ use super::ordered::in_order;
 use super::results::{self, Identity};
 use super::{Study, SweepError, row};
 use crate::arithmetic;
-use crate::experiments::OnDone;
+use crate::parallel::OnDone;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
 use std::ops::Range;

@@ -1,7 +1,7 @@
 //! Columns of a paired comparison, the same in every table, and what has to be known to read them.
 
-use crate::experiments::statistics::Paired;
-use crate::experiments::table::{Cell, Columns, Table};
+use crate::statistics::Paired;
+use crate::table::{Cell, Columns, Table};
 use serde_json::Value;
 
 /// Below this, a corrected p-value is called significant.

@@ -2,15 +2,15 @@
 
 use super::{Block, Figure, Finding, Part, Plan, ReportError, Section};
 use crate::drawing::{self, AnswerPanel, AnswerRow, DrawingError, RiskWeightMark};
-use crate::experiments::OnDone;
-use crate::experiments::fit::{
+use crate::fit::{
     Answers, CELL_ERROR, Estimate, LEAST_SQUARES_CAUTION, RiskWeightFit, RiskWeightSettings, Situation,
     fit_risk_weight,
 };
-use crate::experiments::paper::ENVIRONMENTS;
-use crate::experiments::table::{Columns, Table};
 use crate::options::OptionSet;
+use crate::paper::ENVIRONMENTS;
+use crate::parallel::OnDone;
 use crate::preference::RISK_WEIGHT;
+use crate::table::{Columns, Table};
 
 /// The fit of c_r.
 pub(super) const PART: Part = Part { name: "fit of c_r", episodes: |_| 0, run };

@@ -3,12 +3,12 @@
 use super::pairs::{LEVEL, compared, difference, explained, is_significant, rounded};
 use super::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
 use crate::drawing::{Curve, CurvePanel, DrawingError, Track, adaptation, curves};
-use crate::experiments::OnDone;
-use crate::experiments::h2::{self, ExampleRun, Row};
-use crate::experiments::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
-use crate::experiments::statistics::Paired;
-use crate::experiments::table::{Cell, Columns, Table};
+use crate::paper::h2::{self, ExampleRun, Row};
+use crate::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
+use crate::parallel::OnDone;
 use crate::policy::Method;
+use crate::statistics::Paired;
+use crate::table::{Cell, Columns, Table};
 use crate::world::World;
 
 /// Table II.

@@ -1,15 +1,13 @@
 //! H2, Table II: accumulated objective cost with and without the mode transition, and the Environment 4 example.
 
-use super::paper::{
-    BuiltInError, COLUMNS, ENVIRONMENTS, EXAMPLE, EXAMPLE_ENVIRONMENT, EXAMPLE_HUMAN, Environment,
-};
-use super::statistics::{self, Paired, mean_and_std};
-use super::{OnDone, in_parallel};
+use super::{BuiltInError, COLUMNS, ENVIRONMENTS, EXAMPLE, EXAMPLE_ENVIRONMENT, EXAMPLE_HUMAN, Environment};
 use crate::coordination::{self, Mode};
 use crate::episode::{Episode, Outcome, Settings, Summary, Tick, run};
 use crate::options::OptionSet;
+use crate::parallel::{OnDone, in_parallel};
 use crate::policy::Method;
 use crate::preference::{Belief, Perception};
+use crate::statistics::{self, Paired, mean_and_std};
 use crate::world::World;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

@@ -1,6 +1,6 @@
 //! H1, Table I: the choice distribution of the model against the participants' answers and the paper's model output.
 
-use super::paper::{BuiltInError, ENVIRONMENTS};
+use super::{BuiltInError, ENVIRONMENTS};
 use crate::episode::prospects;
 use crate::options::OptionSet;
 use crate::preference::{ChoiceDistribution, Predictor};

@@ -4,10 +4,10 @@ use super::pairs::{LEVEL, compared, explained, is_significant, rounded};
 use super::{Block, Figure, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::control;
 use crate::drawing::{DrawingError, RatioPanel, RatioRow, cost_ratios};
-use crate::experiments::OnDone;
-use crate::experiments::h3::{PoseMethod, Row, Study};
-use crate::experiments::paper::{ENVIRONMENTS, SETTINGS};
-use crate::experiments::table::{Cell, Columns, Table};
+use crate::paper::h3::{PoseMethod, Row, Study};
+use crate::paper::{ENVIRONMENTS, SETTINGS};
+use crate::parallel::OnDone;
+use crate::table::{Cell, Columns, Table};
 
 /// Table III.
 pub(super) const PART: Part = Part { name: "Table III", episodes: |plan| study(plan).units(), run };

@@ -1,9 +1,9 @@
 //! "No locked cycles" (Sec. IV-B): the search for a counterexample.
 
 use super::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds};
-use crate::experiments::OnDone;
-use crate::experiments::cycles::{Findings, search};
-use crate::experiments::table::{Columns, Table};
+use crate::paper::cycles::{Findings, search};
+use crate::parallel::OnDone;
+use crate::table::{Columns, Table};
 
 /// The search.
 pub(super) const PART: Part = Part { name: "random worlds", episodes: |plan| plan.worlds, run };

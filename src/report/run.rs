@@ -2,7 +2,7 @@
 
 use super::{PARTS, Plan, Section, grouped};
 use crate::control::{self, HORIZON};
-use crate::experiments::paper::COLUMNS;
+use crate::paper::COLUMNS;
 use crate::simulation::PhysicsSettings;
 
 /// Where the paper is silent, where this departs from it, and its slips.

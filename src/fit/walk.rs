@@ -3,9 +3,9 @@
 use super::Set;
 use crate::coordination::{self, Mode, is_misaligned};
 use crate::episode::{Episode, Settings, prospects};
-use crate::experiments::paper::EXAMPLE_HUMAN;
 use crate::math;
 use crate::options::OptionSet;
+use crate::paper::EXAMPLE_HUMAN;
 use crate::policy::Method;
 use crate::preference::ChoiceDistribution;
 

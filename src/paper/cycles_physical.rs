@@ -1,11 +1,11 @@
 //! Random worlds and humans as in the search for locked cycles, by a team with bodies: whether it arrives without touching anything.
 
 use super::cycles::{random_human, roomy_world};
-use super::{OnDone, in_parallel};
 use crate::control::{self, RobotObstacles};
 use crate::coordination;
 use crate::episode::{Episode, Manipulator, Outcome, Settings, Summary};
 use crate::options::OptionSet;
+use crate::parallel::{OnDone, in_parallel};
 use crate::preference::Perception;
 use crate::robot::Robot;
 use crate::simulation::{Contact, Party, PhysicsError, PhysicsSettings};

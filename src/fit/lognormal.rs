@@ -415,7 +415,7 @@ mod tests {
             let sets: Vec<Set> = values.iter().map(|v| exactly(*v)).collect();
             let (found, interval) = fit(&sets).unwrap();
             let logs: Vec<f64> = values.iter().map(|v| math::ln(*v)).collect();
-            let (mean, std) = crate::experiments::statistics::mean_and_std(&logs);
+            let (mean, std) = crate::statistics::mean_and_std(&logs);
             let n = values.len() as f64;
             let half = StudentsT::new(0.0, 1.0, n - 1.0).unwrap().inverse_cdf(0.975) * std / n.sqrt();
             let [low, high] = interval.unwrap().map(math::ln);

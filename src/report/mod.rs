@@ -20,13 +20,14 @@ pub use preparation::{Compared, ratio_picture, table_3, table_3_ratios};
 pub use weight::answers_picture;
 
 use super::fit::FitError;
-use super::paper::BuiltInError;
-use super::table::Table;
-use super::{OnDone, cycles as locked, h2, h3};
 use crate::drawing::DrawingError;
 use crate::episode::Settings;
 use crate::options::OptionError;
+use crate::paper::BuiltInError;
+use crate::paper::{cycles as locked, h2, h3};
+use crate::parallel::OnDone;
 use crate::robot::Robot;
+use crate::table::Table;
 use crate::world::WorldError;
 use thiserror::Error;
 

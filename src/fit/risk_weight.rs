@@ -9,8 +9,8 @@
 
 use super::minimum::{least, refined, scanned, valleys};
 use super::{Answers, FitError};
-use crate::experiments::{OnDone, in_parallel};
 use crate::math;
+use crate::parallel::{OnDone, in_parallel};
 use crate::preference::{ChoiceDistribution, Predictor};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

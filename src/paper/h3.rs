@@ -4,20 +4,21 @@
 //! The human leads from the start. (alpha, gamma) is drawn from a setting's sub-range, and redrawn once or twice at random steps of the first
 //! half; the robot only knows the full ranges. Every method meets the same humans: all comparisons are paired.
 
-use super::paper::{BuiltInError, ENVIRONMENTS, Environment, SETTINGS};
-use super::statistics::{self, Paired, mean_and_std};
-use super::{OnDone, Way, in_parallel, way};
+use super::{BuiltInError, ENVIRONMENTS, Environment, SETTINGS};
+use super::{Way, way};
 use crate::control::{Avoid, CandidateSet, PoseCriterion, RobotObstacles};
 use crate::episode::{
     ControlSummary, Episode, LOSS_DISTANCE_M, Manipulator, Outcome, PreferenceChange, Settings,
 };
 use crate::human::PreferenceHuman;
 use crate::options::OptionSet;
+use crate::parallel::{OnDone, in_parallel};
 use crate::policy::Method;
 use crate::preference::{Belief, Perception};
 use crate::robot::{Posture, Robot};
 use crate::scenario::Redraws;
 use crate::simulation::{PhysicsError, PhysicsSettings};
+use crate::statistics::{self, Paired, mean_and_std};
 use crate::{control, preference};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

@@ -3,10 +3,10 @@
 use super::adaptation::method;
 use super::pairs::{LEVEL, compared, explained, is_significant};
 use super::{Block, Finding, Part, Plan, ReportError, Section, holds};
-use crate::experiments::OnDone;
-use crate::experiments::h2_physical::{Row, Study};
-use crate::experiments::table::{Cell, Columns, Table};
+use crate::paper::h2_physical::{Row, Study};
+use crate::parallel::OnDone;
 use crate::simulation::PhysicsSettings;
+use crate::table::{Cell, Columns, Table};
 
 /// Table II with bodies.
 pub(super) const PART: Part =

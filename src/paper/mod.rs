@@ -1,8 +1,17 @@
-//! The figures that the paper reports, and the four environments built to match them.
+//! The paper's claims, one file each: what it says, our run, side by side. Here are its figures, and the four environments built to match.
 //!
 //! Source: A. J. Mahmud, W. Li, X. Wang, "Mutual Adaptation in Human-Robot Co-Transportation with Human Preference Uncertainty"; the table
 //! is named at each figure.
 
+pub mod contacts;
+pub mod cycles;
+pub mod cycles_physical;
+pub mod h1;
+pub mod h2;
+pub mod h2_physical;
+pub mod h3;
+
+use crate::episode::Summary;
 use crate::options::OptionError;
 use crate::preference::{Perception, PreferenceError};
 use crate::simulation::PhysicsError;
@@ -137,4 +146,11 @@ pub enum BuiltInError {
     /// Its bodies.
     #[error(transparent)]
     Physics(#[from] PhysicsError),
+}
+
+/// The route that an episode took, to tell humans who make the same choices: first and last option, and how often it changed.
+type Way = [u64; 3];
+
+fn way(summary: &Summary) -> Way {
+    [summary.first_option as u64, summary.last_option as u64, summary.changes.into()]
 }

@@ -1,11 +1,11 @@
 //! Sec. IV-B.2 claims without proof that eq. (6) causes no locked cycles (infinite oscillation between options). Random worlds and humans,
 //! each episode run until the team stands at the target or ten times the longest option has passed.
 
-use super::{OnDone, in_parallel};
 use crate::coordination;
 use crate::episode::{Outcome, Settings, run};
 use crate::math;
 use crate::options::OptionSet;
+use crate::parallel::{OnDone, in_parallel};
 use crate::preference::Perception;
 use crate::world::World;
 use rand::RngExt;

@@ -8,7 +8,7 @@ pub use baseline::{Baseline, FORMAT, Run, Tolerance, Value};
 pub use error::BaselineError;
 pub use figures::{FIGURES, Figure, Way, figures};
 
-use super::{OnDone, in_parallel};
+use crate::parallel::{OnDone, in_parallel};
 use crate::scenario::{Scenario, ScenarioError};
 
 /// The figures of a run, in the order of [`FIGURES`].

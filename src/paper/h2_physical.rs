@@ -1,16 +1,17 @@
 //! Table II with bodies: the same humans on the planning level, where the team is a point, and on the physical plant.
 
 use super::h2::{self, humans_at_random};
-use super::paper::{BuiltInError, COLUMNS, ENVIRONMENTS, Environment};
-use super::statistics::{self, Paired, mean_and_std};
-use super::{OnDone, Way, in_parallel, way};
+use super::{BuiltInError, COLUMNS, ENVIRONMENTS, Environment};
+use super::{Way, way};
 use crate::control::{self, RobotObstacles};
 use crate::episode::{self, Episode, Manipulator, Outcome, Settings, Summary};
 use crate::options::OptionSet;
+use crate::parallel::{OnDone, in_parallel};
 use crate::policy::Method;
 use crate::preference::Perception;
 use crate::robot::Robot;
 use crate::simulation::{PhysicsError, PhysicsSettings};
+use crate::statistics::{self, Paired, mean_and_std};
 use crate::world::World;
 use serde::Serialize;
 use std::collections::BTreeSet;

@@ -3,7 +3,7 @@
 
 use super::results::Rows;
 use super::{SweepError, row};
-use crate::experiments::statistics::{self, Estimate, Moments, Paired};
+use crate::statistics::{self, Estimate, Moments, Paired};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;

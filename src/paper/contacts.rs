@@ -1,11 +1,11 @@
 //! The paper's risk S = d_r / w against what happens: how often a team with bodies touches the sides of an opening.
 
-use super::{OnDone, in_parallel};
 use crate::control::{self, RobotObstacles};
 use crate::episode::{Episode, Manipulator, Outcome, Settings};
-use crate::experiments::paper::BuiltInError;
 use crate::math;
 use crate::options::OptionSet;
+use crate::paper::BuiltInError;
+use crate::parallel::{OnDone, in_parallel};
 use crate::policy::Method;
 use crate::robot::Robot;
 use crate::simulation::{Party, PhysicsError, PhysicsSettings};

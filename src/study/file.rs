@@ -5,7 +5,7 @@ use super::humans::{Humans, Range};
 use super::names::{self, AVOID, CRITERIA, METHODS, Names, PLANTS, POSES, Plants};
 use super::source::{self, Source, get, number, whole};
 use super::{Run, Seeds, SweepError};
-use crate::experiments::paper;
+use crate::paper;
 use crate::preference::{Belief, Marginal};
 use crate::robot::{Robot, RobotTexts};
 use crate::scenario::{Redraws, WorldText};
