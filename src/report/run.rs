@@ -6,7 +6,7 @@ use crate::paper::COLUMNS;
 use crate::simulation::PhysicsSettings;
 
 /// Where the paper is silent, where this departs from it, and its slips.
-const DEVIATIONS: &str = include_str!("../../../docs/deviations.md");
+const DEVIATIONS: &str = include_str!("../../docs/deviations.md");
 
 /// Title, and what came of every claim.
 pub(super) fn opening(plan: &Plan, sections: &[Section]) -> String {
