@@ -1,9 +1,10 @@
 //! The stamp of this machine's arithmetic: a checksum of the results of fixed calculations.
 //!
-//! Recordings, rows of sweeps and snapshots carry it. Machines with the same stamp and the same version of the program give the same bits; with
-//! another stamp (another processor architecture, compiler or version of a dependency) the last bits differ, and the comparison says so. It covers
-//! every function of [`math`], nalgebra's rotations and decompositions, a quadratic program of clarabel's, and rapier's steps of bodies with
-//! contacts and of a multibody.
+//! Recordings, sweep rows and snapshots carry the stamp. Machines with the same stamp and the same program
+//! version give the same bits. A different stamp (another processor architecture, compiler or dependency
+//! version) means that the last bits differ, and comparisons say so. The stamp covers every function of
+//! [`math`], nalgebra's rotations and decompositions, a quadratic program solved by clarabel, and rapier's
+//! steps of bodies with contacts and of a multibody.
 
 use crate::control::Qp;
 use crate::geometry::rotation_vector;
@@ -12,7 +13,7 @@ use crate::simulation;
 use nalgebra::{Matrix3, Matrix6, Rotation3, UnitQuaternion, Vector3};
 use std::sync::OnceLock;
 
-/// The stamp: eight hexadecimal digits. It is calculated once, in about a millisecond.
+/// The stamp: eight hexadecimal digits. It is calculated once and takes about a millisecond.
 pub fn stamp() -> &'static str {
     static STAMP: OnceLock<String> = OnceLock::new();
     STAMP.get_or_init(|| {
@@ -24,14 +25,14 @@ pub fn stamp() -> &'static str {
 fn digest<'a>(results: impl Iterator<Item = &'a f64>) -> String {
     let mut checksum = crc32fast::Hasher::new();
     for result in results {
-        // the bits of what is not a number mean nothing
+        // the bits of a NaN carry no meaning
         let bits = if result.is_nan() { u64::MAX } else { result.to_bits() };
         checksum.update(&bits.to_le_bytes());
     }
     format!("{:08x}", checksum.finalize())
 }
 
-/// Arguments from tiny to large, of both signs, that no function is likely to round the same way by chance.
+/// Arguments from tiny to large, of both signs. No two implementations are likely to round all of them alike.
 fn arguments() -> impl Iterator<Item = f64> {
     (-60..=60).map(|i| f64::from(i) * (0.037 + f64::from(i * i) * 0.0071))
 }

@@ -1,11 +1,12 @@
-//! Work on all threads of the current pool, with results ordered by index: the same for any number of threads.
+//! Parallel work on the threads of the current pool. Results are ordered by index, so they do not depend on
+//! the number of threads.
 
 use rayon::prelude::*;
 
-/// Called once for every unit of work that is done, from any thread.
+/// A callback that runs once for every finished unit of work, on any thread.
 pub type OnDone<'a> = &'a (dyn Fn() + Sync);
 
-/// `work(0..n)` on all threads of the current pool, results in order.
+/// The results of `work(0..n)` in index order, computed on all threads of the current pool.
 pub(crate) fn in_parallel<T: Send>(n: usize, on_done: OnDone, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
     (0..n)
         .into_par_iter()

@@ -1,23 +1,24 @@
-//! What parts of an episode carry through snapshots: bytes that only the part itself understands.
+//! The saved state of one part of an episode in a snapshot: bytes that only the part itself can read.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-/// The saved state of a human, a robot policy or a team, as CBOR. Empty for parts without a memory.
+/// The saved state of a human, a robot policy or a team, as CBOR. Empty for parts without memory.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Saved(#[serde(with = "serde_bytes")] Vec<u8>);
 
-/// A saved state that does not belong to the part that is to take it over.
+/// A saved state that does not belong to the part that should restore it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("the state is one of another episode: its {part} does not belong here")]
 pub struct NotRestored {
-    /// What does not belong.
+    /// The part whose state does not match.
     pub part: &'static str,
 }
 
 impl Saved {
-    /// The bytes of a state; empty for a type that cannot be written as CBOR, which [`Saved::read`] then refuses.
+    /// The bytes of a state. Empty for a type that cannot be written as CBOR; [`Saved::read`] then refuses
+    /// it.
     pub fn of<T: Serialize>(state: &T) -> Self {
         let mut bytes = Vec::new();
         match ciborium::into_writer(state, &mut bytes) {
@@ -26,18 +27,12 @@ impl Saved {
         }
     }
 
-    /// The state again; `part` is what the error calls it.
-    ///
-    /// # Errors
-    /// [`NotRestored`] if the bytes are not those of such a state.
+    /// The state read back. The error calls it `part`.
     pub fn read<T: DeserializeOwned>(&self, part: &'static str) -> Result<T, NotRestored> {
         ciborium::from_reader(self.0.as_slice()).map_err(|_| NotRestored { part })
     }
 
-    /// Nothing was saved, as by parts without a memory.
-    ///
-    /// # Errors
-    /// [`NotRestored`] if something was.
+    /// A check that nothing was saved, for parts without memory.
     pub fn is_empty(&self, part: &'static str) -> Result<(), NotRestored> {
         if self.0.is_empty() { Ok(()) } else { Err(NotRestored { part }) }
     }

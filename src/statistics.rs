@@ -1,13 +1,14 @@
-//! What is said of samples: means, intervals, and paired comparisons of the same humans under two conditions.
+//! Statistics of samples: means, intervals, and paired comparisons of the same humans under two conditions.
 //!
-//! A sample is one value for each human. Where all humans of a cell make the same choices, their values differ by nothing, or by the noise of
-//! the gait: then there is one outcome, however often it was repeated, and neither an interval nor a test is given.
+//! A sample has one value for each human. Where all humans of a cell make the same choices, their values are
+//! equal or differ only by gait noise. There is then a single outcome, however often it was repeated, and no
+//! interval or test is given.
 
 use crate::math;
 use serde::Serialize;
 
-/// Values that differ by less than this share of their size differ by rounding.
-const ROUNDING: f64 = 1e-9;
+/// The relative difference below which values are equal up to rounding.
+const RELATIVE_ROUNDING: f64 = 1e-9;
 
 /// Mean and sample standard deviation (n - 1); NaN where there are too few values.
 pub fn mean_and_std(values: &[f64]) -> (f64, f64) {
@@ -17,7 +18,7 @@ pub fn mean_and_std(values: &[f64]) -> (f64, f64) {
     (mean, (squares / (n - 1.0)).sqrt())
 }
 
-/// Number, mean, squared deviations and largest size of the values so far (Welford 1962).
+/// Count, mean, sum of squared deviations and largest magnitude of the values so far (Welford 1962).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Moments {
     n: u64,
@@ -27,7 +28,8 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Takes in a value that was calculated from numbers of this size: itself, or those that it is the difference of.
+    /// Adds a value. `size` is the magnitude of the numbers that it was calculated from: the value itself, or
+    /// the operands of a difference.
     pub fn add(&mut self, value: f64, size: f64) {
         self.n += 1;
         let before = value - self.mean;
@@ -36,7 +38,7 @@ impl Moments {
         self.size = self.size.max(size);
     }
 
-    /// How many values there were.
+    /// Number of values.
     pub fn count(&self) -> u64 {
         self.n
     }
@@ -45,12 +47,13 @@ impl Moments {
         (self.n > 1).then(|| (self.squares / (self.n - 1) as f64).sqrt())
     }
 
-    /// Mean, deviation and interval; none without values. `is_sample`: whether the values are those of humans who differ in their choices, or
-    /// at least not by noise alone. If not, or if they differ by rounding only, there is no interval.
+    /// Mean, deviation and interval; `None` without values. `is_sample` says whether the values come from
+    /// humans who make different choices, not from noise alone. There is no interval if `is_sample` is false
+    /// or the values differ by rounding only.
     pub fn estimate(&self, is_sample: bool) -> Option<Estimate> {
         let Self { n, mean, size, .. } = *self;
         let std = self.std();
-        let varies = std.is_some_and(|std| is_sample && std > ROUNDING * size);
+        let varies = std.is_some_and(|std| is_sample && std > RELATIVE_ROUNDING * size);
         let interval = std.filter(|_| varies).map(|std| {
             let half = students_quantile((n - 1) as f64) * std / (n as f64).sqrt();
             [mean - half, mean + half]
@@ -59,35 +62,39 @@ impl Moments {
     }
 }
 
-/// A mean, and how well it is known.
+/// A mean and its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {
-    /// Values.
+    /// Number of values.
     pub n: u64,
-    /// Their mean.
+    /// Mean.
     pub mean: f64,
-    /// Their sample standard deviation; none of a single value.
+    /// Sample standard deviation; `None` for a single value.
     pub std: Option<f64>,
-    /// The 95 % confidence interval of the mean (Student's t); none for a single value, and where the values do not vary between humans.
+    /// 95 % confidence interval of the mean (Student's t); `None` for a single value and where the values do
+    /// not vary between humans.
     pub interval: Option<[f64; 2]>,
 }
 
-/// Differences of the same humans under two conditions.
+/// A paired comparison of the same humans under two conditions.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Paired {
-    /// The differences, a value for each human.
+    /// The differences, one value for each human.
     #[serde(flatten)]
     pub difference: Estimate,
-    /// Their mean over their standard deviation (Cohen's d_z); none where they do not vary between humans.
+    /// Mean difference over its standard deviation (Cohen's d_z); `None` where the differences do not vary
+    /// between humans.
     pub effect_size: Option<f64>,
-    /// Two-sided p-value of the paired t-test that the mean is 0; none where they do not vary between humans.
+    /// Two-sided p-value of the paired t-test that the mean is 0; `None` where the differences do not vary
+    /// between humans.
     pub p_value: Option<f64>,
-    /// The same, corrected by Holm's method for all comparisons of the table.
+    /// The p-value corrected by Holm's method for all comparisons of the table.
     pub p_holm: Option<f64>,
 }
 
 impl Paired {
-    /// The comparison of these differences, not corrected; none without values. `is_sample` as for [`Moments::estimate`].
+    /// The uncorrected comparison of these differences; `None` without values. `is_sample` as for
+    /// [`Moments::estimate`].
     pub fn of(moments: &Moments, is_sample: bool) -> Option<Self> {
         let difference = moments.estimate(is_sample)?;
         let Estimate { n, mean, std, interval } = difference;
@@ -96,7 +103,7 @@ impl Paired {
         Some(Self { difference, effect_size, p_value, p_holm: None })
     }
 
-    /// The comparison of two lists of values of the same humans, the first less the second.
+    /// The comparison of two lists of values of the same humans: first minus second.
     pub fn of_lists(first: &[f64], second: &[f64], is_sample: bool) -> Option<Self> {
         let mut moments = Moments::default();
         first.iter().zip(second).for_each(|(a, b)| moments.add(a - b, a.abs().max(b.abs())));
@@ -104,7 +111,8 @@ impl Paired {
     }
 }
 
-/// Corrects the p-values of a table's comparisons (Holm 1979): the chance that any of those called significant at a level is none stays below it.
+/// Corrects the p-values of a table's comparisons by Holm's method (1979). It bounds the probability of any
+/// false rejection in the table by the level of the test.
 pub fn correct<'a>(comparisons: impl Iterator<Item = &'a mut Paired>) {
     let mut tested: Vec<(f64, &mut Paired)> = comparisons.filter_map(|c| Some((c.p_value?, c))).collect();
     tested.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -116,13 +124,13 @@ pub fn correct<'a>(comparisons: impl Iterator<Item = &'a mut Paired>) {
     }
 }
 
-/// Two-sided p-value of the paired t-test that `a - b` has mean 0, values of the same humans: `None` for fewer than two pairs, and where all
-/// differences are the same.
+/// Two-sided p-value of the paired t-test that `a - b` has mean 0, for values of the same humans. `None` for
+/// fewer than two pairs and where all differences are equal.
 pub fn paired_p_value(a: &[f64], b: &[f64]) -> Option<f64> {
     Paired::of_lists(a, b, true)?.p_value
 }
 
-/// Probability that Student's t with this many degrees of freedom is farther from 0 than `t`.
+/// Probability that Student's t with `freedom` degrees of freedom lies farther from 0 than `t`.
 fn two_sided(t: f64, freedom: f64) -> f64 {
     let whole = freedom + t * t;
     incomplete_beta(freedom / 2.0, 0.5, freedom / whole, t * t / whole)
@@ -146,8 +154,9 @@ fn students_quantile(freedom: f64) -> f64 {
     }
 }
 
-/// I_x(a, b), the regularised incomplete beta function, by its continued fraction (Lentz's method); `rest` is 1 - x, to full precision. Not a
-/// crate's: those take the system's functions, whose last bits differ from machine to machine.
+/// The regularised incomplete beta function I_x(a, b), by its continued fraction (Lentz's method). `rest` is
+/// 1 - x to full precision. No crate is used because they call the system's functions, whose last bits differ
+/// between machines.
 fn incomplete_beta(a: f64, b: f64, x: f64, rest: f64) -> f64 {
     if x <= 0.0 || rest <= 0.0 {
         return if x <= 0.0 { 0.0 } else { 1.0 };
@@ -160,7 +169,7 @@ fn incomplete_beta(a: f64, b: f64, x: f64, rest: f64) -> f64 {
     let nonzero = |value: f64| if value.abs() < 1e-300 { 1e-300 } else { value };
     let (mut c, mut d) = (1.0, 1.0 / nonzero(1.0 - (a + b) * x / (a + 1.0)));
     let mut fraction = d;
-    // it settles within some ten times the root of the larger parameter
+    // it converges within about ten times the root of the larger parameter
     for k in 1..1_000_000 {
         let k = f64::from(k);
         let even = k * (b - k) * x / ((a + 2.0 * k - 1.0) * (a + 2.0 * k));
@@ -196,7 +205,7 @@ mod tests {
         assert_eq!(paired_p_value(&[1.0], &[0.0]), None);
     }
 
-    /// The distribution against an independent crate's.
+    /// Compares the distribution with an independent crate's.
     #[test]
     fn students_distribution_is_that_of_statrs() {
         for freedom in [1.0, 2.0, 3.0, 19.0, 99.0, 1e4, 1e6] {
@@ -210,7 +219,7 @@ mod tests {
                     "{freedom} {t}: {found} {wanted}"
                 );
             }
-            // statrs' own is off in the fourth digit there: z + (z^3 + z) / (4 n) of the normal quantile z instead
+            // statrs is wrong in the fourth digit there; use z + (z^3 + z) / (4 n) with the normal quantile z
             let wanted = if freedom > 1e5 { 1.959_966_357 } else { theirs.inverse_cdf(0.975) };
             let found = students_quantile(freedom);
             assert!((found - wanted).abs() < 1e-7 * wanted, "{freedom}: {found} {wanted}");

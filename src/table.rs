@@ -1,43 +1,43 @@
-//! A table of results that is the same for people, as Markdown, as CSV and as JSON.
+//! Tables of results, written as Markdown for people and as CSV and JSON for programs.
 
 use serde_json::{Map, Value};
 
-/// A table: what people read in each cell, and the figures behind it for programs.
+/// A table: a text in each cell for people, and the figures behind it for programs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// Name of its file, without an ending.
+    /// File name without extension.
     pub name: String,
-    /// What it shows.
+    /// Title.
     pub title: String,
-    /// From the left.
+    /// Columns, left to right.
     pub columns: Vec<Column>,
-    /// From the top, one cell for each column.
+    /// Rows, top to bottom, one cell for each column.
     pub rows: Vec<Vec<Cell>>,
-    /// What has to be known to read it, a line each.
+    /// Notes for the reader, one line each.
     pub notes: Vec<String>,
 }
 
 /// A column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// What people read above it; empty for a column for programs only.
+    /// Heading for people; empty for a column for programs only.
     pub heading: String,
-    /// Whether it holds words, which stand on the left, or numbers, which stand on the right.
+    /// Whether it holds text, which is aligned left, or numbers, which are aligned right.
     pub is_text: bool,
-    /// The keys of the figures behind a cell, with units; none where the cell only says what follows from others.
+    /// The keys of the figures behind a cell, with units; empty for a column that follows from others.
     pub keys: Vec<String>,
 }
 
-/// What stands in a row of a column.
+/// A cell of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cell {
-    /// For people.
+    /// Text for people.
     pub shown: String,
-    /// For programs: one value for each of the column's keys.
+    /// Values for programs: one for each of the column's keys.
     pub values: Vec<Value>,
 }
 
-/// Fills a table column by column from the same rows.
+/// A builder that fills a table column by column from the same rows.
 #[derive(Debug)]
 pub struct Columns<'a, R> {
     rows: &'a [R],
@@ -46,12 +46,12 @@ pub struct Columns<'a, R> {
 }
 
 impl<'a, R> Columns<'a, R> {
-    /// No columns yet, for these rows.
+    /// A builder without columns for these rows.
     pub fn of(rows: &'a [R]) -> Self {
         Self { rows, columns: Vec::new(), cells: vec![Vec::new(); rows.len()] }
     }
 
-    /// A column of words.
+    /// Adds a column of text.
     pub fn text<T: ToString>(self, heading: &str, key: &str, text: impl Fn(&R) -> T) -> Self {
         self.column(heading, true, &[key], |row| {
             let text = text(row).to_string();
@@ -59,7 +59,7 @@ impl<'a, R> Columns<'a, R> {
         })
     }
 
-    /// A column of whole numbers that name something, on the left as words.
+    /// Adds a column of whole numbers that name something; they are aligned left like text.
     pub fn numbered(self, heading: &str, key: &str, number: impl Fn(&R) -> u32) -> Self {
         self.column(heading, true, &[key], |row| {
             let number = number(row);
@@ -67,7 +67,7 @@ impl<'a, R> Columns<'a, R> {
         })
     }
 
-    /// A column of numbers, for people with so many decimals.
+    /// Adds a column of numbers, shown with `decimals` decimals.
     pub fn number(self, heading: &str, key: &str, decimals: usize, number: impl Fn(&R) -> f64) -> Self {
         self.column(heading, false, &[key], |row| {
             let number = number(row);
@@ -75,7 +75,7 @@ impl<'a, R> Columns<'a, R> {
         })
     }
 
-    /// A column of whole numbers, `-` where there is none.
+    /// Adds a column of whole numbers; `-` where there is none.
     pub fn count<T: Into<Option<u64>>>(self, heading: &str, key: &str, count: impl Fn(&R) -> T) -> Self {
         self.column(heading, false, &[key], |row| {
             let count: Option<u64> = count(row).into();
@@ -84,7 +84,7 @@ impl<'a, R> Columns<'a, R> {
         })
     }
 
-    /// A column of means and standard deviations.
+    /// Adds a column of means and standard deviations.
     pub fn spread(
         self,
         heading: &str,
@@ -99,17 +99,17 @@ impl<'a, R> Columns<'a, R> {
         })
     }
 
-    /// A column that says what follows from others.
+    /// Adds a column of text that follows from other columns.
     pub fn derived(self, heading: &str, text: impl Fn(&R) -> String) -> Self {
         self.column(heading, false, &[], |row| Cell { shown: text(row), values: Vec::new() })
     }
 
-    /// A column for programs.
+    /// Adds a column for programs only.
     pub fn data<T: Into<Value>>(self, key: &str, value: impl Fn(&R) -> T) -> Self {
         self.column("", false, &[key], |row| Cell { shown: String::new(), values: vec![value(row).into()] })
     }
 
-    /// Any column.
+    /// Adds a column of any kind.
     pub fn column(mut self, heading: &str, is_text: bool, keys: &[&str], cell: impl Fn(&R) -> Cell) -> Self {
         let keys = keys.iter().map(|&key| key.to_owned()).collect();
         self.columns.push(Column { heading: heading.to_owned(), is_text, keys });
@@ -132,13 +132,13 @@ impl<'a, R> Columns<'a, R> {
 }
 
 impl Table {
-    /// The table with a note below it.
+    /// The table with one more note below it.
     pub fn with_note(mut self, note: impl Into<String>) -> Self {
         self.notes.push(note.into());
         self
     }
 
-    /// Headings, whether the column holds words, and what people read in each row, of the columns that are for people.
+    /// Headings, whether each column holds text, and the texts of each row, for the columns that people see.
     pub fn shown(&self) -> (Vec<(&str, bool)>, Vec<Vec<&str>>) {
         let is_shown = |column: &Column| !column.heading.is_empty();
         let headings = self.columns.iter().filter(|c| is_shown(c));
@@ -149,7 +149,7 @@ impl Table {
         (headings.map(|c| (c.heading.as_str(), c.is_text)).collect(), rows.collect())
     }
 
-    /// Title, table and notes as Markdown; nothing but the title if no column is for people.
+    /// Title, table and notes as Markdown; only the title if no column is for people.
     pub fn markdown(&self) -> String {
         let (headings, rows) = self.shown();
         let mut text = format!("**{}** ([{name}.csv]({name}.csv))\n\n", self.title, name = self.name);
@@ -169,7 +169,7 @@ impl Table {
         text
     }
 
-    /// The figures as CSV, keys as headings; empty where there is none.
+    /// The figures as CSV with keys as headings; empty if there are none.
     pub fn csv(&self) -> Vec<u8> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         let text = |value: &Value| match value {
@@ -186,7 +186,7 @@ impl Table {
         writer.into_inner().unwrap_or_default()
     }
 
-    /// The figures as JSON: an object a row.
+    /// The figures as JSON: one object for each row.
     pub fn json(&self) -> Value {
         let keys: Vec<&String> = self.columns.iter().flat_map(|c| &c.keys).collect();
         let object = |row: &Vec<Cell>| -> Map<String, Value> {

@@ -1,8 +1,9 @@
-//! Lines tangent to circles, each passed on a given side.
+//! Lines tangent to circles, each circle passed on a given side.
 
 use super::{Point, Vector, left_of};
 
-/// A circle that a way bends around: counter-clockwise where the radius is positive, clockwise where it is negative.
+/// A circle that a path bends around: counter-clockwise where the radius is positive, clockwise where it is
+/// negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bend {
     /// Its centre.
@@ -12,7 +13,8 @@ pub struct Bend {
 }
 
 impl Bend {
-    /// Where a line from `p` touches the circle so that going on turns its way, and the line's length, m. From within the circle: straight out.
+    /// The point where a line from `p` touches the circle such that the path continues in the circle's
+    /// direction, and the line's length, m. From inside the circle the line leads radially outward.
     pub fn touch_from(&self, p: Point) -> (Point, f64) {
         let v = self.center - p;
         let squared = v.norm_squared();
@@ -27,14 +29,16 @@ impl Bend {
         (p + along * line, line)
     }
 
-    /// Where a line to `p` leaves the circle.
+    /// The point where a line to `p` leaves the circle.
     pub fn leave_to(&self, p: Point) -> Point {
         Self { radius: -self.radius, ..*self }.touch_from(p).0
     }
 
-    /// The line that leaves this circle and touches the other: its ends. `None` where one circle covers the other.
+    /// The end points of the line that leaves this circle and touches the other. `None` where one circle
+    /// covers the other.
     ///
-    /// With v from centre to centre and k the difference of the radii, the unit direction u of the line satisfies v = L u + k left(u).
+    /// With v from centre to centre and k the difference of the radii, the unit direction u of the line
+    /// satisfies v = L u + k left(u).
     pub fn line_to(&self, other: &Self) -> Option<[Point; 2]> {
         let v = other.center - self.center;
         let k = other.radius - self.radius;

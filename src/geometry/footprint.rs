@@ -1,7 +1,7 @@
 //! The outline of an upright obstacle on the floor, with distances to points and segments.
 //!
-//! These are the innermost operations of every path query, so they are written out for the two outlines that occur.
-//! `tests/suite` compares them with parry's general distance.
+//! These are the innermost operations of every path query. They are therefore written out for the two kinds
+//! of outline. `tests/suite` compares them with parry's general distance.
 
 use super::{Point, Vector, cross, nearest_on_segment, segments_cross, squared_distance_to_segment};
 
@@ -29,7 +29,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The least rectangle around `points`; `None` where there are none.
+    /// The smallest rectangle around `points`; `None` without points.
     pub fn around(points: impl IntoIterator<Item = Point>) -> Option<Self> {
         points.into_iter().fold(None, |bounds: Option<Self>, p| {
             Some(match bounds {
@@ -64,7 +64,7 @@ impl Bounds {
 }
 
 impl Footprint {
-    /// The least axis-aligned rectangle around the outline.
+    /// The smallest axis-aligned rectangle around the outline.
     pub fn bounds(&self) -> Bounds {
         match self {
             Self::Polygon(corners) => Bounds::around(corners.iter().copied())
@@ -93,7 +93,7 @@ impl Footprint {
         }
     }
 
-    /// Signed distance (m) from the outline to `p`, negative inside, and the unit vector along which it grows.
+    /// Signed distance (m) from the outline to `p`, negative inside, and its gradient, a unit vector.
     pub fn separation(&self, p: Point) -> (f64, Vector) {
         match self {
             Self::Polygon(corners) => {
@@ -106,7 +106,7 @@ impl Footprint {
                     .fold((f64::NEG_INFINITY, Vector::zeros()), |x, y| if y.0 > x.0 { y } else { x });
                 let distance = self.distance_to_point(p);
                 let nearest = edges(corners).map(|(a, b)| nearest_on_segment(p, a, b)).find(|n| {
-                    // beyond a corner the distance grows away from it
+                    // beyond a corner, the gradient points away from the corner
                     distance > 1e-9 && ((p - n).norm() - distance).abs() < 1e-12
                 });
                 nearest.map_or(outside, |n| (distance, (p - n) / distance))
@@ -141,7 +141,7 @@ impl Footprint {
         }
     }
 
-    /// The unit vector from the outline to the segment `a b` where they are nearest; `None` where they meet.
+    /// The unit vector from the outline to the segment `a b` at their nearest points; `None` where they meet.
     pub fn toward_segment(&self, a: Point, b: Point) -> Option<Vector> {
         if self.distance_to_segment(a, b) <= 0.0 {
             return None;
@@ -159,7 +159,7 @@ impl Footprint {
         away.try_normalize(0.0)
     }
 
-    /// How far the outline reaches along the unit vector `toward`, m from the world's origin.
+    /// The largest coordinate of the outline along the unit vector `toward`, m from the world's origin.
     pub fn reach(&self, toward: Vector) -> f64 {
         match self {
             Self::Polygon(corners) => {
@@ -174,8 +174,8 @@ impl Footprint {
         bounds.grown(clearance).misses_segment(a, b) || self.distance_to_segment(a, b) >= clearance
     }
 
-    /// The part of the outline that lies farthest along the unit vector `toward`, within `tolerance` (m): its interval on the axis to the
-    /// left of `toward`, m from the world's origin.
+    /// The part of the outline that lies farthest along the unit vector `toward`, within `tolerance` (m).
+    /// Returned as an interval on the axis to the left of `toward`, m from the world's origin.
     pub fn farthest_part(&self, toward: Vector, tolerance: f64) -> [f64; 2] {
         let left = super::left_of(toward);
         match self {

@@ -40,7 +40,7 @@ pub fn angle_of(v: Vector) -> f64 {
     math::atan2(v.y, v.x)
 }
 
-/// `angle` brought into (-pi, pi], rad.
+/// `angle` wrapped into (-pi, pi], rad.
 pub fn wrap_angle(angle: f64) -> f64 {
     let wrapped = angle.rem_euclid(std::f64::consts::TAU);
     if wrapped > std::f64::consts::PI { wrapped - std::f64::consts::TAU } else { wrapped }
@@ -71,7 +71,8 @@ pub fn segments_cross(a: Point, b: Point, c: Point, d: Point) -> bool {
     cross(ab, c - a) * cross(ab, d - a) < 0.0 && cross(cd, a - c) * cross(cd, b - c) < 0.0
 }
 
-/// Whether the segments `a b` and `c d` cross or touch, an end within `tolerance` (m) of the line through `c d` counting as on it.
+/// Whether the segments `a b` and `c d` cross or touch. An end within `tolerance` (m) of the line through `c
+/// d` counts as on it.
 pub fn segments_meet(a: Point, b: Point, c: Point, d: Point, tolerance: f64) -> bool {
     let (ab, cd) = (b - a, d - c);
     let near = tolerance * cd.norm();

@@ -1,4 +1,4 @@
-//! A path of lines and circular arcs: points and headings by arc length.
+//! Paths of lines and circular arcs: points and headings by arc length.
 
 use super::{Point, angle_of, direction, left_of, wrap_angle};
 use crate::math;
@@ -21,7 +21,7 @@ pub enum Piece {
         radius: f64,
         /// Angle of the first point seen from the centre, rad.
         from_angle: f64,
-        /// Angle walked, rad; positive is counter-clockwise.
+        /// Signed angle of the arc, rad; positive is counter-clockwise.
         sweep: f64,
     },
 }
@@ -58,15 +58,15 @@ impl Piece {
 }
 
 impl Piece {
-    /// Whether every step along it, some centimetres long, is free.
+    /// Whether the piece is free when checked in steps of a few centimetres.
     pub(super) fn is_free(&self, is_free: impl Fn(Point, Point) -> bool) -> bool {
-        const APART: f64 = 0.08;
-        let steps = (self.length() / APART).ceil().max(1.0);
+        const CHECK_STEP_M: f64 = 0.08;
+        let steps = (self.length() / CHECK_STEP_M).ceil().max(1.0);
         let point = |i: usize| self.point_at(self.length() * i as f64 / steps);
         (0..steps as usize).all(|i| is_free(point(i), point(i + 1)))
     }
 
-    /// What is left of it after `walked` metres.
+    /// The remainder of the piece after `walked` metres.
     fn rest(&self, walked: f64) -> Self {
         match *self {
             Self::Line { to, .. } => Self::Line { from: self.point_at(walked), to },
@@ -78,12 +78,12 @@ impl Piece {
     }
 }
 
-/// A connected path, walked by distance from its first point.
+/// A connected path, parameterised by the arc length from its first point.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(from = "Vec<Piece>", into = "Vec<Piece>")]
 pub struct Path {
     pieces: Vec<Piece>,
-    /// Distance walked at the end of each piece, m.
+    /// Arc length at the end of each piece, m.
     pub(super) ends: Vec<f64>,
 }
 
@@ -102,12 +102,12 @@ impl From<Path> for Vec<Piece> {
 }
 
 impl Path {
-    /// An empty path with room for so many pieces.
+    /// An empty path with room for this many pieces.
     pub fn with_capacity(pieces: usize) -> Self {
         Self { pieces: Vec::with_capacity(pieces), ends: Vec::with_capacity(pieces) }
     }
 
-    /// Adds a piece that begins where the path ends; a piece without length is left out.
+    /// Adds a piece that begins where the path ends. A piece of length 0 is left out.
     pub fn push(&mut self, piece: Piece) {
         if piece.length() > 0.0 {
             self.ends.push(self.length() + piece.length());
@@ -120,7 +120,7 @@ impl Path {
         self.push(Piece::Line { from, to });
     }
 
-    /// Adds what is left of `path` after `walked` metres of it.
+    /// Adds the remainder of `path` after `walked` metres of it.
     pub fn push_rest(&mut self, path: &Path, walked: f64) {
         let mut begun = 0.0;
         for (piece, end) in path.pieces.iter().zip(&path.ends) {
@@ -131,7 +131,7 @@ impl Path {
         }
     }
 
-    /// Makes the path empty; its memory stays.
+    /// Empties the path and keeps its memory.
     pub fn clear(&mut self) {
         self.pieces.clear();
         self.ends.clear();
@@ -147,17 +147,17 @@ impl Path {
         &self.pieces
     }
 
-    /// The point after `walked` metres, the first or last point outside `[0, length]`; `None` for an empty path.
+    /// The point at arc length `walked` (m), clamped to `[0, length]`; `None` for an empty path.
     pub fn point_at(&self, walked: f64) -> Option<Point> {
         self.locate(walked).map(|(piece, along)| piece.point_at(along))
     }
 
-    /// The direction of travel (rad) after `walked` metres; `None` for an empty path.
+    /// The direction of travel (rad) at arc length `walked` (m); `None` for an empty path.
     pub fn heading_at(&self, walked: f64) -> Option<f64> {
         self.locate(walked).map(|(piece, along)| piece.heading_at(along))
     }
 
-    /// The largest angle (rad) by which the direction of travel jumps where pieces meet.
+    /// The largest jump (rad) of the direction of travel where two pieces meet.
     pub fn sharpest_bend(&self) -> f64 {
         let jump = |pair: &[Piece]| {
             let before = pair[0].heading_at(pair[0].length());
@@ -166,7 +166,7 @@ impl Path {
         self.pieces.windows(2).map(jump).fold(0.0, f64::max)
     }
 
-    /// Points to draw the path through, arcs cut into chords that stay within `sagitta` (m) of them.
+    /// The path as a polyline. Chords stay within `sagitta` (m) of the arcs.
     pub fn polyline(&self, sagitta: f64) -> Vec<Point> {
         let mut points = Vec::new();
         for piece in &self.pieces {
@@ -203,7 +203,7 @@ mod tests {
     fn closed_form_the_sharpest_bend_is_where_lines_meet() {
         let mut path = bend();
         assert!(path.sharpest_bend() < 1e-9 && Path::default().sharpest_bend() == 0.0);
-        // back again, 135 degrees to the left of where it led
+        // the path turns back, 135 degrees to the left
         let end = path.point_at(f64::INFINITY).unwrap();
         path.line(end, end + direction(path.heading_at(f64::INFINITY).unwrap() + 0.75 * PI));
         assert!((path.sharpest_bend() - 0.75 * PI).abs() < 1e-9);

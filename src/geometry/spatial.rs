@@ -7,7 +7,7 @@ use nalgebra::{IsometryMatrix3, Rotation3, UnitQuaternion, Vector3};
 /// A pose in space, `target_from_source`: rotation matrix and translation (m).
 pub type Pose = IsometryMatrix3<f64>;
 
-/// A position of the plane with a heading.
+/// A position in the plane with a heading.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PlanarPose {
     /// Position, m, world frame.
@@ -24,12 +24,13 @@ impl PlanarPose {
     }
 }
 
-/// The rotation vector (axis times angle in [0, pi], rad) of a rotation: its logarithm. Exact to rounding for any angle.
+/// The rotation vector (axis times angle in [0, pi], rad) of a rotation, which is its logarithm. Exact to
+/// rounding for any angle.
 pub fn rotation_vector(rotation: &Rotation3<f64>) -> Vector3<f64> {
     let m = rotation.matrix();
     let sine = Vector3::new(m.m32 - m.m23, m.m13 - m.m31, m.m21 - m.m12) / 2.0;
     let (sin, cos) = (sine.norm(), (m.trace() - 1.0) / 2.0);
-    // near half a turn the axis is lost in `sine`; the quaternion still has it
+    // near half a turn `sine` loses the axis; the quaternion still has it
     if cos < -0.9 {
         return UnitQuaternion::from_rotation_matrix(rotation).scaled_axis();
     }

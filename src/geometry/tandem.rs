@@ -1,30 +1,35 @@
-//! Where two carriers and what they carry between them are along a path.
+//! The poses of a carried object and of its two carriers along a path.
 
 use super::{Path, PlanarPose, Point, Vector, angle_of, direction};
 use crate::math;
 
-/// How much of the way behind the object (m) is kept: as much as the base of a robot may be behind.
-const BEHIND: f64 = 2.0;
+/// The length (m) of the path behind the object that is kept: the farthest that the robot's base may be
+/// behind.
+const TRAIL_LENGTH_M: f64 = 2.0;
 
-/// Carriers walk round corners: they are where the mean is of the points of the way this far (m) behind and ahead of them.
-const ROUNDING: f64 = 0.4;
+/// Carriers round corners: each stands at the mean of the path points within this distance (m) behind and
+/// ahead.
+const ROUNDING_DISTANCE_M: f64 = 0.4;
 const ROUND_POINTS: i32 = 3;
 
-/// A rigid object carried along paths, one carrier at either end.
+/// A rigid object that two carriers, one at each end, carry along paths.
 ///
-/// Its ends lie on the chord between the points of the way half a length ahead of its middle and half a length behind: so a corner of the path
-/// becomes a gradual turn. What is behind the beginning of a path is the way walked before; what is ahead of its end goes straight on.
+/// The ends lie on the chord between the path points half a length ahead of and behind the object's centre. A
+/// corner of the path therefore becomes a gradual turn. Behind the start of a path the earlier path
+/// continues; beyond its end it continues straight.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Tandem {
     length: f64,
-    /// The way before the path under way, oldest point first; the last is where the path begins.
+    /// The path walked before the present one, oldest point first. The last point is where the present path
+    /// begins.
     trail: Vec<Point>,
 }
 
 impl Tandem {
-    /// An object of this length (m), its middle at `start`, lying along `heading` (rad): as if it had come straight from behind.
+    /// An object of this length (m) with its centre at `start`, aligned with `heading` (rad), as if it had
+    /// come straight from behind.
     pub fn new(length: f64, start: Point, heading: f64) -> Self {
-        Self { length, trail: vec![start - direction(heading) * (length + BEHIND), start] }
+        Self { length, trail: vec![start - direction(heading) * (length + TRAIL_LENGTH_M), start] }
     }
 
     /// Length of the object, m.
@@ -32,9 +37,11 @@ impl Tandem {
         self.length
     }
 
-    /// How wide (m) the arc of a way must be that turns by `sweep` (rad) round a corner, for the object's middle to stay `beside` (m) off the
-    /// corner, but for what rounding takes. With l half the object's length and a half the sweep, the middle of what is l ahead and l behind is
-    /// R cos(a) - (l - R a) sin(a) from the centre where these are on the lines before and after the arc, and R cos(l / R) where they are on it.
+    /// The radius (m) of the arc of a path that turns by `sweep` (rad) round a corner such that the object's
+    /// centre stays `beside` (m) away from the corner, apart from the effect of rounding. With l half the
+    /// object's length and a half the sweep, the midpoint between the points l ahead and l behind is
+    /// R cos(a) - (l - R a) sin(a) from the centre where these points are on the lines before and after the
+    /// arc, and R cos(l / R) where they are on the arc.
     pub fn corner_radius(&self, sweep: f64, beside: f64) -> f64 {
         let (half, angle) = (self.length / 2.0, sweep / 2.0);
         let (sin, cos) = math::sin_cos(angle);
@@ -49,7 +56,8 @@ impl Tandem {
         })
     }
 
-    /// The point of the way `walked` (m) along `path`: behind its beginning if negative, beyond its end if more than its length.
+    /// The point at arc length `walked` (m) of `path`: before its start if negative, beyond its end if more
+    /// than its length.
     pub fn point(&self, path: &Path, walked: f64) -> Point {
         let here = self.trail.last().copied().unwrap_or_default();
         if walked >= 0.0 {
@@ -73,12 +81,13 @@ impl Tandem {
         at
     }
 
-    /// The object's middle and heading when it has come `walked` (m) along `path`.
+    /// The pose of the object's centre when it has come `walked` (m) along `path`.
     pub fn pose(&self, path: &Path, walked: f64) -> PlanarPose {
         self.pose_on(|walked| self.point(path, walked), walked)
     }
 
-    /// The same when it turns onto `onward`, which begins `along` (m) on `path`, and has come `walked` (m) from there.
+    /// The pose when the object leaves `path` at arc length `along` (m), turns onto `onward` and has come
+    /// `walked` (m) along that.
     pub fn pose_after_turning(&self, path: &Path, along: f64, onward: &Path, walked: f64) -> PlanarPose {
         let point = |walked: f64| match walked < 0.0 {
             true => self.point(path, along + walked),
@@ -90,7 +99,7 @@ impl Tandem {
     fn pose_on(&self, point: impl Fn(f64) -> Point, walked: f64) -> PlanarPose {
         let round = |walked: f64| {
             let points = (-ROUND_POINTS..=ROUND_POINTS)
-                .map(|i| point(walked + ROUNDING * f64::from(i) / f64::from(ROUND_POINTS)).coords);
+                .map(|i| point(walked + ROUNDING_DISTANCE_M * f64::from(i) / f64::from(ROUND_POINTS)).coords);
             Point::from(points.sum::<Vector>() / f64::from(2 * ROUND_POINTS + 1))
         };
         let behind = round(walked - self.length / 2.0);
@@ -98,13 +107,14 @@ impl Tandem {
         PlanarPose { position: nalgebra::center(&behind, &ahead), yaw: angle_of(ahead - behind) }
     }
 
-    /// The object's end toward where it goes (`side` 1) or toward where it comes from (-1), for a pose of its middle.
+    /// The object's leading end (`side` 1) or trailing end (-1), for a pose of its centre.
     pub fn end(&self, pose: &PlanarPose, side: f64) -> PlanarPose {
         let reach = direction(pose.yaw) * (side * self.length / 2.0);
         PlanarPose { position: pose.position + reach, yaw: pose.yaw }
     }
 
-    /// How far along `path` an object is whose middle is at `position`, from `low` to `high`: the nearest way; m.
+    /// The arc length (m) between `low` and `high` on `path` at which the object's centre is nearest to
+    /// `position`.
     pub fn locate(&self, path: &Path, position: Point, [low, high]: [f64; 2]) -> f64 {
         const SAMPLES: usize = 16;
         let distance = |walked: f64| (self.pose(path, walked).position - position).norm_squared();
@@ -119,16 +129,16 @@ impl Tandem {
         best
     }
 
-    /// Takes note that `path` is left `walked` (m) on it: another begins there.
+    /// Records that the object leaves `path` at arc length `walked` (m), where another path begins.
     pub fn leave(&mut self, path: &Path, walked: f64) {
         const STEP: f64 = 0.02;
-        let steps = ((self.length + BEHIND) / STEP).ceil() as usize;
+        let steps = ((self.length + TRAIL_LENGTH_M) / STEP).ceil() as usize;
         let trail: Vec<_> = (0..=steps).rev().map(|i| self.point(path, walked - STEP * i as f64)).collect();
         self.trail = trail;
     }
 }
 
-/// The one of some ways (m) that has the least distance; the first of those that do.
+/// The candidate arc length (m) with the least distance; the first of equal ones.
 pub fn nearest(ways: impl Iterator<Item = f64>, distance: impl Fn(f64) -> f64) -> Option<f64> {
     let distances = ways.map(|walked| (distance(walked), walked));
     distances.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, walked)| walked)
@@ -164,7 +174,7 @@ mod tests {
     #[test]
     fn property_an_object_clears_a_corner_of_the_radius_that_it_needs() {
         let tandem = Tandem::new(1.2, Point::new(-3.0, 0.0), 0.0);
-        // how near the middle comes to a corner that a way goes round with this radius
+        // the least distance of the centre from the corner, for a path that turns with this radius
         let nearest = |sweep: f64, radius: f64| {
             let center = Point::new(0.0, radius);
             let mut path = Path::default();
@@ -203,7 +213,7 @@ mod tests {
         tandem.leave(&path, 2.5);
         let mut onward = Path::default();
         onward.line(Point::new(2.0, 0.5), Point::new(2.0, 2.0));
-        // what is behind is kept in steps of a few centimetres
+        // the path behind is kept in steps of a few centimetres
         assert!((tandem.pose(&onward, 0.0).position - before.position).norm() < 2e-3);
         assert!((tandem.pose(&onward, 0.3).position - ahead.position).norm() < 2e-3);
         assert_eq!(tandem.trail.len(), 161);

@@ -1,23 +1,23 @@
-//! A path that turns onto another in an arc.
+//! A turn from the present heading onto a path: an arc and its tangent.
 
 use super::{Path, Piece, Point, angle_of, direction, left_of, wrap_angle};
 use crate::math;
 use std::f64::consts::TAU;
 
-/// What a bend where the arc's tangent meets the path counts as, in metres of way a radian.
-const BEND: f64 = 1.0;
-/// Bends of more than this (rad) are no choice.
-const SHARPEST: f64 = 1.1;
-/// How far along the path (m) somebody looks for where to join it, and in which steps.
-const REACH: f64 = 6.0;
-const STEP: f64 = 0.3;
+/// The cost of a bend where the tangent meets the path, in metres of path per radian.
+const BEND_COST_M_PER_RAD: f64 = 1.0;
+/// The largest permissible bend, rad.
+const LARGEST_BEND_RAD: f64 = 1.1;
+/// How far along the path (m) to search for a joining point, and the step of the search (m).
+const SEARCH_LENGTH_M: f64 = 6.0;
+const SEARCH_STEP_M: f64 = 0.3;
 
-/// How somebody turns.
+/// The arc of a turn.
 #[derive(Clone, Copy, Debug)]
 pub struct Arc {
-    /// m.
+    /// Radius, m.
     pub radius: f64,
-    /// By what angle at most, rad.
+    /// Largest angle, rad.
     pub most: f64,
 }
 
@@ -25,15 +25,16 @@ pub struct Arc {
 struct Turn {
     arc: Piece,
     tangent: [Point; 2],
-    /// Where the path is joined, m along it.
+    /// Arc length of the path at which it is joined, m.
     joined: f64,
-    /// Length to the end of the path, bends included, m.
+    /// Length to the end of the path plus the cost of the bend, m.
     cost: f64,
 }
 
-/// Writes the way of somebody at `from` who walks with `heading` (rad) and turns onto `path` into `way`: `arc`, its
-/// tangent to a point of the path, and the rest of the path. Among all points, and left and right, the shortest that is free, by what
-/// `is_free` says of steps of some centimetres along arc and tangent, from one point to the next. Returns the arc's length, m; `None`, with `way` empty, if there is none.
+/// Writes into `way` the path of a walker at `from` with `heading` (rad) who turns onto `path`: `arc`, its
+/// tangent to a point of the path, and the rest of the path. The result is the shortest free one among all
+/// joining points and both directions of turning. `is_free` is asked for steps of a few centimetres along arc
+/// and tangent. Returns the arc's length, m; `None`, with `way` empty, if no turn is free.
 pub fn write_turn_onto(
     path: &Path,
     from: Point,
@@ -45,8 +46,8 @@ pub fn write_turn_onto(
     way.clear();
     let mut best: Option<Turn> = None;
     let ends = path.ends.iter().copied();
-    let steps = (1..).map(|i| STEP * f64::from(i)).take_while(|along| *along < path.length());
-    for joined in ends.chain(steps).filter(|along| *along <= REACH || *along == path.length()) {
+    let steps = (1..).map(|i| SEARCH_STEP_M * f64::from(i)).take_while(|along| *along < path.length());
+    for joined in ends.chain(steps).filter(|along| *along <= SEARCH_LENGTH_M || *along == path.length()) {
         for side in [1.0, -1.0] {
             let Some(turn) = turn_to(path, joined, from, heading, Arc { radius: side * arc.radius, ..arc })
             else {
@@ -64,8 +65,8 @@ pub fn write_turn_onto(
     Some(arc.length())
 }
 
-/// The turn to the point `joined` (m) along the path; a positive radius is to the left. `None` where the circle is in the way, or the bend is
-/// too sharp.
+/// The turn that joins the path at arc length `joined` (m); a positive radius turns left. `None` where the
+/// circle covers the point or the bend is too sharp.
 fn turn_to(path: &Path, joined: f64, from: Point, heading: f64, arc: Arc) -> Option<Turn> {
     let join = path.point_at(joined)?;
     let (side, radius) = (arc.radius.signum(), arc.radius.abs());
@@ -76,21 +77,21 @@ fn turn_to(path: &Path, joined: f64, from: Point, heading: f64, arc: Arc) -> Opt
     }
     let from_angle = angle_of(from - center);
     let leave_angle = angle_of(toward) - side * math::acos(radius / toward.norm());
-    // as little as rounding the other way round is no round trip
+    // an angle below 0 by rounding only is not a full circle
     let turned = (side * (leave_angle - from_angle) + 1e-9).rem_euclid(TAU) - 1e-9;
     let sweep = side * turned.max(0.0);
     let leave = center + direction(leave_angle) * radius;
-    // after the end of the path there is nothing to bend to
+    // there is no bend at the end of the path
     let bend = if joined < path.length() {
         let onward = path.heading_at(joined + 1e-6)?;
         wrap_angle(onward - angle_of(join - leave)).abs()
     } else {
         0.0
     };
-    if bend > SHARPEST || turned > arc.most {
+    if bend > LARGEST_BEND_RAD || turned > arc.most {
         return None;
     }
-    let cost = radius * turned + (join - leave).norm() + path.length() - joined + BEND * bend;
+    let cost = radius * turned + (join - leave).norm() + path.length() - joined + BEND_COST_M_PER_RAD * bend;
     Some(Turn { arc: Piece::Arc { center, radius, from_angle, sweep }, tangent: [leave, join], joined, cost })
 }
 
@@ -113,7 +114,7 @@ mod tests {
         path
     }
 
-    /// Length of the way, and the largest jump of its heading.
+    /// Length of the path and the largest jump of its heading.
     fn walk(way: &Path) -> (f64, f64) {
         let headings = (0..=1000).map(|i| way.heading_at(way.length() * f64::from(i) / 1000.0).unwrap());
         let headings: Vec<f64> = headings.collect();
@@ -134,7 +135,7 @@ mod tests {
             assert!(sweep < 1e-6 || !bent, "{degrees}: {sweep}");
             assert!((way.point_at(way.length()).unwrap() - Point::new(-6.0, 3.0)).norm() < 1e-9);
             let (_, jump) = walk(&way);
-            assert!(jump < SHARPEST + 0.05, "{degrees}: {jump}");
+            assert!(jump < LARGEST_BEND_RAD + 0.05, "{degrees}: {jump}");
         }
     }
 

@@ -1,47 +1,49 @@
-//! A path widened at its corners, for what is long.
+//! A path widened at its corners, for a team with a long object.
 
 use super::{Bend, Path, Piece, Point, angle_of};
 use std::f64::consts::{PI, TAU};
 
-/// How much of the widening a corner gets: less where there is no room for more.
+/// The shares of the widening that are tried at a corner: less where there is no room for more.
 const SHARES: [f64; 4] = [1.0, 0.67, 0.33, 0.0];
-const NONE: usize = SHARES.len() - 1;
-/// Corners this near to each other (m) count as one: the two of a thin wall are a half turn.
-const ONE_CORNER: f64 = 0.5;
+const NO_WIDENING: usize = SHARES.len() - 1;
+/// Corners closer together than this (m) count as one: the two corners at the end of a thin wall are one half
+/// turn.
+const ONE_CORNER_DISTANCE_M: f64 = 0.5;
 
-/// Widens paths; keeps memory between calls.
+/// A widener of paths that keeps its memory between calls.
 #[derive(Clone, Debug, Default)]
 pub struct Widening {
-    /// The corners of a stretch of path between two points where its lines meet.
+    /// The corners of the section of path between two points where lines meet.
     corners: Vec<Corner>,
-    /// The lines before, between and after them.
+    /// The lines before, between and after the corners.
     lines: Vec<[Point; 2]>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Corner {
     narrow: Bend,
-    /// By how much the way turns here, rad.
+    /// The angle by which the path turns here, rad.
     sweep: f64,
-    /// The radius that it should have, m.
+    /// The wanted radius, m.
     wanted: f64,
-    /// Its share, as an index.
+    /// The share of the widening, as an index into [`SHARES`].
     share: usize,
     bend: Bend,
 }
 
-/// Why corners cannot be joined as they are.
+/// The reason why corners cannot be joined as they are.
 enum Misfit {
-    /// A corner that the way does not touch: wider ones before and after it lead past it.
+    /// A corner that the path does not touch: wider corners before and after it lead past it.
     Hidden(usize),
-    /// A line between two corners of which one covers the other.
+    /// A line between two corners, one of which covers the other.
     Covered(usize),
 }
 
 impl Widening {
-    /// Writes `path` into `way`, its arcs widened about their centres to `radius` (m) of their radius (m) and of the angle (rad) by which it
-    /// turns there, or as far as `is_free` says of steps of some centimetres, from one point to the next. Where lines meet, the path stays; so do the sides on which
-    /// corners are passed, and arcs that are wide enough.
+    /// Writes `path` into `way` with its arcs widened about their centres. `radius` gives the wanted radius
+    /// (m) from the present radius (m) and the angle (rad) of the turn. `is_free`, asked for steps of a few
+    /// centimetres, limits the widening. Points where lines meet stay, as do the sides on which corners are
+    /// passed and arcs that are wide enough.
     pub fn write(
         &mut self,
         path: &Path,
@@ -71,7 +73,7 @@ impl Widening {
         }
     }
 
-    /// Whether the stretch is to be replaced by `corners` and `lines`.
+    /// Whether `corners` and `lines` should replace the section.
     fn is_wide(
         &mut self,
         stretch: &[Piece],
@@ -86,12 +88,12 @@ impl Widening {
         self.corners.clear();
         for corner in stretch.iter().filter_map(Corner::of) {
             match self.corners.last_mut() {
-                // one arc in parts
+                // consecutive pieces of one arc
                 Some(last) if last.narrow == corner.narrow => last.sweep += corner.sweep,
                 _ => self.corners.push(corner),
             }
         }
-        // a wider corner turns by more, and so has to be wider still
+        // a wider corner turns by a larger angle, and so needs an even larger radius
         for _ in 0..2 {
             self.want(&radius);
             if self.corners.iter().all(|corner| corner.wanted <= corner.narrow.radius.abs()) {
@@ -108,7 +110,8 @@ impl Widening {
         for i in 0..self.corners.len() {
             let Bend { center, radius: side } = self.corners[i].narrow;
             let is_same = |corner: &&Corner| {
-                corner.narrow.radius * side > 0.0 && (corner.narrow.center - center).norm() <= ONE_CORNER
+                corner.narrow.radius * side > 0.0
+                    && (corner.narrow.center - center).norm() <= ONE_CORNER_DISTANCE_M
             };
             let sweep: f64 = self.corners.iter().filter(is_same).map(|corner| corner.sweep).sum();
             self.corners[i].wanted = radius(side.abs(), sweep.min(PI));
@@ -116,7 +119,7 @@ impl Widening {
         }
     }
 
-    /// Joins the corners, each as wide as there is room. False where that is not to be had.
+    /// Joins the corners, each as wide as there is room. False if no share of the widening fits.
     fn fit(&mut self, from: Point, to: Point, is_free: impl Fn(Point, Point) -> bool) -> bool {
         loop {
             let line = match self.join(from, to) {
@@ -130,29 +133,29 @@ impl Widening {
                 }
                 Err(Misfit::Covered(line)) => line,
             };
-            // the corners at the line's ends make room, or else all
+            // narrow the corners at the ends of the line, or else all corners
             let ends = line.saturating_sub(1)..(line + 1).min(self.corners.len());
             let mut narrowed = false;
             for corner in &mut self.corners[ends] {
-                narrowed |= corner.share < NONE;
-                corner.share = (corner.share + 1).min(NONE);
+                narrowed |= corner.share < NO_WIDENING;
+                corner.share = (corner.share + 1).min(NO_WIDENING);
             }
             if !narrowed {
-                if self.corners.iter().all(|corner| corner.share == NONE) {
+                if self.corners.iter().all(|corner| corner.share == NO_WIDENING) {
                     return false;
                 }
-                self.corners.iter_mut().for_each(|corner| corner.share = (corner.share + 1).min(NONE));
+                self.corners.iter_mut().for_each(|corner| corner.share = (corner.share + 1).min(NO_WIDENING));
             }
         }
     }
 
-    /// Draws the lines, and says by how much the way turns at each corner.
+    /// Draws the lines and sets the angle by which the path turns at each corner.
     fn join(&mut self, from: Point, to: Point) -> Result<(), Misfit> {
         let n = self.corners.len();
         for (i, corner) in self.corners.iter_mut().enumerate() {
             let narrow = corner.narrow.radius.abs();
             let mut wide = narrow + (corner.wanted - narrow).max(0.0) * SHARES[corner.share];
-            // a circle that leaves the ends of the stretch out
+            // the circle must not contain the ends of the section
             for end in [(i == 0).then_some(from), (i + 1 == n).then_some(to)].into_iter().flatten() {
                 wide = wide.min((end - corner.narrow.center).norm());
             }
@@ -172,7 +175,7 @@ impl Widening {
             let Bend { center, radius } = corner.bend;
             let [touch, leave] = [self.lines[i][1], self.lines[i + 1][0]].map(|p| angle_of(p - center));
             let ahead = (radius.signum() * (leave - touch)).rem_euclid(TAU);
-            // as little as turning the other way round is no turn
+            // an angle just below a full turn is a turn backward by rounding: none
             corner.sweep = if ahead > TAU - 1e-6 { 0.0 } else { ahead };
             if corner.sweep > 1.5 * PI {
                 return Err(Misfit::Hidden(i));
@@ -181,7 +184,7 @@ impl Widening {
         Ok(())
     }
 
-    /// A line or the arc before it that is not free.
+    /// The first line, or the arc before it, that is not free.
     fn blocked(&self, is_free: impl Fn(Point, Point) -> bool) -> Option<usize> {
         (0..self.lines.len()).find(|&i| {
             let [from, to] = self.lines[i];
@@ -210,7 +213,7 @@ mod tests {
     use super::*;
     use crate::geometry::{Vector, cross, direction};
 
-    /// From (-3, 0) round corners, at 0.25 m, to a point 3 m beyond the last.
+    /// A path from (-3, 0) round corners, at 0.25 m, to a point 3 m beyond the last.
     fn bends(corners: &[(f64, f64)]) -> Path {
         let mut path = Path::default();
         let (mut at, mut heading) = (Point::new(-3.0, 0.0), 0.0_f64);
