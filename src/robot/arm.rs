@@ -1,4 +1,4 @@
-//! The arm from the base to the grasp: its joints, its chain, and what every joint moves.
+//! The arm from the base to the grasp: its joints, its kinematic chain, and the coupling of every joint.
 
 use super::error::{Place, RobotError, known};
 use super::fault::ArmFault;
@@ -16,14 +16,14 @@ pub(super) struct Hold<'a> {
     pub place: Place,
 }
 
-/// What moves the grasp.
+/// The arm's joints and kinematic chain.
 pub(super) struct Arm {
     pub joints: Vec<ArmJoint>,
     pub chain: Vec<ChainLink>,
     pub last_from_grasp: Pose,
 }
 
-/// From where to where the arm goes: indices of links, and where the robot file names the grasp.
+/// The two ends of the arm: indices of links, and the place in the robot file that names the grasp.
 pub(super) struct Ends {
     pub base: usize,
     pub grasp: usize,
@@ -32,7 +32,7 @@ pub(super) struct Ends {
 }
 
 impl Arm {
-    /// Finds the arm and tells every joint what it follows.
+    /// Finds the arm and sets the coupling of every joint.
     pub fn new(urdf: Urdf, links: &mut [Link], ends: &Ends, holds: &[Hold]) -> Result<Self, RobotError> {
         let fault = |why| RobotError::NotAnArm { place: ends.place.clone(), why };
         let path = path(links, ends).map_err(fault)?;
@@ -140,7 +140,7 @@ fn movable(urdf: Urdf, links: &[Link], path: &[usize]) -> Result<Vec<usize>, Rob
     Ok(moving)
 }
 
-/// The positions (rad or m) of the joints that are held, by link.
+/// The positions (rad or m) of the held joints, by link.
 fn held(
     urdf: Urdf,
     links: &[Link],
@@ -185,7 +185,7 @@ fn held(
     Ok(held)
 }
 
-/// Limits of a joint between the base and the grasp, which must have some.
+/// Limits of a joint between the base and the grasp, where limits are required.
 fn checked_limits(urdf: Urdf, joint: &Joint, needs_rate: bool) -> Result<Limits, RobotError> {
     let limits = joint.limits;
     let place = joint_place(urdf, joint);
@@ -208,8 +208,8 @@ fn checked_limits(urdf: Urdf, joint: &Joint, needs_rate: bool) -> Result<Limits,
     Ok(limits)
 }
 
-/// Tells every joint what it follows. A joint that mimics one that neither is driven nor held, such as one outside the arm, stays
-/// where that one's position 0 puts it.
+/// Sets the coupling of every joint. A joint may mimic one that is neither driven nor held, such as one
+/// outside the arm; it then stays at the position that follows from that joint's position 0.
 fn couple(
     urdf: Urdf,
     links: &mut [Link],
@@ -231,7 +231,8 @@ fn couple(
     Ok(())
 }
 
-/// The link whose joint the joint of link `i` follows in the end, with ratio and offset; itself, 1 and 0 if it follows none.
+/// The link whose joint drives the joint of link `i` through all mimics, with ratio and offset; `i` itself, 1
+/// and 0 if the joint mimics none.
 fn followed(urdf: Urdf, links: &[Link], i: usize) -> Result<(usize, f64, f64), RobotError> {
     let (mut at, mut ratio, mut offset) = (i, 1.0, 0.0);
     let mut seen = vec![i];
@@ -255,7 +256,7 @@ fn followed(urdf: Urdf, links: &[Link], i: usize) -> Result<(usize, f64, f64), R
     Ok((at, ratio, offset))
 }
 
-/// Checks the position of a joint that mimics one that stands still.
+/// Checks the position of a joint that mimics a fixed one.
 fn stands_within_limits(urdf: Urdf, joint: &Joint) -> Result<(), RobotError> {
     let (limits, position) = (checked_limits(urdf, joint, false)?, joint.coupling.offset);
     if (limits.lower..=limits.upper).contains(&position) {
@@ -269,7 +270,7 @@ fn stands_within_limits(urdf: Urdf, joint: &Joint) -> Result<(), RobotError> {
     })
 }
 
-/// Narrows an arm joint's limits so that a joint which follows it keeps its own.
+/// Narrows an arm joint's limits so that a joint that mimics it stays within its own.
 fn tighten(urdf: Urdf, follower: &Joint, arm_joint: &mut ArmJoint) -> Result<(), RobotError> {
     let limits = checked_limits(urdf, follower, true)?;
     let Coupling { ratio, offset, .. } = follower.coupling;

@@ -1,9 +1,9 @@
-//! What can be wrong with a robot file or its URDF, each case with its file, item and numbers.
+//! Errors in a robot file or its URDF, each with its file, item and numbers.
 
 use super::fault::{ArmFault, PostureFault, TreeFault, WheelFault};
 use thiserror::Error;
 
-/// Where in a robot file or a URDF something stands.
+/// A place in a robot file or a URDF.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
     /// The file as it was named by the caller.
@@ -31,7 +31,7 @@ pub enum RobotError {
     Read {
         /// The file.
         file: String,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
     /// A file of another kind.
@@ -45,10 +45,10 @@ pub enum RobotError {
     Xacro {
         /// The file.
         file: String,
-        /// What the URDF may be called.
+        /// A name for the expanded URDF.
         expanded: String,
     },
-    /// A URDF stands alone.
+    /// A URDF without a robot file.
     #[error(
         "{urdf}: needs a robot file beside it, {needed}, which names urdf, base_link, grasp_frame, left_wheel, right_wheel, base_width_m, grasp_height_m and a [[posture]]"
     )]
@@ -58,7 +58,7 @@ pub enum RobotError {
         /// The file that is missing.
         needed: String,
     },
-    /// The robot file beside a URDF belongs to another one.
+    /// The robot file beside a URDF names another URDF.
     #[error("{place} = {found:?}: that is not {asked}, which was asked for")]
     OtherUrdf {
         /// Where the URDF is named.
@@ -68,7 +68,7 @@ pub enum RobotError {
         /// The URDF that was to be loaded.
         asked: String,
     },
-    /// The file is not the TOML that a robot file is made of.
+    /// The robot file is not valid TOML.
     #[error("{file}: not a valid robot file")]
     Syntax {
         /// The file.
@@ -76,12 +76,12 @@ pub enum RobotError {
         /// Line, column, and what was expected there.
         source: Box<toml::de::Error>,
     },
-    /// The file is not the XML that a URDF is made of.
+    /// The URDF is not valid XML.
     #[error("{file}: not a valid URDF")]
     Urdf {
         /// The file.
         file: String,
-        /// What the parser said.
+        /// The parser's error.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// A number is out of its range.
@@ -96,7 +96,7 @@ pub enum RobotError {
         /// The values allowed.
         expected: String,
     },
-    /// Something that is needed is not there.
+    /// A missing item.
     #[error("{place}: lacks {needed}")]
     Missing {
         /// Where.
@@ -104,7 +104,7 @@ pub enum RobotError {
         /// What is missing.
         needed: String,
     },
-    /// A position in the unit of the other kind of joint.
+    /// A position under the key for the other kind of joint.
     #[error("{place}: `{joint}` is {kind}; give its position as {key}")]
     Unit {
         /// Where.
@@ -116,12 +116,12 @@ pub enum RobotError {
         /// The key to use instead.
         key: &'static str,
     },
-    /// A name that nothing has.
+    /// An unknown name.
     #[error("{place}: there is no {kind} `{name}`; there are: {known}")]
     Unknown {
         /// Where.
         place: Place,
-        /// Such as `link` or `joint`.
+        /// The kind of name, such as `link` or `joint`.
         kind: &'static str,
         /// The name asked for.
         name: String,
@@ -133,7 +133,7 @@ pub enum RobotError {
     Duplicate {
         /// The item.
         place: Place,
-        /// Such as `link` or `joint`.
+        /// The kind of item, such as `link` or `joint`.
         kind: &'static str,
     },
     /// The links do not form one tree.
@@ -141,15 +141,15 @@ pub enum RobotError {
     NotATree {
         /// The link.
         place: Place,
-        /// In what way.
+        /// The fault.
         why: TreeFault,
     },
-    /// From the base to the grasp there is no arm that can be used.
+    /// No usable arm leads from the base to the grasp.
     #[error("{place}: {why}")]
     NotAnArm {
         /// The grasp frame or the joint.
         place: Place,
-        /// In what way.
+        /// The fault.
         why: ArmFault,
     },
     /// A wheel that cannot drive the base.
@@ -157,10 +157,10 @@ pub enum RobotError {
     NotAWheel {
         /// The joint.
         place: Place,
-        /// In what way.
+        /// The fault.
         why: WheelFault,
     },
-    /// A least position that is not below the largest.
+    /// A lower limit that is not below the upper one.
     #[error("{place}: limits upside down: lower {lower} must be below upper {upper}")]
     Limits {
         /// The joint.
@@ -170,25 +170,25 @@ pub enum RobotError {
         /// Largest position, rad or m.
         upper: f64,
     },
-    /// Joints that follow each other in a circle.
+    /// Joints that mimic each other in a circle.
     #[error("{place}: mimics itself: {circle}; a joint must follow one that moves on its own")]
     MimicCircle {
         /// The joint.
         place: Place,
-        /// The joints in the order in which they follow each other.
+        /// The joints in the order in which they mimic each other.
         circle: String,
     },
-    /// A mesh that is not there.
+    /// A missing mesh.
     #[error("{place}: there is no mesh `{mesh}`; looked for it at {looked}")]
     Mesh {
         /// The link.
         place: Place,
         /// The mesh as the URDF names it.
         mesh: String,
-        /// Where it was looked for.
+        /// The places searched.
         looked: String,
     },
-    /// A posture that does not hold the object as it must.
+    /// A posture that does not hold the object level at its height, heading ahead.
     #[error(
         "{place}: the angles given hold the grasp {height:.4} m above the floor, tilted by {tilt_deg:.2} deg and heading {heading_deg:.2} deg from ahead; it must be level, heading ahead, at grasp_height_m = {needed} m: {why}"
     )]
@@ -203,18 +203,18 @@ pub enum RobotError {
         heading_deg: f64,
         /// Height needed, m.
         needed: f64,
-        /// Why it could not be brought there.
+        /// The reason why the posture could not be closed.
         why: PostureFault,
     },
 }
 
-/// The names there are, for [`RobotError::Unknown`].
+/// A list of known names for [`RobotError::Unknown`].
 pub(super) fn known<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    const MOST: usize = 12;
+    const MOST_NAMES: usize = 12;
     let names: Vec<String> = names.map(|n| format!("`{n}`")).collect();
     match names.len() {
         0 => "none".to_owned(),
-        n if n <= MOST => names.join(", "),
-        n => format!("{} and {} more", names[..MOST].join(", "), n - MOST),
+        n if n <= MOST_NAMES => names.join(", "),
+        n => format!("{} and {} more", names[..MOST_NAMES].join(", "), n - MOST_NAMES),
     }
 }

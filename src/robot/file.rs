@@ -24,7 +24,7 @@ pub(super) struct RobotFile {
     pub postures: Vec<Spanned<PostureEntry>>,
 }
 
-/// A joint under `[hold]`: one of the two.
+/// A joint under `[hold]`: exactly one of the two keys is given.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct HoldEntry {
@@ -43,7 +43,7 @@ pub(super) struct PostureEntry {
     pub positions_m: BTreeMap<String, Spanned<f64>>,
 }
 
-/// A file's name and text, to say where something stands in it.
+/// A file's name and text, used to locate items in it.
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
     pub file: &'a str,

@@ -5,7 +5,7 @@ use crate::geometry::{PlanarPose, Pose, direction, wrap_angle};
 use crate::math;
 use nalgebra::{Rotation3, Vector3};
 
-/// Where the grasp is and how it moves, at one configuration.
+/// The pose of the grasp and its Jacobian at one configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kinematics {
     /// `world_from_grasp`.
@@ -14,14 +14,14 @@ pub struct Kinematics {
     pub jacobian: InputJacobian,
 }
 
-/// A moving joint of the chain, world axes.
+/// A moving joint of the chain, in world axes.
 #[derive(Clone, Copy)]
 struct Axis {
     /// The input that moves it.
     column: usize,
     motion: Motion,
     origin: Vector3<f64>,
-    /// Times its ratio.
+    /// The axis times the joint's ratio.
     direction: Vector3<f64>,
 }
 
@@ -55,8 +55,9 @@ impl Robot {
         Kinematics { grasp, jacobian }
     }
 
-    /// Calls `on_point` for every moving joint of the arm, from the base outward, and at last for the grasp: where it is (m, world frame) and
-    /// the derivative of that with respect to the inputs, a column an input as in [`InputVector`]. No allocation.
+    /// Calls `on_point` for every moving joint of the arm, from the base outward, and finally for the grasp.
+    /// The arguments are the point's position (m, world frame) and the derivative of the position with
+    /// respect to the inputs, one column per input as in [`InputVector`]. No allocation.
     pub fn arm_points(&self, q: &Configuration, mut on_point: impl FnMut(Vector3<f64>, &PointJacobian)) {
         let (axes, grasp) =
             self.follow_chain(q, |at, before| on_point(at, &self.point_jacobian(q, &at, before)));
@@ -64,7 +65,8 @@ impl Robot {
         on_point(at, &self.point_jacobian(q, &at, &axes[..self.chain.len()]));
     }
 
-    /// The axes of the chain's joints (as many as it has) and `world_from_grasp`. `on_joint` sees where each joint is and the axes before it.
+    /// The axes of the chain's joints (as many as it has) and `world_from_grasp`. `on_joint` receives the
+    /// position of each joint and the axes before it.
     fn follow_chain(
         &self,
         q: &Configuration,
@@ -88,7 +90,7 @@ impl Robot {
         (axes, frame * self.last_from_grasp)
     }
 
-    /// How a point at `at` (m, world frame) moves that the wheels and the joints of these axes carry.
+    /// The Jacobian of a point at `at` (m, world frame) that the wheels and the joints of these axes carry.
     fn point_jacobian(&self, q: &Configuration, at: &Vector3<f64>, axes: &[Axis]) -> PointJacobian {
         let mut jacobian = PointJacobian::zeros();
         for axis in axes {
@@ -108,7 +110,8 @@ impl Robot {
         jacobian
     }
 
-    /// The configuration after `seconds` of constant input: wheels without sideways motion on an exact arc, joints at constant rates.
+    /// The configuration after `seconds` of constant input. The wheels roll without sideways motion on an
+    /// exact arc; the joints move at constant rates.
     pub fn advance(&self, q: &Configuration, input: &InputVector, seconds: f64) -> Configuration {
         let joints = input.fixed_rows::<MAX_JOINTS>(2) * seconds;
         Configuration {
@@ -117,8 +120,8 @@ impl Robot {
         }
     }
 
-    /// A configuration whose grasp is at `world_from_grasp`, near `joints`, with the base left where it is; `None` if Newton's iteration
-    /// does not come within `tolerance` (m and rad) of it in a few steps.
+    /// A configuration near `joints` whose grasp is at `world_from_grasp`, with the base left where it is.
+    /// `None` if Newton's iteration does not come within `tolerance` (m and rad) in a few steps.
     pub fn close(&self, q: &Configuration, world_from_grasp: &Pose, tolerance: f64) -> Option<Configuration> {
         const STEPS: usize = 12;
         let mut q = *q;
@@ -137,7 +140,7 @@ impl Robot {
     }
 }
 
-/// What separates a pose from another: translation (m), then rotation vector (rad) of `to * from^-1`, in world axes.
+/// The difference of two poses: translation (m), then rotation vector (rad) of `to * from^-1`, in world axes.
 pub fn pose_difference(to: &Pose, from: &Pose) -> nalgebra::Vector6<f64> {
     let linear = to.translation.vector - from.translation.vector;
     let angular = crate::geometry::rotation_vector(&(to.rotation * from.rotation.inverse()));
@@ -145,11 +148,12 @@ pub fn pose_difference(to: &Pose, from: &Pose) -> nalgebra::Vector6<f64> {
 }
 
 impl Drive {
-    /// Where the base is after the left and the right rim have rolled so far (m), each at constant speed: on an exact arc.
+    /// The pose of the base after the left and the right rim have rolled these distances (m) at constant
+    /// speed, on an exact arc.
     pub fn roll(&self, base: &PlanarPose, [left, right]: [f64; 2]) -> PlanarPose {
         let turn = (right - left) / self.track;
         let half = turn / 2.0;
-        // the chord of the arc: its length over the arc's is sin(half) / half
+        // the chord of the arc: its ratio to the arc length is sin(half) / half
         let ratio = if half.abs() < 1e-4 { 1.0 - half * half / 6.0 } else { math::sin(half) / half };
         let chord = (left + right) / 2.0 * ratio;
         PlanarPose {

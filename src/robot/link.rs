@@ -1,62 +1,62 @@
-//! A robot's links, and where each of them is at a [`Configuration`].
+//! A robot's links and their poses at a [`Configuration`].
 
 use super::{Configuration, Robot};
 use crate::geometry::Pose;
 use nalgebra::{Matrix3, Rotation3, Translation3, Unit, Vector3};
 use std::path::PathBuf;
 
-/// A rigid part of a robot. Its frame is that of the joint that carries it.
+/// A rigid part of a robot. Its frame is the frame of its parent joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link {
     /// Name, unique in its robot.
     pub name: String,
-    /// The link that carries it: index into [`Robot::links`], smaller than its own. `None` for the root.
+    /// The parent link: index into [`Robot::links`], smaller than the link's own. `None` for the root.
     pub parent: Option<usize>,
-    /// The joint between the two. `None` for the root.
+    /// The joint that connects it to its parent. `None` for the root.
     pub joint: Option<Joint>,
-    /// Mass and inertia; `None` for a frame without any.
+    /// Mass and inertia; `None` for a massless frame.
     pub inertial: Option<Inertial>,
-    /// What it looks like.
+    /// Visual geometry.
     pub visuals: Vec<Geometry>,
-    /// What it touches with.
+    /// Collision geometry.
     pub collisions: Vec<Geometry>,
 }
 
-/// What a link hangs on.
+/// The joint between a link and its parent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
     /// Name, unique in its robot.
     pub name: String,
-    /// How it moves.
+    /// Kind of joint.
     pub kind: JointKind,
     /// From the parent link's frame to the joint's at position 0.
     pub parent_from_joint: Pose,
     /// Axis in the joint's frame; x where the joint is fixed.
     pub axis: Unit<Vector3<f64>>,
-    /// Limits as the URDF has them.
+    /// Limits as given in the URDF.
     pub limits: Limits,
-    /// The joint that it follows, if any.
+    /// The joint that it mimics, if any.
     pub mimic: Option<Mimic>,
-    /// Where it is at a configuration: what holds, mimics and the arm's joints make of it.
+    /// Its position at a configuration, as it follows from holds, mimics and the arm's joints.
     pub coupling: Coupling,
 }
 
 /// The kinds of joints that a URDF has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JointKind {
-    /// Does not move.
+    /// A fixed joint.
     Fixed,
-    /// About its axis, between limits.
+    /// A rotation about its axis, between limits.
     Revolute,
-    /// About its axis, without end.
+    /// A rotation about its axis, without limits.
     Continuous,
-    /// Along its axis, between limits.
+    /// A translation along its axis, between limits.
     Prismatic,
-    /// Free; taken as standing at 0.
+    /// A free joint; treated as fixed at 0.
     Floating,
-    /// In a plane; taken as standing at 0.
+    /// A motion in a plane; treated as fixed at 0.
     Planar,
-    /// About a point; taken as standing at 0.
+    /// A rotation about a point; treated as fixed at 0.
     Spherical,
 }
 
@@ -73,25 +73,26 @@ pub struct Limits {
     pub effort: f64,
 }
 
-/// A joint's position is `ratio * (the other's position) + offset`.
+/// A mimicking joint: its position is `ratio * (the other's position) + offset`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mimic {
     /// The other joint.
     pub joint: String,
-    /// rad or m per rad or m.
+    /// Ratio, rad or m per rad or m.
     pub ratio: f64,
-    /// rad or m.
+    /// Offset, rad or m.
     pub offset: f64,
 }
 
-/// A joint's position is `ratio * (position of an arm joint) + offset`; without an arm joint it stays at `offset`.
+/// The coupling of a joint: its position is `ratio * (position of an arm joint) + offset`. Without an arm
+/// joint it stays at `offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupling {
-    /// Index into [`Robot::joints`].
+    /// The arm joint: index into [`Robot::joints`].
     pub joint: Option<usize>,
-    /// 1 for an arm joint itself.
+    /// Ratio; 1 for an arm joint itself.
     pub ratio: f64,
-    /// rad or m; 0 for an arm joint itself.
+    /// Offset, rad or m; 0 for an arm joint itself.
     pub offset: f64,
 }
 
@@ -100,29 +101,29 @@ pub struct Coupling {
 pub struct Inertial {
     /// Mass, kg.
     pub mass: f64,
-    /// `link_from_inertial`: where the centre of mass is, and the axes of `inertia`.
+    /// `link_from_inertial`: the centre of mass and the axes of `inertia`.
     pub center: Pose,
-    /// About the centre of mass, in the inertial frame, kg m^2.
+    /// Inertia about the centre of mass, in the inertial frame, kg m^2.
     pub inertia: Matrix3<f64>,
 }
 
 /// A shape on a link.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Geometry {
-    /// Where it is.
+    /// Pose of the shape in the link's frame.
     pub link_from_shape: Pose,
-    /// What it is.
+    /// The shape.
     pub shape: Shape,
-    /// Red, green, blue and opacity, each 0 to 1, where the URDF gives a colour.
+    /// Red, green, blue and opacity, each 0 to 1; `None` where the URDF gives no colour.
     pub color: Option<[f32; 4]>,
 }
 
-/// A shape around its middle. Cylinders and capsules stand along z. Lengths in m.
+/// A shape around its centre. Cylinders and capsules are aligned with z. Lengths in m.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// A box.
     Box {
-        /// Along x, y and z.
+        /// Size along x, y and z.
         size: Vector3<f64>,
     },
     /// A cylinder.
@@ -132,11 +133,11 @@ pub enum Shape {
         /// Length.
         length: f64,
     },
-    /// A cylinder with half a sphere on either end.
+    /// A cylinder with a hemisphere on either end.
     Capsule {
         /// Radius.
         radius: f64,
-        /// Length of the cylinder alone.
+        /// Length of the cylinder without the hemispheres.
         length: f64,
     },
     /// A sphere.
@@ -144,17 +145,17 @@ pub enum Shape {
         /// Radius.
         radius: f64,
     },
-    /// A file of triangles.
+    /// A triangle mesh.
     Mesh {
         /// The file, which exists.
         file: PathBuf,
-        /// Along x, y and z.
+        /// Scale along x, y and z.
         scale: Vector3<f64>,
     },
 }
 
 impl JointKind {
-    /// What a URDF calls it.
+    /// The name in a URDF.
     pub fn name(self) -> &'static str {
         match self {
             Self::Fixed => "fixed",
@@ -169,7 +170,7 @@ impl JointKind {
 }
 
 impl Joint {
-    /// The parent link's frame from the link's, at a position (rad or m).
+    /// The pose of the link's frame in the parent link's frame at a joint position (rad or m).
     pub fn parent_from_link(&self, position: f64) -> Pose {
         match self.kind {
             JointKind::Revolute | JointKind::Continuous => {
@@ -184,8 +185,8 @@ impl Joint {
 }
 
 impl Robot {
-    /// `world_from_link` for every link, in the order of [`Robot::links`]. Joints that neither move with the arm nor are held or
-    /// mimic, the wheels among them, stand at 0.
+    /// `world_from_link` for every link, in the order of [`Robot::links`]. Joints outside the arm that are
+    /// neither held nor mimic another stay at 0; so do the wheels.
     pub fn link_poses(&self, q: &Configuration) -> Vec<Pose> {
         let mut root_from_link: Vec<Pose> = Vec::with_capacity(self.links.len());
         for link in &self.links {

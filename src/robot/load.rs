@@ -1,4 +1,4 @@
-//! Loading of a robot: its robot file and the URDF that it names.
+//! Loading of a robot from its robot file and the URDF that it names.
 
 use super::arm::{Arm, Ends, Hold};
 use super::error::{Place, RobotError, known};
@@ -12,23 +12,23 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
-/// The texts that a robot is made of: with them it can be made again where the files are not.
+/// The source texts of a robot, from which it can be built again without the files.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RobotTexts {
     /// The robot file, as the caller named it.
     pub file: String,
-    /// Its text.
+    /// Text of the robot file.
     pub text: String,
-    /// The URDF that it names.
+    /// The URDF that the robot file names.
     pub urdf_file: String,
-    /// The URDF's text.
+    /// Text of the URDF.
     pub urdf: String,
 }
 
 impl RobotTexts {
-    /// Reads a robot file (`.toml`) and the URDF that it names; or a URDF (`.urdf`, `.xml`) and the robot file of the same name beside it.
-    /// Returns the URDF's path too.
+    /// Reads a robot file (`.toml`) and the URDF that it names, or a URDF (`.urdf`, `.xml`) and the robot
+    /// file of the same name beside it. Also returns the URDF's path.
     fn read(path: &Path) -> Result<(Self, PathBuf), RobotError> {
         let file = path.display().to_string();
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
@@ -66,8 +66,8 @@ impl RobotTexts {
 }
 
 impl Robot {
-    /// Reads and validates a robot file (`.toml`) with the URDF that it names; or a URDF (`.urdf`, `.xml`) with the robot file of the
-    /// same name beside it.
+    /// Reads and validates a robot file (`.toml`) with the URDF that it names, or a URDF (`.urdf`, `.xml`)
+    /// with the robot file of the same name beside it.
     ///
     /// # Errors
     /// [`RobotError`], which names the file, the item and the numbers.
@@ -76,7 +76,8 @@ impl Robot {
         build(&texts, Some(urdf.parent().unwrap_or(Path::new(""))))
     }
 
-    /// The robot of texts that were read before. Meshes keep the names that the URDF gives them: they are not looked for.
+    /// A robot built from texts that were read before. Meshes keep the names that the URDF gives them; their
+    /// files are not searched for.
     ///
     /// # Errors
     /// As [`Robot::load`].
@@ -84,10 +85,10 @@ impl Robot {
         build(texts, None)
     }
 
-    /// The robot that comes with the program, "carrier": two driven wheels and an arm of seven joints.
+    /// The built-in robot "carrier": two driven wheels and an arm of seven joints.
     ///
     /// # Errors
-    /// None, as long as the two files in `assets/robots` are valid; tests see to that.
+    /// None, as long as the two files in `assets/robots` are valid, which tests check.
     pub fn built_in() -> Result<Self, RobotError> {
         let text = include_str!("../../assets/robots/carrier.toml").to_owned();
         let urdf = include_str!("../../assets/robots/carrier.urdf").to_owned();
@@ -114,12 +115,12 @@ fn is_same(a: &Path, b: &Path) -> bool {
     a == b || same(a, b).unwrap_or(false)
 }
 
-/// The robot of these texts; its meshes are looked for from `folder`, if there is one.
+/// The robot built from these texts. Meshes are searched for from `folder`, if there is one.
 fn build(texts: &RobotTexts, folder: Option<&Path>) -> Result<Robot, RobotError> {
     let source = Source { file: &texts.file, text: &texts.text };
     let entries = &source.parse()?;
     let (urdf, text) = (Urdf { file: &texts.urdf_file, folder }, texts.urdf.as_str());
-    // the namespace alone is what older versions of xacro leave in what they expand
+    // older versions of xacro leave the bare namespace in what they expand, so it is no sign of a xacro file
     if text.contains("<xacro:") || text.contains("${") {
         return Err(xacro(Path::new(urdf.file)));
     }
@@ -201,7 +202,7 @@ fn postures(source: Source, entries: &RobotFile, robot: &Robot) -> Result<Vec<Po
         .collect()
 }
 
-/// The link of that name.
+/// The link of this name.
 fn link(source: Source, links: &[Link], key: &str, name: &Spanned<String>) -> Result<usize, RobotError> {
     links.iter().position(|l| l.name == *name.get_ref()).ok_or_else(|| RobotError::Unknown {
         place: source.place(name, key),
@@ -211,7 +212,7 @@ fn link(source: Source, links: &[Link], key: &str, name: &Spanned<String>) -> Re
     })
 }
 
-/// The link that the joint of that name carries.
+/// The child link of the joint of this name.
 fn carried_by(
     source: Source,
     links: &[Link],

@@ -1,10 +1,11 @@
-//! The file that a URDF's mesh name stands for.
+//! The file of a URDF's mesh.
 
 use super::error::{Place, RobotError};
 use std::path::{Path, PathBuf};
 
-/// The file that `mesh` names: `package://pkg/rest` from a folder `pkg` at or above `folder` or beside one of those, `file://` and
-/// absolute paths as they are, others from `folder`, which is the URDF's. Without a folder, the name as it is.
+/// The file that `mesh` names. `package://pkg/rest` is searched for in a folder `pkg` at or above `folder` or
+/// beside one of those. `file://` and absolute paths are taken as they are. Other names are relative to
+/// `folder`, the URDF's folder. Without a folder, the name is returned as it is.
 pub(super) fn find(
     mesh: &str,
     folder: Option<&Path>,
@@ -17,7 +18,7 @@ pub(super) fn find(
         if package.is_empty() || rest.is_empty() {
             return Err(lost(format!("`{rest}` in package `{package}`")));
         }
-        // the folders above are known only from the root on
+        // only a canonical path has all the folders above
         let start = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
         let is_package = |f: &Path| f.file_name().is_some_and(|name| name == package);
         let candidates: Vec<PathBuf> = start

@@ -1,8 +1,8 @@
 //! A validated [`Robot`] from a robot file and its URDF: differential drive, arm, grasp, forward kinematics
 //! and B(q).
 //!
-//! Frames: `world` is on the floor, z up. `drive` is on the floor in the middle between the wheels, x ahead, y to the left: its pose is the
-//! base's. `grasp` is where the object is held, x ahead.
+//! Frames: `world` is on the floor, z up. `drive` is on the floor midway between the wheels, x ahead, y to
+//! the left; its pose is the base's. `grasp` is where the object is held, x ahead.
 
 mod arm;
 mod error;
@@ -27,20 +27,21 @@ use crate::geometry::{PlanarPose, Pose};
 use nalgebra::{SMatrix, SVector, Unit, Vector3};
 use thiserror::Error;
 
-/// The most arm joints a robot may have that move on their own: seven, and a lift.
+/// The largest number of independently moving arm joints: seven and a lift.
 pub const MAX_JOINTS: usize = 8;
-/// Inputs of a robot with that many joints: two wheels, then the joints.
+/// The largest number of inputs: two wheels, then the joints.
 pub const MAX_INPUTS: usize = MAX_JOINTS + 2;
 
-/// One number a joint, in the order of [`Robot::joints`]; entries beyond their number are 0.
+/// One number per joint, in the order of [`Robot::joints`]; further entries are 0.
 pub type JointVector = SVector<f64, MAX_JOINTS>;
-/// u: rim speeds of the left and the right wheel, m/s, then joint rates, rad/s (prismatic: m/s); entries beyond are 0.
+/// The input u: rim speeds of the left and the right wheel, m/s, then joint rates, rad/s (prismatic: m/s);
+/// further entries are 0.
 pub type InputVector = SVector<f64, MAX_INPUTS>;
-/// d(grasp twist) / du: rows are the grasp's linear velocity (m/s) and angular velocity (rad/s) in world axes; columns as in
-/// [`InputVector`], those beyond are 0.
+/// The Jacobian d(grasp twist) / du. Rows are the grasp's linear velocity (m/s) and angular velocity (rad/s)
+/// in world axes; columns as in [`InputVector`], further columns are 0.
 pub type InputJacobian = SMatrix<f64, 6, MAX_INPUTS>;
 
-/// d(a point's velocity) / du, world axes: columns as in [`InputJacobian`].
+/// The Jacobian d(velocity of a point) / du in world axes; columns as in [`InputJacobian`].
 pub type PointJacobian = SMatrix<f64, 3, MAX_INPUTS>;
 
 /// A mobile manipulator on two driven wheels.
@@ -48,46 +49,47 @@ pub type PointJacobian = SMatrix<f64, 3, MAX_INPUTS>;
 pub struct Robot {
     /// Name.
     pub name: String,
-    /// What it was made of.
+    /// The source texts.
     pub texts: RobotTexts,
-    /// The wheels.
+    /// The differential drive.
     pub drive: Drive,
-    /// The joints of the arm that move on their own, from the base to the grasp. At most [`MAX_JOINTS`].
+    /// The independently moving joints of the arm, from the base to the grasp. At most [`MAX_JOINTS`].
     pub joints: Vec<ArmJoint>,
     /// Height above the floor at which the object is held, m.
     pub grasp_height: f64,
-    /// Postures to start from, in file order; at least one. All hold the grasp level, at [`Robot::grasp_height`], heading as the base.
+    /// Starting postures in file order; at least one. All hold the grasp level at [`Robot::grasp_height`],
+    /// heading as the base.
     pub postures: Vec<Posture>,
     /// All links, parents before children.
     pub links: Vec<Link>,
-    /// The base: index into [`Robot::links`].
+    /// The base link: index into [`Robot::links`].
     pub base_link: usize,
-    /// The link whose frame is the grasp's: index into [`Robot::links`].
+    /// The link whose frame is the grasp frame: index into [`Robot::links`].
     pub grasp_link: usize,
-    /// The left and the right wheel: indices into [`Robot::links`].
+    /// The links of the left and the right wheel: indices into [`Robot::links`].
     pub wheel_links: [usize; 2],
-    /// From the drive's frame to the base link's; they differ by a translation.
+    /// From the drive's frame to the base link's; the two differ by a translation.
     pub(crate) drive_from_base: Pose,
-    /// What the grasp's pose is made of, from the base outward.
+    /// The kinematic chain of the grasp, from the base outward.
     pub(crate) chain: Vec<ChainLink>,
     /// From the frame of the last joint of the chain to the grasp.
     pub(crate) last_from_grasp: Pose,
 }
 
-/// Two wheels on one axle, driven one by one.
+/// A differential drive: two independently driven wheels on one axle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
-    /// Distance between the wheels' middles, m.
+    /// Distance between the wheels' centres, m.
     pub track: f64,
     /// Radius of the wheels, m.
     pub wheel_radius: f64,
-    /// The most that a rim may move, m/s.
+    /// Largest rim speed, m/s.
     pub rim_speed_limit: f64,
-    /// Radius around the middle of the axle that is kept out of obstacles, m.
+    /// Radius of a disc around the middle of the axle that must stay clear of obstacles, m.
     pub base_radius: f64,
 }
 
-/// A drive that is slower than its team is to walk: a warning, not an error.
+/// A warning: the drive is slower than the team's walking speed.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
     "robot `{robot}`: its wheels drive {limit:.3} m/s at most (their limit velocity of {:.2} rad/s times their radius of {wheel_radius} m), \
@@ -97,7 +99,7 @@ pub struct Drive {
 pub struct SlowDrive {
     /// Name of the robot.
     pub robot: String,
-    /// The most that its rims may move, m/s.
+    /// Largest rim speed, m/s.
     pub limit: f64,
     /// Radius of its wheels, m.
     pub wheel_radius: f64,
@@ -105,29 +107,29 @@ pub struct SlowDrive {
     pub speed: f64,
 }
 
-/// A joint of the arm that moves on its own.
+/// An independently moving joint of the arm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArmJoint {
     /// Name in the URDF.
     pub name: String,
-    /// How it moves.
+    /// Kind of motion.
     pub motion: Motion,
-    /// Least position, rad or m; minus infinity for a continuous joint.
+    /// Lower limit, rad or m; minus infinity for a continuous joint.
     pub lower: f64,
-    /// Largest position, rad or m; infinity for a continuous joint.
+    /// Upper limit, rad or m; infinity for a continuous joint.
     pub upper: f64,
-    /// The fastest it may move, rad/s or m/s.
+    /// Largest rate, rad/s or m/s.
     pub rate_limit: f64,
-    /// The most it can exert, Nm or N.
+    /// Largest effort, Nm or N.
     pub effort_limit: f64,
 }
 
-/// How a joint moves.
+/// The motion of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
-    /// About its axis, rad.
+    /// A rotation about its axis, rad.
     Revolute,
-    /// Along its axis, m.
+    /// A translation along its axis, m.
     Prismatic,
 }
 
@@ -140,44 +142,45 @@ pub struct Posture {
     pub joints: JointVector,
 }
 
-/// One moving joint on the way from the base to the grasp; fixed joints are part of the constant transforms.
+/// A moving joint between the base and the grasp. Fixed joints are part of the constant transforms.
 #[derive(Clone, Debug)]
 pub(crate) struct ChainLink {
-    /// From the frame before (the drive's, for the first) to this joint's frame at position 0.
+    /// From the previous frame (the drive's, for the first) to this joint's frame at position 0.
     pub before_from_joint: Pose,
     /// Axis in the joint's frame.
     pub axis: Unit<Vector3<f64>>,
     pub motion: Motion,
     /// The arm joint that moves it: index into [`Robot::joints`].
     pub joint: usize,
-    /// Its position is `ratio * (that joint's position) + offset`: 1 and 0 but for a joint that mimics another.
+    /// The joint's position is `ratio * (the arm joint's position) + offset`: 1 and 0 unless it mimics
+    /// another.
     pub ratio: f64,
     pub offset: f64,
 }
 
-/// Where the base stands and how the arm is bent: q.
+/// The configuration q: the pose of the base and the positions of the arm's joints.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Configuration {
-    /// The drive frame in the world.
+    /// Pose of the drive frame in the world.
     pub base: PlanarPose,
     /// Joint positions.
     pub joints: JointVector,
 }
 
 impl Robot {
-    /// Number of arm joints that move on their own.
+    /// Number of independently moving arm joints.
     pub fn joint_count(&self) -> usize {
         self.joints.len()
     }
 
-    /// The drive's lack of speed, if the team is to walk at `speed` (m/s) and the wheels cannot.
+    /// A warning if the wheels are too slow for a team that walks at `speed` (m/s).
     pub fn slow_drive(&self, speed: f64) -> Option<SlowDrive> {
         let Drive { rim_speed_limit: limit, wheel_radius, .. } = self.drive;
         let robot = self.name.clone();
         (limit < speed).then_some(SlowDrive { robot, limit, wheel_radius, speed })
     }
 
-    /// The posture of that name.
+    /// The posture of this name.
     pub fn posture(&self, name: &str) -> Option<&Posture> {
         self.postures.iter().find(|p| p.name == name)
     }

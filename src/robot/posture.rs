@@ -9,14 +9,15 @@ use crate::math;
 use nalgebra::{Rotation3, Vector3};
 use toml::Spanned;
 
-/// How near the grasp must come to its pose, m and rad.
+/// Largest deviation of the grasp from its pose, m and rad.
 const TOLERANCE: f64 = 1e-12;
-/// How far a joint may move to bring the grasp there, rad.
-const MOST_TURN: f64 = 0.2;
-/// How far a joint may move to bring the grasp there, m.
-const MOST_SLIDE: f64 = 0.05;
+/// How far a revolute joint may move to close a posture, rad.
+const LARGEST_TURN_RAD: f64 = 0.2;
+/// How far a prismatic joint may move to close a posture, m.
+const LARGEST_SLIDE_M: f64 = 0.05;
 
-/// Reads a posture and closes it: x and y of the grasp stay what the angles given say, the rest becomes what it must be.
+/// Reads a posture and closes it. x and y of the grasp stay as the given angles place them; height and
+/// orientation become what the object needs.
 pub(super) fn read(
     source: Source,
     spanned: &Spanned<PostureEntry>,
@@ -46,7 +47,7 @@ pub(super) fn read(
     for (i, joint) in robot.joints.iter().enumerate() {
         let position = closed.joints[i];
         let by = (position - given[i]).abs();
-        let most = if joint.motion == Motion::Prismatic { MOST_SLIDE } else { MOST_TURN };
+        let most = if joint.motion == Motion::Prismatic { LARGEST_SLIDE_M } else { LARGEST_TURN_RAD };
         if by > most {
             return Err(fault(PostureFault::Far { joint: joint.name.clone(), by, most }));
         }
@@ -58,7 +59,7 @@ pub(super) fn read(
     Ok(Posture { name: entry.name.clone(), joints: closed.joints })
 }
 
-/// The positions given, one for every arm joint, rad or m.
+/// The given positions, one for every arm joint, rad or m.
 fn angles(source: Source, spanned: &Spanned<PostureEntry>, robot: &Robot) -> Result<JointVector, RobotError> {
     let entry = spanned.get_ref();
     let item = format!("posture `{}`", entry.name);

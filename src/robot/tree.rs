@@ -5,7 +5,7 @@ use super::fault::TreeFault;
 use super::urdf::Urdf;
 use std::collections::BTreeMap;
 
-/// A joint and the two links that it connects.
+/// A joint with the two links that it connects.
 pub(super) struct Edge<'a> {
     pub joint: &'a str,
     pub parent: &'a str,
@@ -16,13 +16,14 @@ pub(super) struct Edge<'a> {
 pub(super) struct Spot {
     /// The link: index into the names given.
     pub link: usize,
-    /// The link that carries it: index into the spots.
+    /// The parent link: index into the spots.
     pub parent: Option<usize>,
-    /// The joint between the two: index into the joints given.
+    /// The joint between the two: index into the given joints.
     pub joint: Option<usize>,
 }
 
-/// The links of the tree from its root, branch by branch in the order of their joints; or why it is not a tree.
+/// The links of the tree from its root, branch by branch in the order of their joints; or the reason why they
+/// are not a tree.
 pub(super) fn order(urdf: Urdf, names: Vec<&str>, joints: &[Edge]) -> Result<Vec<Spot>, RobotError> {
     let fault = |link: &str, why| RobotError::NotATree { place: urdf.place(format!("link `{link}`")), why };
     let index: BTreeMap<&str, usize> = names.iter().enumerate().map(|(i, &n)| (n, i)).collect();

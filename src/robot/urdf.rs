@@ -1,4 +1,4 @@
-//! A URDF's links, parents before children, every number checked. The only file that knows `urdf_rs`.
+//! A URDF's links, parents before children, with every number checked. No other file uses `urdf_rs`.
 
 use super::error::{Place, RobotError};
 use super::link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
@@ -9,12 +9,14 @@ use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// The largest number that a URDF may contain: beyond it something is wrong, and squares lose their digits.
-const LARGEST: f64 = 1e6;
-/// How deeply elements may be nested: the parser calls itself for each level.
-const DEEPEST: usize = 64;
+/// The largest magnitude of a number in a URDF. Larger numbers are errors, and their squares would lose
+/// digits.
+const LARGEST_NUMBER: f64 = 1e6;
+/// The deepest nesting of elements; the parser recurses once per level.
+const LARGEST_DEPTH: usize = 64;
 
-/// A URDF that is being read: what errors call it, and the folder that meshes are looked for in; without one, they are not.
+/// A URDF being read: its name in errors, and the folder in which meshes are searched for. Without a folder,
+/// meshes are not searched for.
 #[derive(Clone, Copy)]
 pub(super) struct Urdf<'a> {
     pub file: &'a str,
@@ -26,13 +28,13 @@ impl Urdf<'_> {
         Place { file: self.file.to_owned(), line: None, item }
     }
 
-    /// The links of the URDF, parents before children, otherwise in the order of their joints.
+    /// The links of the URDF: parents before children, otherwise in the order of their joints.
     pub fn links(self, text: &str) -> Result<Vec<Link>, RobotError> {
         let depth = depth(text);
         Check { urdf: self, item: "robot".to_owned() }.number(
             "depth of its elements",
             depth as f64,
-            depth <= DEEPEST,
+            depth <= LARGEST_DEPTH,
             "at most 64",
         )?;
         let urdf = urdf_rs::read_from_string(text)
@@ -127,7 +129,7 @@ impl Urdf<'_> {
     }
 }
 
-/// How deeply the elements of an XML text are nested.
+/// The nesting depth of the elements of an XML text.
 fn depth(text: &str) -> usize {
     let (mut depth, mut deepest) = (0usize, 0);
     let mut rest = text;
@@ -146,14 +148,14 @@ fn depth(text: &str) -> usize {
     deepest
 }
 
-/// The colours that materials have; one that is given a colour anywhere has it everywhere.
+/// The colours of materials. A colour given anywhere holds everywhere.
 fn colors(urdf: &urdf_rs::Robot) -> BTreeMap<String, [f64; 4]> {
     let on_links = urdf.links.iter().flat_map(|l| &l.visual).filter_map(|v| v.material.as_ref());
     let all = on_links.chain(&urdf.materials);
     all.filter_map(|m| m.color.as_ref().map(|c| (m.name.clone(), c.rgba.0))).collect()
 }
 
-/// Checks of the numbers of one item.
+/// Checks for the numbers of one item.
 struct Check<'a> {
     urdf: Urdf<'a>,
     item: String,
@@ -173,11 +175,11 @@ impl Check<'_> {
     }
 
     fn finite(&self, field: &str, value: f64) -> Result<f64, RobotError> {
-        self.number(field, value, value.abs() <= LARGEST, "a number from -1000000 to 1000000")
+        self.number(field, value, value.abs() <= LARGEST_NUMBER, "a number from -1000000 to 1000000")
     }
 
     fn positive(&self, field: &str, value: f64) -> Result<f64, RobotError> {
-        self.number(field, value, value > 0.0 && value <= LARGEST, "greater than 0, at most 1000000")
+        self.number(field, value, value > 0.0 && value <= LARGEST_NUMBER, "greater than 0, at most 1000000")
     }
 
     fn vector(&self, field: &str, values: &[f64; 3]) -> Result<Vector3<f64>, RobotError> {
@@ -224,7 +226,7 @@ impl Check<'_> {
 
     fn inertial(&self, inertial: &urdf_rs::Inertial) -> Result<Option<Inertial>, RobotError> {
         let mass = inertial.mass.value;
-        self.number("mass", mass, (0.0..=LARGEST).contains(&mass), "from 0 to 1000000 kg")?;
+        self.number("mass", mass, (0.0..=LARGEST_NUMBER).contains(&mass), "from 0 to 1000000 kg")?;
         let i = &inertial.inertia;
         for (field, value) in
             [("ixx", i.ixx), ("ixy", i.ixy), ("ixz", i.ixz), ("iyy", i.iyy), ("iyz", i.iyz), ("izz", i.izz)]

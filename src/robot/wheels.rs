@@ -9,32 +9,33 @@ use crate::geometry::Pose;
 use crate::math;
 use nalgebra::{Point3, Rotation3, Vector3};
 
-/// How far two lengths may differ that must be the same, m.
-const SAME_LENGTH: f64 = 1e-3;
-/// How far two directions may differ that must be the same, rad.
-const SAME_DIRECTION: f64 = 1e-3;
+/// Largest difference between two lengths that must agree, m.
+const SAME_LENGTH_M: f64 = 1e-3;
+/// Largest difference between two directions that must agree, rad.
+const SAME_DIRECTION_RAD: f64 = 1e-3;
 
-/// A wheel as it stands in the base.
+/// A wheel in the base's frame.
 struct Wheel {
-    /// In the base's frame, m.
+    /// Centre in the base's frame, m.
     middle: Point3<f64>,
     radius: f64,
-    /// rad/s.
+    /// Rate limit, rad/s.
     rate: f64,
 }
 
-/// What the robot file says of the wheels: indices of the links that they carry, left first, and the places of their names.
+/// The wheels that the robot file names: indices of their links, left first, and the places of their names.
 pub(super) struct Wheels {
     pub base: usize,
     pub grasp: usize,
     pub links: [usize; 2],
-    /// As given, m.
+    /// The radius given in the robot file, m.
     pub radius: Option<f64>,
     pub base_radius: f64,
 }
 
 impl Wheels {
-    /// The drive, and `drive_from_base`: on the floor, between the wheels' middles.
+    /// The drive, and `drive_from_base`; the drive's frame is on the floor, midway between the wheels'
+    /// centres.
     pub fn measure(&self, urdf: Urdf, links: &[Link]) -> Result<(Drive, Pose), RobotError> {
         let name = |i: usize| links[i].joint.as_ref().map_or("", |j| j.name.as_str());
         let place = |i: usize| -> Place { urdf.place(format!("joint `{}`", name(i))) };
@@ -54,15 +55,15 @@ impl Wheels {
             }
         }
         for (what, left, right, tolerance, rule) in [
-            ("x in the base (m)", left.middle.x, right.middle.x, SAME_LENGTH, "they must be the same"),
+            ("x in the base (m)", left.middle.x, right.middle.x, SAME_LENGTH_M, "they must be the same"),
             (
                 "distance from the middle of the base (m)",
                 left.middle.y,
                 -right.middle.y,
-                SAME_LENGTH,
+                SAME_LENGTH_M,
                 "they must be the same",
             ),
-            ("z in the base (m)", left.middle.z, right.middle.z, SAME_LENGTH, "they must be the same"),
+            ("z in the base (m)", left.middle.z, right.middle.z, SAME_LENGTH_M, "they must be the same"),
             ("radius (m)", left.radius, right.radius, 1e-6, "they must be the same"),
             ("limit velocity (rad/s)", left.rate, right.rate, 1e-6, "they must be the same"),
         ] {
@@ -111,7 +112,7 @@ impl Wheels {
             at = parent;
         }
         let axis = base_from_wheel.rotation * joint.axis.into_inner();
-        if math::hypot(axis.x, axis.z) > SAME_DIRECTION {
+        if math::hypot(axis.x, axis.z) > SAME_DIRECTION_RAD {
             return Err(WheelFault::Axis { x: axis.x, y: axis.y, z: axis.z });
         }
         let rate = joint.limits.rate;
@@ -124,7 +125,7 @@ impl Wheels {
             (None, Some(given)) => (given, Vector3::zeros()),
             (Some((shape, measured)), given) => {
                 let middle = along_axis(shape, &joint.axis)?;
-                if let Some(given) = given.filter(|g| (g - measured).abs() > SAME_LENGTH) {
+                if let Some(given) = given.filter(|g| (g - measured).abs() > SAME_LENGTH_M) {
                     return Err(WheelFault::Radius { measured, given });
                 }
                 (given.unwrap_or(measured), middle)
@@ -134,7 +135,7 @@ impl Wheels {
     }
 }
 
-/// The cylinder or sphere of the largest radius, with it.
+/// The cylinder or sphere of the largest radius, and that radius.
 fn rolling(shapes: &[Geometry]) -> Option<(&Geometry, f64)> {
     let round = shapes.iter().filter_map(|g| match g.shape {
         Shape::Cylinder { radius, .. } | Shape::Sphere { radius } => Some((g, radius)),
@@ -143,7 +144,7 @@ fn rolling(shapes: &[Geometry]) -> Option<(&Geometry, f64)> {
     round.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The middle of a wheel's shape, which must turn about its own axis, in the wheel's frame.
+/// The centre of a wheel's shape in the wheel's frame. The shape must be centred on the joint's axis.
 fn along_axis(geometry: &Geometry, axis: &Vector3<f64>) -> Result<Vector3<f64>, WheelFault> {
     let middle = geometry.link_from_shape.translation.vector;
     let by_m = axis.cross(&middle).norm();
@@ -151,7 +152,7 @@ fn along_axis(geometry: &Geometry, axis: &Vector3<f64>) -> Result<Vector3<f64>, 
         Shape::Sphere { .. } => ("sphere", 0.0),
         _ => ("cylinder", (geometry.link_from_shape.rotation * Vector3::z()).cross(axis).norm()),
     };
-    if by_m > SAME_LENGTH || sine > SAME_DIRECTION {
+    if by_m > SAME_LENGTH_M || sine > SAME_DIRECTION_RAD {
         return Err(WheelFault::Eccentric { shape, by_m, by_deg: math::asin(sine.min(1.0)).to_degrees() });
     }
     Ok(axis * axis.dot(&middle))

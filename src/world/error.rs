@@ -1,8 +1,8 @@
-//! What can be wrong with a world file, each case with its file, line, item and numbers.
+//! Errors in a world file, each with its file, line, item and numbers.
 
 use thiserror::Error;
 
-/// Where in a world file something stands.
+/// A place in a world file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
     /// The file as it was named by the caller.
@@ -27,10 +27,10 @@ pub enum WorldError {
     Read {
         /// The file.
         file: String,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// The file is not the TOML that a world file is made of.
+    /// The file is not valid TOML.
     #[error("{file}: not a valid world file")]
     Syntax {
         /// The file.
@@ -50,7 +50,7 @@ pub enum WorldError {
         /// The values allowed.
         expected: &'static str,
     },
-    /// A shape lacks a key that it needs.
+    /// A shape without a key that it needs.
     #[error("{place}: a {shape} needs {field}")]
     Missing {
         /// Where.
@@ -60,7 +60,7 @@ pub enum WorldError {
         /// The key that is missing.
         field: &'static str,
     },
-    /// A shape has a key that it does not take.
+    /// A shape with a key that it does not take.
     #[error("{place}: a {shape} takes no {field}")]
     Superfluous {
         /// Where.
@@ -73,7 +73,7 @@ pub enum WorldError {
     /// Two items of one kind have the same name.
     #[error("{place}: the name is used twice; every {kind} needs a name of its own")]
     Duplicate {
-        /// Where the name stands the second time.
+        /// The second occurrence of the name.
         place: Place,
         /// `obstacle`, `opening` or `option`.
         kind: &'static str,
@@ -100,13 +100,13 @@ pub enum WorldError {
         /// Its y, m.
         y: f64,
     },
-    /// A shape that is too thin for its length.
+    /// A shape too thin for its length.
     #[error("{place}: its proportions are too extreme for a solid: use corners and a height of like size")]
     Extreme {
         /// Where.
         place: Place,
     },
-    /// A name that nothing has.
+    /// An unknown name.
     #[error("{place}: there is no {kind} `{name}`; there are: {known}")]
     Unknown {
         /// Where.
@@ -160,7 +160,7 @@ pub enum WorldError {
         /// The gap's width, m.
         width: f64,
     },
-    /// The start or the target has no room.
+    /// The start or the target is too close to an obstacle.
     #[error(
         "{place} = ({x}, {y}) is {distance:.4} m from obstacle `{obstacle}`; the team needs {needed} m (half of robot_width_m) around it{}",
         if *.distance == 0.0 { ": it lies inside the obstacle" } else { "" }

@@ -76,7 +76,7 @@ pub(super) struct OptionEntry {
 /// Two values; more or fewer are an error.
 pub(super) type Pair<T> = Values<T, 2>;
 
-/// So many values; more or fewer are an error.
+/// Exactly `N` values; more or fewer are an error.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(try_from = "Vec<T>")]
 #[serde(bound(deserialize = "T: Deserialize<'de>"))]
@@ -92,7 +92,7 @@ impl<T, const N: usize> TryFrom<Vec<T>> for Values<T, N> {
     }
 }
 
-/// A file's name and text, to say where something stands in it.
+/// A file's name and text, used to locate items in it.
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
     pub file: &'a str,

@@ -1,12 +1,13 @@
-//! A validated [`World`] from a world file (TOML): obstacles, start, target, openings measured or detected.
+//! A validated [`World`] from a world file (TOML): obstacles, start, target, and openings, which are measured
+//! or detected.
 //!
-//! World files hold scenes, never gains. The planar layout is extruded: every obstacle stands upright on the floor z = 0. What is carried
-//! may be said in a table of its own; without one it is the beam that this example describes:
+//! World files hold scenes, never gains. The planar layout is extruded: every obstacle stands upright on the
+//! floor z = 0. The carried object may have a table of its own. The default is the beam of this example:
 //!
 //! ```toml
 //! [object]
-//! shape = "beam"            # beam, box or board: only what it is called; all are boxes
-//! size_m = [1.2, 0.1, 0.1]  # along the way (from the robot's end to the human's), across, high
+//! shape = "beam"            # a name only: beam, box or board; all are boxes
+//! size_m = [1.2, 0.1, 0.1]  # length (from the robot's end to the human's), width, height
 //! mass_kg = 4.0
 //! ```
 
@@ -27,17 +28,17 @@ use obstacle::Check;
 use std::collections::BTreeSet;
 use toml::Spanned;
 
-/// How many options are enumerated where a world lists none and sets no `option_limit`.
+/// Number of options to enumerate where a world lists none and sets no `option_limit`.
 pub const DEFAULT_OPTION_LIMIT: usize = 8;
-/// The most options that `option_limit` may ask for.
+/// Largest value of `option_limit`.
 pub const LARGEST_OPTION_LIMIT: usize = 64;
 
-/// A scene: what stands where, and from where to where the object is carried.
+/// A scene: obstacles, openings, start and target, and the carried object.
 #[derive(Clone, Debug)]
 pub struct World {
-    /// The file that it was read from, as the caller named it.
+    /// The file as the caller named it.
     pub file: String,
-    /// Its text.
+    /// Text of the file.
     pub text: String,
     /// Title.
     pub name: String,
@@ -47,19 +48,19 @@ pub struct World {
     pub robot_width: f64,
     /// Start A.
     pub start: Point,
-    /// Target B.
+    /// The note in the file.
     pub target: Point,
-    /// What is carried.
+    /// The carried object.
     pub object: CarriedObject,
     /// The obstacles, in file order.
     pub obstacles: Vec<Obstacle>,
-    /// The openings, in file order; or detected, ordered by their obstacles.
+    /// The openings: as declared, in file order, or as detected, ordered by their obstacles.
     pub openings: Vec<Opening>,
-    /// Whether the openings were detected, the file naming none.
+    /// Whether the openings were detected because the file declares none.
     pub openings_detected: bool,
-    /// The options that the file lists; empty where they are to be enumerated.
+    /// The options that the file lists; empty if options are to be enumerated.
     pub listed_options: Vec<ListedOption>,
-    /// How many options to enumerate at most where none are listed.
+    /// Largest number of options to enumerate.
     pub option_limit: usize,
 }
 
@@ -87,7 +88,7 @@ impl World {
         }
     }
 
-    /// Validates the text of a world file; `file` is what errors call it.
+    /// Validates the text of a world file. Errors call it `file`.
     ///
     /// # Errors
     /// As [`World::load`].
@@ -127,7 +128,7 @@ impl World {
         })
     }
 
-    /// The least rectangle around the obstacles, the start and the target.
+    /// The smallest rectangle around the obstacles, the start and the target.
     pub fn bounds(&self) -> Bounds {
         let corners = self.obstacles.iter().flat_map(|o| {
             let b = o.footprint.bounds();
@@ -137,12 +138,13 @@ impl World {
             .unwrap_or(Bounds { min: self.start, max: self.target })
     }
 
-    /// The gaps, from end to end, that are exactly as wide as the robot. They are impassable, too (Sec. III-A).
+    /// The end points of the gaps that are exactly as wide as the robot. They are impassable, too (Sec.
+    /// III-A).
     pub(crate) fn exactly_closed_gaps(&self) -> Vec<[Point; 2]> {
         opening::exactly_closed(&self.obstacles, self.robot_width)
     }
 
-    /// Gaps that the robot cannot pass, widest first: what may have closed a way.
+    /// Gaps that the robot cannot pass, widest first: the likely causes of an unreachable target.
     pub fn impassable_gaps(&self) -> Vec<Opening> {
         let mut gaps = opening::impassable(&self.obstacles, self.robot_width);
         gaps.sort_by(|a, b| b.width.total_cmp(&a.width));

@@ -4,23 +4,23 @@ use super::error::WorldError;
 use super::file::{ObjectEntry, Source};
 use serde::Deserialize;
 
-/// Lengths that an object may have, m: along the way, across, high.
+/// Range of an object's length, width and height, m.
 const SIZES: [(f64, f64); 3] = [(0.3, 4.0), (0.02, 1.0), (0.02, 1.0)];
-/// Masses that an object may have, kg.
+/// Range of an object's mass, kg.
 const MASSES: (f64, f64) = (0.1, 40.0);
 
-/// The object that is carried: a homogeneous box.
+/// The carried object: a homogeneous box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CarriedObject {
-    /// What it is called; all are boxes.
+    /// Its kind, a name only; all are boxes.
     pub shape: ObjectShape,
-    /// Along the way (from the robot's end to the human's), across and high, m.
+    /// Length (from the robot's end to the human's), width and height, m.
     pub size: [f64; 3],
     /// Mass, kg.
     pub mass: f64,
 }
 
-/// What the object that is carried is called.
+/// The name of the carried object's kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ObjectShape {
@@ -34,7 +34,7 @@ pub enum ObjectShape {
 }
 
 impl ObjectShape {
-    /// What a world file calls it.
+    /// The name in a world file.
     pub fn name(self) -> &'static str {
         match self {
             Self::Beam => "beam",

@@ -1,4 +1,4 @@
-//! An upright obstacle with its outline and its solid.
+//! Upright obstacles with their outlines and solids.
 
 use super::error::{Place, WorldError};
 use super::file::{ObstacleEntry, Pair, ShapeEntry};
@@ -7,10 +7,10 @@ use crate::math;
 use parry3d::math::{Pose, Rotation, Vec3};
 use parry3d::shape::{Shape, SharedShape};
 
-/// Coordinates beyond this (m) are refused: a slip of units, and out of reach of the tolerances used.
-const FARTHEST: f64 = 1e4;
+/// Largest coordinate, m. Larger ones are mistakes of units and exceed what the tolerances can resolve.
+const LARGEST_COORDINATE_M: f64 = 1e4;
 /// Shortest side of an obstacle, m.
-const SMALLEST: f64 = 1e-3;
+const SMALLEST_LENGTH_M: f64 = 1e-3;
 
 /// An upright obstacle that stands on the floor.
 #[derive(Clone, Debug)]
@@ -25,7 +25,7 @@ pub struct Obstacle {
     shape: SharedShape,
 }
 
-/// How the outline is made, which is also what its solid is made from.
+/// The parameters from which outline and solid are made.
 #[derive(Clone, Debug, PartialEq)]
 enum Solid {
     Box { center: Point, size: [f64; 2], yaw: f64 },
@@ -77,20 +77,20 @@ impl Obstacle {
         Ok(Self { name: entry.name.clone(), footprint: solid.footprint(), height, solid, shape })
     }
 
-    /// The solid as a parry shape with its pose, `world_from_solid`; its foot is at z = 0.
+    /// The solid as a parry shape with its pose, `world_from_solid`. Its base is at z = 0.
     pub fn solid(&self) -> (Pose, &dyn Shape) {
         let middle = self.middle();
         let translation = Vec3::new(middle.x, middle.y, self.height / 2.0);
         let rotation = match &self.solid {
             Solid::Box { yaw, .. } => Rotation::from_rotation_z(*yaw),
-            // parry's cylinder stands along y
+            // parry's cylinder is aligned with y
             Solid::Cylinder { .. } => Rotation::from_rotation_x(std::f64::consts::FRAC_PI_2),
             Solid::Prism { .. } => Rotation::IDENTITY,
         };
         (Pose::from_parts(translation, rotation), &*self.shape)
     }
 
-    /// What the world file calls the shape.
+    /// The name of the shape in a world file.
     pub fn shape_name(&self) -> &'static str {
         match self.solid {
             Solid::Box { .. } => "box",
@@ -99,7 +99,7 @@ impl Obstacle {
         }
     }
 
-    /// A point inside the outline, to put a label on.
+    /// A point inside the outline, used to place a label.
     pub fn middle(&self) -> Point {
         match &self.solid {
             Solid::Box { center, .. } | Solid::Cylinder { center, .. } => *center,
@@ -109,7 +109,7 @@ impl Obstacle {
 }
 
 impl Solid {
-    /// The shape around its middle; `None` where parry cannot make one of so extreme proportions.
+    /// The shape around its centre; `None` if its proportions are too extreme for parry.
     fn shape(&self, height: f64) -> Option<SharedShape> {
         let half_height = height / 2.0;
         match self {
@@ -147,7 +147,7 @@ fn centroid(corners: &[Point]) -> Point {
     Point::from(corners.iter().map(|c| c.coords).sum::<crate::geometry::Vector>() / corners.len() as f64)
 }
 
-/// Checks of single numbers, which name the place where they fail.
+/// Checks of single numbers. Errors name the place.
 pub(super) struct Check<'a> {
     pub place: &'a Place,
 }
@@ -161,14 +161,14 @@ impl Check<'_> {
     }
 
     pub fn size(&self, field: &str, value: f64) -> Result<f64, WorldError> {
-        let good = (SMALLEST..=FARTHEST).contains(&value);
+        let good = (SMALLEST_LENGTH_M..=LARGEST_COORDINATE_M).contains(&value);
         self.number(field, value, good, "a length from 0.001 to 10000 (metres)")
     }
 
     pub fn point(&self, field: &str, [x, y]: [f64; 2]) -> Result<Point, WorldError> {
         let expected = "a coordinate from -10000 to 10000 (metres)";
-        self.number(&format!("{field}[0]"), x, x.abs() <= FARTHEST, expected)?;
-        self.number(&format!("{field}[1]"), y, y.abs() <= FARTHEST, expected)?;
+        self.number(&format!("{field}[0]"), x, x.abs() <= LARGEST_COORDINATE_M, expected)?;
+        self.number(&format!("{field}[1]"), y, y.abs() <= LARGEST_COORDINATE_M, expected)?;
         Ok(Point::new(x, y))
     }
 
@@ -198,7 +198,10 @@ impl Check<'_> {
             // a star turns left at every corner too, but more than once around
             turned += math::atan2(turn, before.dot(&after));
             let once_around = turned < std::f64::consts::TAU + 1e-6;
-            if turn <= 1e-9 * before.norm() * after.norm() || before.norm() < SMALLEST || !once_around {
+            if turn <= 1e-9 * before.norm() * after.norm()
+                || before.norm() < SMALLEST_LENGTH_M
+                || !once_around
+            {
                 return Err(WorldError::NotConvex {
                     place: self.place.clone(),
                     corner: i + 1,

@@ -1,36 +1,39 @@
-//! Gaps between obstacles: their width and place, measured with parry, and which of them are openings.
+//! Gaps between obstacles, measured with parry, and the openings among them.
 //!
-//! An opening is a place where free space is narrowest across: the middle of its gap has the gap's two ends for the nearest points of all
-//! obstacles. So it does not matter of how many obstacles a wall is made: where several touch or overlap, only the outline of them all counts.
+//! An opening is a local constriction of free space: of all obstacle points, the two ends of its gap are the
+//! nearest to its middle. The number of obstacles in a wall therefore does not matter. Where several touch or
+//! overlap, only their common outline counts.
 
 use super::obstacle::Obstacle;
 use crate::geometry::{Footprint, Point, Vector, left_of};
 use parry3d::query::{ClosestPoints, closest_points};
 
-/// An opening wider than this many robot widths is free passage (Sec. III-A, footnote 1).
+/// The width in robot widths above which an opening is free passage (Sec. III-A, footnote 1).
 pub const FREE_PASSAGE: f64 = 5.0;
 
-/// Outline parts within this distance (m) of the closest ones count as closest too: parallel faces. Obstacles this near to each other touch.
-const PARALLEL: f64 = 1e-6;
-/// A gap is measured to this (m): no wider than the robot by more, it is impassable.
-const MEASURED: f64 = 1e-6;
-/// Directions that differ by no more than this (rad) are measured as one.
-const SAME_DIRECTION: f64 = 1e-3;
-/// Gaps whose ends differ by no more than this (m) are one gap, measured between other parts of the same walls: closest points of cylinders are
-/// off by up to 2e-4 m along the outline.
-const SAME_GAP: f64 = 3e-4;
+/// Outline parts within this distance (m) of the closest ones count as closest too: parallel faces. Obstacles
+/// this close to each other touch.
+const PARALLEL_TOLERANCE_M: f64 = 1e-6;
+/// Accuracy of a gap's width, m. A gap wider than the robot by no more than this is impassable.
+const WIDTH_TOLERANCE_M: f64 = 1e-6;
+/// Directions that differ by no more than this (rad) count as equal.
+const SAME_DIRECTION_RAD: f64 = 1e-3;
+/// Gaps whose ends differ by no more than this (m) are one gap, measured between different parts of the same
+/// walls. Closest points of cylinders are off by up to 2e-4 m along the outline.
+const SAME_GAP_M: f64 = 3e-4;
 
 /// A passage between two obstacles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opening {
     /// Name, unique in its world.
     pub name: String,
-    /// The two obstacles, as indices into the world's obstacles. Where several that touch make a side, one of them.
+    /// The two obstacles, as indices into the world's obstacles. Where several touching obstacles form a
+    /// side, one of them.
     pub between: [usize; 2],
-    /// The gap: from the outline of the first obstacle to that of the second. Where faces are parallel, in their middle; a face goes on over
-    /// obstacles that touch and are flush with it.
+    /// The end points of the gap: on the outline of the first obstacle and on that of the second. Between
+    /// parallel faces the gap is at their middle. A face includes touching obstacles that are flush with it.
     pub ends: [Point; 2],
-    /// Width w, m: the distance of the two obstacles.
+    /// Width w, m: the distance between the two obstacles.
     pub width: f64,
 }
 
@@ -45,17 +48,17 @@ impl Opening {
         left_of((self.ends[1] - self.ends[0]) / self.width)
     }
 
-    /// Whether the robot fits through: it is wider than d_r.
+    /// Whether the robot fits through: the gap is wider than d_r.
     pub(super) fn is_passable(&self, robot_width: f64) -> bool {
-        self.width > robot_width + MEASURED
+        self.width > robot_width + WIDTH_TOLERANCE_M
     }
 
-    /// Whether it is the same gap as another one, from whichever side.
+    /// Whether it is the same gap as another one, in either direction.
     fn is_same(&self, other: &Self) -> bool {
         let [a, b] = other.ends;
         [[a, b], [b, a]]
             .iter()
-            .any(|ends| ends.iter().zip(&self.ends).all(|(p, q)| (p - q).norm() <= 3.0 * SAME_GAP))
+            .any(|ends| ends.iter().zip(&self.ends).all(|(p, q)| (p - q).norm() <= 3.0 * SAME_GAP_M))
     }
 
     /// The risk S_xi = d_r / w of passing (Sec. III-A): 0 where w > 5 d_r, 1 where w <= d_r.
@@ -64,9 +67,10 @@ impl Opening {
     }
 }
 
-/// The gap between two obstacles, without a name yet; `None` where they touch.
+/// The unnamed gap between two obstacles; `None` where they touch.
 ///
-/// The width and the direction come from parry's closest points of the two solids. Both stand on the floor, so these lie at one height.
+/// The width and the direction come from parry's closest points of the two solids. Both stand on the floor,
+/// so these points are at the same height.
 pub(super) fn measure(obstacles: &[Obstacle], between: [usize; 2]) -> Option<Opening> {
     let [first, second] = between.map(|i| &obstacles[i]);
     let ((pose1, shape1), (pose2, shape2)) = (first.solid(), second.solid());
@@ -76,7 +80,7 @@ pub(super) fn measure(obstacles: &[Obstacle], between: [usize; 2]) -> Option<Ope
     };
     let (p1, p2) = (Point::new(p1.x, p1.y), Point::new(p2.x, p2.y));
     let width = (p2 - p1).norm();
-    if width < PARALLEL {
+    if width < PARALLEL_TOLERANCE_M {
         return None;
     }
     let toward = across([&first.footprint, &second.footprint], (p2 - p1) / width, width);
@@ -90,8 +94,9 @@ pub(super) fn measure(obstacles: &[Obstacle], between: [usize; 2]) -> Option<Ope
     Some(Opening { name: String::new(), between, ends, width })
 }
 
-/// The direction of a gap of this `width` (m) from the first to the second of two outlines, measured as `toward`: where it is perpendicular to a side of
-/// either up to what is measured, exactly so.
+/// The direction of a gap of this `width` (m) from the first to the second of two outlines, measured as
+/// `toward`. A direction that is perpendicular to a side within the accuracy of the measurement is made
+/// exactly perpendicular.
 fn across([first, second]: [&Footprint; 2], toward: Vector, width: f64) -> Vector {
     let sides = [(first, 1.0), (second, -1.0)].into_iter().flat_map(|(outline, sign)| {
         let corners: &[Point] = match outline {
@@ -103,7 +108,7 @@ fn across([first, second]: [&Footprint; 2], toward: Vector, width: f64) -> Vecto
     });
     let is_across = |normal: &Vector| {
         let gap = -second.reach(-normal) - first.reach(*normal);
-        (normal - toward).norm() <= SAME_DIRECTION && (gap - width).abs() <= MEASURED
+        (normal - toward).norm() <= SAME_DIRECTION_RAD && (gap - width).abs() <= WIDTH_TOLERANCE_M
     };
     sides
         .filter(is_across)
@@ -111,20 +116,21 @@ fn across([first, second]: [&Footprint; 2], toward: Vector, width: f64) -> Vecto
         .unwrap_or(toward)
 }
 
-/// The face of an outline that lies farthest along the unit vector `toward`, with those of the obstacles that touch it and are flush with it: its
-/// interval on the axis to the left of `toward`, m from the world's origin.
+/// The face of an outline that lies farthest along the unit vector `toward`, extended by the obstacles that
+/// touch it and are flush with it. Returned as an interval on the axis to the left of `toward`, m from the
+/// world's origin.
 fn face(obstacles: &[Obstacle], outline: &Footprint, toward: Vector) -> [f64; 2] {
     let reach = outline.reach(toward);
     let mut flush: Vec<[f64; 2]> = obstacles
         .iter()
-        .filter(|o| (o.footprint.reach(toward) - reach).abs() <= PARALLEL)
-        .map(|o| o.footprint.farthest_part(toward, PARALLEL))
+        .filter(|o| (o.footprint.reach(toward) - reach).abs() <= PARALLEL_TOLERANCE_M)
+        .map(|o| o.footprint.farthest_part(toward, PARALLEL_TOLERANCE_M))
         .collect();
-    let mut face = outline.farthest_part(toward, PARALLEL);
+    let mut face = outline.farthest_part(toward, PARALLEL_TOLERANCE_M);
     loop {
         let before = flush.len();
         flush.retain(|[low, high]| {
-            let is_apart = *low > face[1] + PARALLEL || *high < face[0] - PARALLEL;
+            let is_apart = *low > face[1] + PARALLEL_TOLERANCE_M || *high < face[0] - PARALLEL_TOLERANCE_M;
             if !is_apart {
                 face = [face[0].min(*low), face[1].max(*high)];
             }
@@ -136,25 +142,28 @@ fn face(obstacles: &[Obstacle], outline: &Footprint, toward: Vector) -> [f64; 2]
     }
 }
 
-/// The third obstacle nearest to the middle of a gap, if it is nearer than the gap's own two: then the constriction is elsewhere. One whose
-/// nearest point is an end of the gap is part of that side. Returns its index and distance (m).
+/// The third obstacle nearest to the middle of a gap, if it is nearer than the gap's own two: the
+/// constriction is then elsewhere. An obstacle whose nearest point is an end of the gap is part of that side.
+/// Returns its index and distance (m).
 pub(super) fn obstructed(obstacles: &[Obstacle], gap: &Opening) -> Option<(usize, f64)> {
     let center = gap.center();
     let is_part_of_a_side = |o: &Obstacle| {
         let (distance, away) = o.footprint.separation(center);
         let nearest = center - away * distance;
-        gap.ends.iter().any(|end| (nearest - end).norm() <= SAME_GAP)
+        gap.ends.iter().any(|end| (nearest - end).norm() <= SAME_GAP_M)
     };
     obstacles
         .iter()
         .enumerate()
         .filter(|(i, _)| !gap.between.contains(i))
         .map(|(i, o)| (i, o.footprint.distance_to_point(center)))
-        .filter(|&(i, distance)| distance <= gap.width / 2.0 + PARALLEL && !is_part_of_a_side(&obstacles[i]))
+        .filter(|&(i, distance)| {
+            distance <= gap.width / 2.0 + PARALLEL_TOLERANCE_M && !is_part_of_a_side(&obstacles[i])
+        })
         .min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The gaps of at most `widest` (m), in the order of their obstacles.
+/// The gaps no wider than `widest` (m), in the order of their obstacles.
 fn gaps(obstacles: &[Obstacle], widest: f64) -> impl Iterator<Item = Opening> + '_ {
     let bounds: Vec<_> = obstacles.iter().map(|o| o.footprint.bounds()).collect();
     (0..obstacles.len())
@@ -182,13 +191,14 @@ pub(super) fn detect(obstacles: &[Obstacle], robot_width: f64) -> Vec<Opening> {
     openings
 }
 
-/// The gaps that the robot does not fit through.
+/// The gaps that are too narrow for the robot.
 pub(super) fn impassable(obstacles: &[Obstacle], robot_width: f64) -> Vec<Opening> {
-    gaps(obstacles, robot_width + MEASURED).collect()
+    gaps(obstacles, robot_width + WIDTH_TOLERANCE_M).collect()
 }
 
-/// Of them, those as wide as the robot, from end to end: impassable, though a path through the middle would keep half of d_r off either side.
+/// The end points of the gaps that are exactly as wide as the robot. They are impassable, although a path
+/// through the middle would keep d_r / 2 from either side.
 pub(super) fn exactly_closed(obstacles: &[Obstacle], robot_width: f64) -> Vec<[Point; 2]> {
     let gaps = impassable(obstacles, robot_width).into_iter();
-    gaps.filter(|gap| gap.width >= robot_width - MEASURED).map(|gap| gap.ends).collect()
+    gaps.filter(|gap| gap.width >= robot_width - WIDTH_TOLERANCE_M).map(|gap| gap.ends).collect()
 }
