@@ -1,35 +1,38 @@
-//! The cheapest sequences of openings from the start to the target that enter no region twice.
+//! Enumeration of options: the cheapest sequences of openings from the start to the target that enter no
+//! region twice.
 
 use super::{Crossing, OptionSet, START, TARGET, before, beyond, site};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Partial sequences looked at before the search gives up and says that it is cut.
-const MOST_LOOKED_AT: usize = 200_000;
+/// The number of partial sequences after which the search stops and reports that it is cut.
+const MOST_EXPANDED: usize = 200_000;
 
-/// What the search found.
+/// The result of the search.
 pub(super) struct Found {
     pub options: Vec<Vec<Crossing>>,
-    /// Whether there are more.
+    /// Whether more options exist.
     pub is_cut: bool,
 }
 
-/// A sequence under way, ordered by a lower bound of the cost of whatever it leads to.
+/// A partial sequence, ordered by a lower bound of the cost of its completions.
 struct Partial {
     bound: f64,
-    /// Length walked, m, and chance of having passed unharmed.
+    /// Length walked, m, and probability of safe passage so far.
     length: f64,
     safe: f64,
     crossings: Vec<Crossing>,
     arrived: bool,
 }
 
-/// Lower bounds are taken this much (m) lower, so that rounding does not put them above what they bound.
-const ROUNDING: f64 = 1e-9;
+/// Margin (m) subtracted from lower bounds, so that rounding does not lift them above the costs that they
+/// bound.
+const BOUND_ROUNDING_M: f64 = 1e-9;
 
-/// The `limit` cheapest options by D_o + c_r S_o, cheapest first: best-first search over regions from which the target can still be reached,
-/// bounded from below by the shortest and the safest way on from each passage (regions entered twice allowed). A search that has looked at too
-/// much gives up; if nothing was found until then, it takes the way that its bounds lead to at once.
+/// The `limit` cheapest options by D_o + c_r S_o, cheapest first. The search is best-first over regions from
+/// which the target can still be reached. Its lower bounds are the shortest and the safest path onward from
+/// each passage, with regions entered twice allowed. The search stops after [`MOST_EXPANDED`] partial
+/// sequences. If it has found no option by then, it takes the path of its bounds.
 pub(super) fn cheapest(set: &OptionSet, limit: usize, risk_weight: f64) -> Found {
     let search = Search::new(set, risk_weight);
     let mut queue = BinaryHeap::new();
@@ -38,7 +41,7 @@ pub(super) fn cheapest(set: &OptionSet, limit: usize, risk_weight: f64) -> Found
     let mut looked_at = 0;
     while let Some(partial) = queue.pop() {
         looked_at += 1;
-        let gives_up = looked_at > MOST_LOOKED_AT;
+        let gives_up = looked_at > MOST_EXPANDED;
         if found.options.len() == limit && partial.arrived || gives_up && !found.options.is_empty() {
             found.is_cut = true;
             break;
@@ -55,15 +58,16 @@ pub(super) fn cheapest(set: &OptionSet, limit: usize, risk_weight: f64) -> Found
     found
 }
 
-/// The regions and passages as the search sees them.
+/// The search's view of regions and passages.
 struct Search<'a> {
     set: &'a OptionSet,
     risk_weight: f64,
-    /// The number of every site's region, from 0 on.
+    /// The region of every site, numbered from 0.
     regions: Vec<usize>,
-    /// The crossings that lead out of each region into another one.
+    /// The crossings that lead from each region into another one.
     out: Vec<Vec<Crossing>>,
-    /// From every site to the target through any passages: the shortest way, m, and the best chance to pass unharmed.
+    /// From every site to the target through any passages: length of the shortest path, m, and largest
+    /// probability of safe passage.
     shortest: Vec<f64>,
     safest: Vec<f64>,
 }
@@ -86,7 +90,7 @@ impl<'a> Search<'a> {
             }
         }
         let length = |from: usize, to: usize| set.stages.between(from, to).length();
-        // the inverse of the chance to pass unharmed
+        // the inverse of the probability of safe passage
         let danger = |from: usize, to: usize| match to {
             _ if regions[from] != regions[to] => f64::INFINITY,
             TARGET => 1.0,
@@ -97,7 +101,7 @@ impl<'a> Search<'a> {
         Self { set, risk_weight, regions, out, shortest, safest }
     }
 
-    /// The sequences that go on from this one by a crossing, or to the target.
+    /// The extensions of a sequence by one crossing or by the target.
     fn onward(&self, partial: &Partial) -> Vec<Partial> {
         let set = self.set;
         let leave = partial.crossings.last().map_or(START, |&c| beyond(c));
@@ -115,7 +119,7 @@ impl<'a> Search<'a> {
             let safe = partial.safe * (1.0 - set.passages[crossing.opening].risk);
             let bound = length + self.shortest[exit] + self.risk_weight * (1.0 - safe * self.safest[exit]);
             let crossings = partial.crossings.iter().copied().chain([*crossing]).collect();
-            Partial { bound: bound - ROUNDING, length, safe, crossings, arrived: false }
+            Partial { bound: bound - BOUND_ROUNDING_M, length, safe, crossings, arrived: false }
         };
         self.out[self.regions[leave]]
             .iter()
@@ -130,7 +134,8 @@ impl<'a> Search<'a> {
         self.regions[beyond(crossing)]
     }
 
-    /// For every region, whether the target can be reached from it without a region that the sequence has entered, of which `here` is the last.
+    /// For every region, whether the target can be reached from it through regions that the sequence has not
+    /// entered. `here` is the last region entered.
     fn leads_on(&self, partial: &Partial, here: usize) -> Vec<bool> {
         let target = self.regions[TARGET];
         let mut closed = vec![false; self.out.len()];
@@ -153,9 +158,10 @@ impl<'a> Search<'a> {
     }
 }
 
-/// What the best way to the target costs from the start and from the gap of every crossing, by the site beyond it; any passages may be used,
-/// regions entered twice. Dijkstra's algorithm over all pairs: `cost` of the way from such a place to another site, costs of ways put together
-/// by `join`, beginning with `none`.
+/// The least cost of a path to the target from the start and from the gap of every crossing, indexed by the
+/// site beyond it. Any passages may be used and regions entered twice. Dijkstra's algorithm over all pairs:
+/// `cost` is the cost from such a place to another site, `join` combines the costs of consecutive paths, and
+/// `none` is the cost of an empty path.
 fn least_onward(
     sites: usize,
     none: f64,
@@ -170,7 +176,7 @@ fn least_onward(
     };
     while let Some(place) = nearest(&least, &is_done).filter(|&s| least[s].is_finite()) {
         is_done[place] = true;
-        // a gap is entered on its other side
+        // a gap is entered from its other side
         let to = if place == TARGET { TARGET } else { place ^ 1 };
         for from in (0..sites).filter(|&from| place != START && from != TARGET) {
             least[from] = least[from].min(join(cost(from, to), least[place]));
@@ -180,7 +186,8 @@ fn least_onward(
 }
 
 impl Ord for Partial {
-    /// The heap's greatest is the cheapest; equal costs go to the shorter sequence, then to lower openings.
+    /// The heap's greatest element is the cheapest. Equal costs go to the shorter sequence, then to lower
+    /// openings.
     fn cmp(&self, other: &Self) -> Ordering {
         let key = |p: &Self| p.crossings.iter().map(|c| (c.opening, c.into)).collect::<Vec<_>>();
         other

@@ -1,11 +1,11 @@
-//! What can be wrong with the ways through a world.
+//! Errors in the options of a world.
 
 use thiserror::Error;
 
-/// Why no options could be made of a world.
+/// The reason why a world has no options.
 #[derive(Debug, Error)]
 pub enum OptionError {
-    /// No way leads from the start to the target.
+    /// No path leads from the start to the target.
     #[error("{file}: the target ({tx}, {ty}) cannot be reached from the start ({sx}, {sy}): {reason}")]
     Unreachable {
         /// The world file.
@@ -18,7 +18,7 @@ pub enum OptionError {
         tx: f64,
         /// Target y, m.
         ty: f64,
-        /// What closes the way.
+        /// What blocks the path.
         reason: Blockage,
     },
     /// A listed option is not walkable.
@@ -41,12 +41,12 @@ pub enum OptionError {
     },
 }
 
-/// What closes the way to a target.
+/// What blocks every path to a target.
 #[derive(Debug, PartialEq)]
 pub enum Blockage {
-    /// No gap leads out at all.
+    /// No gap leads to the target.
     Walled,
-    /// There are gaps, but none is wide enough; this is the widest.
+    /// All gaps are too narrow; this is the widest.
     Gap {
         /// One obstacle.
         first: String,

@@ -1,9 +1,9 @@
-//! The path options of a [`World`], each with the length D_o and risk S_o of what is left of it from where
-//! the team is.
+//! The path options of a [`World`], each with the length D_o and the risk S_o of its remaining path from the
+//! team's position.
 //!
-//! Free space is cut along the openings into regions; an option is a sequence of openings, walked straight through their middles, with shortest
-//! collision-free paths between. A tick costs one short query per option: only the first leg depends on where the team is, the rest is
-//! tabulated.
+//! The openings cut free space into regions. An option is a sequence of openings, crossed straight through
+//! their middles and connected by shortest collision-free paths. A tick costs one short query per option:
+//! only the first leg depends on the team's position, the rest is tabulated.
 
 mod enumerate;
 mod error;
@@ -26,11 +26,11 @@ use roadmap::{Roadmap, Space, Straight};
 use serde::{Deserialize, Serialize};
 use stage::Stages;
 
-/// How far the team walks straight before and after an opening, m: human, object and robot in tandem are about 2.5 m long and must be
-/// straight when they enter.
+/// The length of the straight path before and after an opening, m. Human, object and robot in tandem are
+/// about 2.5 m long and must be aligned when they enter.
 pub const ALIGNMENT: f64 = 1.0;
 
-/// The sites of the roadmap: the start, the target, then both straight parts of every passage.
+/// The sites of the roadmap are the start, the target, then both straight parts of every passage.
 const START: usize = 0;
 const TARGET: usize = 1;
 
@@ -38,17 +38,17 @@ fn site(opening: usize, side: usize) -> usize {
     2 + 2 * opening + side
 }
 
-/// The site that a way to a crossing leads to.
+/// The site at which a path to a crossing ends.
 fn before(crossing: Crossing) -> usize {
     site(crossing.opening, 1 - crossing.into)
 }
 
-/// The site that a way from a crossing begins at.
+/// The site at which a path from a crossing begins.
 fn beyond(crossing: Crossing) -> usize {
     site(crossing.opening, crossing.into)
 }
 
-/// The options of a world, and everything needed to evaluate them from anywhere.
+/// The options of a world, ready to be evaluated from any position.
 #[derive(Clone, Debug)]
 pub struct OptionSet {
     roadmap: Roadmap,
@@ -61,52 +61,53 @@ pub struct OptionSet {
     target: Point,
 }
 
-/// One way from the start to the target: openings in the order of travel.
+/// One option from the start to the target: openings in the order of travel.
 #[derive(Clone, Debug)]
 pub struct PathOption {
     /// Name, unique in its world.
     pub name: String,
     /// The openings in the order of travel, with the direction of each.
     pub crossings: Vec<Crossing>,
-    /// The region before each crossing, and the last one.
+    /// The region before each crossing, and the region after the last one.
     regions: Vec<usize>,
-    /// What is left from each crossing's gap on.
+    /// The remainder of the option from each crossing's gap on.
     after: Vec<After>,
-    /// S_o over the crossings from each place on; 0 after the last.
+    /// S_o over the crossings from each index on; 0 after the last.
     risk_left: Vec<f64>,
 }
 
-/// What is left of an option from a gap on.
+/// The remainder of an option from a gap on.
 #[derive(Clone, Copy, Debug)]
 struct After {
-    /// Straight on to where the way leaves the axis, m.
+    /// Length along the axis to where the path leaves it, m.
     exit: f64,
-    /// From there to the target, m.
+    /// Length from there to the target, m.
     length: f64,
 }
 
-/// What is left of an option from where the team is.
+/// The remainder of an option from the team's position.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Remaining {
-    /// D_o, m. Infinite where there is no way.
+    /// D_o, m. Infinite where there is no path.
     pub length: f64,
     /// S_o = 1 - prod (1 - S_xi) over the openings ahead (Sec. III-A).
     pub risk: f64,
-    /// What the team walks toward next.
+    /// The next waypoint.
     pub next: Waypoint,
 }
 
-/// The next thing on an option's way.
+/// The next opening on an option, or the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Waypoint {
-    /// An opening, walked in one direction.
+    /// An opening, crossed in one direction.
     Opening(Crossing),
     /// The target.
     Target,
 }
 
 impl OptionSet {
-    /// The options that the world lists, or else the cheapest by D_o + c_r S_o (eq. 1) up to the world's limit, with `risk_weight` c_r (m).
+    /// The options that the world lists; if it lists none, the cheapest by D_o + c_r S_o (eq. 1) up to the
+    /// world's limit, with `risk_weight` c_r (m).
     ///
     /// # Errors
     /// [`OptionError`]: the target cannot be reached, or a listed option cannot be walked.
@@ -165,14 +166,15 @@ impl OptionSet {
         self.options.iter().flat_map(|o| &o.crossings).any(|c| c.opening == opening)
     }
 
-    /// Whether the two sides of an opening (an index into the world's) are one region: there is a way around it through no other opening, so
-    /// that enumerated options, which enter no region twice, do not go through it.
+    /// Whether both sides of an opening (an index into the world's) are the same region. A path then leads
+    /// around the opening through no other one. Enumerated options enter no region twice, so none uses this
+    /// opening.
     pub fn leads_nowhere_new(&self, opening: usize) -> bool {
         let crossing = Crossing { opening, into: 0 };
         self.region_before(crossing) == self.region_after(crossing)
     }
 
-    /// Where the target lies.
+    /// Position of the target.
     pub fn target(&self) -> Point {
         self.target
     }
@@ -182,7 +184,8 @@ impl OptionSet {
         self.roadmap.crosses_barrier(from, to)
     }
 
-    /// The crossing that a straight step from one point to another makes; of several, that of the first opening.
+    /// The crossing that a straight step from one point to another makes; of several, that of the first
+    /// opening along the step.
     pub fn crossing(&self, from: Point, to: Point) -> Option<Crossing> {
         let crossed =
             |(opening, p): (usize, &Passage)| p.crossed(from, to).map(|(_, into)| Crossing { opening, into });
@@ -194,20 +197,20 @@ impl OptionSet {
         Progress::new(self.start, self.options.len())
     }
 
-    /// Whether this is the progress of a team on these options: one that was read from a file may not be.
+    /// Whether a progress fits these options. One read from a file may not.
     pub fn knows(&self, progress: &Progress) -> bool {
         progress.is_among(&self.passages, &self.options)
     }
 
-    /// Moves the team in a straight step to `to`, and keeps book of the openings that it goes through.
+    /// Moves the team in a straight step to `to` and records the openings that it crosses.
     pub fn advance(&self, progress: &mut Progress, to: Point) {
         progress.advance(to, &self.passages, &self.options, |c| self.region_after(c));
     }
 
-    /// D_o, S_o and the next waypoint of an option (as an index) from where the team is.
+    /// D_o, S_o and the next waypoint of an option (an index) from the team's position.
     ///
-    /// An opening is behind the team once the team is out of its straight part; until then the way goes on to the end of that part, at the
-    /// opening's risk.
+    /// An opening counts as passed once the team leaves its straight part. Until then the path continues to
+    /// the end of that part, at the opening's risk.
     pub fn remaining(&self, progress: &Progress, option: usize) -> Remaining {
         let next = self.next(progress, option);
         let (rest, exit) = self.exit(progress, option);
@@ -222,8 +225,9 @@ impl OptionSet {
         Remaining { length, risk: self.risk_with(risk, crossing), next }
     }
 
-    /// What an option leads to next from where the team is. It depends on what is ahead only, not on the openings that the option lists behind
-    /// the team: between a gap and the end of its straight part that is the opening under way, or the way back through it.
+    /// The next waypoint of an option from the team's position. It depends only on the remaining path, not on
+    /// the openings that the option lists behind the team. Between a gap and the end of its straight part, it
+    /// is the opening being crossed, or the same opening crossed back.
     pub fn next(&self, progress: &Progress, option: usize) -> Waypoint {
         let (rest, exit) = self.exit(progress, option);
         let ahead = rest.ahead(&self.options[option]).next();
@@ -233,14 +237,15 @@ impl OptionSet {
         }
     }
 
-    /// The path that is left of an option from where the team is; its length is [`Remaining::length`]. `None` where there is no way.
+    /// The remaining path of an option from the team's position. Its length is [`Remaining::length`]. `None`
+    /// where there is no path.
     pub fn path(&self, progress: &Progress, option: usize) -> Option<Path> {
         let mut path = Path::default();
         self.write_path(progress, option, &mut path).then_some(path)
     }
 
-    /// [`OptionSet::path`] into a path that is there already, without allocating once it is long enough. False, with the path cut short, where
-    /// there is no way.
+    /// [`OptionSet::path`] written into an existing path, without allocation once that has enough capacity.
+    /// Returns false, with the path cut short, where there is no path.
     pub fn write_path(&self, progress: &Progress, option: usize, path: &mut Path) -> bool {
         path.clear();
         let mut at = progress.position;
@@ -261,7 +266,8 @@ impl OptionSet {
         self.roadmap.extend(path, at, TARGET).is_some()
     }
 
-    /// What is left of an option once the team is out of the straight part that it is in, and where it leaves that.
+    /// The remainder of an option once the team has left its present straight part, and the point where it
+    /// leaves.
     fn exit<'a>(&self, progress: &'a Progress, option: usize) -> (&'a Rest, Option<Exit>) {
         let Some(crossing) = progress.inside else { return (&progress.rests[option], None) };
         let rest = &progress.rests_outside[option];
@@ -270,7 +276,7 @@ impl OptionSet {
         (rest, self.passages[crossing.opening].exit(progress.position, crossing.into, reach))
     }
 
-    /// Length from a point that is in no straight part beyond a gap to the target.
+    /// Length of the path to the target from a point that is in no straight part beyond a gap.
     fn length_from(&self, p: Point, rest: &Rest, option: usize) -> f64 {
         match rest.ahead(&self.options[option]).next() {
             None => self.roadmap.leg(p, TARGET).length,
@@ -281,14 +287,14 @@ impl OptionSet {
         }
     }
 
-    /// Length from where the way leaves the straight part beyond `crossing` to the target.
+    /// Length of the path to the target from where it leaves the straight part beyond `crossing`.
     fn length_beyond(&self, crossing: Crossing, rest: &Rest, option: usize) -> f64 {
         let next = rest.ahead(&self.options[option]).next();
         let after = next.map(|_| self.after(rest, option));
         self.stages.after(beyond(crossing), next.zip(after)).length
     }
 
-    /// What is left from the gap of the first crossing ahead on; there is one.
+    /// The remainder from the gap of the first crossing ahead, which must exist.
     fn after(&self, rest: &Rest, option: usize) -> After {
         let option = &self.options[option];
         let place = rest.place;
@@ -330,7 +336,8 @@ impl OptionSet {
         PathOption { name, crossings, regions, after, risk_left }
     }
 
-    /// The direction of every crossing of a listed option: of the directions that can be walked, those that make it shortest.
+    /// The direction of every crossing of a listed option: of the walkable directions, those that give the
+    /// shortest path.
     fn directed(&self, world: &World, listed: &ListedOption) -> Result<Vec<Crossing>, OptionError> {
         // for either direction of the last crossing: length so far and the crossings that lead there
         let mut ways: Vec<(f64, Vec<Crossing>)> = vec![(0.0, Vec::new())];

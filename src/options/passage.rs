@@ -1,56 +1,56 @@
-//! An opening as it is walked: straight through its middle.
+//! An opening as the team crosses it: straight through its middle.
 
 use super::roadmap::{Space, Straight};
 use crate::geometry::{Point, Vector, cross};
 use crate::world::Opening;
 
-/// An opening as it is walked: straight through its middle, perpendicular to the gap.
+/// An opening as the team crosses it: straight through its middle, perpendicular to the gap.
 #[derive(Clone, Debug)]
 pub(super) struct Passage {
     pub center: Point,
     /// Unit vector from side 0 to side 1.
     pub axis: Vector,
-    /// How far the straight part reaches on either side, m.
+    /// Length of the straight part on either side, m.
     pub reach: [f64; 2],
-    /// S_xi.
+    /// The risk S_xi.
     pub risk: f64,
-    /// Half of the gap, m: a step that meets the gap's line within it goes through the opening.
+    /// Half the width of the gap, m. A step that meets the gap's line within it crosses the opening.
     half_width: f64,
 }
 
-/// A passage walked in one direction.
+/// A passage crossed in one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Crossing {
     /// The opening, as an index into the world's openings.
     pub opening: usize,
-    /// The side that it leads to, 0 or 1: see [`Opening::axis`].
+    /// The side that the crossing leads to, 0 or 1: see [`Opening::axis`].
     pub into: usize,
 }
 
 impl Crossing {
-    /// The same opening, walked the other way.
+    /// The same opening, crossed in the other direction.
     pub fn back(self) -> Self {
         Self { opening: self.opening, into: 1 - self.into }
     }
 }
 
-/// By how much (m) the straight part ahead of a team beyond the gap gets shorter for every metre that the team is off the axis: it narrows to a
-/// point, so that the way through it and the way past it are the same where the team leaves it.
+/// The length (m) by which the straight part beyond the gap shortens for every metre that the team is off the
+/// axis. The part thus narrows to a point, where the path through it and the path past it coincide.
 const NARROWING: f64 = 2.0;
-/// Within this (m) of the axis, the team is on it up to rounding.
-const ON_AXIS: f64 = 1e-6;
+/// The distance (m) from the axis within which the team is on it up to rounding.
+const ON_AXIS_M: f64 = 1e-6;
 
-/// What is ahead of a team beyond the gap.
+/// The path ahead of a team beyond the gap.
 pub(super) enum Exit {
-    /// The axis, to the end of the straight part.
+    /// Along the axis to the end of the straight part.
     Axis(Point),
-    /// From off the axis, this point.
+    /// From off the axis to this point.
     Beside(Point),
 }
 
 impl Passage {
-    /// The passage through `opening`, straight for up to `alignment` (m) on either side, less where an obstacle or another opening leaves
-    /// less.
+    /// The passage through `opening`, straight for up to `alignment` (m) on either side, or less if an
+    /// obstacle or another opening is closer.
     pub fn new(
         opening: &Opening,
         others: &[[Point; 2]],
@@ -63,7 +63,7 @@ impl Passage {
             let free = others
                 .iter()
                 .filter_map(|gap| meets(center, outward, *gap))
-                // two openings that face each other share the way between them
+                // two openings that face each other share the distance between them
                 .map(|distance| distance / 2.0)
                 .fold(alignment, f64::min);
             longest_clear(center, outward, free, space)
@@ -71,13 +71,13 @@ impl Passage {
         Self { center, axis, reach, risk: opening.risk(robot_width), half_width: opening.width / 2.0 }
     }
 
-    /// The straight part on a side of this passage, which is that of the opening with index `opening`.
+    /// The straight part on one side of this passage; `opening` is the index of its opening.
     pub fn straight(&self, opening: usize, side: usize) -> Straight {
         let (center, outward, reach) = (self.center, self.outward(side), self.reach[side]);
         Straight { center, outward, reach, barrier: Some(opening) }
     }
 
-    /// The point of the axis at a distance (m) from the gap on a side.
+    /// The point of the axis at a distance (m) from the gap on one side.
     pub fn at(&self, side: usize, depth: f64) -> Point {
         self.center + self.outward(side) * depth
     }
@@ -87,28 +87,30 @@ impl Passage {
         (p - self.center).dot(&self.outward(side))
     }
 
-    /// Whether a team at `p` that came through the gap to a side is still in the straight part there.
+    /// Whether a team at `p` that crossed the gap to a side is still in the straight part there.
     pub fn keeps(&self, p: Point, side: usize) -> bool {
         let depth = self.depth(p, side);
         depth >= 0.0 && depth < self.reach[side] - NARROWING * self.off_axis(p)
     }
 
-    /// Where a team at `p`, in the straight part on a side, leaves it, if that is `reach` (m) from the gap on the axis; `None` if it is out.
+    /// Where a team at `p`, in the straight part on one side, leaves it if that part reaches `reach` (m) from
+    /// the gap along the axis; `None` if the team is out of it.
     pub fn exit(&self, p: Point, side: usize, reach: f64) -> Option<Exit> {
         let (depth, beside) = (self.depth(p, side), self.off_axis(p));
         let left = reach - NARROWING * beside - depth;
-        if left <= 2.0 * NARROWING * ON_AXIS {
+        if left <= 2.0 * NARROWING * ON_AXIS_M {
             return None;
         }
-        if beside <= ON_AXIS {
+        if beside <= ON_AXIS_M {
             return Some(Exit::Axis(self.at(side, reach)));
         }
-        // toward the axis, by as much as is left of the part that is narrower here
+        // toward the axis, by the remaining length of the part, which is narrower here
         let toward_axis = self.at(side, depth) - p;
         Some(Exit::Beside(p + self.outward(side) * left + toward_axis * (left / (reach - depth))))
     }
 
-    /// Where on the step from `a` to `b` (0 to 1) the gap is crossed, and the side that the step leads to.
+    /// The fraction (0 to 1) of the step from `a` to `b` at which it crosses the gap, and the side that it
+    /// leads to.
     pub fn crossed(&self, a: Point, b: Point) -> Option<(f64, usize)> {
         let (before, after) = (self.depth(a, 1), self.depth(b, 1));
         let into = match (before < 0.0, after < 0.0) {
@@ -141,7 +143,7 @@ fn meets(from: Point, toward: Vector, [a, b]: [Point; 2]) -> Option<f64> {
     (distance > 0.0 && (0.0..=1.0).contains(&t)).then_some(distance)
 }
 
-/// The longest straight way (m), at most `most`, that is clear.
+/// The length (m) of the longest clear straight line, at most `most`.
 fn longest_clear(from: Point, toward: Vector, most: f64, space: &Space) -> f64 {
     let clear = |length: f64| space.is_clear_of_obstacles(from, from + toward * length);
     if clear(most) {

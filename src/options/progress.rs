@@ -1,26 +1,27 @@
-//! Where the team is on every option.
+//! The team's progress on every option.
 
 use super::PathOption;
 use super::passage::{Crossing, Passage};
 use crate::geometry::Point;
 use serde::{Deserialize, Serialize};
 
-/// Where the team is, and where that is on every option.
+/// The team's position and its progress on every option.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
     /// Position of the team, m, world frame.
     pub position: Point,
-    /// The crossing that the team is in the midst of: beyond the gap, but not out of the straight part.
+    /// The crossing in progress: the team is beyond the gap but still in the straight part.
     pub(super) inside: Option<Crossing>,
     pub(super) rests: Vec<Rest>,
-    /// What `rests` will be once the team is out of the straight part; meaningful while `inside` is set.
+    /// The value of `rests` after the team leaves the straight part; meaningful while `inside` is set.
     pub(super) rests_outside: Vec<Rest>,
 }
 
-/// What is left of one option.
+/// The remainder of one option.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Rest {
-    /// How many of the option's crossings are behind the team (or behind the point that it comes back to).
+    /// Number of the option's crossings behind the team, or behind the point where the team returns to the
+    /// option.
     pub place: usize,
     /// Crossings that lead back to the option, the first one last.
     pub back: Vec<Crossing>,
@@ -32,7 +33,7 @@ impl Rest {
         self.back.iter().rev().chain(&option.crossings[self.place..]).copied()
     }
 
-    /// Takes note that the team went through `crossing` into `region`.
+    /// Records that the team made `crossing` into `region`.
     fn cross(&mut self, option: &PathOption, crossing: Crossing, region: usize) {
         if self.back.is_empty() && option.crossings.get(self.place) == Some(&crossing) {
             self.place += 1;
@@ -47,7 +48,8 @@ impl Rest {
     }
 }
 
-/// The place at which an option visits a region: the first at or after the present place, else the last before it.
+/// The index at which an option visits a region: the first at or after the present place, else the last
+/// before it.
 fn visit(option: &PathOption, place: usize, region: usize) -> Option<usize> {
     let later = option.regions[place..].iter().position(|&r| r == region).map(|i| place + i);
     later.or_else(|| option.regions[..place].iter().rposition(|&r| r == region))
@@ -55,12 +57,13 @@ fn visit(option: &PathOption, place: usize, region: usize) -> Option<usize> {
 
 impl Progress {
     pub(super) fn new(position: Point, options: usize) -> Self {
-        // room for what may happen on the way, so that steps do not allocate; cloning a vector would not keep it
+        // capacity for what may happen on the way, so that steps do not allocate; cloning a vector would not
+        // keep it
         let rests = || (0..options).map(|_| Rest { place: 0, back: Vec::with_capacity(8) }).collect();
         Self { position, inside: None, rests_outside: rests(), rests: rests() }
     }
 
-    /// Whether this is a place among these passages and options.
+    /// Whether the progress fits these passages and options.
     pub(super) fn is_among(&self, passages: &[Passage], options: &[PathOption]) -> bool {
         let is_crossing = |c: &Crossing| c.opening < passages.len() && c.into < 2;
         let are_rests = |rests: &[Rest]| {
@@ -83,7 +86,7 @@ impl Progress {
     ) {
         let from = std::mem::replace(&mut self.position, to);
         let mut walked = -1.0;
-        // one step may go through several openings: take them in the order of the way
+        // one step may cross several openings: take them in order along the step
         while let Some((t, crossing)) = passages
             .iter()
             .enumerate()

@@ -1,11 +1,13 @@
-//! The nominal trajectory s(t) along a path at a walking speed, pose by pose.
+//! The nominal trajectory s(t): poses along a path at a walking speed.
 
 use crate::geometry::{Path, PlanarPose, wrap_angle};
 
-/// The pose at each tick of `period` (s) after now, walking `path` at `speed` (m/s) from `walked` (m) along it with heading `yaw` (rad).
+/// The pose at each future tick of `period` (s) for a walker on `path` at `speed` (m/s), from arc length
+/// `walked` (m) and heading `yaw` (rad).
 ///
-/// The position is exactly on the path; the yaw turns toward the path's tangent at no more than `yaw_rate` (rad/s), so that corners are turned
-/// at a walkable rate. At the path's end it stands still. An empty path gives nothing.
+/// The position is exactly on the path. The yaw turns toward the path's tangent at no more than `yaw_rate`
+/// (rad/s), so that corners can be walked. At the path's end the walker stands still. An empty path gives no
+/// poses.
 pub fn nominal_trajectory(
     path: &Path,
     walked: f64,
@@ -23,7 +25,7 @@ pub fn nominal_trajectory(
     })
 }
 
-/// The heading `yaw` after it has turned toward `tangent` by no more than `most`; rad.
+/// The heading `yaw` (rad) turned toward `tangent` (rad) by at most `most` (rad).
 pub fn turned(yaw: f64, tangent: f64, most: f64) -> f64 {
     wrap_angle(yaw + wrap_angle(tangent - yaw).clamp(-most, most))
 }

@@ -1,11 +1,11 @@
-//! The discs that taut strings bend around at an obstacle's corners.
+//! The discs around obstacle corners and cylinders that taut strings bend around.
 
-use super::space::SLACK;
+use super::space::CLEARANCE_TOLERANCE_M;
 use crate::geometry::{Bend, Footprint, Point, Vector, angle_of, cross, direction, left_of};
 use std::f64::consts::TAU;
 
 /// Angles closer than this are the same, rad.
-pub(super) const SAME_ANGLE: f64 = 1e-9;
+pub(super) const SAME_ANGLE_RAD: f64 = 1e-9;
 
 /// A disc that strings bend around.
 #[derive(Clone, Debug)]
@@ -13,7 +13,8 @@ pub(in crate::options) struct Disc {
     pub obstacle: usize,
     pub center: Point,
     pub radius: f64,
-    /// For a corner: the outward normals of its two sides, first the one met first counter-clockwise. A taut string touches between them.
+    /// For a corner, the outward normals of its two sides, counter-clockwise. A taut string touches between
+    /// them.
     pub between: Option<[Vector; 2]>,
 }
 
@@ -38,7 +39,7 @@ impl Disc {
         }
     }
 
-    /// Its circle, walked around counter-clockwise where `turn` is 1 and clockwise where it is -1.
+    /// Its circle, followed counter-clockwise where `turn` is 1 and clockwise where it is -1.
     pub fn bend(&self, turn: f64) -> Bend {
         Bend { center: self.center, radius: turn * self.radius }
     }
@@ -52,8 +53,8 @@ impl Disc {
     pub fn is_taut(&self, angle: f64) -> bool {
         self.between.is_none_or(|[first, last]| {
             let d = direction(angle);
-            // a string that dips by SLACK along a side meets the corner's circle this much too early
-            let early = (2.0 * SLACK / self.radius).sqrt();
+            // a string that dips by CLEARANCE_TOLERANCE_M along a side meets the corner's circle this much too early
+            let early = (2.0 * CLEARANCE_TOLERANCE_M / self.radius).sqrt();
             cross(first, d) >= -early && cross(d, last) >= -early
         })
     }
@@ -82,6 +83,6 @@ pub(super) fn arc_crosses(disc: &Disc, from_angle: f64, sweep: f64, a: Point, b:
     [(-qb - root) / qa, (-qb + root) / qa].into_iter().filter(|t| (0.0..=1.0).contains(t)).any(|t| {
         let angle = angle_of(f + d * t);
         let ahead = ((angle - from_angle) * sweep.signum()).rem_euclid(TAU);
-        ahead <= sweep.abs() + SAME_ANGLE || ahead >= TAU - SAME_ANGLE
+        ahead <= sweep.abs() + SAME_ANGLE_RAD || ahead >= TAU - SAME_ANGLE_RAD
     })
 }

@@ -1,10 +1,11 @@
-//! Shortest collision-free paths between sites, and from any point to a site. Sites are points, and the
+//! Shortest collision-free paths between sites, and from any point to a site. Sites are points and the
 //! straight parts of openings.
 //!
-//! A shortest path among obstacles with clearance r is a taut string among discs: every corner of an obstacle is a disc of radius r, every
-//! cylinder one of radius R + r, and the path is made of lines tangent to two discs and of arcs along them. The roadmap holds all such lines
-//! and arcs that keep clear of every obstacle and cross no barrier; Dijkstra's algorithm from each site gives exact distances. A query from
-//! a free point adds its own tangents only.
+//! A shortest path among obstacles with clearance r is a taut string among discs. Every corner of an obstacle
+//! is a disc of radius r and every cylinder one of radius R + r. The path consists of lines tangent to two
+//! discs and of arcs along discs. The roadmap holds all such lines and arcs that keep clear of every obstacle
+//! and cross no barrier. Dijkstra's algorithm from each site gives exact distances. A query from a free point
+//! adds only its own tangents.
 
 mod disc;
 mod space;
@@ -14,7 +15,7 @@ pub(super) use space::Space;
 pub(super) use straight::{MOST_BACKWARD, Straight};
 
 use crate::geometry::{Path, Piece, Point, Vector, angle_of, direction, left_of};
-use disc::{Disc, SAME_ANGLE};
+use disc::{Disc, SAME_ANGLE_RAD};
 use petgraph::Direction;
 use petgraph::graph::{DiGraph, EdgeIndex, NodeIndex};
 use petgraph::visit::{EdgeRef, Reversed};
@@ -22,20 +23,21 @@ use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
 
 /// Lines shorter than this (m) are rounding.
-const NO_LENGTH: f64 = 1e-10;
+const LENGTH_TOLERANCE_M: f64 = 1e-10;
 
-/// The free space of a team, with what its shortest paths are made of.
+/// The free space of a team as a graph of tangents and arcs, with the shortest paths to the sites.
 #[derive(Clone, Debug)]
 pub(super) struct Roadmap {
     space: Space,
     discs: Vec<Disc>,
-    /// Two rings a disc: the ways around it, counter-clockwise at `2 d` and clockwise at `2 d + 1`.
+    /// Two rings per disc, one for each direction around it: counter-clockwise at `2 d` and clockwise at `2
+    /// d + 1`.
     rings: Vec<Vec<Stop>>,
     graph: DiGraph<(), Way>,
     sites: Vec<Site>,
 }
 
-/// A graph node on a ring: where a line touches the disc, and whether one may go on along the ring to the next stop.
+/// A graph node on a ring: where a line touches the disc, and whether the arc to the next stop is open.
 #[derive(Clone, Debug)]
 struct Stop {
     angle: f64,
@@ -44,14 +46,14 @@ struct Stop {
     open_to_next: bool,
 }
 
-/// At one angle, lines that arrive come before those that leave, so that one may pass from the first to the second.
+/// At the same angle, arriving lines come before leaving ones, so that a path may connect the two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum StopKind {
     Arrive,
     Leave,
 }
 
-/// How an edge is walked.
+/// The shape of an edge.
 #[derive(Clone, Copy, Debug)]
 enum Way {
     Line {
@@ -59,7 +61,7 @@ enum Way {
         to: Point,
         length: f64,
     },
-    /// A line onto a straight part, so far (m) before the gap.
+    /// A line onto a straight part, joined at this depth (m) before the gap.
     Join {
         from: Point,
         join: Join,
@@ -88,24 +90,24 @@ impl Way {
     }
 }
 
-/// A line's end on a straight part.
+/// The end of a line on a straight part.
 #[derive(Clone, Copy, Debug)]
 struct Join {
     to: Point,
     /// Length of the line, m.
     length: f64,
-    /// Distance (m) from the gap.
+    /// Distance from the gap, m.
     depth: f64,
-    /// See [`Straight::cost`].
+    /// Cost, m: see [`Straight::cost`].
     cost: f64,
 }
 
-/// A way to a site.
+/// A path to a site.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Leg {
-    /// Length, m; infinite where there is no way.
+    /// Length, m; infinite where there is no path.
     pub length: f64,
-    /// How far (m) before the gap it joins the straight part; 0 at points.
+    /// Distance (m) before the gap at which the path joins the straight part; 0 for points.
     pub depth: f64,
 }
 
@@ -113,31 +115,32 @@ impl Leg {
     const NONE: Self = Self { length: f64::INFINITY, depth: 0.0 };
 }
 
-/// A place that paths are asked to lead to.
+/// A destination of paths.
 #[derive(Clone, Debug)]
 struct Site {
     straight: Straight,
-    /// Its far end, where ways may go on.
+    /// Its far end, from which paths may continue.
     node: NodeIndex,
-    /// Cost (m) of the way to the site from every node; infinite where there is none.
+    /// Cost (m) of the path to the site from every node; infinite where there is none.
     from_node: Vec<f64>,
-    /// That way.
+    /// That path.
     legs: Vec<Leg>,
-    /// The way on from every node.
+    /// The next edge toward the site from every node.
     onward: Vec<Option<EdgeIndex>>,
-    /// Rings from which the site can be reached, with a lower bound of the distance from any stop on them, nearest first.
+    /// Rings from which the site can be reached, each with a lower bound of the distance from any of its
+    /// stops, nearest first.
     rings: Vec<(usize, f64)>,
     component: usize,
 }
 
-/// The first steps of a query's answer.
+/// The first steps of a path from a point.
 #[derive(Clone, Copy, Debug)]
 enum Approach {
     Straight(Join),
     Around { ring: usize, touch: Point, from_angle: f64, sweep: f64, next: NodeIndex },
 }
 
-/// The way from a point to a site.
+/// The path from a point to a site.
 #[derive(Clone, Copy, Debug)]
 struct Found {
     approach: Approach,
@@ -164,13 +167,13 @@ impl Roadmap {
         let mut graph = DiGraph::new();
         let mut rings: Vec<Vec<Stop>> = vec![Vec::new(); 2 * discs.len()];
         let nodes: Vec<NodeIndex> = sites.iter().map(|_| graph.add_node(())).collect();
-        // ways end where they join a straight part, and go on from its far end only
+        // paths end where they join a straight part, and continue from its far end only
         let goals: Vec<NodeIndex> = sites.iter().map(|_| graph.add_node(())).collect();
         let mut stop = |graph: &mut DiGraph<(), Way>, ring: usize, at: Point, kind: StopKind| {
             let node = graph.add_node(());
             let angle = angle_of(at - discs[ring / 2].center);
-            // one value for the direction of -x, which is both pi and -pi
-            let angle = if angle < SAME_ANGLE - PI { angle + TAU } else { angle };
+            // -x has one angle, although atan2 gives both pi and -pi
+            let angle = if angle < SAME_ANGLE_RAD - PI { angle + TAU } else { angle };
             rings[ring].push(Stop { angle, node, kind, open_to_next: false });
             node
         };
@@ -191,7 +194,7 @@ impl Roadmap {
             }
             for ring in 0..2 * discs.len() {
                 if let Some((touch, length)) = tangent_from(&discs[ring / 2], ring, a, &space) {
-                    // the way back runs around the disc the other way
+                    // the reverse path follows the disc in the other direction
                     let arrive = stop(&mut graph, ring, touch, StopKind::Arrive);
                     let leave = stop(&mut graph, ring ^ 1, touch, StopKind::Leave);
                     graph.add_edge(nodes[i], arrive, Way::Line { from: a, to: touch, length });
@@ -262,8 +265,8 @@ impl Roadmap {
         Site { straight, node, from_node, legs, onward, rings, component }
     }
 
-    /// The first edge of a shortest way from every node: a breadth-first tree over the edges that shortest ways consist of, since following
-    /// these edges freely may go around a loop of length 0.
+    /// The first edge of a shortest path from every node. The result is a breadth-first tree over the edges
+    /// of shortest paths, because following these edges freely may loop along cycles of length 0.
     fn onward(&self, goal: NodeIndex, from_node: &[f64], here: Leg) -> (Vec<Option<EdgeIndex>>, Vec<Leg>) {
         let mut onward = vec![None; self.graph.node_count()];
         let mut legs = vec![Leg::NONE; self.graph.node_count()];
@@ -296,45 +299,49 @@ impl Roadmap {
         union.into_labeling()
     }
 
-    /// The connected part of the team's free space that a site lies in: equal numbers for one part.
+    /// The connected part of free space that a site lies in; equal numbers mean the same part.
     pub fn component(&self, site: usize) -> usize {
         self.sites[site].component
     }
 
-    /// Whether the straight way from `a` to `b` crosses a barrier.
+    /// Whether the straight line from `a` to `b` crosses a barrier.
     pub fn crosses_barrier(&self, a: Point, b: Point) -> bool {
         self.space.crosses_barrier(a, b)
     }
 
-    /// The way from a site (where it is a straight part, from its far end) to another.
+    /// The path from one site to another; from a straight part it begins at the far end.
     pub fn between(&self, from: usize, to: usize) -> Leg {
         self.sites[to].legs[self.sites[from].node.index()]
     }
 
-    /// The way from `p` to a site.
+    /// The path from `p` to a site.
     pub fn leg(&self, p: Point, site: usize) -> Leg {
         self.approach(p, site).map_or(Leg::NONE, |found| found.leg)
     }
 
-    /// The direction in which the way from `p` to a site begins; `None` where there is no way. From a point of the straight part: along it.
+    /// The initial direction of the path from `p` to a site; `None` where there is no path. At a point of the
+    /// straight part, the direction along it.
     pub fn departure(&self, p: Point, site: usize) -> Option<Vector> {
         match self.approach(p, site)?.approach {
-            Approach::Straight(join) if join.length <= NO_LENGTH => Some(-self.sites[site].straight.outward),
+            Approach::Straight(join) if join.length <= LENGTH_TOLERANCE_M => {
+                Some(-self.sites[site].straight.outward)
+            }
             Approach::Straight(join) => Some((join.to - p) / join.length),
-            Approach::Around { ring, touch, from_angle, .. } if (touch - p).norm() <= NO_LENGTH => {
+            Approach::Around { ring, touch, from_angle, .. } if (touch - p).norm() <= LENGTH_TOLERANCE_M => {
                 Some(left_of(direction(from_angle)) * turn(ring))
             }
             Approach::Around { touch, .. } => Some((touch - p).normalize()),
         }
     }
 
-    /// Adds the way from `p` to a site to `path`; returns where on the site it ends, `None` where there is no way.
+    /// Adds the path from `p` to a site to `path`. Returns the end point on the site, `None` where there is
+    /// no path.
     pub fn extend(&self, path: &mut Path, p: Point, site: usize) -> Option<Point> {
         let goal = &self.sites[site];
         let mut node = match self.approach(p, site)?.approach {
             Approach::Straight(join) => {
-                // on the straight part up to rounding there is no way to it
-                if join.length > NO_LENGTH {
+                // a point that is on the straight part up to rounding needs no line to it
+                if join.length > LENGTH_TOLERANCE_M {
                     path.line(p, join.to);
                 }
                 return Some(join.to);
@@ -372,7 +379,7 @@ impl Roadmap {
             return Some(Found::straight(join));
         }
         self.approach_around(p, goal, self.space.clearance).or_else(|| {
-            // a team that stands nearer to an obstacle than it should may leave along it
+            // a team that is closer to an obstacle than the clearance may leave along it
             let room = self.space.clearance_at(p).min(self.space.clearance);
             if let Some(join) = joined(room) {
                 return Some(Found::straight(join));
@@ -382,7 +389,7 @@ impl Roadmap {
     }
 
     fn approach_around(&self, p: Point, goal: &Site, clearance: f64) -> Option<Found> {
-        // the far end of the straight part may be in sight where the best place to join it is not
+        // the far end of the straight part may be visible where the best joining point is not
         let portal = goal.straight.join_at_portal(p);
         let in_sight = goal.straight.reach > 0.0 && self.space.is_clear_by(p, portal.to, clearance);
         let mut best = in_sight.then(|| Found::straight(portal));
@@ -398,7 +405,8 @@ impl Roadmap {
             }
             let (mut touch, mut to_touch) = disc.bend(turn(ring)).touch_from(p);
             if clearance < self.space.clearance {
-                // from nearer to a wall than its corner's disc, the tangent ends before the corner: go where the disc's arc begins
+                // from closer to a wall than its corner's disc, the tangent ends before the corner: start
+                // where the disc's arc begins
                 touch = disc.at(disc.nearest_taut(angle_of(touch - disc.center)));
                 to_touch = (touch - p).norm();
             }
@@ -419,12 +427,13 @@ impl Roadmap {
         best
     }
 
-    /// The first stop at or after `angle` along a ring, the signed angle to it, and whether the way there is known to be open.
+    /// The first stop at or after `angle` along a ring, the signed angle to it, and whether the arc to it is
+    /// known to be open.
     fn next_stop(&self, ring: usize, angle: f64) -> Option<(NodeIndex, f64, bool)> {
         let stops = &self.rings[ring];
         let ahead = |stop: &Stop| {
             let ahead = ((stop.angle - angle) * turn(ring)).rem_euclid(TAU);
-            if ahead > TAU - SAME_ANGLE { 0.0 } else { ahead }
+            if ahead > TAU - SAME_ANGLE_RAD { 0.0 } else { ahead }
         };
         let (next, sweep) = stops.iter().map(ahead).enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
         let before = &stops[(next + stops.len() - 1) % stops.len()];
@@ -443,7 +452,7 @@ fn tangent_from(disc: &Disc, ring: usize, p: Point, space: &Space) -> Option<(Po
     (taut && space.is_clear(p, touch)).then_some((touch, length))
 }
 
-/// Joins the stops of a ring in its direction of travel by the arcs that are clear.
+/// Links the stops of a ring in its direction of travel by the arcs that are clear.
 fn link(ring: usize, disc: &Disc, stops: &mut [Stop], space: &Space, graph: &mut DiGraph<(), Way>) {
     let turn = turn(ring);
     let order = |a: &Stop, b: &Stop| {
@@ -451,7 +460,7 @@ fn link(ring: usize, disc: &Disc, stops: &mut [Stop], space: &Space, graph: &mut
     };
     stops.sort_by(order);
     for i in 1..stops.len() {
-        if (stops[i].angle - stops[i - 1].angle).abs() <= SAME_ANGLE {
+        if (stops[i].angle - stops[i - 1].angle).abs() <= SAME_ANGLE_RAD {
             stops[i].angle = stops[i - 1].angle;
         }
     }
@@ -461,7 +470,7 @@ fn link(ring: usize, disc: &Disc, stops: &mut [Stop], space: &Space, graph: &mut
         let next = (i + 1) % n;
         let from_angle = stops[i].angle;
         let ahead = ((stops[next].angle - from_angle) * turn).rem_euclid(TAU);
-        // the last stop leads on to the first only around the disc
+        // the last stop leads to the first only by going around the disc
         if next == 0 && ahead == 0.0 {
             continue;
         }

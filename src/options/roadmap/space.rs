@@ -1,14 +1,14 @@
-//! Free space: whether a line or an arc can be walked with a clearance.
+//! Free space: whether lines and arcs keep a clearance.
 
 use super::disc::{Disc, arc_crosses};
 use super::straight::Straight;
 use crate::geometry::{Bounds, Footprint, Point, segments_meet};
 use std::f64::consts::PI;
 
-/// Paths run exactly at the clearance where they touch; distances are compared with this much slack, m.
-pub(super) const SLACK: f64 = 1e-9;
+/// Tolerance for comparing distances with the clearance, m. Paths touch discs exactly at the clearance.
+pub(super) const CLEARANCE_TOLERANCE_M: f64 = 1e-9;
 
-/// Obstacles and barriers: what a path must keep clear of, and what it must not cross.
+/// Obstacles, which paths keep clear of, and barriers, which paths do not cross.
 #[derive(Clone, Debug)]
 pub(in crate::options) struct Space {
     pub(super) obstacles: Vec<(Footprint, Bounds)>,
@@ -31,7 +31,8 @@ impl Space {
         self.is_clear_by(a, b, self.clearance)
     }
 
-    /// Whether the straight way from `a` to `b` keeps the whole clearance, without slack; barriers may be crossed.
+    /// Whether the straight line from `a` to `b` keeps the full clearance, without tolerance. Barriers may be
+    /// crossed.
     pub fn is_clear_of_obstacles(&self, a: Point, b: Point) -> bool {
         self.keeps(a, b, self.clearance)
     }
@@ -42,15 +43,16 @@ impl Space {
 
     /// As [`Space::is_clear`], with another clearance, m.
     pub fn is_clear_by(&self, a: Point, b: Point, clearance: f64) -> bool {
-        self.keeps(a, b, clearance - SLACK) && !self.crosses_barrier(a, b)
+        self.keeps(a, b, clearance - CLEARANCE_TOLERANCE_M) && !self.crosses_barrier(a, b)
     }
 
-    /// Whether the straight way from `a` to `b` crosses a barrier.
+    /// Whether the straight line from `a` to `b` crosses a barrier.
     pub fn crosses_barrier(&self, a: Point, b: Point) -> bool {
-        self.barriers.iter().any(|[c, d]| segments_meet(a, b, *c, *d, SLACK))
+        self.barriers.iter().any(|[c, d]| segments_meet(a, b, *c, *d, CLEARANCE_TOLERANCE_M))
     }
 
-    /// Whether the team can walk straight from `p` onto a straight part: its own gap, which may be as near as rounding, is not in the way.
+    /// Whether the team can walk straight from `p` onto a straight part. The part's own gap does not count as
+    /// a barrier, because it may be as close as rounding.
     pub fn can_join(&self, p: Point, to: Point, straight: &Straight) -> bool {
         self.can_join_by(p, to, straight, self.clearance)
     }
@@ -60,7 +62,8 @@ impl Space {
         let in_front = straight.depth(p) >= 0.0;
         let mut others =
             self.barriers.iter().enumerate().filter(|(i, _)| !(in_front && straight.barrier == Some(*i)));
-        self.keeps(p, to, clearance - SLACK) && !others.any(|(_, [c, d])| segments_meet(p, to, *c, *d, SLACK))
+        self.keeps(p, to, clearance - CLEARANCE_TOLERANCE_M)
+            && !others.any(|(_, [c, d])| segments_meet(p, to, *c, *d, CLEARANCE_TOLERANCE_M))
     }
 
     /// Distance (m) from `p` to the nearest obstacle.
@@ -68,11 +71,12 @@ impl Space {
         self.obstacles.iter().map(|(o, _)| o.distance_to_point(p)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether the arc keeps clear: since no distance changes faster than the way walked, an arc whose middle has more room than half its
-    /// length is clear as a whole; others are halved.
+    /// Whether an arc keeps clear. No distance changes faster than the arc length, so an arc is clear if its
+    /// middle has more room than half its length. Other arcs are halved.
     pub fn is_arc_clear(&self, disc: &Disc, from_angle: f64, sweep: f64) -> bool {
         let crosses_barrier = self.barriers.iter().any(|[a, b]| arc_crosses(disc, from_angle, sweep, *a, *b));
-        // from one taut angle of a corner to another it is less than half a turn; more is the way through the obstacle
+        // between two taut angles of a corner the arc is less than half a turn; a longer one leads through
+        // the obstacle
         let through = disc.between.is_some() && sweep.abs() > PI;
         if crosses_barrier || through || !disc.is_taut(from_angle) || !disc.is_taut(from_angle + sweep) {
             return false;
@@ -82,7 +86,7 @@ impl Space {
         self.obstacles
             .iter()
             .enumerate()
-            // a taut arc touches its own obstacle, and no more
+            // a taut arc touches its own obstacle and does not enter it
             .filter(|(i, _)| *i != disc.obstacle)
             .map(|(_, obstacle)| obstacle)
             .filter(|(_, bounds)| {
@@ -105,10 +109,10 @@ impl Space {
         if room >= half {
             return true;
         }
-        if room < -SLACK {
+        if room < -CLEARANCE_TOLERANCE_M {
             return false;
         }
-        // where walls share a corner, an arc touches both all along: room 0 at any depth
+        // where walls share a corner, the arc touches both along its length, so the room is 0 at any depth
         depth == 12
             || [from_angle, from_angle + sweep / 2.0]
                 .iter()

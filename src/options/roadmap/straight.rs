@@ -1,24 +1,26 @@
-//! The straight part of an opening on one side: where a path joins it.
+//! The straight part of an opening on one side, and where paths join it.
 //!
-//! A path joins the straight part as far out as it can without doubling back: at the far end, or where it would otherwise turn by more than
-//! acos(-[`MOST_BACKWARD`]). That is where the path is cheapest if every metre of the straight part that it leaves out costs [`MOST_BACKWARD`]
-//! metres: moving the place where a line joins outward by ds makes the line longer by -cos(turn) ds.
+//! A path joins the straight part as far out as it can without doubling back: at the far end, or where it
+//! would otherwise turn by more than acos(-[`MOST_BACKWARD`]). There the path is cheapest if every metre of
+//! the straight part that it leaves out costs [`MOST_BACKWARD`] metres, because moving the joining point
+//! outward by ds lengthens the line by -cos(turn) ds.
 
 use super::Join;
 use crate::geometry::{Point, Vector, cross, left_of};
 
-/// How far back a path may lead, per metre, where it joins or leaves a straight part: minus the cosine of the largest turn there, 99.8 degrees. Ways along one wall, from
-/// opening to opening, turn by 90.
+/// How far back a path may lead, per metre, where it joins or leaves a straight part. This is minus the
+/// cosine of the largest turn there, 99.8 degrees. Paths along one wall, from opening to opening, turn by 90
+/// degrees.
 pub(in crate::options) const MOST_BACKWARD: f64 = 0.17;
 
-/// The straight part on one side of an opening, or a point: a straight part without length.
+/// The straight part on one side of an opening. A point is a straight part of length 0.
 #[derive(Clone, Debug)]
 pub(in crate::options) struct Straight {
     /// The middle of the gap.
     pub center: Point,
     /// Unit vector away from the gap.
     pub outward: Vector,
-    /// How far it reaches, m.
+    /// Length, m.
     pub reach: f64,
     /// The barrier that closes its gap.
     pub barrier: Option<usize>,
@@ -31,12 +33,12 @@ impl From<Point> for Straight {
 }
 
 impl Straight {
-    /// Its far end.
+    /// The far end.
     pub fn portal(&self) -> Point {
         self.at(self.reach)
     }
 
-    /// Its point at a distance (m) from the gap.
+    /// The point at a distance (m) from the gap.
     pub fn at(&self, depth: f64) -> Point {
         self.center + self.outward * depth
     }
@@ -46,7 +48,7 @@ impl Straight {
         (p - self.center).dot(&self.outward)
     }
 
-    /// The directions, from its left and from its right, in which lines join it that turn as far back as they may.
+    /// The directions of the lines that join with the largest turn allowed, from the left and from the right.
     pub(super) fn backward(&self) -> impl Iterator<Item = Vector> + use<> {
         let ahead = (1.0 - MOST_BACKWARD * MOST_BACKWARD).sqrt();
         let (across, back) = (left_of(self.outward) * ahead, self.outward * MOST_BACKWARD);
@@ -54,14 +56,16 @@ impl Straight {
         [back - across, back + across].into_iter().filter(move |_| !is_point)
     }
 
-    /// Where the line from `p` in one of these directions joins it; `None` where it does not.
+    /// The joining point of the line from `p` in one of these directions; `None` if it does not meet the
+    /// straight part.
     pub(super) fn join_along(&self, p: Point, along: Vector) -> Option<Join> {
         let beside = cross(self.outward, p - self.center);
         let toward = -cross(self.outward, along);
         (beside * toward > 0.0).then(|| self.join_beside(p, beside.abs())).flatten()
     }
 
-    /// Where a line from `p` joins it before its far end; `None` where that is at the far end, or `p` is behind the gap.
+    /// The joining point, before the far end, of a line from `p`; `None` if it is at the far end or `p` is
+    /// behind the gap.
     pub(super) fn join_from(&self, p: Point) -> Option<Join> {
         self.join_beside(p, cross(self.outward, p - self.center).abs())
     }
@@ -71,12 +75,13 @@ impl Straight {
         (0.0 <= depth && depth < self.reach).then(|| self.join(p, self.at(depth), depth))
     }
 
-    /// Where the axis, endless, would be joined from a point `beside` (m) it.
+    /// The depth at which a path from a point `beside` (m) the axis would join if the axis were endless.
     fn ideal_depth(&self, p: Point, beside: f64) -> f64 {
         self.depth(p) + beside * MOST_BACKWARD / (1.0 - MOST_BACKWARD * MOST_BACKWARD).sqrt()
     }
 
-    /// Where a line from `p` joins it best; `None` from behind the gap, where that is not along a straight line.
+    /// The best joining point of a line from `p`; `None` from behind the gap, unless that is along a straight
+    /// line.
     pub(super) fn best_join(&self, p: Point) -> Option<Join> {
         let is_behind =
             || self.reach > 0.0 && self.ideal_depth(p, cross(self.outward, p - self.center).abs()) < 0.0;

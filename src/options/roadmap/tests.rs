@@ -1,4 +1,5 @@
-//! The roadmap against the slow, obvious way: a dense visibility graph around outlines made of many short sides.
+//! The roadmap compared with a slow reference: a dense visibility graph around outlines made of many short
+//! sides.
 
 use super::*;
 use crate::geometry::{Footprint, Vector, direction};
@@ -31,7 +32,7 @@ fn roadmap(space: Space, sites: &[Point]) -> Roadmap {
     Roadmap::new(space, &sites)
 }
 
-/// Shortest way along straight lines between the corners of polygons drawn around the discs.
+/// The shortest path along straight lines between the corners of polygons circumscribed about the discs.
 fn slow_distance(space: &Space, from: Point, to: Point) -> f64 {
     let mut points = vec![from, to];
     for (i, (outline, _)) in space.obstacles.iter().enumerate() {
@@ -74,7 +75,8 @@ fn property_distances_agree_with_a_dense_visibility_graph() {
         let roadmap = roadmap(space, &ends);
         let exact = roadmap.leg(ends[0], 1).length;
         assert_eq!(exact, roadmap.between(0, 1).length, "the query and the table disagree");
-        // the slow way goes around circumscribed polygons: never shorter, and longer by less than their excess
+        // the reference follows circumscribed polygons: never shorter, and longer by no more than their
+        // excess
         assert!(exact <= slow + 1e-9, "exact {exact}, slow {slow}");
         assert!(slow <= exact * 1.003, "exact {exact}, slow {slow}");
         compared += 1;
