@@ -1,23 +1,26 @@
-//! An exact active-set solver of the dual of eq. (7): minimise 1/2 m' D m - c' m over m >= 0, from a guess of
-//! which m are positive.
+//! An exact active-set solver for the dual of eq. (7): minimise 1/2 m' D m - c' m over m >= 0, from a guess
+//! of which m are positive.
 //!
-//! First by block principal pivoting (Judice and Pires 1994): D m = c is solved on the multipliers taken to be positive, and all that
-//! contradict the conditions of optimality change sides at once. That mostly settles in two or three steps. Where it does not, the method of
-//! Lawson and Hanson (1974) goes on, which adds one at a time, lowers the objective at each step, and therefore ends.
+//! The first method is block principal pivoting (Judice and Pires 1994). It solves D m = c on the multipliers
+//! assumed positive, then moves all multipliers that violate the optimality conditions to the other set. It
+//! usually ends after two or three steps. Otherwise the method of Lawson and Hanson (1974) continues. It adds
+//! one multiplier at a time and lowers the objective at each step, and therefore terminates.
 
 use super::limits::TOLERANCE;
 
-/// Steps of the first method, and of the second per multiplier.
+/// Steps of block pivoting, and steps of the second method per multiplier.
 const BLOCK_STEPS: usize = 8;
 const SINGLE_STEPS: usize = 5;
-/// Added to D's diagonal, relative to it: rows may depend on each other (a rate and a position that bound the same input, say).
+/// Relative ridge added to D's diagonal, since rows may be dependent, such as a rate and a position that
+/// bound the same input.
 const RIDGE: f64 = 1e-11;
-/// Solutions with the ridge, each of what the one before left.
+/// Solves with the ridge; each solves for the residual of the previous one.
 const PASSES: usize = 2;
-/// A multiplier this many times what its row alone would need holds rows that contradict each other.
+/// A multiplier larger than this multiple of what its row alone needs indicates rows that contradict each
+/// other.
 const CONTRADICTION: f64 = 1e8;
 
-/// Memory for the method, kept between calls.
+/// Working memory of the method, kept between calls.
 #[derive(Clone, Debug, Default)]
 pub struct ActiveSet {
     chosen: Vec<usize>,
@@ -26,7 +29,7 @@ pub struct ActiveSet {
 }
 
 impl ActiveSet {
-    /// With memory for so many multipliers.
+    /// A solver with memory for `n` multipliers.
     pub fn with_room(n: usize) -> Self {
         Self {
             chosen: Vec::with_capacity(n),
@@ -35,8 +38,8 @@ impl ActiveSet {
         }
     }
 
-    /// Finds the minimiser for D (given by rows) and c, with `positive` saying which multipliers are expected to be positive. False if it was
-    /// not found: then `multipliers` is unspecified.
+    /// Finds the minimiser for D (by rows) and c. `positive` guesses which multipliers are positive. Returns
+    /// false if the minimiser was not found; `multipliers` is then unspecified.
     pub fn minimise(
         &mut self,
         d: &[f64],
@@ -85,7 +88,7 @@ impl ActiveSet {
         multipliers.fill(0.0);
         for _ in 0..SINGLE_STEPS * (c.len() + BLOCK_STEPS) {
             self.solve(d, c, positive);
-            // toward the solution as far as no multiplier becomes negative; those that would, leave
+            // step toward the solution until a multiplier would become negative; those multipliers leave
             let blocks = |i: &usize| positive[*i] && self.trial[*i] <= 0.0;
             let ratio = |i: usize| multipliers[i] / (multipliers[i] - self.trial[i]);
             let blocked =
@@ -102,7 +105,7 @@ impl ActiveSet {
             if left {
                 continue;
             }
-            // how much the objective gains by each row alone
+            // the gain in the objective by each row alone
             let gain = |i: usize| -slack(d, c, multipliers, i) / d[i * c.len() + i].sqrt();
             let violated = |i: &usize| !positive[*i] && slack(d, c, multipliers, *i) < -TOLERANCE;
             let Some(next) =
@@ -115,7 +118,7 @@ impl ActiveSet {
         false
     }
 
-    /// Into `trial`: D m = c on the positive rows, by Cholesky's factorisation; m = 0 elsewhere.
+    /// Solves D m = c on the positive rows by Cholesky's factorisation, with m = 0 elsewhere, into `trial`.
     fn solve(&mut self, d: &[f64], c: &[f64], positive: &[bool]) {
         let n = c.len();
         self.chosen.clear();
@@ -138,7 +141,7 @@ impl ActiveSet {
         }
         self.trial.clear();
         self.trial.resize(n, 0.0);
-        // the first pass solves, the others take back what the ridge did to it
+        // the first pass solves, the others remove the effect of the ridge
         for _ in 0..PASSES {
             for i in 0..k {
                 let known: f64 = l[i * k..i * k + i].iter().zip(&x[..i]).map(|(l, x)| l * x).sum();

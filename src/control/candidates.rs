@@ -1,62 +1,64 @@
-//! The candidate set Q of eq. (8): configurations that hold the grasp where it is and can be reached within
-//! one period.
+//! The candidate set Q of eq. (8): configurations that keep the grasp's pose and can be reached within one
+//! period.
 
 use super::limits::Limits;
 use crate::robot::{Configuration, InputJacobian, InputVector, Kinematics, MAX_INPUTS, MAX_JOINTS, Robot};
 use nalgebra::SMatrix;
 
-/// Configurations that eq. (8) chooses among.
+/// The kind of configurations that eq. (8) chooses among.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CandidateSet {
-    /// The present one only: no pose optimisation.
+    /// The present configuration only: no pose optimisation.
     None,
-    /// Self-motion of the arm, the base standing still.
+    /// Self-motion of the arm with a fixed base.
     Arm,
     /// Self-motion of base and arm together.
     WholeBody,
 }
 
-/// A configuration to choose, and what it takes to get there.
+/// A candidate configuration and the rates that lead to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate {
-    /// Where it is.
+    /// The configuration.
     pub configuration: Configuration,
-    /// Mean rates of the way there over one period: rim speeds, m/s, and joint rates, rad/s.
+    /// Mean rates over one period that lead there: rim speeds, m/s, and joint rates, rad/s.
     pub rates: InputVector,
 }
 
-/// Candidates to either side of the present configuration; with it, the paper's |Q| = 15.
+/// Number of candidates on either side of the present configuration; with the present one, the paper's |Q| =
+/// 15.
 pub const PER_SIDE: usize = 7;
-/// The grasp stays where it is to this (m and rad).
-const CLOSED: f64 = 1e-9;
-/// Below this, a direction of self-motion is none.
+/// Largest deviation of the grasp from its pose, m and rad.
+const GRASP_TOLERANCE: f64 = 1e-9;
+/// Length below which a direction of self-motion is degenerate.
 const DEGENERATE: f64 = 1e-6;
 
-/// Where candidates are looked for.
+/// The state around which candidates are generated.
 #[derive(Clone, Copy, Debug)]
 pub struct Neighbourhood<'a> {
     /// The robot.
     pub robot: &'a Robot,
     /// The present configuration, q_c.
     pub configuration: &'a Configuration,
-    /// Its kinematics there.
+    /// The kinematics at that configuration.
     pub kinematics: &'a Kinematics,
     /// The robot's rate limits.
     pub limits: &'a Limits,
     /// Control period, s.
     pub period: f64,
-    /// The share of the rate limits that the way to a candidate may take, up to 1.
+    /// The share of the rate limits that the motion to a candidate may use, up to 1.
     pub share: f64,
 }
 
 impl Neighbourhood<'_> {
-    /// The candidates that can be reached in one period, into `found`: the present configuration first, then steps outward on alternating
-    /// sides. A side on which a joint limit leaves no room has none.
+    /// The candidates that can be reached in one period, into `found`: the present configuration first, then
+    /// steps outward on alternating sides. A side has none if a joint limit leaves no room.
     ///
-    /// With one direction of self-motion (the arm of seven joints), seven equal steps to either side along it, up to the rate limits; with
-    /// more, the seven are dealt to the directions in turn. The steps follow the direction at the present configuration, and Newton's
-    /// iteration returns the grasp to its pose.
+    /// With one direction of self-motion (the arm of seven joints) there are seven equal steps to either
+    /// side, up to the rate limits. With more directions, the seven steps are distributed over the directions
+    /// in turn. The steps follow the direction at the present configuration, and Newton's iteration returns
+    /// the grasp to its pose.
     pub fn candidates(&self, set: CandidateSet, found: &mut Vec<Candidate>) {
         found.clear();
         found.push(Candidate { configuration: *self.configuration, rates: InputVector::zeros() });
@@ -77,7 +79,7 @@ impl Neighbourhood<'_> {
                     if excess <= self.share {
                         break;
                     }
-                    // closing the loop took a joint beyond its rate: a little less
+                    // closing the loop took a joint beyond its rate limit: shorten the steps
                     found.truncate(before);
                     reach *= 0.999 * self.share / excess;
                 }
@@ -85,19 +87,19 @@ impl Neighbourhood<'_> {
         }
     }
 
-    /// Adds the equal steps up to `outermost` (rates); returns the largest rate as a multiple of its limit.
+    /// Adds the equal steps up to `outermost` (rates). Returns the largest rate as a multiple of its limit.
     fn side(&self, outermost: &InputVector, levels: usize, found: &mut Vec<Candidate>) -> f64 {
         let Self { robot, configuration: q, kinematics, period, .. } = *self;
         if outermost.norm() * period < DEGENERATE {
             return 0.0;
         }
-        // what the loop's closure took so far, extrapolated, is a good guess of what the next step needs
+        // the extrapolated correction so far is a good first guess for the next step
         let mut correction = InputVector::zeros();
         let mut excess: f64 = 0.0;
         for level in 1..=levels {
             let step = outermost * (level as f64 / levels as f64);
             let guess = robot.advance(q, &(step + correction), period);
-            let Some(closed) = robot.close(&guess, &kinematics.grasp, CLOSED) else { break };
+            let Some(closed) = robot.close(&guess, &kinematics.grasp, GRASP_TOLERANCE) else { break };
             let mut rates = step;
             rates.fixed_rows_mut::<MAX_JOINTS>(2).copy_from(&((closed.joints - q.joints) / period));
             correction = (rates - step) * 2.0 - correction;
@@ -117,7 +119,8 @@ impl Neighbourhood<'_> {
         shares.map(|(rate, limit)| rate.abs() / limit).fold(0.0, f64::max)
     }
 
-    /// How often `direction` (rates) fits into one period, by rates and by joint positions.
+    /// How many times `direction` (rates) fits into one period, given the limits of rates and joint
+    /// positions.
     fn reach(&self, direction: &InputVector) -> f64 {
         let mut reach = self.share / self.largest_share(direction);
         for (i, joint) in self.robot.joints.iter().enumerate() {
@@ -131,7 +134,7 @@ impl Neighbourhood<'_> {
     }
 }
 
-/// An orthonormal basis of the inputs that do not move the grasp.
+/// An orthonormal basis of the null space: inputs that do not move the grasp.
 struct Basis {
     vectors: [InputVector; MAX_INPUTS],
     count: usize,
@@ -143,7 +146,8 @@ impl Basis {
     }
 }
 
-/// Gram-Schmidt with pivoting on the columns of the null-space projector I - J^+ J: the same basis for the same J.
+/// The basis by Gram-Schmidt with pivoting on the columns of the null-space projector I - J^+ J. The same J
+/// gives the same basis.
 fn self_motions(robot: &Robot, jacobian: &InputJacobian, arm_only: bool) -> Basis {
     let mut j = *jacobian;
     let first = if arm_only { 2 } else { 0 };

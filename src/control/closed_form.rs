@@ -1,8 +1,9 @@
 //! The exact unconstrained optimum of eq. (7), its cost, and the inverse of its Hessian.
 //!
-//! x(t+1) = x(t) + B u(t) with scalar weights decouples along the left singular vectors U_k of B. With z = U_k' x, rho_t = U_k' s(t) and
-//! u(t) = sum_k B' U_k w_k(t), each direction is a scalar problem z(t+1) = z(t) + s_k^2 w(t), whose value function p z^2 - 2 g z + c follows
-//! backward from t = H. Nothing divides by s_k: a direction that B does not reach costs what it costs.
+//! x(t+1) = x(t) + B u(t) with scalar weights decouples along the left singular vectors U_k of B. With z =
+//! U_k' x, rho_t = U_k' s(t) and u(t) = sum_k B' U_k w_k(t), each direction is a scalar problem z(t+1) =
+//! z(t) + s_k^2 w(t). Its value function p z^2 - 2 g z + c is computed backward from t = H. Nothing divides
+//! by s_k, so a direction that B does not reach is handled as well.
 
 use super::{HORIZON, Inputs, Reference};
 use crate::robot::{InputJacobian, MAX_INPUTS};
@@ -15,20 +16,21 @@ type Square = SMatrix<f64, HORIZON, HORIZON>;
 pub struct ClosedForm {
     state_weight: f64,
     input_weight: f64,
-    /// U: a column a direction.
+    /// U: one column per direction.
     directions: Matrix6<f64>,
     /// s_k^2, squared singular values of B.
     squares: Vector6<f64>,
-    /// B' U: a column a direction.
+    /// B' U: one column per direction.
     actuation: SMatrix<f64, MAX_INPUTS, 6>,
-    /// p after the step t, and R / (R + s^2 p), 1 / (R + s^2 p): a column a step, a row a direction.
+    /// p after step t, and R / (R + s^2 p), 1 / (R + s^2 p): one column per step, one row per direction.
     value: Reference,
     decay: Reference,
     reciprocal: Reference,
 }
 
 impl ClosedForm {
-    /// For `input_matrix` B (the period times the Jacobian), Q = `state_weight` I and R = `input_weight` I.
+    /// The problem for `input_matrix` B (the period times the Jacobian), Q = `state_weight` I and R =
+    /// `input_weight` I.
     pub fn new(input_matrix: &InputJacobian, state_weight: f64, input_weight: f64) -> Self {
         let eigen = (input_matrix * input_matrix.transpose()).symmetric_eigen();
         let squares = eigen.eigenvalues.map(|s2| s2.max(0.0));
@@ -55,12 +57,12 @@ impl ClosedForm {
         }
     }
 
-    /// The least singular value of B, m or rad for a unit input.
+    /// The smallest singular value of B, m or rad for a unit input.
     pub fn least_singular_value(&self) -> f64 {
         self.squares.min().sqrt()
     }
 
-    /// G*: the cost of the optimum without limits, and so a lower bound of the optimum with limits.
+    /// G*: the optimal cost without limits, which is a lower bound of the optimal cost with limits.
     pub fn cost(&self, reference: &Reference) -> f64 {
         let along = self.directions.tr_mul(reference);
         let mut g = Vector6::zeros();
@@ -73,7 +75,7 @@ impl ClosedForm {
         self.state_weight * reference.norm_squared() - saved
     }
 
-    /// u*(0..H-1): the optimum without limits.
+    /// u*(0..H-1): the optimal inputs without limits.
     pub fn inputs(&self, reference: &Reference) -> Inputs {
         let along = self.directions.tr_mul(reference);
         let mut g = Vector6::zeros();
@@ -94,9 +96,10 @@ impl ClosedForm {
         self.actuation * weights
     }
 
-    /// The inverse of the Hessian of eq. (7) in u(0..H-1), where the cost is u' Hess u - 2 f' u + const.
+    /// The inverse of the Hessian of eq. (7) with respect to u(0..H-1), where the cost is u' Hess u - 2 f'
+    /// u + const.
     pub fn inverse_hessian(&self) -> InverseHessian {
-        // (L'L) of the running sums z(t) = s^2 sum w: entry (i, j) counts the states that both inputs reach
+        // (L'L) of the running sums z(t) = s^2 sum w: entry (i, j) counts the states that both inputs affect
         let reach = Square::from_fn(|i, j| (HORIZON - i.max(j)) as f64);
         let corrections = std::array::from_fn(|k| {
             let hessian =
@@ -109,7 +112,8 @@ impl ClosedForm {
     }
 }
 
-/// Hess^-1 = I / R + sum_k (B' U_k)(B' U_k)' (x) E_k with E_k = -(Q / R) (R I + Q s_k^2 L'L)^-1 L'L, an H x H matrix in time.
+/// Hess^-1 = I / R + sum_k (B' U_k)(B' U_k)' (x) E_k with E_k = -(Q / R) (R I + Q s_k^2 L'L)^-1 L'L, an H x H
+/// matrix in time.
 #[derive(Clone, Copy, Debug)]
 pub struct InverseHessian {
     input_weight: f64,

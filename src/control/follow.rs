@@ -1,7 +1,8 @@
-//! The base following the path that the grasp has gone: rim speeds by pure pursuit.
+//! Path following of the base: rim speeds by pure pursuit along the path that the grasp has taken.
 //!
-//! DEVIATION (eq. 7): left to the weights of eq. (7), a base comes a metre behind the grasp and cuts the corners of the way between; the horizon
-//! sees too late that there is a wall. The way that the grasp has gone is free, so on the physical plant the base keeps to it.
+//! DEVIATION (eq. 7): with the weights of eq. (7) alone, the base trails the grasp by a metre and cuts the
+//! corners of the path between them; the horizon is too short to see the wall in time. The path of the grasp
+//! is free, so on the physical plant the base follows it.
 
 use super::limits::{HalfPlane, Limits};
 use super::{HORIZON, Inputs, Reference};
@@ -10,38 +11,38 @@ use crate::math;
 use crate::robot::{Drive, InputJacobian, pose_difference};
 use nalgebra::Rotation3;
 
-/// How far ahead (m) on the way the base looks.
-const LOOK_AHEAD: f64 = 0.5;
-/// How quickly it makes up for what it is too near or too far behind the grasp, 1/s.
+/// Look-ahead distance along the path, m.
+const LOOK_AHEAD_M: f64 = 0.5;
+/// Gain of the spacing between base and grasp, 1/s.
 const SPACING_GAIN: f64 = 1.0;
-/// How quickly its rims change speed at most, m/s^2.
+/// Largest acceleration of the rims, m/s^2.
 const ACCELERATION: f64 = 1.2;
-/// How quickly it turns on the spot to a way that leads elsewhere, 1/s.
+/// Gain of the turn on the spot toward a path in another direction, 1/s.
 const TURN_GAIN: f64 = 3.0;
-/// What leaving the rim speeds that follow the way costs: this times the square (m/s) of what they differ by.
+/// Weight of the squared deviation (m/s) from the rim speeds that follow the path.
 const PRICE: f64 = 1e4;
 
 /// Rim speeds of the base over the horizon, left and right, m/s.
 pub type Rims = [[f64; 2]; HORIZON];
 
-/// A base that follows a way.
+/// A base that follows a path.
 pub struct Follower<'w> {
-    /// Points [`Follower::STEP`] apart along the way, m; the last is where the grasp is to be now.
+    /// Points along the path, [`Follower::STEP`] apart, m. The last is the present reference of the grasp.
     pub way: &'w [Point],
-    /// Speed of the grasp along it now, and the one that it comes to, m/s; negative: back along the way.
+    /// Present and target speed of the grasp along the path, m/s; negative when reversing.
     pub speeds: [f64; 2],
-    /// How quickly it does, m/s^2.
+    /// Acceleration from the present to the target speed, m/s^2.
     pub acceleration: f64,
-    /// How far the base is to be behind the grasp along the way, m.
+    /// Wanted distance of the base behind the grasp along the path, m.
     pub distance: f64,
 }
 
 impl Follower<'_> {
-    /// m.
+    /// Distance between points, m.
     pub const STEP: f64 = 0.05;
 
-    /// Pure pursuit (Coulter 1992) of a point 0.5 m ahead on the way, at the speed that keeps the distance, within what the rims can do. `rims`
-    /// are the speeds that the rims have now, m/s.
+    /// Rim speeds by pure pursuit (Coulter 1992) of a point 0.5 m ahead on the path, at the speed that keeps
+    /// the distance, within the limits of the rims. `rims` are the present rim speeds, m/s.
     pub fn rims(&self, drive: &Drive, base: &PlanarPose, rims: [f64; 2], period: f64) -> Rims {
         let (mut at, mut last) = (*base, rims);
         let [mut pace, to] = self.speeds;
@@ -50,9 +51,9 @@ impl Follower<'_> {
             let along = self.locate(at.position);
             let change = self.acceleration * period;
             pace = if pace < to { (pace + change).min(to) } else { (pace - change).max(to) };
-            // who rolls back looks back: what is ahead of a base the other way round
+            // when reversing, look behind
             let side = if pace < 0.0 { -1.0 } else { 1.0 };
-            let goal = (self.point((along + side * LOOK_AHEAD).max(0.0)) - at.position) * side;
+            let goal = (self.point((along + side * LOOK_AHEAD_M).max(0.0)) - at.position) * side;
             let behind = (self.way.len() - 1) as f64 * Self::STEP + ahead - along;
             ahead += pace * period;
             let bearing = wrap_angle(angle_of(goal) - at.yaw);
@@ -75,7 +76,7 @@ impl Follower<'_> {
         })
     }
 
-    /// How far along the way the nearest point of it is; where it passes twice, the later time.
+    /// The position along the path of its point nearest to `at`; where the path passes twice, the later one.
     fn locate(&self, at: Point) -> f64 {
         let mut best = (f64::INFINITY, 0.0);
         for (i, pair) in self.way.windows(2).enumerate() {
@@ -97,7 +98,8 @@ impl Follower<'_> {
     }
 }
 
-/// Adds bounds to `limits` that hold the base to these rim speeds. They are softer than those that keep it off obstacles.
+/// Adds bounds to `limits` that hold the base to these rim speeds. They are softer than the bounds that keep
+/// it off obstacles.
 pub fn hold_base_to(rims: &Rims, limits: &mut Limits) {
     for (t, rims) in rims.iter().enumerate() {
         for (side, rim) in rims.iter().enumerate() {
@@ -115,15 +117,16 @@ pub fn hold_base_to(rims: &Rims, limits: &mut Limits) {
     }
 }
 
-/// Sets the base's inputs.
+/// Replaces the base's inputs by these rim speeds.
 pub fn set_base(inputs: &mut Inputs, rims: &Rims) {
     for (t, rims) in rims.iter().enumerate() {
         (inputs[(0, t)], inputs[(1, t)]) = (rims[0], rims[1]);
     }
 }
 
-/// What is left of `reference` for the arm when the base rolls with these rim speeds: as it is seen from where the base is then, in
-/// world axes of now. So the prediction is right for a base that turns.
+/// The part of `reference` that remains for the arm when the base rolls with these rim speeds. It is seen
+/// from the base's pose at each step, in the present world axes, so that the prediction is right for a
+/// turning base.
 pub fn seen_from_base(
     reference: &Reference,
     grasp: &Pose,
@@ -147,7 +150,7 @@ pub fn seen_from_base(
     seen
 }
 
-/// What B says of a base that rolls so, to be added to what is left for the arm.
+/// The motion that B predicts for a base with these rim speeds, to be added to the arm's remaining reference.
 pub fn rolled(jacobian: &InputJacobian, rims: &Rims, period: f64) -> Reference {
     let mut rolled = Reference::zeros();
     let mut so_far = nalgebra::Vector6::zeros();
@@ -166,7 +169,7 @@ mod tests {
     const DRIVE: Drive = Drive { track: 0.37, wheel_radius: 0.06, rim_speed_limit: 1.0, base_radius: 0.25 };
     const PERIOD: f64 = 0.2;
 
-    /// The way of a grasp that goes round a corner of so many radians, and is `walked` (m) past it.
+    /// The path of a grasp that goes round a corner of `angle` (rad) and is `walked` (m) past it.
     fn corner(angle: f64, walked: f64) -> Vec<Point> {
         let point = |along: f64| Point::from(direction(if along < 0.0 { 0.0 } else { angle }) * along);
         (0..50).rev().map(|i| point(walked - Follower::STEP * f64::from(i))).collect()
@@ -194,10 +197,10 @@ mod tests {
                 base = DRIVE.roll(&base, rims.map(|rim| rim * PERIOD));
                 let off = off_the_way(&base, &way);
                 assert!(off < 0.12, "{angle}: {off} m off the way");
-                // a body length past the corner it is on the way again
+                // a body length past the corner it is back on the path
                 if walked > 2.0 {
                     assert!(off < 0.02, "{angle}: {off} m off the way, {walked} m past the corner");
-                    // the base has gone on by a tenth of a metre, the grasp has yet to
+                    // the base has already moved by a tenth of a metre, the grasp has not
                     let behind = (way[49] - base.position).norm();
                     assert!((behind - 0.7).abs() < 0.03, "{angle}: {behind} m behind");
                 }
@@ -205,7 +208,7 @@ mod tests {
         }
     }
 
-    /// A base rolls back on the way that it came, round corners as well, and keeps its distance.
+    /// The base reverses along its path, round corners as well, and keeps its distance.
     #[test]
     fn a_base_rolls_back_on_its_way() {
         for angle in [0.0, 0.5, -1.0] {
@@ -227,7 +230,7 @@ mod tests {
         }
     }
 
-    /// Where the base stands still, the arm has all to do; where it moves as the reference does, nothing.
+    /// The arm does everything if the base stands still, and nothing if the base moves as the reference does.
     #[test]
     fn closed_form_what_is_left_for_the_arm() {
         let grasp = PlanarPose { position: Point::new(1.0, 0.2), yaw: 0.3 }.at_height(0.7);

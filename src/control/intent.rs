@@ -1,25 +1,29 @@
-//! The robot's estimate of which option the human walks, from P_o and the observed steps.
+//! The robot's estimate of the option that the human walks, from P_o and the observed steps.
 
 use crate::geometry::{Point, Vector, angle_of};
 use crate::math;
 
-/// How far ahead of the middle of the last step soon is, in steps: half to its end, and what motors take to answer.
-const SOON: f64 = 0.8;
+/// Prediction time of [`Intent::moves_soon`] from the middle of the last step, in steps: half a step to its
+/// end, plus the delay of the motors.
+const PREDICTION_STEPS: f64 = 0.8;
 
-/// The robot's estimate of where the human is going, and how fast. It knows P_o and what it sees, not the human's parameters.
+/// The robot's estimate of where and how fast the human is going. It uses P_o and observations, not the
+/// human's parameters.
 ///
-/// P_o is weighed by how likely the observed direction of the last step is if the human were on option o: exp(c cos(observed - expected)), with
-/// the expected direction that of o's path from where the human was.
+/// P_o is weighted by the likelihood of the observed direction of the last step if the human were on option
+/// o: exp(c cos(observed - expected)). The expected direction is that of o's path from the human's previous
+/// position.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Intent {
     concentration: f64,
-    /// Where the human was, m, world frame.
+    /// Previous position of the human, m, world frame.
     before: Option<Point>,
-    /// Where each option led from there: the displacement of one step.
+    /// The displacement of one step along each option from there, m.
     expected: Vec<Vector>,
     #[serde(skip)]
     weights: Vec<f64>,
-    /// Where the hand was, m, its speed (m/s) and displacement (m) from there, and what that differed by from the one before.
+    /// Previous position of the hand, m; below, its speed (m/s), its displacement (m) and the change of the
+    /// displacement.
     hand: Option<Point>,
     speed: Option<f64>,
     moved: Vector,
@@ -27,7 +31,7 @@ pub struct Intent {
 }
 
 impl Intent {
-    /// Nothing seen yet. `concentration` is c, at least 0.
+    /// An estimate without observations. `concentration` is c, at least 0.
     pub fn new(concentration: f64) -> Self {
         Self {
             concentration,
@@ -41,8 +45,8 @@ impl Intent {
         }
     }
 
-    /// Takes note of where the human is now, and returns the most probable option; ties go to the lower index. `probabilities` is P_o from
-    /// here.
+    /// Records the human's position and returns the most probable option; ties go to the lower index.
+    /// `probabilities` is P_o from this position.
     pub fn observe(&mut self, position: Point, probabilities: &[f64]) -> usize {
         let step = self.before.map(|before| position - before);
         self.weights.clear();
@@ -65,7 +69,7 @@ impl Intent {
         best
     }
 
-    /// Takes note of where the hand is now, one `period` (s) after the last time.
+    /// Records the hand's position, one `period` (s) after the last one.
     pub fn see_hand(&mut self, position: Point, period: f64) {
         if let Some(before) = self.hand.replace(position) {
             let moved = position - before;
@@ -80,17 +84,18 @@ impl Intent {
         self.speed
     }
 
-    /// Which way the hand went in the last step, m; nothing before there was one.
+    /// Displacement of the hand in the last step, m; zero before there was one.
     pub fn moved(&self) -> Vector {
         self.moved
     }
 
-    /// Which way it goes soon, in a step (m), if that goes on to change as it did.
+    /// Predicted displacement of the hand in a step (m), if its displacement continues to change as in the
+    /// last step.
     pub fn moves_soon(&self) -> Vector {
-        self.moved + self.change * SOON
+        self.moved + self.change * PREDICTION_STEPS
     }
 
-    /// Takes note of where the options lead from here: where the human would be one step on.
+    /// Records the displacement of one step along each option from here.
     pub fn expect(&mut self, steps: impl Iterator<Item = Vector>) {
         self.expected.clear();
         self.expected.extend(steps);
@@ -104,11 +109,11 @@ mod tests {
     #[test]
     fn closed_form_the_observed_direction_outweighs_a_prior() {
         let mut intent = Intent::new(20.0);
-        // nothing seen: the prior decides
+        // no observation: the prior decides
         assert_eq!(intent.observe(Point::origin(), &[0.6, 0.4]), 0);
         intent.expect([Vector::new(0.1, 0.0), Vector::new(0.07, 0.07)].into_iter());
         assert_eq!(intent.observe(Point::new(0.07, 0.07), &[0.6, 0.4]), 1);
-        // the same direction from two options: the prior again
+        // both options have the same direction: the prior decides again
         intent.expect([Vector::new(0.1, 0.0), Vector::new(0.1, 0.0)].into_iter());
         assert_eq!(intent.observe(Point::new(0.17, 0.07), &[0.4, 0.6]), 1);
     }
@@ -129,7 +134,7 @@ mod tests {
         intent.see_hand(Point::new(0.07, 0.07), 0.2);
         assert!((intent.speed().unwrap() - 0.07 * 2f64.sqrt() / 0.2).abs() < 1e-12);
         assert!((intent.moves_soon() - Vector::new(0.07, 0.07)).norm() < 1e-12);
-        // it comes to a stop: soon it goes back
+        // the hand comes to a stop: soon it moves back
         intent.see_hand(Point::new(0.08, 0.07), 0.2);
         assert!((intent.moved() - Vector::new(0.01, 0.0)).norm() < 1e-12);
         assert!((intent.moves_soon() - Vector::new(0.01 - 0.8 * 0.06, -0.8 * 0.07)).norm() < 1e-12);

@@ -1,41 +1,44 @@
-//! The constraints of eq. (7): what a robot can do in a period.
+//! The constraints of eq. (7): the robot's limits over the horizon.
 
 use super::{HORIZON, Inputs, Rims};
 use crate::robot::{Configuration, InputVector, JointVector, Robot};
 
-/// A violation below this (m/s, rad/s; for half-planes m) is rounding.
+/// The violation (m/s, rad/s; for half-planes m) below which a constraint counts as satisfied.
 pub const TOLERANCE: f64 = 1e-9;
 
 /// The constraints on u(0..H-1): rates, joint positions, and half-planes for base and arm.
 #[derive(Clone, Debug)]
 pub struct Limits {
-    /// Number of inputs that exist.
+    /// Number of inputs that the robot has.
     inputs: usize,
-    /// Largest input of u(0) and of u(1..), either way.
+    /// Largest magnitude of each input, for u(0) and u(1..).
     rates: InputVector,
-    /// What the motion to another configuration already takes of the first rates, m/s and rad/s.
+    /// The part of the first rates that the motion to another configuration already takes, m/s and rad/s.
     taken: InputVector,
-    /// How far the sum of a joint's rates may go down and up, rad/s: the way to the position limits over the period.
+    /// How far the sum of a joint's rates may decrease and increase, rad/s: the distance to the position limits
+    /// divided by the period.
     room: [JointVector; 2],
-    /// Where the robot may be.
+    /// The half-planes.
     pub half_planes: Vec<HalfPlane>,
 }
 
-/// A bound, linear in the inputs: on where a point of the robot is after some periods, or on a rim's speed.
+/// A linear bound on the inputs: on the position of a point of the robot after some periods, or on a rim
+/// speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfPlane {
-    /// Coefficients of the inputs, a column a step; s (for a rim's speed 1).
+    /// Coefficients of the inputs, one column per step; s (for a rim speed 1).
     pub coefficients: Inputs,
-    /// The weighted sum must not exceed this, m (m/s).
+    /// Largest weighted sum, m (m/s).
     pub bound: f64,
-    /// What exceeding it costs: this times the square of the excess.
+    /// Weight of the squared excess in the cost.
     pub price: f64,
-    /// Whether it holds the base to its way: no limit of what the robot can do, or of where it may be.
+    /// Whether the bound guides the base along its path. Such a bound is no physical limit and keeps nothing
+    /// off obstacles.
     pub is_guide: bool,
 }
 
 impl HalfPlane {
-    /// Takes the base's inputs for settled: what is left bounds the arm's.
+    /// Treats the base's inputs as given; the remaining bounds apply to the arm's inputs.
     pub fn settle_base(&mut self, rims: &Rims) {
         for (t, rims) in rims.iter().enumerate() {
             for (side, rim) in rims.iter().enumerate() {
@@ -53,12 +56,12 @@ pub enum Row {
     Rate { input: usize, step: usize, sign: f64 },
     /// `sign * (u_input(0) + .. + u_input(step))` is bounded.
     Position { input: usize, step: usize, sign: f64 },
-    /// A half-plane, as an index.
+    /// A half-plane (an index) is respected.
     Place(usize),
 }
 
 impl Limits {
-    /// No inputs yet: filled by [`Limits::set`].
+    /// Limits to be filled by [`Limits::set`].
     pub fn new(robot: &Robot) -> Self {
         let mut rates = InputVector::zeros();
         rates[0] = robot.drive.rim_speed_limit;
@@ -75,15 +78,16 @@ impl Limits {
         }
     }
 
-    /// Largest inputs, either way: m/s and rad/s.
+    /// Largest magnitudes of the inputs: m/s and rad/s.
     pub fn rates(&self) -> &InputVector {
         &self.rates
     }
 
-    /// The limits at configuration `q`, when the motion that led there in this same `period` (s) took `taken` of the rates.
+    /// Sets the limits at configuration `q`, where the motion that led there in this `period` (s) took
+    /// `taken` of the rates.
     ///
-    /// A joint that is beyond its limit, by rounding or because something pushed it, may stay but not go farther: standing still is always
-    /// allowed.
+    /// A joint beyond its limit, by rounding or because something pushed it, may stay but not move farther.
+    /// Standing still is always allowed.
     pub fn set(&mut self, robot: &Robot, q: &Configuration, taken: &InputVector, period: f64) {
         self.taken = *taken;
         self.half_planes.clear();
@@ -102,7 +106,7 @@ impl Limits {
         if sign > 0.0 { self.room[1][input - 2] } else { -self.room[0][input - 2] }
     }
 
-    /// b of a row.
+    /// The bound b of a row.
     pub fn bound(&self, row: Row) -> f64 {
         match row {
             Row::Rate { input, step, sign } => self.rate_bound(input, step, sign),
@@ -111,8 +115,8 @@ impl Limits {
         }
     }
 
-    /// Calls `on_violation` for every constraint that `u` violates by more than 1e-9, with the excess `a . u - b`: input by input,
-    /// rates before positions; then half-planes.
+    /// Calls `on_violation` for every constraint that `u` violates by more than 1e-9, with the excess `a .
+    /// u - b`. The order is input by input, rates before positions, then half-planes.
     pub fn violations(&self, u: &Inputs, mut on_violation: impl FnMut(Row, f64)) {
         for input in 0..self.inputs {
             for step in 0..HORIZON {
@@ -141,19 +145,19 @@ impl Limits {
         }
     }
 
-    /// Whether a row holds the base to its way ([`HalfPlane::is_guide`]).
+    /// Whether a row guides the base along its path ([`HalfPlane::is_guide`]).
     pub fn is_guide(&self, row: Row) -> bool {
         matches!(row, Row::Place(i) if self.half_planes[i].is_guide)
     }
 
-    /// Whether `u` violates nothing.
+    /// Whether `u` violates no constraint.
     pub fn allow(&self, u: &Inputs) -> bool {
         let mut allowed = true;
         self.violations(u, |_, _| allowed = false);
         allowed
     }
 
-    /// a of a row.
+    /// The coefficients a of a row.
     pub fn coefficients(&self, row: Row) -> Inputs {
         let mut a = Inputs::zeros();
         match row {
@@ -164,7 +168,7 @@ impl Limits {
         a
     }
 
-    /// `a . x` for the row's a.
+    /// The product `a . x` for the row's a.
     pub fn product(&self, row: Row, x: &Inputs) -> f64 {
         match row {
             Row::Rate { input, step, sign } => sign * x[(input, step)],
@@ -173,7 +177,8 @@ impl Limits {
         }
     }
 
-    /// The first of `u`, scaled down as a whole until it violates no hard limit, and nothing after it: where no solution was found.
+    /// The fallback where no solution was found: the first input of `u`, scaled down as a whole until it
+    /// violates no hard limit, then zeros.
     pub fn scaled_first(&self, u: &Inputs) -> Inputs {
         let mut scale: f64 = 1.0;
         for input in 0..self.inputs {

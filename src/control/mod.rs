@@ -1,7 +1,7 @@
 //! The robot's controller: MPC (eq. 7), pose optimisation (eq. 8), and the estimate of the human's intent.
 //!
-//! All quantities are relative to where the grasp is now: x(0) = 0, and a reference s(t) is what separates it from the grasp's present pose
-//! (translation in metres, rotation vector in radians, world axes).
+//! All quantities are relative to the grasp's present pose: x(0) = 0, and a reference s(t) is the difference
+//! from that pose (translation in metres, rotation vector in radians, world axes).
 
 mod active_set;
 mod candidates;
@@ -37,13 +37,14 @@ use nalgebra::SMatrix;
 /// H of eq. (7).
 pub const HORIZON: usize = 8;
 
-/// s(1..H) of eq. (7): a column a step, relative to the grasp's present pose, world axes; m, then rad.
+/// s(1..H) of eq. (7): one column per step, relative to the grasp's present pose, world axes; m, then rad.
 pub type Reference = SMatrix<f64, 6, HORIZON>;
-/// u(0..H-1) of eq. (7): a column a step, rows as in [`InputVector`](crate::robot::InputVector).
+/// u(0..H-1) of eq. (7): one column per step, rows as in [`InputVector`](crate::robot::InputVector).
 pub type Inputs = SMatrix<f64, MAX_INPUTS, HORIZON>;
 
-/// The reference that a nominal trajectory (the poses after 1, 2, ... periods) is for a grasp at `world_from_grasp` that carries level at
-/// `height` (m). A trajectory that ends early stays at its last pose; one without poses asks the grasp to stay.
+/// The reference for a grasp at `world_from_grasp` that carries level at `height` (m), from a nominal
+/// trajectory (the poses after 1, 2, ... periods). After its end the trajectory stays at its last pose.
+/// Without poses the grasp stays where it is.
 pub fn reference(
     trajectory: impl Iterator<Item = PlanarPose>,
     world_from_grasp: &Pose,

@@ -1,8 +1,9 @@
 //! Eq. (7): the optimal inputs for a reference under limits, their cost, and how they were found.
 //!
-//! If the optimum without limits respects the limits, it is the answer. Otherwise multipliers m >= 0 of the constraints that it violates are
-//! found in the dual, u = u* - Hess^-1 A' m, whose program has as many variables as constraints; constraints that the new u violates join, until
-//! none does. The dual is solved by exchanging its active set, or by clarabel where that does not settle.
+//! If the optimum without limits respects the limits, it is the solution. Otherwise the multipliers m >= 0 of
+//! the violated constraints are found in the dual, u = u* - Hess^-1 A' m, which has as many variables as
+//! constraints. Constraints that the new u violates are added until none is left. The dual is solved by an
+//! active-set method, or by clarabel if that does not converge.
 
 use super::active_set::{ActiveSet, slack};
 use super::closed_form::InverseHessian;
@@ -10,9 +11,9 @@ use super::limits::{Limits, Row};
 use super::qp::Qp;
 use super::{ClosedForm, Inputs, Reference};
 
-/// Rounds in which violated constraints may join; each adds at least one.
+/// Largest number of rounds that add violated constraints; each round adds at least one.
 const ROUNDS: usize = 40;
-/// Constraints that memory is kept for.
+/// Number of constraints for which memory is kept.
 const ROOM: usize = 160;
 
 /// The solution of eq. (7).
@@ -22,7 +23,7 @@ pub struct Plan {
     pub inputs: Inputs,
     /// G, eq. (7), including the price of violated half-planes.
     pub cost: f64,
-    /// How it was found.
+    /// How the solution was found.
     pub outcome: SolveOutcome,
 }
 
@@ -31,27 +32,28 @@ pub struct Plan {
 pub enum SolveOutcome {
     /// In closed form: no limit is active.
     Unconstrained,
-    /// With this many active constraints: those with a positive multiplier.
+    /// With active constraints, which are those with a positive multiplier.
     Constrained {
-        /// Limits of joints and wheels, and half-planes that keep the robot off obstacles.
+        /// Number of active limits of joints and wheels and of half-planes that keep the robot off obstacles.
         active: usize,
-        /// Bounds that hold the base to its way, on the physical plant.
+        /// Number of active bounds that guide the base along its path, on the physical plant.
         guides: usize,
     },
-    /// Not at all: the first input without limits, scaled down into them, is applied once; where even that is no number, nothing is.
+    /// Not found. The first input of the optimum without limits is scaled down into the limits and applied
+    /// once; if that is not finite, no input is applied.
     Fallback(Failure),
 }
 
-/// Why there is no solution.
+/// The reason why there is no solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Failure {
-    /// Something that came in is no finite number.
+    /// A problem with numbers that are not finite.
     NotFinite,
     /// The solver stopped without a solution.
     NotSolved,
 }
 
-/// Solves eq. (7); keeps solvers and memory between calls. Results do not depend on earlier calls.
+/// A solver of eq. (7) that keeps solvers and memory between calls. Results do not depend on earlier calls.
 #[derive(Clone, Debug)]
 pub struct Mpc {
     qp: Qp,
@@ -69,7 +71,7 @@ pub struct Mpc {
 }
 
 impl Default for Mpc {
-    /// With room for as many constraints as have been seen to join, so that later calls need not allocate.
+    /// A solver with memory for many constraints, so that later calls need not allocate.
     fn default() -> Self {
         Self {
             qp: Qp::default(),
@@ -85,14 +87,14 @@ impl Default for Mpc {
     }
 }
 
-/// Why there is no plan under limits.
+/// The reason why there is no plan under limits.
 enum Stopped {
-    /// The cost exceeds what was asked for.
+    /// The cost exceeds the cutoff.
     Above,
     Unsolved,
 }
 
-/// The optimum without limits, if it is a number.
+/// The optimum without limits, if it is finite.
 fn finite_optimum(free: &ClosedForm, reference: &Reference) -> Option<Plan> {
     let (inputs, cost) = (free.inputs(reference), free.cost(reference));
     let is_finite = cost.is_finite() && inputs.iter().all(|u| u.is_finite());
@@ -100,7 +102,8 @@ fn finite_optimum(free: &ClosedForm, reference: &Reference) -> Option<Plan> {
 }
 
 impl Mpc {
-    /// Solves eq. (7) for a reference. `limits` must be those of the configuration that `free` was made for.
+    /// The solution of eq. (7) for a reference. `limits` must belong to the configuration that `free` was
+    /// made for.
     pub fn solve(&mut self, free: &ClosedForm, limits: &Limits, reference: &Reference) -> Plan {
         let failed = |inputs, failure| {
             let outcome = SolveOutcome::Fallback(failure);
@@ -117,7 +120,8 @@ impl Mpc {
         }
     }
 
-    /// The plan of [`Mpc::solve`] if its cost is at most `cutoff`. `None` if it is more, which is mostly known sooner, or if there is none.
+    /// The plan of [`Mpc::solve`] if its cost is at most `cutoff`; `None` if the cost is higher, which is
+    /// usually known early, or if there is no plan.
     pub fn solve_below(
         &mut self,
         free: &ClosedForm,
@@ -176,9 +180,10 @@ impl Mpc {
         Err(Stopped::Unsolved)
     }
 
-    /// The rows that `inputs` violates and that have not joined: those that have are settled by their multipliers, and what is left of their
-    /// violation is rounding, or paid for. A joint's positions follow from its rates: only when these are all right does a position join, the
-    /// worst. So rows that depend on each other rarely meet.
+    /// Finds the rows to add: those that `inputs` violates and that were not added before. Rows added before
+    /// are settled by their multipliers; their remaining violation is rounding, or paid for. A joint's
+    /// positions follow from its rates, so a position is added only when all rates are satisfied, the worst
+    /// one first. This keeps dependent rows apart.
     fn find_joining(&mut self, limits: &Limits, inputs: &Inputs) {
         let (rows, joining) = (&self.rows, &mut self.joining);
         joining.clear();
@@ -210,7 +215,7 @@ impl Mpc {
         });
     }
 
-    /// Takes the joining rows in, expected to be active, and extends D by them.
+    /// Adds the joining rows, which are expected to be active, and extends D by them.
     fn join(&mut self, inverse: &InverseHessian, limits: &Limits, optimum: &Inputs) {
         let joined = self.joining.len();
         for row in self.joining.drain(..) {
@@ -251,7 +256,7 @@ impl Mpc {
         Some(())
     }
 
-    /// What the limits add to the cost, by duality: 2 c' m - m' D m.
+    /// The cost that the limits add, by duality: 2 c' m - m' D m.
     fn dual_value(&self) -> f64 {
         let weighed = |(i, m): (usize, &f64)| {
             m * (self.excess[i] - slack(&self.dual, &self.excess, &self.multipliers, i))

@@ -9,24 +9,27 @@ use crate::robot::{Configuration, Drive, MAX_JOINTS, PointJacobian, Robot};
 use crate::world::World;
 use nalgebra::Vector3;
 
-/// Base and arm keep this much more (m) than their radius away: a bound that is paid for may be overstepped by millimetres.
-const MARGIN: f64 = 0.01;
-/// Obstacles farther from the base than this (m) at a step set no bound there.
-const FAR: f64 = 0.5;
+/// Additional distance (m) of base and arm from obstacles, because a soft bound may be violated by
+/// millimetres.
+const MARGIN_M: f64 = 0.01;
+/// Distance (m) from the base beyond which an obstacle sets no bound for the base.
+const BASE_RANGE_M: f64 = 0.5;
 
-/// What an overstepped bound costs: this times its square (m), a thousand times what the same tracking error costs.
+/// Weight of the squared violation (m) of a bound: a thousand times that of the same tracking error.
 const PRICE: f64 = 1e6;
-/// The arm is taken as balls of this radius (m) around its joints: half a link's width and a little more.
-const ARM_RADIUS: f64 = 0.08;
-/// Obstacles farther from an arm's joint than this (m) set no bound there, those farther than this from the base none for the whole arm.
-const FAR_FROM_ARM: f64 = 0.6;
-const OUT_OF_REACH: f64 = 2.5;
+/// Radius (m) of the balls around the arm's joints that stand for the arm: half a link's width and a little
+/// more.
+const ARM_RADIUS_M: f64 = 0.08;
+/// Distances (m) beyond which an obstacle sets no bound: from a joint of the arm for that joint, and from the
+/// base for the whole arm.
+const ARM_RANGE_M: f64 = 0.6;
+const ARM_REACH_M: f64 = 2.5;
 
-/// What of the robot is kept out of obstacles.
+/// The parts of the robot that are kept off obstacles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Avoid {
-    /// Nothing: the paper's eq. (7) knows no obstacles.
+    /// None, as in the paper's eq. (7).
     Nothing,
     /// The base.
     Base,
@@ -44,12 +47,13 @@ pub struct RobotObstacles {
 struct Outline {
     footprint: Footprint,
     bounds: Bounds,
-    /// m.
+    /// Height, m.
     height: f64,
 }
 
 impl Outline {
-    /// Signed distance (m) to `p` and the direction in which it grows, if that is no more than `reach` (m, not negative).
+    /// Signed distance (m) to `p` and its gradient, if the distance is no more than `reach` (m, not
+    /// negative).
     fn near(&self, p: Point, reach: f64) -> Option<(f64, Vector)> {
         if !self.bounds.grown(reach).contains(p) {
             return None;
@@ -57,8 +61,9 @@ impl Outline {
         Some(self.footprint.separation(p)).filter(|(distance, _)| *distance <= reach)
     }
 
-    /// The same for a point of an arm that is too near, but measured toward where the arm's chain passes the outline, from `from` to `to`: what is
-    /// nearest may be the far side of a wall, through which no arm gets. `None` if the chain meets the outline.
+    /// The distance for a point of the arm that is too close, measured toward the side on which the arm's
+    /// chain from `from` to `to` passes the outline. The nearest side may be the far side of a wall, which
+    /// the arm cannot pass. `None` if the chain meets the outline.
     fn beside(&self, p: Point, [from, to]: [Point; 2]) -> Option<(f64, Vector)> {
         let away = self.footprint.toward_segment(from, to)?;
         Some((p.coords.dot(&away) - self.footprint.reach(away), away))
@@ -66,7 +71,7 @@ impl Outline {
 }
 
 impl RobotObstacles {
-    /// Those of a world.
+    /// The outlines of a world.
     pub fn new(world: &World) -> Self {
         let outline = |footprint: &Footprint, height| Outline {
             footprint: footprint.clone(),
@@ -76,16 +81,18 @@ impl RobotObstacles {
         Self { outlines: world.obstacles.iter().map(|o| outline(&o.footprint, o.height)).collect() }
     }
 
-    /// Replaces the half-planes in `limits`: for a robot that starts at `q` and would move by `inputs`, the plane that separates its base, and
-    /// its arm's joints, from each near obstacle at each step, linear in the inputs about these.
+    /// Replaces the half-planes in `limits`. They separate the base, and the joints of the arm, from each
+    /// near obstacle at each step, for a robot that starts at `q` and moves by `inputs`. They are linear in
+    /// the inputs about these.
     ///
-    /// With p(t) a point's place after t periods T along `inputs` and n the direction in which the obstacle's distance d grows, the bound is
-    /// n . (p(t) + dp(t)/du (u - inputs)) >= n . p(t) - (d - radius - margin). The base rolls on arcs and carries
-    /// the arm's points, which move on it as their Jacobians at `q` say. Where one of these would be too near, n points to the side on
-    /// which the arm's chain from base to grasp passes it, and d is measured along n.
+    /// Let p(t) be a point's position after t periods T along `inputs`, and n the gradient of the obstacle's
+    /// distance d. The bound is n . (p(t) + dp(t)/du (u - inputs)) >= n . p(t) - (d - radius - margin). The
+    /// base rolls on arcs and carries the arm's points, which move relative to it by their Jacobians at `q`.
+    /// Where such a point would be too close, n points to the side on which the arm's chain from base to
+    /// grasp passes the obstacle, and d is measured along n.
     ///
-    /// The arm's planes are linear in its joints: each step's price is that of the step before times `confidence`, since what a linear plan
-    /// tells of walls is worth the less the farther the arm turns until then.
+    /// The arm's planes are linear in its joints. The weight of each step is that of the previous step times
+    /// `confidence`, because a linear plan is less accurate the farther the arm has turned.
     #[expect(clippy::too_many_arguments)]
     pub fn half_planes(
         &self,
@@ -119,8 +126,10 @@ impl RobotObstacles {
         for t in 0..HORIZON {
             let at = rolling.pose(t).position;
             for outline in &self.outlines {
-                let Some((distance, away)) = outline.near(at, drive.base_radius + FAR) else { continue };
-                let room = distance - drive.base_radius - MARGIN;
+                let Some((distance, away)) = outline.near(at, drive.base_radius + BASE_RANGE_M) else {
+                    continue;
+                };
+                let room = distance - drive.base_radius - MARGIN_M;
                 limits.half_planes.push(rolling.bound(t, -away, room, PRICE));
             }
         }
@@ -139,7 +148,7 @@ impl RobotObstacles {
         let reaching = Reaching::new(&robot.drive, &base, inputs, period);
         let carried = |point: &Vector3<f64>| point.xy() - base.position.coords;
         let arm_of = |jacobian: &PointJacobian| jacobian.fixed_view::<2, MAX_JOINTS>(0, 2).into_owned();
-        // the arm's chain is from the base to its last point, the grasp
+        // the arm's chain leads from the base to its last point, the grasp
         let (mut to_grasp, mut grasp_arm) = (Vector::zeros(), ArmJacobian::zeros());
         robot.arm_points(q, |point, jacobian| (to_grasp, grasp_arm) = (carried(&point), arm_of(jacobian)));
         let chain: [_; HORIZON] = std::array::from_fn(|t| {
@@ -147,24 +156,24 @@ impl RobotObstacles {
         });
         robot.arm_points(q, |point, jacobian| {
             let from_base = carried(&point);
-            // what is above the base is kept off with it
-            if from_base.norm() + ARM_RADIUS <= robot.drive.base_radius {
+            // the bounds of the base also cover what is above it
+            if from_base.norm() + ARM_RADIUS_M <= robot.drive.base_radius {
                 return;
             }
             let arm = arm_of(jacobian);
             for outline in &self.outlines {
-                let is_below = point.z - ARM_RADIUS > outline.height;
-                if is_below || outline.near(base.position, OUT_OF_REACH).is_none() {
+                let is_below = point.z - ARM_RADIUS_M > outline.height;
+                if is_below || outline.near(base.position, ARM_REACH_M).is_none() {
                     continue;
                 }
                 let mut price = PRICE / confidence;
                 for (t, chain) in chain.iter().enumerate() {
                     price *= confidence;
                     let (lever, at) = reaching.place(from_base, &arm, t);
-                    let Some((mut distance, mut away)) = outline.near(at, ARM_RADIUS + FAR_FROM_ARM) else {
+                    let Some((mut distance, mut away)) = outline.near(at, ARM_RADIUS_M + ARM_RANGE_M) else {
                         continue;
                     };
-                    if distance < ARM_RADIUS + MARGIN {
+                    if distance < ARM_RADIUS_M + MARGIN_M {
                         (distance, away) = outline.beside(at, *chain).unwrap_or((distance, away));
                     }
                     let mut coefficients = Inputs::zeros();
@@ -174,14 +183,15 @@ impl RobotObstacles {
                     for step in 0..=t {
                         coefficients.fixed_view_mut::<MAX_JOINTS, 1>(2, step).copy_from(&joints);
                     }
-                    let bound = coefficients.dot(inputs) + distance - ARM_RADIUS - MARGIN;
+                    let bound = coefficients.dot(inputs) + distance - ARM_RADIUS_M - MARGIN_M;
                     limits.half_planes.push(HalfPlane { coefficients, bound, price, is_guide: false });
                 }
             }
         });
     }
 
-    /// Distance (m) between the base and the nearest obstacle, negative where they overlap; infinite without obstacles.
+    /// Distance (m) between the base and the nearest obstacle, negative where they overlap; infinite without
+    /// obstacles.
     pub fn clearance(&self, base: Point, radius: f64) -> f64 {
         let separations = self.outlines.iter().map(|o| o.footprint.separation(base).0);
         separations.map(|distance| distance - radius).fold(f64::INFINITY, f64::min)
@@ -200,7 +210,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::SeedableRng;
 
-    /// A plane's bound says what its distance is about the inputs: so its coefficients are compared with what distances do.
+    /// The coefficients of a plane predict how its distance changes with the inputs.
     #[test]
     fn property_half_planes_of_base_and_arm_agree_with_finite_differences() {
         let text = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [-3, 0]\ntarget_m = [9, 0]\n[[obstacle]]\nname = \"post\"\n\
@@ -238,13 +248,13 @@ mod tests {
                     less[(i, t)] -= 1e-5;
                     let moved = planes(avoid, &more).into_iter().zip(planes(avoid, &less));
                     for (plane, (up, down)) in here.iter().zip(moved) {
-                        // where an arm oversteps its bound, the direction is the chain's, and held
+                        // where an arm violates its bound, the direction is the chain's, and held
                         if avoid == Avoid::Robot && distance(plane, &inputs) < 0.0 {
                             continue;
                         }
                         let slope = (distance(&up, &more) - distance(&down, &less)) / 2e-5;
                         let stated = -plane.coefficients[(i, t)];
-                        // the chord is taken as long as the arc
+                        // the linearisation takes the chord as long as the arc
                         assert!((slope - stated).abs() < 3e-3, "input {i}, step {t}: {slope} {stated}");
                         compared += 1;
                     }
@@ -254,7 +264,7 @@ mod tests {
         assert!(compared > 3000, "{compared}");
     }
 
-    /// The near and the far face of a wall are nearer than its end; but no arm gets through.
+    /// Both faces of a wall are nearer than its end, but the arm cannot pass through it.
     #[test]
     fn an_elbow_is_led_round_the_end_of_a_wall() {
         let robot = Robot::built_in().unwrap();
@@ -283,7 +293,7 @@ mod tests {
         let overstepped =
             limits.half_planes.iter().map(|plane| plane.coefficients.dot(&inputs) - plane.bound);
         let most = overstepped.fold(0.0, f64::max);
-        assert!((most - (0.15 + ARM_RADIUS + MARGIN)).abs() < 1e-9, "{most} m");
+        assert!((most - (0.15 + ARM_RADIUS_M + MARGIN_M)).abs() < 1e-9, "{most} m");
     }
 
     #[test]

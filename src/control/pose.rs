@@ -1,7 +1,8 @@
 //! Eq. (8): the candidate configuration that is best prepared for all options.
 //!
-//! The winner is the exact minimum over all candidates, found without solving most problems: the optimum without limits bounds the cost of
-//! every (candidate, option) from below, and eq. (7) is solved with limits only where that bound can still win.
+//! The winner is the exact minimum over all candidates. Most problems need not be solved for it: the optimum
+//! without limits bounds the cost of every (candidate, option) from below, and eq. (7) is solved with limits
+//! only where that bound can still win.
 
 use super::candidates::{Candidate, Neighbourhood};
 use super::follow::set_base;
@@ -10,7 +11,7 @@ use super::obstacles::{Avoid, RobotObstacles};
 use super::{ClosedForm, Mpc, Reference, Rims, Settings, SolveOutcome};
 use crate::robot::{Configuration, InputJacobian, Kinematics, MAX_JOINTS, Robot};
 
-/// What eq. (8) chooses by.
+/// The criterion of eq. (8).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PoseCriterion {
@@ -18,83 +19,87 @@ pub enum PoseCriterion {
     Expected,
     /// Eq. (8) with the same weight for every option.
     Uniform,
-    /// Eq. (8) for the option that is being tracked, alone.
+    /// Eq. (8) for the tracked option only.
     Tracked,
     /// Not eq. (8): the largest manipulability sqrt(det(J J')) of the arm (Yoshikawa 1985).
     Manipulability,
 }
 
-/// Costs closer than this are equal, and the earlier candidate wins: the present configuration first, then those nearest to it.
+/// The difference below which costs are equal. The earlier candidate then wins: the present configuration
+/// first, then those nearest to it.
 pub const TIE: f64 = 1e-9;
 
 /// The outcome of eq. (8).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoseChoice {
-    /// Which candidate: 0 is the present configuration.
+    /// Index of the chosen candidate; 0 is the present configuration.
     pub index: usize,
-    /// The winner.
+    /// The chosen candidate.
     pub candidate: Candidate,
-    /// kappa ||q* - q_c||^2, the cost of going there.
+    /// kappa ||q* - q_c||^2, the cost of the motion to it.
     pub motion_cost: f64,
-    /// How many candidates there were.
+    /// Number of candidates.
     pub candidates: usize,
-    /// How many of eq. (7)'s problems were solved with limits.
+    /// Number of eq. (7)'s problems that were solved with limits.
     pub solved: usize,
 }
 
-/// A candidate of eq. (8), and what was found of the sum that is minimised: that of eq. (8), or for
-/// [`PoseCriterion::Manipulability`] minus the manipulability.
+/// A candidate of eq. (8) with its objective: the sum of eq. (8), or for [`PoseCriterion::Manipulability`]
+/// the negative manipulability.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Considered<'a> {
     /// The candidate.
     pub candidate: &'a Candidate,
-    /// A lower bound of the sum: its value without limits. `None` where costs were not asked for.
+    /// A lower bound of the objective: its value without limits. `None` where costs were not evaluated.
     pub floor: Option<f64>,
-    /// The sum. `None` where the lower bound, or a part of the sum, already exceeded the least, or there was no choice.
+    /// The objective. `None` where its lower bound, or a part of its sum, already exceeded the least value,
+    /// or there was no choice.
     pub total: Option<f64>,
 }
 
-/// Solves eq. (8); keeps memory between calls.
+/// A solver of eq. (8) that keeps memory between calls.
 #[derive(Clone, Debug, Default)]
 pub struct PoseOptimiser {
     candidates: Vec<Candidate>,
     forms: Vec<ClosedForm>,
-    /// Lower bounds of weight times cost, a row of options a candidate.
+    /// Lower bounds of weight times cost: one row of options per candidate.
     bounds: Vec<f64>,
-    /// Lower bound, then value, of each candidate's total.
+    /// Objective of each candidate: first a lower bound, later the value.
     totals: Vec<f64>,
-    /// The lower bounds that the totals began as.
+    /// The initial lower bounds of the objectives.
     floors: Vec<f64>,
     order: Vec<usize>,
 }
 
-/// What eq. (8) is solved for.
+/// The input of eq. (8).
 #[derive(Clone, Copy, Debug)]
 pub struct PoseProblem<'a> {
     /// The robot.
     pub robot: &'a Robot,
-    /// Where it is, q_c.
+    /// The present configuration, q_c.
     pub configuration: &'a Configuration,
-    /// Its kinematics there.
+    /// The kinematics at that configuration.
     pub kinematics: &'a Kinematics,
     /// s_o(1..H) of every option.
     pub references: &'a [Reference],
     /// The weight of every option: P_o.
     pub weights: &'a [f64],
-    /// The obstacles, and what is kept out of them.
+    /// The obstacles, and the parts of the robot that are kept off them.
     pub obstacles: Option<(&'a RobotObstacles, Avoid)>,
-    /// Rim speeds of the base, where these are settled: then the references are what is left for the arm, and only the arm is optimised.
+    /// The base's rim speeds, if given. The references then cover the arm's part only, and only the arm is
+    /// optimised.
     pub rims: Option<&'a Rims>,
     /// Control period, s.
     pub period: f64,
-    /// The share of the rate limits that the change of configuration may take, up to 1.
+    /// The share of the rate limits that the change of configuration may use, up to 1.
     pub share: f64,
-    /// What the arm's half-planes of a step are worth beside those of the step before: see [`RobotObstacles::half_planes`].
+    /// Factor of the weight of the arm's half-planes from one step to the next: see
+    /// [`RobotObstacles::half_planes`].
     pub confidence: f64,
 }
 
 impl PoseOptimiser {
-    /// The candidate of least sum_o P_o G_o(q) + kappa ||q - q_c||^2, each G_o with all limits.
+    /// The candidate with the least sum_o P_o G_o(q) + kappa ||q - q_c||^2, each G_o with all limits.
     pub fn choose(
         &mut self,
         problem: &PoseProblem,
@@ -126,7 +131,7 @@ impl PoseOptimiser {
         &self.candidates
     }
 
-    /// What the last call made of its candidates.
+    /// The candidates of the last call with their objectives.
     pub fn considered(&self) -> impl Iterator<Item = Considered<'_>> {
         self.candidates.iter().enumerate().map(|(i, candidate)| Considered {
             candidate,
@@ -166,7 +171,8 @@ impl PoseOptimiser {
         self.floors.extend(&self.totals);
     }
 
-    /// Turns bounds into values, in the order of the bounds, as long as a bound is no greater than the best value.
+    /// Replaces bounds by values, in the order of the bounds, as long as a bound is no greater than the least
+    /// value.
     fn least(
         &mut self,
         problem: &PoseProblem,
@@ -225,7 +231,8 @@ impl PoseOptimiser {
     }
 }
 
-/// kappa ||q - q_c||^2. Motion of the base is priced as an input, by its rates: unpriced, it would be a free way out.
+/// kappa ||q - q_c||^2. The motion of the base is priced by its rates, like an input. Without a price, the
+/// optimiser would move the base for free.
 pub fn motion_cost(candidate: &Candidate, from: &Configuration, settings: &Settings) -> f64 {
     let arm = (candidate.configuration.joints - from.joints).norm_squared();
     settings.pose_weight * (arm + candidate.rates.fixed_rows::<2>(0).norm_squared())

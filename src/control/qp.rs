@@ -1,13 +1,13 @@
-//! A small quadratic program over non-negative numbers. The only file that knows clarabel.
+//! A small quadratic program over non-negative numbers. No other file uses clarabel.
 //!
-//! The inequality-constrained eq. (7) has 72 inputs but, in its dual, only one multiplier for each constraint that may be active:
-//! minimise 1/2 m' D m - c' m over m >= 0. Programs are padded to a few sizes, and a solver is kept for each: its symbolic factorisation and
-//! its memory are used again by every later program of that size.
+//! The inequality-constrained eq. (7) has 72 inputs, but its dual has only one multiplier for each constraint
+//! that may be active: minimise 1/2 m' D m - c' m over m >= 0. Programs are padded to a few sizes, and a
+//! solver is kept for each size. Later programs of that size reuse its symbolic factorisation and its memory.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
 
-/// Solvers for programs of every size that has occurred.
+/// Solvers for programs of every size so far.
 #[derive(Default)]
 pub struct Qp {
     solvers: Vec<Sized>,
@@ -35,12 +35,14 @@ impl std::fmt::Debug for Qp {
 }
 
 impl Qp {
-    /// Minimises 1/2 m' D m - c' m over m >= 0, with D symmetric, positive semidefinite with a positive diagonal, given by rows. False if
-    /// that did not succeed; `minimiser` is then unspecified.
+    /// Minimises 1/2 m' D m - c' m over m >= 0. D is given by rows and must be symmetric and positive
+    /// semidefinite with a positive diagonal. Returns false if no minimum was found; `minimiser` is then
+    /// unspecified.
     pub fn minimise(&mut self, d: &[f64], c: &[f64], minimiser: &mut Vec<f64>) -> bool {
         let n = c.len();
         let size = padded(n);
-        // unit diagonal and a linear term of size 1: clarabel's own scaling would depend on the programs before
+        // scale to a unit diagonal and a linear term of size 1, since clarabel's own scaling would depend on
+        // earlier programs
         self.scale.clear();
         self.scale.extend((0..n).map(|i| 1.0 / d[i * n + i].sqrt()));
         let largest = c.iter().zip(&self.scale).map(|(c, s)| (c * s).abs()).fold(0.0, f64::max);
@@ -56,7 +58,7 @@ impl Qp {
                 });
             }
         }
-        // padding is pushed firmly to 0
+        // the linear term pushes the padding to 0
         self.linear.clear();
         self.linear.extend((0..size).map(|i| if i < n { -c[i] * self.scale[i] / largest } else { 1.0 }));
         let Some(solver) = self.solver(size) else { return false };
@@ -100,13 +102,14 @@ impl Qp {
     }
 }
 
-/// The size that a program of `n` multipliers is solved at: few sizes, little padding.
+/// The padded size of a program of `n` multipliers: few sizes, little padding.
 fn padded(n: usize) -> usize {
     let step = if n <= 16 { 4 } else { 16 };
     n.next_multiple_of(step).max(4)
 }
 
-/// Minimises u' H u - 2 f' u subject to A u <= b, dense and without any of this crate's shortcuts: what [`super::Mpc`] is tested against.
+/// Minimises u' H u - 2 f' u subject to A u <= b as a dense program without the crate's shortcuts: the
+/// reference for tests of [`super::Mpc`].
 #[cfg(test)]
 pub fn dense(
     h: &nalgebra::DMatrix<f64>,
@@ -143,7 +146,8 @@ pub fn dense(
     if !matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
         return None;
     }
-    // the interior point leaves 1e-5 in inputs that cost little: solve the equalities that it found to be active
+    // the interior point leaves errors of 1e-5 in inputs of low cost: solve the equalities of the active
+    // constraints
     let (slacks, multipliers) = (&solver.solution.s, &solver.solution.z);
     let active: Vec<usize> = (0..b.len()).filter(|&i| multipliers[i] > slacks[i]).collect();
     let k = active.len();
@@ -167,10 +171,10 @@ mod tests {
     fn closed_form_a_bound_that_holds_one_multiplier_at_zero() {
         let mut found = Vec::new();
         let mut qp = Qp::default();
-        // without bounds (5/3, -4/3); with them the second is 0 and the first 1/2
+        // the minimum is (5/3, -4/3) without bounds; with bounds the second is 0 and the first 1/2
         assert!(qp.minimise(&[2.0, 1.0, 1.0, 2.0], &[1.0, -1.0], &mut found));
         assert!((found[0] - 0.5).abs() < 1e-7 && found[1].abs() < 1e-7, "{found:?}");
-        // the same solver again, with other numbers
+        // the same solver with other numbers
         assert!(qp.minimise(&[200.0, 100.0, 100.0, 200.0], &[1.0, 1.0], &mut found));
         assert!((found[0] - 1.0 / 300.0).abs() < 1e-9 && (found[1] - found[0]).abs() < 1e-9, "{found:?}");
         assert_eq!(qp.solvers.len(), 1);

@@ -1,4 +1,4 @@
-//! Where points of the arm come to under the inputs that the robot would take.
+//! Predicted positions of points of the arm under given inputs.
 
 use super::rolling::Rolling;
 use super::{HORIZON, Inputs};
@@ -6,14 +6,14 @@ use crate::geometry::{PlanarPose, Point, Vector};
 use crate::robot::{Drive, JointVector, MAX_JOINTS};
 use nalgebra::{Rotation2, SMatrix};
 
-/// How a point seen from above moves with the joints of the arm.
+/// The Jacobian of a point seen from above with respect to the arm's joints.
 pub(super) type ArmJacobian = SMatrix<f64, 2, MAX_JOINTS>;
 
-/// Where an arm's joints go: on a base that rolls, linear in the joints' rates.
+/// The prediction for points of the arm: on a rolling base, linear in the joint rates.
 pub(super) struct Reaching<'r> {
     base: PlanarPose,
     pub rolling: Rolling<'r>,
-    /// How far each joint has moved after each step, rad (m).
+    /// The displacement of each joint after each step, rad (m).
     moved: [JointVector; HORIZON],
 }
 
@@ -27,12 +27,13 @@ impl<'r> Reaching<'r> {
         Self { base: *base, rolling: Rolling::new(drive, base, inputs, period), moved }
     }
 
-    /// How far the base has turned after the step `t`.
+    /// The rotation of the base after step `t`.
     pub fn turned(&self, t: usize) -> Rotation2<f64> {
         Rotation2::new(self.rolling.pose(t).yaw - self.base.yaw)
     }
 
-    /// Where a point is after the step `t` that is `carried` away from the base (m) and moves with `arm`: as seen from the base, and in the world.
+    /// The position of a point after step `t`, relative to the base and in the world. `carried` is its offset
+    /// from the base (m), `arm` its Jacobian.
     pub fn place(&self, carried: Vector, arm: &ArmJacobian, t: usize) -> (Vector, Point) {
         let from_base = self.turned(t) * (carried + arm * self.moved[t]);
         (from_base, self.rolling.pose(t).position + from_base)

@@ -1,4 +1,4 @@
-//! Where a base comes to under given rim speeds, with derivatives.
+//! Predicted poses of the base under given rim speeds, with derivatives.
 
 use super::limits::HalfPlane;
 use super::{HORIZON, Inputs};
@@ -6,7 +6,7 @@ use crate::geometry::{PlanarPose, Vector, direction, left_of};
 use crate::robot::Drive;
 use nalgebra::SMatrix;
 
-/// A base that rolls along given inputs: what its places are linearised about.
+/// A base that rolls along given inputs, about which its positions are linearised.
 pub(super) struct Rolling<'i> {
     inputs: &'i Inputs,
     steps: [Step; HORIZON],
@@ -17,16 +17,16 @@ pub(super) struct Rolling<'i> {
 /// One step of the base.
 #[derive(Clone, Copy, Debug)]
 struct Step {
-    /// Direction of travel in its middle.
+    /// Direction of travel in the middle of the step.
     ahead: Vector,
-    /// m/s.
+    /// Speed, m/s.
     speed: f64,
-    /// Where it leads.
+    /// Pose at the end of the step.
     to: PlanarPose,
 }
 
 impl<'i> Rolling<'i> {
-    /// A base that starts at `base`; the first two rows of `inputs` are its rims' speeds.
+    /// A base that starts at `base`. The first two rows of `inputs` are the rim speeds.
     pub fn new(drive: &Drive, base: &PlanarPose, inputs: &'i Inputs, period: f64) -> Self {
         let mut at = *base;
         let steps = std::array::from_fn(|t| {
@@ -39,19 +39,21 @@ impl<'i> Rolling<'i> {
         Self { inputs, steps, track: drive.track, period }
     }
 
-    /// Where the base is after the step `t`.
+    /// The pose of the base after step `t`.
     pub fn pose(&self, t: usize) -> &PlanarPose {
         &self.steps[t].to
     }
 
-    /// The bound that keeps it, after the step `t`, from going farther than `room` (m) from there in the direction `toward`.
+    /// The bound that keeps the base, after step `t`, from moving farther than `room` (m) in the direction
+    /// `toward`.
     pub fn bound(&self, t: usize, toward: Vector, room: f64, price: f64) -> HalfPlane {
         let mut coefficients = Inputs::zeros();
         coefficients.fixed_rows_mut::<2>(0).copy_from(&self.gradient(t, toward));
         HalfPlane { coefficients, bound: coefficients.dot(self.inputs) + room, price, is_guide: false }
     }
 
-    /// The gradient of `toward . p` for a point that the base carries `arm` (m) away from it, as above.
+    /// The gradient of `toward . p` for a point that the base carries at the offset `arm` (m), with respect
+    /// to the rim speeds.
     pub fn gradient_at(&self, t: usize, toward: Vector, arm: Vector) -> SMatrix<f64, 2, HORIZON> {
         let mut gradient = self.gradient(t, toward);
         let turn = self.period / self.track * toward.dot(&left_of(arm));
@@ -62,10 +64,11 @@ impl<'i> Rolling<'i> {
         gradient
     }
 
-    /// The gradient of `toward . p` after the step `t` with respect to the rim speeds, left and right, a column a step; s.
+    /// The gradient of `toward . p` after step `t` with respect to the rim speeds, left and right, one column
+    /// per step; s.
     fn gradient(&self, t: usize, toward: Vector) -> SMatrix<f64, 2, HORIZON> {
         let mut gradient = SMatrix::zeros();
-        // what a turn before the step moves sideways in all later ones, m/rad
+        // the sideways motion in all later steps per turn before the step, m/rad
         let mut swung = 0.0;
         for (t, step) in self.steps[..=t].iter().enumerate().rev() {
             let sideways = self.period * step.speed * toward.dot(&left_of(step.ahead));
@@ -116,7 +119,7 @@ mod tests {
                     more[t][wheel] += 1e-5;
                     less[t][wheel] -= 1e-5;
                     let slope = (place(&more) - place(&less)) / 2e-5;
-                    // the chord is taken as long as the arc
+                    // the linearisation takes the chord as long as the arc
                     assert!((slope - gradient[(wheel, t)]).abs() < 3e-3, "{slope} {}", gradient[(wheel, t)]);
                 }
             }

@@ -3,30 +3,33 @@
 use super::{Avoid, CandidateSet, PoseCriterion};
 use serde::{Deserialize, Serialize};
 
-/// Everything about the controller but the robot.
+/// The settings of the controller.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// Q = this times I_6.
+    /// q of Q = q I_6.
     pub state_weight: f64,
-    /// R = this times I.
+    /// r of R = r I.
     pub input_weight: f64,
     /// kappa of eq. (8).
     pub pose_weight: f64,
-    /// Configurations that eq. (8) chooses among.
+    /// The kind of candidates of eq. (8).
     pub candidates: CandidateSet,
-    /// What it chooses by.
+    /// The criterion of eq. (8).
     pub criterion: PoseCriterion,
-    /// Whether eq. (8) also chooses the configuration while the robot leads, for the way that it leads on. The paper's does not.
+    /// Whether eq. (8) also chooses the configuration while the robot leads, to prepare for the path ahead.
+    /// In the paper it does not.
     pub prepare_while_leading: bool,
-    /// What is kept out of obstacles. The paper's eq. (7) knows none.
+    /// The parts of the robot that are kept off obstacles. The paper's eq. (7) has no obstacles.
     pub avoid: Avoid,
-    /// How sharply a walking direction tells options apart: concentration of a von Mises distribution about an option's direction.
+    /// How sharply a walking direction distinguishes options: the concentration of a von Mises distribution
+    /// about an option's direction.
     pub direction_concentration: f64,
 }
 
 impl Default for Settings {
-    /// Sec. V-C: Q = 1000 I_6, R = I_9, kappa = 1; |Q| = 15 arm configurations. Directions are taken as known to about 13 degrees.
+    /// Sec. V-C: Q = 1000 I_6, R = I_9, kappa = 1; |Q| = 15 arm configurations. The concentration corresponds
+    /// to directions known to about 13 degrees.
     fn default() -> Self {
         Self {
             state_weight: 1000.0,

@@ -1,4 +1,4 @@
-//! Fast paths against slow obvious ones, on random states of the built-in robot.
+//! Fast paths compared with slow references, on random states of the built-in robot.
 
 use super::limits::Row;
 use super::*;
@@ -16,11 +16,12 @@ fn robot() -> Robot {
     Robot::built_in().expect("the built-in robot")
 }
 
-/// A configuration inside the joint limits, its kinematics, and trajectories to follow from there: at walking speed, or `haste` times as fast.
+/// A configuration inside the joint limits, its kinematics, and trajectories from there at `speed_factor` times
+/// walking speed.
 fn random_state(
     robot: &Robot,
     rng: &mut ChaCha8Rng,
-    haste: f64,
+    speed_factor: f64,
 ) -> (Configuration, Kinematics, Vec<Reference>) {
     let mut joints = JointVector::zeros();
     for (q, joint) in joints.iter_mut().zip(&robot.joints) {
@@ -31,9 +32,9 @@ fn random_state(
     let at = robot.kinematics(&q);
     let references = (0..4)
         .map(|_| {
-            let heading = direction(rng.random_range(-3.0..3.0)) * (haste * 0.5 * PERIOD);
-            let turn = rng.random_range(-0.16..0.16) * haste;
-            let offset = Vector6::from_fn(|_, _| rng.random_range(-0.02..0.02) * haste);
+            let heading = direction(rng.random_range(-3.0..3.0)) * (speed_factor * 0.5 * PERIOD);
+            let turn = rng.random_range(-0.16..0.16) * speed_factor;
+            let offset = Vector6::from_fn(|_, _| rng.random_range(-0.02..0.02) * speed_factor);
             Reference::from_fn(|row, t| {
                 let way = [heading.x, heading.y, 0.0, 0.0, 0.0, turn][row];
                 offset[row] + way * (t + 1) as f64
@@ -47,7 +48,7 @@ fn input_matrix(at: &Kinematics) -> crate::robot::InputJacobian {
     at.jacobian * PERIOD
 }
 
-/// Eq. (7) without limits by the textbook's matrix recursion.
+/// Eq. (7) without limits by the textbook matrix recursion.
 fn riccati(b: &crate::robot::InputJacobian, reference: &Reference) -> (f64, Inputs) {
     let q = Matrix6::identity() * 1000.0;
     let r = nalgebra::SMatrix::<f64, MAX_INPUTS, MAX_INPUTS>::identity();

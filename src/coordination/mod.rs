@@ -31,7 +31,8 @@ impl Default for Settings {
     }
 }
 
-/// The stubbornness measure of eq. (5): discomfort accumulates while the team goes another way than the human would.
+/// The stubbornness measure of eq. (5). Discomfort accumulates while the team walks another path than the
+/// human would.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stubbornness {
     settings: Settings,
@@ -39,7 +40,7 @@ pub struct Stubbornness {
 }
 
 impl Stubbornness {
-    /// At the start: g(0) = 0.
+    /// The measure at the start: g(0) = 0.
     pub fn new(settings: Settings) -> Self {
         Self { settings, discomfort: 0.0 }
     }
@@ -72,16 +73,16 @@ pub struct OptionTick {
     pub remaining: Remaining,
     /// J_o, eq. (1), m.
     pub objective: f64,
-    /// J~_o, the expected subjective cost of eq. (6), cost units: the mean over the robot's belief. Evaluated while the robot leads, else
-    /// NaN.
+    /// J~_o, the expected subjective cost of eq. (6), cost units: the mean over the robot's belief. NaN
+    /// unless the robot leads.
     pub expected: f64,
     /// P_o, eq. (4); NaN where it was not evaluated.
     pub probability: f64,
-    /// omega_o: whether the team is moving toward something else than this option's next waypoint.
+    /// omega_o: whether the team's next waypoint differs from this option's.
     pub misaligned: bool,
 }
 
-/// sum_o omega_o(k) P_o(k) of eq. (5): the probability that the human would go another way.
+/// sum_o omega_o(k) P_o(k) of eq. (5): the probability that the human would walk another path.
 pub fn misalignment(options: &[OptionTick]) -> f64 {
     options.iter().filter(|option| option.misaligned).map(|option| option.probability).sum()
 }
@@ -91,10 +92,11 @@ pub fn is_misaligned(team: Waypoint, option: Waypoint) -> bool {
     team != option
 }
 
-/// o*(k) of eq. (6): the least (1 - phi) J_o + phi J~_o over pairs (J_o, J~_o) in metres. Ties go to `current`, then to the lower index.
+/// o*(k) of eq. (6): the least (1 - phi) J_o + phi J~_o over pairs (J_o, J~_o) in metres. Ties go to
+/// `current`, then to the lower index. Without costs, option 0.
 ///
-/// DEVIATION (eq. 6): phi is held at 1 from above. With the mode transition phi never exceeds 1 here; a robot that leads to the end would
-/// otherwise weigh its own cost negatively. No costs: option 0.
+/// DEVIATION (eq. 6): phi is limited to 1. With the mode transition phi never exceeds 1 here; a robot that
+/// leads to the end would otherwise give its own cost a negative weight.
 pub fn robot_choice(
     costs: impl Iterator<Item = (f64, f64)>,
     stubbornness: f64,
@@ -129,7 +131,7 @@ mod tests {
         let costs = [(1.0, 5.0), (3.0, 2.0)];
         assert_eq!(robot_choice(costs.into_iter(), 0.1, None), 0);
         assert_eq!(robot_choice(costs.into_iter(), 0.9, None), 1);
-        // above 1 the robot's own cost must not count negatively: 9 and 2 would tie-break wrongly
+        // above 1 the robot's own cost must not have a negative weight: 9 and 2 would break the tie wrongly
         assert_eq!(robot_choice([(1.0, 5.0), (30.0, 5.5)].into_iter(), 3.0, None), 0);
     }
 
