@@ -1,4 +1,4 @@
-//! What the robot believes about a human's perception: independent marginals (the paper) or weighted samples.
+//! The robot's belief about a human's perception: independent marginals (the paper) or weighted samples.
 
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
@@ -36,7 +36,7 @@ pub struct SampleSet {
     samples: Vec<WeightedSample>,
 }
 
-/// A sample as it is written down.
+/// A sample as it is serialised.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Row {
@@ -56,7 +56,7 @@ impl From<SampleSet> for Vec<Row> {
 impl TryFrom<Vec<Row>> for SampleSet {
     type Error = PreferenceError;
 
-    /// Weights that sum to 1 already are kept to the last bit.
+    /// Weights that already sum to 1 are kept to the last bit.
     fn try_from(rows: Vec<Row>) -> Result<Self, PreferenceError> {
         let sample =
             |Row { alpha, gamma, weight }| WeightedSample { perception: Perception { alpha, gamma }, weight };

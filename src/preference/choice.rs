@@ -4,8 +4,9 @@ use serde::Serialize;
 
 /// The probabilities `P_o` (eq. 4) that each option is the one the human prefers.
 ///
-/// Invariant: every entry is non-negative and they sum to 1 up to rounding; without options there are no entries. It is a buffer
-/// as well: [`Predictor::predict`](super::Predictor::predict) refills it without allocating.
+/// Invariant: every entry is non-negative and they sum to 1 up to rounding; without options there are no
+/// entries. It is also a buffer: [`Predictor::predict`](super::Predictor::predict) refills it without
+/// allocation.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 #[serde(transparent)]
 pub struct ChoiceDistribution {
@@ -40,7 +41,7 @@ impl ChoiceDistribution {
         self.probabilities.len()
     }
 
-    /// True without options.
+    /// Whether there are no options.
     pub fn is_empty(&self) -> bool {
         self.probabilities.is_empty()
     }
@@ -53,7 +54,8 @@ impl ChoiceDistribution {
         }
     }
 
-    /// Takes over raw masses and normalises them; false (and unspecified contents) if they are no distribution.
+    /// Takes over raw masses and normalises them. Returns false, with unspecified contents, if they are no
+    /// distribution.
     pub(super) fn set_masses(&mut self, masses: &[f64]) -> bool {
         self.probabilities.clear();
         // Rounding may leave a mass of -1e-17 where an option holds a vanishing interval.

@@ -1,4 +1,4 @@
-//! Options as curves over `alpha`: which can win at all, and where two of them cross.
+//! Options as curves over `alpha`: which of them can win at all, and where two of them cross.
 
 use crate::math;
 use std::cmp::Ordering;
@@ -46,10 +46,11 @@ impl Curve {
     }
 }
 
-/// Fills `front` with the options no other one dominates, shortest first.
+/// Fills `front` with the options that no other one dominates, shortest first.
 ///
-/// Both perceptions are monotone, so an option that is neither shorter nor safer than another never wins, whatever `alpha` and
-/// `gamma` are; of equal ones `current` stays, else the lowest index. In the result lengths strictly rise and risks strictly fall.
+/// Both perceptions are monotone, so an option that is neither shorter nor safer than another never wins,
+/// whatever `alpha` and `gamma` are. Of equal options `current` stays, else the lowest index. In the result
+/// lengths strictly rise and risks strictly fall.
 pub(super) fn pareto_front(
     prospects: &[Prospect],
     risk_matters: bool,
@@ -67,7 +68,7 @@ pub(super) fn pareto_front(
     });
     let mut lowest = f64::INFINITY;
     front.retain(|curve| {
-        // The first one always stays; an endless way only if it is the first.
+        // The first option always stays; an option of infinite length stays only if it is the first.
         let first = lowest == f64::INFINITY;
         let stays = first || (curve.risk < lowest && risk_matters && curve.length.is_finite());
         if stays {
@@ -77,10 +78,11 @@ pub(super) fn pareto_front(
     });
 }
 
-/// The `alpha` at which `D_i^alpha - D_j^alpha` turns around, for two lengths in `(0, 1)`; `None` where it is monotone.
+/// The `alpha` at which `D_i^alpha - D_j^alpha` turns around, for two lengths in `(0, 1)`; `None` where it is
+/// monotone.
 ///
-/// Two lengths of at least 1 m, or one on either side of it, cross at most once; two options with less than 1 m left may cross
-/// once on each side of this point.
+/// Two lengths of at least 1 m, or one on either side of it, cross at most once. Two options with less than 1
+/// m left may cross once on each side of this point.
 pub(super) fn turning_point(shorter: &Curve, longer: &Curve) -> Option<f64> {
     if !(shorter.length > 0.0 && longer.length < 1.0) {
         return None;
@@ -89,7 +91,8 @@ pub(super) fn turning_point(shorter: &Curve, longer: &Curve) -> Option<f64> {
     Some(math::ln_1p(ratio / -longer.log_length) / ratio)
 }
 
-/// Below this difference of logarithms it is computed from the difference of the numbers, to keep its relative accuracy.
+/// The difference of logarithms below which it is computed from the difference of the numbers, to keep its
+/// relative accuracy.
 const CLOSE: f64 = 0.02;
 
 /// `ln(D_long / D_short)`; infinite when the shorter length is 0.
@@ -108,15 +111,15 @@ fn log_surprise_ratio(riskier: &Curve, safer: &Curve) -> f64 {
     }
 }
 
-/// Two curves, the left one falling below the right one as `alpha` shrinks: where they cross, solved again and again for
-/// slowly changing risks.
+/// Two curves, the left one falling below the right one as `alpha` shrinks. Their crossing is solved
+/// repeatedly for slowly changing risks.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pair {
     /// Rank of the curve that is lower to the left of the crossing.
     pub left: usize,
     /// Rank of the curve that is lower to the right of the crossing.
     pub right: usize,
-    /// True if the left curve is the longer option: then the length gap grows with `alpha`, else it shrinks.
+    /// Whether the left curve is the longer option: the length gap then grows with `alpha`, else it shrinks.
     pub rising: bool,
     long_log: f64,
     short_log: f64,
@@ -137,7 +140,7 @@ struct Tangent {
     third: f64,
 }
 
-/// What one value of `gamma` makes of a curve's risk.
+/// A curve's risk as perceived at one value of `gamma`.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Level {
     /// `(-ln S)^gamma`.
@@ -162,7 +165,8 @@ impl Pair {
         }
     }
 
-    /// How much more the shorter, riskier option's risk costs than the longer option's: what the length gap must make up for.
+    /// The cost of the shorter, riskier option's risk minus that of the longer option's, which the length gap
+    /// must make up for.
     pub fn risk_gap(&self, levels: &[Level], gamma: f64, risk_weight: f64) -> f64 {
         let (long, short) = if self.rising { (self.left, self.right) } else { (self.right, self.left) };
         let (long, short) = (levels[long], levels[short]);
@@ -192,10 +196,11 @@ impl Pair {
         if self.rising { excess } else { -excess }
     }
 
-    /// The `alpha` in `[lower, upper]` where the two curves cost the same; the nearer bound if they do not cross in between.
+    /// The `alpha` in `[lower, upper]` where the two curves cost the same; the nearer bound if they do not
+    /// cross in between.
     ///
-    /// Solves `alpha ln D_long + ln(1 - exp(-alpha ratio)) = ln risk_gap`, nearly linear and concave in `alpha`, by Halley steps
-    /// inside a shrinking bracket, starting from the expansion around the last solution.
+    /// Solves `alpha ln D_long + ln(1 - exp(-alpha ratio)) = ln risk_gap`, which is nearly linear and concave
+    /// in `alpha`. Halley steps inside a shrinking bracket start from the expansion around the last solution.
     pub fn crossing(&mut self, risk_gap: f64, lower: f64, upper: f64) -> f64 {
         let target = math::ln(risk_gap);
         if target == f64::NEG_INFINITY {
@@ -257,7 +262,7 @@ impl Pair {
         Tangent { alpha, value, first: self.long_log + bent, second, third: -second * pull * (1.0 + shrunk) }
     }
 
-    /// Takes over the last solution of the same pair.
+    /// Starts from the last solution of the same pair.
     pub fn warm(&mut self, earlier: &Self) {
         self.last = earlier.last;
     }

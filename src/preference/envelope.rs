@@ -1,12 +1,14 @@
-//! The lower envelope of the options' cost curves at one `gamma`: who wins over which part of a range of `alpha`.
+//! The lower envelope of the options' cost curves at one `gamma`: the winner on each part of a range of
+//! `alpha`.
 //!
-//! Within a range that contains no [turning point](super::curve::turning_point) any two curves cross at most once, and which of
-//! them wins on the left follows from their slopes alone. Sorted by slope, the envelope is one pass with a stack.
+//! Within a range that contains no [turning point](super::curve::turning_point), any two curves cross at most
+//! once, and their slopes determine which of them wins on the left. Sorted by slope, the envelope is one pass
+//! with a stack.
 
 use super::curve::{Curve, Level, Pair};
 use crate::math;
 
-/// The curves over one range of `alpha`, and the envelope at the last `gamma` asked for.
+/// The curves over one range of `alpha`, and their envelope at the last `gamma`.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Envelope {
     /// Start of the range of `alpha`.
@@ -19,7 +21,7 @@ pub(super) struct Envelope {
     pub gamma: f64,
     /// Curves by falling slope: a curve can only take over to the right of one of lower rank.
     pub curves: Vec<Curve>,
-    /// What `gamma` makes of their risks, by rank.
+    /// The perceived risks of the curves at `gamma`, by rank.
     pub levels: Vec<Level>,
     /// `D^alpha` at both ends of the range, by rank.
     ends: Vec<(f64, f64)>,
@@ -27,12 +29,12 @@ pub(super) struct Envelope {
     pub stack: Vec<Winner>,
 }
 
-/// A piece of the envelope.
+/// A winner on one part of the envelope.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Winner {
     /// Rank of the curve.
     pub rank: usize,
-    /// Where its piece starts; it ends where the next one starts.
+    /// The `alpha` where its part starts; the part ends where the next one starts.
     pub start: f64,
 }
 
@@ -81,7 +83,7 @@ impl Envelope {
         pair.risk_gap(&self.levels, self.gamma, self.risk_weight)
     }
 
-    /// Where a pair crosses at the present `gamma`.
+    /// The `alpha` where a pair crosses at the present `gamma`.
     pub fn crossing(&self, pair: &mut Pair) -> f64 {
         let risk_gap = self.risk_gap(pair);
         pair.crossing(risk_gap, self.lower, self.upper)

@@ -1,8 +1,8 @@
-//! What can be wrong with the parameters of the preference model, each case with its numbers.
+//! Errors in the parameters of the preference model, each with its numbers.
 
 use thiserror::Error;
 
-/// A belief or a risk weight that cannot be used. Options never cause an error: see [`Prospect`](super::Prospect).
+/// An invalid belief or risk weight. Options never cause an error: see [`Prospect`](super::Prospect).
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PreferenceError {
     /// The bounds of a marginal are not `0 < lower < upper < infinity`.

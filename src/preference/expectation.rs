@@ -1,4 +1,5 @@
-//! Means of the perceived length and the perceived risk over a marginal: the two halves of the expected subjective cost.
+//! Means of the perceived length and the perceived risk over a marginal: the two terms of the expected
+//! subjective cost.
 
 use crate::math;
 use std::num::NonZeroUsize;
@@ -6,7 +7,8 @@ use std::num::NonZeroUsize;
 use super::Marginal;
 use super::rule::gauss_legendre;
 
-/// Nodes per panel of a marginal's range: Stevens' and Prelec's functions are then integrated to rounding on the paper's ranges.
+/// Nodes per panel of a marginal's range. They integrate Stevens' and Prelec's functions to rounding on the
+/// paper's ranges.
 const POINTS: usize = 14;
 
 /// A marginal as weighted nodes: the mean of a smooth function is a sum over them.
@@ -68,7 +70,8 @@ pub(super) fn uniform_perceived_length(length: f64, lower: f64, upper: f64) -> f
 mod tests {
     use super::*;
 
-    /// Mean over a marginal by the midpoint rule, extrapolated once; compensated, or rounding would be all one sees.
+    /// The mean over a marginal by the midpoint rule, extrapolated once. The sum is compensated, because
+    /// rounding would dominate the result.
     fn slow_mean(marginal: &Marginal, function: impl Fn(f64) -> f64) -> f64 {
         let range = marginal.upper() - marginal.lower();
         let midpoint = |points: u32| -> f64 {

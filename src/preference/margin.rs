@@ -1,20 +1,23 @@
-//! By how much a curve stays above the envelope of the others, and the `gamma` at which it joins or leaves it.
+//! The margin of a curve above the envelope of the others, and the `gamma` at which the curve joins or leaves
+//! it.
 
 use super::curve::Pair;
 use super::envelope::Envelope;
 
-/// A curve and the winner it is compared with.
+/// A curve and the winner that it is compared with.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rival {
     pair: Pair,
-    /// True if the curve, not the winner, is the left one of the pair.
+    /// Whether the curve, not the winner, is the left one of the pair.
     on_left: bool,
 }
 
 impl Rival {
-    /// Compares the curve of this rank with the nearer in length of its neighbours among the winners (at least one is there).
+    /// Compares the curve of this rank with that of its neighbours among the winners (there is at least one)
+    /// that is nearer in length.
     ///
-    /// Where the curve comes nearest to the envelope both neighbours cost the same; the nearer one keeps more digits.
+    /// Where the curve comes nearest to the envelope, both neighbours cost the same; the nearer one keeps
+    /// more digits.
     pub fn new(envelope: &Envelope, rank: usize, before: Option<usize>, after: Option<usize>) -> Self {
         let log = |rank: usize| envelope.curves[rank].log_length;
         let distance = |other: usize| (log(other) - log(rank)).abs();
@@ -34,9 +37,11 @@ impl Rival {
     }
 }
 
-/// The least margin of a curve above its neighbours on the envelope as a function of `gamma`; negative where the curve wins.
+/// The least margin of a curve above its neighbours on the envelope as a function of `gamma`; negative where
+/// the curve wins.
 ///
-/// It is least where the neighbours cross, or, for want of a neighbour, at the end of the range of `alpha`.
+/// It is least where the neighbours cross, or at the end of the range of `alpha` if there is only one
+/// neighbour.
 pub(super) struct Margin {
     rival: Rival,
     neighbours: Option<Pair>,
@@ -45,7 +50,7 @@ pub(super) struct Margin {
 }
 
 impl Margin {
-    /// The margin of the curve of this rank above its neighbours, of which at least one is there.
+    /// The margin of the curve of this rank above its neighbours, of which there is at least one.
     pub fn new(envelope: &Envelope, rank: usize, before: Option<usize>, after: Option<usize>) -> Self {
         Self {
             rival: Rival::new(envelope, rank, before, after),
@@ -64,9 +69,11 @@ impl Margin {
         self.rival.margin(envelope, alpha)
     }
 
-    /// The `gamma` between `from` and `to` at which the margin is 0, to within `tolerance`; `None` if its sign is the same at both.
+    /// The `gamma` between `from` and `to` at which the margin is 0, to within `tolerance`; `None` if its
+    /// sign is the same at both.
     ///
-    /// False position; an end that stays twice has its value reduced so that it moves (Anderson and Bjorck).
+    /// The method is false position. The value of an end that stays twice is reduced so that it moves
+    /// (Anderson and Bjorck).
     pub fn root(&mut self, envelope: &mut Envelope, from: f64, to: f64, tolerance: f64) -> Option<f64> {
         let (mut a, mut b) = (from, to);
         let (mut at_a, mut at_b) = (self.at(envelope, a), self.at(envelope, b));

@@ -108,7 +108,8 @@ impl Marginal {
         }
     }
 
-    /// The value up to which the probability is `probability` (taken into `[0, 1]`): the inverse of [`cdf`](Self::cdf).
+    /// The value up to which the probability is `probability` (clamped to `[0, 1]`): the inverse of
+    /// [`cdf`](Self::cdf).
     pub fn quantile(&self, probability: f64) -> f64 {
         let probability = probability.clamp(0.0, 1.0);
         let (mut below, mut above) = (self.lower, self.upper);
@@ -139,10 +140,12 @@ impl Marginal {
         self.quantile(rng.random::<f64>())
     }
 
-    /// Ascending points from bound to bound between which density and distribution function are smooth enough for one rule.
+    /// Ascending points from bound to bound between which density and distribution function are smooth enough
+    /// for one rule.
     pub(super) fn panels(&self) -> Vec<f64> {
         let mut cuts = vec![self.lower, self.upper];
-        // Stevens and Prelec vary exponentially with the parameter: a range over several octaves is more than one panel.
+        // Stevens' and Prelec's functions vary exponentially with the parameter, so a range over several
+        // octaves needs more than one panel.
         let octaves = math::ln(self.upper / self.lower) / math::ln(3.0f64);
         let pieces = octaves.ceil().clamp(1.0, 64.0) as i32;
         for piece in 1..pieces {
@@ -170,7 +173,7 @@ fn normal_density(z: f64) -> f64 {
 fn normal_mass(from: f64, to: f64) -> f64 {
     let (width, middle) = (to - from, 0.5 * (from + to));
     if width * (1.0 + middle.abs()) < 1e-3 {
-        // The difference of two distribution functions would lose what the interval is short by.
+        // The difference of two distribution functions would cancel most digits.
         return width * normal_density(middle) * (1.0 + (middle * middle - 1.0) * width * width / 24.0);
     }
     let (a, b) = (from * std::f64::consts::FRAC_1_SQRT_2, to * std::f64::consts::FRAC_1_SQRT_2);

@@ -1,8 +1,10 @@
-//! From what is left of each option (length, risk) and a belief over human perception to choice probabilities and expected costs.
+//! Choice probabilities and expected costs of the options, from their remaining lengths and risks and a
+//! belief over human perception.
 //!
-//! A human perceives a length `D` as `D^alpha` (Stevens) and a risk `S` as `exp(-(-ln S)^gamma)` (Prelec), and takes the option
-//! with the lowest subjective cost (eqs. 2 and 3). The robot knows `alpha` and `gamma` only as a [`Belief`]; a [`Predictor`] turns
-//! it into the probability of every option (eq. 4) and the expected subjective cost of every option (eq. 6).
+//! A human perceives a length `D` as `D^alpha` (Stevens) and a risk `S` as `exp(-(-ln S)^gamma)` (Prelec),
+//! and takes the option with the lowest subjective cost (eqs. 2 and 3). The robot knows `alpha` and `gamma`
+//! only as a [`Belief`]. A [`Predictor`] turns it into the probability (eq. 4) and the expected subjective
+//! cost (eq. 6) of every option.
 //!
 //! ```
 //! use cocarry::preference::{Belief, ChoiceDistribution, Predictor, Prospect};

@@ -1,12 +1,12 @@
-//! One option and one human: from remaining length and risk to objective cost, subjective cost and the human's choice.
+//! Objective cost, subjective cost and a human's choice, from the remaining length and risk of options.
 
 use crate::math;
 use serde::{Deserialize, Serialize};
 
-/// What is left of an option, as robot and human see it from where they stand.
+/// The remaining length and risk of an option.
 ///
-/// Meant for `length >= 0` and `risk` in `[0, 1]`. Values outside are taken at the nearest bound, NaN at the worse one
-/// (infinitely long, certain collision), so that no input can make a choice undefined.
+/// Meant for `length >= 0` and `risk` in `[0, 1]`. Values outside are clamped to the nearest bound, NaN to
+/// the worse one (infinitely long, certain collision), so that no input can make a choice undefined.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Prospect {
     /// Remaining path length `D_o`, metres.
@@ -21,7 +21,7 @@ impl Prospect {
         Self { length, risk }
     }
 
-    /// The same option with both numbers inside their domain (see the type's documentation).
+    /// The same option with both numbers clamped to their domain (see the type's documentation).
     pub(super) fn clamped(self) -> Self {
         let length = if self.length.is_nan() { f64::INFINITY } else { self.length.max(0.0) };
         let risk = if self.risk.is_nan() { 1.0 } else { self.risk.clamp(0.0, 1.0) };
@@ -33,7 +33,7 @@ impl Prospect {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Perception {
-    /// Distance perception: below 1, long ways feel shorter than they are.
+    /// Distance perception: below 1, long distances feel shorter than they are.
     pub alpha: f64,
     /// Risk perception: below 1, small risks are overweighted and large ones underweighted.
     pub gamma: f64,
@@ -85,7 +85,7 @@ pub fn human_choice(
     }
     let first = current.filter(|&option| option < prospects.len()).unwrap_or(0);
     let (mut best, mut lowest) = (first, cost(first));
-    // Strictly better only: the option looked at first keeps a tie.
+    // Strictly better only: the option compared first keeps a tie.
     for option in (0..prospects.len()).filter(|&option| option != first) {
         let candidate = cost(option);
         if candidate < lowest {

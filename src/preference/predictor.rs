@@ -1,4 +1,5 @@
-//! From prospects and a belief to the probability of every option (eq. 4) and its expected subjective cost (eq. 6).
+//! The probability of every option (eq. 4) and its expected subjective cost (eq. 6), from prospects and a
+//! belief.
 
 use super::curve::{Curve, pareto_front};
 use super::expectation::{Nodes, uniform_perceived_length};
@@ -9,14 +10,15 @@ use super::{
 };
 use serde::{Deserialize, Serialize};
 
-/// Predicts a human's choice from a belief over the human's perception.
+/// A predictor of a human's choice from a belief over the human's perception.
 ///
-/// Probabilities of an independent belief are exact up to an absolute error of 1e-9: for each `gamma` the parts of the range of
-/// `alpha` in which an option is the cheapest are solved for, and their probabilities are integrated over `gamma` piece by
-/// piece. An empirical belief is summed sample by sample. The predictor owns all working memory: once warm, a call with no more
-/// options than before allocates nothing. Equal calls give equal bits.
+/// Probabilities of an independent belief are exact up to an absolute error of 1e-9. For each `gamma`, the
+/// predictor solves for the parts of the range of `alpha` in which each option is the cheapest, and
+/// integrates their probabilities over `gamma` piece by piece. An empirical belief is summed sample by
+/// sample. The predictor owns all working memory: once warm, a call with no more options than before
+/// allocates nothing. Equal calls give equal bits.
 ///
-/// It is written down as what it was made of, and equal to what was made of the same.
+/// It is serialised as the belief and the risk weight, and two predictors with the same ones are equal.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(try_from = "Basis", into = "Basis")]
 pub struct Predictor {
@@ -26,7 +28,7 @@ pub struct Predictor {
     masses: Vec<f64>,
 }
 
-/// What a predictor is made of.
+/// The data that defines a predictor.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Basis {
@@ -63,10 +65,11 @@ enum Model {
 #[derive(Debug, Clone)]
 struct Independent {
     domain: Domain,
-    /// Nodes over `alpha` where no closed form is used.
+    /// Nodes over `alpha` where there is no closed form.
     alpha_nodes: Option<Nodes>,
     gamma_nodes: Nodes,
-    /// By option, the risk of the last call and its mean perception: what is left of an option changes its risk at openings only.
+    /// By option, the risk of the last call and its mean perception. The remaining risk of an option changes
+    /// at openings only.
     perceived_risks: Vec<(f64, f64)>,
     front: Vec<Curve>,
     strips: Strips,
@@ -105,7 +108,7 @@ impl Predictor {
         Ok(Self { belief, risk_weight, model, masses: Vec::new() })
     }
 
-    /// The belief predicted from.
+    /// The robot's belief.
     pub fn belief(&self) -> &Belief {
         &self.belief
     }
@@ -115,7 +118,7 @@ impl Predictor {
         self.risk_weight
     }
 
-    /// Predicts with another weight `c_r` from here on.
+    /// Changes the weight `c_r`.
     ///
     /// # Errors
     /// [`PreferenceError::RiskWeight`], as in [`Predictor::new`].
@@ -127,13 +130,14 @@ impl Predictor {
 
     /// Probability `P_o` that each option has the lowest subjective cost (eq. 4), into `choice`.
     ///
-    /// Options equal in length and risk count as the one with the lowest index. Without options `choice` is left empty.
+    /// Options equal in length and risk count as the one with the lowest index. Without options `choice` is
+    /// left empty.
     pub fn predict(&mut self, prospects: &[Prospect], choice: &mut ChoiceDistribution) {
         self.predict_from(prospects, None, choice);
     }
 
-    /// [`Predictor::predict`] on the way: options equal in length and risk count as `current`, the option being executed, if it is one of
-    /// them, as in [`human_choice`].
+    /// [`Predictor::predict`] during an episode. Options equal in length and risk count as `current`, the
+    /// option being executed, if it is one of them, as in [`human_choice`].
     pub fn predict_from(
         &mut self,
         prospects: &[Prospect],
@@ -160,7 +164,8 @@ impl Predictor {
             }
         }
         if !choice.set_masses(&self.masses) {
-            // Only lengths whose powers overflow get here; the choice of the middle of the belief is still defined.
+            // This happens only for lengths whose powers overflow; the choice at the middle of the belief is
+            // still defined.
             let chosen = human_choice(prospects, self.risk_weight, self.middle(), current);
             choice.set_certain(prospects.len(), chosen);
         }
@@ -176,7 +181,7 @@ impl Predictor {
                 set.samples().iter().map(|sample| sample.weight * cost(sample.perception)).sum()
             })),
             Model::Independent(model) => {
-                // no risk equals what is not a number
+                // NaN differs from every risk
                 model.perceived_risks.resize(prospects.len(), (f64::NAN, f64::NAN));
                 costs.extend(prospects.iter().zip(&mut model.perceived_risks).map(|(prospect, known)| {
                     let Prospect { length, risk } = prospect.clamped();
@@ -194,7 +199,8 @@ impl Predictor {
         }
     }
 
-    /// Values of `gamma` at which the last [`predict`](Self::predict) evaluated all options; 0 for samples.
+    /// Number of values of `gamma` at which the last [`predict`](Self::predict) evaluated all options; 0 for
+    /// samples.
     pub fn nodes_evaluated(&self) -> u64 {
         match &self.model {
             Model::Independent(model) => model.strips.nodes,
@@ -224,7 +230,8 @@ fn check(risk_weight: f64) -> Result<(), PreferenceError> {
 mod tests {
     use super::*;
 
-    /// Start values of the first calibration of the paper's four environments, lengths in metres and risks, rounded to four digits.
+    /// Initial values of the first calibration of the paper's four environments: lengths in metres and risks,
+    /// rounded to four digits.
     const ENVIRONMENTS: [[(f64, f64); 4]; 4] = [
         [(41.8638, 0.6598), (17.4006, 0.3626), (14.3308, 0.5474), (21.3552, 0.2474)],
         [(12.7239, 0.9737), (14.2601, 0.9332), (23.0, 0.9131), (19.3294, 0.7824)],

@@ -1,7 +1,8 @@
-//! The slow obvious way to the same numbers, and the fast way held against it.
+//! A slow reference for the probabilities, and tests of the fast method against it.
 //!
-//! At one `gamma`: all pairwise crossings by bisection, and between neighbouring crossings whoever is cheapest in the middle.
-//! Over `gamma`: Simpson's rule, halved blindly until it agrees with itself. Nothing is shared with the code under test.
+//! At one `gamma`: all pairwise crossings by bisection, and the cheapest option in the middle between
+//! neighbouring crossings. Over `gamma`: Simpson's rule, halved until it agrees with itself. The reference
+//! shares nothing with the code under test.
 
 use crate::math;
 use proptest::prelude::*;
@@ -11,7 +12,8 @@ use super::*;
 
 const RISK_WEIGHT: f64 = 10.0;
 
-/// Cost of option `i` minus that of option `j`; differences of like numbers are taken before the exponentials.
+/// Cost of option `i` minus that of option `j`; differences of similar numbers are taken before the
+/// exponentials.
 fn difference(i: Prospect, j: Prospect, alpha: f64, gamma: f64) -> f64 {
     let power = |base: f64, other: f64| {
         if other > 0.0 && (base - other).abs() < 1e-2 * other {
@@ -205,7 +207,8 @@ fn closed_form_samples_are_counted() {
 
 #[test]
 fn closed_form_a_used_predictor_gives_the_bits_of_a_new_one() {
-    // A walk toward the target, so that every call is a little off the one before, and another set of options in between.
+    // A walk toward the target, so that every call differs slightly from the previous one, and another set of
+    // options in between.
     let other = options_of(&[(0.4, 0.6), (0.9, 0.5), (0.5, 0.55), (3.0, 0.1), (31.0, 0.0)]);
     let mut used = Predictor::new(Belief::default(), RISK_WEIGHT).unwrap();
     let mut choice = ChoiceDistribution::default();
@@ -232,7 +235,7 @@ fn issue_touch_between_end_and_first_node_was_missed() {
 
 #[test]
 fn issue_event_found_across_another_one_was_believed() {
-    // Taking the first change of sign for the only event cost accuracy or hundreds of nodes here.
+    // Assuming the first change of sign to be the only event cost accuracy or hundreds of nodes here.
     let pairs = [
         (24.66036713517763, 0.5417497202441988),
         (11.432153350600233, 0.8094370988258288),
@@ -248,7 +251,7 @@ fn issue_event_found_across_another_one_was_believed() {
 
 #[test]
 fn issue_density_of_gamma_was_not_integrated_exactly_under_a_constant_winner() {
-    // The rule alone was 2e-9 off on a bell curve of six deviations, with no breakpoint whose error would have shown it.
+    // The rule alone was 2e-9 off on a bell curve of six deviations, and no breakpoint showed the error.
     let alpha = Marginal::truncated_normal(0.75, 0.06633881619431867, 0.55, 0.95).unwrap();
     let gamma = Marginal::truncated_normal(0.8, 0.10148977757982867, 0.5, 1.1).unwrap();
     assert!(
@@ -268,7 +271,7 @@ fn closed_form_strips_are_halved_until_the_rule_is_good() {
     }
 }
 
-/// Lengths and risks at which something is 0, infinite, equal or turns around.
+/// Lengths and risks at which a quantity is 0, infinite, equal or turns around.
 fn awkward() -> impl Strategy<Value = (f64, f64)> {
     let lengths = [0.0, 1e-300, 1e-9, 0.1, 0.5, 0.9999, 1.0, 1.0 + 1e-9, 1.5, 2.0, 10.0, 20.0, 20.000001];
     let risks = [0.0, 1e-12, 0.1, 0.10001, 0.3, 0.5, 0.9, 1.0 - 1e-12, 1.0];
@@ -355,7 +358,8 @@ proptest! {
 
     #[test]
     fn property_options_that_cross_twice(pairs in prop::collection::vec((0.12..0.45, -0.002..0.002), 2..=4)) {
-        // Around a quarter of a metre the length gap turns in the middle of the range; risks that nearly match it there.
+        // Around a quarter of a metre the length gap turns in the middle of the range; the risks nearly match
+        // it there.
         let options: Vec<_> = pairs.iter().map(|&(length, off)| Prospect::new(length, 0.5 - 0.104 * length + off)).collect();
         let (alpha, gamma) = paper_ranges();
         prop_assert!(error(&options, alpha, gamma) < 1e-9);

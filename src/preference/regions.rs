@@ -2,20 +2,21 @@
 
 use super::{Perception, Prospect, human_choice};
 
-/// Rows in gamma, and places in alpha on each, that are looked at first; between two that differ, the border is searched for.
+/// Numbers of rows in gamma and of columns in alpha that are evaluated first; borders are searched for
+/// between neighbours that differ.
 const ROWS: usize = 160;
-const PLACES: usize = 160;
-/// How exactly borders are found.
-const EXACT: f64 = 1e-9;
+const COLUMNS: usize = 160;
+/// Accuracy of borders.
+const BORDER_TOLERANCE: f64 = 1e-9;
 
-/// The plane of perceptions, cut into regions by the option that is preferred (Sec. IV-A).
+/// The plane of perceptions, cut into regions of one preferred option each (Sec. IV-A).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Regions {
     /// The range of alpha.
     pub alpha: [f64; 2],
     /// The range of gamma.
     pub gamma: [f64; 2],
-    /// Parts of regions, which do not overlap and fill the ranges.
+    /// Parts of regions. They do not overlap and fill the ranges.
     pub parts: Vec<Region>,
     /// The lines along which parts of two different options meet.
     pub borders: Vec<Vec<Perception>>,
@@ -30,7 +31,7 @@ pub struct Region {
     pub outline: Vec<Perception>,
 }
 
-/// Options from low alpha to high, each with the alpha at which its part begins, at one gamma.
+/// Options from low to high alpha at one gamma, each with the alpha at which its part begins.
 #[derive(Clone)]
 struct Row {
     gamma: f64,
@@ -38,8 +39,8 @@ struct Row {
 }
 
 impl Regions {
-    /// Where in the ranges which option is preferred, by the rule of eq. (3) itself: borders are good to 1e-9, straight between rows. A region
-    /// narrower than 1/160 of a range may be missed.
+    /// The regions over these ranges, by eq. (3) itself. Borders are accurate to 1e-9 on the rows and
+    /// straight between rows. A region narrower than 1/160 of a range may be missed.
     pub fn new(prospects: &[Prospect], risk_weight: f64, alpha: [f64; 2], gamma: [f64; 2]) -> Self {
         let row = |gamma: f64| {
             let preferred =
@@ -50,10 +51,11 @@ impl Regions {
         let mut band = vec![row(gamma[0])];
         for i in 1..=ROWS {
             let next = row(gamma[0] + (gamma[1] - gamma[0]) * i as f64 / ROWS as f64);
-            // options may come and go between two rows: a band ends right before, and the next begins right behind
+            // options may appear and disappear between two rows: one band ends just before the change, and
+            // the next begins just after it
             while let Some(last) = band.last().filter(|last| !last.is_like(&next)) {
                 let (mut before, mut behind) = (last.clone(), next.clone());
-                while behind.gamma - before.gamma > EXACT {
+                while behind.gamma - before.gamma > BORDER_TOLERANCE {
                     let middle = row(0.5 * (before.gamma + behind.gamma));
                     if middle.is_like(&before) { before = middle } else { behind = middle }
                 }
@@ -88,12 +90,12 @@ impl Row {
     }
 }
 
-/// The options preferred along a range, each with where its part begins.
+/// The options preferred along a range, each with the value at which its part begins.
 fn along([low, high]: [f64; 2], preferred: &dyn Fn(f64) -> usize) -> Vec<(usize, f64)> {
     let mut last = (low, preferred(low));
     let mut parts = vec![(last.1, low)];
-    for i in 1..=PLACES {
-        let at = low + (high - low) * i as f64 / PLACES as f64;
+    for i in 1..=COLUMNS {
+        let at = low + (high - low) * i as f64 / COLUMNS as f64;
         let here = (at, preferred(at));
         search(last, here, preferred, &mut parts);
         last = here;
@@ -101,7 +103,7 @@ fn along([low, high]: [f64; 2], preferred: &dyn Fn(f64) -> usize) -> Vec<(usize,
     parts
 }
 
-/// Adds every change of the preferred option between two places.
+/// Adds every change of the preferred option between two values.
 fn search(
     from: (f64, usize),
     to: (f64, usize),
@@ -111,7 +113,7 @@ fn search(
     if from.1 == to.1 {
         return;
     }
-    if to.0 - from.0 < EXACT {
+    if to.0 - from.0 < BORDER_TOLERANCE {
         parts.push((to.1, to.0));
         return;
     }
@@ -136,7 +138,7 @@ mod tests {
 
     #[test]
     fn property_areas_of_regions_are_the_probabilities() {
-        // crossing borders, a region that ends inside, lengths below 1 m, an option that nobody wants
+        // crossing borders, a region that ends inside, lengths below 1 m, an option that is never preferred
         let sets: [&[(f64, f64)]; 4] = [
             &[(41.86, 0.66), (17.4, 0.363), (14.33, 0.547), (21.36, 0.247)],
             &[(18.07, 0.456), (28.54, 0.202), (13.34, 0.689), (18.06, 0.457)],

@@ -1,10 +1,11 @@
-//! The Gauss-Legendre rule of a strip, with what tells from the node values alone how well a polynomial fits them.
+//! The Gauss-Legendre rule of a strip, with an error estimate from the node values alone.
 
 use std::num::NonZeroUsize;
 
 use gauss_quad::GaussLegendre;
 
-/// Nodes per strip: exact for polynomials up to degree 13, and on the paper's whole range good to about 1e-10 already.
+/// Nodes per strip: exact for polynomials up to degree 19, and accurate to about 1e-10 on the paper's whole
+/// range.
 pub(super) const NODES: usize = 10;
 
 /// Equally spaced points, both ends included, at which a certificate is interpolated between the nodes.
@@ -20,7 +21,7 @@ pub(super) struct Rule {
     pub nodes: Samples,
     /// Weights, summing to 2.
     pub weights: Samples,
-    /// Rows that give the Legendre coefficients of degree 2, 3, 5 and 6 of the interpolating polynomial.
+    /// Rows that give the Legendre coefficients of degree 3, 4, 8 and 9 of the interpolating polynomial.
     coefficients: [Samples; 4],
     /// Rows that give the interpolating polynomial at the fine points.
     interpolation: [Samples; FINE],
@@ -67,8 +68,8 @@ impl Rule {
 
     /// Estimated error of the integral over `[-1, 1]` of the function with these node values.
     ///
-    /// The Legendre coefficients of an analytic function decay geometrically; their rate between degrees 2, 3 and 5, 6 is
-    /// carried on to degree 14, the first the rule does not integrate exactly.
+    /// The Legendre coefficients of an analytic function decay geometrically. Their decay from degrees 3, 4
+    /// to degrees 8, 9 is extrapolated by another one and a half times as many degrees.
     pub fn error(&self, values: &Samples) -> f64 {
         let [c3, c4, c8, c9] = self.coefficients.each_ref().map(|row| dot(row, values).abs());
         let (early, late) = (c3.max(c4), c8.max(c9));
@@ -79,10 +80,12 @@ impl Rule {
         late * rate * rate.sqrt()
     }
 
-    /// Where a function, positive at all nodes, might fall below 0 between them; nothing if it keeps clear of it.
+    /// Points between the nodes where a function that is positive at all nodes might fall below 0; none if it
+    /// stays well above 0.
     ///
-    /// Judged by the interpolating polynomial, its highest coefficients (how far it may be off) and its curvature (how far it
-    /// may dip between fine points). The ends themselves are left to the caller, who knows them.
+    /// The estimate uses the interpolating polynomial, its highest coefficients (its possible error) and its
+    /// curvature (its possible dip between fine points). The ends themselves are left to the caller, who
+    /// knows their values.
     pub fn dips(&self, values: &Samples) -> impl Iterator<Item = f64> + use<> {
         let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
         let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -1,9 +1,11 @@
-//! The integral over `gamma`: strips in which the same options win in the same order, each integrated by one Gauss rule.
+//! The integral over `gamma`: strips in which the same options win in the same order, each integrated by one
+//! Gauss rule.
 //!
-//! Within a strip every end of a winner's interval of `alpha` is an analytic function of `gamma`, so a rule of ten nodes
-//! converges fast; at a strip's end an option joins or leaves the envelope. Three things make sure no such event is missed:
-//! the envelope at both ends of a strip, the check at every node that the assumed winners are the winners, and the
-//! certificates (the margin by which a loser loses, the length a winner wins) interpolated between the nodes.
+//! Within a strip, every end of a winner's interval of `alpha` is an analytic function of `gamma`, so a rule
+//! of ten nodes converges fast. At a strip's end an option joins or leaves the envelope. Three checks make
+//! sure that no such event is missed: the envelope at both ends of a strip, the check at every node that the
+//! assumed winners are the winners, and the certificates (the margin by which a loser loses, the length a
+//! winner wins) interpolated between the nodes.
 
 use super::Marginal;
 use super::curve::{Curve, Pair, turning_point};
@@ -11,17 +13,20 @@ use super::envelope::Envelope;
 use super::margin::{Margin, Rival};
 use super::rule::{NODES, Rule, Samples};
 
-/// Largest estimated error of one end of an interval, as a probability, that a strip is accepted with.
+/// Largest estimated error of one end of an interval, as a probability, in an accepted strip.
 const TOLERANCE: f64 = 1e-11;
 
-/// Strips shorter than this fraction of the range of `gamma` are not split further: all that is in them is less than this.
-const SHORTEST: f64 = 1e-12;
+/// The fraction of the range of `gamma` below which strips are not split further: their total contribution is
+/// smaller than this.
+const SHORTEST_STRIP: f64 = 1e-12;
 
-/// Events are located to this fraction of the range of `gamma`. What is misplaced around an event grows with its square, since
-/// an option joins or leaves the envelope with an interval of length 0.
-const EVENT: f64 = 1e-8;
+/// The fraction of the range of `gamma` to which events are located. The effect of a misplaced event grows
+/// with the square of the distance, since an option joins or leaves the envelope with an interval of length
+/// 0.
+const EVENT_TOLERANCE: f64 = 1e-8;
 
-/// Nodes after which a call stops refining and takes what it has: far beyond any real set of options, and an end to every loop.
+/// The number of nodes after which a call stops refining and uses what it has. It is far beyond any real set
+/// of options and ends every loop.
 const MOST_NODES: u64 = 2_000_000;
 
 /// Independent `alpha` and `gamma` with their panels.
@@ -41,20 +46,21 @@ struct Edge {
     count: usize,
 }
 
-/// A curve that does not win in a strip, and the index of the breakpoint of the envelope at which it comes nearest.
+/// A curve that does not win in a strip, and the index of the envelope's breakpoint at which it comes
+/// nearest.
 #[derive(Debug, Clone, Copy)]
 struct Loser {
     rival: Rival,
     breakpoint: usize,
 }
 
-/// Where a strip is to be cut.
+/// The result of a strip: accepted, or where to cut it.
 enum Verdict {
     Done,
     CutAt(f64),
 }
 
-/// Integrates over `(alpha, gamma)`; all buffers are kept between calls.
+/// The integrator over `(alpha, gamma)`; all buffers are kept between calls.
 #[derive(Debug, Clone)]
 pub(super) struct Strips {
     rule: Rule,
@@ -145,11 +151,11 @@ impl Strips {
         &self.winners[edge.start..edge.start + edge.count]
     }
 
-    /// Integrates between two edges, or cuts and leaves the parts to do.
+    /// Integrates between two edges, or cuts the strip and adds the parts to the list.
     fn strip(&mut self, left: Edge, right: Edge, domain: &Domain, masses: &mut [f64]) {
         let range = domain.gamma.upper() - domain.gamma.lower();
         let width = right.gamma - left.gamma;
-        if width <= SHORTEST * range || self.nodes > MOST_NODES {
+        if width <= SHORTEST_STRIP * range || self.nodes > MOST_NODES {
             self.sliver(left, right, domain, masses);
             return;
         }
@@ -176,7 +182,8 @@ impl Strips {
         let middle = self.edge(gamma);
         let others = |edge: Edge| self.sequence(edge).iter().filter(move |&&other| other != rank);
         let (at_left, at_right) = if others(middle).eq(others(left)) {
-            // On the verge it is rounding that decides whether the option is in; each side keeps what it has at its other end.
+            // At the event, rounding decides whether the option is in; each side keeps the winners of its
+            // other end.
             (Edge { gamma, ..left }, Edge { gamma, ..right })
         } else {
             (middle, middle)
@@ -185,7 +192,8 @@ impl Strips {
         self.todo.push((left, at_left));
     }
 
-    /// Adds a strip too short to matter, or one given up on: the envelope at its middle stands for all of it.
+    /// Adds a strip too short to matter, or one given up on: the envelope at its middle represents the whole
+    /// strip.
     fn sliver(&mut self, left: Edge, right: Edge, domain: &Domain, masses: &mut [f64]) {
         let mass = domain.gamma.cdf(right.gamma) - domain.gamma.cdf(left.gamma);
         self.nodes += 1;
@@ -198,7 +206,7 @@ impl Strips {
         }
     }
 
-    /// Where between two edges the single option joins or leaves that makes the difference, and its rank.
+    /// The `gamma` between two edges at which a single option joins or leaves the envelope, and its rank.
     ///
     /// `None` if the edges differ by more than one option or if the search finds no change of sign.
     fn event(&mut self, left: Edge, right: Edge, range: f64) -> Option<(f64, usize)> {
@@ -214,17 +222,17 @@ impl Strips {
         let (before, after) = (place.checked_sub(1).map(|k| long[k]), long.get(place + 1).copied());
         let rank = long[place];
         let mut margin = Margin::new(&self.envelope, rank, before, after);
-        let found = margin.root(&mut self.envelope, left.gamma, right.gamma, EVENT * range);
+        let found = margin.root(&mut self.envelope, left.gamma, right.gamma, EVENT_TOLERANCE * range);
         found.map(|gamma| (gamma, rank))
     }
 
-    /// Integrates a strip whose ends have the same winners; says where to cut it if they are not the winners all through it,
-    /// or if the rule is not accurate enough.
+    /// Integrates a strip whose ends have the same winners. The verdict says where to cut it if the winners
+    /// change within it or if the rule is not accurate enough.
     fn smooth_strip(&mut self, left: Edge, right: Edge, domain: &Domain, masses: &mut [f64]) -> Verdict {
         let half = 0.5 * (right.gamma - left.gamma);
         let middle = left.gamma + half;
-        // In a strip this short a misplaced event may show at a node, and cannot matter.
-        let short = 2.0 * half < 50.0 * EVENT * (domain.gamma.upper() - domain.gamma.lower());
+        // In a strip this short a misplaced event may affect a node, but cannot matter.
+        let short = 2.0 * half < 50.0 * EVENT_TOLERANCE * (domain.gamma.upper() - domain.gamma.lower());
         self.prepare(left);
         for node in 0..NODES {
             let gamma = middle + half * self.rule.nodes[node];
@@ -314,7 +322,8 @@ impl Strips {
         holds
     }
 
-    /// A `gamma` between the nodes at which the winners turn out to be others, if a certificate comes near enough to 0 to ask.
+    /// A `gamma` between the nodes at which the winners differ, searched for where a certificate comes close
+    /// enough to 0.
     fn doubt(&mut self, left: Edge, right: Edge, middle: f64, half: f64) -> Option<f64> {
         for certificate in &self.certificates {
             for gamma in self.rule.dips(certificate).map(|x| middle + half * x) {
