@@ -1,4 +1,4 @@
-//! The noisy-rational (Boltzmann) human: less costly options are likelier, not certain.
+//! The noisy-rational (Boltzmann) human, who chooses options of lower cost with higher probability.
 
 use super::model::{HumanModel, ModelError, Participant};
 use super::{Human, HumanDecision, HumanView, PreferenceChange, PreferenceHuman};
@@ -9,7 +9,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-/// The stream of the episode's generator that the choice is drawn from.
+/// The stream of the episode's generator from which the choice is drawn.
 const STREAM: u64 = 2;
 
 /// The model's entry in the list.
@@ -25,11 +25,12 @@ pub(super) const MODEL: HumanModel = HumanModel {
     },
 };
 
-/// Chooses option o with probability exp(-beta J^_o) / sum_p exp(-beta J^_p), where J^ is the subjective cost of eq. (2) and beta the
-/// rationality: 0 is chance, infinity eq. (3).
+/// A human who chooses option o with probability exp(-beta J^_o) / sum_p exp(-beta J^_p), where J^ is the
+/// subjective cost of eq. (2) and beta the rationality. beta = 0 is chance, beta = infinity is eq. (3).
 ///
-/// The choice is that of a random utility model (McFadden 1974): every option has a Gumbel disturbance, drawn once an episode, and the human
-/// prefers the least of beta J^_o minus it. So probabilities are Boltzmann's at every place, and the human does not waver between two steps.
+/// The choice is that of a random utility model (McFadden 1974). Every option has a Gumbel disturbance, drawn
+/// once per episode, and the human prefers the option with the least beta J^_o minus its disturbance. Choice
+/// probabilities are therefore Boltzmann's at every position, and the human does not waver between steps.
 #[derive(Clone, Debug)]
 pub struct Boltzmann {
     rationality: f64,

@@ -1,8 +1,9 @@
-//! The human of an episode: what they see, what they decide, and models of how.
+//! The human of an episode: the trait [`Human`], what a human sees and decides, and models of human
+//! decisions.
 //!
-//! [`Human`] is the seam for a model of one's own: hand it to an episode with
-//! [`Episode::with_human`](crate::episode::Episode::with_human), or add it to [`MODELS`], which serves the command line, studies,
-//! scenarios and recordings alike.
+//! Implement [`Human`] to use a model of your own. Pass it to an episode with
+//! [`Episode::with_human`](crate::episode::Episode::with_human), or add it to [`MODELS`], which serves the
+//! command line, studies, scenarios and recordings.
 
 mod boltzmann;
 mod model;
@@ -21,34 +22,34 @@ use crate::preference::{Perception, Prospect};
 use crate::saved::{NotRestored, Saved};
 use crate::simulation::Wrench;
 
-/// Decides for the human in every control period.
+/// A human, who decides in every control period.
 ///
-/// A clone decides independently and identically; [`Human::save`] and [`Human::restore`] carry what later decisions depend on through
-/// snapshots.
+/// A clone decides independently and identically. [`Human::save`] and [`Human::restore`] carry the state that
+/// later decisions depend on through snapshots.
 pub trait Human: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// The human's decision at the beginning of a control period.
     fn decide(&mut self, view: &HumanView<'_>) -> HumanDecision;
 
-    /// Perceives risk and distance with this alpha and gamma from here on; models without them take no notice.
+    /// Sets alpha and gamma from this step on. Models without them ignore the call.
     fn set_preference(&mut self, preference: Perception) {
         let _ = preference;
     }
 
-    /// The preference change with which step `step` began; none by default.
+    /// The preference change at the beginning of step `step`; none by default.
     fn change(&self, step: u64) -> Option<&PreferenceChange> {
         let _ = step;
         None
     }
 
-    /// What later decisions depend on; nothing by default.
+    /// The state that later decisions depend on; empty by default.
     fn save(&self) -> Saved {
         Saved::default()
     }
 
-    /// Takes over what [`Human::save`] returned.
+    /// Restores what [`Human::save`] returned.
     ///
     /// # Errors
-    /// [`NotRestored`] if it is not of this model.
+    /// [`NotRestored`] if the state belongs to another model.
     fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
         saved.is_empty("human")
     }
@@ -56,7 +57,7 @@ pub trait Human: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
 
 dyn_clone::clone_trait_object!(Human);
 
-/// What the human sees at the beginning of a control period.
+/// The human's view at the beginning of a control period.
 #[derive(Clone, Copy, Debug)]
 pub struct HumanView<'a> {
     /// k, from 0.
@@ -65,17 +66,17 @@ pub struct HumanView<'a> {
     pub time: f64,
     /// The team's position, m, world frame.
     pub position: Point,
-    /// The ways through the world.
+    /// The options of the world.
     pub options: &'a OptionSet,
-    /// D_o (m) and S_o of what is left of every option, in the order of the options.
+    /// Remaining length D_o (m) and risk S_o of every option, in the order of the options.
     pub prospects: &'a [Prospect],
-    /// The same with J_o, P_o and omega_o.
+    /// The options with J_o, P_o and omega_o, in the same order.
     pub evaluated: &'a [OptionTick],
     /// c_r, m.
     pub risk_weight: f64,
-    /// The option under way; none before the first step.
+    /// The executed option; none before the first step.
     pub executed: Option<usize>,
-    /// Who led in the last period.
+    /// The mode of the last period.
     pub mode: Mode,
     /// `world_from_hand`, on the physical plant.
     pub hand: Option<&'a Pose>,
@@ -84,7 +85,7 @@ pub struct HumanView<'a> {
 }
 
 impl HumanView<'_> {
-    /// One step of eq. (5): discomfort accumulates once the team moves, while the robot leads.
+    /// One step of eq. (5): discomfort accumulates after the first step while the robot leads.
     pub fn accumulate(&self, stubbornness: &mut Stubbornness) {
         if self.executed.is_some() && self.mode == Mode::RobotLed {
             stubbornness.accumulate(crate::coordination::misalignment(self.evaluated));
@@ -92,36 +93,39 @@ impl HumanView<'_> {
     }
 }
 
-/// What the human does in a control period.
+/// The human's decision in a control period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HumanDecision {
-    /// The option that the human would walk, as an index.
+    /// The option that the human prefers (an index).
     pub option: usize,
-    /// How the human answers the robot's lead.
+    /// The human's response to the robot's lead.
     pub stance: Stance,
-    /// phi(k), eq. (5): what a robot that adapts weighs the human's cost by. 0 for humans who never grow stubborn.
+    /// phi(k), eq. (5): the weight of the human's cost for a robot that adapts. 0 for humans whose
+    /// stubbornness does not grow.
     pub stubbornness: f64,
     /// g(k), eq. (5).
     pub discomfort: f64,
-    /// The alpha and gamma behind the decision, eq. (2); none for humans without.
+    /// The alpha and gamma behind the decision, eq. (2); none for humans without them.
     pub perception: Option<Perception>,
-    /// Where the hand goes in this period, m, world frame, on the physical plant; by default where the leader's path leads it.
+    /// The target of the hand in this period on the physical plant, m, world frame. By default the hand
+    /// follows the leader's path.
     pub hand: Option<Point>,
 }
 
-/// How the human answers the robot's lead.
+/// The human's response to the robot's lead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stance {
-    /// The human goes along.
+    /// The human walks along.
     Follow,
-    /// The human does not walk on: bodies are held back by the hand, a team without forces stands still.
+    /// The human stops. On the physical plant the hand holds the bodies back; on the other plants the team
+    /// stands still.
     Resist,
     /// The human takes the lead, if the robot's policy yields it.
     TakeOver,
 }
 
 impl HumanDecision {
-    /// Walks `option`; takes the lead once stubbornness exceeds 1 (Sec. IV-B.2).
+    /// A human who prefers `option` and takes the lead once stubbornness exceeds 1 (Sec. IV-B.2).
     pub fn new(option: usize, stubbornness: &Stubbornness, perception: Option<Perception>) -> Self {
         Self {
             option,

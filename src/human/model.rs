@@ -6,41 +6,41 @@ use crate::options::OptionSet;
 use crate::preference::Perception;
 use std::str::FromStr;
 
-/// All models. A new one is a file of its own and a line here.
+/// All models. A new model needs its own file and a line here.
 pub const MODELS: [&HumanModel; 3] = [&preference::MODEL, &boltzmann::MODEL, &scripted::MODEL];
 
-/// A human, or why there is none.
+/// A human, or the reason why the model cannot be made.
 type Made = Result<Box<dyn Human>, ModelError>;
 
 /// A model of human decisions.
 #[derive(Debug)]
 pub struct HumanModel {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// How it is written with its arguments, as in `boltzmann(RATIONALITY)`.
+    /// The name with its arguments, as in `boltzmann(RATIONALITY)`.
     pub form: &'static str,
-    /// What it does, in a sentence.
+    /// A description in one sentence.
     pub about: &'static str,
     /// Makes the human from the arguments between the parentheses.
     pub(super) make: fn(&str, &Participant<'_>) -> Made,
 }
 
-/// What is known of one human before the episode.
+/// The data of one human, known before the episode.
 #[derive(Clone, Copy, Debug)]
 pub struct Participant<'a> {
     /// alpha and gamma at the start.
     pub perception: Perception,
-    /// When they change.
+    /// Preference changes.
     pub changes: &'a [PreferenceChange],
     /// phi(0) and eta.
     pub stubbornness: coordination::Settings,
     /// The episode's seed.
     pub seed: u64,
-    /// The ways through the world.
+    /// The options of the world.
     pub options: &'a OptionSet,
 }
 
-/// Why a model cannot be made.
+/// The reason why a model cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ModelError {
     /// No model has this name.
@@ -49,10 +49,10 @@ pub enum ModelError {
         /// The name found.
         name: String,
     },
-    /// The arguments are not the model's.
+    /// The arguments do not fit the model.
     #[error("the arguments must be {expected}")]
     Arguments {
-        /// What they must be.
+        /// The arguments that fit.
         expected: &'static str,
     },
     /// The script names an option that the world does not have.

@@ -1,4 +1,4 @@
-//! The paper's human: chooses by eq. (3), and takes the lead by eq. (5).
+//! The paper's human, who chooses by eq. (3) and takes the lead by eq. (5).
 
 use super::model::{HumanModel, ModelError};
 use super::{Human, HumanDecision, HumanView};
@@ -18,29 +18,31 @@ pub(super) const MODEL: HumanModel = HumanModel {
     },
 };
 
-/// Prefers the option of least subjective cost with the alpha and gamma in force, eq. (3); stubbornness grows by eq. (5).
+/// A human who prefers the option of least subjective cost with the current alpha and gamma, eq. (3).
+/// Stubbornness grows by eq. (5).
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct PreferenceHuman {
     perception: Perception,
-    /// By step, one a step.
+    /// Ordered by step, at most one per step.
     #[serde(skip)]
     changes: Vec<PreferenceChange>,
     stubbornness: Stubbornness,
 }
 
 impl PreferenceHuman {
-    /// A human who keeps their preference.
+    /// A human without preference changes.
     pub fn new(perception: Perception, stubbornness: Settings) -> Self {
         Self { perception, changes: Vec::new(), stubbornness: Stubbornness::new(stubbornness) }
     }
 
-    /// The same human with preference changes, listed in any order; of several at the same step, the last is in force.
+    /// The same human with preference changes, in any order. Of several at the same step, the last one
+    /// applies.
     #[must_use]
     pub fn with_changes(self, changes: &[PreferenceChange]) -> Self {
         Self { changes: PreferenceChange::in_force(changes), ..self }
     }
 
-    /// alpha and gamma in force at a step, with the changes up to it made.
+    /// alpha and gamma at a step, after all changes up to it.
     pub(super) fn perceive(&mut self, step: u64) -> Perception {
         if let Some(change) = self.change(step) {
             self.perception = change.perception;
@@ -48,7 +50,7 @@ impl PreferenceHuman {
         self.perception
     }
 
-    /// Discomfort up to this step.
+    /// The stubbornness including this step.
     pub(super) fn accumulate(&mut self, view: &HumanView) -> &Stubbornness {
         view.accumulate(&mut self.stubbornness);
         &self.stubbornness
@@ -82,17 +84,18 @@ impl Human for PreferenceHuman {
     }
 }
 
-/// A preference change: from a step on, the human perceives risk and distance differently. The robot is not told.
+/// A preference change: from a step on, the human perceives risk and distance differently. The robot is not
+/// told.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Row", into = "Row")]
 pub struct PreferenceChange {
-    /// k of the step at whose beginning it happens, from 0.
+    /// k of the step at whose beginning the change happens, from 0.
     pub step: u64,
-    /// alpha and gamma from there on.
+    /// alpha and gamma from this step on.
     pub perception: Perception,
 }
 
-/// A change as it is written down.
+/// A change as it is serialised.
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "change", deny_unknown_fields)]
 struct Row {
@@ -114,7 +117,7 @@ impl From<PreferenceChange> for Row {
 }
 
 impl std::fmt::Display for PreferenceChange {
-    /// `STEP:ALPHA,GAMMA`, every number to the last bit.
+    /// `STEP:ALPHA,GAMMA`, with every number exact to the last bit.
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         let Perception { alpha, gamma } = self.perception;
         write!(f, "{}:{alpha},{gamma}", self.step)
@@ -122,7 +125,8 @@ impl std::fmt::Display for PreferenceChange {
 }
 
 impl PreferenceChange {
-    /// The changes of a list that are in force, by step: of several at the same step, the last.
+    /// The changes of a list that take effect, ordered by step. Of several at the same step, the last one
+    /// applies.
     pub fn in_force(changes: &[Self]) -> Vec<Self> {
         let mut active: Vec<Self> = Vec::with_capacity(changes.len());
         let mut by_step = changes.to_vec();

@@ -1,4 +1,4 @@
-//! A human who follows a script: which option from which step on.
+//! A human who follows a script of options, each from a given step on.
 
 use super::model::{HumanModel, ModelError, Participant};
 use super::{Human, HumanDecision, HumanView};
@@ -14,10 +14,11 @@ pub(super) const MODEL: HumanModel = HumanModel {
     make: |arguments, participant| Ok(Box::new(Scripted::parse(arguments, participant)?)),
 };
 
-/// Prefers the option of the last entry whose step has come; takes the lead by eq. (5) like the paper's human.
+/// A human who prefers the option of the latest script entry, and takes the lead by eq. (5) like the paper's
+/// human.
 #[derive(Clone, Debug)]
 pub struct Scripted {
-    /// Steps and options (as indices), by step; the first at step 0.
+    /// Steps and options (as indices), ordered by step; the first entry is at step 0.
     script: Vec<(u64, usize)>,
     stubbornness: Stubbornness,
     perception: Perception,

@@ -1,4 +1,4 @@
-//! The situation of Table III: the human leads from start to end.
+//! The setting of Table III: the human leads from start to end.
 
 use super::{Decision, MethodEntry, RobotPolicy, RobotView};
 use crate::coordination::Mode;
@@ -10,7 +10,7 @@ pub(super) const METHOD: MethodEntry = MethodEntry {
     make: || Box::new(HumanLed),
 };
 
-/// Follows the human, who may change option.
+/// A robot that follows the human, who may change option.
 #[derive(Clone, Debug)]
 struct HumanLed;
 

@@ -3,7 +3,7 @@
 use super::{RobotPolicy, human_led, mutual, robot_led, without_model};
 use std::str::FromStr;
 
-/// All methods. A new one is a file of its own and a line here.
+/// All methods. A new method needs its own file and a line here.
 pub const METHODS: [&MethodEntry; 4] =
     [&mutual::METHOD, &without_model::METHOD, &human_led::METHOD, &robot_led::METHOD];
 
@@ -12,13 +12,13 @@ pub const METHODS: [&MethodEntry; 4] =
 pub struct MethodEntry {
     /// Name, as in files and on the command line.
     pub name: &'static str,
-    /// What it does, in a sentence.
+    /// A description in one sentence.
     pub about: &'static str,
     /// Makes the policy.
     pub(super) make: fn() -> Box<dyn RobotPolicy>,
 }
 
-/// How the team decides who leads: one of [`METHODS`].
+/// A method of deciding who leads: one of [`METHODS`].
 #[derive(Clone, Copy)]
 pub struct Method(&'static MethodEntry);
 
@@ -31,11 +31,11 @@ pub struct UnknownMethod {
 }
 
 impl Method {
-    /// The paper's.
+    /// The paper's method.
     pub const MUTUAL: Self = Self(&mutual::METHOD);
     /// The baseline of Table II.
     pub const WITHOUT_MODEL: Self = Self(&without_model::METHOD);
-    /// The situation of Table III.
+    /// The setting of Table III.
     pub const HUMAN_LED: Self = Self(&human_led::METHOD);
     /// The baseline of hypothesis H2 as worded.
     pub const ROBOT_LED: Self = Self(&robot_led::METHOD);
@@ -50,7 +50,7 @@ impl Method {
         self.0.name
     }
 
-    /// What it does, in a sentence.
+    /// A description in one sentence.
     pub fn about(self) -> &'static str {
         self.0.about
     }

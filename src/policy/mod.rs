@@ -1,8 +1,8 @@
-//! The robot's policy: who leads, on which option, and, if it wants, by which motion.
+//! The robot's policy: it decides who leads, on which option, and optionally by which motion.
 //!
-//! [`RobotPolicy`] is the seam for a policy of one's own: hand it to an episode with
-//! [`Episode::with_policy`](crate::episode::Episode::with_policy), or add it to [`METHODS`], which serves the command line, studies,
-//! scenarios and recordings alike.
+//! Implement [`RobotPolicy`] to use a policy of your own. Pass it to an episode with
+//! [`Episode::with_policy`](crate::episode::Episode::with_policy), or add it to [`METHODS`], which serves the
+//! command line, studies, scenarios and recordings.
 
 mod human_led;
 mod method;
@@ -21,17 +21,17 @@ use crate::robot::{Configuration, InputVector};
 use crate::saved::{NotRestored, Saved};
 use crate::simulation::Observation;
 
-/// Decides for the robot in every control period.
+/// A robot policy, which decides in every control period.
 ///
-/// A clone decides independently and identically; [`RobotPolicy::save`] and [`RobotPolicy::restore`] carry what later decisions depend on
-/// through snapshots.
+/// A clone decides independently and identically. [`RobotPolicy::save`] and [`RobotPolicy::restore`] carry
+/// the state that later decisions depend on through snapshots.
 pub trait RobotPolicy: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
-    /// Who leads before the first step.
+    /// The mode before the first step.
     fn initial_mode(&self) -> Mode {
         Mode::RobotLed
     }
 
-    /// Whether the policy needs P_o and J~_o also while the human leads.
+    /// Whether the policy also needs P_o and J~_o while the human leads.
     fn predicts(&self) -> bool {
         false
     }
@@ -39,15 +39,15 @@ pub trait RobotPolicy: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// The robot's decision at the beginning of a control period.
     fn decide(&mut self, view: &RobotView<'_>) -> Decision;
 
-    /// What later decisions depend on; nothing by default.
+    /// The state that later decisions depend on; empty by default.
     fn save(&self) -> Saved {
         Saved::default()
     }
 
-    /// Takes over what [`RobotPolicy::save`] returned.
+    /// Restores what [`RobotPolicy::save`] returned.
     ///
     /// # Errors
-    /// [`NotRestored`] if it is not of this policy.
+    /// [`NotRestored`] if the state belongs to another policy.
     fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
         saved.is_empty("policy")
     }
@@ -55,7 +55,7 @@ pub trait RobotPolicy: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
 
 dyn_clone::clone_trait_object!(RobotPolicy);
 
-/// What the robot knows at the beginning of a control period.
+/// The robot's view at the beginning of a control period.
 #[derive(Clone, Copy, Debug)]
 pub struct RobotView<'a> {
     /// k, from 0.
@@ -64,23 +64,24 @@ pub struct RobotView<'a> {
     pub time: f64,
     /// The team's position, m, world frame.
     pub position: Point,
-    /// The ways through the world.
+    /// The options of the world.
     pub options: &'a OptionSet,
-    /// Where the team is on each of them.
+    /// The team's progress on each option.
     pub progress: &'a Progress,
     /// D_o, S_o, J_o, P_o, J~_o and omega_o, in the order of the options.
     pub evaluated: &'a [OptionTick],
-    /// The option under way; none before the first step.
+    /// The executed option; none before the first step.
     pub executed: Option<usize>,
-    /// Who led in the last period.
+    /// The mode of the last period.
     pub mode: Mode,
-    /// phi(k) and g(k), and how the human answers the robot's lead. The human's own option is known to the robot only by what it observes.
+    /// phi(k), g(k) and the human's response to the robot's lead. The robot does not know the human's option;
+    /// it can only infer it.
     pub human: &'a HumanDecision,
-    /// The robot: base and joints; none on the point plant.
+    /// The robot's base and joints; none on the point plant.
     pub configuration: Option<&'a Configuration>,
     /// `world_from_grasp`; none on the point plant.
     pub grasp: Option<Pose>,
-    /// All that is seen of object, hand and wrenches; on the physical plant only.
+    /// The observation of object, hand and wrenches; only on the physical plant.
     pub seen: Option<&'a Observation>,
 }
 
@@ -92,34 +93,35 @@ impl RobotView<'_> {
     }
 }
 
-/// What the robot does in a control period.
+/// The robot's decision in a control period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decision {
-    /// Who leads, and where to.
+    /// The leader and the option.
     pub lead: Lead,
-    /// How the robot moves.
+    /// The robot's motion.
     pub motion: Motion,
 }
 
-/// Who leads the team.
+/// The leader of the team.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lead {
-    /// The robot, on an option (as an index).
+    /// The robot, on an option (an index).
     Robot(usize),
-    /// The human, on the option that they prefer now.
+    /// The human, on the option that the human prefers now.
     Human,
-    /// The human, on the option that was chosen first.
+    /// The human, on the option chosen at the start.
     HumanKeepingOption,
 }
 
-/// How the robot moves, from the least to the most of its own.
+/// The robot's motion, from the controller's to the policy's own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
-    /// By eq. (8) and (7): pose optimisation and MPC track the path of whoever leads.
+    /// Eq. (8) and (7): pose optimisation and MPC track the leader's path.
     Controlled,
-    /// By eq. (7), the grasp tracking these poses on the floor, one a control period, from the end of this one on.
+    /// Eq. (7) with the policy's reference: poses of the grasp on the floor, one per control period, from the
+    /// end of this one on.
     Reference([PlanarPose; HORIZON]),
-    /// By these inputs u: rim speeds, m/s, then joint rates, rad/s (prismatic: m/s).
+    /// The policy's inputs u: rim speeds, m/s, then joint rates, rad/s (prismatic: m/s).
     Inputs(InputVector),
 }
 
@@ -134,13 +136,13 @@ impl Decision {
         Self { lead: Lead::Human, motion: Motion::Controlled }
     }
 
-    /// The same lead, by another motion.
+    /// The same lead with another motion.
     #[must_use]
     pub fn with_motion(self, motion: Motion) -> Self {
         Self { motion, ..self }
     }
 
-    /// The mode that follows.
+    /// The resulting mode.
     pub fn mode(&self) -> Mode {
         match self.lead {
             Lead::Robot(_) => Mode::RobotLed,

@@ -1,4 +1,4 @@
-//! The paper's policy: lead until the human's stubbornness exceeds 1, then follow.
+//! The paper's policy: the robot leads until the human's stubbornness exceeds 1, then follows.
 
 use super::{Decision, MethodEntry, RobotPolicy, RobotView};
 use crate::coordination::Mode;
@@ -11,7 +11,8 @@ pub(super) const METHOD: MethodEntry = MethodEntry {
     make: || Box::new(Mutual),
 };
 
-/// Leads by eq. (6) while phi(k) <= 1, then follows to the end: the transition happens once (Sec. IV-B.2).
+/// A robot that leads by eq. (6) while phi(k) <= 1, then follows to the end. The transition happens once
+/// (Sec. IV-B.2).
 #[derive(Clone, Debug)]
 struct Mutual;
 

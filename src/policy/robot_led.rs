@@ -9,7 +9,7 @@ pub(super) const METHOD: MethodEntry = MethodEntry {
     make: || Box::new(RobotLed),
 };
 
-/// Leads by eq. (6), whatever the human does.
+/// A robot that leads by eq. (6), whatever the human does.
 #[derive(Clone, Debug)]
 struct RobotLed;
 

@@ -10,7 +10,7 @@ pub(super) const METHOD: MethodEntry = MethodEntry {
     make: || Box::new(WithoutModel),
 };
 
-/// Follows the human, who keeps to the first option.
+/// A robot that follows the human, who keeps the first option.
 #[derive(Clone, Debug)]
 struct WithoutModel;
 

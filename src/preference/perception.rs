@@ -29,7 +29,7 @@ impl Prospect {
     }
 }
 
-/// How one human perceives distance and risk. Both parameters are positive and dimensionless.
+/// One human's perception of distance and risk. Both parameters are positive and dimensionless.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Perception {

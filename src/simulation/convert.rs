@@ -1,18 +1,19 @@
-//! Conversions between nalgebra and the types of rapier and parry (glam). The only file that
-//! converts between the two.
+//! Conversions between nalgebra and the types of rapier and parry (glam). No other file converts between the
+//! two.
 
 use crate::geometry::Pose;
 use nalgebra::{Isometry3, IsometryMatrix3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use rapier3d::math;
 
-/// A pose for rapier.
+/// A pose as rapier's type.
 pub(super) fn to_rapier(pose: &Pose) -> math::Pose {
     let rotation = UnitQuaternion::from_rotation_matrix(&pose.rotation);
     Isometry3::from_parts(pose.translation, rotation).into()
 }
 
-/// The next pose of a kinematic body that is `at`. Of the two quaternions of a rotation, the nearer one: rapier takes the way from one to the
-/// other for a turn, and the farther one for a whole turn in a single step.
+/// The next pose of a kinematic body at `at`. Two quaternions represent the same rotation; this is the nearer
+/// one. Rapier takes the difference of quaternions for a rotation, so the farther one would be a full turn in
+/// a single step.
 pub(super) fn to_rapier_from(at: &math::Pose, pose: &Pose) -> math::Pose {
     let mut next = to_rapier(pose);
     if next.rotation.dot(at.rotation) < 0.0 {
@@ -21,23 +22,23 @@ pub(super) fn to_rapier_from(at: &math::Pose, pose: &Pose) -> math::Pose {
     next
 }
 
-/// A pose of rapier's.
+/// A pose from rapier's type.
 pub(super) fn pose(pose: &math::Pose) -> Pose {
     let rotation: UnitQuaternion<f64> = pose.rotation.into();
     IsometryMatrix3::from_parts(Translation3::from(vector(pose.translation)), rotation.to_rotation_matrix())
 }
 
-/// A vector for rapier.
+/// A vector as rapier's type.
 pub(super) fn to_vector(vector: &Vector3<f64>) -> math::Vector {
     math::Vector::new(vector.x, vector.y, vector.z)
 }
 
-/// A vector of rapier's.
+/// A vector from rapier's type.
 pub(super) fn vector(vector: math::Vector) -> Vector3<f64> {
     Vector3::new(vector.x, vector.y, vector.z)
 }
 
-/// A matrix for rapier.
+/// A matrix as rapier's type.
 pub(super) fn to_matrix(matrix: &Matrix3<f64>) -> math::Matrix {
     let column = |i: usize| to_vector(&matrix.column(i).into_owned());
     math::Matrix::from_cols(column(0), column(1), column(2))

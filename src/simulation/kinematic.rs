@@ -1,10 +1,10 @@
-//! The paper's plant, without dynamics: x+ = x + B(q) u, integrated exactly.
+//! The paper's plant without dynamics: x+ = x + B(q) u, integrated exactly.
 
 use crate::geometry::{PlanarPose, Pose};
 use crate::math;
 use crate::robot::{Configuration, InputVector, JointVector, Robot};
 
-/// A robot that moves exactly as it is told.
+/// A robot that follows its inputs exactly.
 #[derive(Clone, Debug)]
 pub struct KinematicPlant<'a> {
     robot: &'a Robot,
@@ -12,8 +12,8 @@ pub struct KinematicPlant<'a> {
 }
 
 impl<'a> KinematicPlant<'a> {
-    /// A robot with these joint positions, standing such that its grasp is level at `grasp`, at the height that it carries at. Postures of a
-    /// [`Robot`] hold the grasp level and ahead, so that this is exact for them.
+    /// A robot with these joint positions whose grasp is level at `grasp`, at its carrying height. Postures
+    /// of a [`Robot`] hold the grasp level and ahead, so this is exact for them.
     pub fn place(robot: &'a Robot, joints: &JointVector, grasp: &PlanarPose) -> Self {
         let at_origin = PlanarPose { position: Default::default(), yaw: 0.0 };
         let drive_from_grasp = robot.grasp_pose(&Configuration { base: at_origin, joints: *joints });
@@ -26,12 +26,12 @@ impl<'a> KinematicPlant<'a> {
         Self { robot, configuration: Configuration { base, joints: *joints } }
     }
 
-    /// A robot that is there already.
+    /// A robot at a given configuration.
     pub fn at(robot: &'a Robot, configuration: Configuration) -> Self {
         Self { robot, configuration }
     }
 
-    /// Where the robot is.
+    /// The present configuration.
     pub fn configuration(&self) -> &Configuration {
         &self.configuration
     }
@@ -41,7 +41,8 @@ impl<'a> KinematicPlant<'a> {
         self.robot.grasp_pose(&self.configuration)
     }
 
-    /// One period (s): the robot goes over to `configuration` and moves by `input` at the same time. On this plant, the first is instant.
+    /// Moves the robot by one period (s): to `configuration` and by `input` at the same time. On this plant
+    /// the first motion is instantaneous.
     pub fn step(&mut self, configuration: &Configuration, input: &InputVector, period: f64) {
         self.configuration = self.robot.advance(configuration, input, period);
     }

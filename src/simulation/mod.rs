@@ -1,4 +1,4 @@
-//! Simulation of the bodies that the controller acts on: exact kinematics, or dynamics with contacts.
+//! Simulation of the bodies under control: exact kinematics, or dynamics with contacts.
 
 mod convert;
 mod kinematic;

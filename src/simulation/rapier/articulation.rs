@@ -1,9 +1,10 @@
 //! The robot as a rapier multibody that follows commanded rates with limited efforts.
 //!
-//! The base is a planar joint with velocity motors: it moves along its heading and turns, never sideways. The arm's motors are springs
-//! and dampers that follow an integrated position reference with the commanded rate; they are part of the multibody's own equations,
-//! solved exactly, where rapier's motor constraints would need hundreds of sweeps to hold up an object that outweighs the wrist. Links
-//! have no weight: gravity compensation is taken to be perfect, so that the motors carry the object and the dynamics only.
+//! The base is a planar joint with velocity motors: it moves along its heading and turns, never sideways. The
+//! arm's motors are springs and dampers that follow an integrated position reference with the commanded rate.
+//! They are part of the multibody's own equations, which are solved exactly; rapier's motor constraints would
+//! need hundreds of solver iterations to hold up an object that outweighs the wrist. Links have no weight:
+//! gravity compensation is assumed perfect, so the motors carry only the object and the dynamics.
 
 use super::clusters::{Cluster, clusters, moving};
 use super::motor::{Motor, joint_data};
@@ -19,28 +20,28 @@ use rapier3d::prelude::{
 };
 use serde::{Deserialize, Serialize};
 
-/// Base motors: per unit of velocity, and the most they exert along each axis (N) and in turning (Nm): what the wheels' grip on the
-/// floor bears.
+/// The base motors: damping per unit of velocity, and the largest force along each axis (N) and torque (Nm),
+/// which the wheels' grip on the floor bears.
 const BASE_DAMPING: f64 = 100_000.0;
 const BASE_FORCE: f64 = 800.0;
 const BASE_TORQUE: f64 = 400.0;
-/// A robot as rapier moves it.
+/// The robot as a multibody of rapier.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Articulation {
     drive: MultibodyJointHandle,
     motors: Vec<Motor>,
-    /// Body of every cluster with the name of its first link, to say what went wrong.
+    /// The body of every cluster with the name of its first link, for failure messages.
     bodies: Vec<(String, RigidBodyHandle)>,
-    /// Of every link of the robot: its body, and where it is in it.
+    /// For every link of the robot, its body and its pose in the body.
     links: Vec<(RigidBodyHandle, Pose)>,
-    /// The body that holds the object, and the grasp in it.
+    /// The body that holds the object, and the grasp's pose in it.
     gripper: (RigidBodyHandle, Pose),
-    /// Positions that the arm's joints are to have.
+    /// Reference positions of the arm's joints.
     reference: JointVector,
-    /// Rates that rims (m/s) and joints are to have.
+    /// Reference rates of rims (m/s) and joints.
     ramp: Ramp,
     rate_limits: InputVector,
-    /// Speeds that the rims are to have by now, m/s: the wheels' motors change them only so fast.
+    /// Present reference speeds of the rims, m/s; the wheels' motors change them with limited acceleration.
     rims: [f64; 2],
     rim_acceleration: f64,
     track: f64,
@@ -48,7 +49,7 @@ pub(super) struct Articulation {
     wheel_angles: [f64; 2],
 }
 
-/// What a robot is doing.
+/// The measured state of a robot.
 pub(super) struct Measured {
     pub configuration: Configuration,
     pub rim_speeds: [f64; 2],
@@ -57,7 +58,7 @@ pub(super) struct Measured {
 }
 
 impl Articulation {
-    /// Puts a robot into a world.
+    /// Adds a robot to a world.
     pub fn new(
         world: &mut PhysicsWorld,
         parts: &mut Parts,
@@ -121,14 +122,14 @@ impl Articulation {
         Some(articulation)
     }
 
-    /// Brings the multibody to its first configuration.
+    /// Moves the multibody to its initial configuration.
     fn settle(&self, world: &mut PhysicsWorld, start: &Configuration) -> Option<()> {
         let ids = |handle: MultibodyJointHandle| world.multibody_joints.get(handle).map(|(_, id)| id);
         let drive = ids(self.drive)?;
         let ids_of_motors: Vec<usize> = self.motors.iter().map(|m| ids(m.handle)).collect::<Option<_>>()?;
         let (body, _) = world.multibody_joints.get_mut(self.drive)?;
         body.set_self_contacts_enabled(false);
-        // settles what the root is, before degrees of freedom are counted
+        // this sets the type of the root before degrees of freedom are counted
         body.forward_kinematics(&world.bodies, true);
         let mut positions = vec![0.0; body.ndofs()];
         let first = body.link(drive)?.assembly_id();
@@ -141,7 +142,7 @@ impl Articulation {
         body.apply_displacements(&positions);
         body.forward_kinematics(&world.bodies, false);
         body.update_rigid_bodies(&mut world.bodies, true);
-        // rapier puts 0.1 Nms/rad on every joint without being asked
+        // by default rapier adds 0.1 Nms/rad to every joint
         body.damping_mut().fill(0.0);
         for (motor, id) in self.motors.iter().zip(ids_of_motors) {
             let first = body.link(id)?.assembly_id();
@@ -150,7 +151,7 @@ impl Articulation {
         Some(())
     }
 
-    /// The mean rates of a control period of so many physics steps, cut to the robot's limits.
+    /// Sets the mean rates of a control period of `steps` physics steps, clamped to the robot's limits.
     pub fn command(&mut self, rates: &InputVector, steps: u64) {
         let rates = rates.zip_map(&self.rate_limits, |rate, limit| rate.clamp(-limit, limit));
         self.ramp.begin(&rates, &self.rate_limits, steps);
@@ -168,7 +169,7 @@ impl Articulation {
         let (body, id) = world.multibody_joints.get_mut(self.drive)?;
         let drive = body.link_mut(id)?;
         let heading = drive.joint().coords()[5];
-        // the heading in the middle of the step
+        // the heading at the middle of the step
         let velocity = direction(heading + turn * dt / 2.0) * speed;
         let data = &mut drive.joint.data;
         set_velocity(data, JointAxis::LinX, velocity.x, BASE_FORCE);
@@ -183,7 +184,7 @@ impl Articulation {
         Some(())
     }
 
-    /// Turns the wheels, after a step of `dt` seconds.
+    /// Turns the wheels after a step of `dt` seconds.
     pub fn roll(&mut self, world: &PhysicsWorld, dt: f64) {
         let speeds = self.rim_speeds(world);
         for (angle, speed) in self.wheel_angles.iter_mut().zip(speeds) {
@@ -191,12 +192,12 @@ impl Articulation {
         }
     }
 
-    /// How far the wheels have turned, rad: left, right.
+    /// Angles of the left and the right wheel, rad.
     pub fn wheel_angles(&self) -> [f64; 2] {
         self.wheel_angles
     }
 
-    /// Where it is and how it moves.
+    /// The measured state.
     pub fn measure(&self, world: &PhysicsWorld) -> Measured {
         let mut joints = JointVector::zeros();
         let mut joint_rates = JointVector::zeros();
@@ -210,7 +211,7 @@ impl Articulation {
         Measured { configuration, rim_speeds: self.rim_speeds(world), joint_rates, joint_efforts }
     }
 
-    /// The largest share of its effort limit that a motor exerted in the last step.
+    /// The largest motor effort in the last step as a share of its limit.
     pub fn effort_share(&self, world: &PhysicsWorld) -> f64 {
         let share = |motor: &Motor| motor.state(world).map_or(0.0, |(at, rate)| motor.share(at, rate));
         self.motors.iter().map(share).fold(0.0, f64::max)
@@ -222,14 +223,14 @@ impl Articulation {
         world.bodies.get(body).map_or(Pose::identity(), |b| convert::pose(b.position()) * at)
     }
 
-    /// `world_from_link` of every link, in the order of the robot's.
+    /// `world_from_link` of every link, in the order of the robot's links.
     pub fn link_poses(&self, world: &PhysicsWorld) -> Vec<Pose> {
         let pose =
             |handle| world.bodies.get(handle).map_or(Pose::identity(), |b| convert::pose(b.position()));
         self.links.iter().map(|(handle, at)| pose(*handle) * at).collect()
     }
 
-    /// The body that holds the object, and the grasp in it.
+    /// The body that holds the object, and the grasp's pose in it.
     pub fn gripper(&self) -> (RigidBodyHandle, Pose) {
         self.gripper
     }
@@ -254,7 +255,7 @@ impl Articulation {
     }
 }
 
-/// The body of a cluster, with the shapes of its links.
+/// Adds the body of a cluster with the shapes of its links.
 fn insert(world: &mut PhysicsWorld, parts: &mut Parts, robot: &Robot, cluster: &Cluster) -> RigidBodyHandle {
     let mass = MassProperties::with_inertia_matrix(
         to_vector(&cluster.center),

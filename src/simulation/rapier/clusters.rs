@@ -1,33 +1,35 @@
-//! The parts of a robot that move against each other, each with its mass and inertia.
+//! The rigid clusters of a robot's links, each with its mass and inertia.
 //!
-//! Everything that does not move against its parent is merged into it: fixed joints, the wheels (their spin is only shown), and joints
-//! that stay where they are, such as the gripper's. Fewer bodies make a faster step and change nothing else.
+//! Everything that does not move relative to its parent is merged into it: fixed joints, the wheels (their
+//! spin is only displayed), and joints that stay where they are, such as the gripper's. Fewer bodies make a
+//! faster step and change nothing else.
 
 use crate::geometry::{PlanarPose, Pose};
 use crate::robot::{Configuration, Inertial, Joint, JointVector, Robot};
 use nalgebra::{Matrix3, Vector3};
 
-/// Links that move as one. The first is the base, whose frame is the drive's; the others' is that of their first link.
+/// Links that move as one body. The first cluster is the base, whose frame is the drive's. The frame of any
+/// other cluster is that of its first link.
 pub(super) struct Cluster {
-    /// Its first link: index into [`Robot::links`]; for the base, the base link.
+    /// The first link: index into [`Robot::links`]; for the base, the base link.
     pub link: usize,
-    /// The cluster it hangs on and the joint's frame in it at position 0; `None` for the base.
+    /// The parent cluster and the joint's frame in it at position 0; `None` for the base.
     pub parent: Option<(usize, Pose)>,
-    /// Its links, and where they are in it.
+    /// The links with their poses in the cluster.
     pub links: Vec<(usize, Pose)>,
-    /// kg.
+    /// Mass, kg.
     pub mass: f64,
     /// Centre of mass, m.
     pub center: Vector3<f64>,
-    /// About the centre of mass, kg m^2.
+    /// Inertia about the centre of mass, kg m^2.
     pub inertia: Matrix3<f64>,
 }
 
-/// A link without mass that a joint moves gets these: without any, the motion has no solution.
+/// Mass and inertia of a moving link without any, because the equations of motion need them.
 const LEAST_MASS: f64 = 0.01;
 const LEAST_INERTIA: f64 = 1e-5;
 
-/// The joint that moves a link, if the arm does.
+/// The joint that moves a link, and its arm joint, if the arm moves it.
 pub(super) fn moving(robot: &Robot, link: usize) -> Option<(&Joint, usize)> {
     let joint = robot.links[link].joint.as_ref()?;
     joint.coupling.joint.map(|driver| (joint, driver))
@@ -38,7 +40,7 @@ pub(super) fn clusters(robot: &Robot) -> Vec<Cluster> {
     let at_origin = PlanarPose { position: Default::default(), yaw: 0.0 };
     let at_rest = robot.link_poses(&Configuration { base: at_origin, joints: JointVector::zeros() });
     let mut found = vec![Cluster::new(robot.base_link, None)];
-    // the cluster of every link and where the link is in it
+    // for every link, its cluster and its pose in the cluster
     let mut place: Vec<(usize, Pose)> = Vec::with_capacity(robot.links.len());
     for (i, link) in robot.links.iter().enumerate() {
         let within = match (link.parent, &link.joint) {
@@ -49,7 +51,7 @@ pub(super) fn clusters(robot: &Robot) -> Vec<Cluster> {
                     found.push(Cluster::new(i, Some((cluster, joint))));
                     (found.len() - 1, Pose::identity())
                 } else if cluster == 0 {
-                    // all of these stand still in the drive's frame
+                    // all of these are fixed in the drive's frame
                     (0, at_rest[i])
                 } else {
                     (cluster, cluster_from_parent * joint.parent_from_link(joint.coupling.offset))

@@ -1,8 +1,8 @@
-//! Why a physical plant cannot be set up.
+//! Errors in the setup of a physical plant.
 
 use thiserror::Error;
 
-/// Why a physical plant was refused.
+/// The reason why a physical plant was refused.
 #[derive(Debug, Error)]
 pub enum PhysicsError {
     /// A setting is out of its range.
@@ -12,22 +12,22 @@ pub enum PhysicsError {
         field: &'static str,
         /// The value found.
         value: f64,
-        /// The least allowed.
+        /// Smallest value allowed.
         least: f64,
-        /// The most allowed.
+        /// Largest value allowed.
         most: f64,
     },
-    /// The team was to start at a place that is not a number.
+    /// A starting pose that is not finite.
     #[error("physics: the team cannot start at ({x}, {y}) heading {yaw} rad with these joint positions")]
     Start {
-        /// m.
+        /// x, m.
         x: f64,
-        /// m.
+        /// y, m.
         y: f64,
-        /// rad.
+        /// Heading, rad.
         yaw: f64,
     },
-    /// The team does not fit where it was to start.
+    /// The team does not fit at its start.
     #[error(
         "{file}: at the start the {part} `{name}` is inside obstacle `{obstacle}`; the team stands 2 to 3 m long, the human ahead of ({x}, {y})"
     )]
@@ -36,16 +36,16 @@ pub enum PhysicsError {
         file: String,
         /// `robot`, `object` or `human`.
         part: &'static str,
-        /// Which part of it.
+        /// The name of the part.
         name: String,
         /// The obstacle.
         obstacle: String,
-        /// The object's centre, m.
+        /// The object's centre, x, m.
         x: f64,
-        /// m.
+        /// The object's centre, y, m.
         y: f64,
     },
-    /// The human has no room where an option ends.
+    /// The human has no room at the end of an option.
     #[error(
         "{file}: no room at the target: where option `{option}` ends, the human walks on to ({x:.3}, {y:.3}) and is {distance:.3} m from obstacle `{obstacle}` on the way; leave {needed} m on either side, as far as {ahead:.2} m beyond target_m"
     )]
@@ -54,17 +54,17 @@ pub enum PhysicsError {
         file: String,
         /// The option.
         option: String,
-        /// Where the human comes to stand, m.
+        /// The human's final position, x, m.
         x: f64,
-        /// m.
+        /// The human's final position, y, m.
         y: f64,
         /// The obstacle.
         obstacle: String,
-        /// How near the human comes to it, m.
+        /// Distance between the human's path and the obstacle, m.
         distance: f64,
-        /// How near the middle of a human may come to an obstacle, m.
+        /// Distance needed between the human's path and an obstacle, m.
         needed: f64,
-        /// How far beyond the target the human comes, m.
+        /// How far beyond the target the human walks, m.
         ahead: f64,
     },
 }

@@ -1,4 +1,4 @@
-//! A spring-damper in all six directions between two bodies, and the wrench that it exerts.
+//! A grip: a six-dimensional spring-damper between two bodies, and the wrench that it exerts.
 
 use super::Wrench;
 use crate::geometry::Pose;
@@ -13,21 +13,21 @@ use serde::{Deserialize, Serialize};
 const LINEAR: [JointAxis; 3] = [JointAxis::LinX, JointAxis::LinY, JointAxis::LinZ];
 const ANGULAR: [JointAxis; 3] = [JointAxis::AngX, JointAxis::AngY, JointAxis::AngZ];
 
-/// How firmly something is held.
+/// Stiffness of a grip.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Firmness {
-    /// N/m.
+pub(super) struct Stiffness {
+    /// Linear stiffness, N/m.
     pub linear: f64,
-    /// Nm/rad.
+    /// Angular stiffness, Nm/rad.
     pub angular: f64,
-    /// The most force, N, and torque, Nm.
+    /// Largest force, N, and torque, Nm.
     pub most: [f64; 2],
 }
 
 /// The robot's gripper.
-pub(super) const GRIPPER: Firmness = Firmness { linear: 20_000.0, angular: 1000.0, most: [2000.0, 400.0] };
-/// A human's hand, as stiff as an arm that walks along.
-pub(super) const HAND: Firmness = Firmness { linear: 1200.0, angular: 10.0, most: [500.0, 100.0] };
+pub(super) const GRIPPER: Stiffness = Stiffness { linear: 20_000.0, angular: 1000.0, most: [2000.0, 400.0] };
+/// The human's hand, as stiff as the arm of a walker.
+pub(super) const HAND: Stiffness = Stiffness { linear: 1200.0, angular: 10.0, most: [500.0, 100.0] };
 
 /// A grip on the object.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -39,29 +39,29 @@ pub(super) struct Grip {
     object_from_grip: Pose,
 }
 
-/// What a grip does at one instant.
-pub(super) struct Hold {
-    /// On the object, in world axes.
+/// A sample of the wrench and the motion at a grip.
+pub(super) struct WrenchSample {
+    /// Wrench on the object, in world axes.
     pub wrench: Wrench,
-    /// How fast the place moves where it holds.
+    /// Velocity of the object at the grip.
     pub velocity: Vector3<f64>,
-    /// How fast the object turns.
+    /// Angular velocity of the object.
     pub turning: Vector3<f64>,
     /// Distance between the two points joined, m.
     pub stretch: f64,
 }
 
 impl Grip {
-    /// `load` (kg) is what the grip carries when it is not stretched: its springs are set so that the object does not sag.
+    /// A grip whose springs are preloaded by the weight of `load` (kg), so that the object does not sag.
     pub fn new(
         world: &mut PhysicsWorld,
         (holder, holder_from_grip): (RigidBodyHandle, Pose),
         (object, object_from_grip): (RigidBodyHandle, Pose),
-        firmness: Firmness,
+        stiffness: Stiffness,
         load: f64,
     ) -> Self {
-        let Firmness { linear, angular, most } = firmness;
-        // critical for the load at one end
+        let Stiffness { linear, angular, most } = stiffness;
+        // critical damping for the load at one end
         let damping = 2.0 * (linear * load).sqrt();
         let angular_damping = damping * angular / linear;
         let mut joint = GenericJointBuilder::new(JointAxesMask::empty())
@@ -85,23 +85,24 @@ impl Grip {
         Self { joint, holder, object, holder_from_grip, object_from_grip }
     }
 
-    /// The axes that the next step reckons in: the holder's, in the world. `None` if the holder is gone.
+    /// The axes for the next step: the holder's, in the world. `None` if the holder no longer exists.
     pub fn axes(&self, world: &PhysicsWorld) -> Option<Rotation3<f64>> {
         let holder = world.bodies.get(self.holder)?;
         Some((convert::pose(holder.position()) * self.holder_from_grip).rotation)
     }
 
-    /// What the grip did in the last step, of `dt` seconds, which began with these axes. `None` if the bodies are gone.
-    pub fn hold(&self, world: &PhysicsWorld, axes: &Rotation3<f64>, dt: f64) -> Option<Hold> {
+    /// The sample of the last step, of `dt` seconds, which began with these axes. `None` if the bodies no
+    /// longer exist.
+    pub fn sample(&self, world: &PhysicsWorld, axes: &Rotation3<f64>, dt: f64) -> Option<WrenchSample> {
         let joint = world.impulse_joints.get(self.joint)?;
         let holder = world.bodies.get(self.holder)?;
         let object = world.bodies.get(self.object)?;
         let world_from_grip = convert::pose(holder.position()) * self.holder_from_grip;
         let at = convert::pose(object.position()) * self.object_from_grip;
-        // rapier books the impulse on the first body; springs are motors
+        // rapier assigns the impulse to the first body; springs are motors
         let impulse = |i: usize| -(joint.impulses[i] + joint.data.motors[i].impulse) / dt;
         let angular = |i: usize| -joint.data.motors[3 + i].impulse / dt;
-        Some(Hold {
+        Some(WrenchSample {
             wrench: Wrench {
                 force: axes * Vector3::new(impulse(0), impulse(1), impulse(2)),
                 torque: axes * Vector3::new(angular(0), angular(1), angular(2)),

@@ -1,4 +1,4 @@
-//! The simulated human's hand and torso. The human walks in the plane; sway comes on top.
+//! The simulated human's hand and torso. The human walks in the plane; the sway of the gait is added.
 
 use super::HumanSettings;
 use crate::geometry::{PlanarPose, Pose, Vector, direction, left_of, wrap_angle};
@@ -10,42 +10,43 @@ use rand_chacha::rand_core::SeedableRng;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// What the human does in a control period.
+/// The human's command for a control period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HumanCommand {
-    /// Leads: walks so that the hand is there when the period ends, within its limits.
+    /// The human leads and walks such that the hand reaches its target at the end of the period, within its
+    /// limits.
     Walk {
-        /// Where the hand is to be.
+        /// Target of the hand.
         hand: PlanarPose,
     },
-    /// Follows: the hand goes where the object's front end leads it.
+    /// The human follows: the hand moves with the object's front end.
     Follow,
 }
 
-/// A walking human slows down where the grip is stretched by more than the first (m), and stops at the second.
+/// A walking human slows down where the grip yields by more than the first (m), and stops at the second.
 const UNCOMFORTABLE_STRETCH: [f64; 2] = [0.012, 0.03];
-/// How quickly an error of position is made up, 1/s, and one of velocity, 1/s. Together they do not overshoot.
+/// Gains of the position error, 1/s, and of the velocity error, 1/s. Together they do not overshoot.
 const POSITION_GAIN: f64 = 6.0;
 const VELOCITY_GAIN: f64 = 40.0;
-/// How quickly the body turns to where it is to face, 1/s.
+/// Gain of the body's heading, 1/s.
 const BODY_GAIN: f64 = 10.0;
-/// Limits of turning: rad/s and rad/s^2.
+/// Limits of the yaw rate, rad/s, and of its change, rad/s^2.
 const TURN_LIMIT: f64 = 2.0;
 const TURN_ACCELERATION_LIMIT: f64 = 8.0;
-/// Time constant with which a following human takes up the robot's velocity, s.
+/// Time constant with which a following human adopts the robot's velocity, s.
 const FEELING_TIME: f64 = 0.05;
-/// Speed (m/s) from which on the gait sways fully, and the time constant (s) with which the sway changes.
+/// Speed (m/s) at which the gait reaches its full sway, and the time constant (s) of changes of the sway.
 const STRIDING_SPEED: f64 = 0.4;
 const SWAY_TIME: f64 = 0.3;
-/// Every sway differs from the mean by up to this part of it.
+/// Largest relative deviation of a sway from the mean.
 const SWAY_VARIATION: f64 = 0.2;
 
-/// What the human knows of the object.
-pub(super) struct Felt {
-    /// Where its front end is.
+/// The object's state as the human senses it.
+pub(super) struct SensedObject {
+    /// Pose of its front end.
     pub end: PlanarPose,
-    /// How the robot's gripper would move it, m/s and rad/s. Its own velocity will not do: part of that is the hand's, and a human who
-    /// follows it follows themselves.
+    /// The velocity with which the robot's gripper would move it, m/s and rad/s. The object's own velocity is
+    /// partly caused by the hand, so a human who followed that would follow their own motion.
     pub velocity: Vector,
     pub yaw_rate: f64,
 }
@@ -54,20 +55,20 @@ pub(super) struct Felt {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Walker {
     settings: HumanSettings,
-    /// Where the hand is but for its sway, its velocity (m/s) and its turning (rad/s).
+    /// Pose of the hand without its sway, its velocity (m/s) and its yaw rate (rad/s).
     at: PlanarPose,
     velocity: Vector,
     yaw_rate: f64,
     pace: Option<Pace>,
-    /// The robot's velocity and turning, as a follower has taken them up.
+    /// The robot's velocity and yaw rate as the follower has adopted them.
     led: (Vector, f64),
-    /// Which way the body faces, and which way it turns to; none: the hand's. rad.
+    /// Heading of the body, and the heading that it turns to; none: the hand's. rad.
     facing: f64,
     turns_to: Option<f64>,
     sway: Sway,
 }
 
-/// The straight line that a walking human's hand is to follow during a control period.
+/// The straight line that a walking human's hand follows during a control period.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Pace {
     at: PlanarPose,
@@ -77,9 +78,9 @@ struct Pace {
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Sway {
-    /// Of the sideways movement, rad.
+    /// Phase of the lateral sway, rad.
     phase: f64,
-    /// Present sizes to the side and upward, m, and those that they tend to before walking speed comes in.
+    /// Present lateral and vertical amplitudes, m, and those that they tend to at full walking speed.
     size: [f64; 2],
     drawn: [f64; 2],
     generator: ChaCha8Rng,
@@ -104,12 +105,12 @@ impl Walker {
         }
     }
 
-    /// Where the hand is but for its sway.
+    /// Pose of the hand without its sway.
     pub fn planar(&self) -> PlanarPose {
         self.at
     }
 
-    /// Where the hand is, carrying at `height` (m): x ahead, level.
+    /// Pose of the hand that carries at `height` (m): level, x ahead.
     pub fn hand(&self, height: f64) -> Pose {
         let (sin, cos) = (math::sin(self.sway.phase), math::cos(2.0 * self.sway.phase));
         let [side, up] = [self.sway.size[0] * sin, self.sway.size[1] * cos];
@@ -117,7 +118,7 @@ impl Walker {
         PlanarPose { position, yaw: self.at.yaw }.at_height(height + up)
     }
 
-    /// The middle of the torso, `ahead` of the hand and `height` above the floor (m).
+    /// Pose of the middle of the torso, `ahead` of the hand and `height` above the floor (m).
     pub fn torso(&self, ahead: f64, height: f64) -> Pose {
         let position = self.at.position + direction(self.facing) * ahead;
         Pose::from_parts(
@@ -126,12 +127,13 @@ impl Walker {
         )
     }
 
-    /// From here on the body turns to face that way (rad), walking ahead of the hand there; with `None`, the way that the hand heads.
+    /// Sets the heading (rad) that the body turns to; the body walks ahead of the hand in this direction.
+    /// `None`: the hand's heading.
     pub fn face(&mut self, yaw: Option<f64>) {
         self.turns_to = yaw;
     }
 
-    /// A control period (s) begins.
+    /// Begins a control period (s).
     pub fn begin(&mut self, command: &HumanCommand, period: f64) {
         match *command {
             HumanCommand::Follow => self.pace = None,
@@ -145,12 +147,12 @@ impl Walker {
         }
     }
 
-    /// One physics step of `dt` seconds.
-    pub fn step(&mut self, felt: &Felt, dt: f64) {
+    /// Moves the human by one physics step of `dt` seconds.
+    pub fn step(&mut self, sensed: &SensedObject, dt: f64) {
         let (goal, velocity, yaw_rate) = match &mut self.pace {
             Some(pace) => {
-                // only a human who pulls is held back
-                let pull = pace.at.position - felt.end.position;
+                // only a pulling human is held back
+                let pull = pace.at.position - sensed.end.position;
                 let stretch = if pull.dot(&pace.velocity) > 0.0 { pull.norm() } else { 0.0 };
                 let [slower, stop] = UNCOMFORTABLE_STRETCH;
                 let share = ((stop - stretch) / (stop - slower)).clamp(0.0, 1.0);
@@ -160,9 +162,9 @@ impl Walker {
             }
             None => {
                 let share = dt / (FEELING_TIME + dt);
-                self.led.0 += (felt.velocity - self.led.0) * share;
-                self.led.1 += (felt.yaw_rate - self.led.1) * share;
-                (felt.end, self.led.0, self.led.1)
+                self.led.0 += (sensed.velocity - self.led.0) * share;
+                self.led.1 += (sensed.yaw_rate - self.led.1) * share;
+                (sensed.end, self.led.0, self.led.1)
             }
         };
         self.approach(goal, velocity, yaw_rate, dt);
@@ -171,12 +173,12 @@ impl Walker {
         self.sway.step(&self.settings, self.velocity.norm(), dt);
     }
 
-    /// Toward `goal`, which moves itself, within the limits.
+    /// Moves the hand toward a moving `goal`, within the limits.
     fn approach(&mut self, goal: PlanarPose, velocity: Vector, yaw_rate: f64, dt: f64) {
         let HumanSettings { speed_limit, acceleration_limit, .. } = self.settings;
         let error = goal.position - self.at.position;
         let distance = error.norm();
-        // no faster than what can still be braked
+        // no faster than the hand can brake
         let gain =
             if distance > 0.0 { POSITION_GAIN.min((acceleration_limit / distance).sqrt()) } else { 0.0 };
         let wanted = limited(velocity + error * gain, speed_limit);
@@ -211,7 +213,7 @@ impl Sway {
     }
 }
 
-/// The vector, or one of that direction as long as the limit.
+/// The vector, shortened to the limit if it is longer.
 fn limited(vector: Vector, limit: f64) -> Vector {
     let norm = vector.norm();
     if norm > limit { vector * (limit / norm) } else { vector }
@@ -225,8 +227,8 @@ mod tests {
     const DT: f64 = 1.0 / 240.0;
     const START: PlanarPose = PlanarPose { position: Point::new(0.0, 0.0), yaw: 0.0 };
 
-    fn felt(at: &Walker) -> Felt {
-        Felt { end: at.planar(), velocity: Vector::zeros(), yaw_rate: 0.0 }
+    fn sensed(at: &Walker) -> SensedObject {
+        SensedObject { end: at.planar(), velocity: Vector::zeros(), yaw_rate: 0.0 }
     }
 
     #[test]
@@ -242,8 +244,8 @@ mod tests {
             };
             walker.begin(&HumanCommand::Walk { hand: goal }, 0.2);
             for _ in 0..48 {
-                let felt = felt(&walker);
-                walker.step(&felt, DT);
+                let sensed = sensed(&walker);
+                walker.step(&sensed, DT);
                 assert!((walker.velocity - before).norm() <= settings.acceleration_limit * DT + 1e-12);
                 assert!(walker.velocity.norm() <= settings.speed_limit + 1e-12);
                 before = walker.velocity;
@@ -263,7 +265,7 @@ mod tests {
             let goal = PlanarPose { position: Point::new(0.1 * f64::from(tick), 0.0), yaw: 0.0 };
             walker.begin(&HumanCommand::Walk { hand: goal }, 0.2);
             for _ in 0..48 {
-                walker.step(&Felt { end: START, velocity: Vector::zeros(), yaw_rate: 0.0 }, DT);
+                walker.step(&SensedObject { end: START, velocity: Vector::zeros(), yaw_rate: 0.0 }, DT);
             }
         }
         let at = walker.planar().position.x;
@@ -283,8 +285,8 @@ mod tests {
                 most = [0.0; 2];
             }
             for _ in 0..48 {
-                let felt = felt(&walker);
-                walker.step(&felt, DT);
+                let sensed = sensed(&walker);
+                walker.step(&sensed, DT);
                 let hand = walker.hand(0.7).translation.vector;
                 most = [most[0].max(hand.y.abs()), most[1].max((hand.z - 0.7).abs())];
             }

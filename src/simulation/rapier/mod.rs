@@ -1,10 +1,12 @@
 //! The physical plant: the robot as a multibody, the object held at both ends by spring-dampers, a kinematic
-//! human, static obstacles.
+//! human, and static obstacles.
 //!
-//! The robot stands behind, the human ahead, the object's x from one to the other, all at the robot's grasp height, so that the object is
-//! level. There is no floor: the base moves in its plane, and an object that is let down below 0.2 m counts as dropped. Same inputs
-//! and seed, same bits; a plant that was written down and read back goes on with the same bits.
+//! The robot stands behind and the human ahead. The object's x axis points from the robot to the human. Both
+//! ends are at the robot's grasp height, so the object is level. There is no floor: the base moves in its
+//! plane, and an object below 0.2 m counts as dropped. The same inputs and seed give the same bits, also
+//! after the plant was serialised and read back.
 
+mod accumulator;
 mod articulation;
 mod clusters;
 mod error;
@@ -17,7 +19,6 @@ mod ramp;
 mod sample;
 mod scene;
 mod settings;
-mod tally;
 mod touch;
 
 pub use error::PhysicsError;
@@ -31,31 +32,31 @@ use crate::geometry::{PlanarPose, Point, Pose};
 use crate::math;
 use crate::robot::{InputVector, JointVector, Robot};
 use crate::world::World;
+use accumulator::Accumulator;
 use articulation::Articulation;
 use grip::Grip;
-use human::{Felt, Walker};
+use human::{SensedObject, Walker};
 use parts::Parts;
 use rapier3d::prelude::{PhysicsPipeline, PhysicsWorld, RigidBodyHandle};
 use scene::Scene;
 use serde::{Deserialize, Serialize};
-use tally::Tally;
 
-/// m/s^2.
+/// Gravity, m/s^2.
 const GRAVITY: f64 = 9.81;
-/// An object whose centre is lower than this (m) is dropped.
-const DROPPED: f64 = 0.2;
-/// A body that is faster than this (m/s or rad/s) is on its way out of the numbers.
-const FASTEST: f64 = 1000.0;
-/// How far ahead of the hand the middle of the torso is, m.
+/// Height (m) of the object's centre below which the object counts as dropped.
+const DROPPED_HEIGHT_M: f64 = 0.2;
+/// Speed (m/s or rad/s) beyond which a body counts as diverging.
+const DIVERGING_SPEED: f64 = 1000.0;
+/// Distance of the middle of the torso ahead of the hand, m.
 const TORSO_AHEAD: f64 = 0.35;
 /// Radius of the human's torso, an upright capsule, m.
 pub const TORSO_RADIUS: f64 = 0.2;
-/// Its height over all, m.
+/// Total height of the human's torso, m.
 pub const TORSO_HEIGHT: f64 = 1.7;
 /// Radius of the human's hand, a ball, m.
 pub const HAND_RADIUS: f64 = 0.04;
 
-/// The physical plant. It owns all that it needs, and can be written down with serde between two periods.
+/// The physical plant. It owns all its data and can be serialised between two periods.
 #[derive(Serialize, Deserialize)]
 pub struct PhysicalPlant {
     world: PhysicsWorld,
@@ -64,7 +65,7 @@ pub struct PhysicalPlant {
     robot: Articulation,
     object: RigidBodyHandle,
     object_name: String,
-    /// Half the object's length, and the height that it is carried at, m.
+    /// Half the object's length, and its carrying height, m.
     reach: f64,
     height: f64,
     gripper: Grip,
@@ -73,19 +74,20 @@ pub struct PhysicalPlant {
     torso_body: RigidBodyHandle,
     human: Walker,
     steps: u64,
-    tally: Tally,
+    accumulator: Accumulator,
     failure: Option<Failure>,
 }
 
 impl PhysicalPlant {
     /// A team at rest.
     ///
-    /// `team` is the object's centre with the heading of its x axis: the robot stands such that its grasp is at the rear end, with these
-    /// `joints`; the human's hand is at the front end. Postures of a [`Robot`] hold the grasp level and ahead, so that this is exact for
-    /// them. `seed` is the human's: it settles the gait.
+    /// `team` is the pose of the object's centre, with the heading of its x axis. The robot stands with these
+    /// `joints` such that its grasp is at the rear end; the human's hand is at the front end. Postures of a
+    /// [`Robot`] hold the grasp level and ahead, so this is exact for them. `seed` determines the human's
+    /// gait.
     ///
     /// # Errors
-    /// [`PhysicsError`] if a setting is out of its range, or an obstacle stands where the team is to start.
+    /// [`PhysicsError`] if a setting is out of its range, or an obstacle stands where the team should start.
     pub fn new(
         world: &World,
         robot: &Robot,
@@ -106,8 +108,9 @@ impl PhysicalPlant {
         Ok(plant)
     }
 
-    /// One control period (s, at most a minute) with these mean rates (rims m/s, joints rad/s or m/s, both cut to the robot's limits; they change
-    /// smoothly from the last period's), the human doing as commanded. A plant that has failed with [`Failure::NonFinite`] stays as it is.
+    /// Simulates one control period (s, at most a minute) with these mean rates (rims m/s, joints rad/s or
+    /// m/s) and this command of the human. The rates are clamped to the robot's limits and change smoothly
+    /// from those of the last period. A plant that failed with [`Failure::NonFinite`] no longer changes.
     pub fn step(&mut self, rates: &InputVector, human: &HumanCommand, period: f64) -> Observation {
         let goal = match human {
             HumanCommand::Walk { hand } => [hand.position.x, hand.position.y, hand.yaw],
@@ -117,7 +120,7 @@ impl PhysicalPlant {
         if !(rates.iter().chain(&goal).all(|v| v.is_finite()) && (dt / 2.0..=60.0).contains(&period)) {
             self.failure = Some(Failure::NonFinite { body: "command".to_owned() });
         }
-        self.tally.begin();
+        self.accumulator.begin();
         if matches!(self.failure, Some(Failure::NonFinite { .. })) {
             return self.observe();
         }
@@ -135,13 +138,13 @@ impl PhysicalPlant {
         self.observe()
     }
 
-    /// From here on the human's body turns to face that way (rad) and walks ahead of the hand there: one looks where one goes. With `None`,
-    /// the way that the hand heads.
+    /// Sets the heading (rad) that the human's body turns to; the body walks ahead of the hand in this
+    /// direction. `None`: the hand's heading.
     pub fn face(&mut self, yaw: Option<f64>) {
         self.human.face(yaw.filter(|yaw| yaw.is_finite()));
     }
 
-    /// What there is to see now; forces, contacts, work and jerk are those of the last period.
+    /// The observation of the present state. Forces, contacts, work and jerk are those of the last period.
     pub fn observe(&self) -> Observation {
         let measured = self.robot.measure(&self.world);
         let body = |handle| self.world.bodies.get(handle);
@@ -154,7 +157,7 @@ impl PhysicalPlant {
             rim_speeds: measured.rim_speeds,
             joint_rates: measured.joint_rates,
             joint_efforts: measured.joint_efforts,
-            effort_share: self.tally.effort_share(),
+            effort_share: self.accumulator.effort_share(),
             wheel_angles: self.robot.wheel_angles(),
             grasp: self.robot.grasp(&self.world),
             object: pose(self.object),
@@ -162,29 +165,30 @@ impl PhysicalPlant {
             hand: pose(self.hand_body),
             hand_planar: self.human.planar(),
             torso: pose(self.torso_body),
-            grip: self.tally.gripper(),
-            hand_grip: self.tally.hand(),
-            squared_jerk: self.tally.squared_jerk(),
-            contacts: self.tally.touches.contacts(&self.parts),
+            grip: self.accumulator.gripper(),
+            hand_grip: self.accumulator.hand(),
+            squared_jerk: self.accumulator.squared_jerk(),
+            contacts: self.accumulator.touches.contacts(&self.parts),
             clearances: touch::clearances(&self.world, &self.parts),
             failure: self.failure.clone(),
         }
     }
 
-    /// Links of the robot that touch with meshes: physics leaves these out.
+    /// Links of the robot with collision meshes, which the physics ignores.
     pub fn left_out(&self) -> &[String] {
         self.parts.left_out()
     }
 
-    /// `world_from_link` of every link as physics has it, in the order of [`Robot::links`]; wheels as if they had not turned.
+    /// `world_from_link` of every link as simulated, in the order of [`Robot::links`], with the wheels
+    /// unturned.
     pub fn link_poses(&self) -> Vec<Pose> {
         self.robot.link_poses(&self.world)
     }
 
-    /// One physics step of a sound state. `None` if what it comes to is not.
+    /// One physics step of a sound state. `None` if the result is not sound.
     fn substep(&mut self, dt: f64) -> Option<()> {
-        let felt = self.felt()?;
-        self.human.step(&felt, dt);
+        let sensed = self.sensed_object()?;
+        self.human.step(&sensed, dt);
         let hand = self.human.hand(self.height);
         let torso = self.human.torso(TORSO_AHEAD, TORSO_HEIGHT / 2.0);
         for (handle, pose) in [(self.hand_body, hand), (self.torso_body, torso)] {
@@ -197,35 +201,36 @@ impl PhysicalPlant {
         self.steps += 1;
         self.check()?;
         self.robot.roll(&self.world, dt);
-        self.tally.add_effort(self.robot.effort_share(&self.world));
-        let holds = [self.gripper.hold(&self.world, &gripper, dt)?, self.hand.hold(&self.world, &hand, dt)?];
+        self.accumulator.add_effort(self.robot.effort_share(&self.world));
+        let samples =
+            [self.gripper.sample(&self.world, &gripper, dt)?, self.hand.sample(&self.world, &hand, dt)?];
         let velocity = convert::vector(self.world.bodies.get(self.object)?.linvel());
-        self.tally.add(&holds, velocity, dt);
-        self.tally.touches.add(&self.world, dt);
+        self.accumulator.add(&samples, velocity, dt);
+        self.accumulator.touches.add(&self.world, dt);
         Some(())
     }
 
-    /// Where the object's front end is, and how the gripper moves it.
-    fn felt(&self) -> Option<Felt> {
+    /// The pose of the object's front end, and the velocity that the gripper gives it.
+    fn sensed_object(&self) -> Option<SensedObject> {
         let world_from_object = convert::pose(self.world.bodies.get(self.object)?.position());
         let end = world_from_object * nalgebra::Point3::new(self.reach, 0.0, 0.0);
         let ahead = world_from_object.rotation * nalgebra::Vector3::x();
         let gripper = self.world.bodies.get(self.robot.gripper().0)?;
         let velocity = convert::vector(gripper.velocity_at_point(convert::to_vector(&end.coords)));
-        Some(Felt {
+        Some(SensedObject {
             end: PlanarPose { position: Point::new(end.x, end.y), yaw: math::atan2(ahead.y, ahead.x) },
             velocity: velocity.xy(),
             yaw_rate: gripper.angvel().z,
         })
     }
 
-    /// Notices a state that is not a number, or about to become so, and an object that lies low. `None` in the first case: rapier panics
-    /// where a body of a multibody is not a number, and so must not see one.
+    /// Detects a state that is not finite or diverging, and a dropped object. `None` in the first case:
+    /// rapier panics on a multibody with a body that is NaN, and so must not step it.
     fn check(&mut self) -> Option<()> {
         let is_sound = |handle: RigidBodyHandle| {
             self.world.bodies.get(handle).is_some_and(|b| {
-                // what is not a number is not below the limit
-                let is_slow = b.linvel().length() < FASTEST && b.angvel().length() < FASTEST;
+                // a NaN is not below the limit
+                let is_slow = b.linvel().length() < DIVERGING_SPEED && b.angvel().length() < DIVERGING_SPEED;
                 is_slow && b.translation().is_finite() && b.is_enabled()
             })
         };
@@ -235,7 +240,7 @@ impl PhysicalPlant {
             self.failure = Some(Failure::NonFinite { body: body.clone() });
             return None;
         }
-        let low = self.world.bodies.get(self.object)?.translation().z < DROPPED;
+        let low = self.world.bodies.get(self.object)?.translation().z < DROPPED_HEIGHT_M;
         if low && self.failure.is_none() {
             self.failure = Some(Failure::Dropped);
         }
@@ -244,8 +249,8 @@ impl PhysicalPlant {
 }
 
 impl Clone for PhysicalPlant {
-    /// A copy that goes on independently and with the same bits. The workspaces of rapier's pipelines are made anew, as they are when a
-    /// plant is read back.
+    /// A copy that continues independently with the same bits. The workspaces of rapier's pipelines are
+    /// created anew, as when a plant is read back.
     fn clone(&self) -> Self {
         let world = &self.world;
         let world = PhysicsWorld {
@@ -269,7 +274,7 @@ impl Clone for PhysicalPlant {
             robot: self.robot.clone(),
             object_name: self.object_name.clone(),
             human: self.human.clone(),
-            tally: self.tally.clone(),
+            accumulator: self.accumulator.clone(),
             failure: self.failure.clone(),
             ..*self
         }

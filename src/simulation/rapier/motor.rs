@@ -8,42 +8,44 @@ use rapier3d::prelude::{
 };
 use serde::{Deserialize, Serialize};
 
-/// Under its full effort a joint yields by one over this, rad or m.
+/// Stiffness as a multiple of the effort limit: at full effort a joint yields by the inverse of this, rad or
+/// m.
 const STIFFNESS_PER_EFFORT: f64 = 300.0;
-/// 1/s.
+/// Ratio of stiffness and damping, 1/s.
 const STIFFNESS_PER_DAMPING: f64 = 50.0;
-/// Effort that a motor without a limit is made for, Nm or N.
+/// Effort that sets the stiffness of a motor without a limit, Nm or N.
 const UNLIMITED_EFFORT: f64 = 200.0;
-/// Stands for no limit, Nm or N: infinity cannot be written down.
+/// A value that stands for no limit, Nm or N, because infinity cannot be serialised.
 const NO_LIMIT: f64 = 1e9;
-/// How far a joint's reference may run ahead of the joint while the motor is too weak, rad or m: what is beyond is given up.
+/// How far a joint's reference may run ahead of the joint while the motor is too weak, rad or m. The excess
+/// is dropped.
 const WINDUP: f64 = 0.02;
-/// How near to its limit a joint is stopped, rad or m.
-const NEAR: f64 = 0.1;
+/// Distance to its limit at which a joint gets a stop, rad or m.
+const STOP_DISTANCE: f64 = 0.1;
 
 /// The motor of a joint.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Motor {
     pub handle: MultibodyJointHandle,
-    /// The arm joint that it is, or follows: its position is `ratio * (that joint's) + offset`.
+    /// The arm joint that it drives or mimics: its position is `ratio * (that joint's) + offset`.
     pub joint: usize,
     pub ratio: f64,
     pub offset: f64,
     slides: bool,
-    /// It is that joint's own.
+    /// Whether it drives that joint itself.
     pub is_own: bool,
-    /// The most it exerts, Nm or N.
+    /// Largest effort, Nm or N.
     most: f64,
-    /// Nm/rad or N/m, and the same over s.
+    /// Stiffness, Nm/rad or N/m, and damping, the same times s.
     stiffness: f64,
     pub damping: f64,
     limits: [f64; 2],
-    /// Where the spring would be without force: what it was set to in the last step.
+    /// Rest position of the spring, as set in the last step.
     rest: f64,
 }
 
 impl Motor {
-    /// The motor of `joint`, which is or follows the robot's arm joint `driver`.
+    /// The motor of `joint`, which is or mimics the robot's arm joint `driver`.
     pub fn new(handle: MultibodyJointHandle, joint: &Joint, driver: usize, robot: &Robot) -> Self {
         let effort = if joint.limits.effort > 0.0 { joint.limits.effort.min(NO_LIMIT) } else { NO_LIMIT };
         let stiffness = STIFFNESS_PER_EFFORT * effort.min(UNLIMITED_EFFORT);
@@ -63,8 +65,8 @@ impl Motor {
         }
     }
 
-    /// Sets the motor for a step of `dt` seconds, toward the joint's `reference` with its rate; takes back a reference that it cannot
-    /// follow. `None` if the bodies are gone.
+    /// Sets the motor for a step of `dt` seconds toward the joint's `reference` with its rate. Pulls back a
+    /// reference that the motor cannot follow. `None` if the bodies no longer exist.
     pub fn drive(
         &mut self,
         world: &mut PhysicsWorld,
@@ -82,9 +84,9 @@ impl Motor {
         let (body, id) = world.multibody_joints.get_mut(self.handle)?;
         let joint = &mut body.link_mut(id)?.joint;
         joint.set_spring(self.coordinate(), self.stiffness, self.rest);
-        // a stop costs a constraint in every step: only where it may be met
+        // a stop costs a constraint in every step, so add it only near the limit
         let [lower, upper] = self.limits;
-        let is_near = self.is_own && (position < lower + NEAR || position > upper - NEAR);
+        let is_near = self.is_own && (position < lower + STOP_DISTANCE || position > upper - STOP_DISTANCE);
         joint.data.limit_axes = if is_near { self.axis().into() } else { JointAxesMask::empty() };
         Some(())
     }
@@ -96,18 +98,19 @@ impl Motor {
         Some((link.joint().coords()[self.coordinate()], *body.joint_velocity(link).get(0)?))
     }
 
-    /// What it exerted in the last step, which ended with this position and rate: it is implicit, so that this is exact.
+    /// The effort in the last step, which ended with this position and rate. The spring is implicit, so this
+    /// is exact.
     pub fn effort(&self, position: f64, rate: f64) -> f64 {
         self.stiffness * (self.rest - position) - self.damping * rate
     }
 
-    /// That effort as a share of its limit; 0 without one.
+    /// The effort as a share of its limit; 0 without a limit.
     pub fn share(&self, position: f64, rate: f64) -> f64 {
         if self.most < NO_LIMIT { self.effort(position, rate).abs() / self.most } else { 0.0 }
     }
 
-    /// Sets the spring for a step of `dt` seconds, toward a position and a rate. The effort, which is implicit, is cut to its limit as if the
-    /// joint went on as it moves: a change of rate in the step adds to it.
+    /// Sets the spring for a step of `dt` seconds toward a position and a rate. The implicit effort is
+    /// clamped to its limit for a joint that keeps its rate; a change of rate during the step adds to it.
     fn aim(&mut self, target: f64, rate: f64, position: f64, moving: f64, dt: f64) {
         let Self { stiffness, damping, most, .. } = *self;
         let rest = target + damping / stiffness * rate;
@@ -119,7 +122,7 @@ impl Motor {
         if self.slides { JointAxis::LinX } else { JointAxis::AngX }
     }
 
-    /// Where rapier keeps the joint's position.
+    /// The index of the joint's position in rapier's coordinates.
     fn coordinate(&self) -> usize {
         if self.slides { 0 } else { 3 }
     }
@@ -133,7 +136,7 @@ pub(super) fn joint_data(joint: &Joint, driver: &ArmJoint, frame: Pose) -> Gener
     } else {
         (JointAxesMask::LOCKED_REVOLUTE_AXES, JointAxis::AngX)
     };
-    // rapier's joints move about or along x: one basis on both sides
+    // rapier's joints move about or along x, so both sides use the same basis
     let basis = rapier3d::math::Pose::from_rotation(GenericJoint::complete_ang_frame(to_vector(&joint.axis)));
     let mut data = GenericJointBuilder::new(locked)
         .contacts_enabled(false)

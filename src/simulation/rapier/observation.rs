@@ -1,56 +1,57 @@
-//! What is seen of the physical plant after a control period. Vectors in world axes, SI.
+//! The observation of the physical plant after a control period. Vectors in world axes, SI units.
 
 use crate::geometry::{PlanarPose, Pose};
 use crate::robot::{Configuration, JointVector};
 use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// The state of the physical plant, and what happened in the last control period.
+/// The state of the physical plant, and the events of the last control period.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Observation {
     /// Simulated time, s.
     pub time: f64,
-    /// The robot as measured.
+    /// The measured configuration of the robot.
     pub configuration: Configuration,
     /// Measured speeds of the left and the right rim, m/s.
     pub rim_speeds: [f64; 2],
     /// Measured joint rates, rad/s or m/s.
     pub joint_rates: JointVector,
-    /// What the joints' motors exerted in the last step, Nm or N. See `effort_share` for how exactly they keep their limits.
+    /// Efforts of the joints' motors in the last step, Nm or N. `effort_share` tells how exactly they keep
+    /// their limits.
     pub joint_efforts: JointVector,
-    /// The most that a motor exerted in a step of the period, as a share of the URDF's effort limit; 0 without such limits. It may come to
-    /// somewhat more than 1: a motor is cut to its limit as if its joint kept its rate during a physics step, and what it exerts follows from
-    /// the rate that the joint comes to.
+    /// Largest motor effort in a physics step of the period, as a share of the URDF's effort limit; 0 without
+    /// such limits. It may slightly exceed 1: a motor is clamped to its limit as if its joint kept its rate
+    /// during the step, but the effort follows from the rate at the end of the step.
     pub effort_share: f64,
-    /// How far the wheels have turned since the start, rad: left, right.
+    /// Angles of the left and the right wheel since the start, rad.
     pub wheel_angles: [f64; 2],
     /// `world_from_grasp`.
     pub grasp: Pose,
-    /// `world_from_object`; its origin is its centre, its x from the robot's end to the human's.
+    /// `world_from_object`; the origin is the object's centre, x points from the robot's end to the human's.
     pub object: Pose,
     /// Velocity of the object's centre (m/s), then its angular velocity (rad/s).
     pub object_twist: [f64; 6],
     /// `world_from_hand`, sway included; x ahead.
     pub hand: Pose,
-    /// Where the human walks: the hand without sway.
+    /// The hand's pose in the plane, without sway.
     pub hand_planar: PlanarPose,
-    /// `world_from_torso`; the origin is in the middle of the torso.
+    /// `world_from_torso`; the origin is the middle of the torso.
     pub torso: Pose,
-    /// What the robot does to the object at its rear end.
+    /// The robot's grip on the object, at the rear end.
     pub grip: Forces,
-    /// What the human does to the object at its front end.
+    /// The human's grip on the object, at the front end.
     pub hand_grip: Forces,
     /// Integral over the period of the square of the jerk of the object's centre, m^2/s^5.
     pub squared_jerk: f64,
-    /// What touched what in the period, in a fixed order.
+    /// Contacts during the period, in a fixed order.
     pub contacts: Vec<Contact>,
-    /// How near they are now.
+    /// Clearances at the end of the period.
     pub clearances: Clearances,
-    /// What went wrong, if anything.
+    /// The failure, if any.
     pub failure: Option<Failure>,
 }
 
-/// Nearest distances after a period; `None` where there are no two such bodies.
+/// Smallest distances after a period; `None` where there is no such pair of bodies.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Clearances {
     /// Between the robot and an obstacle.
@@ -63,36 +64,36 @@ pub struct Clearances {
     pub robot_human: Option<Clearance>,
 }
 
-/// The nearest of all pairs.
+/// The smallest distance of a set of pairs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Clearance {
-    /// m; 0 where they touch.
+    /// Distance, m; 0 where they touch.
     pub distance: f64,
-    /// Which two.
+    /// The two parts.
     pub between: [Part; 2],
 }
 
 /// A force and a torque on the object, at the place where it is held.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Wrench {
-    /// N.
+    /// Force, N.
     pub force: Vector3<f64>,
-    /// Nm.
+    /// Torque, Nm.
     pub torque: Vector3<f64>,
 }
 
-/// What a grip did in a control period.
+/// The forces of a grip during a control period.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Forces {
     /// Mean over the period.
     pub mean: Wrench,
-    /// In the last step.
+    /// Wrench in the last step.
     pub last: Wrench,
     /// Largest magnitude of the force, N.
     pub peak: f64,
-    /// Root of the mean square of the magnitude of the force, N.
+    /// Root mean square of the magnitude of the force, N.
     pub rms: f64,
-    /// Root of the mean square of the change of the force from one step to the next, N.
+    /// Root mean square of the change of the force between physics steps, N.
     pub step_change: f64,
     /// Work done on the object, J.
     pub work: f64,
@@ -100,12 +101,12 @@ pub struct Forces {
     pub stretch: f64,
 }
 
-/// Who something belongs to.
+/// The kind of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Party {
     /// The robot.
     Robot,
-    /// The object that is carried.
+    /// The carried object.
     Object,
     /// The human.
     Human,
@@ -114,7 +115,7 @@ pub enum Party {
 }
 
 impl Party {
-    /// In lower case.
+    /// Name in lower case.
     pub fn name(self) -> &'static str {
         match self {
             Self::Robot => "robot",
@@ -125,36 +126,37 @@ impl Party {
     }
 }
 
-/// Something that can be touched.
+/// A named part of a body.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Part {
-    /// Who it belongs to.
+    /// The kind of its body.
     pub party: Party,
-    /// The robot's link, the object's shape, `torso` or `hand`, or the obstacle.
+    /// Name: the robot's link, the object's shape, `torso` or `hand`, or the obstacle.
     pub name: String,
 }
 
 /// Two parts that touched during a control period.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
-    /// Which two, in the order of [`Party`].
+    /// The two parts, in the order of [`Party`].
     pub between: [Part; 2],
-    /// Where, when they were deepest in each other.
+    /// The contact point at the largest depth.
     pub point: Point3<f64>,
-    /// How far they were in each other at most, m.
+    /// Largest penetration depth, m.
     pub depth: f64,
-    /// Largest normal force, N. 0 between the human and an obstacle: nothing holds the human back.
+    /// Largest normal force, N. 0 between the human and an obstacle, because the human is kinematic.
     pub force: f64,
 }
 
-/// Why an episode on this plant cannot go on.
+/// The reason why an episode on this plant cannot continue.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Failure {
-    /// A body's state, or a command, stopped being a number, or is about to (1000 m/s). The plant no longer steps.
+    /// The state of a body, or a command, is no longer finite or is diverging (1000 m/s). The plant no longer
+    /// steps.
     NonFinite {
         /// The robot's link, the object's shape or `command`.
         body: String,
     },
-    /// The object lies on the floor, or nearly.
+    /// The object lies on the floor or close to it.
     Dropped,
 }

@@ -1,4 +1,4 @@
-//! Colliders that know which named part they belong to.
+//! Colliders and the named parts that they belong to.
 
 use super::{Part, Party};
 use crate::geometry::Pose;
@@ -11,7 +11,8 @@ use rapier3d::prelude::{
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
-/// What may touch what. The robot's own parts never touch each other, nor the arm or the hand what they hold.
+/// Collision groups. The robot's own parts never touch each other, and neither arm nor hand touches the
+/// object that it holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Group {
     Base,
@@ -45,12 +46,12 @@ impl Group {
     }
 }
 
-/// Everything that can be touched, by number: a collider carries the number of its part.
+/// All parts by number. A collider carries the number of its part.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Parts {
     parts: Vec<Part>,
     colliders: Vec<(Party, ColliderHandle)>,
-    /// Links with shapes that physics leaves out.
+    /// Links with shapes that the physics ignores.
     left_out: Vec<String>,
 }
 
@@ -72,7 +73,7 @@ impl Parts {
         let collider = shape
             .density(0.0)
             .collision_groups(group.interaction())
-            // the human is kinematic, and obstacles are fixed: seen only if asked for
+            // the human is kinematic and obstacles are fixed: rapier ignores such pairs by default
             .active_collision_types(ActiveCollisionTypes::default() | ActiveCollisionTypes::KINEMATIC_FIXED)
             .user_data(number as u128);
         let handle = match body {
@@ -82,7 +83,7 @@ impl Parts {
         self.colliders.push((party, handle));
     }
 
-    /// Adds the shapes that a link touches with.
+    /// Adds the collision shapes of a link.
     pub fn add_link(
         &mut self,
         world: &mut PhysicsWorld,
@@ -98,7 +99,8 @@ impl Parts {
                 Shape::Box { size } => {
                     (ColliderBuilder::cuboid(size.x / 2.0, size.y / 2.0, size.z / 2.0), at)
                 }
-                // rapier's cylinder stands along y; alone, its box would be searched for in every step
+                // rapier's cylinder is aligned with y; outside a compound its bounding box would be
+                // searched for in every step
                 Shape::Cylinder { radius, length } => {
                     let cylinder = SharedShape::cylinder(length / 2.0, radius);
                     (ColliderBuilder::compound(vec![(quarter, cylinder)]), at)
@@ -114,7 +116,7 @@ impl Parts {
         }
     }
 
-    /// Links with mesh shapes, which physics leaves out.
+    /// Links with mesh shapes, which the physics ignores.
     pub fn left_out(&self) -> &[String] {
         &self.left_out
     }
@@ -129,7 +131,7 @@ impl Parts {
         self.parts.get(number)
     }
 
-    /// The colliders of a party.
+    /// The colliders of a kind of body.
     pub fn of<'w>(
         &'w self,
         world: &'w PhysicsWorld,

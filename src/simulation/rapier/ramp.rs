@@ -3,39 +3,40 @@
 use crate::robot::InputVector;
 use serde::{Deserialize, Serialize};
 
-/// Share of a period in which rates change.
-const SHARE: f64 = 0.25;
+/// Share of a period during which rates change.
+const TRANSITION_SHARE: f64 = 0.25;
 
-/// How rates go over from one period's to the next's: smoothly, for every jump of a rate is a jolt of the object; and such that by the end of
-/// the period all is where it would be had they jumped, as far as the limits allow.
+/// A smooth transition of rates from one period to the next, because every jump of a rate jolts the object.
+/// At the end of the period, every joint is where it would be if its rate had jumped, as far as the limits
+/// allow.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Ramp {
     from: InputVector,
     to: InputVector,
-    /// Physics steps that the change takes, and how many of them are over.
+    /// Number of physics steps of the transition, and how many of them are over.
     steps: f64,
     over: f64,
 }
 
 impl Ramp {
-    /// At rest.
+    /// A ramp at rest.
     pub fn new() -> Self {
         Self { from: InputVector::zeros(), to: InputVector::zeros(), steps: 1.0, over: 1.0 }
     }
 
-    /// A period of so many physics steps begins, whose mean rates are to be these, none beyond its limit.
+    /// Begins a period of `steps` physics steps with these mean rates, clamped to the limits.
     pub fn begin(&mut self, mean: &InputVector, limits: &InputVector, steps: u64) {
         let whole = steps as f64;
         self.from = self.rates();
-        self.steps = (SHARE * whole).round().max(1.0);
+        self.steps = (TRANSITION_SHARE * whole).round().max(1.0);
         self.over = 0.0;
-        // the sum of what is missing of a smooth change by one, at the ends of its steps
+        // the sum of what a smooth unit transition lacks, at the ends of its steps
         let missing = (self.steps - 1.0) / 2.0;
         let to = (mean * whole - self.from * missing) / (whole - missing);
         self.to = to.zip_map(limits, |rate, limit| rate.clamp(-limit, limit));
     }
 
-    /// A physics step begins: the rates at its end.
+    /// Begins a physics step and returns the rates at its end.
     pub fn next(&mut self) -> InputVector {
         self.over = (self.over + 1.0).min(self.steps);
         self.rates()
@@ -70,7 +71,7 @@ mod tests {
     fn rates_do_not_jump_and_keep_their_limits() {
         let limits = InputVector::repeat(1.2);
         // the steepest part of a smooth change from one limit to the other; 2.4 would be a jump
-        let steepest = 1.5 / (SHARE * STEPS as f64) * 2.4;
+        let steepest = 1.5 / (TRANSITION_SHARE * STEPS as f64) * 2.4;
         let mut ramp = Ramp::new();
         let mut before = ramp.rates();
         for period in 0..20 {

@@ -1,5 +1,5 @@
-//! A little scene of rapier's whose motion is part of the [stamp](crate::arithmetic) of this machine's arithmetic: a box slides down a slope onto
-//! a ball, and two links swing on a driven hinge.
+//! A small rapier scene whose motion is part of the arithmetic [stamp](crate::arithmetic): a box slides down
+//! a slope onto a ball, and two links swing on a driven hinge.
 
 use super::GRAVITY;
 use rapier3d::math::Vector;
@@ -7,10 +7,10 @@ use rapier3d::prelude::{
     ColliderBuilder, PhysicsWorld, RevoluteJointBuilder, RigidBodyBuilder, RigidBodyHandle,
 };
 
-/// Steps that the scene is moved by.
+/// Number of physics steps.
 const STEPS: usize = 40;
 
-/// Where the bodies of the scene end, and how fast they are.
+/// Final positions and velocities of the bodies.
 pub fn sample_motion() -> Vec<f64> {
     let mut world = PhysicsWorld::new();
     world.gravity = Vector::new(0.0, 0.0, -GRAVITY);

@@ -1,10 +1,10 @@
-//! The physical plant's bodies and grips at the start.
+//! The initial bodies and grips of the physical plant.
 
+use super::accumulator::Accumulator;
 use super::articulation::Articulation;
 use super::grip::{GRIPPER, Grip, HAND};
 use super::human::Walker;
 use super::parts::{Group, Parts};
-use super::tally::Tally;
 use super::{
     GRAVITY, HAND_RADIUS, Party, PhysicalPlant, PhysicsError, PhysicsSettings, TORSO_AHEAD, TORSO_HEIGHT,
     TORSO_RADIUS,
@@ -19,7 +19,7 @@ use rapier3d::math::Vector;
 use rapier3d::parry::query::intersection_test;
 use rapier3d::prelude::{ColliderBuilder, MassProperties, PhysicsWorld, RigidBodyBuilder, SharedShape};
 
-/// What a plant is made of.
+/// The components of a plant.
 pub(super) struct Scene<'a> {
     pub world: &'a World,
     pub robot: &'a Robot,
@@ -30,7 +30,7 @@ pub(super) struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// The plant at rest. `None` if rapier does not take the robot.
+    /// The plant at rest. `None` if rapier does not accept the robot.
     pub fn build(&self) -> Option<PhysicalPlant> {
         let Self { robot, joints, team, settings, .. } = *self;
         let object = &self.world.object;
@@ -45,9 +45,9 @@ impl Scene<'_> {
         let parameters = &mut world.integration_parameters;
         parameters.num_solver_iterations = 1;
         parameters.num_internal_pgs_iterations = settings.sweeps;
-        // nothing here is fast enough to pass through a wall in a step
+        // no body is fast enough to pass through a wall in one step
         parameters.max_ccd_substeps = 0;
-        // depths are reported: they must be of now
+        // reported depths must be current
         parameters.contact_recycling = false;
 
         let mut parts = Parts::default();
@@ -93,7 +93,7 @@ impl Scene<'_> {
         let end = |x: f64| (object_body, Pose::translation(x, 0.0, 0.0));
         let gripper = Grip::new(&mut world, articulation.gripper(), end(-reach), GRIPPER, load);
         let hand = Grip::new(&mut world, (hand_body, Pose::identity()), end(reach), HAND, load);
-        // a step without time puts the colliders where their bodies are
+        // a step of zero duration moves the colliders to their bodies
         world.integration_parameters.dt = 0.0;
         world.step();
         world.integration_parameters.dt = settings.step();
@@ -112,7 +112,7 @@ impl Scene<'_> {
             torso_body,
             human,
             steps: 0,
-            tally: Tally::default(),
+            accumulator: Accumulator::default(),
             failure: None,
         })
     }

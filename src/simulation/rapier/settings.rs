@@ -1,18 +1,19 @@
-//! How the physical plant is stepped and how its human moves, with the values that were found to serve.
+//! Settings of the physical plant's solver and of its human, with tested default values.
 
 use super::PhysicsError;
 use serde::{Deserialize, Serialize};
 
-/// How the physical plant is stepped, and what bounds robot and human.
+/// Settings of the solver and limits of robot and human.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PhysicsSettings {
     /// Physics steps per second of simulated time, Hz. A control period has `round(period * rate_hz)` of them.
     pub rate_hz: f64,
-    /// Sweeps of the solver over all constraints in a step: the base's motors, the grips and contacts; the arm is solved exactly. With four, forces are
-    /// within 1e-3 N of what a hundred come to, and within 0.02 N for an object of half a kilogram (tested).
+    /// Solver iterations over all constraints in a step: the base's motors, the grips and contacts. The arm
+    /// is solved exactly. With four iterations, forces are within 1e-3 N of those with a hundred, and within
+    /// 0.02 N for an object of half a kilogram (tested).
     pub sweeps: usize,
-    /// How fast the speed of a wheel's rim may change, m/s^2: what the wheels' motors can do with the robot's mass.
+    /// Largest acceleration of a wheel's rim, m/s^2, given the wheels' motors and the robot's mass.
     #[serde(rename = "rim_acceleration_m_per_s2")]
     pub rim_acceleration: f64,
     /// The human.
@@ -25,23 +26,23 @@ impl Default for PhysicsSettings {
     }
 }
 
-/// How the human's hand moves.
+/// Motion of the human's hand.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HumanSettings {
-    /// The fastest the hand goes, m/s.
+    /// Largest speed of the hand, m/s.
     #[serde(rename = "speed_limit_m_per_s")]
     pub speed_limit: f64,
-    /// The fastest its velocity changes, m/s^2.
+    /// Largest acceleration of the hand, m/s^2.
     #[serde(rename = "acceleration_limit_m_per_s2")]
     pub acceleration_limit: f64,
-    /// How far a walking human's hand sways to either side, m.
+    /// Lateral sway amplitude of a walking human's hand, m.
     #[serde(rename = "sway_lateral_m")]
     pub sway_lateral: f64,
-    /// How far it goes up and down, m.
+    /// Vertical sway amplitude, m.
     #[serde(rename = "sway_vertical_m")]
     pub sway_vertical: f64,
-    /// Sways from side to side and back per second, Hz; up and down goes twice as fast.
+    /// Frequency of the lateral sway, Hz. The vertical sway is twice as fast.
     #[serde(rename = "step_frequency_hz")]
     pub step_frequency: f64,
 }
@@ -71,7 +72,7 @@ impl PhysicsSettings {
         1.0 / self.rate_hz
     }
 
-    /// Checks the ranges; errors name settings as they are written down.
+    /// Checks the ranges. Errors use the names of the settings in files.
     pub(crate) fn check(&self) -> Result<(), PhysicsError> {
         let human = &self.human;
         let ranges = [

@@ -1,4 +1,4 @@
-//! Contacts between named parts, and the nearest distances.
+//! Contacts between named parts, and smallest distances.
 
 use super::observation::Clearances;
 use super::parts::Parts;
@@ -10,7 +10,7 @@ use rapier3d::parry::query::distance;
 use rapier3d::prelude::{Collider, ContactPair, PhysicsWorld};
 use serde::{Deserialize, Serialize};
 
-/// What two parts, by number, have done to each other in a control period so far.
+/// The contact of two parts (by number) during a control period so far.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Touch {
     between: [usize; 2],
@@ -28,13 +28,13 @@ impl Touches {
         self.0.clear();
     }
 
-    /// Adds what the last step, of `dt` seconds, brought.
+    /// Adds the contacts of the last step, of `dt` seconds.
     pub fn add(&mut self, world: &PhysicsWorld, dt: f64) {
         let mut now: Vec<Touch> = Vec::new();
         for touch in world.narrow_phase.contact_pairs().filter_map(|pair| touch(world, pair, dt)) {
             match now.iter_mut().find(|t| t.between == touch.between) {
                 Some(same) => {
-                    // two shapes of one link bear the force together
+                    // several shapes of one link share the force
                     let force = same.force + touch.force;
                     same.deepen(&touch);
                     same.force = force;
@@ -73,7 +73,7 @@ fn ordered(a: Part, b: Part) -> [Part; 2] {
     if b.party < a.party { [b, a] } else { [a, b] }
 }
 
-/// A pair of colliders that are in each other or press against each other.
+/// A contact of two colliders that penetrate or press against each other.
 fn touch(world: &PhysicsWorld, pair: &ContactPair, dt: f64) -> Option<Touch> {
     let [first, second] = [pair.collider1, pair.collider2].map(|handle| world.colliders.get(handle));
     let (first, second) = (first?, second?);
@@ -90,7 +90,7 @@ fn touch(world: &PhysicsWorld, pair: &ContactPair, dt: f64) -> Option<Touch> {
     Some(Touch { between, point, depth, force })
 }
 
-/// The nearest distances of the present state.
+/// The smallest distances in the present state.
 pub(super) fn clearances(world: &PhysicsWorld, parts: &Parts) -> Clearances {
     let [robot, object, human, obstacle] = [Party::Robot, Party::Object, Party::Human, Party::Obstacle]
         .map(|party| bounded(world, parts, party));
@@ -106,7 +106,8 @@ fn bounded<'w>(world: &'w PhysicsWorld, parts: &'w Parts, party: Party) -> Vec<(
     parts.of(world, party).map(|c| (c.compute_aabb(), c)).collect()
 }
 
-/// The nearest two. Shapes are compared in the order of the distance between their boxes, as long as that leaves a chance.
+/// The nearest pair. Shapes are compared in the order of the distance between their boxes, until no closer
+/// pair is possible.
 fn nearest(one: &[(Aabb, &Collider)], other: &[(Aabb, &Collider)], parts: &Parts) -> Option<Clearance> {
     let pairs = one
         .iter()
@@ -121,7 +122,7 @@ fn nearest(one: &[(Aabb, &Collider)], other: &[(Aabb, &Collider)], parts: &Parts
             break;
         }
         let (a, b) = (one[i].1, other[j].1);
-        // rapier's shapes all know their distances
+        // rapier supports distances between all its shapes
         let Ok(measured) = distance(a.position(), a.shape(), b.position(), b.shape()) else { continue };
         if measured.distance < least {
             least = measured.distance;

@@ -1,19 +1,19 @@
 //! Means, peaks, work and jerk of a control period, accumulated over its physics steps.
 
-use super::grip::Hold;
+use super::grip::WrenchSample;
 use super::touch::Touches;
 use super::{Forces, Wrench};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// What is booked during a control period.
+/// An accumulator over the physics steps of a control period.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Tally {
+pub(super) struct Accumulator {
     pub touches: Touches,
     grips: [Sum; 2],
     squared_jerk: f64,
     effort_share: f64,
-    /// Velocity (m/s) and acceleration (m/s^2) of the object after the last step; kept from one period to the next.
+    /// Velocity (m/s) and acceleration (m/s^2) of the object after the last step; kept between periods.
     velocity: Vector3<f64>,
     acceleration: Vector3<f64>,
 }
@@ -29,12 +29,12 @@ struct Sum {
     peak: f64,
     work: f64,
     stretch: f64,
-    /// In the last step; kept from one period to the next. `None` before the first.
+    /// The wrench of the last step; kept between periods. `None` before the first step.
     last: Option<Wrench>,
 }
 
-impl Tally {
-    /// A period begins.
+impl Accumulator {
+    /// Begins a period.
     pub fn begin(&mut self) {
         self.touches.clear();
         self.squared_jerk = 0.0;
@@ -44,17 +44,18 @@ impl Tally {
         }
     }
 
-    /// Adds a step of `dt` seconds: what the gripper and the hand did, and the object's velocity after it.
-    pub fn add(&mut self, holds: &[Hold; 2], velocity: Vector3<f64>, dt: f64) {
-        for (sum, hold) in self.grips.iter_mut().zip(holds) {
-            sum.add(hold, dt);
+    /// Adds a step of `dt` seconds: the samples of gripper and hand, and the object's velocity after the
+    /// step.
+    pub fn add(&mut self, samples: &[WrenchSample; 2], velocity: Vector3<f64>, dt: f64) {
+        for (sum, sample) in self.grips.iter_mut().zip(samples) {
+            sum.add(sample, dt);
         }
         let acceleration = (velocity - self.velocity) / dt;
         self.squared_jerk += (acceleration - self.acceleration).norm_squared() / dt;
         (self.velocity, self.acceleration) = (velocity, acceleration);
     }
 
-    /// Adds the largest share of its limit that a motor exerted in a step.
+    /// Adds the largest motor effort of a step, as a share of its limit.
     pub fn add_effort(&mut self, share: f64) {
         self.effort_share = self.effort_share.max(share);
     }
@@ -67,7 +68,7 @@ impl Tally {
         self.grips[1].forces()
     }
 
-    /// The largest share of its limit that a motor exerted.
+    /// The largest motor effort as a share of its limit.
     pub fn effort_share(&self) -> f64 {
         self.effort_share
     }
@@ -79,19 +80,19 @@ impl Tally {
 }
 
 impl Sum {
-    fn add(&mut self, hold: &Hold, dt: f64) {
-        let Wrench { force, torque } = hold.wrench;
+    fn add(&mut self, sample: &WrenchSample, dt: f64) {
+        let Wrench { force, torque } = sample.wrench;
         self.steps += 1.0;
         self.force += force;
         self.torque += torque;
         self.squared += force.norm_squared();
         self.peak = self.peak.max(force.norm());
-        self.stretch = self.stretch.max(hold.stretch);
-        self.work += (force.dot(&hold.velocity) + torque.dot(&hold.turning)) * dt;
+        self.stretch = self.stretch.max(sample.stretch);
+        self.work += (force.dot(&sample.velocity) + torque.dot(&sample.turning)) * dt;
         if let Some(last) = self.last {
             self.squared_change += (force - last.force).norm_squared();
         }
-        self.last = Some(hold.wrench);
+        self.last = Some(sample.wrench);
     }
 
     fn forces(&self) -> Forces {
