@@ -1,7 +1,8 @@
 //! One co-transportation episode, tick by tick.
 //!
-//! [`Episode::step`] is the paper's algorithm. It asks two parties and a plant: the [human](crate::human::Human), the robot's
-//! [policy](crate::policy::RobotPolicy), and the [team](crate::team::Team) of bodies that both of them move.
+//! [`Episode::step`] is the paper's algorithm. It asks two partners, the [human](crate::human::Human) and the
+//! robot's [policy](crate::policy::RobotPolicy), and a plant, the [team](crate::team::Team) of bodies that
+//! both of them move.
 
 mod outcome;
 mod settings;
@@ -31,10 +32,11 @@ use crate::simulation::{Observation, PhysicsError, PhysicsSettings};
 use crate::team::{PointTeam, Route, Team, Walk};
 use crate::world::World;
 
-/// Options longer than this (m), or without a way, are predicted as if they were this long: far beyond what anyone would choose.
+/// The length (m) at which predictions cap an option, also one without a path. It is far beyond what a human
+/// would choose.
 const LONGEST_M: f64 = 1e6;
 
-/// An episode under way. A clone goes on independently and identically.
+/// A running episode. A clone continues independently and identically.
 #[derive(Clone, Debug)]
 pub struct Episode<'a> {
     options: &'a OptionSet,
@@ -54,11 +56,11 @@ pub struct Episode<'a> {
     choice: ChoiceDistribution,
     expected: Vec<f64>,
     steps_without_progress: u32,
-    /// Whether the episode goes on when the object is lost.
+    /// Whether the episode continues after the loss of the object.
     ignores_loss: bool,
 }
 
-/// What is left of every option from where the team is, as it is perceived, in the order of the option set.
+/// Remaining length and risk of every option from the team's position, in the order of the option set.
 pub fn prospects(options: &OptionSet, progress: &Progress) -> Vec<Prospect> {
     (0..options.options().len()).map(|o| prospect(options.remaining(progress, o))).collect()
 }
@@ -67,7 +69,7 @@ fn prospect(remaining: Remaining) -> Prospect {
     Prospect { length: remaining.length.min(LONGEST_M), risk: remaining.risk }
 }
 
-/// Runs an episode to its end; `on_tick` sees every step.
+/// Runs an episode to its end and calls `on_tick` after every step.
 pub fn run(
     options: &OptionSet,
     settings: &Settings,
@@ -82,7 +84,7 @@ pub fn run(
 }
 
 impl<'a> Episode<'a> {
-    /// An episode of the paper's human and the settings' method, with a team that is a point.
+    /// An episode with the paper's human, the settings' method and a point team.
     pub fn new(options: &'a OptionSet, settings: &'a Settings, human: Perception) -> Self {
         let n = options.options().len();
         let progress = options.begin();
@@ -112,14 +114,16 @@ impl<'a> Episode<'a> {
         }
     }
 
-    /// The same episode from here on with a human who perceives risk and distance like this. While the robot leads, it makes no difference.
+    /// The same episode with this alpha and gamma of the human from here on. While the robot leads, they make
+    /// no difference.
     #[must_use]
     pub fn with_preference(mut self, preference: Perception) -> Self {
         self.human.set_preference(preference);
         self
     }
 
-    /// The same episode with another human. Before a robot is given, whose start follows from the first decision.
+    /// The same episode with another human. Call it before adding a robot, whose start follows from the first
+    /// decision.
     #[must_use]
     pub fn with_human(self, human: impl Human + 'a) -> Self {
         self.with_boxed_human(Box::new(human))
@@ -131,19 +135,21 @@ impl<'a> Episode<'a> {
         Self { human, ..self }
     }
 
-    /// The same episode with another policy of the robot. Before a robot is given, whose start follows from the first decision.
+    /// The same episode with another robot policy. Call it before adding a robot, whose start follows from
+    /// the first decision.
     #[must_use]
     pub fn with_policy(self, policy: impl RobotPolicy + 'a) -> Self {
         Self { mode: policy.initial_mode(), policy: Box::new(policy), ..self }
     }
 
-    /// The same episode with a plant of one's own. Before the first step only.
+    /// The same episode with another plant. Call it before the first step.
     #[must_use]
     pub fn with_team(self, team: impl Team + 'a) -> Self {
         Self { team: Box::new(team), ..self }
     }
 
-    /// The same episode with a robot at the other end of the object, on the kinematic plant. Before the first step only.
+    /// The same episode with a robot at the other end of the object, on the kinematic plant. Call it before
+    /// the first step.
     #[must_use]
     pub fn with_robot(mut self, manipulator: Manipulator<'a>) -> Self {
         let (start, options) = (self.starting_pose(), self.options.options().len());
@@ -151,11 +157,12 @@ impl<'a> Episode<'a> {
         self
     }
 
-    /// The same episode with robot, object and human as bodies, on the physical plant. Before the first step only. `seed` is the gait's.
+    /// The same episode with robot, object and human as bodies, on the physical plant. Call it before the
+    /// first step. `seed` determines the gait.
     ///
     /// # Errors
-    /// [`PhysicsError`] if the team does not fit where it is to start, the human has no room at the end of an option, or a setting is out of
-    /// its range.
+    /// [`PhysicsError`] if the team does not fit at its start, the human has no room at the end of an option,
+    /// or a setting is out of its range.
     pub fn with_physics(
         mut self,
         manipulator: Manipulator<'a>,
@@ -168,14 +175,14 @@ impl<'a> Episode<'a> {
         Ok(self)
     }
 
-    /// The same episode, which goes on when the object is lost: the paper simulates no object, so that its tables have episodes in which the
-    /// grasp is far off. [`ControlSummary::largest_error`] says so.
+    /// The same episode, which continues after the loss of the object. The paper simulates no object, so its
+    /// tables include episodes in which the grasp is far off. [`ControlSummary::largest_error`] reports it.
     #[must_use]
     pub fn ignoring_loss(self) -> Self {
         Self { ignores_loss: true, ..self }
     }
 
-    /// The team faces the way that it will take.
+    /// The starting pose of the team, which faces its first path.
     fn starting_pose(&self) -> PlanarPose {
         let mut planned = self.clone();
         planned.step();
@@ -188,29 +195,31 @@ impl<'a> Episode<'a> {
     }
 }
 
-/// What is known of an episode.
+/// Observers of an episode.
 impl Episode<'_> {
-    /// Where the robot is; `None` without one.
+    /// Configuration of the robot; `None` without a robot.
     pub fn configuration(&self) -> Option<&Configuration> {
         self.team.configuration()
     }
 
-    /// What is seen of the physical plant; `None` on others.
+    /// The observation of the physical plant; `None` on others.
     pub fn observation(&self) -> Option<&Observation> {
         self.team.observation()
     }
 
-    /// `world_from_link` of every link of the robot, in the order of [`Robot::links`](crate::robot::Robot::links); `None` without one.
+    /// `world_from_link` of every link of the robot, in the order of
+    /// [`Robot::links`](crate::robot::Robot::links); `None` without a robot.
     pub fn link_poses(&self) -> Option<Vec<Pose>> {
         self.team.link_poses()
     }
 
-    /// s, the pose that the grasp should have, on the kinematic plant, where that is all there is of the human; `None` on others.
+    /// s, the pose that the grasp should have, on the kinematic plant, where the human has no other state;
+    /// `None` on others.
     pub fn human(&self) -> Option<&PlanarPose> {
         self.team.human()
     }
 
-    /// What the robot's controller decided the last step from; `None` without one, and before the first step.
+    /// The basis of the controller's last decision; `None` without a robot and before the first step.
     pub fn considerations(&self) -> Option<Considerations<'_>> {
         self.team.considerations().filter(|considered| !considered.references.is_empty())
     }
@@ -220,12 +229,12 @@ impl Episode<'_> {
         &self.route.path
     }
 
-    /// Where the team is, m.
+    /// Position of the team, m.
     pub fn position(&self) -> Point {
         self.progress.position
     }
 
-    /// Steps that the longest option takes: an episode without detours is not longer.
+    /// Number of steps on the longest option. An episode without detours takes no more.
     pub fn expected_steps(&self) -> u64 {
         let per_step = self.settings.speed * self.settings.period;
         let options = 0..self.options.options().len();
@@ -238,12 +247,12 @@ impl Episode<'_> {
         &self.tick
     }
 
-    /// What is known of the episode so far.
+    /// The summary so far.
     pub fn summary(&self) -> &Summary {
         &self.summary
     }
 
-    /// The preference change with which the last step taken began; `None` if there was none.
+    /// The preference change at the beginning of the last step; `None` if there was none.
     pub fn change(&self) -> Option<&PreferenceChange> {
         self.human.change(self.summary.steps.checked_sub(1)?)
     }

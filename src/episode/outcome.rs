@@ -1,4 +1,4 @@
-//! How an episode ended, and what is worth knowing of it afterwards.
+//! The outcome and the summary of an episode.
 
 use super::{PhysicsTick, RobotTick};
 use crate::control::SolveOutcome;
@@ -6,24 +6,24 @@ use crate::geometry::Point;
 use crate::simulation::{Contact, Failure, Observation, Party};
 use serde::{Deserialize, Serialize};
 
-/// How an episode ended.
+/// The outcome of an episode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Outcome {
     /// The team stands at the target.
     Arrived,
-    /// The tick limit passed before.
+    /// The tick limit passed before arrival.
     OutOfTime,
-    /// No way leads on from where the team stands.
+    /// No path leads on from the team's position.
     NoWay,
     /// Robot, object or human touched an obstacle: see [`Summary::collision`].
     Collided,
-    /// The team did not come on for ten seconds.
+    /// The team made no progress for ten seconds.
     Stuck,
     /// The object fell.
     Dropped,
     /// Robot or human no longer held the object: see [`Summary::loss`].
     ObjectLost,
-    /// A state stopped being a number: see [`Summary::failure`].
+    /// A state is no longer finite: see [`Summary::failure`].
     NonFinite,
 }
 
@@ -43,113 +43,114 @@ impl Outcome {
     }
 }
 
-/// The one transition from robot-led to human-led.
+/// The transition from robot-led to human-led, which happens once.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Transition {
     /// k at which phi first exceeded 1.
     pub step: u64,
-    /// Where the team was, m, world frame.
+    /// Position of the team, m, world frame.
     pub position: Point,
 }
 
-/// How far (m) the grasp may be from where it should be, and a grip may yield; beyond, the object is lost. On the kinematic plant it is lost
-/// where that holds in two periods one after the other: the human there comes to full speed, or turns, at once, and the robot sees it a
-/// period later.
+/// Largest grasp error, and largest deflection of a grip, before the object is lost, m. On the kinematic
+/// plant the object is lost if the error exceeds it in two consecutive periods, because the human there
+/// reaches full speed, or turns, at once, and the robot reacts one period later.
 pub const LOSS_DISTANCE_M: f64 = 0.1;
-/// From this grasp error (m, root mean square over an episode) on, a robot is said not to keep up.
+/// The grasp error (m, root mean square over an episode) from which on a robot is reported as not keeping up.
 pub const GRASP_WARNING_RMS_M: f64 = 0.05;
 
-/// The loss of the object: a grasp or a grip that was more than [`LOSS_DISTANCE_M`] off.
+/// The loss of the object: a grasp error, or a grip's deflection, beyond [`LOSS_DISTANCE_M`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Loss {
-    /// At whose end: the robot or the human.
+    /// The end at which it happened: the robot's or the human's.
     pub by: Party,
     /// k of the step in which it happened.
     pub step: u64,
-    /// How far the grasp was from where it should have been, or the grip yielded, m.
+    /// The grasp error or the grip's deflection, m.
     pub distance: f64,
 }
 
-/// What is worth knowing of an episode afterwards.
+/// The summary of an episode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    /// How it ended.
+    /// How the episode ended.
     pub outcome: Outcome,
     /// Planning steps taken.
     pub steps: u64,
-    /// Way walked, m.
+    /// Distance walked, m.
     pub walked: f64,
-    /// Sum over the steps of J of the option executed, m.
+    /// Sum of J of the executed option over the steps, m.
     pub accumulated_cost: f64,
     /// The option executed first.
     pub first_option: usize,
     /// The option executed last.
     pub last_option: usize,
-    /// How often the executed option changed.
+    /// Number of changes of the executed option.
     pub changes: u32,
     /// The transition of the mode, if there was one.
     pub transition: Option<Transition>,
-    /// What the human made of it.
+    /// The human's part.
     pub human: HumanSummary,
-    /// What the robot's part cost, in an episode that has one.
+    /// The robot's control cost, in an episode with a robot.
     pub control: Option<ControlSummary>,
-    /// What robot, object and human did to each other, on the physical plant.
+    /// The physical interaction of robot, object and human, on the physical plant.
     pub interaction: Option<InteractionSummary>,
     /// The first contact with an obstacle, which ends an episode.
     pub collision: Option<Contact>,
     /// The loss of the object, which ends an episode.
     pub loss: Option<Loss>,
-    /// Steps up to now, one after the other, in which the grasp was too far off.
+    /// Number of consecutive steps up to now with a grasp error beyond the limit.
     pub(super) steps_beyond: u32,
-    /// What broke, if anything did.
+    /// The failure, if any.
     pub failure: Option<Failure>,
 }
 
-/// What an episode was to the human.
+/// The human's part of an episode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HumanSummary {
     /// phi in the last step.
     pub stubbornness: f64,
     /// g in the last step.
     pub discomfort: f64,
-    /// Steps in which another option was executed than this human preferred.
+    /// Steps in which the executed option was not the one that this human preferred.
     pub steps_off_preference: u64,
-    /// Sum over the steps of J^, eq. (2), of the option executed, with the alpha and gamma that the human had then; cost units.
+    /// Sum over the steps of J^, eq. (2), of the executed option with the human's alpha and gamma at that
+    /// step; cost units.
     pub subjective_cost: f64,
-    /// How often the human's alpha and gamma changed.
+    /// Number of changes of the human's alpha and gamma.
     pub changes_of_mind: u32,
-    /// How often the option that the human preferred changed.
+    /// Number of changes of the preferred option.
     pub preference_switches: u32,
 }
 
 impl HumanSummary {
-    /// Share of so many steps in which another option was executed than this human preferred.
+    /// Share of `steps` in which the executed option was not the one that this human preferred.
     pub fn share_off_preference(&self, steps: u64) -> f64 {
         self.steps_off_preference as f64 / steps.max(1) as f64
     }
 }
 
-/// What robot, object and human did to each other over an episode.
+/// The physical interaction of robot, object and human over an episode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InteractionSummary {
-    /// Steps summed over.
+    /// Number of steps in the sums.
     pub steps: u64,
-    /// Sum of the human's force on the object, N (its root mean square in each step).
+    /// Sum of the human's force on the object over the steps, N (in each step its root mean square).
     pub hand_force: f64,
-    /// Sum of its square, N^2.
+    /// Sum of its squares, N^2.
     pub squared_hand_force: f64,
     /// Largest force in either grip, N.
     pub peak_force: f64,
-    /// Sums of the squares of what the robot's and the human's force change by from one physics step to the next, N^2 (the mean square in each
-    /// planning step).
+    /// Sums of squared changes of the robot's and of the human's force between physics steps, N^2 (in each
+    /// planning step the mean square).
     pub squared_force_change: [f64; 2],
     /// Work that the robot and the human did on the object, J.
     pub work: [f64; 2],
     /// Integral of the square of the object's jerk, m^2/s^5.
     pub squared_jerk: f64,
-    /// The most that a grip yielded, m.
+    /// Largest deflection of a grip, m.
     pub stretch: f64,
-    /// The most that a motor of the arm exerted in a physics step, as a share of the URDF's effort limit.
+    /// Largest motor effort of the arm in a physics step, as a share of the URDF's effort limit.
     pub effort_share: f64,
 }
 
@@ -179,15 +180,15 @@ impl InteractionSummary {
         (self.squared_hand_force / self.steps.max(1) as f64).sqrt()
     }
 
-    /// How much forces chatter: the root mean square of what a grip's force changes by from one physics step to the next, N; the larger of the
-    /// two grips'.
+    /// The noise of the forces: root mean square of the change of a grip's force between physics steps, N;
+    /// the larger of the two grips'.
     pub fn force_noise(&self) -> f64 {
         let [robot, human] = self.squared_force_change;
         (robot.max(human) / self.steps.max(1) as f64).sqrt()
     }
 }
 
-/// The control cost C of an episode (Sec. V-C), and what went with it.
+/// The control cost C of an episode (Sec. V-C), with related figures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ControlSummary {
     /// Sum of ||x - s||_Q^2.
@@ -200,7 +201,7 @@ pub struct ControlSummary {
     pub squared_error: f64,
     /// The largest of these distances, m.
     pub largest_error: f64,
-    /// Steps in which a limit of joints or wheels was active, or an obstacle kept the robot off.
+    /// Steps in which a limit of joints or wheels, or a half-plane of an obstacle, was active.
     pub constrained_steps: u64,
     /// Steps without a solution of eq. (7).
     pub fallback_steps: u64,
@@ -208,7 +209,7 @@ pub struct ControlSummary {
     pub pose_changes: u64,
     /// Steps in which the base overlapped an obstacle.
     pub overlapping_steps: u64,
-    /// The least distance between the base and an obstacle, m; infinite without obstacles.
+    /// Smallest distance between the base and an obstacle, m; infinite without obstacles.
     pub least_clearance: f64,
 }
 
@@ -230,12 +231,12 @@ impl Default for ControlSummary {
 }
 
 impl ControlSummary {
-    /// C.
+    /// The control cost C.
     pub fn cost(&self) -> f64 {
         self.tracking + self.effort + self.pose
     }
 
-    /// Root mean square distance between grasp and reference over so many steps, m.
+    /// Root mean square distance between grasp and reference over `steps` steps, m.
     pub fn error_rms(&self, steps: u64) -> f64 {
         (self.squared_error / steps.max(1) as f64).sqrt()
     }
@@ -258,7 +259,8 @@ impl ControlSummary {
 }
 
 impl Summary {
-    /// Books a step: what the robot did, what is seen of the bodies, and the loss of the object, unless that is to be ignored.
+    /// Adds a step: the robot's tick, the observation of the bodies, and the loss of the object unless it is
+    /// ignored.
     pub(super) fn add(&mut self, robot: Option<&RobotTick>, seen: Option<&Observation>, ignores_loss: bool) {
         if let Some(tick) = robot {
             let (by, distance) = tick.worst_hold();
@@ -279,7 +281,7 @@ impl Summary {
         }
     }
 
-    /// The outcome of an episode that cannot go on: something broke, or touched an obstacle.
+    /// The outcome of an episode that cannot continue after a failure or a collision.
     pub(super) fn incident(&self) -> Option<Outcome> {
         match &self.failure {
             Some(Failure::NonFinite { .. }) => return Some(Outcome::NonFinite),

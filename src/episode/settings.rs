@@ -1,19 +1,19 @@
-//! What an episode is run with: belief, coordination, method, period, speed; documented defaults.
+//! The settings of an episode: belief, coordination, method, period and speed, with documented defaults.
 
 use crate::coordination;
 use crate::policy::Method;
 use crate::preference::Predictor;
 use serde::{Deserialize, Serialize};
 
-/// Everything about an episode but the world and the human.
+/// The settings of an episode, apart from the world and the human.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// What the robot believes of the human's (alpha, gamma), and c_r.
+    /// The robot's belief about the human's (alpha, gamma), and c_r.
     pub predictor: Predictor,
     /// phi(0) and eta.
     pub coordination: coordination::Settings,
-    /// How the team decides who leads.
+    /// The method of deciding who leads.
     pub method: Method,
     /// Control period, s: one planning step k.
     #[serde(rename = "period_s")]
@@ -21,13 +21,14 @@ pub struct Settings {
     /// Walking speed of the team, m/s.
     #[serde(rename = "speed_m_per_s")]
     pub speed: f64,
-    /// The fastest the human turns, rad/s: the reference's yaw follows the path's tangent no faster.
+    /// Largest yaw rate of the human, rad/s: the reference's yaw follows the path's tangent no faster.
     #[serde(rename = "yaw_rate_rad_per_s")]
     pub yaw_rate: f64,
-    /// Ticks after which the episode ends without arrival; by default ten times what the longest option takes.
+    /// Number of ticks after which the episode ends without arrival; by default ten times those of the
+    /// longest option.
     pub tick_limit: Option<u64>,
-    /// Whether P_o is also evaluated while the human leads. A robot needs it then, and makes sure of it; the planning level does not, but
-    /// ticks that are looked at do.
+    /// Whether P_o is also evaluated while the human leads. A robot needs it and enables it. The planning
+    /// level does not need it, except in ticks that are displayed.
     pub predict_while_human_leads: bool,
 }
 

@@ -1,4 +1,4 @@
-//! An episode under way as plain data: with its state and the same inputs, it goes on to the same bits.
+//! The state of a running episode as plain data. With the same inputs it continues with the same bits.
 
 use super::{Episode, Summary, Tick};
 use crate::coordination::Mode;
@@ -7,7 +7,7 @@ use crate::saved::{NotRestored, Saved};
 use crate::team::Route;
 use serde::{Deserialize, Serialize};
 
-/// An episode after so many steps, without what it borrows.
+/// The state of an episode after a number of steps, without borrowed data.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct State {
     human: Saved,
@@ -23,21 +23,21 @@ pub struct State {
 }
 
 impl State {
-    /// Steps taken.
+    /// Number of steps taken.
     pub fn steps(&self) -> u64 {
         self.summary.steps
     }
 }
 
 impl Episode<'_> {
-    /// What the episode has come to.
+    /// The present state.
     pub fn state(&self) -> State {
         #[rustfmt::skip]
         let Self {
             human, policy, team, mode, progress, route, tick, summary, underway, steps_without_progress,
-            // given
+            // inputs
             options: _, settings: _, tick_limit: _, ignores_loss: _,
-            // memory, and what every step works out anew
+            // buffers that every step refills
             predictor: _, prospects: _, choice: _, expected: _,
         } = self;
         State {
@@ -54,11 +54,11 @@ impl Episode<'_> {
         }
     }
 
-    /// This episode, which has not begun, as it had come to `state`: it goes on with the same bits if options, settings, human, policy and team
-    /// are the same.
+    /// This episode, which must not have begun, continued from `state`. It continues with the same bits if
+    /// options, settings, human, policy and team are the same.
     ///
     /// # Errors
-    /// [`NotRestored`] if they cannot be.
+    /// [`NotRestored`] if the state does not fit.
     pub fn resume(mut self, state: State) -> Result<Self, NotRestored> {
         let n = self.options.options().len();
         let Summary { first_option, last_option, .. } = state.summary;

@@ -8,11 +8,11 @@ use crate::policy::{Decision, Lead, RobotView};
 use crate::preference::{objective_cost, subjective_cost};
 use crate::team::{Situation, Step, TurnOutcome};
 
-/// Steps without progress after which a team is stuck: ten seconds.
+/// Number of steps without progress after which a team is stuck: ten seconds.
 const STUCK_STEPS: u32 = 50;
 
 impl Episode<'_> {
-    /// Takes one planning step, or says how the episode ended.
+    /// Takes one planning step. Returns the outcome once the episode has ended.
     pub fn step(&mut self) -> Option<Outcome> {
         if let Some(outcome) = self.ended() {
             self.summary.outcome = outcome;
@@ -62,7 +62,7 @@ impl Episode<'_> {
                 objective: objective_cost(prospect, self.predictor.risk_weight()),
                 expected: f64::NAN,
                 probability: f64::NAN,
-                // g(0) = 0: before the first step the team moves nowhere
+                // g(0) = 0: before the first step the team has no next waypoint
                 misaligned: self.mode == Mode::RobotLed
                     && toward.is_some_and(|toward| is_misaligned(toward, remaining.next)),
             });
@@ -195,7 +195,7 @@ impl Episode<'_> {
         let per_step = self.settings.speed * self.settings.period;
         let resists = human.stance == Stance::Resist && self.mode == Mode::RobotLed;
         let to = if resists { from } else { from + per_step };
-        // a last step shorter than rounding is not a step
+        // a remainder shorter than rounding is not a step of its own
         let to = if to >= length - 1e-9 { length } else { to };
         let step = Step {
             mode: self.mode,
@@ -218,7 +218,7 @@ impl Episode<'_> {
         self.summary.steps += 1;
     }
 
-    /// The point of the path under way after `along` (m).
+    /// The point of the present path at `along` (m).
     fn point_at(&self, along: f64) -> Point {
         match self.route.path.point_at(along) {
             Some(_) if along == self.route.path.length() => self.options.target(),

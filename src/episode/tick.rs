@@ -1,11 +1,11 @@
-//! One planning step as data: what was observed, predicted and decided.
+//! One planning step as data: observations, predictions and decisions.
 
 use crate::coordination::{Mode, OptionTick};
 use crate::geometry::Point;
 use crate::team::RobotTick;
 use serde::{Deserialize, Serialize};
 
-/// What was observed and decided in one planning step.
+/// The observations and decisions of one planning step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tick {
     /// k, from 0.
@@ -22,19 +22,19 @@ pub struct Tick {
     pub stubbornness: f64,
     /// g(k).
     pub discomfort: f64,
-    /// The option that is executed.
+    /// The executed option.
     pub executed: usize,
-    /// The option that this human would choose from here.
+    /// The option that this human would choose from this position.
     pub preferred: usize,
-    /// The option for which the team steps back to where there is room to turn onto it: only a team with bodies does.
+    /// The option for which the team reverses to a place with room to turn; only a team with bodies reverses.
     pub steps_back_for: Option<usize>,
     /// J of the executed option, m.
     pub objective_cost: f64,
-    /// Sum of `objective_cost` up to and with this step, m.
+    /// Sum of `objective_cost` up to and including this step, m.
     pub accumulated_cost: f64,
-    /// Every option as it is from here, in the order of the option set.
+    /// Every option evaluated at this position, in the order of the option set.
     pub options: Vec<OptionTick>,
-    /// What the robot did, in an episode that has one.
+    /// The robot's part, in an episode with a robot.
     pub robot: Option<RobotTick>,
 }
 

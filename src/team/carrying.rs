@@ -1,4 +1,5 @@
-//! A team with a robot: what its controller does in each period, eq. (8) and (7), on whichever bodies.
+//! A team with a robot, and its controller: eq. (8) and (7) in each period, on the kinematic or the physical
+//! plant.
 
 use super::team_path::{Ground, Turned};
 use super::tick::{Preparation, RobotTick};
@@ -18,14 +19,15 @@ use crate::saved::{NotRestored, Saved};
 use crate::simulation::Observation;
 use nalgebra::Vector6;
 
-/// DEVIATION (eq. 8): bodies take a new configuration at this share of their rate limits, so that what is linear in eq. (7) stays nearly so,
-/// and rates are left for the grasp.
+/// DEVIATION (eq. 8): bodies take a new configuration at this share of their rate limits. The motion then
+/// stays within the range of eq. (7)'s linear model, and rates are left for the grasp.
 const RECONFIGURATION_SHARE: f64 = 0.25;
 
-/// What bodies believe of the arm's half-planes of a step, beside those of the step before: where the base follows its path at given rim
-/// speeds, the arm turns by radians within the horizon while it swings round a corner.
+/// Factor of the weight of the arm's half-planes from one step to the next, for bodies. Where the base
+/// follows its path at given rim speeds, the arm turns by radians within the horizon while it swings round a
+/// corner.
 const CONFIDENCE: f64 = 0.7;
-/// The most (m and rad) that the linear model of eq. (7) is corrected by.
+/// Largest correction (m and rad) of the linear model of eq. (7).
 const MOST_MISSED: f64 = 0.01;
 
 /// The confidence in the arm's half-planes.
@@ -46,17 +48,17 @@ pub struct Manipulator<'a> {
     pub obstacles: &'a RobotObstacles,
 }
 
-/// What the robot decided a step from: all of eq. (8) that others need to check it.
+/// The basis of the robot's decision in a step: the data of eq. (8) that others need to check it.
 #[derive(Clone, Copy, Debug)]
 pub struct Considerations<'e> {
-    /// s_o(1..H) of every option while the human leads, else of the robot's own way alone; on the physical plant what the base, which
-    /// follows its path, leaves of it for the arm.
+    /// s_o(1..H) of every option while the human leads, else of the robot's own path only. On the physical
+    /// plant, the part that the path-following base leaves for the arm.
     pub references: &'e [Reference],
-    /// What each counts for in eq. (8): P_o, if nothing else is asked for.
+    /// The weight of each in eq. (8); by default P_o.
     pub weights: &'e [f64],
     /// q*.
     pub target: &'e Configuration,
-    /// What became of the candidates, in a step that has a [`Preparation`].
+    /// The candidates with their objectives, in a step that has a [`Preparation`].
     pub poses: &'e PoseOptimiser,
 }
 
@@ -65,28 +67,29 @@ pub(super) trait Bodies: Clone + std::fmt::Debug + Send + Sync {
     /// The robot's base and joints.
     fn configuration(&self) -> &Configuration;
 
-    /// s: where the grasp should be for the human where they are, as a pose on the floor.
+    /// s: the pose on the floor that the grasp should have, given the human's.
     fn grasp_goal(&self) -> PlanarPose;
 
-    /// Where the human's body is, m.
+    /// Position of the human's body, m.
     fn body(&self) -> Point;
 
-    /// Where the human's hand is, m.
+    /// Position of the human's hand, m.
     fn hand(&self) -> Point;
 
-    /// How far the human who leads is ahead of where the object is, m.
+    /// How far a leading human is ahead of the object along the path, m.
     fn lead(&self, path: &Path, along: f64) -> f64;
 
-    /// How fast the human is seen to walk, m/s ahead.
+    /// Observed walking speed of the human, m/s; negative when reversing.
     fn observed_speed(&self, intent: &Intent, travel: Travel, walk: &Walk) -> f64;
 
-    /// `path`, the rest of an option for a point, becomes what the robot expects the human to walk onto it.
+    /// Replaces `path`, the remainder of an option for a point, by the path that the robot expects the human
+    /// to walk onto it.
     fn expect_path(&mut self, situation: &Situation, path: &mut Path, ground: Ground);
 
-    /// s(1..H) of the grasp along a way at this speed (m/s), relative to the grasp.
+    /// s(1..H) of the grasp along a path at this speed (m/s), relative to the grasp.
     fn reference(&self, onward: &Onward, speed: f64, walk: &Walk, grasp: &Pose) -> Reference;
 
-    /// Rim speeds with which the base follows on the way that the grasp has gone; none where the base is free.
+    /// Rim speeds with which the base follows the path of the grasp; none where the base is free.
     fn base_on_path(&mut self, onward: &Onward, speed: f64, robot: &Robot, walk: &Walk) -> Option<Rims>;
 
     /// See [`Team::walkable`].
@@ -104,7 +107,7 @@ pub(super) trait Bodies: Clone + std::fmt::Debug + Send + Sync {
         ground: Ground,
     ) -> Option<f64>;
 
-    /// Moves everybody by one period.
+    /// Moves all bodies by one period.
     fn step(&mut self, target: &Candidate, input: &InputVector, step: &Step, walk: &Walk) -> Moved;
 
     /// `world_from_link` of every link.
@@ -120,32 +123,32 @@ pub(super) trait Bodies: Clone + std::fmt::Debug + Send + Sync {
         None
     }
 
-    /// What later steps depend on.
+    /// The state that later steps depend on.
     fn save(&self) -> Saved;
 
-    /// Takes over what was saved.
+    /// Restores a saved state.
     fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored>;
 }
 
-/// Where a way leads on from where the team is.
+/// The path ahead of the team.
 #[derive(Clone, Copy)]
 pub(super) struct Onward<'s> {
     pub mode: Mode,
     pub travel: Travel,
-    /// The path under way, and how far along it the team is, m.
+    /// The present path, and the team's position along it, m.
     pub path: &'s Path,
     pub along: f64,
-    /// How far ahead of that the hand is, m ([`Bodies::lead`]).
+    /// How far the hand is ahead of that position, m ([`Bodies::lead`]).
     pub lead: f64,
-    /// The path to turn onto; none to go on. On the physical plant, it begins where the human's body is.
+    /// The path to turn onto, if any. On the physical plant, it begins at the human's body.
     pub turn: Option<&'s Path>,
 }
 
-/// What a step came to.
+/// The result of a step.
 pub(super) struct Moved {
-    /// How far along the path under way the team is now, m.
+    /// The team's position along the present path, m.
     pub along: f64,
-    /// s - x after the step: what separates the grasp from where it should be, m and rad.
+    /// s - x after the step: the difference between the grasp's target and the grasp, m and rad.
     pub error: nalgebra::Vector6<f64>,
     pub physics: Option<super::PhysicsTick>,
 }
@@ -163,13 +166,13 @@ pub(super) struct Carrying<'a, B> {
     paths: Vec<Path>,
     references: Vec<Reference>,
     weights: Vec<f64>,
-    /// What the step decided: q* with the rates that lead there, and u.
+    /// The decision of the step: q* with the rates that lead there, and u.
     target: Candidate,
     input: InputVector,
 }
 
 impl<'a, B: Bodies> Carrying<'a, B> {
-    /// A team at the start of a world with so many options.
+    /// A team at the start of a world with this number of options.
     pub fn new(manipulator: Manipulator<'a>, walk: Walk, options: usize, bodies: B) -> Self {
         let configuration = *bodies.configuration();
         Self {
@@ -180,7 +183,8 @@ impl<'a, B: Bodies> Carrying<'a, B> {
             poses: PoseOptimiser::default(),
             limits: Limits::new(manipulator.robot),
             mpc: Mpc::default(),
-            // longer than the paths that worlds have: what is left of an option may grow when the team turns away from it
+            // longer than the paths of worlds: the remainder of an option may grow when the team turns away
+            // from it
             paths: (0..options).map(|_| Path::with_capacity(64)).collect(),
             references: Vec::with_capacity(options),
             weights: Vec::with_capacity(options),
@@ -196,7 +200,8 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         Ground { obstacles: self.manipulator.obstacles, options }
     }
 
-    /// The references to be ready for, with a weight for each, and which one to track. While the human leads, those of all options.
+    /// Sets the references of eq. (8) with their weights, and returns the one to track. While the human
+    /// leads, those of all options.
     fn set_references(&mut self, situation: &Situation, onward: &Onward, grasp: &Pose) -> Option<usize> {
         if let Motion::Reference(poses) = situation.motion {
             self.set_reference(reference(poses.iter().copied(), grasp, self.manipulator.robot.grasp_height));
@@ -205,7 +210,7 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         if situation.mode == Mode::HumanLed {
             return Some(self.anticipate(situation, onward, grasp));
         }
-        // the robot knows its own way
+        // the robot knows its own path
         self.set_reference(self.bodies.reference(onward, self.walk.speed, &self.walk, grasp));
         None
     }
@@ -217,7 +222,7 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         self.weights.push(1.0);
     }
 
-    /// s_o(1..H) of every option, from where the human is, and which of them to track.
+    /// Sets s_o(1..H) of every option from the human's position, and returns the one to track.
     fn anticipate(&mut self, situation: &Situation, onward: &Onward, grasp: &Pose) -> usize {
         let Walk { period, .. } = self.walk;
         let probabilities = situation.choice.probabilities();
@@ -283,8 +288,8 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         self.target = chosen.candidate;
     }
 
-    /// What eq. (7)'s linear model misses of the first period of `input`: the grasp as the arm's kinematics have it, minus as the model does; no
-    /// more than [`MOST_MISSED`] in norm, m and rad.
+    /// The error of eq. (7)'s linear model in the first period of `input`: the grasp by the arm's kinematics
+    /// minus the grasp by the model. Its norm is at most [`MOST_MISSED`], m and rad.
     fn missed(&self, jacobian: &InputJacobian, input: &InputVector, grasp: &Pose) -> Vector6<f64> {
         let Candidate { configuration: target, .. } = self.target;
         let moved: JointVector = input.fixed_rows::<MAX_JOINTS>(2) * self.walk.period;
@@ -294,7 +299,8 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         missed * (MOST_MISSED / missed.norm()).min(1.0)
     }
 
-    /// u of eq. (7), tracking one of the references. Bodies have it solved twice, the second time knowing what the linear model misses.
+    /// u of eq. (7) that tracks one of the references. For bodies it is solved twice, the second time with
+    /// the error of the linear model.
     fn track(&mut self, reference: usize, rims: Option<&Rims>, grasp: &Pose, tick: &mut RobotTick) {
         let Manipulator { robot, control, obstacles, .. } = self.manipulator;
         let period = self.walk.period;
@@ -378,7 +384,7 @@ impl<B: Bodies> Team for Carrying<'_, B> {
             };
             let onward = Onward { mode, travel, path, along, lead, turn: None };
             let tracked = self.set_references(situation, &onward, &at.grasp);
-            // on the physical plant, the base follows the way that the grasp has gone, and the arm does the rest
+            // on the physical plant, the base follows the path of the grasp, and the arm does the rest
             let speed = self.bodies.observed_speed(&self.intent, travel, &self.walk);
             let rims = self.bodies.base_on_path(&onward, speed, robot, &self.walk);
             if let Some(rims) = &rims {
@@ -398,7 +404,7 @@ impl<B: Bodies> Team for Carrying<'_, B> {
         Some(tick)
     }
 
-    /// Books ||x - s||_Q^2; ||u||_R^2 and kappa ||q* - q_c||^2 are in the tick already (Sec. V-C).
+    /// Adds ||x - s||_Q^2 to the tick; ||u||_R^2 and kappa ||q* - q_c||^2 are already in it (Sec. V-C).
     fn walk(&mut self, step: &Step<'_>, tick: Option<&mut RobotTick>) -> f64 {
         let moved = self.bodies.step(&self.target, &self.input, step, &self.walk);
         if let Some(tick) = tick {

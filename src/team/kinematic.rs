@@ -1,4 +1,5 @@
-//! The kinematic plant, what the paper simulates: the human walks the path exactly and is the reference; the robot moves as its inputs say.
+//! The kinematic plant, as in the paper's simulations. The human walks the path exactly and is the reference;
+//! the robot follows its inputs exactly.
 
 use super::carrying::{Bodies, Manipulator, Moved, Onward};
 use super::team_path::{Ground, Turned};
@@ -10,7 +11,7 @@ use crate::robot::{Configuration, InputVector, Robot, pose_difference};
 use crate::saved::{NotRestored, Saved};
 use crate::simulation::{KinematicPlant, Observation};
 
-/// Human and robot, without dynamics.
+/// Human and robot without dynamics.
 #[derive(Clone, Debug)]
 pub(super) struct Kinematic<'a> {
     robot: &'a Robot,
@@ -20,7 +21,7 @@ pub(super) struct Kinematic<'a> {
 }
 
 impl<'a> Kinematic<'a> {
-    /// The grasp at `start`.
+    /// Bodies with the grasp at `start`.
     pub fn new(manipulator: &Manipulator<'a>, start: PlanarPose) -> Self {
         let Manipulator { robot, posture, .. } = *manipulator;
         Self { robot, plant: KinematicPlant::place(robot, &posture, &start), human: start }

@@ -1,7 +1,9 @@
-//! Teams of human, object and robot: how they walk a path, turn onto another, and what the robot does meanwhile.
+//! Teams of human, object and robot: how they walk a path, how they turn onto another, and how the robot is
+//! controlled.
 //!
-//! [`Team`] is the plant that the loop acts on. A [`PointTeam`] walks its path exactly and has no robot: the planning level. On the
-//! kinematic plant the human walks exactly, and the robot moves as its inputs say. On the physical plant robot, object and human are bodies.
+//! [`Team`] is the plant that the loop acts on. A [`PointTeam`] walks its path exactly and has no robot: the
+//! planning level. On the kinematic plant, the human walks exactly and the robot follows its inputs. On the
+//! physical plant, robot, object and human are bodies.
 
 mod carrying;
 mod kinematic;
@@ -30,23 +32,25 @@ use crate::world::World;
 
 /// The plant: all bodies of the team, and the robot's controller.
 ///
-/// Every control period, the loop asks it to [control](Team::control) and then to [walk](Team::walk). A clone goes on independently and
-/// identically.
+/// In every control period, the loop asks it to [control](Team::control) and then to [walk](Team::walk). A
+/// clone continues independently and identically.
 pub trait Team: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
-    /// `path`, made for a point, as this team walks it.
+    /// The path that this team walks for `path`, which is planned for a point.
     fn walkable(&self, path: Path, options: &OptionSet) -> Path {
         let _ = options;
         path
     }
 
-    /// Leaves the path under way, `along` (m) on it, for `next`, which begins there. `None` if there is no room to turn.
+    /// Leaves the present path at the position `along` (m) for `next`, which begins there. `None` if there is
+    /// no room to turn.
     fn turn(&mut self, path: &Path, along: f64, next: Path, options: &OptionSet) -> Option<Turned> {
         let _ = (path, along, options);
         Some(Turned { path: next, until: 0.0 })
     }
 
-    /// Where along `path` (m) a team without room to turn here, `along` it, had better reverse to: no farther than `least`. `None` if going on
-    /// is as good. `next` is the path to turn onto, from the place that it is asked for.
+    /// The position along `path` (m), no farther back than `least`, to which a team without room to turn at
+    /// `along` should reverse. `None` if it may as well go on. `next` gives the path to turn onto from a
+    /// position.
     fn place_to_turn(
         &self,
         path: &Path,
@@ -63,21 +67,22 @@ pub trait Team: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
         false
     }
 
-    /// The robot's configuration q* (eq. 8) and inputs u (eq. 7) of this period; none without a robot.
+    /// The robot's configuration q* (eq. 8) and inputs u (eq. 7) for this period; none without a robot.
     fn control(&mut self, situation: &Situation<'_>) -> Option<RobotTick> {
         let _ = situation;
         None
     }
 
-    /// Moves everybody by one period, books in `tick` what the step cost, and returns how far along the path the team is then, m.
+    /// Moves all bodies by one period, adds the costs of the step to `tick`, and returns the team's position
+    /// along the path, m.
     fn walk(&mut self, step: &Step<'_>, tick: Option<&mut RobotTick>) -> f64;
 
-    /// What the controller decided the last step from; none without one.
+    /// The basis of the controller's last decision; none without a controller.
     fn considerations(&self) -> Option<Considerations<'_>> {
         None
     }
 
-    /// The robot's base and joints; none without one.
+    /// The robot's base and joints; none without a robot.
     fn configuration(&self) -> Option<&Configuration> {
         None
     }
@@ -87,30 +92,31 @@ pub trait Team: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
         None
     }
 
-    /// `world_from_link` of every link of the robot, in the order of [`Robot::links`](crate::robot::Robot::links); none without one.
+    /// `world_from_link` of every link of the robot, in the order of
+    /// [`Robot::links`](crate::robot::Robot::links); none without a robot.
     fn link_poses(&self) -> Option<Vec<Pose>> {
         None
     }
 
-    /// What is seen of bodies and forces, on the physical plant.
+    /// The observation of bodies and forces on the physical plant.
     fn observation(&self) -> Option<&Observation> {
         None
     }
 
-    /// s, the pose that the grasp should have, where that is all there is of the human.
+    /// s, the pose that the grasp should have, on plants where the human has no other state.
     fn human(&self) -> Option<&PlanarPose> {
         None
     }
 
-    /// What later steps depend on; nothing by default.
+    /// The state that later steps depend on; empty by default.
     fn save(&self) -> Saved {
         Saved::default()
     }
 
-    /// Takes over what [`Team::save`] returned.
+    /// Restores what [`Team::save`] returned.
     ///
     /// # Errors
-    /// [`NotRestored`] if it is not of this plant.
+    /// [`NotRestored`] if the state belongs to another plant.
     fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
         saved.is_empty("plant")
     }
@@ -118,58 +124,58 @@ pub trait Team: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
 
 dyn_clone::clone_trait_object!(Team);
 
-/// How the team walks: what the robot knows of it.
+/// The team's walking parameters, which the robot knows.
 #[derive(Clone, Copy, Debug)]
 pub struct Walk {
     /// Control period, s.
     pub period: f64,
     /// Walking speed, m/s.
     pub speed: f64,
-    /// The fastest that the human turns, rad/s.
+    /// Largest yaw rate of the human, rad/s.
     pub yaw_rate: f64,
 }
 
-/// What the robot's controller knows in a control period.
+/// The controller's knowledge in a control period.
 #[derive(Clone, Copy, Debug)]
 pub struct Situation<'s> {
     /// Who leads.
     pub mode: Mode,
-    /// Which way the team goes along its path.
+    /// The team's direction of travel along its path.
     pub travel: Travel,
-    /// The ways through the world.
+    /// The options of the world.
     pub options: &'s OptionSet,
-    /// Where the team is on each of them.
+    /// The team's progress on each option.
     pub progress: &'s Progress,
-    /// P_o from here.
+    /// P_o at this position.
     pub choice: &'s ChoiceDistribution,
-    /// The path under way, known to the robot while it leads.
+    /// The present path, which the robot knows while it leads.
     pub path: &'s Path,
-    /// How far along it the team is, m.
+    /// The team's position along it, m.
     pub along: f64,
-    /// How the robot's policy has it move.
+    /// The motion that the robot's policy has chosen.
     pub motion: &'s Motion,
 }
 
-/// One period's walk.
+/// The walk of one period.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'s> {
     /// Who leads.
     pub mode: Mode,
-    /// Which way the team goes along its path.
+    /// The team's direction of travel along its path.
     pub travel: Travel,
-    /// What the human does.
+    /// The human's decision.
     pub human: &'s HumanDecision,
-    /// The path under way.
+    /// The present path.
     pub path: &'s Path,
-    /// How far along it the team is, m.
+    /// The team's position along it, m.
     pub from: f64,
-    /// How far it would be at walking speed, m, and where that is.
+    /// Its position along the path after a period at walking speed, m.
     pub to: f64,
-    /// The point of the path after `to`.
+    /// The point of the path at `to`.
     pub position: Point,
 }
 
-/// The team of the kinematic plant, its grasp at `start`.
+/// The team of the kinematic plant, with its grasp at `start`.
 pub fn kinematic<'a>(
     manipulator: Manipulator<'a>,
     walk: Walk,
@@ -184,11 +190,11 @@ pub fn kinematic<'a>(
     ))
 }
 
-/// The team of the physical plant, at rest with the object's middle at `start`. `seed` is the gait's.
+/// The team of the physical plant, at rest with the object's centre at `start`. `seed` determines the gait.
 ///
 /// # Errors
-/// [`PhysicsError`] if the team does not fit where it is to start, the human has no room at the end of an option, or a setting is out of its
-/// range.
+/// [`PhysicsError`] if the team does not fit at its start, the human has no room at the end of an option, or
+/// a setting is out of its range.
 pub fn physical<'a>(
     manipulator: Manipulator<'a>,
     walk: Walk,

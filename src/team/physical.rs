@@ -1,4 +1,5 @@
-//! The physical plant: robot, object and human as bodies. The object's ends ride on the path, the robot's end behind.
+//! The physical plant: robot, object and human as bodies. Both ends of the object follow the path, the
+//! robot's end behind.
 
 use super::carrying::{Bodies, Manipulator, Moved, Onward};
 use super::team_path::{BODY_ROOM_M, Ground, TeamPath, Turned, WALKS_AHEAD_M};
@@ -15,25 +16,27 @@ use crate::simulation::{HumanCommand, Observation, PhysicalPlant, PhysicsError, 
 use crate::world::World;
 use serde::{Deserialize, Serialize};
 
-/// On the physical plant, the team has arrived when the object's middle is this near (m) to the end of its path.
+/// The team has arrived when the object's centre is this near (m) to the end of its path.
 const ARRIVAL_TOLERANCE_M: f64 = 0.05;
-/// How quickly a team comes to its walking speed, m/s^2.
+/// Acceleration of the team, m/s^2.
 const ACCELERATION: f64 = 0.9;
-/// A team slows down where the object has to turn farther (rad) than it can in a step, to a tenth at so much more.
+/// A team slows down where the object has to turn by more than the first angle (rad) beyond what a step
+/// allows, and goes at a tenth of its speed at the second.
 const TURNING_LAG_RAD: [f64; 2] = [0.1, 0.4];
-/// What is out of place is moved into it at this many times the walking speed.
+/// Speed at which position errors are corrected, as a multiple of the walking speed.
 const CATCH_UP: f64 = 1.5;
-/// Points that are kept of the path walked: as far back as a base is.
+/// Number of points kept of the path walked, enough to reach back to the base.
 const POINTS_BEHIND: u32 = 50;
-/// How fast a team reverses, m/s.
+/// Speed of a reversing team, m/s.
 const REVERSING_SPEED: f64 = 0.35;
-/// The object is turned slower where the robot's end is this far (m) from its place, and at a fifth of the rate at so much.
+/// The object turns more slowly where the robot's end is this far (m) from its target, and at a fifth of the
+/// rate at the second distance.
 const OUT_OF_PLACE_M: [f64; 2] = [0.02, 0.08];
 /// The leader slows when the object lags by the first and stops at the second, m.
 const LAG_M: [f64; 2] = [0.01, 0.08];
 
 impl Travel {
-    /// How fast a team goes in the end, m/s ahead.
+    /// Target speed of the team, m/s; negative when reversing.
     fn speed(self, walk: &Walk) -> f64 {
         match self {
             Self::Forward => walk.speed,
@@ -41,7 +44,8 @@ impl Travel {
         }
     }
 
-    /// How fast a team that goes with `speed` goes a period later, no faster than this `share` of what it comes to; m/s ahead.
+    /// Speed after one period of a team that has the speed `speed`, at most this `share` of the target speed,
+    /// m/s; negative when reversing.
     fn speed_after(self, speed: f64, share: f64, walk: &Walk) -> f64 {
         let change = ACCELERATION * walk.period;
         match self {
@@ -55,32 +59,32 @@ impl Travel {
 #[derive(Clone)]
 pub(super) struct Physical {
     state: State,
-    /// The grasp's height, m.
+    /// Height of the grasp, m.
     height: f64,
-    /// How far the base was behind the grasp at the start, m: as far it follows.
+    /// Initial distance of the base behind the grasp, m, which the base keeps.
     distance: f64,
-    /// Buffers: an option's path as the team walks it, and the path that the grasp has gone.
+    /// Buffers: an option's path as the team walks it, and the past path of the grasp.
     wide: Path,
     widening: Widening,
     walked: Vec<Point>,
 }
 
-/// What later steps depend on.
+/// The state that later steps depend on.
 #[derive(Clone, Serialize, Deserialize)]
 struct State {
     plant: PhysicalPlant,
     team_path: TeamPath,
-    /// The leader's intended position along the path, m: ahead of the object by what the grips yield.
+    /// The leader's intended position along the path, m: ahead of the object by the deflection of the grips.
     path_position: f64,
-    /// The speed of that, m/s.
+    /// Speed of the intended position, m/s.
     path_speed: f64,
-    /// Where the leader means the object to be.
+    /// Intended pose of the object.
     goal: PlanarPose,
     seen: Observation,
 }
 
 impl Physical {
-    /// A team at rest, its object's middle at `start`.
+    /// A team at rest with the object's centre at `start`.
     pub fn new(
         manipulator: &Manipulator,
         world: &World,
@@ -109,7 +113,8 @@ impl Physical {
         })
     }
 
-    /// Refuses a world in which the human has no room to walk on beyond the end of an option: as far as the human is ahead of the object's middle.
+    /// Refuses a world in which the human has no room beyond the end of an option. The room needed is the
+    /// distance of the human ahead of the object's centre.
     pub fn check_ends(
         &self,
         options: &OptionSet,
@@ -140,8 +145,8 @@ impl Physical {
         Ok(())
     }
 
-    /// How far along the path under way the object is to be now (m), and how fast that goes (m/s), as the robot knows it: from what it means to
-    /// do while it leads, else from the hand, which it sees move at `speed` (m/s).
+    /// The object's target position along the present path (m) and its speed (m/s), as the robot knows them:
+    /// from its own intention while it leads, else from the hand, which it sees move at `speed` (m/s).
     fn path_position(&self, onward: &Onward, speed: f64) -> (f64, f64) {
         match onward.mode {
             Mode::RobotLed => (self.state.path_position, self.state.path_speed),
@@ -157,14 +162,14 @@ impl Physical {
         }
     }
 
-    /// Where the object would be if it were where the hand is.
+    /// The pose that the object would have if its end were at the hand.
     fn held_by_hand(&self) -> PlanarPose {
         let yaw = object_on_floor(&self.state.seen.object).yaw;
         let hand = PlanarPose { position: self.hand(), yaw };
         PlanarPose { position: self.state.team_path.end(&hand, -1.0).position, yaw }
     }
 
-    /// Where the human's body walks: on the path, whoever leads, since it sees where that goes; as far from the hand as it is.
+    /// Position of the human's body: on the path, whoever leads, at its distance from the hand.
     fn body_on(&self, path: &Path, hand: Point) -> Point {
         const STEP: f64 = 0.02;
         let State { team_path, path_position, .. } = &self.state;
@@ -174,7 +179,7 @@ impl Physical {
         far_enough.unwrap_or_else(|| point(WALKS_AHEAD_M))
     }
 
-    /// The leader's place on the path goes on by one period, and with it where the object is to be.
+    /// Advances the leader's position on the path by one period, and with it the object's target.
     fn set_goal(&mut self, step: &Step, walk: &Walk) {
         let share = |[slower, least]: [f64; 2], value: f64| (least - value) / (least - slower);
         let out_of_place = (self.grasp_goal().position - on_floor(&self.state.seen.grasp)).norm();
@@ -193,7 +198,7 @@ impl Physical {
         *goal = brought_to(goal, &team_path.pose(step.path, *path_position), &gently);
     }
 
-    /// What the human's hand does: follows the object, or walks.
+    /// The command of the human's hand: to follow the object, or to walk.
     fn command(&self, step: &Step) -> HumanCommand {
         let led = self.state.team_path.end(&self.state.goal, 1.0);
         match (step.human.hand, step.human.stance, step.mode) {
@@ -235,7 +240,8 @@ impl Bodies for Physical {
         nearest(leads, distance).unwrap_or(0.0)
     }
 
-    /// How fast the hand is seen to go ahead; before it was seen to move, the team goes as the robot led it.
+    /// Observed speed of the hand, m/s; negative when reversing. Before the first observation, the speed at
+    /// which the robot led the team.
     fn observed_speed(&self, intent: &Intent, travel: Travel, walk: &Walk) -> f64 {
         let Some(speed) = intent.speed() else { return self.state.path_speed };
         let ahead = direction(object_on_floor(&self.state.seen.object).yaw);
@@ -251,7 +257,7 @@ impl Bodies for Physical {
 
     fn expect_path(&mut self, situation: &Situation, path: &mut Path, ground: Ground) {
         let team_path = &self.state.team_path;
-        // as if there were room
+        // without regard to obstacles
         team_path.write_wide(path, |_, _| true, &mut self.widening, &mut self.wide);
         team_path.write_onto(situation.path, situation.along, &self.wide, ground, path);
     }
@@ -272,7 +278,7 @@ impl Bodies for Physical {
     fn base_on_path(&mut self, onward: &Onward, speed: f64, robot: &Robot, walk: &Walk) -> Option<Rims> {
         let (position, speed) = self.path_position(onward, speed);
         let State { team_path, seen, .. } = &self.state;
-        // from where the grasp is to be when the object is there, back to where the base surely is
+        // from the grasp's position for the object's target, back to beyond the base
         self.walked.clear();
         let behind = (0..POINTS_BEHIND).rev().map(|i| team_path.half() + Follower::STEP * f64::from(i));
         self.walked.extend(behind.map(|behind| team_path.point(onward.path, position - behind)));
@@ -358,7 +364,7 @@ impl std::fmt::Debug for Physical {
     }
 }
 
-/// A step from where the object is toward where it is to be: no faster than it can be carried there.
+/// One step of the object's pose from `at` toward `goal`, as fast as it can be carried there.
 fn brought_to(at: &PlanarPose, goal: &PlanarPose, walk: &Walk) -> PlanarPose {
     let way = goal.position - at.position;
     let most = CATCH_UP * walk.speed * walk.period;
@@ -369,12 +375,12 @@ fn brought_to(at: &PlanarPose, goal: &PlanarPose, walk: &Walk) -> PlanarPose {
     }
 }
 
-/// Where something is, seen from above, m.
+/// Position seen from above, m.
 fn on_floor(world_from_it: &Pose) -> Point {
     world_from_it.translation.vector.xy().into()
 }
 
-/// Where the object's middle is and where it heads, seen from above.
+/// Position of the object's centre and its heading, seen from above.
 pub(super) fn object_on_floor(world_from_object: &Pose) -> PlanarPose {
     let ahead = world_from_object.rotation * nalgebra::Vector3::x();
     PlanarPose { position: on_floor(world_from_object), yaw: angle_of(ahead.xy()) }

@@ -1,26 +1,26 @@
-//! The path that the team is on, and how it comes onto another.
+//! The path of the team, and its change onto another path.
 //!
-//! DEVIATION (eq. 3): a point turns on the spot, as soon as another option is preferred. A team whose bodies have come too near to an opening to
-//! turn away from it reverses on its own path first, and then turns.
+//! DEVIATION (eq. 3): a point turns on the spot as soon as another option is preferred. A team whose bodies
+//! are too close to an opening to turn away from it first reverses on its own path, and then turns.
 
 use super::Team;
 use crate::geometry::{Path, Point};
 use crate::options::{OptionSet, Progress};
 use serde::{Deserialize, Serialize};
 
-/// So far (m) beyond where it means to turn, a team gives up reversing.
+/// Distance (m) beyond the place to turn at which a team gives up reversing.
 const OVERSHOOT_M: f64 = 0.1;
 
-/// The path under way and the team's place on it.
+/// The present path and the team's position on it.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Route {
-    /// From where the option was chosen to the target; empty before the first step.
+    /// The path from where the option was chosen to the target; empty before the first step.
     pub path: Path,
-    /// How far along it the team is, m.
+    /// The team's position along it, m.
     pub along: f64,
-    /// Until it is so far along it (m), it is turning onto it.
+    /// The position (m) at which the team has completed its turn onto the path.
     turns_until: f64,
-    /// Which way the team goes in this step.
+    /// The team's direction of travel in this step.
     pub travel: Travel,
     reversing: Reversing,
 }
@@ -31,40 +31,40 @@ pub enum Travel {
     /// Toward the path's end.
     #[default]
     Forward,
-    /// Back to where there is room to turn. The leader announces the reversal.
+    /// Toward a place with room to turn. The leader announces the reversal.
     Backward,
 }
 
-/// Whether a team reverses.
+/// The state of reversing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 enum Reversing {
-    /// It does not.
+    /// The team does not reverse.
     #[default]
     No,
-    /// To this place along the path under way, m.
+    /// It reverses to this position along the present path, m.
     To(f64),
-    /// It did, and there was no room after all: not again on this path.
+    /// It reversed and found no room to turn. It does not try again on this path.
     InVain,
 }
 
-/// What came of a wish to turn.
+/// The outcome of an attempt to turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TurnOutcome {
     /// The team is on the new path.
     Turned,
-    /// It reverses to where there is room.
+    /// The team reverses to a place with room to turn.
     Reverses,
-    /// It goes on, for now.
+    /// The team continues for now.
     GoesOn,
 }
 
 impl Route {
-    /// The first path.
+    /// Starts on the first path.
     pub fn begin(&mut self, path: Path) {
         self.path = path;
     }
 
-    /// Keeps to the path under way, forward.
+    /// Continues forward on the present path.
     pub fn keep(&mut self) {
         self.travel = Travel::Forward;
         if let Reversing::To(_) = self.reversing {
@@ -81,7 +81,8 @@ impl Route {
         reversing && self.along.is_finite() && self.turns_until.is_finite() && self.path.length().is_finite()
     }
 
-    /// Turns onto `option`, now or as soon as there is room. A path under way is walked on as it is until then.
+    /// Turns onto `option`, at once or as soon as there is room. Until then the team stays on its present
+    /// path.
     pub fn turn_onto(
         &mut self,
         option: usize,
@@ -103,7 +104,8 @@ impl Route {
         }
     }
 
-    /// There is no room to turn onto an option here: the team reverses to where there is, if going on leads through an opening before.
+    /// Where there is no room to turn onto an option: lets the team reverse to a place with room, if its path
+    /// leads through an opening before the next such place.
     fn reverse(
         &mut self,
         option: usize,

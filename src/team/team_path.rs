@@ -1,53 +1,55 @@
-//! How a team with an object walks a path: where the object and the carriers' bodies are on it, and how the team turns onto another.
+//! The path of a team with an object: the poses of object and carriers on it, and turns onto another path.
 //!
-//! A team does not turn on the spot: whoever walks ahead goes on from where they are, in an arc onto the new path, and the others follow on
-//! the same way. Where there is no room for that, in a doorway say, the team does not turn. Corners that a point would cut closely are
-//! walked wide, for the object is on their inside.
+//! A team does not turn on the spot. The carrier in front continues in an arc onto the new path, and the
+//! others follow on the same path. Where there is no room for an arc, as in a doorway, the team does not
+//! turn. The team takes corners wide, because the object is on their inside.
 
 use crate::control::RobotObstacles;
 use crate::geometry::{Arc, Path, PlanarPose, Point, Tandem, Widening, angle_of, direction, write_turn_onto};
 use crate::options::{Crossing, OptionSet};
 use crate::world::World;
 
-/// The arcs in which a team turns onto another path: the first with which there is room. The robot follows at some distance, so that its
-/// arm has to bend as the way does in between; it cannot bend back. Nobody turns in a loop, by more than 200 degrees.
+/// The arcs of turns onto another path; the first that has room is used. The robot follows at a distance, so
+/// its arm bends with the path between them, and it cannot bend backward. No turn exceeds 200 degrees.
 const ARCS: [Arc; 2] = [Arc { radius: 0.5, most: 1.4 }, Arc { radius: 1.0, most: 3.5 }];
-/// Room (m) that the team wants around the points of its way, and around the object's axis.
+/// Clearance (m) around the points of the team's path, and around the object's axis.
 pub(super) const BODY_ROOM_M: f64 = 0.249;
 const OBJECT_ROOM_M: f64 = 0.1;
-/// What the team takes off corners by rounding them, m.
+/// Distance by which the team cuts corners when rounding them, m.
 const ROUNDING_M: f64 = 0.05;
-/// How far ahead of the hand the human walks, m.
+/// Distance of the human's body ahead of the hand, m.
 pub(super) const WALKS_AHEAD_M: f64 = 0.35;
-/// How far (m) the object may come in one step.
+/// Largest motion of the object in one step, m.
 const STEP_LIMIT_M: f64 = 0.4;
-/// How far (m) the object may be ahead of where it is to be.
+/// Distance by which the object may be ahead of its target, m.
 const AHEAD_TOLERANCE_M: f64 = 0.05;
-/// What is anticipated of a way beyond its end, m.
+/// Length of the expected path beyond its end, m.
 const ANTICIPATED_BEYOND_M: f64 = 1.0;
-/// Steps in which a way is taken over, m.
+/// Sampling step of paths, m.
 const STEP_M: f64 = 0.05;
-/// In which steps (m) a team looks for where it can turn, and how many places in a row are enough: a step is no longer.
+/// Step of the search for a place to turn (m), and the number of consecutive places that must allow it.
 const SEARCH_STEP_M: f64 = 0.1;
 const PLACES_IN_A_ROW: u32 = 2;
-/// How far it looks ahead for an opening, how far through one its first may be to step back, and how far back it does at most, m.
+/// Search range ahead for an opening, how far the human may be beyond an opening and still reverse through
+/// it, and search range for reversing, m.
 const SEARCH_AHEAD_M: f64 = 2.0;
 const PAST_OPENING_M: f64 = 0.6;
 const SEARCH_BEHIND_M: f64 = 1.5;
-/// Nobody steps back for a path with a sharper bend than this (rad): between openings close to each other, a point's may double back.
+/// The sharpest bend (rad) of a path for which a team reverses. Between close openings, a path for a point
+/// may double back.
 const SHARPEST_BEND_RAD: f64 = 2.0;
 
-/// The way of a team.
+/// The path of a team.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct TeamPath {
     tandem: Tandem,
     /// Half the object's width, m.
     beside: f64,
-    /// How far options' paths keep off obstacles, m.
+    /// Distance of the options' paths from obstacles, m.
     clearance: f64,
 }
 
-/// Where the team walks.
+/// The free space of the team.
 #[derive(Clone, Copy)]
 pub(super) struct Ground<'g> {
     pub obstacles: &'g RobotObstacles,
@@ -55,30 +57,32 @@ pub(super) struct Ground<'g> {
 }
 
 impl Ground<'_> {
-    /// Whether a body has room at the end of a step, and the step does not go through an opening: only options' paths do.
+    /// Whether a body has room at the end of a step and the step crosses no opening. Only the options' paths
+    /// cross openings.
     pub fn is_free(&self, from: Point, to: Point) -> bool {
         self.obstacles.is_clear(to, BODY_ROOM_M) && !self.options.goes_through_opening(from, to)
     }
 }
 
-/// A path on which a team turns.
+/// The path of a turn.
 #[derive(Clone, Debug)]
 pub struct Turned {
-    /// What the object's middle walks.
+    /// The path of the object's centre.
     pub path: Path,
-    /// How far along it (m) the team has turned.
+    /// Position along it (m) at which the turn is complete.
     pub until: f64,
 }
 
 impl TeamPath {
-    /// A team in this world whose object is at `start` with its middle.
+    /// The path of a team in this world whose object's centre is at `start`.
     pub fn new(world: &World, start: &PlanarPose) -> Self {
         let [length, width, _] = world.object.size;
         let tandem = Tandem::new(length, start.position, start.yaw);
         Self { tandem, beside: width / 2.0, clearance: world.robot_width / 2.0 }
     }
 
-    /// Writes `path`, made for a point, as the team walks it into `way`: wide round corners, as far as `is_free` says of steps.
+    /// Writes into `way` the path that the team walks for `path`, which is planned for a point: wide round
+    /// corners, as far as `is_free` allows for its steps.
     pub fn write_wide(
         &self,
         path: &Path,
@@ -93,18 +97,19 @@ impl TeamPath {
         widening.write(path, radius, is_free, way);
     }
 
-    /// The object when its middle has come `walked` (m) along `path`.
+    /// The object's pose when its centre has come `walked` (m) along `path`.
     pub fn pose(&self, path: &Path, walked: f64) -> PlanarPose {
         self.tandem.pose(path, walked)
     }
 
-    /// The same if the team turns onto `onto` when it has come `along` (m); `onto` begins where the human's body is then.
+    /// The object's pose if the team turns onto `onto` at the position `along` (m). `onto` begins at the
+    /// human's body.
     pub fn pose_after_turning(&self, path: &Path, along: f64, onto: &Path, walked: f64) -> PlanarPose {
         let body = self.body_ahead();
         self.tandem.pose_after_turning(path, along + body, onto, walked - body)
     }
 
-    /// The point of the way that is `walked` (m) from the beginning of `path`.
+    /// The point at distance `walked` (m) from the beginning of `path`.
     pub fn point(&self, path: &Path, walked: f64) -> Point {
         self.tandem.point(path, walked)
     }
@@ -124,13 +129,15 @@ impl TeamPath {
         self.half() + WALKS_AHEAD_M
     }
 
-    /// Where the human's body walks on to while the object comes to the end of `path`: from there straight ahead.
+    /// The segment on which the human's body walks while the object comes to the end of `path`: straight
+    /// ahead from there.
     pub fn beyond_end(&self, path: &Path) -> [Point; 2] {
         [0.0, self.body_ahead()].map(|beyond| self.point(path, path.length() + beyond))
     }
 
-    /// How far along `path` (m) an object is whose middle is at `position`, if it was at `from` a step ago and is to be at `to`. It is no
-    /// farther than that, but for a little that the grips yield; it comes back only with a team that steps back.
+    /// The position along `path` (m) of an object with its centre at `position`, which was at `from` a step
+    /// ago and should be at `to`. It is at most slightly beyond `to`, as the grips yield. It decreases only
+    /// while the team reverses.
     pub fn locate(&self, path: &Path, position: Point, from: f64, to: f64, is_backward: bool) -> f64 {
         let low = if is_backward { (to - AHEAD_TOLERANCE_M).clamp(from - STEP_LIMIT_M, from) } else { from };
         self.tandem.locate(
@@ -140,14 +147,14 @@ impl TeamPath {
         )
     }
 
-    /// Where the human's body is when the object's middle has come `along` (m), and where it heads, rad.
+    /// Position of the human's body and its heading (rad) when the object's centre is at `along` (m).
     fn body(&self, path: &Path, along: f64) -> (Point, f64) {
         let [before, at] = [-0.1, 0.0].map(|ahead| self.point(path, along + self.body_ahead() + ahead));
         (at, angle_of(at - before))
     }
 
-    /// Writes the way from where the human's body is, when the object's middle has come `along` (m) on `path`, onto `next`, which begins at the
-    /// middle: what somebody would expect.
+    /// Writes the expected path of the human's body onto `next`, which begins at the object's centre, `along`
+    /// (m) on `path`.
     pub fn write_onto(&self, path: &Path, along: f64, next: &Path, ground: Ground, way: &mut Path) {
         let (body, heading) = self.body(path, along);
         let is_there = next.length() <= self.body_ahead() + 0.5;
@@ -160,13 +167,14 @@ impl TeamPath {
         }
     }
 
-    /// The team, its object's middle `along` (m) on `path`, leaves it for a [turn](Self::planned_turn).
+    /// Leaves `path` at the position `along` (m) of the object's centre for a [turn](Self::planned_turn).
     pub fn leave(&mut self, path: &Path, along: f64) {
         self.tandem.leave(path, along);
     }
 
-    /// How the team, its object's middle `along` (m) on `path`, would turn onto `next`, which begins there: what the middle walks instead
-    /// of `next`, on to where the human's body is, and in an arc onto `next`. `None` if there is no room for that there.
+    /// The turn onto `next`, which begins at the object's centre, `along` (m) on `path`. The path of the turn
+    /// leads to the human's body and from there in an arc onto `next`. `None` if there is no room for the
+    /// turn.
     pub fn planned_turn(&self, path: &Path, along: f64, next: &Path, ground: Ground) -> Option<Turned> {
         let (body, heading) = self.body(path, along);
         let is_free = |from, to| ground.is_free(from, to);
@@ -181,7 +189,8 @@ impl TeamPath {
         let step = self.body_ahead() / steps;
         for i in 0..steps as usize {
             let [from, to] = [i, i + 1].map(|i| self.point(path, along + step * i as f64));
-            // whoever walks ahead is through, and so is the team: it does not turn onto a way that does not go through as well
+            // where the carrier in front has crossed an opening, the team follows: it does not turn onto a
+            // path that avoids the opening
             let is_through = ground.options.goes_through_opening(from, to);
             if is_through && ground.options.crossing(from, to) != self.first_crossing(next, ground.options) {
                 return None;
@@ -192,9 +201,9 @@ impl TeamPath {
         Some(Turned { path: way, until: self.body_ahead() + turning })
     }
 
-    /// Where along `path` (m), no farther back than `least`, a team whose object's middle is `along` it had better step back to, to turn there:
-    /// `None` if there is no such place, or the team comes to one before whoever walks ahead is through the next opening. `next` is the path to
-    /// turn onto, from where it is told that the middle is.
+    /// The position along `path` (m), no farther back than `least`, to which a team with the object's centre
+    /// at `along` should reverse to turn. `None` if there is no such place, or if the team reaches one before
+    /// the human crosses the next opening. `next` gives the path to turn onto from a position of the centre.
     pub fn place_to_turn(
         &self,
         path: &Path,
@@ -228,14 +237,14 @@ impl TeamPath {
             })
     }
 
-    /// The crossing that a path makes before whoever walks ahead is far from here.
+    /// The first crossing on a path, within the distance of the human's body and a little beyond.
     fn first_crossing(&self, path: &Path, options: &OptionSet) -> Option<Crossing> {
         let steps = ((self.body_ahead() + PAST_OPENING_M) / STEP_M).ceil() as usize;
         let point = |i: usize| path.point_at(STEP_M * i as f64);
         (0..steps).find_map(|i| options.crossing(point(i)?, point(i + 1)?))
     }
 
-    /// Whether the object, whose axis cuts corners, touches nothing while it turns.
+    /// Whether the object, whose axis cuts corners, touches no obstacle during the turn.
     fn is_room_for_object(&self, path: &Path, along: f64, onto: &Path, ground: Ground) -> bool {
         (0..70).map(|i| 0.08 * f64::from(i)).all(|walked| {
             let pose = self.pose_after_turning(path, along, onto, walked);
@@ -251,7 +260,7 @@ impl TeamPath {
 mod tests {
     use super::*;
 
-    /// Nobody is expected to walk through walls, which are the shorter way.
+    /// The expected path of the human does not lead through walls, although that would be shorter.
     #[test]
     fn who_goes_on_is_expected_to_keep_off_walls() {
         let world = World::parse("w.toml", include_str!("../../worlds/environment-2.toml")).unwrap();

@@ -10,17 +10,18 @@ use serde::{Deserialize, Serialize};
 /// The robot in one planning step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RobotTick {
-    /// q_c: where it is at the beginning of the step.
+    /// q_c: the configuration at the beginning of the step.
     pub configuration: Configuration,
-    /// s: the pose that the grasp should have at the beginning of the step. On the kinematic plant, it is all there is of the human.
+    /// s: the pose that the grasp should have at the beginning of the step. On the kinematic plant, the human
+    /// has no other state.
     pub grasp_goal: PlanarPose,
-    /// The pose that it prepared: while the human leads, or always if it is told so.
+    /// The prepared configuration: while the human leads, or in every step if so configured.
     pub preparation: Option<Preparation>,
     /// u: rim speeds, m/s, and joint rates, rad/s (prismatic: m/s).
     pub input: InputVector,
     /// How eq. (7) was solved.
     pub outcome: SolveOutcome,
-    /// The least singular value of B(q*), m or rad for a unit input.
+    /// The smallest singular value of B(q*), m or rad for a unit input.
     pub least_singular_value: f64,
     /// Distance between grasp and reference at the end of the step, m.
     pub position_error: f64,
@@ -32,17 +33,17 @@ pub struct RobotTick {
     pub control_effort: f64,
     /// kappa ||q* - q_c||^2.
     pub pose_cost: f64,
-    /// Distance between the base and the nearest obstacle at the beginning of the step, m; negative where they overlap, infinite without
-    /// obstacles.
+    /// Distance between the base and the nearest obstacle at the beginning of the step, m; negative where
+    /// they overlap, infinite without obstacles.
     pub base_clearance: f64,
-    /// What else there is to see of the physical plant.
+    /// Further observations on the physical plant.
     pub physics: Option<PhysicsTick>,
 }
 
 /// The physical plant in one planning step. Forces are magnitudes over the step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PhysicsTick {
-    /// The object's middle and heading at the end of the step, seen from above.
+    /// The object's centre and heading at the end of the step, seen from above.
     pub object: PlanarPose,
     /// The human's hand at the end of the step, seen from above.
     pub hand: PlanarPose,
@@ -54,21 +55,25 @@ pub struct PhysicsTick {
     pub hand_force: f64,
     /// The larger of the two forces' peaks, N.
     pub peak_force: f64,
-    /// Root mean square of what the robot's and the human's force on the object change by from one physics step to the next, N.
+    /// Root mean square of the change of the robot's and of the human's force on the object between physics
+    /// steps, N.
     pub force_change: [f64; 2],
-    /// How far the grips yielded at most: the robot's and the human's, m.
+    /// Largest deflection of the robot's and of the human's grip, m.
     pub stretch: [f64; 2],
-    /// The most that a motor of the arm exerted in a physics step, as a share of the URDF's effort limit; 0 without such limits.
+    /// Largest motor effort of the arm in a physics step, as a share of the URDF's effort limit; 0 without
+    /// such limits.
     pub effort_share: f64,
     /// Work done on the object by the robot and by the human, J.
     pub work: [f64; 2],
     /// Integral of the square of the object's jerk, m^2/s^5.
     pub squared_jerk: f64,
-    /// Least distance of robot, object or human to an obstacle at the end of the step, m; infinite without obstacles.
+    /// Smallest distance of robot, object or human to an obstacle at the end of the step, m; infinite without
+    /// obstacles.
     pub obstacle_distance: f64,
     /// Distance between robot and human at the end of the step, m.
     pub human_distance: f64,
-    /// How far ahead of the object who leads means to be at the end of the step, along the way, m.
+    /// How far the leader's intended position is ahead of the object along the path at the end of the step,
+    /// m.
     pub pace: f64,
 }
 
@@ -97,26 +102,27 @@ impl PhysicsTick {
     }
 }
 
-/// How the robot prepared itself in one planning step.
+/// The pose preparation (eq. 8) of one planning step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Preparation {
-    /// The option that it takes the human to be on; none while it leads.
+    /// The option that the robot expects the human to walk; none while the robot leads.
     pub tracked: Option<usize>,
-    /// The configuration that eq. (8) chose; 0 is the one it was in.
+    /// The candidate that eq. (8) chose; 0 is the present configuration.
     pub candidate: usize,
     /// |Q|.
     pub candidates: usize,
-    /// How many of eq. (8)'s problems had to be solved with limits.
+    /// Number of eq. (8)'s problems that were solved with limits.
     pub constrained: usize,
 }
 
 impl RobotTick {
-    /// The step's part of the control cost C (Sec. V-C).
+    /// The step's contribution to the control cost C (Sec. V-C).
     pub fn cost(&self) -> f64 {
         self.tracking_cost + self.control_effort + self.pose_cost
     }
 
-    /// Who holds the object worst, and by how much (m): the robot where the grasp is off, or either where their grip yields.
+    /// The body kind with the worst hold on the object, and the deviation (m): of the robot's grasp, or of a
+    /// yielding grip.
     pub(crate) fn worst_hold(&self) -> (Party, f64) {
         let [gripper, hand] = self.physics.map_or([0.0; 2], |physics| physics.stretch);
         let robot = self.position_error.max(gripper);
