@@ -1,7 +1,7 @@
 //! A team with a robot, and its controller: eq. (8) and (7) in each period, on the kinematic or the physical
 //! plant.
 
-use super::team_path::{Ground, Turned};
+use super::team_path::{FreeSpace, Turned};
 use super::tick::{Preparation, RobotTick};
 use super::{Situation, Step, Team, Travel, Walk};
 use crate::control::{
@@ -84,19 +84,25 @@ pub(super) trait Bodies: Clone + std::fmt::Debug + Send + Sync {
 
     /// Replaces `path`, the remainder of an option for a point, by the path that the robot expects the human
     /// to walk onto it.
-    fn expect_path(&mut self, situation: &Situation, path: &mut Path, ground: Ground);
+    fn expect_path(&mut self, situation: &Situation, path: &mut Path, free_space: FreeSpace);
 
     /// s(1..H) of the grasp along a path at this speed (m/s), relative to the grasp.
-    fn reference(&self, onward: &Onward, speed: f64, walk: &Walk, grasp: &Pose) -> Reference;
+    fn reference(&self, path_ahead: &PathAhead, speed: f64, walk: &Walk, grasp: &Pose) -> Reference;
 
     /// Rim speeds with which the base follows the path of the grasp; none where the base is free.
-    fn base_on_path(&mut self, onward: &Onward, speed: f64, robot: &Robot, walk: &Walk) -> Option<Rims>;
+    fn base_on_path(
+        &mut self,
+        path_ahead: &PathAhead,
+        speed: f64,
+        robot: &Robot,
+        walk: &Walk,
+    ) -> Option<Rims>;
 
     /// See [`Team::walkable`].
-    fn walkable(&self, path: Path, ground: Ground) -> Path;
+    fn walkable(&self, path: Path, free_space: FreeSpace) -> Path;
 
     /// See [`Team::turn`].
-    fn turn(&mut self, path: &Path, along: f64, next: Path, ground: Ground) -> Option<Turned>;
+    fn turn(&mut self, path: &Path, along: f64, next: Path, free_space: FreeSpace) -> Option<Turned>;
 
     /// See [`Team::place_to_turn`].
     fn place_to_turn(
@@ -104,7 +110,7 @@ pub(super) trait Bodies: Clone + std::fmt::Debug + Send + Sync {
         path: &Path,
         range: [f64; 2],
         next: &dyn Fn(Point) -> Path,
-        ground: Ground,
+        free_space: FreeSpace,
     ) -> Option<f64>;
 
     /// Moves all bodies by one period.
@@ -132,7 +138,7 @@ pub(super) trait Bodies: Clone + std::fmt::Debug + Send + Sync {
 
 /// The path ahead of the team.
 #[derive(Clone, Copy)]
-pub(super) struct Onward<'s> {
+pub(super) struct PathAhead<'s> {
     pub mode: Mode,
     pub travel: Travel,
     /// The present path, and the team's position along it, m.
@@ -193,25 +199,30 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         }
     }
 
-    fn ground<'g>(&self, options: &'g OptionSet) -> Ground<'g>
+    fn free_space<'g>(&self, options: &'g OptionSet) -> FreeSpace<'g>
     where
         'a: 'g,
     {
-        Ground { obstacles: self.manipulator.obstacles, options }
+        FreeSpace { obstacles: self.manipulator.obstacles, options }
     }
 
     /// Sets the references of eq. (8) with their weights, and returns the one to track. While the human
     /// leads, those of all options.
-    fn set_references(&mut self, situation: &Situation, onward: &Onward, grasp: &Pose) -> Option<usize> {
+    fn set_references(
+        &mut self,
+        situation: &Situation,
+        path_ahead: &PathAhead,
+        grasp: &Pose,
+    ) -> Option<usize> {
         if let Motion::Reference(poses) = situation.motion {
             self.set_reference(reference(poses.iter().copied(), grasp, self.manipulator.robot.grasp_height));
             return None;
         }
         if situation.mode == Mode::HumanLed {
-            return Some(self.anticipate(situation, onward, grasp));
+            return Some(self.anticipate(situation, path_ahead, grasp));
         }
         // the robot knows its own path
-        self.set_reference(self.bodies.reference(onward, self.walk.speed, &self.walk, grasp));
+        self.set_reference(self.bodies.reference(path_ahead, self.walk.speed, &self.walk, grasp));
         None
     }
 
@@ -223,7 +234,7 @@ impl<'a, B: Bodies> Carrying<'a, B> {
     }
 
     /// Sets s_o(1..H) of every option from the human's position, and returns the one to track.
-    fn anticipate(&mut self, situation: &Situation, onward: &Onward, grasp: &Pose) -> usize {
+    fn anticipate(&mut self, situation: &Situation, path_ahead: &PathAhead, grasp: &Pose) -> usize {
         let Walk { period, .. } = self.walk;
         let probabilities = situation.choice.probabilities();
         let body = self.bodies.body();
@@ -231,15 +242,15 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         self.intent.see_hand(self.bodies.hand(), period);
         let observed = self.bodies.observed_speed(&self.intent, situation.travel, &self.walk);
         self.references.clear();
-        let ground = self.ground(situation.options);
+        let free_space = self.free_space(situation.options);
         for (option, path) in self.paths.iter_mut().enumerate().take(probabilities.len()) {
             situation.options.write_path(situation.progress, option, path);
-            self.bodies.expect_path(situation, path, ground);
-            let onward = Onward { turn: Some(path), ..*onward };
-            self.references.push(self.bodies.reference(&onward, observed, &self.walk, grasp));
+            self.bodies.expect_path(situation, path, free_space);
+            let path_ahead = PathAhead { turn: Some(path), ..*path_ahead };
+            self.references.push(self.bodies.reference(&path_ahead, observed, &self.walk, grasp));
         }
         let step = observed * period;
-        let ahead = onward.lead.max(0.0);
+        let ahead = path_ahead.lead.max(0.0);
         self.intent.expect(self.paths.iter().map(|path| {
             let [from, to] = [ahead, ahead + step].map(|walked| path.point_at(walked).unwrap_or(body));
             to - from
@@ -346,12 +357,12 @@ impl<'a, B: Bodies> Carrying<'a, B> {
 
 impl<B: Bodies> Team for Carrying<'_, B> {
     fn walkable(&self, path: Path, options: &OptionSet) -> Path {
-        self.bodies.walkable(path, self.ground(options))
+        self.bodies.walkable(path, self.free_space(options))
     }
 
     fn turn(&mut self, path: &Path, along: f64, next: Path, options: &OptionSet) -> Option<Turned> {
-        let ground = self.ground(options);
-        self.bodies.turn(path, along, next, ground)
+        let free_space = self.free_space(options);
+        self.bodies.turn(path, along, next, free_space)
     }
 
     fn place_to_turn(
@@ -361,7 +372,7 @@ impl<B: Bodies> Team for Carrying<'_, B> {
         next: &dyn Fn(Point) -> Path,
         options: &OptionSet,
     ) -> Option<f64> {
-        self.bodies.place_to_turn(path, range, next, self.ground(options))
+        self.bodies.place_to_turn(path, range, next, self.free_space(options))
     }
 
     fn anticipates(&self) -> bool {
@@ -382,11 +393,11 @@ impl<B: Bodies> Team for Carrying<'_, B> {
                 Mode::RobotLed => 0.0,
                 Mode::HumanLed => self.bodies.lead(path, along),
             };
-            let onward = Onward { mode, travel, path, along, lead, turn: None };
-            let tracked = self.set_references(situation, &onward, &at.grasp);
+            let path_ahead = PathAhead { mode, travel, path, along, lead, turn: None };
+            let tracked = self.set_references(situation, &path_ahead, &at.grasp);
             // on the physical plant, the base follows the path of the grasp, and the arm does the rest
             let speed = self.bodies.observed_speed(&self.intent, travel, &self.walk);
-            let rims = self.bodies.base_on_path(&onward, speed, robot, &self.walk);
+            let rims = self.bodies.base_on_path(&path_ahead, speed, robot, &self.walk);
             if let Some(rims) = &rims {
                 for reference in &mut self.references {
                     let period = self.walk.period;

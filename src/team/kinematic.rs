@@ -1,8 +1,8 @@
 //! The kinematic plant, as in the paper's simulations. The human walks the path exactly and is the reference;
 //! the robot follows its inputs exactly.
 
-use super::carrying::{Bodies, Manipulator, Moved, Onward};
-use super::team_path::{Ground, Turned};
+use super::carrying::{Bodies, Manipulator, Moved, PathAhead};
+use super::team_path::{FreeSpace, Turned};
 use super::{Step, Travel, Walk};
 use crate::control::{Candidate, HORIZON, Intent, Reference, Rims, reference};
 use crate::geometry::{Path, PlanarPose, Point, Pose};
@@ -53,28 +53,28 @@ impl Bodies for Kinematic<'_> {
         intent.speed().unwrap_or(walk.speed)
     }
 
-    fn expect_path(&mut self, _: &super::Situation, _: &mut Path, _: Ground) {}
+    fn expect_path(&mut self, _: &super::Situation, _: &mut Path, _: FreeSpace) {}
 
-    fn reference(&self, onward: &Onward, speed: f64, walk: &Walk, grasp: &Pose) -> Reference {
-        let (path, along) = onward.turn.map_or((onward.path, onward.along), |path| (path, 0.0));
+    fn reference(&self, path_ahead: &PathAhead, speed: f64, walk: &Walk, grasp: &Pose) -> Reference {
+        let (path, along) = path_ahead.turn.map_or((path_ahead.path, path_ahead.along), |path| (path, 0.0));
         let trajectory =
             nominal_trajectory(path, along, self.human.yaw, speed, walk.yaw_rate, walk.period).take(HORIZON);
         reference(trajectory, grasp, self.robot.grasp_height)
     }
 
-    fn base_on_path(&mut self, _: &Onward, _: f64, _: &Robot, _: &Walk) -> Option<Rims> {
+    fn base_on_path(&mut self, _: &PathAhead, _: f64, _: &Robot, _: &Walk) -> Option<Rims> {
         None
     }
 
-    fn walkable(&self, path: Path, _: Ground) -> Path {
+    fn walkable(&self, path: Path, _: FreeSpace) -> Path {
         path
     }
 
-    fn turn(&mut self, _: &Path, _: f64, next: Path, _: Ground) -> Option<Turned> {
+    fn turn(&mut self, _: &Path, _: f64, next: Path, _: FreeSpace) -> Option<Turned> {
         Some(Turned { path: next, until: 0.0 })
     }
 
-    fn place_to_turn(&self, _: &Path, _: [f64; 2], _: &dyn Fn(Point) -> Path, _: Ground) -> Option<f64> {
+    fn place_to_turn(&self, _: &Path, _: [f64; 2], _: &dyn Fn(Point) -> Path, _: FreeSpace) -> Option<f64> {
         None
     }
 

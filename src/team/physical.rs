@@ -1,8 +1,8 @@
 //! The physical plant: robot, object and human as bodies. Both ends of the object follow the path, the
 //! robot's end behind.
 
-use super::carrying::{Bodies, Manipulator, Moved, Onward};
-use super::team_path::{BODY_ROOM_M, Ground, TeamPath, Turned, WALKS_AHEAD_M};
+use super::carrying::{Bodies, Manipulator, Moved, PathAhead};
+use super::team_path::{BODY_ROOM_M, FreeSpace, TeamPath, Turned, WALKS_AHEAD_M};
 use super::tick::PhysicsTick;
 use super::{Situation, Step, Travel, Walk};
 use crate::control::{Candidate, Follower, HORIZON, Intent, Reference, Rims, RobotObstacles, reference};
@@ -64,7 +64,7 @@ pub(super) struct Physical {
     /// Initial distance of the base behind the grasp, m, which the base keeps.
     distance: f64,
     /// Buffers: an option's path as the team walks it, and the past path of the grasp.
-    wide: Path,
+    widened: Path,
     widening: Widening,
     walked: Vec<Point>,
 }
@@ -99,7 +99,7 @@ impl Physical {
         Ok(Self {
             height: robot.grasp_height,
             distance: robot.grasp_pose(&configuration).translation.vector.x,
-            wide: Path::with_capacity(64),
+            widened: Path::with_capacity(64),
             widening: Widening::default(),
             walked: Vec::with_capacity(64),
             state: State {
@@ -121,10 +121,10 @@ impl Physical {
         world: &World,
         obstacles: &RobotObstacles,
     ) -> Result<(), PhysicsError> {
-        let ground = Ground { obstacles, options };
+        let free_space = FreeSpace { obstacles, options };
         for (o, option) in options.options().iter().enumerate() {
             let path = options.path(&options.begin(), o).unwrap_or_default();
-            let [end, human] = self.state.team_path.beyond_end(&self.walkable(path, ground));
+            let [end, human] = self.state.team_path.beyond_end(&self.walkable(path, free_space));
             let distances = world.obstacles.iter().map(|o| (o.footprint.distance_to_segment(end, human), o));
             match distances.min_by(|a, b| a.0.total_cmp(&b.0)) {
                 Some((distance, obstacle)) if distance < BODY_ROOM_M => {
@@ -147,18 +147,18 @@ impl Physical {
 
     /// The object's target position along the present path (m) and its speed (m/s), as the robot knows them:
     /// from its own intention while it leads, else from the hand, which it sees move at `speed` (m/s).
-    fn path_position(&self, onward: &Onward, speed: f64) -> (f64, f64) {
-        match onward.mode {
+    fn path_position(&self, path_ahead: &PathAhead, speed: f64) -> (f64, f64) {
+        match path_ahead.mode {
             Mode::RobotLed => (self.state.path_position, self.state.path_speed),
-            Mode::HumanLed => (onward.along + onward.lead, speed),
+            Mode::HumanLed => (path_ahead.along + path_ahead.lead, speed),
         }
     }
 
-    fn pose(&self, onward: &Onward, walked: f64) -> PlanarPose {
+    fn pose(&self, path_ahead: &PathAhead, walked: f64) -> PlanarPose {
         let path = &self.state.team_path;
-        match onward.turn {
-            None => path.pose(onward.path, onward.along + walked),
-            Some(onto) => path.pose_after_turning(onward.path, onward.along, onto, walked),
+        match path_ahead.turn {
+            None => path.pose(path_ahead.path, path_ahead.along + walked),
+            Some(new_path) => path.pose_after_turning(path_ahead.path, path_ahead.along, new_path, walked),
         }
     }
 
@@ -255,52 +255,58 @@ impl Bodies for Physical {
         }
     }
 
-    fn expect_path(&mut self, situation: &Situation, path: &mut Path, ground: Ground) {
+    fn expect_path(&mut self, situation: &Situation, path: &mut Path, free_space: FreeSpace) {
         let team_path = &self.state.team_path;
         // without regard to obstacles
-        team_path.write_wide(path, |_, _| true, &mut self.widening, &mut self.wide);
-        team_path.write_onto(situation.path, situation.along, &self.wide, ground, path);
+        team_path.write_widened(path, |_, _| true, &mut self.widening, &mut self.widened);
+        team_path.write_expected(situation.path, situation.along, &self.widened, free_space, path);
     }
 
-    fn reference(&self, onward: &Onward, speed: f64, walk: &Walk, grasp: &Pose) -> Reference {
-        let (position, mut path_speed) = self.path_position(onward, speed);
-        let mut ahead = position - onward.along;
-        let mut at = if onward.mode == Mode::RobotLed { self.state.goal } else { self.held_by_hand() };
+    fn reference(&self, path_ahead: &PathAhead, speed: f64, walk: &Walk, grasp: &Pose) -> Reference {
+        let (position, mut path_speed) = self.path_position(path_ahead, speed);
+        let mut ahead = position - path_ahead.along;
+        let mut at = if path_ahead.mode == Mode::RobotLed { self.state.goal } else { self.held_by_hand() };
         let grasps = (1..=HORIZON).map(|_| {
-            path_speed = onward.travel.speed_after(path_speed, 1.0, walk);
+            path_speed = path_ahead.travel.speed_after(path_speed, 1.0, walk);
             ahead += path_speed * walk.period;
-            at = brought_to(&at, &self.pose(onward, ahead), walk);
+            at = brought_to(&at, &self.pose(path_ahead, ahead), walk);
             self.state.team_path.end(&at, -1.0)
         });
         reference(grasps, grasp, self.height)
     }
 
-    fn base_on_path(&mut self, onward: &Onward, speed: f64, robot: &Robot, walk: &Walk) -> Option<Rims> {
-        let (position, speed) = self.path_position(onward, speed);
+    fn base_on_path(
+        &mut self,
+        path_ahead: &PathAhead,
+        speed: f64,
+        robot: &Robot,
+        walk: &Walk,
+    ) -> Option<Rims> {
+        let (position, speed) = self.path_position(path_ahead, speed);
         let State { team_path, seen, .. } = &self.state;
         // from the grasp's position for the object's target, back to beyond the base
         self.walked.clear();
         let behind = (0..POINTS_BEHIND).rev().map(|i| team_path.half() + Follower::STEP * f64::from(i));
-        self.walked.extend(behind.map(|behind| team_path.point(onward.path, position - behind)));
+        self.walked.extend(behind.map(|behind| team_path.point(path_ahead.path, position - behind)));
         let follower = Follower {
             way: &self.walked,
-            speeds: [speed.min(walk.speed), onward.travel.speed(walk)],
+            speeds: [speed.min(walk.speed), path_ahead.travel.speed(walk)],
             acceleration: ACCELERATION,
             distance: self.distance,
         };
         Some(follower.rims(&robot.drive, &seen.configuration.base, seen.rim_speeds, walk.period))
     }
 
-    fn walkable(&self, path: Path, ground: Ground) -> Path {
-        let mut wide = Path::default();
-        let is_free = |from, to| ground.is_free(from, to);
-        self.state.team_path.write_wide(&path, is_free, &mut Widening::default(), &mut wide);
-        wide
+    fn walkable(&self, path: Path, free_space: FreeSpace) -> Path {
+        let mut widened = Path::default();
+        let is_free = |from, to| free_space.is_free(from, to);
+        self.state.team_path.write_widened(&path, is_free, &mut Widening::default(), &mut widened);
+        widened
     }
 
-    fn turn(&mut self, path: &Path, along: f64, next: Path, ground: Ground) -> Option<Turned> {
+    fn turn(&mut self, path: &Path, along: f64, next: Path, free_space: FreeSpace) -> Option<Turned> {
         let State { team_path, path_position, .. } = &mut self.state;
-        let turned = team_path.planned_turn(path, along, &next, ground)?;
+        let turned = team_path.planned_turn(path, along, &next, free_space)?;
         team_path.leave(path, along);
         *path_position -= along;
         Some(turned)
@@ -311,9 +317,9 @@ impl Bodies for Physical {
         path: &Path,
         range: [f64; 2],
         next: &dyn Fn(Point) -> Path,
-        ground: Ground,
+        free_space: FreeSpace,
     ) -> Option<f64> {
-        self.state.team_path.place_to_turn(path, range, next, ground)
+        self.state.team_path.place_to_turn(path, range, next, free_space)
     }
 
     fn step(&mut self, target: &Candidate, input: &InputVector, step: &Step, walk: &Walk) -> Moved {

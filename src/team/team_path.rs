@@ -51,12 +51,12 @@ pub(super) struct TeamPath {
 
 /// The free space of the team.
 #[derive(Clone, Copy)]
-pub(super) struct Ground<'g> {
+pub(super) struct FreeSpace<'g> {
     pub obstacles: &'g RobotObstacles,
     pub options: &'g OptionSet,
 }
 
-impl Ground<'_> {
+impl FreeSpace<'_> {
     /// Whether a body has room at the end of a step and the step crosses no opening. Only the options' paths
     /// cross openings.
     pub fn is_free(&self, from: Point, to: Point) -> bool {
@@ -83,7 +83,7 @@ impl TeamPath {
 
     /// Writes into `way` the path that the team walks for `path`, which is planned for a point: wide round
     /// corners, as far as `is_free` allows for its steps.
-    pub fn write_wide(
+    pub fn write_widened(
         &self,
         path: &Path,
         is_free: impl Fn(Point, Point) -> bool,
@@ -102,11 +102,11 @@ impl TeamPath {
         self.tandem.pose(path, walked)
     }
 
-    /// The object's pose if the team turns onto `onto` at the position `along` (m). `onto` begins at the
+    /// The object's pose if the team turns onto `new_path` at the position `along` (m). `new_path` begins at the
     /// human's body.
-    pub fn pose_after_turning(&self, path: &Path, along: f64, onto: &Path, walked: f64) -> PlanarPose {
+    pub fn pose_after_turning(&self, path: &Path, along: f64, new_path: &Path, walked: f64) -> PlanarPose {
         let body = self.body_ahead();
-        self.tandem.pose_after_turning(path, along + body, onto, walked - body)
+        self.tandem.pose_after_turning(path, along + body, new_path, walked - body)
     }
 
     /// The point at distance `walked` (m) from the beginning of `path`.
@@ -155,10 +155,17 @@ impl TeamPath {
 
     /// Writes the expected path of the human's body onto `next`, which begins at the object's centre, `along`
     /// (m) on `path`.
-    pub fn write_onto(&self, path: &Path, along: f64, next: &Path, ground: Ground, way: &mut Path) {
+    pub fn write_expected(
+        &self,
+        path: &Path,
+        along: f64,
+        next: &Path,
+        free_space: FreeSpace,
+        way: &mut Path,
+    ) {
         let (body, heading) = self.body(path, along);
         let is_there = next.length() <= self.body_ahead() + 0.5;
-        let is_free = |from, to| ground.is_free(from, to);
+        let is_free = |from, to| free_space.is_free(from, to);
         let turn = |arc: &Arc| write_turn_onto(next, body, heading, *arc, is_free, way);
         if is_there || ARCS.iter().find_map(turn).is_none() {
             // straight on
@@ -175,14 +182,20 @@ impl TeamPath {
     /// The turn onto `next`, which begins at the object's centre, `along` (m) on `path`. The path of the turn
     /// leads to the human's body and from there in an arc onto `next`. `None` if there is no room for the
     /// turn.
-    pub fn planned_turn(&self, path: &Path, along: f64, next: &Path, ground: Ground) -> Option<Turned> {
+    pub fn planned_turn(
+        &self,
+        path: &Path,
+        along: f64,
+        next: &Path,
+        free_space: FreeSpace,
+    ) -> Option<Turned> {
         let (body, heading) = self.body(path, along);
-        let is_free = |from, to| ground.is_free(from, to);
-        let (mut next_wide, mut onto) = (Path::default(), Path::default());
-        self.write_wide(next, is_free, &mut Widening::default(), &mut next_wide);
+        let is_free = |from, to| free_space.is_free(from, to);
+        let (mut next_widened, mut new_path) = (Path::default(), Path::default());
+        self.write_widened(next, is_free, &mut Widening::default(), &mut next_widened);
         let turning = ARCS.iter().find_map(|arc| {
-            let turning = write_turn_onto(&next_wide, body, heading, *arc, is_free, &mut onto)?;
-            self.is_room_for_object(path, along, &onto, ground).then_some(turning)
+            let turning = write_turn_onto(&next_widened, body, heading, *arc, is_free, &mut new_path)?;
+            self.is_room_for_object(path, along, &new_path, free_space).then_some(turning)
         })?;
         let mut way = Path::default();
         let steps = (self.body_ahead() / STEP_M).ceil();
@@ -191,13 +204,15 @@ impl TeamPath {
             let [from, to] = [i, i + 1].map(|i| self.point(path, along + step * i as f64));
             // where the carrier in front has crossed an opening, the team follows: it does not turn onto a
             // path that avoids the opening
-            let is_through = ground.options.goes_through_opening(from, to);
-            if is_through && ground.options.crossing(from, to) != self.first_crossing(next, ground.options) {
+            let is_through = free_space.options.goes_through_opening(from, to);
+            if is_through
+                && free_space.options.crossing(from, to) != self.first_crossing(next, free_space.options)
+            {
                 return None;
             }
             way.line(from, to);
         }
-        way.push_rest(&onto, 0.0);
+        way.push_rest(&new_path, 0.0);
         Some(Turned { path: way, until: self.body_ahead() + turning })
     }
 
@@ -209,16 +224,16 @@ impl TeamPath {
         path: &Path,
         [least, along]: [f64; 2],
         next: &dyn Fn(Point) -> Path,
-        ground: Ground,
+        free_space: FreeSpace,
     ) -> Option<f64> {
         let can_turn = |along: f64| {
             let next = next(self.point(path, along));
             next.sharpest_bend() <= SHARPEST_BEND_RAD
-                && self.planned_turn(path, along, &next, ground).is_some()
+                && self.planned_turn(path, along, &next, free_space).is_some()
         };
         let body = |ahead: f64| self.point(path, along + self.body_ahead() + ahead);
         let is_through =
-            |ahead: f64| ground.options.goes_through_opening(body(ahead), body(ahead + SEARCH_STEP_M));
+            |ahead: f64| free_space.options.goes_through_opening(body(ahead), body(ahead + SEARCH_STEP_M));
         let steps = |from: f64, to: f64| {
             let n = ((to - from) / SEARCH_STEP_M).round() as usize;
             (0..n).map(move |i| from + SEARCH_STEP_M * i as f64)
@@ -245,12 +260,12 @@ impl TeamPath {
     }
 
     /// Whether the object, whose axis cuts corners, touches no obstacle during the turn.
-    fn is_room_for_object(&self, path: &Path, along: f64, onto: &Path, ground: Ground) -> bool {
+    fn is_room_for_object(&self, path: &Path, along: f64, new_path: &Path, free_space: FreeSpace) -> bool {
         (0..70).map(|i| 0.08 * f64::from(i)).all(|walked| {
-            let pose = self.pose_after_turning(path, along, onto, walked);
+            let pose = self.pose_after_turning(path, along, new_path, walked);
             (-2..=2).all(|i| {
                 let point = pose.position + direction(pose.yaw) * (self.half() * f64::from(i) / 2.0);
-                ground.obstacles.is_clear(point, OBJECT_ROOM_M)
+                free_space.obstacles.is_clear(point, OBJECT_ROOM_M)
             })
         })
     }
@@ -266,7 +281,7 @@ mod tests {
         let world = World::parse("w.toml", include_str!("../../worlds/environment-2.toml")).unwrap();
         let options = OptionSet::new(&world, 10.0).unwrap();
         let obstacles = RobotObstacles::new(&world);
-        let ground = Ground { obstacles: &obstacles, options: &options };
+        let free_space = FreeSpace { obstacles: &obstacles, options: &options };
         for option in 0..options.options().len() {
             let mut progress = options.begin();
             let path = options.path(&progress, option).unwrap();
@@ -278,7 +293,7 @@ mod tests {
                 let along = 0.1 * f64::from(step);
                 options.advance(&mut progress, path.point_at(along).unwrap());
                 let next = options.path(&progress, option).unwrap();
-                way.write_onto(&path, along, &next, ground, &mut expected);
+                way.write_expected(&path, along, &next, free_space, &mut expected);
                 for ahead in (0..20).map(|i| 0.1 * f64::from(i)) {
                     let at = expected.point_at(ahead).unwrap();
                     assert!(obstacles.is_clear(at, 0.2), "option {option}, {along} m, {ahead} m ahead: {at}");
