@@ -1,4 +1,4 @@
-//! The figure of mutual adaptation: (a) where teams went, (b) how stubborn their humans grew.
+//! The figure of mutual adaptation: (a) tracks of teams on the map, (b) the stubbornness of their humans.
 
 use super::kit::{
     AXIS_ROOM, Clutter, GAP, INK, LEFT_ROOM, Legend, LineStyle, MARGIN, Shape, TITLE_ROOM, document,
@@ -12,14 +12,15 @@ use crate::geometry::{Bounds, Point, Vector};
 use crate::world::World;
 use svg::node::element::Group;
 
-/// Room above the chart for the axis of time, px.
+/// Room above the chart for the time axis, px.
 const TIME_ROOM: f64 = 62.0;
 
-/// The paper's figure of stubbornness: (a) the tracks on the map of their world, a cross where the human took the lead;
-/// (b) phi(k) over the step k, and over time with steps of `period` (s), up to the step at which it exceeds 1.
+/// The paper's figure of stubbornness: (a) the tracks on the map of their world, with a cross where the human
+/// took the lead; (b) phi(k) over the step k, and over time with steps of `period` (s), up to the step at
+/// which it exceeds 1.
 ///
-/// Tracks are drawn over each other from wide to narrow, so that those which coincide remain visible. A map that is higher
-/// than wide stands beside the chart, any other above it.
+/// Tracks are drawn from wide to narrow, so that coinciding tracks remain visible. A map that is taller than
+/// wide is placed beside the chart, any other map above it.
 ///
 /// # Errors
 /// [`DrawingError::NotDrawable`], [`DrawingError::Transition`], [`DrawingError::Period`].
@@ -86,7 +87,7 @@ fn panels(world: &World, tracks: &[Track]) -> (MapView, Bounds) {
     (view.moved_to(view.frame().min + spare), Bounds { min, max: Point::new(right, min.y + 250.0) })
 }
 
-/// The tracks on the map, the widest lowest.
+/// The tracks on the map, drawn from wide to narrow.
 fn walked(view: &MapView, tracks: &[Track], clutter: &mut Clutter) -> Group {
     let mut group = Group::new().set("class", "tracks");
     for (i, track) in tracks.iter().enumerate().filter(|(_, track)| track.positions.len() > 1) {

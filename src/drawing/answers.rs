@@ -1,4 +1,4 @@
-//! Participants' answers in percent with what was fitted to them, and the error of the fit for every c_r.
+//! Participants' answers in percent with the fitted model, and the error of the fit over c_r.
 
 use super::kit::{
     AXIS_ROOM, Axis, FAINT, GAP, GRID, INK, Legend, LineStyle, MARGIN, Plot, Shape, Side, TITLE_ROOM, Text,
@@ -9,52 +9,53 @@ use super::{DrawingError, WIDTH};
 use crate::geometry::{Bounds, Point, Vector};
 use svg::node::element::Group;
 
-/// A world of the figure of answers.
+/// A world in the figure of answers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AnswerPanel {
-    /// Stands above; long ones are shortened.
+    /// Title above the panel; long ones are shortened.
     pub title: String,
-    /// Its options, from the top.
+    /// Its options, top to bottom.
     pub rows: Vec<AnswerRow>,
 }
 
-/// An option, as answered and as fitted, percent.
+/// The answers and fits of an option, percent.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AnswerRow {
     /// The option's name; long ones are shortened.
     pub option: String,
-    /// What each participant said.
+    /// The participants' answers.
     pub answers: Vec<f64>,
-    /// Their mean.
+    /// Mean answer.
     pub mean: f64,
-    /// By likelihood and by least squares.
+    /// Fits by likelihood and by least squares.
     pub fits: [f64; 2],
 }
 
 /// A fitted c_r, m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RiskWeightMark {
-    /// Where it is.
+    /// Its value.
     pub at: f64,
-    /// Its 95 % interval; none without.
+    /// Its 95 % interval, if there is one.
     pub interval: Option<[f64; 2]>,
 }
 
-/// The widest that the names of options get, px.
-const NAMES: f64 = 110.0;
-/// Height of a row, px, and of the mark at a mean.
-const ROW: f64 = 30.0;
-const MEAN: f64 = 22.0;
-/// Height of the chart of errors, px.
-const CHART: f64 = 200.0;
-/// What the marks of either fit mean.
+/// Largest width of option names, px.
+const NAMES_WIDTH: f64 = 110.0;
+/// Height of a row and of the mean's mark, px.
+const ROW_HEIGHT: f64 = 30.0;
+const MEAN_HEIGHT: f64 = 22.0;
+/// Height of the error chart, px.
+const CHART_HEIGHT: f64 = 200.0;
+/// Legend of the two fits.
 const FITS: [&str; 2] = ["likelihood (recommended)", "least squares"];
 
-/// Answers and fits, a panel for every world; below, the rms error for every c_r with the two that were fitted, by likelihood and by least
-/// squares, and `caution`, sentence by sentence.
+/// Answers and fits, one panel per world. Below, the rms error over c_r with the two fitted values, by
+/// likelihood and by least squares, and the sentences of `caution`.
 ///
 /// # Errors
-/// [`DrawingError::NoPanels`]; [`DrawingError::Fit`] for what is no percentage or cannot be on the axis of c_r.
+/// [`DrawingError::NoPanels`]; [`DrawingError::Fit`] for an invalid percentage or a c_r that cannot be on the
+/// axis.
 pub fn answers(
     panels: &[AnswerPanel],
     curve: &[(f64, f64)],
@@ -63,7 +64,7 @@ pub fn answers(
 ) -> Result<String, DrawingError> {
     check(panels, curve, marks)?;
     let rows = || panels.iter().flat_map(|p| &p.rows);
-    let left = left_of_rows(rows().map(|r| r.option.as_str()), NAMES);
+    let left = left_of_rows(rows().map(|r| r.option.as_str()), NAMES_WIDTH);
     let frame = |top: f64, height: f64| Bounds {
         min: Point::new(left, top),
         max: Point::new(WIDTH - MARGIN, top + height),
@@ -71,7 +72,7 @@ pub fn answers(
     let mut drawn = Group::new();
     let mut top = 0.0;
     for (i, panel) in panels.iter().enumerate() {
-        let frame = frame(top + TITLE_ROOM, panel.rows.len() as f64 * ROW);
+        let frame = frame(top + TITLE_ROOM, panel.rows.len() as f64 * ROW_HEIGHT);
         let percent = Axis::linear(Side::Below, [0.0, 100.0], frame.grown(-GAP));
         drawn = drawn.add(draw(panel, &percent, frame));
         top = frame.max.y;
@@ -85,10 +86,10 @@ pub fn answers(
     if has_several {
         legend = legend.entry(answer_mark(), "answers");
     }
-    legend = legend.entry(mean_bar(MEAN), if has_several { "their mean" } else { "answer" });
+    legend = legend.entry(mean_bar(MEAN_HEIGHT), if has_several { "their mean" } else { "answer" });
     legend = FITS.iter().enumerate().fold(legend, |legend, (fit, name)| legend.entry(fit_mark(fit), *name));
     let (legend, bottom) = legend.draw(Point::new(MARGIN, top), WIDTH - 2.0 * MARGIN);
-    let frame = frame(bottom + GAP, CHART);
+    let frame = frame(bottom + GAP, CHART_HEIGHT);
     let (caution, bottom) = notes(caution.split_inclusive(". "), frame.max.y + AXIS_ROOM);
     let picture = document(bottom).add(drawn).add(legend).add(errors(curve, marks, frame));
     Ok(picture.add(caution.set("class", "caution")).to_string())
@@ -119,20 +120,20 @@ fn draw(panel: &AnswerPanel, percent: &Axis, frame: Bounds) -> Group {
     let mut group = Group::new().set("class", "panel");
     group = group.add(frame_title(&panel.title, MARGIN, frame)).add(percent.grid(frame));
     for (i, row) in panel.rows.iter().enumerate() {
-        let y = frame.min.y + (i as f64 + 0.5) * ROW;
+        let y = frame.min.y + (i as f64 + 0.5) * ROW_HEIGHT;
         let at = |value: f64| Point::new(percent.at(value), y);
         group = group.add(row_label(&row.option, frame.min.x, y));
         if i > 0 {
-            group = group.add(stroke(&level(y - 0.5 * ROW, frame), GRID, 1.0));
+            group = group.add(stroke(&level(y - 0.5 * ROW_HEIGHT, frame), GRID, 1.0));
         }
         if row.answers.len() > 1 {
             for (n, answer) in row.answers.iter().enumerate() {
-                // on five lines, so that equal answers are told apart
+                // on five lines, so that equal answers remain distinguishable
                 let lane = (n * 2 % 5) as f64 - 2.0;
                 group = group.add(place(answer_mark(), at(*answer) + Vector::new(0.0, 4.2 * lane)));
             }
         }
-        group = group.add(place(mean_bar(MEAN), at(row.mean)));
+        group = group.add(place(mean_bar(MEAN_HEIGHT), at(row.mean)));
         for (fit, value) in row.fits.iter().enumerate() {
             group = group.add(place(fit_mark(fit), at(*value)));
         }
@@ -151,7 +152,7 @@ fn fit_mark(fit: usize) -> Group {
     mark(shape, fit == 0, &LineStyle::of(fit).colour()).set("class", "fit")
 }
 
-/// The curve without the plains at its ends.
+/// The curve without the plateaus at its ends.
 fn without_plains(curve: &[(f64, f64)]) -> &[(f64, f64)] {
     const LEVEL: f64 = 0.05;
     let [first, last] = [curve[0].1, curve[curve.len() - 1].1];
@@ -161,7 +162,7 @@ fn without_plains(curve: &[(f64, f64)]) -> &[(f64, f64)] {
     if begin + 1 < end { &curve[begin..end] } else { curve }
 }
 
-/// The rms error for every c_r; what lies on the plains at its ends is left out.
+/// The rms error over c_r, without the plateaus at its ends.
 fn errors(curve: &[(f64, f64)], marks: &[RiskWeightMark; 2], frame: Bounds) -> Group {
     let curve = without_plains(curve);
     let top = curve.iter().map(|c| c.1).fold(1.0, f64::max) * 1.06;

@@ -1,4 +1,4 @@
-//! Charts of curves, two in a row, each with a legend of its own.
+//! Charts of curves, two in a row, each with its own legend.
 
 use super::DrawingError;
 use super::kit::{
@@ -11,13 +11,13 @@ use svg::node::element::Group;
 /// A chart of curves.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CurvePanel {
-    /// Stands above the chart; long ones are shortened.
+    /// Title above the chart; long ones are shortened.
     pub title: String,
-    /// What lies along the horizontal and the vertical axis.
+    /// Titles of the horizontal and the vertical axis.
     pub axes: [String; 2],
-    /// The ends of both axes.
+    /// Ranges of both axes.
     pub ranges: [[f64; 2]; 2],
-    /// A value of the vertical axis to be marked by a line across.
+    /// A value of the vertical axis marked by a horizontal line.
     pub mark: Option<f64>,
     /// The curves.
     pub curves: Vec<Curve>,
@@ -26,9 +26,9 @@ pub struct CurvePanel {
 /// One curve.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curve {
-    /// What the legend calls it.
+    /// Label in the legend.
     pub label: String,
-    /// Its points; what lies beyond the axes is cut off at their ends.
+    /// Points; values beyond the axes are clipped to their ends.
     pub points: Vec<[f64; 2]>,
 }
 
@@ -56,7 +56,7 @@ fn check(panel: &CurvePanel) -> Result<(), DrawingError> {
     }
 }
 
-/// A chart with its legend, and the y at which that ends.
+/// A chart with its legend, and the y at which the legend ends.
 fn draw(panel: &CurvePanel, frame: Bounds) -> (Group, f64) {
     let plot = Plot::linear(frame, panel.ranges);
     let mut group = Group::new()

@@ -13,13 +13,13 @@ use crate::options::OptionSet;
 use crate::world::World;
 use svg::node::element::{Element, Group};
 
-/// How many options a map shows in colour and lists; the others are thin and grey.
+/// Largest number of options that a map shows in colour and lists; the others are thin and grey.
 pub const MOST_LISTED: usize = 12;
 
-/// How far a drawn arc may be from its chords, m.
+/// Largest distance of a drawn arc from its chords, m.
 const SAGITTA: f64 = 0.01;
 
-/// An option as it is drawn.
+/// An option to be drawn.
 pub(super) struct Route {
     pub index: usize,
     pub name: String,
@@ -28,16 +28,16 @@ pub(super) struct Route {
     pub length: f64,
     pub risk: f64,
     pub probability: f64,
-    /// World frame, m; empty where there is no way.
+    /// Path, world frame, m; empty where there is no path.
     points: Vec<Point>,
 }
 
-/// The map of a world: obstacles, openings coloured by risk, and every option as a path from A to B whose width grows with
-/// its probability.
+/// The map of a world: obstacles, openings coloured by risk, and every option as a path from A to B whose
+/// width grows with its probability.
 ///
-/// `probabilities` holds P_o of every option, in the order of `options`. Beyond [`MOST_LISTED`] options, the most probable are
-/// shown in colour (of equally probable ones, the first, which is the cheapest where options were enumerated); the table says
-/// so.
+/// `probabilities` holds P_o of every option, in the order of `options`. With more than [`MOST_LISTED`]
+/// options, the most probable ones are shown in colour, and the table says so. Of equally probable options,
+/// the first has priority, which is the cheapest where options were enumerated.
 ///
 /// # Errors
 /// [`DrawingError::ProbabilityCount`], [`DrawingError::Probability`].
@@ -111,7 +111,7 @@ fn routes(
     Ok((listed, others))
 }
 
-/// The paths, the widest lowest, so that those which share a leg remain visible.
+/// The paths, drawn from wide to narrow, so that those with a common leg remain visible.
 fn paths(view: &MapView, listed: &[Route], widths: &[f64], others: &[Route], clutter: &mut Clutter) -> Group {
     let mut order: Vec<(&Route, f64)> = listed.iter().zip(widths.iter().copied()).collect();
     order.sort_by(|a, b| b.1.total_cmp(&a.1));

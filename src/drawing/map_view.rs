@@ -1,4 +1,4 @@
-//! The part of a world that a picture shows: its place on the picture, axes, obstacles, openings, start and target.
+//! The view of a world in a picture: its frame and scale, axes, obstacles, openings, start and target.
 
 use super::kit::{
     Align, INK, PAPER, Plot, TITLE_SIZE, Text, disc, polygon, printable, rectangle, risk_colour, stroke,
@@ -7,7 +7,7 @@ use crate::geometry::{Bounds, Footprint, Point, Vector, direction};
 use crate::world::World;
 use svg::node::element::{Group, Title};
 
-/// Openings that do not show their risk.
+/// Colour of openings that do not show their risk.
 const PLAIN_OPENING: &str = "#cdebd0";
 
 /// Thickness of the bars across openings, px.
@@ -16,7 +16,7 @@ pub(super) const BAR: f64 = 6.0;
 /// Radius of the marks of start and target, px.
 pub(super) const END: f64 = 12.5;
 
-/// A part of the world on a part of the picture, with equal scales on both axes.
+/// A view of a part of the world in a picture, with equal scales on both axes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MapView {
     world: Bounds,
@@ -27,8 +27,8 @@ pub(super) struct MapView {
 }
 
 impl MapView {
-    /// The largest view of the world and of all `points` with its upper left corner at `corner` that is at most `most` large
-    /// (px); it is at least `least` large, where need be by showing more of the surroundings.
+    /// The largest view of the world and of all `points` with its upper left corner at `corner` and a size of
+    /// at most `most` (px). It is at least `least` large, if necessary by showing more of the surroundings.
     pub fn fit(
         world: &World,
         points: impl IntoIterator<Item = Point>,
@@ -46,18 +46,18 @@ impl MapView {
         Self { world, scale, corner }
     }
 
-    /// A place of the world on the picture, px.
+    /// A position of the world in the picture, px.
     pub fn px(&self, p: Point) -> Point {
         let from_corner = Vector::new(p.x - self.world.min.x, self.world.max.y - p.y);
         self.corner + from_corner * self.scale
     }
 
-    /// The frame on the picture, px; `min` is its upper left corner.
+    /// The frame in the picture, px; `min` is its upper left corner.
     pub fn frame(&self) -> Bounds {
         Bounds { min: self.corner, max: self.corner + self.world.size() * self.scale }
     }
 
-    /// The same view at another place of the picture.
+    /// The same view at another position of the picture.
     pub fn moved_to(self, corner: Point) -> Self {
         Self { corner, ..self }
     }
@@ -88,7 +88,7 @@ impl MapView {
         })
     }
 
-    /// The corners (px) of an obstacle's outline; a disc's is a polygon.
+    /// The corners (px) of an obstacle's outline; a disc becomes a polygon.
     pub fn outline(&self, footprint: &Footprint) -> Vec<Point> {
         match footprint {
             Footprint::Polygon(corners) => corners.iter().map(|c| self.px(*c)).collect(),
@@ -127,7 +127,7 @@ impl MapView {
     }
 }
 
-/// White paper under letters.
+/// A white background for letters.
 pub(super) fn paper(area: Bounds) -> svg::node::element::Rectangle {
     rectangle(area).set("fill", PAPER).set("fill-opacity", 0.85).set("rx", 3)
 }

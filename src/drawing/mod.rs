@@ -1,9 +1,10 @@
-//! Pictures for a paper's column, as SVG: maps of worlds with their options, curves, regions and strips of marks.
+//! Pictures for a paper's column, as SVG: maps of worlds with their options, curves, regions and strips of
+//! marks.
 //!
-//! Every function is pure: the same data give the same text of one SVG picture. Pictures are [`WIDTH`] px wide, meant to be
-//! printed 88 mm wide, on white paper of their own. Lines differ in colour and in dash pattern and areas in hatching, so that
-//! pictures survive print in grey and readers with any colour vision can tell things apart. All pictures are made of one
-//! chart kit, the submodule `kit`.
+//! Every function is pure: the same data give the same SVG text. Pictures are [`WIDTH`] px wide, meant to be
+//! printed 88 mm wide, on a white background. Lines differ in colour and dash pattern, and areas in hatching,
+//! so that pictures remain readable in grey print and with any colour vision. All pictures use one chart kit,
+//! the submodule `kit`.
 
 mod adaptation;
 mod answers;
@@ -33,15 +34,15 @@ use thiserror::Error;
 /// Width of every picture, px.
 pub const WIDTH: f64 = 720.0;
 
-/// Why a picture could not be drawn.
+/// The reason why a picture could not be drawn.
 #[derive(Debug, Error)]
 pub enum DrawingError {
-    /// There must be one probability per option.
+    /// The number of probabilities differs from the number of options.
     #[error("{probabilities} probabilities were given for {options} options")]
     ProbabilityCount {
-        /// How many probabilities were given.
+        /// Number of probabilities.
         probabilities: usize,
-        /// How many options there are.
+        /// Number of options.
         options: usize,
     },
     /// A probability outside [0, 1].
@@ -49,10 +50,10 @@ pub enum DrawingError {
     Probability {
         /// The option.
         option: String,
-        /// What was given.
+        /// The value given.
         value: f64,
     },
-    /// A track has a position that is not finite or beyond all maps, or a stubbornness that is not a number.
+    /// A track has a position that is not finite or out of range, or a stubbornness that is not a number.
     #[error("track `{track}`: its {quantity} at step {step} cannot be drawn: {value}")]
     NotDrawable {
         /// The track's label.
@@ -71,19 +72,19 @@ pub enum DrawingError {
         track: String,
         /// Step of the transition.
         transition: usize,
-        /// How many positions the track has.
+        /// Number of positions of the track.
         positions: usize,
     },
-    /// The period must be a positive time.
+    /// The period is not a positive time.
     #[error("the period is {period} s; expected a positive number")]
     Period {
-        /// What was given.
+        /// The value given.
         period: f64,
     },
-    /// A figure of panels needs one.
+    /// A figure without panels.
     #[error("there is nothing to draw: no panels were given")]
     NoPanels,
-    /// A ratio of costs is negative, not a number or beyond all axes.
+    /// A ratio of costs that is negative, not a number or out of range.
     #[error("row `{row}`: the ratio {value} in environment {environment} cannot be drawn")]
     Ratio {
         /// The row's label.
@@ -93,10 +94,10 @@ pub enum DrawingError {
         /// The ratio.
         value: f64,
     },
-    /// A fit, or what it was made to, is not a number or beyond all axes.
+    /// A fit, or its data, is not a number or out of range.
     #[error("{what}: {value} cannot be drawn")]
     Fit {
-        /// What has the number.
+        /// The item that has the number.
         what: String,
         /// The number.
         value: f64,
@@ -105,7 +106,7 @@ pub enum DrawingError {
 
 /// Checks that every option's P_o is a probability.
 fn check_probabilities<'a>(options: impl Iterator<Item = (&'a str, f64)>) -> Result<(), DrawingError> {
-    // rounding may leave a sum of areas a little above 1
+    // rounding may leave a sum of areas slightly above 1
     let mut spoiled = options.filter(|(_, p)| !(0.0..=1.0 + 1e-9).contains(p));
     spoiled
         .next()
@@ -116,7 +117,7 @@ fn check_probabilities<'a>(options: impl Iterator<Item = (&'a str, f64)>) -> Res
 mod tests {
     use super::DrawingError;
 
-    /// A picture that is well formed, the same when drawn again, and free of what is not a number.
+    /// A picture that is well formed, identical when drawn again, and free of NaN and infinity.
     pub(super) fn checked(draw: impl Fn() -> Result<String, DrawingError>) -> String {
         let picture = draw().unwrap();
         assert_eq!(picture, draw().unwrap());

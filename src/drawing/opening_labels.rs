@@ -1,4 +1,4 @@
-//! The names of a map's openings, at places where they cover as little as possible.
+//! The labels of a map's openings, at positions where they cover as little as possible.
 
 use super::kit::{Align, Clutter, INK, TEXT_SIZE, Text, nearest, number, stroke};
 use super::map_view::{BAR, END, MapView, paper};
@@ -6,24 +6,24 @@ use crate::geometry::{Bounds, Point, Vector, direction};
 use crate::world::World;
 use svg::node::element::Group;
 
-/// A label covers nothing within this distance of its words, px.
+/// Free margin around the words of a label, px.
 const PADDING: f64 = 2.0;
-/// Height of a line of a label, px.
-const LEADING: f64 = TEXT_SIZE * 1.08;
-/// A label farther than this from its opening gets a line that leads there, px.
-const NEAR: f64 = 16.0;
-/// The widest that a name gets, px.
-const NAME: f64 = 120.0;
+/// Line height of a label, px.
+const LINE_HEIGHT: f64 = TEXT_SIZE * 1.08;
+/// Distance from its opening beyond which a label gets a leader line, px.
+const LEADER_DISTANCE: f64 = 16.0;
+/// Largest width of a name, px.
+const NAME_WIDTH: f64 = 120.0;
 
-/// What covering a pixel of its length costs: of a path or a leading line, of an obstacle's outline, of an opening.
+/// Costs of covering a pixel of length: of a path or a leader line, of an obstacle's outline, of an opening.
 pub(super) const PATH_COST: f64 = 4.0;
 const OUTLINE_COST: f64 = 6.0;
 const OPENING_COST: f64 = 12.0;
-/// A label that costs more than `CROWDED` loses the width of its opening where that saves `SAVED`.
-const CROWDED: f64 = 140.0;
-const SAVED: f64 = 60.0;
+/// A label that costs more than `CROWDED_COST` omits the width of its opening where that saves `LEAST_SAVING`.
+const CROWDED_COST: f64 = 140.0;
+const LEAST_SAVING: f64 = 60.0;
 
-/// What a map shows of a world before there are labels and paths.
+/// The clutter of a map before labels and paths.
 pub(super) fn clutter(view: &MapView, world: &World) -> Clutter {
     let mut clutter = Clutter::new(view.frame());
     for obstacle in &world.obstacles {
@@ -40,7 +40,7 @@ pub(super) fn clutter(view: &MapView, world: &World) -> Clutter {
     clutter
 }
 
-/// The names of the openings, each with its width where `with_widths`; from here on they are part of the clutter.
+/// The labels of the openings: the name, and the width where `with_widths`. They are added to the clutter.
 pub(super) fn opening_labels(
     view: &MapView,
     world: &World,
@@ -50,18 +50,18 @@ pub(super) fn opening_labels(
     let bars: Vec<[Point; 2]> = world.openings.iter().map(|o| o.ends.map(|p| view.px(p))).collect();
     let mut group = Group::new().set("class", "names");
     for (i, opening) in world.openings.iter().enumerate() {
-        let mut lines = vec![Text::opening(&opening.name).within(NAME, TEXT_SIZE)];
+        let mut lines = vec![Text::opening(&opening.name).within(NAME_WIDTH, TEXT_SIZE)];
         let (mut area, cost) = best_place(&lines, i, &bars, clutter);
         if with_widths {
             let full = vec![lines[0].clone(), Text::new(format!("{} m", number(opening.width, 2)))];
             let found = best_place(&full, i, &bars, clutter);
-            // in a crowd only the name finds a place
-            if found.1 < CROWDED || found.1 < cost + SAVED {
+            // in a crowded place, only the name is shown
+            if found.1 < CROWDED_COST || found.1 < cost + LEAST_SAVING {
                 (lines, area) = (full, found.0);
             }
         }
         let touch = nearest_on(bars[i], area);
-        if gap(area, touch) > NEAR {
+        if gap(area, touch) > LEADER_DISTANCE {
             let leader = [nearest(area, touch), touch];
             clutter.add(&leader, 0.9, PATH_COST);
             group = group.add(stroke(&leader, INK, 0.9));
@@ -71,7 +71,7 @@ pub(super) fn opening_labels(
         }
         let middle = nalgebra::center(&area.min, &area.max).x;
         for (i, line) in lines.iter().enumerate() {
-            let baseline = area.min.y + PADDING + (i as f64 + 0.8) * LEADING;
+            let baseline = area.min.y + PADDING + (i as f64 + 0.8) * LINE_HEIGHT;
             group = group.add(line.at(Point::new(middle, baseline), TEXT_SIZE, Align::Middle));
         }
         clutter.take(area);
@@ -79,11 +79,11 @@ pub(super) fn opening_labels(
     group
 }
 
-/// The best place (px) for the lines of the opening `own`, and what it costs.
+/// The best position (px) for the lines of the opening `own`, and its cost.
 fn best_place(lines: &[Text], own: usize, bars: &[[Point; 2]], clutter: &Clutter) -> (Bounds, f64) {
     let center = nalgebra::center(&bars[own][0], &bars[own][1]);
     let width = lines.iter().map(|line| line.width(TEXT_SIZE)).fold(0.0, f64::max);
-    let half = Vector::new(width / 2.0 + PADDING, lines.len() as f64 * LEADING / 2.0 + PADDING);
+    let half = Vector::new(width / 2.0 + PADDING, lines.len() as f64 * LINE_HEIGHT / 2.0 + PADDING);
     let places = (0..20).flat_map(|ring| (0..32).map(move |spoke| (f64::from(ring), f64::from(spoke))));
     let areas = places.map(|(ring, spoke)| {
         let middle = center + direction(spoke * std::f64::consts::TAU / 32.0) * (14.0 + 8.0 * ring);
@@ -96,7 +96,7 @@ fn best_place(lines: &[Text], own: usize, bars: &[[Point; 2]], clutter: &Clutter
             bars.iter().enumerate().any(|(i, bar)| i != own && distance(*bar) < own_distance);
         clutter.cost(*area)
             + 0.7 * own_distance
-            + if own_distance > NEAR { 25.0 } else { 0.0 }
+            + if own_distance > LEADER_DISTANCE { 25.0 } else { 0.0 }
             + if is_nearer_to_another { 45.0 } else { 0.0 }
     };
     let found = areas.map(|area| (area, cost(&area))).min_by(|a, b| a.1.total_cmp(&b.1));

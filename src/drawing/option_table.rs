@@ -1,4 +1,4 @@
-//! What explains a map: the colours of risk, and a table of the listed options.
+//! The legend of a map: the colours of risk, and a table of the listed options.
 
 use super::kit::{
     AXIS_ROOM, Align, Axis, FAINT, FAINT_WIDTH, GAP, Legend, LineStyle, RISK_COLOURS, Side, TEXT_SIZE, Text,
@@ -8,13 +8,13 @@ use super::map::Route;
 use crate::geometry::{Bounds, Point, Vector};
 use svg::node::element::{Definitions, Group, LinearGradient, Stop};
 
-/// The least width that the block fits into, px.
+/// Smallest width of the block, px.
 pub(super) const LEAST_WIDTH: f64 = 396.0;
-/// The widest that the name of an option and that of an opening get, px.
-const NAMES: [f64; 2] = [96.0, 140.0];
+/// Largest widths of the name of an option and of an opening, px.
+const NAMES_WIDTH: [f64; 2] = [96.0, 140.0];
 
-/// The block with its upper left corner at `at`, at most `width` px wide, and the y at which it ends. `others` are not listed;
-/// `is_cut` where more options exist than were enumerated.
+/// The block with its upper left corner at `at`, at most `width` px wide, and the y at which it ends.
+/// `others` are not listed; `is_cut` says that more options exist than were enumerated.
 pub(super) fn option_table(
     at: Point,
     width: f64,
@@ -37,7 +37,7 @@ pub(super) fn option_table(
     (group, bottom)
 }
 
-/// The table, with the lines that `openings` gives for a route.
+/// The table, with the lines of `openings` for each route.
 fn table(
     listed: &[Route],
     widths: &[f64],
@@ -53,7 +53,7 @@ fn table(
     let mut table = Legend::table(heads.to_vec());
     for (route, width) in listed.iter().zip(widths) {
         let length = if route.length.is_finite() { number(route.length, 2) } else { "no path".to_owned() };
-        let name = vec![Text::new(&route.name).within(NAMES[0], TEXT_SIZE)];
+        let name = vec![Text::new(&route.name).within(NAMES_WIDTH[0], TEXT_SIZE)];
         let risk = vec![Text::new(number(route.risk, 2))];
         let cells = vec![name, openings(route), vec![Text::new(length)], risk, percent(route.probability)];
         table = table.row(line_sample(LineStyle::of(route.index), *width), cells);
@@ -67,7 +67,7 @@ fn table(
     table.row(level_sample(FAINT, FAINT_WIDTH), vec![name, what, Vec::new(), Vec::new(), share])
 }
 
-/// The openings of an option, in lines of at most `width` px.
+/// The openings of an option, wrapped into lines of at most `width` px.
 fn wrapped(openings: &[String], width: f64) -> Vec<Text> {
     if openings.is_empty() {
         return vec![Text::new("none")];
@@ -75,7 +75,7 @@ fn wrapped(openings: &[String], width: f64) -> Vec<Text> {
     let mut lines: Vec<Text> = vec![];
     for (i, name) in openings.iter().enumerate() {
         let comma = if i + 1 < openings.len() { "," } else { "" };
-        let name = Text::opening(name).within(NAMES[1].min(width), TEXT_SIZE).plain(comma);
+        let name = Text::opening(name).within(NAMES_WIDTH[1].min(width), TEXT_SIZE).plain(comma);
         match lines.last_mut() {
             Some(line) if line.width(TEXT_SIZE) + name.width(TEXT_SIZE) + 6.0 <= width => {
                 *line = std::mem::take(line).plain(" ").then(name);
@@ -86,7 +86,7 @@ fn wrapped(openings: &[String], width: f64) -> Vec<Text> {
     lines
 }
 
-/// The colours of risk on an axis, and the y at which that ends.
+/// The colours of risk on an axis, and the y at which it ends.
 fn risk_bar(at: Point, width: f64) -> (Group, f64) {
     let bar = Bounds { min: at + Vector::new(GAP, 0.0), max: at + Vector::new(width - GAP, 14.0) };
     let last = RISK_COLOURS.len() - 1;

@@ -1,4 +1,4 @@
-//! Control costs relative to a baseline: a strip for every method, a mark for every cell of a table.
+//! The figure of cost ratios: a strip for every method, with a mark for every cell of a table.
 
 use super::kit::{
     AXIS_ROOM, Axis, GAP, Legend, LineStyle, MARGIN, STRIPE, Shape, Side, TITLE_ROOM, Text, border, document,
@@ -9,65 +9,68 @@ use crate::geometry::{Bounds, Point, Vector};
 use std::collections::BTreeSet;
 use svg::node::element::Group;
 
-/// One part of the figure of cost ratios; all parts have one horizontal axis.
+/// One part of the figure of cost ratios; all parts have the same horizontal axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RatioPanel {
-    /// Stands above the panel; long ones are shortened.
+    /// Title above the panel; long ones are shortened.
     pub title: String,
-    /// From the top.
+    /// Rows, top to bottom.
     pub rows: Vec<RatioRow>,
 }
 
-/// One way of choosing the configuration, and what it cost.
+/// A method of choosing the configuration, with its costs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RatioRow {
-    /// Stands on the left of the row; long ones are shortened.
+    /// Label at the left of the row; long ones are shortened.
     pub label: String,
-    /// Environment, 1 and up, and the cost over the baseline's there: one pair a cell of the table.
+    /// The environment, from 1, and the cost relative to the baseline there: one pair per cell of the table.
     pub ratios: Vec<(u32, f64)>,
 }
 
-/// The axis shows these ratios whatever the data are.
-const ALWAYS: [f64; 2] = [0.2, 1.1];
+/// Ratios that the axis always includes.
+const LEAST_RANGE: [f64; 2] = [0.2, 1.1];
 /// The ratio of the baseline to itself.
 const BASELINE: f64 = 1.0;
-/// Ratios above this are refused.
-const HIGHEST: f64 = 1e3;
+/// Largest ratio accepted.
+const LARGEST_RATIO: f64 = 1e3;
 
-/// The widest that labels of rows get, px.
-const LABELS: f64 = 220.0;
+/// Largest width of row labels, px.
+const LABELS_WIDTH: f64 = 220.0;
 /// Height of a row, px.
-const ROW: f64 = 52.0;
-/// Distance of the lines on which the marks of one environment and of the next lie, px.
-const LANE: f64 = 10.4;
-/// By how much marks of one environment that are nearly equal are moved down in turn, px: a quarter of [`LANE`] apart, so
-/// that sixteen equal ratios are as far apart as they can be.
-const MOVED: [f64; 4] = [-1.3, 1.3, -3.9, 3.9];
-/// Marks of one environment nearer than this are nearly equal, px.
-const NEAR: f64 = 6.5;
-/// The shapes of the environments; full and open ones in turn.
+const ROW_HEIGHT: f64 = 52.0;
+/// Vertical distance of the marks of consecutive environments, px.
+const LANE_DISTANCE: f64 = 10.4;
+/// Vertical offsets, px, of nearly equal marks of one environment, in turn: a quarter of [`LANE_DISTANCE`] apart,
+/// which separates sixteen equal ratios as far as possible.
+const OFFSETS: [f64; 4] = [-1.3, 1.3, -3.9, 3.9];
+/// Distance below which marks of one environment are nearly equal, px.
+const NEARLY_EQUAL: f64 = 6.5;
+/// The shapes of the environments, alternately full and open.
 const SHAPES: [Shape; 4] = [Shape::Disc, Shape::Square, Shape::Triangle, Shape::Diamond];
 
-/// Control costs relative to no pose optimisation: one panel under the other on one axis, in each a strip for every method
-/// with a mark for every cell, whose shape tells the environment, and a bar at their mean.
+/// Control costs relative to no pose optimisation. Panels are stacked on one axis. Each has a strip for every
+/// method, with a mark for every cell and a bar at their mean; the shape of a mark stands for its
+/// environment.
 ///
-/// The axis reaches from 0.2 to 1.1, or to the tenths beyond the ratios. The marks of the first environment lie highest in a
-/// strip, those of the fourth lowest, and those of one environment that are nearly equal are moved apart; shapes repeat after
-/// four environments. Shapes differ in being full or open too, for print in grey.
+/// The axis covers 0.2 to 1.1, or more if the ratios need it, in tenths. In a strip, the marks of the first
+/// environment are at the top and those of the fourth at the bottom. Nearly equal marks of one environment
+/// are moved apart. Shapes repeat after four environments. They also differ in being full or open, for grey
+/// print.
 ///
 /// # Errors
-/// [`DrawingError::NoPanels`]; [`DrawingError::Ratio`] for what is not a number from 0 to 1000.
+/// [`DrawingError::NoPanels`]; [`DrawingError::Ratio`] for a value that is not a number from 0 to 1000.
 pub fn cost_ratios(panels: &[RatioPanel]) -> Result<String, DrawingError> {
     check(panels)?;
     let range = range(panels);
     let rows = || panels.iter().flat_map(|p| &p.rows);
-    let left = left_of_rows(rows().map(|r| r.label.as_str()), LABELS);
+    let left = left_of_rows(rows().map(|r| r.label.as_str()), LABELS_WIDTH);
     let mut drawn = Group::new();
     let mut top = 0.0;
     for (i, panel) in panels.iter().enumerate() {
         let min = Point::new(left, top + TITLE_ROOM);
-        let frame = Bounds { min, max: Point::new(WIDTH - MARGIN, min.y + panel.rows.len() as f64 * ROW) };
-        // so that marks at the ends lie inside the frame
+        let frame =
+            Bounds { min, max: Point::new(WIDTH - MARGIN, min.y + panel.rows.len() as f64 * ROW_HEIGHT) };
+        // keeps marks at the ends inside the frame
         let axis = Axis::linear(Side::Below, range, frame.grown(-GAP));
         drawn = drawn.add(draw(panel, &axis, frame));
         top = frame.max.y;
@@ -81,8 +84,8 @@ pub fn cost_ratios(panels: &[RatioPanel]) -> Result<String, DrawingError> {
     let legend = environments.into_iter().fold(Legend::of_marks(), |legend, environment| {
         legend.entry(environment_mark(environment), format!("environment {environment}"))
     });
-    let ends = [Point::new(0.0, -0.2 * ROW), Point::new(0.0, 0.2 * ROW)];
-    let legend = legend.entry(mean_bar(0.4 * ROW), "mean");
+    let ends = [Point::new(0.0, -0.2 * ROW_HEIGHT), Point::new(0.0, 0.2 * ROW_HEIGHT)];
+    let legend = legend.entry(mean_bar(0.4 * ROW_HEIGHT), "mean");
     let legend = legend.entry(Group::new().add(guide(ends)), "no pose optimisation");
     let (legend, bottom) = legend.draw(Point::new(MARGIN, top), WIDTH - 2.0 * MARGIN);
     Ok(document(bottom).add(drawn).add(legend).to_string())
@@ -93,7 +96,8 @@ fn check(panels: &[RatioPanel]) -> Result<(), DrawingError> {
         return Err(DrawingError::NoPanels);
     }
     for row in panels.iter().flat_map(|p| &p.rows) {
-        if let Some((environment, value)) = row.ratios.iter().find(|r| !(0.0..=HIGHEST).contains(&r.1)) {
+        if let Some((environment, value)) = row.ratios.iter().find(|r| !(0.0..=LARGEST_RATIO).contains(&r.1))
+        {
             return Err(DrawingError::Ratio {
                 row: row.label.clone(),
                 environment: *environment,
@@ -104,19 +108,19 @@ fn check(panels: &[RatioPanel]) -> Result<(), DrawingError> {
     Ok(())
 }
 
-/// The ratios at the ends of the axis.
+/// The range of the axis.
 fn range(panels: &[RatioPanel]) -> [f64; 2] {
     let ratios = || panels.iter().flat_map(|p| &p.rows).flat_map(|r| &r.ratios).map(|r| r.1);
-    let (least, most) = (ratios().fold(ALWAYS[0], f64::min), ratios().fold(ALWAYS[1], f64::max));
-    // ends that are tenths but for rounding stay
+    let (least, most) = (ratios().fold(LEAST_RANGE[0], f64::min), ratios().fold(LEAST_RANGE[1], f64::max));
+    // tolerates rounding of ends that are tenths
     [(10.0 * least + 1e-6).floor() / 10.0, (10.0 * most - 1e-6).ceil() / 10.0]
 }
 
 /// A panel with its title.
 fn draw(panel: &RatioPanel, axis: &Axis, frame: Bounds) -> Group {
     let strip = |i: usize| {
-        let min = frame.min + Vector::new(0.0, i as f64 * ROW);
-        Bounds { min, max: Point::new(frame.max.x, min.y + ROW) }
+        let min = frame.min + Vector::new(0.0, i as f64 * ROW_HEIGHT);
+        Bounds { min, max: Point::new(frame.max.x, min.y + ROW_HEIGHT) }
     };
     let mut group = Group::new().set("class", "panel").add(frame_title(&panel.title, MARGIN, frame));
     for i in (0..panel.rows.len()).step_by(2) {
@@ -132,36 +136,36 @@ fn draw(panel: &RatioPanel, axis: &Axis, frame: Bounds) -> Group {
     group.add(border(frame))
 }
 
-/// The mean and the marks of a row whose middle lies at `middle` (px).
+/// The mean and the marks of a row centred at `middle` (px).
 fn marks(row: &RatioRow, axis: &Axis, middle: f64) -> Group {
     let environments = row.ratios.iter().map(|r| r.0);
     let mut marks: Vec<(u32, Point)> = environments.zip(places(row, axis, middle)).collect();
-    // from the bottom, so that every mark's foot remains visible: a triangle is widest there
+    // from the bottom, so that the lower edge of every mark remains visible: a triangle is widest there
     marks.sort_by(|a, b| b.1.y.total_cmp(&a.1.y));
     let mut group = Group::new().set("class", "row");
     if !row.ratios.is_empty() {
         let mean = row.ratios.iter().map(|r| r.1).sum::<f64>() / row.ratios.len() as f64;
-        group = group.add(place(mean_bar(ROW - 4.0), Point::new(axis.at(mean), middle)));
+        group = group.add(place(mean_bar(ROW_HEIGHT - 4.0), Point::new(axis.at(mean), middle)));
     }
     marks
         .into_iter()
         .fold(group, |group, (environment, at)| group.add(place(environment_mark(environment), at)))
 }
 
-/// Where the marks of a row lie, px.
+/// Positions of the marks of a row, px.
 fn places(row: &RatioRow, axis: &Axis, middle: f64) -> Vec<Point> {
-    // shape, x and index into `MOVED` of the marks before
+    // shape, x and index into `OFFSETS` of the previous marks
     let mut before: Vec<(usize, f64, usize)> = Vec::new();
     let mut places = Vec::new();
     for (environment, ratio) in &row.ratios {
         let (shape, x) = (shape_of(*environment), axis.at(*ratio));
-        let near = |b: &&(usize, f64, usize)| b.0 == shape && (b.1 - x).abs() < NEAR;
+        let near = |b: &&(usize, f64, usize)| b.0 == shape && (b.1 - x).abs() < NEARLY_EQUAL;
         let taken: Vec<usize> = before.iter().filter(near).map(|b| b.2).collect();
-        let free = (0..MOVED.len()).find(|m| !taken.contains(m));
-        let moved = free.unwrap_or(taken.len() % MOVED.len());
+        let free = (0..OFFSETS.len()).find(|m| !taken.contains(m));
+        let moved = free.unwrap_or(taken.len() % OFFSETS.len());
         before.push((shape, x, moved));
         let lane = shape as f64 - (SHAPES.len() - 1) as f64 / 2.0;
-        places.push(Point::new(x, middle + lane * LANE + MOVED[moved]));
+        places.push(Point::new(x, middle + lane * LANE_DISTANCE + OFFSETS[moved]));
     }
     places
 }
@@ -213,17 +217,17 @@ mod tests {
         assert_eq!(range(&[(1, 0.7)]), [0.2, 1.1]);
         assert_eq!(range(&[]), [0.2, 1.1]);
         assert_eq!(range(&[(1, 0.12), (2, 1.37)]), [0.1, 1.4]);
-        assert_eq!(range(&[(1, 0.0), (2, HIGHEST)]), [0.0, HIGHEST]);
+        assert_eq!(range(&[(1, 0.0), (2, LARGEST_RATIO)]), [0.0, LARGEST_RATIO]);
     }
 
     #[test]
     fn marks_do_not_hide_each_other() {
         let ratios: Vec<(u32, f64)> = (0..16).map(|i| (i / 4 + 1, 0.9)).collect();
         let row = row("equal", &ratios);
-        let frame = Bounds { min: Point::origin(), max: Point::new(500.0, ROW) };
+        let frame = Bounds { min: Point::origin(), max: Point::new(500.0, ROW_HEIGHT) };
         let places = places(&row, &Axis::linear(Side::Below, range(&[]), frame), 0.0);
         for (i, a) in places.iter().enumerate() {
-            assert!(a.y.abs() + 6.5 <= ROW / 2.0, "{a}");
+            assert!(a.y.abs() + 6.5 <= ROW_HEIGHT / 2.0, "{a}");
             assert!(places[..i].iter().all(|b| (a - b).norm() > 2.5), "{places:?}");
         }
         assert_eq!([1, 2, 3, 4, 5, 0, u32::MAX].map(shape_of), [0, 1, 2, 3, 0, 3, 2]);
@@ -231,7 +235,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_drawn_is_refused() {
-        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -0.1, 2.0 * HIGHEST] {
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -0.1, 2.0 * LARGEST_RATIO] {
             let mut panels = panels();
             panels[1].rows[0].ratios[3].1 = value;
             let refused = cost_ratios(&panels);

@@ -1,4 +1,5 @@
-//! The regions of the (alpha, gamma) plane in which humans prefer an option, each with the option's name and P_o in it.
+//! The figure of preference regions in the (alpha, gamma) plane, each labelled with its option's name and
+//! P_o.
 
 use super::kit::{
     AXIS_ROOM, Align, Clutter, GAP, INK, LineStyle, Plot, TEXT_SIZE, Text, disc, frame_title, in_two_columns,
@@ -13,29 +14,29 @@ use svg::node::element::{Group, Path};
 /// The regions of one world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RegionPanel {
-    /// Stands above the panel; long ones are shortened.
+    /// Title above the panel; long ones are shortened.
     pub title: String,
-    /// Which option is preferred where.
+    /// The preference regions.
     pub regions: Regions,
-    /// Every option's name and P_o.
+    /// Name and P_o of every option.
     pub options: Vec<(String, f64)>,
 }
 
 /// Height of a panel's frame, px.
 const HEIGHT: f64 = 280.0;
 /// Distance between the lines of a hatching, px.
-const HATCH: f64 = 11.0;
-/// The widest that an option's name gets, px.
-const NAME: f64 = 100.0;
+const HATCH_DISTANCE: f64 = 11.0;
+/// Largest width of an option's name, px.
+const NAME_WIDTH: f64 = 100.0;
 
-/// Which option a human with every (alpha, gamma) prefers, two panels in a row.
+/// The preferred option for every (alpha, gamma), two panels in a row.
 ///
-/// Regions have the colour of their option and a hatching, and carry the option's name and P_o; below a panel stand the
-/// options that nobody prefers. Every region is one path with `data-option`, the option's index, whose area is its share of
-/// the frame.
+/// A region has the colour of its option and a hatching, and shows the option's name and P_o. Options that
+/// nobody prefers are listed below the panel. Every region is one path with the attribute `data-option`, the
+/// option's index; its area is its share of the frame.
 ///
 /// # Errors
-/// [`DrawingError::NoPanels`]; [`DrawingError::Probability`] for what is not a number from 0 to 1;
+/// [`DrawingError::NoPanels`]; [`DrawingError::Probability`] for a value that is not a number from 0 to 1;
 /// [`DrawingError::ProbabilityCount`].
 pub fn preference_regions(panels: &[RegionPanel]) -> Result<String, DrawingError> {
     if panels.is_empty() {
@@ -92,7 +93,7 @@ fn draw(panel: &RegionPanel, frame: Bounds) -> (Group, f64) {
         bottom += GAP;
         let at = Point::new((frame.min.x + frame.max.x) / 2.0, bottom - 0.5 * GAP);
         let text = Text::new(text);
-        // as small as it must be to be read whole, but no smaller than four fifths
+        // scaled down to fit, but to no less than four fifths
         let size = TEXT_SIZE * (frame.size().x / text.width(TEXT_SIZE)).clamp(0.8, 1.0);
         group = group.add(text.within(frame.size().x, size).at(at, size, Align::Middle));
     }
@@ -113,17 +114,17 @@ fn area(outlines: &[&[Point]]) -> f64 {
     0.5 * corners.map(|(a, b)| cross(a.coords, b.coords)).sum::<f64>().abs()
 }
 
-/// Lines across a region, in a direction that tells its option.
+/// Lines across a region, in a direction specific to its option.
 fn hatching(option: usize, outlines: &[&[Point]], frame: Bounds) -> Group {
     const DIRECTIONS: [[f64; 2]; 4] = [[0.0, 1.0], [1.0, -1.0], [1.0, 1.0], [1.0, 0.0]];
     let along = Vector::from(DIRECTIONS[option % DIRECTIONS.len()]).normalize();
     let across = Vector::new(-along.y, along.x);
     let middle = nalgebra::center(&frame.min, &frame.max);
     let reach = frame.size().norm() / 2.0;
-    let lines = (reach / HATCH) as i32;
+    let lines = (reach / HATCH_DISTANCE) as i32;
     let mut data = String::new();
     for i in -lines..=lines {
-        let foot = middle + across * (f64::from(i) * HATCH);
+        let foot = middle + across * (f64::from(i) * HATCH_DISTANCE);
         for outline in outlines {
             for [from, to] in inside(foot, along, outline) {
                 data += &path_data(&[foot + along * from, foot + along * to]);
@@ -148,7 +149,7 @@ fn inside(foot: Point, along: Vector, outline: &[Point]) -> Vec<[f64; 2]> {
     met.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()
 }
 
-/// An option's name and P_o on the picture.
+/// The label of a region: its option's name and P_o.
 struct Label {
     lines: [Text; 2],
     /// Half of its size, px.
@@ -158,7 +159,7 @@ struct Label {
 impl Label {
     fn new(name: &str, probability: f64) -> Self {
         let lines = [
-            Text::new(format!("option {name}")).bold().within(NAME, TEXT_SIZE),
+            Text::new(format!("option {name}")).bold().within(NAME_WIDTH, TEXT_SIZE),
             Text::new(format!("{} %", number(100.0 * probability, 1))),
         ];
         let widest = lines.iter().map(|line| line.width(TEXT_SIZE)).fold(0.0, f64::max);
@@ -169,7 +170,8 @@ impl Label {
         Bounds { min: at - self.half, max: at + self.half }
     }
 
-    /// The place where the label covers the least, deep in the region or else near it, and the deepest point of the region.
+    /// The position at which the label covers the least, well inside the region or else near it, and the
+    /// deepest point of the region.
     fn place(
         &self,
         own: &[&[Point]],
@@ -181,7 +183,7 @@ impl Label {
         let grid = (1..GRID).flat_map(|i| (1..GRID).map(move |j| Vector::new(f64::from(i), f64::from(j))));
         let places: Vec<Point> =
             grid.map(|at| frame.min + frame.size().component_mul(&(at / f64::from(GRID)))).collect();
-        // how far border and frame are, in labels' sizes
+        // distances from border and frame, in label sizes
         let depth = |at: Point| {
             let sides = [at - frame.min, frame.max - at].map(|v| v.component_div(&self.half).min());
             let near = borders.iter().flatten().map(|p| (p - at).component_div(&self.half).norm());
@@ -199,7 +201,7 @@ impl Label {
         [best.map_or(deepest, |b| b.0), deepest]
     }
 
-    /// The label at its place, with a line to the region if it stands elsewhere.
+    /// The label at its position, with a leader line to the region if it is outside.
     fn draw(&self, [at, deepest]: [Point; 2], own: &[&[Point]]) -> Group {
         let mut group = Group::new();
         if !own.iter().any(|outline| contains(outline, at)) {

@@ -1,4 +1,4 @@
-//! The chart of stubbornness over steps and time, a curve for every track.
+//! The chart of stubbornness over steps and time, with a curve for every track.
 
 use super::Track;
 use super::kit::{
@@ -8,14 +8,14 @@ use super::kit::{
 use crate::geometry::{Bounds, Point, Vector};
 use svg::node::element::Group;
 
-/// Stubbornness above this is not shown: it matters up to 1.
-const HIGHEST: f64 = 1.6;
+/// Largest stubbornness shown; values up to 1 matter.
+const LARGEST_SHOWN: f64 = 1.6;
 
-/// The chart of phi(k) for every track in `frame`; steps of `period` (s) give the axis of time above.
+/// The chart of phi(k) for every track in `frame`. Steps of `period` (s) give the time axis above.
 pub(super) fn stubbornness(tracks: &[Track], period: f64, frame: Bounds) -> Group {
     let points = || tracks.iter().flat_map(Track::stubbornness_by_step);
     let last = points().map(|p| p.0).fold(1.0, f64::max);
-    let top = points().map(|p| p.1).fold(1.0, f64::max).min(HIGHEST) * 1.12;
+    let top = points().map(|p| p.1).fold(1.0, f64::max).min(LARGEST_SHOWN) * 1.12;
     let plot = Plot::linear(frame, [[0.0, last], [0.0, top]]);
     let time = Axis::linear(Side::Above, [0.0, last * period], frame);
 
@@ -49,7 +49,8 @@ pub(super) fn stubbornness(tracks: &[Track], period: f64, frame: Bounds) -> Grou
         .add(crosses)
 }
 
-/// Where words on or under the level line at `y` cover the least: the left end of their baseline, px.
+/// The position for words on or under the horizontal line at `y` where they cover the least: the left end of
+/// their baseline, px.
 fn free_place(words: &Text, y: f64, frame: Bounds, clutter: &Clutter) -> Point {
     let size = Vector::new(words.width(TEXT_SIZE), TEXT_SIZE);
     let slack = (frame.size().x - size.x - 2.0 * GAP).max(0.0);
@@ -64,7 +65,7 @@ fn free_place(words: &Text, y: f64, frame: Bounds, clutter: &Clutter) -> Point {
     places.min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or(frame.min)
 }
 
-/// The line as far as it stays below `top`, the point at which it reaches `top` included.
+/// The part of the line up to `top`, including the point at which it reaches `top`.
 fn below(points: impl Iterator<Item = (f64, f64)>, top: f64) -> Vec<(f64, f64)> {
     let mut line: Vec<(f64, f64)> = Vec::new();
     for (k, phi) in points {

@@ -1,4 +1,5 @@
-//! What episodes tell of participants' eta: bounds, intervals and estimates in a row for each, and the distribution of all.
+//! The figure of participants' eta: bounds, intervals and estimates in one row per participant, and the
+//! distribution of all.
 
 use super::kit::{
     AXIS_ROOM, Axis, BAND, FAINT, GRID, Legend, LineStyle, MARGIN, SAMPLE, Shape, Side, Text, border,
@@ -10,38 +11,40 @@ use crate::geometry::{Bounds, Point, Vector};
 use crate::math;
 use svg::node::element::Group;
 
-/// A participant of the figure of tolerances.
+/// A participant in the figure of tolerances.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ToleranceRow {
-    /// Stands on the left; long ones are shortened.
+    /// Label at the left; long ones are shortened.
     pub label: String,
-    /// The eta that agree with each episode, as intervals; the upper end is infinite where nobody switched.
+    /// The eta that agree with each episode, as intervals. The upper end is infinite where the participant
+    /// did not switch.
     pub bounds: Vec<Vec<[f64; 2]>>,
-    /// eta; none without an upper bound.
+    /// Estimated eta; none without an upper bound.
     pub estimate: Option<f64>,
-    /// Where eta lies; none if nothing is known.
+    /// Interval of eta; none if nothing is known.
     pub interval: Option<[f64; 2]>,
-    /// Whether episodes contradict each other.
+    /// Whether the episodes contradict each other.
     pub is_scattered: bool,
 }
 
-/// The widest that the labels of rows get, px.
-const LABELS: f64 = 130.0;
-/// Height of a row, px, and of one of its episodes.
-const ROW: f64 = 26.0;
-const EPISODE: f64 = 5.0;
-/// Widths of the lines of an interval and of an episode, px.
+/// Largest width of row labels, px.
+const LABELS_WIDTH: f64 = 130.0;
+/// Height of a row and of one of its episodes, px.
+const ROW_HEIGHT: f64 = 26.0;
+const EPISODE_HEIGHT: f64 = 5.0;
+/// Line widths of an interval and of an episode, px.
 const INTERVAL_LINE: f64 = 5.0;
 const EPISODE_LINE: f64 = 1.8;
-/// Room for arrows beyond the largest number, as a ratio.
+/// Room for arrows beyond the largest value, as a ratio.
 const BEYOND: f64 = 1.35;
 
-/// A row for every participant: thin lines for the bounds of each episode (arrows where nobody switched), a thick one for where eta lies, a
-/// disc at the estimate (open where episodes contradict each other); behind them the median of all and one standard deviation of ln(eta).
-/// `no_interval` says why there is no interval of that median, if there is none.
+/// A row for every participant, with thin lines for the bounds of each episode (arrows where the participant
+/// did not switch), a thick line for the interval of eta, and a disc at the estimate (open where episodes
+/// contradict each other). Behind them are the median of all participants and one standard deviation of
+/// ln(eta). `no_interval` gives the reason if that median has no interval.
 ///
 /// # Errors
-/// [`DrawingError::NoPanels`]; [`DrawingError::Fit`] for what cannot be on an axis in ratios.
+/// [`DrawingError::NoPanels`]; [`DrawingError::Fit`] for a value that cannot be on a logarithmic axis.
 pub fn tolerances(
     rows: &[ToleranceRow],
     overall: Option<(f64, f64)>,
@@ -50,8 +53,8 @@ pub fn tolerances(
     if rows.is_empty() {
         return Err(DrawingError::NoPanels);
     }
-    let height = |row: &ToleranceRow| ROW + EPISODE * row.bounds.len() as f64;
-    let min = Point::new(left_of_rows(rows.iter().map(|r| r.label.as_str()), LABELS), MARGIN);
+    let height = |row: &ToleranceRow| ROW_HEIGHT + EPISODE_HEIGHT * row.bounds.len() as f64;
+    let min = Point::new(left_of_rows(rows.iter().map(|r| r.label.as_str()), LABELS_WIDTH), MARGIN);
     let max = Point::new(WIDTH - MARGIN, min.y + rows.iter().map(height).sum::<f64>());
     let frame = Bounds { min, max };
     let axis = axis(rows, overall, frame)?;
@@ -94,16 +97,16 @@ fn axis(rows: &[ToleranceRow], overall: Option<(f64, f64)>, frame: Bounds) -> Re
     let values: Vec<f64> = values.filter(|v| *v > 1e-6 && *v < 1e9).collect();
     let low = values.iter().copied().fold(10.0, f64::min);
     let high = values.iter().copied().fold(low * 2.0, f64::max);
-    // a lower bound of 0 lies at the left end
+    // a lower bound of 0 is drawn at the left end
     Ok(Axis::log(Side::Below, [low / BEYOND, high * BEYOND], frame))
 }
 
 /// The lines and the mark of a row.
 fn draw(row: &ToleranceRow, axis: &Axis, top: f64, frame: Bounds) -> Group {
-    let middle = top + ROW / 2.0;
+    let middle = top + ROW_HEIGHT / 2.0;
     let mut group = Group::new().set("class", "row");
     for (i, bounds) in row.bounds.iter().enumerate() {
-        let y = top + ROW - 1.0 + EPISODE * i as f64;
+        let y = top + ROW_HEIGHT - 1.0 + EPISODE_HEIGHT * i as f64;
         let episode = Group::new().set("class", "episode");
         let spans = bounds.iter().map(|piece| span(*piece, axis, y, EPISODE_LINE, FAINT, frame));
         group = group.add(spans.fold(episode, Group::add));
@@ -119,11 +122,11 @@ fn draw(row: &ToleranceRow, axis: &Axis, top: f64, frame: Bounds) -> Group {
     group
 }
 
-/// A line between two numbers, with an arrow's head if it does not end.
+/// A line between two values, with an arrowhead if it has no upper end.
 fn span([low, high]: [f64; 2], axis: &Axis, y: f64, width: f64, colour: &str, frame: Bounds) -> Group {
     let from = axis.at(low);
     let is_open = high.is_infinite();
-    // the shortest still shows
+    // even the shortest line remains visible
     let to = if is_open { frame.max.x - 8.0 } else { axis.at(high).max(from + 4.0) };
     let group = Group::new().add(stroke(&[Point::new(from, y), Point::new(to, y)], colour, width));
     if !is_open {

@@ -1,32 +1,32 @@
-//! Tracks to draw: where a team went and how stubborn its human was, checked.
+//! Validated tracks to draw: positions of a team and the stubbornness of its human.
 
 use super::DrawingError;
 use crate::coordination::Mode;
 use crate::episode::Tick;
 use crate::geometry::Point;
 
-/// Positions farther out than this (m) are refused.
-const FARTHEST: f64 = 1e7;
-/// Stubbornness is drawn as if it were at most this; charts end far below.
-const MOST_STUBBORN: f64 = 1e6;
+/// Largest coordinate of a position, m.
+const LARGEST_COORDINATE_M: f64 = 1e7;
+/// Value to which stubbornness is clipped; charts end far below.
+const LARGEST_STUBBORNNESS: f64 = 1e6;
 
-/// Where a team went, and how its human's stubbornness grew.
+/// Positions of a team and the stubbornness of its human by step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Track {
-    /// What the legend calls it.
+    /// Label in the legend.
     pub label: String,
-    /// The step that it begins with.
+    /// First step.
     pub first_step: u64,
     /// Position at every step, m, world frame.
     pub positions: Vec<Point>,
     /// Step at which the human took the lead.
     pub transition: Option<usize>,
-    /// phi at every step; empty where there is none.
+    /// phi at every step; empty if there is none.
     pub stubbornness: Vec<f64>,
 }
 
 impl Track {
-    /// The track of an episode from its ticks, with the point that its last step led to.
+    /// The track of an episode from its ticks, with the final position.
     pub fn new(label: impl Into<String>, ticks: &[Tick], end: Option<Point>) -> Self {
         let led_by_robot = ticks.iter().take_while(|t| t.mode == Mode::RobotLed).count();
         let human_leads_from_the_start = led_by_robot == 0;
@@ -50,7 +50,8 @@ impl Track {
             value,
         };
         for (step, p) in self.positions.iter().enumerate() {
-            if let Some(value) = [p.x, p.y].into_iter().find(|c| c.is_nan() || c.abs() > FARTHEST) {
+            if let Some(value) = [p.x, p.y].into_iter().find(|c| c.is_nan() || c.abs() > LARGEST_COORDINATE_M)
+            {
                 return Err(bad("position", step, value));
             }
         }
@@ -67,14 +68,14 @@ impl Track {
         }
     }
 
-    /// (k, phi) up to the transition, after which phi stays as it is.
+    /// (k, phi) up to the transition, after which phi is constant.
     pub(super) fn stubbornness_by_step(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         let steps = self.transition.map_or(usize::MAX, |t| t.saturating_add(1));
         let drawn = self.stubbornness.iter().take(steps).enumerate();
-        drawn.map(|(i, phi)| ((self.first_step + i as u64) as f64, phi.clamp(0.0, MOST_STUBBORN)))
+        drawn.map(|(i, phi)| ((self.first_step + i as u64) as f64, phi.clamp(0.0, LARGEST_STUBBORNNESS)))
     }
 
-    /// (k, phi) of the transition.
+    /// (k, phi) at the transition.
     pub(super) fn transition_point(&self) -> Option<(f64, f64)> {
         self.stubbornness_by_step().nth(self.transition?)
     }

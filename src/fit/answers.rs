@@ -7,7 +7,7 @@ use crate::options::OptionSet;
 use crate::preference::Prospect;
 use std::path::Path;
 
-/// By how much (percent) the percentages of an answer may sum to something else than 100: what rounding does to a few options.
+/// Largest deviation of an answer's sum from 100, percent: the effect of rounding a few options.
 pub const SUM_TOLERANCE: f64 = 1.0;
 
 /// A file of answers, not yet matched with its worlds.
@@ -23,36 +23,38 @@ struct AnswerRow {
     participant: String,
     world: String,
     option: String,
-    /// From 0 to 100.
+    /// Percentage from 0 to 100.
     percent: f64,
 }
 
-/// An answer as it is read: line and percent of every option.
+/// An answer as read: line and percentage of every option.
 type Given = Vec<Option<(u64, f64)>>;
 
 /// A world as participants saw it: its options from the start.
 #[derive(Clone, Debug)]
 pub struct Situation {
-    /// What the file calls the world.
+    /// Name of the world in the file.
     pub world: String,
     /// The options' names.
     pub options: Vec<String>,
-    /// What they offer.
+    /// Length and risk of each option.
     pub prospects: Vec<Prospect>,
 }
 
-/// Answers that are complete and fit their worlds.
+/// Complete answers that fit their worlds.
 #[derive(Clone, Debug)]
 pub struct Answers {
-    /// The file that they are from.
+    /// The file of the answers.
     pub file: String,
     /// The worlds.
     pub situations: Vec<Situation>,
     /// The participants, in the order of the file.
     pub participants: Vec<String>,
-    /// By participant and world: the share of every option, summing to 1; none where the participant was not asked.
+    /// Shares by participant and world: one for every option, summing to 1; none where the participant was
+    /// not asked.
     pub shares: Vec<Vec<Option<Vec<f64>>>>,
-    /// Answers that summed to something else than 100 by more than the tolerance and were scaled: participant, world, percent.
+    /// Answers whose sum differed from 100 by more than the tolerance and was scaled: participant, world,
+    /// percent.
     pub scaled: Vec<(String, String, f64)>,
 }
 
@@ -102,16 +104,16 @@ impl AnswerFile {
         Ok(Self { file, rows })
     }
 
-    /// The worlds that the file names, each with the line that does so first.
+    /// The worlds that the file names, each with the first line that does.
     pub fn worlds(&self) -> Vec<(String, u64)> {
         named_worlds(self.rows.iter().map(|row| (row.world.as_str(), row.line)))
     }
 
-    /// Matches the rows with the worlds, of which there must be one for every name in [`AnswerFile::worlds`]. Sums are scaled to 100 where
-    /// they are off by no more than [`SUM_TOLERANCE`], or whatever they are if `normalise` says so.
+    /// Matches the rows with the worlds; there must be one for every name in [`AnswerFile::worlds`]. Sums are
+    /// scaled to 100 where they are off by no more than [`SUM_TOLERANCE`], or always if `normalise` is set.
     ///
     /// # Errors
-    /// [`FitError`]: an unknown option, an answer given twice or not for all options, percentages that do not sum to 100.
+    /// [`FitError`]: an unknown option, a duplicate or incomplete answer, percentages that do not sum to 100.
     pub fn matched(&self, situations: Vec<Situation>, normalise: bool) -> Result<Answers, FitError> {
         let mut answers = Answers {
             file: self.file.clone(),
@@ -161,7 +163,7 @@ impl AnswerFile {
         Ok(answers)
     }
 
-    /// One answer as shares; none if there is none.
+    /// One answer as shares; `None` if there is no answer.
     fn shares(
         &self,
         answers: &mut Answers,

@@ -1,8 +1,8 @@
-//! What can be wrong with a file of answers or switches, each case with its file, line, column and value.
+//! Errors in a file of answers or switches, each with its file, line, column and value.
 
 use thiserror::Error;
 
-/// Why nothing was fitted.
+/// The reason why nothing was fitted.
 #[derive(Debug, Error)]
 pub enum FitError {
     /// The file cannot be read.
@@ -10,7 +10,7 @@ pub enum FitError {
     Read {
         /// The file.
         file: String,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
     /// The file is not CSV.
@@ -18,17 +18,17 @@ pub enum FitError {
     Csv {
         /// The file.
         file: String,
-        /// What is wrong, with the line.
+        /// The error, with its line.
         source: csv::Error,
     },
-    /// A column is missing, or there twice.
+    /// A missing or duplicate column.
     #[error("{file}:{line}: {fault} column `{column}`; found `{found}`, expected {expected}")]
     Column {
         /// The file.
         file: String,
         /// Line of the header.
         line: u64,
-        /// `no`, or `more than one`.
+        /// The fault: `no`, or `more than one`.
         fault: &'static str,
         /// The column.
         column: &'static str,
@@ -49,7 +49,7 @@ pub enum FitError {
         /// Columns of the header.
         expected: usize,
     },
-    /// A file with a header at most.
+    /// A file without rows.
     #[error("{file}: no rows; expected the columns {expected} and a row for every answer")]
     NoRows {
         /// The file.
@@ -57,7 +57,7 @@ pub enum FitError {
         /// The columns expected.
         expected: String,
     },
-    /// A value is wrong.
+    /// An invalid value.
     #[error("{file}:{line}: {column} = {value:?}; it must be {expected}")]
     Cell {
         /// The file.
@@ -71,19 +71,19 @@ pub enum FitError {
         /// The values allowed.
         expected: String,
     },
-    /// The same question is answered twice.
+    /// A duplicate answer.
     #[error("{file}:{line}: {what} has an answer already, in line {first}; one is expected")]
     Duplicate {
         /// The file.
         file: String,
         /// Line of the second answer.
         line: u64,
-        /// What was asked.
+        /// The question.
         what: String,
         /// Line of the first answer.
         first: u64,
     },
-    /// A participant's answer lacks an option.
+    /// An answer without a row for one of the options.
     #[error(
         "{file}:{line}: participant `{participant}` answers for {world}, but not for its option `{option}`; every option needs a row, 0 percent included"
     )]
@@ -92,9 +92,9 @@ pub enum FitError {
         file: String,
         /// Line of the last row of the answer.
         line: u64,
-        /// Who.
+        /// The participant.
         participant: String,
-        /// Where.
+        /// The world.
         world: String,
         /// The option without a row.
         option: String,
@@ -110,29 +110,29 @@ pub enum FitError {
         line: u64,
         /// Line of its first row.
         first: u64,
-        /// Who.
+        /// The participant.
         participant: String,
-        /// Where.
+        /// The world.
         world: String,
         /// The sum, percent.
         sum: f64,
     },
-    /// A world is to be held out of which there are no answers, or none is left.
+    /// Held-out worlds without answers, or none left to fit.
     #[error("{file}: {reason}")]
     Worlds {
         /// The file.
         file: String,
-        /// What is wrong with the worlds asked for.
+        /// The fault of the held-out worlds.
         reason: String,
     },
-    /// The model says the same whatever c_r.
+    /// The model's choice probabilities are the same for every c_r.
     #[error(
         "{file}: the answers tell nothing of c_r: in every world that is fitted, P_o is the same for all c_r from {lower} to {upper} m"
     )]
     Flat {
         /// The file.
         file: String,
-        /// Least c_r tried, m.
+        /// Smallest c_r tried, m.
         lower: f64,
         /// Largest c_r tried, m.
         upper: f64,

@@ -1,51 +1,55 @@
-//! eta of every participant and of all, from the steps at which they switched.
+//! Estimates of eta for every participant and for all, from the steps at which they switched.
 //!
-//! An episode says in which set eta lies: which eta switch at that step, or never (bounded from below only). In the model, a participant's eta
-//! stays the same, and lies in what all sets have in common. Where somebody's sets have nothing in common, eta scatters from episode to
-//! episode, log-normally, and so it does for everyone with several episodes. All participants are taken as draws from one log-normal
-//! distribution, each known up to what their episodes have in common, or, where it scatters, up to what the scatter of all leaves of it.
+//! An episode gives the set of eta that switch at that step, or never (bounded from below only). In the
+//! model, a participant's eta is constant and lies in the intersection of all sets. If any participant's sets
+//! have an empty intersection, eta is taken to scatter log-normally from episode to episode, for every
+//! participant with several episodes. All participants are draws from one log-normal distribution. Each draw
+//! is known up to the intersection of its episodes or, where eta scatters, up to the remaining uncertainty
+//! given the common scatter.
 
 use super::Switch;
 use super::lognormal::{self, LogNormal, NoInterval};
 use super::set::{Set, hull, intersection};
 use serde::Serialize;
 
-/// What is known of a participant's eta.
+/// A participant's eta.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Eta {
-    /// Who.
+    /// The participant.
     pub participant: String,
-    /// Episodes.
+    /// Number of episodes.
     pub episodes: usize,
-    /// Episodes with a switch.
+    /// Number of episodes with a switch.
     pub switches: usize,
-    /// Episodes with a switch that no eta explains, left out: there was no discomfort yet.
+    /// Number of episodes with a switch that no eta explains, because there was no discomfort yet. They are
+    /// left out.
     pub unexplained: usize,
-    /// How it is known.
+    /// The kind of evidence.
     pub evidence: Evidence,
-    /// The estimate; none if there is no upper bound.
+    /// The estimate; `None` without an upper bound.
     pub eta: Option<f64>,
-    /// Where it lies; none if the episodes do not determine it. The upper end is infinite (in JSON null) for who never switched.
+    /// The interval; `None` if the episodes do not determine it. The upper end is infinite (in JSON null) for
+    /// a participant who never switched.
     pub interval: Option<[f64; 2]>,
-    /// Why there is no interval, where eta scatters.
+    /// The reason for the missing interval, where eta scatters.
     pub no_interval: Option<NoInterval>,
-    /// Standard deviation of ln(eta) between episodes, where these contradict each other.
+    /// Standard deviation of ln(eta) between episodes that contradict each other.
     pub log_scatter: Option<f64>,
-    /// The eta that agree with each episode that tells anything.
+    /// The eta that agree with each informative episode.
     pub bounds: Vec<Set>,
 }
 
-/// How a participant's eta is known.
+/// The kind of evidence for a participant's eta.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Evidence {
-    /// All episodes agree: it lies in what their sets have in common.
+    /// All episodes agree: eta lies in the intersection of their sets.
     Bounded,
-    /// They never switched: it lies above.
+    /// The participant never switched: eta has a lower bound only.
     Censored,
-    /// It scatters from episode to episode: a median, with a 95 % interval.
+    /// eta scatters between episodes: a median with a 95 % interval.
     Scattered,
-    /// No episode tells anything.
+    /// No episode is informative.
     Nothing,
 }
 
@@ -61,24 +65,25 @@ impl Evidence {
     }
 }
 
-/// eta, fitted.
+/// The fit of eta.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EtaFit {
-    /// In the order of the file.
+    /// Participants in the order of the file.
     pub participants: Vec<Eta>,
-    /// Of all participants; none if they do not determine it.
+    /// The distribution over all participants; `None` if they do not determine it.
     pub overall: Option<LogNormal>,
-    /// The 95 % interval of its median; none if they do not determine it.
+    /// The 95 % interval of its median; `None` if the participants do not determine it.
     pub median_interval: Option<[f64; 2]>,
-    /// Why there is no interval.
+    /// The reason for the missing interval.
     pub no_interval: Option<NoInterval>,
-    /// Whether somebody's episodes contradict each other: then eta is not taken to stay the same from episode to episode.
+    /// Whether any participant's episodes contradict each other. eta is then not taken to be constant between
+    /// episodes.
     pub is_scattered: bool,
     /// Lines of switches that no eta explains.
     pub unexplained_lines: Vec<u64>,
 }
 
-/// Fits eta to the episodes of everyone.
+/// Fits eta to all episodes.
 pub fn fit_eta(switches: &[Switch]) -> EtaFit {
     let mut names: Vec<&str> = Vec::new();
     for switch in switches {
@@ -113,7 +118,7 @@ pub fn fit_eta(switches: &[Switch]) -> EtaFit {
     }
 }
 
-/// The sets of the episodes that tell anything.
+/// The sets of the informative episodes.
 fn told(switches: &[&Switch]) -> Vec<Set> {
     switches.iter().map(|s| s.etas.clone()).filter(|set| !set.is_empty()).collect()
 }

@@ -1,8 +1,9 @@
-//! The log-normal distribution of a positive number that is known only by intervals.
+//! The log-normal distribution of a positive number that is known by intervals only.
 //!
-//! The median is found by integrating the likelihood over the spread, flat in the mean and in the logarithm of the spread: for values known
-//! exactly this is Student's interval, and with censored ones it covers as often as it says (README, "Participants of your own"). The
-//! likelihood alone is largest at a spread of 0 wherever all sets overlap, and its usual intervals are too narrow for few draws.
+//! The median is estimated by integrating the likelihood over the spread. The prior is flat in the mean and
+//! in the logarithm of the spread. For exactly known values this gives Student's interval, and with censored
+//! values the interval has its nominal coverage (README, "Participants of your own"). The likelihood alone is
+//! largest at a spread of 0 wherever all sets overlap, and its usual intervals are too narrow for few draws.
 
 use super::set::{Set, hull};
 use crate::math;
@@ -18,43 +19,46 @@ pub struct LogNormal {
     pub log_std: f64,
 }
 
-/// Why there is no 95 % interval.
+/// The reason why there is no 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoInterval {
-    /// Too few draws.
+    /// There are too few draws.
     Few {
-        /// Draws that tell anything.
+        /// Number of informative draws.
         found: usize,
     },
-    /// Too few draws that are bounded from both sides: spread and median are confounded.
+    /// Too few draws are bounded from both sides: spread and median are confounded.
     Unbounded {
-        /// Draws that are bounded from both sides.
+        /// Number of draws bounded from both sides.
         bounded: usize,
-        /// Draws that tell anything.
+        /// Number of informative draws.
         of: usize,
     },
 }
 
-/// Draws that an interval needs. Of two or three, those studies in which enough are bounded are a selection, and intervals cover too rarely.
+/// Number of draws that an interval needs. With two or three draws, the studies with enough bounded draws are
+/// a selection, and intervals have too low a coverage.
 pub const LEAST_DRAWS: usize = 4;
-/// Draws bounded from both sides that an estimate needs: with fewer, any spread is as good as any larger one.
+/// Number of draws bounded from both sides that an estimate needs. With fewer, the likelihood does not limit
+/// the spread.
 pub const LEAST_BOUNDED: usize = 2;
 
-/// Neighbouring spreads that are tried differ by this ratio.
+/// Ratio of consecutive spreads on the grid.
 const SPREAD_RATIO: f64 = 1.3;
-/// So do neighbouring spreads of what is repeated.
+/// Ratio of consecutive scatters on the grid for repeated draws.
 const SCATTER_RATIO: f64 = 1.4;
-/// Width of the intervals, in units of that spread, on which the likelihood of a repeated draw is taken as constant; and how many at most.
-const CELL: f64 = 0.8;
+/// Width of the cells, in units of the scatter, on which the likelihood of a repeated draw is taken as
+/// constant; and the largest number of cells.
+const CELL_WIDTH: f64 = 0.8;
 const MOST_CELLS: usize = 400;
-/// Means that are tried for every spread.
+/// Number of means on the grid for every spread.
 const MEANS: usize = 41;
-/// Means are tried, and spreads, until their share falls to exp of minus this of the largest.
-const FAR: f64 = 14.0;
-/// Probabilities below this are estimated.
+/// Means and spreads are included down to exp of minus this of the largest weight.
+const LEAST_LOG_WEIGHT: f64 = 14.0;
+/// Probabilities below this are approximated.
 const LEAST_PROBABILITY: f64 = 1e-280;
-/// The resolution (in the logarithm) of draws that are known exactly: nothing below it is told apart.
-const EXACT: f64 = 1e-4;
+/// The resolution (in the logarithm) of exactly known draws; smaller differences are ignored.
+const EXACT_RESOLUTION: f64 = 1e-4;
 
 impl fmt::Display for NoInterval {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -78,7 +82,7 @@ impl Serialize for NoInterval {
 /// A number that is known exactly.
 #[cfg(test)]
 fn exactly(value: f64) -> Set {
-    vec![[value * math::exp(-EXACT), value * math::exp(EXACT)]]
+    vec![[value * math::exp(-EXACT_RESOLUTION), value * math::exp(EXACT_RESOLUTION)]]
 }
 
 /// Whether a set has a lower end above 0 and an upper end.
@@ -86,7 +90,7 @@ pub(super) fn is_bounded(set: &Set) -> bool {
     hull(set).is_some_and(|[low, high]| low > 0.0 && high.is_finite())
 }
 
-/// The distribution that draws are from of which each lies in its set, and the 95 % interval of its median.
+/// The distribution of draws that each lie in a set, and the 95 % interval of its median.
 ///
 /// # Errors
 /// For the interval, or both: [`NoInterval`].
@@ -97,8 +101,9 @@ pub fn fit(sets: &[Set]) -> Result<(LogNormal, Result<[f64; 2], NoInterval>), No
     })
 }
 
-/// The distribution of draws that are themselves medians: each draw's sets are of numbers that scatter around it log-normally, all draws'
-/// alike, by an unknown spread, over which is integrated too.
+/// The distribution of draws that are themselves medians. The numbers of a draw scatter around it
+/// log-normally, and each lies in a set. The scatter is the same for all draws and unknown; it is integrated
+/// out too.
 ///
 /// # Errors
 /// As [`fit`].
@@ -117,7 +122,7 @@ pub fn fit_repeated(draws: &[Vec<Set>]) -> Result<(LogNormal, Result<[f64; 2], N
             let prior = math::ln(share_above(scatter, resolution));
             found.iter_mut().for_each(|row| row.log_weight += prior);
             let most = found.iter().map(|row| row.log_weight).fold(f64::NEG_INFINITY, f64::max);
-            if most < best - FAR {
+            if most < best - LEAST_LOG_WEIGHT {
                 break;
             }
             best = best.max(most);
@@ -142,49 +147,49 @@ fn fitted(
     Ok((LogNormal { median, log_std: posterior.median_spread() }, interval))
 }
 
-/// The least and the largest logarithm of an end that is neither 0 nor infinite.
+/// The smallest and the largest logarithm of an end that is neither 0 nor infinite.
 fn ends(sets: &[Set]) -> [f64; 2] {
     let ends = sets.iter().flatten().flatten().map(|end| math::ln(*end)).filter(|end| end.is_finite());
     [ends.clone().fold(f64::INFINITY, f64::min), ends.fold(f64::NEG_INFINITY, f64::max)]
 }
 
-/// Standard deviation of where (the logarithm of) a number lies in its set, for the middle one of the bounded sets by width.
+/// The standard deviation of (the logarithm of) a number within its set, for the bounded set of median width.
 fn resolution(sets: &[Set]) -> f64 {
     let width = |set: &Set| hull(set).map(|[low, high]| math::ln(high) - math::ln(low));
     let mut widths: Vec<f64> = sets.iter().filter(|set| is_bounded(set)).filter_map(width).collect();
     widths.sort_by(f64::total_cmp);
-    (widths.get(widths.len() / 2).copied().unwrap_or_default() / 12f64.sqrt()).max(EXACT)
+    (widths.get(widths.len() / 2).copied().unwrap_or_default() / 12f64.sqrt()).max(EXACT_RESOLUTION)
 }
 
-/// A prior that is flat in the logarithm of what is seen to scatter, the spread and the resolution together.
+/// A prior that is flat in the logarithm of the observed scatter, which combines spread and resolution.
 fn share_above(spread: f64, resolution: f64) -> f64 {
     math::squared(spread) / (math::squared(spread) + math::squared(resolution))
 }
 
-/// What the sets say of mean and spread of the logarithm.
+/// The posterior of mean and spread of the logarithm.
 struct Posterior {
     rows: Vec<Row>,
 }
 
-/// A spread.
+/// The posterior at one spread.
 struct Row {
     log_spread: f64,
-    /// Its share among the spreads tried, as a logarithm.
+    /// The logarithm of its weight among the spreads.
     log_weight: f64,
-    /// Means from the first to the last, in equal steps.
+    /// The first and the last mean of an equidistant grid.
     means: [f64; 2],
-    /// Share of the means up to each.
+    /// Cumulative share of the means.
     cumulated: [f64; MEANS],
 }
 
-/// What is known of the logarithm of a draw: a likelihood that is the same all over each of some intervals.
+/// The likelihood of a draw's logarithm: piecewise constant on some intervals.
 struct Draw {
     pieces: Vec<([f64; 2], f64)>,
 }
 
 struct Draws {
     draws: Vec<Draw>,
-    /// Standard deviation of a draw within its likelihood, typically.
+    /// Typical standard deviation of a draw within its likelihood.
     resolution: f64,
 }
 
@@ -205,7 +210,7 @@ impl Posterior {
         (low + high) / 2.0
     }
 
-    /// The spread below which half lies.
+    /// The median of the spread.
     fn median_spread(&self) -> f64 {
         let weights = self.weights();
         let half = weights.iter().sum::<f64>() / 2.0;
@@ -215,7 +220,7 @@ impl Posterior {
         for same in spreads.chunk_by(|a, b| a.0 == b.0) {
             let weight: f64 = same.iter().map(|spread| spread.1).sum();
             if sum + weight >= half {
-                // it stands for the spreads half a ratio to either side
+                // the row represents the spreads half a ratio to either side
                 let part = (half - sum) / weight - 0.5;
                 return math::exp(same[0].0 + part * math::ln(SPREAD_RATIO));
             }
@@ -224,7 +229,7 @@ impl Posterior {
         f64::NAN
     }
 
-    /// The rows' shares, of which the largest is 1.
+    /// The rows' weights; the largest is 1.
     fn weights(&self) -> Vec<f64> {
         let most = self.rows.iter().map(|row| row.log_weight).fold(f64::NEG_INFINITY, f64::max);
         self.rows.iter().map(|row| math::exp(row.log_weight - most)).collect()
@@ -254,12 +259,12 @@ impl Draw {
         Self { pieces: set.iter().map(|piece| (piece.map(math::ln), 1.0)).collect() }
     }
 
-    /// A draw around which numbers scatter that lie in these sets.
+    /// A draw around which numbers that lie in these sets scatter.
     fn repeated(sets: &[Set], scatter: f64) -> Self {
         let own: Vec<Self> = sets.iter().map(Self::of).collect();
         let [low, high] = ends(sets).map(|end| end / scatter);
-        // in units of the scatter, from below the least end to above the largest
-        let cells = (((high - low + 8.0) / CELL).ceil() as usize).clamp(1, MOST_CELLS);
+        // in units of the scatter, from below the smallest end to above the largest
+        let cells = (((high - low + 8.0) / CELL_WIDTH).ceil() as usize).clamp(1, MOST_CELLS);
         let width = (high - low + 8.0) / cells as f64;
         let edge = |i: usize| match i {
             0 => f64::NEG_INFINITY,
@@ -282,7 +287,8 @@ impl Draw {
         if probability > LEAST_PROBABILITY {
             return -math::ln(probability);
         }
-        // too small for a number: it goes on rising with the distance, so that the search for the likeliest mean sees where to go
+        // the likelihood underflows: let the loss grow with the distance, so that the search for the
+        // likeliest mean has a slope
         let distance = |[low, high]: [f64; 2]| (low - mean).max(mean - high).max(0.0) / spread;
         let nearest = self.pieces.iter().map(|piece| distance(piece.0)).fold(f64::INFINITY, f64::min);
         (-math::ln(LEAST_PROBABILITY)).max(math::squared(nearest) / 2.0)
@@ -311,7 +317,7 @@ impl Draw {
 }
 
 impl Draws {
-    /// Spreads from far below what can be told apart to far above what is seen.
+    /// Rows for spreads from far below the resolution to far above the observed range.
     fn rows(&self) -> Vec<Row> {
         let ends = self.ends();
         let start = (ends[1] - ends[0]).max(self.resolution);
@@ -322,7 +328,7 @@ impl Draws {
             while spread > self.resolution / 50.0 && spread < start * 1e6 {
                 let row = self.row(spread, ends);
                 best = best.max(row.log_weight);
-                let is_far = row.log_weight < best - FAR;
+                let is_far = row.log_weight < best - LEAST_LOG_WEIGHT;
                 rows.push(row);
                 if is_far {
                     break;
@@ -333,7 +339,7 @@ impl Draws {
         rows
     }
 
-    /// The least and the largest end of a piece that is finite.
+    /// The smallest and the largest finite end of a piece.
     fn ends(&self) -> [f64; 2] {
         let ends = self.draws.iter().flat_map(|draw| &draw.pieces).flat_map(|piece| piece.0);
         let ends = ends.filter(|end| end.is_finite());
@@ -345,16 +351,16 @@ impl Draws {
         self.draws.iter().map(|draw| draw.loss(mean, spread)).sum()
     }
 
-    /// What the means are worth for a spread.
+    /// The weights of the means at one spread.
     fn row(&self, spread: f64, ends: [f64; 2]) -> Row {
         let near = spread / (self.draws.len() as f64).sqrt();
         let loss = |mean: f64| self.loss(mean, spread);
         let ends = [ends[0] - 6.0 * spread, ends[1] + 6.0 * spread];
         let mode = super::minimum::golden(ends, 0.05 * near, loss);
         let least = loss(mode);
-        // how far from there the loss grows until it is no longer worth trying
+        // the distance at which the loss is no longer relevant
         let reach = |sign: f64| {
-            let is_near = |distance: f64| loss(mode + sign * distance) < least + FAR;
+            let is_near = |distance: f64| loss(mode + sign * distance) < least + LEAST_LOG_WEIGHT;
             let (mut inside, mut outside) = (0.0, 0.5 * near);
             while is_near(outside) && outside < 1e4 * (spread + ends[1] - ends[0]) {
                 inside = outside;
@@ -385,10 +391,10 @@ impl Draws {
 
 /// Probability that a standard normal number lies between `a` and `b`; either may be infinite.
 fn between(a: f64, b: f64) -> f64 {
-    // in the upper tail, where small probabilities are exact
+    // in the upper tail, where small probabilities are accurate
     let (a, b) = if a + b < 0.0 { (-b, -a) } else { (a, b) };
     if b - a < 1e-4 {
-        // where rounding would take over
+        // where rounding would dominate
         let middle = (a + b) / 2.0;
         return (b - a) * math::exp(-middle * middle / 2.0) / std::f64::consts::TAU.sqrt();
     }

@@ -1,11 +1,11 @@
-//! The minimum of a function of one positive number: a scan for the valley, golden sections for its bottom.
+//! The minimum of a function of one positive number: a scan for the valley, then golden-section search.
 
 use crate::math;
 
-/// How many numbers a scan tries.
+/// Number of values that a scan tries.
 pub(super) const SCANNED: usize = 401;
 
-/// Numbers from `lower` to `upper` in equal ratios.
+/// Values from `lower` to `upper` in equal ratios.
 pub(super) fn scanned([lower, upper]: [f64; 2]) -> Vec<f64> {
     let ratio = math::ln(upper / lower) / (SCANNED - 1) as f64;
     (0..SCANNED).map(|i| if i + 1 == SCANNED { upper } else { lower * math::exp(ratio * i as f64) }).collect()
@@ -23,15 +23,16 @@ pub(super) fn valleys(values: &[f64]) -> Vec<usize> {
     (0..values.len()).filter(|&i| falls_to(i) && rises_after(i)).collect()
 }
 
-/// Where `value` is least between the neighbours of the number at `index`, to a millionth.
+/// The value between the neighbours of the number at `index` at which `value` is least, to a millionth.
 pub(super) fn refined(scanned: &[f64], index: usize, mut value: impl FnMut(f64) -> f64) -> f64 {
     let ends = [index.saturating_sub(1), (index + 1).min(scanned.len() - 1)].map(|i| math::ln(scanned[i]));
     let found = math::exp(golden(ends, 1e-6, |x| value(math::exp(x))));
-    // between kinks the scan may have been luckier than the sections
+    // where the function has kinks, the scan may have found a lower value than the search
     if value(found) <= value(scanned[index]) { found } else { scanned[index] }
 }
 
-/// Where a `value` with one valley between two numbers is least, to `tolerance`, by golden sections.
+/// The number between two ends at which `value`, which has one valley there, is least, to `tolerance`, by
+/// golden-section search.
 pub(super) fn golden(
     [mut low, mut high]: [f64; 2],
     tolerance: f64,

@@ -1,11 +1,13 @@
-//! The weight c_r of risk that fits participants' percentages best, by least squares and by likelihood.
+//! The risk weight c_r that fits participants' percentages best, by least squares and by likelihood.
 //!
-//! *Least squares*, as the paper: the mean percentages of all participants, squared differences to P_o, every option of every world alike.
+//! *Least squares*, as in the paper: squared differences between the mean percentages of all participants and
+//! P_o, with equal weights for all options of all worlds.
 //!
-//! *Likelihood*: an answer is taken as one choice, spread over the options as the participant says (the multinomial log-likelihood, sum of
-//! share times ln q_o). Percentages of 0 are common, which a Dirichlet density does not allow; and P_o is exactly 0 for options that another
-//! one beats in both length and risk, although people give them some percent. So q_o = (1 - lapse) P_o + lapse / options: with a probability
-//! `lapse`, found along with c_r, an answer does not come from the model.
+//! *Likelihood*: an answer is taken as one choice, distributed over the options as the participant says (the
+//! multinomial log-likelihood, sum of share times ln q_o). Percentages of 0 are common, which a Dirichlet
+//! density does not allow. P_o is exactly 0 for options that another one beats in both length and risk,
+//! although people give them some percent. The model is therefore q_o = (1 - lapse) P_o + lapse / options:
+//! with probability `lapse`, fitted along with c_r, an answer does not come from the model.
 
 use super::minimum::{least, refined, scanned, valleys};
 use super::{Answers, FitError};
@@ -16,23 +18,24 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
-/// A c_r fits nearly as well as the best if its root mean square error is no more than this above, percentage points.
+/// The difference (percentage points) of root mean square errors up to which a c_r fits nearly as well as the
+/// best one.
 pub const CELL_ERROR: f64 = 0.5;
 
-/// What least squares leave out, said wherever their c_r is.
+/// The limitation of least squares, reported with every c_r that they give.
 pub const LEAST_SQUARES_CAUTION: &str = "Least squares take every answer as the model's. Answers that are not (lapses) bias their c_r, and their interval does not \
      include that bias. The likelihood estimates the share of lapses along with c_r: prefer it.";
 
-/// How c_r is fitted.
+/// Settings of the fit of c_r.
 #[derive(Clone, Debug)]
 pub struct RiskWeightSettings {
-    /// The least and the largest c_r tried, m.
+    /// Range of c_r, m.
     pub range: [f64; 2],
-    /// Bootstrap resamples of the participants.
+    /// Number of bootstrap resamples of the participants.
     pub resamples: usize,
-    /// Seed of the resamples.
+    /// Seed of the resampling.
     pub seed: u64,
-    /// Worlds whose answers are held out of the fit, by the name that the file gives them.
+    /// Worlds whose answers are held out of the fit, by their names in the file.
     pub held_out: Vec<String>,
 }
 
@@ -48,19 +51,19 @@ pub struct Estimate {
     /// c_r, m.
     #[serde(rename = "risk_weight_m")]
     pub risk_weight: f64,
-    /// Its 95 % bootstrap interval over participants, m; none for a single participant.
+    /// Its 95 % bootstrap interval over participants, m; `None` for a single participant.
     #[serde(rename = "interval_m")]
     pub interval: Option<[f64; 2]>,
-    /// Share of answers that do not come from the model; none for least squares.
+    /// Share of answers that do not come from the model; `None` for least squares.
     pub lapse: Option<f64>,
-    /// Whether c_r lies at an end of the range tried: the answers do not bound it.
+    /// Whether c_r is at an end of its range, so that the answers do not bound it.
     pub is_at_end: bool,
-    /// Where else the criterion has a local optimum, m, best first.
+    /// Other local optima of the criterion, m, best first.
     #[serde(rename = "other_optima_m")]
     pub other_optima: Vec<f64>,
-    /// Errors in the worlds that were fitted.
+    /// Errors in the fitted worlds.
     pub fitted: Errors,
-    /// Errors in the worlds that were held out; none without.
+    /// Errors in the held-out worlds; `None` without any.
     pub held_out: Option<Errors>,
 }
 
@@ -69,24 +72,24 @@ pub struct Estimate {
 pub struct Errors {
     /// Root mean square.
     pub rms: f64,
-    /// Mean of the absolute values.
+    /// Mean absolute value.
     pub mean_absolute: f64,
-    /// The largest absolute value.
+    /// Largest absolute value.
     pub largest: f64,
 }
 
-/// An option as it was answered and as the fits have it, percent.
+/// Answers and fits of an option, percent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
-    /// World, as the file calls it.
+    /// World, by its name in the file.
     pub world: String,
-    /// Whether it was held out.
+    /// Whether the world was held out.
     pub is_held_out: bool,
     /// Option, by name.
     pub option: String,
-    /// What each participant who was asked said.
+    /// Answers of the participants who were asked.
     pub answers_percent: Vec<f64>,
-    /// Their mean.
+    /// Mean answer.
     pub mean_percent: f64,
     /// P_o with c_r by least squares.
     pub least_squares_percent: f64,
@@ -94,14 +97,15 @@ pub struct Row {
     pub likelihood_percent: f64,
 }
 
-/// c_r, fitted.
+/// The fit of c_r.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RiskWeightFit {
-    /// By least squares.
+    /// The estimate by least squares.
     pub least_squares: Estimate,
-    /// By likelihood.
+    /// The estimate by likelihood.
     pub likelihood: Estimate,
-    /// The least and the largest c_r whose rms error in the fitted worlds is at most [`CELL_ERROR`] above the least, m.
+    /// The smallest and the largest c_r whose rms error in the fitted worlds is at most [`CELL_ERROR`] above
+    /// the minimum, m.
     #[serde(rename = "nearly_as_good_m")]
     pub nearly_as_good: [f64; 2],
     /// c_r (m) and the rms error in the fitted worlds, percentage points.
@@ -110,28 +114,29 @@ pub struct RiskWeightFit {
     pub rows: Vec<Row>,
 }
 
-/// P_o at the numbers tried.
+/// P_o at the values of c_r tried.
 struct Model<'a> {
     answers: &'a Answers,
-    /// The worlds that are fitted.
+    /// The fitted worlds.
     fitted: Vec<usize>,
     scanned: Vec<f64>,
-    /// By number tried and world.
+    /// P_o by value tried, world and option.
     probabilities: Vec<Vec<Vec<f64>>>,
 }
 
-/// Everyone's answers to a world, added up: a resample counts some twice.
+/// The sum of the answers to each world; a resample counts some participants several times.
 struct Weights {
-    /// By world and option.
+    /// Sums by world and option.
     sums: Vec<Vec<f64>>,
-    /// By world.
+    /// Number of answers by world.
     counts: Vec<f64>,
 }
 
-/// Fits c_r with the predictor's belief; its own c_r makes no difference.
+/// Fits c_r with the predictor's belief. The predictor's own c_r has no effect.
 ///
 /// # Errors
-/// [`FitError`]: a world that is to be held out has no answers, none is left to fit, or the answers tell nothing of c_r.
+/// [`FitError`]: a held-out world has no answers, no world is left to fit, or the answers are independent of
+/// c_r.
 pub fn fit_risk_weight(
     answers: &Answers,
     predictor: &Predictor,
@@ -208,7 +213,7 @@ fn fitted_worlds(answers: &Answers, held_out: &[String]) -> Result<Vec<usize>, F
     }
 }
 
-/// c_r by either method of resamples of the participants; none if there is only one.
+/// c_r by either method for resamples of the participants; `None` if there is only one participant.
 fn bootstrap(
     model: &Model,
     predictor: &Predictor,
@@ -224,7 +229,7 @@ fn bootstrap(
         rng.set_stream(i as u64);
         let drawn: Vec<usize> = (0..n).map(|_| rng.random_range(0..n)).collect();
         let weights = Weights::of(model.answers, &drawn);
-        // those drawn may not have been asked about any world that is fitted
+        // the resampled participants may not have been asked about any fitted world
         let is_some = model.fitted.iter().any(|&w| weights.counts[w] > 0.0);
         let mut predictor = predictor.clone();
         is_some.then(|| {
@@ -235,7 +240,7 @@ fn bootstrap(
     samples.into_iter().flatten().collect()
 }
 
-/// The middle 95 %.
+/// The central 95 %.
 fn interval(mut samples: Vec<f64>) -> Option<[f64; 2]> {
     samples.sort_by(f64::total_cmp);
     let last = samples.len().checked_sub(1)?;
@@ -248,7 +253,7 @@ fn interval(mut samples: Vec<f64>) -> Option<[f64; 2]> {
 
 fn probabilities(answers: &Answers, predictor: &mut Predictor, world: usize, c_r: f64) -> Vec<f64> {
     let mut choice = ChoiceDistribution::default();
-    // the range has been checked: every number in it is a weight
+    // the range has been checked, so every number in it is a valid weight
     if predictor.set_risk_weight(c_r).is_ok() {
         predictor.predict(&answers.situations[world].prospects, &mut choice);
     }
@@ -299,7 +304,7 @@ impl Model<'_> {
         worlds.map(of).collect()
     }
 
-    /// c_r, and the mean squares at the numbers tried.
+    /// c_r, and the mean squares at the values tried.
     fn least_squares(&self, weights: &Weights, predictor: &mut Predictor) -> (f64, Vec<f64>) {
         let squares: Vec<f64> = self.probabilities.iter().map(|p| self.square(weights, |w| &p[w])).collect();
         let c_r = refined(&self.scanned, least(&squares), |c| {
@@ -309,7 +314,7 @@ impl Model<'_> {
         (c_r, squares)
     }
 
-    /// c_r, the lapse with it, and the negative log-likelihoods at the numbers tried.
+    /// c_r with its lapse, and the negative log-likelihoods at the values tried.
     fn likeliest(&self, weights: &Weights, predictor: &mut Predictor) -> (f64, f64, Vec<f64>) {
         let losses: Vec<f64> =
             self.probabilities.iter().map(|p| self.with_best_lapse(weights, |w| &p[w]).1).collect();
@@ -321,9 +326,9 @@ impl Model<'_> {
         (c_r, self.with_best_lapse(weights, |w| &p[w]).0, losses)
     }
 
-    /// The lapse from 0 to 1 with which the answers are likeliest, and their negative log-likelihood with it.
+    /// The lapse from 0 to 1 of the largest likelihood, and the negative log-likelihood at it.
     fn with_best_lapse<'p>(&self, weights: &Weights, p: impl Fn(usize) -> &'p [f64]) -> (f64, f64) {
-        // share, P_o, and what a lapse makes of it
+        // share, P_o, and the probability of the option in a lapse
         let terms: Vec<(f64, f64, f64)> = self
             .fitted
             .iter()

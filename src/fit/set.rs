@@ -1,9 +1,9 @@
-//! Sets of numbers as intervals: which eta agree with an episode, and with several.
+//! Sets of numbers as intervals: the eta that agree with one episode or with several.
 
 /// Intervals [lower, upper], ascending and disjoint; the last may end at infinity.
 pub type Set = Vec<[f64; 2]>;
 
-/// What all sets have in common; nothing if there are none.
+/// The intersection of all sets; empty without sets.
 pub(super) fn intersection(sets: &[Set]) -> Set {
     let Some((first, others)) = sets.split_first() else { return Set::new() };
     others.iter().fold(first.clone(), |common, set| {
@@ -12,7 +12,7 @@ pub(super) fn intersection(sets: &[Set]) -> Set {
     })
 }
 
-/// From the least to the largest number; none of an empty set.
+/// The interval from the smallest to the largest number; `None` for an empty set.
 pub(super) fn hull(set: &Set) -> Option<[f64; 2]> {
     Some([set.first()?[0], set.last()?[1]])
 }

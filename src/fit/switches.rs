@@ -1,4 +1,4 @@
-//! A file of switches: what every episode says of its participant's eta.
+//! A file of switches, and the set of eta that each episode allows.
 
 use super::table::{Column, named_worlds, read};
 use super::{FitError, Guidance, Set};
@@ -25,17 +25,17 @@ struct SwitchRow {
     step_text: String,
 }
 
-/// What the robot did.
+/// The robot's behaviour in an episode.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Executed {
-    /// It walked the option of that name.
+    /// It walked the option of this name.
     Option(String),
     /// It chose by eq. (6), as in `cocarry run`.
     Mutual,
 }
 
 impl Executed {
-    /// As a file says it.
+    /// The form used in a file.
     pub fn name(&self) -> String {
         match self {
             Self::Option(name) => format!("option {name}"),
@@ -44,25 +44,26 @@ impl Executed {
     }
 }
 
-/// An episode, and what it tells of eta.
+/// An episode with the eta that it allows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Switch {
     /// Line in the file.
     pub line: u64,
-    /// Who.
+    /// The participant.
     pub participant: String,
-    /// World, as the file calls it.
+    /// World, by its name in the file.
     pub world: String,
-    /// What the robot did.
+    /// The robot's behaviour.
     pub executed: Executed,
-    /// The step at which they asked to switch; none if never.
+    /// The step at which the participant asked to switch; `None` if never.
     pub step: Option<u64>,
-    /// All eta that do so; empty if none does.
+    /// All eta that switch at this step; empty if none does.
     pub etas: Set,
 }
 
 impl SwitchFile {
-    /// Reads a CSV file with the columns participant, world, step and option or method (or both, one of them empty), if wanted also trial.
+    /// Reads a CSV file with the columns participant, world, step, and option or method (or both, one of them
+    /// empty), and optionally trial.
     ///
     /// # Errors
     /// [`FitError`], which names line, column and value.
@@ -125,13 +126,13 @@ impl SwitchFile {
         Ok(Self { file, rows })
     }
 
-    /// The worlds that the file names, each with the line that does so first.
+    /// The worlds that the file names, each with the first line that does.
     pub fn worlds(&self) -> Vec<(String, u64)> {
         named_worlds(self.rows.iter().map(|row| (row.world.as_str(), row.line)))
     }
 
-    /// What every row tells of eta, with these worlds (one for every name in [`SwitchFile::worlds`]); of the settings, belief, c_r, phi(0) and
-    /// the walk count, eta does not.
+    /// The eta allowed by every row, for these worlds (one for every name in [`SwitchFile::worlds`]). The
+    /// belief, c_r, phi(0) and the walk of the settings are used, eta is not.
     ///
     /// # Errors
     /// [`FitError`]: an unknown option, or a step beyond the episode's end.

@@ -3,7 +3,7 @@
 use super::FitError;
 use std::path::Path;
 
-/// A column by name, and whether there may be none.
+/// A column by name, and whether it is optional.
 #[derive(Clone, Copy)]
 pub(super) struct Column {
     pub name: &'static str,
@@ -20,13 +20,13 @@ impl Column {
     }
 }
 
-/// The values of a row without the blanks around them, in the order of the columns asked for; empty where there is no such column.
+/// The trimmed values of a row, in the order of the requested columns; empty where a column is missing.
 pub(super) struct Line<const N: usize> {
     pub line: u64,
     pub values: [String; N],
 }
 
-/// The worlds that rows name, each with the line that does so first.
+/// The worlds that rows name, each with the first line that does.
 pub(super) fn named_worlds<'r>(rows: impl Iterator<Item = (&'r str, u64)>) -> Vec<(String, u64)> {
     let mut worlds: Vec<(String, u64)> = Vec::new();
     for (name, line) in rows {
@@ -37,10 +37,11 @@ pub(super) fn named_worlds<'r>(rows: impl Iterator<Item = (&'r str, u64)>) -> Ve
     worlds
 }
 
-/// The rows of a file. Other columns are ignored, and so are empty lines and those that begin with `#`.
+/// The rows of a file. Other columns, empty lines and lines that begin with `#` are ignored.
 ///
 /// # Errors
-/// [`FitError`]: the file cannot be read, lacks a column, has no rows, or a row is longer or shorter than the header.
+/// [`FitError`]: the file cannot be read, lacks a column, has no rows, or a row is longer or shorter than the
+/// header.
 pub(super) fn read<const N: usize>(path: &Path, columns: [Column; N]) -> Result<Vec<Line<N>>, FitError> {
     let file = path.display().to_string();
     let text = std::fs::read(path).map_err(|source| FitError::Read { file: file.clone(), source })?;
@@ -87,7 +88,7 @@ pub(super) fn read<const N: usize>(path: &Path, columns: [Column; N]) -> Result<
     if rows.is_empty() { Err(FitError::NoRows { file, expected }) } else { Ok(rows) }
 }
 
-/// Counts lines: the reader says where a record begins only up to the comments before it.
+/// A line counter, since the reader gives the position of a record only up to the comments before it.
 struct Lines<'a> {
     text: &'a [u8],
     at: usize,

@@ -1,4 +1,4 @@
-//! The discomfort of eq. (5) along a robot-led walk, and which eta switches at which step.
+//! The discomfort of eq. (5) along a robot-led walk, and the steps at which each eta switches.
 
 use super::Set;
 use crate::coordination::{self, Mode, is_misaligned};
@@ -9,24 +9,25 @@ use crate::paper::EXAMPLE_HUMAN;
 use crate::policy::Method;
 use crate::preference::ChoiceDistribution;
 
-/// How a robot leads a participant through a world, and what that tells of eta.
+/// The robot's guidance of a participant through a world, and what it implies for eta.
 ///
-/// phi(k) = phi(0) exp(g(k) / eta) passes 1 when g(k) passes eta ln(1 / phi(0)): a switch at step k says that eta lies between what g(k - 1) and
-/// what g(k) allow, and none that it is at least what the last g allows.
+/// phi(k) = phi(0) exp(g(k) / eta) exceeds 1 when g(k) exceeds eta ln(1 / phi(0)). A switch at step k bounds
+/// eta by g(k - 1) and g(k). No switch bounds eta from below by the last g.
 #[derive(Clone, Debug)]
 pub enum Guidance {
-    /// The robot walks one option from start to end, whatever the human thinks: g(k) is the same for everyone.
+    /// The robot walks one option from start to end, whatever the human prefers. g(k) is the same for
+    /// everyone.
     Option {
         /// g(k) by step.
         discomfort: Vec<f64>,
         /// ln(1 / phi(0)).
-        patience: f64,
+        discomfort_limit: f64,
     },
     /// The robot chooses by eq. (6) with the human's own phi(k), so that g(k) depends on eta.
     Mutual {
-        /// From 0 to infinity without gaps.
+        /// Pieces from 0 to infinity without gaps.
         pieces: Vec<Piece>,
-        /// Steps of an episode in which the robot leads to the end.
+        /// Number of steps of an episode in which the robot leads to the end.
         steps: u64,
     },
 }
@@ -34,21 +35,22 @@ pub enum Guidance {
 /// The eta of humans who switch at the same step after the same walk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
-    /// From here, which belongs to it.
+    /// Lower end, included.
     pub lower: f64,
-    /// To here, which does not.
+    /// Upper end, excluded.
     pub upper: f64,
-    /// The step at which they switch; none if they never do.
+    /// The step at which they switch; `None` if they never do.
     pub step: Option<u64>,
 }
 
-/// The least and the largest eta tried, times ln(1 / phi(0)): far below the first discomfort and far above the last.
-const DISCOMFORTS: [f64; 2] = [1e-6, 1e6];
-/// Two eta whose ratio is nearer to 1 than this are not told apart.
-const RATIO: f64 = 1.0 + 1e-12;
+/// Range of eta times ln(1 / phi(0)): far below the first discomfort and far above the last.
+const DISCOMFORT_RANGE: [f64; 2] = [1e-6, 1e6];
+/// Ratio of two eta below which they are not distinguished.
+const SAME_RATIO: f64 = 1.0 + 1e-12;
 
 impl Guidance {
-    /// The robot walks an option (an index) from start to end. `None` where there is no way.
+    /// The guidance of a robot that walks an option (an index) from start to end. `None` where there is no
+    /// path.
     pub fn along_option(set: &OptionSet, settings: &Settings, option: usize) -> Option<Self> {
         let mut progress = set.begin();
         let path = set.path(&progress, option)?;
@@ -70,10 +72,10 @@ impl Guidance {
             }
             set.advance(&mut progress, path.point_at(along)?);
         }
-        Some(Self::Option { discomfort, patience: patience(settings) })
+        Some(Self::Option { discomfort, discomfort_limit: discomfort_limit(settings) })
     }
 
-    /// The robot leads by eq. (6), knowing the human's phi(k).
+    /// The guidance of a robot that leads by eq. (6) and knows the human's phi(k).
     pub fn mutual(set: &OptionSet, settings: &Settings) -> Self {
         let led = Settings { method: Method::ROBOT_LED, ..settings.clone() };
         let mut episode = Episode::new(set, &led, EXAMPLE_HUMAN);
@@ -81,7 +83,7 @@ impl Guidance {
         Self::Mutual { pieces: pieces(set, settings), steps: episode.summary().steps }
     }
 
-    /// How many steps there are.
+    /// Number of steps.
     pub fn steps(&self) -> u64 {
         match self {
             Self::Option { discomfort, .. } => discomfort.len() as u64,
@@ -89,16 +91,17 @@ impl Guidance {
         }
     }
 
-    /// All eta that switch at `step`, or never. Who asks at a step that switches nobody, since discomfort did not grow, is taken to have noticed
-    /// late: the last step before that does. Empty if there is none: no discomfort so far.
+    /// All eta that switch at `step`, or never. If nobody switches at `step`, because discomfort did not
+    /// grow, the participant is assumed to have reacted late, and the last earlier step with a switch counts.
+    /// Empty if there is none, because there was no discomfort so far.
     pub fn etas(&self, step: Option<u64>) -> Set {
         match self {
-            Self::Option { discomfort, patience } => {
+            Self::Option { discomfort, discomfort_limit } => {
                 let bounds = match step {
-                    None => discomfort.last().map(|last| [last / patience, f64::INFINITY]),
+                    None => discomfort.last().map(|last| [last / discomfort_limit, f64::INFINITY]),
                     Some(step) => discomfort.get(step as usize).and_then(|g| {
                         let before = discomfort.iter().rev().find(|before| *before < g)?;
-                        Some([before / patience, g / patience])
+                        Some([before / discomfort_limit, g / discomfort_limit])
                     }),
                 };
                 bounds.into_iter().collect()
@@ -124,17 +127,17 @@ impl Guidance {
 }
 
 /// ln(1 / phi(0)).
-fn patience(settings: &Settings) -> f64 {
+fn discomfort_limit(settings: &Settings) -> f64 {
     -math::ln(settings.coordination.initial_stubbornness)
 }
 
-/// What happens while the robot leads a human of some eta.
+/// The course of a walk while the robot leads a human of a given eta.
 #[derive(Clone)]
 struct Led {
     eta: f64,
     /// The options that the robot executed before the switch, by step.
     executed: Vec<usize>,
-    /// g(k) up to and with the switch.
+    /// g(k) up to and including the switch.
     discomfort: Vec<f64>,
     /// Whether the human took over, at the step after those executed.
     has_switched: bool,
@@ -162,7 +165,8 @@ impl Led {
         self.has_switched.then_some(self.executed.len() as u64)
     }
 
-    /// The first step at which two humans see another option or only one takes over; none if they see the same.
+    /// The first step at which two humans see different options or only one takes over; `None` if their walks
+    /// are equal.
     fn differs(&self, other: &Self) -> Option<usize> {
         let pairs = self.executed.iter().zip(&other.executed);
         let same = pairs.take_while(|(a, b)| a == b).count();
@@ -172,20 +176,22 @@ impl Led {
     }
 }
 
-/// Who switches when, over all eta.
+/// The pieces of equal switches over all eta.
 ///
-/// Two humans who saw the same options up to step k have the same g(k), and the larger eta the smaller phi(k). Eq. (6) is the least of costs
-/// that are linear in phi, so that each option is chosen on one interval of phi. Hence, if the ends of an interval of eta see the same options and
-/// switch at the same step, so do all between them. An interval whose ends differ is divided where they begin to, so that none is missed.
+/// Two humans who saw the same options up to step k have the same g(k), and the one with the larger eta has
+/// the smaller phi(k). Eq. (6) minimises costs that are linear in phi, so each option is chosen on one
+/// interval of phi. Hence, if both ends of an interval of eta see the same options and switch at the same
+/// step, so does every eta between them. An interval whose ends differ is divided where they begin to differ,
+/// so no piece is missed.
 fn pieces(set: &OptionSet, settings: &Settings) -> Vec<Piece> {
-    let patience = patience(settings);
+    let discomfort_limit = discomfort_limit(settings);
     let led = |eta: f64| Led::of(set, settings, eta);
-    let [least, largest] = DISCOMFORTS.map(|g| led(g / patience));
+    let [least, largest] = DISCOMFORT_RANGE.map(|g| led(g / discomfort_limit));
     let mut pieces: Vec<Piece> = Vec::new();
-    // intervals still to be looked at, the lowest last
+    // intervals still to be examined, the lowest last
     let mut open = vec![(least, largest)];
     while let Some((low, high)) = open.pop() {
-        let differs = low.differs(&high).filter(|_| high.eta > low.eta * RATIO);
+        let differs = low.differs(&high).filter(|_| high.eta > low.eta * SAME_RATIO);
         let Some(at) = differs else {
             pieces.push(Piece { lower: low.eta, upper: high.eta, step: low.switch() });
             continue;
@@ -206,13 +212,13 @@ fn pieces(set: &OptionSet, settings: &Settings) -> Vec<Piece> {
             is_between
         };
         if is_switch {
-            // both have the same g up to here, so that the eta whose phi just passes 1 is known
-            let reached = low.discomfort[at] / patience;
-            for eta in [reached / RATIO, reached * RATIO] {
+            // both have the same g up to here, so the eta whose phi just exceeds 1 is known
+            let reached = low.discomfort[at] / discomfort_limit;
+            for eta in [reached / SAME_RATIO, reached * SAME_RATIO] {
                 divide(eta, &mut below, &mut above);
             }
         }
-        while above.eta > below.eta * RATIO * RATIO * RATIO {
+        while above.eta > below.eta * SAME_RATIO * SAME_RATIO * SAME_RATIO {
             if !divide((below.eta * above.eta).sqrt(), &mut below, &mut above) {
                 break;
             }
@@ -220,7 +226,7 @@ fn pieces(set: &OptionSet, settings: &Settings) -> Vec<Piece> {
         open.push((above, high));
         open.push((low, below));
     }
-    // what was not told apart belongs to the piece below it
+    // what was not distinguished belongs to the piece below it
     for i in 1..pieces.len() {
         pieces[i - 1].upper = pieces[i].lower;
     }

@@ -50,12 +50,12 @@ pub fn table_2(rows: &[Row]) -> Table {
     }
 }
 
-/// What the rows of Table II and of others call a method.
+/// The name of a method in the rows of Table II and of others.
 pub(super) fn method(eta: Option<f64>) -> String {
     eta.map_or("without model".to_owned(), |eta| format!("mutual, eta {eta}"))
 }
 
-/// Every row with the mean of its environment's row without the model, which stands before.
+/// Every row with the mean of its environment's row without the model, which comes first.
 fn with_baseline(rows: &[Row]) -> Vec<(&Row, f64)> {
     let mut without = f64::NAN;
     rows.iter()
@@ -147,7 +147,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     Ok(Section { title, finding: finding(&rows), blocks })
 }
 
-/// g(k) and phi(k) of the runs that the robot leads, up to their transitions.
+/// g(k) and phi(k) of the robot-led runs, up to their transitions.
 fn growth(runs: &[ExampleRun]) -> Vec<CurvePanel> {
     let led = || runs.iter().filter(|run| run.eta.is_some());
     let curve = |run: &ExampleRun, of: fn(&crate::episode::Tick) -> f64| {
@@ -202,7 +202,8 @@ fn finding(rows: &[Row]) -> Finding {
     }
 }
 
-/// What the paper's own protocol, so many random humans, says of the cells with the model; and in how many of them it shows that they cost less.
+/// The result of the paper's own protocol, a sample of random humans, for the cells with the model; and the
+/// number of cells in which it shows a lower cost.
 fn sampled(pairs: &[(&Row, f64)]) -> (String, usize) {
     let all: Vec<_> = pairs.iter().filter_map(|(row, _)| Some((row, row.sample_against_without?))).collect();
     let is_lower = |paired: &Paired| paired.difference.mean < 0.0;

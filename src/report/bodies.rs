@@ -1,4 +1,4 @@
-//! H2 with bodies: Table II's humans once more on the physical plant, beside the team that is a point.
+//! H2 with bodies: Table II's humans on the physical plant, compared with the point team.
 
 use super::adaptation::method;
 use super::pairs::{LEVEL, compared, explained, is_significant};
@@ -22,7 +22,7 @@ fn study<'a>(plan: &'a Plan) -> Study<'a> {
     }
 }
 
-/// Table II's episodes with bodies beside those without.
+/// Table II's episodes with bodies, compared with those without.
 pub fn table_2_with_bodies(rows: &[Row], humans: usize, sway: f64) -> Table {
     let columns = Columns::of(rows)
         .numbered("environment", "environment", |r| r.environment)
@@ -75,7 +75,7 @@ pub fn table_2_with_bodies(rows: &[Row], humans: usize, sway: f64) -> Table {
 
 fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     let study = study(plan);
-    // a human's episode as a point and the one with bodies are done together
+    // a human's episode as a point and the one with bodies finish together
     let both = || (0..2).for_each(|_| on_done());
     let rows = study.table(&both)?;
     let text = "The paper's team is a point. Here robot, object, human and obstacles have bodies, forces and contacts.";

@@ -1,4 +1,4 @@
-//! H1: Table I, the regions that P_o is the area of, and how perception bends risk and distance.
+//! H1: Table I, the preference regions whose area is P_o, and the perception of risk and distance.
 
 use super::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
 use crate::drawing::{Curve, CurvePanel, RegionPanel, curves, preference_regions, world_map};
@@ -12,13 +12,13 @@ use crate::table::{Columns, Table};
 /// Table I.
 pub(super) const PART: Part = Part { name: "Table I", episodes: |_| 0, run };
 
-/// The paper's ranges, and what a human is whose perception is true.
+/// The paper's ranges, and the value of a human with true perception.
 const ALPHAS: [f64; 6] = [0.55, 0.65, 0.75, 0.85, 0.95, 1.0];
 const GAMMAS: [f64; 6] = [0.5, 0.65, 0.8, 0.95, 1.1, 1.0];
-/// The longest way on the chart of perceived distance, m: a little more than the environments' longest.
+/// The longest distance on the chart of perceived distance, m: slightly more than the environments' longest.
 const LONGEST: f64 = 45.0;
 
-/// Table I: humans, the paper's model, ours.
+/// Table I: humans, the paper's model, the project's model.
 pub fn table_1(rows: &[Row]) -> Table {
     let (mean, worst) = h1::differences(rows);
     Columns::of(rows)
@@ -36,13 +36,13 @@ pub fn table_1(rows: &[Row]) -> Table {
         .with_note("The worlds' geometry was calibrated to this table: the paper does not publish its own.")
 }
 
-/// A difference, without a sign where it rounds to nothing.
+/// A difference, without a sign where it rounds to 0.
 fn signed(difference: f64) -> String {
     let text = format!("{difference:+.1}");
     if text.ends_with("0.0") { "0.0".to_owned() } else { text }
 }
 
-/// How far models are from the humans' answers.
+/// The difference of models from the humans' answers.
 fn fits_table(fits: &[Fit]) -> Table {
     Columns::of(fits)
         .numbered("environment", "environment", |f| f.environment)

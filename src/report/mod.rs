@@ -1,7 +1,7 @@
-//! The report of `reproduce all`: the paper's claims, tables and figures, ours beside the paper's.
+//! The report of `reproduce all`: the paper's claims, tables and figures beside the project's.
 //!
-//! A claim is one file here, with a [`Part`], and one line in [`PARTS`]: its tables, pictures and finding get into the report, its files and
-//! `--json` by themselves. The report is Markdown; the page is made from that.
+//! A claim is one file here, with a [`Part`], and one line in [`PARTS`]. Its tables, pictures and finding are
+//! then part of the report, its files and `--json`. The report is Markdown; the HTML page is made from it.
 
 mod adaptation;
 mod bodies;
@@ -35,25 +35,25 @@ use thiserror::Error;
 pub const PARTS: &[Part] =
     &[choices::PART, weight::PART, adaptation::PART, bodies::PART, cycles::PART, preparation::PART];
 
-/// How much is run.
+/// The extent of a report.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
     /// The robot of Table III and of the team with bodies.
     pub robot: &'a Robot,
-    /// The loop's settings.
+    /// Settings of the episodes.
     pub settings: Settings,
-    /// Random humans in each cell of Table III.
+    /// Number of random humans in each cell of Table III.
     pub episodes: usize,
-    /// Humans in each cell of Table II with bodies.
+    /// Number of humans in each cell of Table II with bodies.
     pub humans: usize,
-    /// Random worlds in which locked cycles are looked for.
+    /// Number of random worlds in the search for locked cycles.
     pub worlds: usize,
-    /// Seed of everything random.
+    /// Seed of all random draws.
     pub seed: u64,
 }
 
 impl<'a> Plan<'a> {
-    /// As much as the paper, and as the commands for the single claims do.
+    /// The extent of the paper and of the commands for the single claims.
     pub fn new(robot: &'a Robot) -> Self {
         Self {
             robot,
@@ -66,13 +66,13 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// A claim, and how it is looked into.
+/// A claim and its evaluation.
 pub struct Part {
-    /// What a progress bar calls it.
+    /// Name in a progress bar.
     pub name: &'static str,
-    /// Episodes that it runs.
+    /// Number of episodes that it runs.
     pub episodes: fn(&Plan) -> usize,
-    /// Runs them.
+    /// Runs the episodes.
     pub run: fn(&Plan, OnDone) -> Result<Section, ReportError>,
 }
 
@@ -81,20 +81,20 @@ pub struct Part {
 pub struct Section {
     /// Its heading.
     pub title: String,
-    /// What came of the claim.
+    /// The finding on the claim.
     pub finding: Finding,
-    /// What stands in it.
+    /// Contents.
     pub blocks: Vec<Block>,
 }
 
-/// What came of a claim, in words and figures of this run.
+/// The finding on a claim, in words and figures of this run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// What is claimed.
+    /// The claim.
     pub claim: &'static str,
     /// Whether it holds.
     pub verdict: String,
-    /// How well.
+    /// The figures behind the verdict.
     pub figures: String,
 }
 
@@ -109,38 +109,38 @@ pub enum Block {
     Figure(Figure),
 }
 
-/// A picture with what it shows.
+/// A picture with its caption.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Name of its file, without an ending.
+    /// File name without extension.
     pub name: String,
-    /// What it shows.
+    /// Caption.
     pub caption: String,
-    /// Whether two of the kind stand beside each other, where there is room.
+    /// Whether two such pictures are placed side by side, where there is room.
     pub is_half: bool,
     /// The picture, as SVG.
     pub svg: String,
 }
 
-/// All of it. Equal plans give equal reports, to the byte, on any number of threads.
+/// The whole report. Equal plans give byte-identical reports on any number of threads.
 #[derive(Clone, Debug)]
 pub struct Report {
     /// The claims, in order.
     pub sections: Vec<Section>,
-    /// As Markdown; pictures are links to `figures/NAME.svg`, tables to `NAME.csv`.
+    /// The report as Markdown. Pictures are links to `figures/NAME.svg`, tables to `NAME.csv`.
     pub markdown: String,
 }
 
-/// Why there is no report: a fault of the program, as what is reported on is built in.
+/// The reason why there is no report. It is a fault of the program, since everything reported on is built in.
 #[derive(Debug, Error)]
 pub enum ReportError {
-    /// A built-in world.
+    /// An error of a built-in world.
     #[error(transparent)]
     BuiltIn(#[from] BuiltInError),
-    /// A picture.
+    /// An error of a picture.
     #[error(transparent)]
     Drawing(#[from] DrawingError),
-    /// The fit of c_r.
+    /// An error of the fit of c_r.
     #[error(transparent)]
     Fit(#[from] FitError),
 }
@@ -158,7 +158,7 @@ impl From<OptionError> for ReportError {
 }
 
 impl Report {
-    /// Puts the sections of all [`PARTS`] together.
+    /// Assembles the sections of all [`PARTS`].
     pub fn new(plan: &Plan, sections: Vec<Section>) -> Self {
         let mut markdown = run::opening(plan, &sections);
         for section in &sections {
@@ -187,7 +187,7 @@ impl Report {
         self.blocks().filter_map(|block| if let Block::Figure(figure) = block { Some(figure) } else { None })
     }
 
-    /// The report as one HTML page that needs nothing else; `made`, a sentence on how it was made, stands at its end.
+    /// The report as one self-contained HTML page. `made`, a sentence on how it was made, is at its end.
     pub fn page(&self, made: &str) -> String {
         let figures: Vec<&Figure> = self.figures().collect();
         page::html(&self.markdown, &figures, made)
@@ -198,7 +198,7 @@ impl Report {
     }
 }
 
-/// `n of m`, in words: whether a claim holds in all of them.
+/// `n of m` in words: whether a claim holds in all of them.
 fn holds(n: usize, of: usize, what: &str) -> String {
     match n {
         _ if n == of => "holds".to_owned(),
@@ -207,7 +207,7 @@ fn holds(n: usize, of: usize, what: &str) -> String {
     }
 }
 
-/// A number with its thousands apart.
+/// A number with separated thousands.
 fn grouped(n: usize) -> String {
     let digits = n.to_string();
     let mut text = String::new();

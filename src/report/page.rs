@@ -3,10 +3,10 @@
 use super::Figure;
 use pulldown_cmark::{CowStr, Event, Options, Parser, Tag, TagEnd, html::push_html};
 
-/// How the page looks, on screen and on paper.
+/// The style sheet for screen and paper.
 const STYLE: &str = include_str!("page.css");
 
-/// The page; `made` stands at its end.
+/// The page, with `made` at its end.
 pub(super) fn html(markdown: &str, figures: &[&Figure], made: &str) -> String {
     let mut body = String::new();
     push_html(&mut body, events(markdown, figures).into_iter());
@@ -20,7 +20,7 @@ pub(super) fn html(markdown: &str, figures: &[&Figure], made: &str) -> String {
     )
 }
 
-/// What the Markdown says, with pictures in place of links to them, and tables that scroll where they are too wide.
+/// The events of the Markdown, with pictures in place of links to them, and scrolling tables.
 fn events<'a>(markdown: &'a str, figures: &[&'a Figure]) -> Vec<Event<'a>> {
     let mut events = Vec::new();
     let mut picture = None;
@@ -32,7 +32,7 @@ fn events<'a>(markdown: &'a str, figures: &[&'a Figure]) -> Vec<Event<'a>> {
                 let named = |f: &&&Figure| *dest_url == *format!("figures/{}.svg", f.name);
                 picture = figures.iter().find(named);
                 if let Some(figure) = picture {
-                    // a picture is no part of a paragraph
+                    // a picture is not part of a paragraph
                     is_alone = events.pop_if(|last| *last == Event::Start(Tag::Paragraph)).is_some();
                     let class = if figure.is_half { " class=\"half\"" } else { "" };
                     let begin =
@@ -58,7 +58,7 @@ fn events<'a>(markdown: &'a str, figures: &[&'a Figure]) -> Vec<Event<'a>> {
     events
 }
 
-/// The picture as part of a page: as wide as the page allows, and with ids of its own.
+/// The picture as part of a page: as wide as the page allows, and with unique ids.
 fn inline(figure: &Figure) -> String {
     let own = format!("{}-", figure.name);
     let svg = figure.svg.replace(" id=\"", &format!(" id=\"{own}")).replace("url(#", &format!("url(#{own}"));

@@ -1,10 +1,10 @@
-//! Columns of a paired comparison, the same in every table, and what has to be known to read them.
+//! Columns of a paired comparison, the same in every table, with notes that explain them.
 
 use crate::statistics::Paired;
 use crate::table::{Cell, Columns, Table};
 use serde_json::Value;
 
-/// Below this, a corrected p-value is called significant.
+/// The significance level of corrected p-values.
 pub(super) const LEVEL: f64 = 0.05;
 
 /// Whether a comparison is significant after Holm's correction.
@@ -22,7 +22,7 @@ pub(super) fn rounded(p_value: Option<f64>) -> String {
     }
 }
 
-/// A mean difference with its interval; without an interval, that there is one outcome only.
+/// A mean difference with its interval, or with the remark that there is only one outcome.
 pub(super) fn difference(paired: &Paired, decimals: usize) -> String {
     let mean = format!("{:+.decimals$}", paired.difference.mean);
     match paired.difference.interval {
@@ -31,7 +31,8 @@ pub(super) fn difference(paired: &Paired, decimals: usize) -> String {
     }
 }
 
-/// Three columns: difference with interval, effect size, corrected p-value. `keys` begin with `prefix`; `unit` ends those of lengths.
+/// Three columns: difference with interval, effect size, corrected p-value. Keys begin with `prefix`; keys of
+/// lengths end with `unit`.
 pub(super) fn compared<'a, R>(
     columns: Columns<'a, R>,
     heading: &str,
@@ -71,7 +72,7 @@ pub(super) fn compared<'a, R>(
         })
 }
 
-/// The table with a note on its comparisons, of which so many are tested.
+/// The table with a note on its comparisons, of which `tested` are tested.
 pub(super) fn explained(table: Table, tested: usize, family: &str) -> Table {
     table
         .with_note(format!(

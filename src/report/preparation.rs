@@ -1,4 +1,4 @@
-//! H3: Table III, every method and start against its baseline, and what the costs are made of.
+//! H3: Table III, every method and start compared with its baseline, and the composition of the costs.
 
 use super::pairs::{LEVEL, compared, explained, is_significant, rounded};
 use super::{Block, Figure, Finding, Part, Plan, ReportError, Section, grouped, holds};
@@ -23,7 +23,7 @@ fn study<'a>(plan: &'a Plan) -> Study<'a> {
     }
 }
 
-/// Rows of Table III to be compared: all methods that were run, from one start.
+/// Rows of Table III to compare: all methods that were run, from one start.
 #[derive(Clone, Copy, Debug)]
 pub struct Compared<'a> {
     /// Rows of all starts.
@@ -34,7 +34,8 @@ pub struct Compared<'a> {
     pub methods: &'a [PoseMethod],
 }
 
-/// What is compared with its baseline: what tables and pictures call it, and what columns of files do.
+/// The methods that are compared with their baseline: name in tables and pictures, and name in columns of
+/// files.
 const METHODS: [(PoseMethod, &str, &str); 6] = [
     (PoseMethod::WithPo, "with PO", "with_po"),
     (PoseMethod::WithPoWholeBody, "whole-body", "whole_body"),
@@ -49,13 +50,13 @@ impl<'a> Compared<'a> {
         self.rows.iter().filter(move |r| r.start == self.start && r.method == method)
     }
 
-    /// A method's ratio to its baseline, mean of the cells.
+    /// A method's ratio to its baseline, averaged over the cells.
     pub fn mean_ratio(self, method: PoseMethod) -> f64 {
         let ratios: Vec<f64> = self.of(method).map(|r| r.ratio).collect();
         ratios.iter().sum::<f64>() / ratios.len() as f64
     }
 
-    /// How many of the comparisons from this start are tested.
+    /// Number of tested comparisons from this start.
     fn tested(self) -> usize {
         let own = self.rows.iter().filter(|r| r.start == self.start);
         own.filter(|r| r.against_baseline.is_some_and(|paired| paired.p_value.is_some())).count()
@@ -68,7 +69,7 @@ impl<'a> Compared<'a> {
     }
 }
 
-/// The paper's mean ratio with over without pose optimisation.
+/// The paper's mean ratio of the costs with and without pose optimisation.
 fn paper_ratio() -> f64 {
     let ratios = ENVIRONMENTS.iter().flat_map(|e| e.control_cost_with.iter().zip(e.control_cost_without));
     let ratios: Vec<f64> = ratios.map(|(with, without)| with / without).collect();
@@ -79,7 +80,7 @@ fn saving(with: f64, without: f64) -> String {
     format!("{:.1} %", 100.0 * (1.0 - with / without))
 }
 
-/// The paper's table and ours.
+/// The paper's table beside the project's.
 pub fn table_3(shown: Compared) -> Table {
     let paper = |row: &Row| row.paper_mean.unwrap_or(f64::NAN);
     let pairs = shown.pairs();
@@ -117,12 +118,12 @@ pub fn table_3(shown: Compared) -> Table {
     explained(table, shown.tested(), FAMILY)
 }
 
-/// What Holm's correction is made for.
+/// The family of Holm's correction.
 const FAMILY: &str = "of all methods from this start";
 
-/// Every method's cost over its baseline's.
+/// Every method's cost relative to its baseline's.
 pub fn table_3_ratios(compared: Compared) -> Table {
-    // a cell each, and at the end their mean
+    // one row per cell, and a last one for their mean
     let cells = ENVIRONMENTS.iter().flat_map(|e| SETTINGS.iter().map(|s| Some((e.number, s.name))));
     let lines: Vec<_> = cells.chain([None]).collect();
     let mut columns = Columns::of(&lines)
@@ -180,7 +181,7 @@ pub fn table_3_ratios(compared: Compared) -> Table {
     }
 }
 
-/// What C is made of, with and without pose optimisation.
+/// The composition of C, with and without pose optimisation.
 fn parts_table(compared: Compared) -> Table {
     let pairs = compared.pairs();
     let rows: Vec<&Row> = pairs.iter().flatten().copied().collect();
@@ -238,7 +239,7 @@ fn figures<'a>(columns: Columns<'a, &'a Row>) -> Columns<'a, &'a Row> {
         .count("overlaps", "overlapping_episodes", |r| r.overlapping_episodes as u64)
 }
 
-/// All ratios, a panel for each start; the paper's in the first.
+/// All ratios, one panel per start, with the paper's in the first.
 ///
 /// # Errors
 /// If a ratio is not a number, as where no episode arrived.
@@ -296,7 +297,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     Ok(Section { title: "H3: preparing the arm".to_owned(), finding: finding(&all), blocks })
 }
 
-/// `compared` from every start, the robot's first one first.
+/// The finding on `compared`, which has every start, the robot's first one first.
 fn finding(compared: &[Compared]) -> Finding {
     let pairs: Vec<[&Row; 2]> = compared.iter().take(1).flat_map(|c| c.pairs()).collect();
     let cheaper = |pairs: &[[&Row; 2]]| pairs.iter().filter(|[_, with]| with.ratio < 1.0).count();
@@ -349,7 +350,7 @@ fn finding(compared: &[Compared]) -> Finding {
     }
 }
 
-/// What of H3 holds, and why, in figures of this run; `compared` as for [`finding`].
+/// The part of H3 that holds, with reasons and figures of this run; `compared` as for [`finding`].
 fn account(compared: &[Compared]) -> String {
     let Some(first) = compared.first() else { return String::new() };
     let ratio = |c: &Compared, method| format!("{:.3}", c.mean_ratio(method));

@@ -5,10 +5,10 @@ use crate::control::{self, HORIZON};
 use crate::paper::COLUMNS;
 use crate::simulation::PhysicsSettings;
 
-/// Where the paper is silent, where this departs from it, and its slips.
+/// Choices where the paper is silent, departures from it, and its slips.
 const DEVIATIONS: &str = include_str!("../../docs/deviations.md");
 
-/// Title, and what came of every claim.
+/// Title and findings.
 pub(super) fn opening(plan: &Plan, sections: &[Section]) -> String {
     let mut text = format!(
         "# Human-robot co-transportation, reproduced\n\n\
@@ -25,7 +25,7 @@ pub(super) fn opening(plan: &Plan, sections: &[Section]) -> String {
     text + "\nA picture is `figures/NAME.svg` beside this report; the figures of a table are in the CSV file named at it.\n\n"
 }
 
-/// Deviations, and what was run with which settings.
+/// Deviations, episodes and settings.
 pub(super) fn end(plan: &Plan) -> String {
     // the document's title becomes a section's
     let deviations = DEVIATIONS.trim().replacen("# ", "## ", 1);
@@ -36,7 +36,7 @@ fn episodes(plan: &Plan) -> usize {
     PARTS.iter().map(|part| (part.episodes)(plan)).sum()
 }
 
-/// How many episodes were run for what.
+/// The number of episodes of each part.
 fn parts(plan: &Plan) -> String {
     let mut text = "| part | episodes |\n| :-- | --: |\n".to_owned();
     for part in PARTS {

@@ -1,4 +1,5 @@
-//! The weight c_r of risk (Sec. V-A): fitted to Table I's human column, as the paper did, and validated in Environment 4.
+//! The risk weight c_r (Sec. V-A): fitted to Table I's human column, as in the paper, and validated in
+//! Environment 4.
 
 use super::{Block, Figure, Finding, Part, Plan, ReportError, Section};
 use crate::drawing::{self, AnswerPanel, AnswerRow, DrawingError, RiskWeightMark};
@@ -15,7 +16,7 @@ use crate::table::{Columns, Table};
 /// The fit of c_r.
 pub(super) const PART: Part = Part { name: "fit of c_r", episodes: |_| 0, run };
 
-/// Answers and fits, and the error for every c_r.
+/// Answers and fits, and the error over c_r.
 ///
 /// # Errors
 /// If a percentage or a c_r cannot be drawn.

@@ -211,7 +211,7 @@ pub enum WheelFault {
         left: f64,
         /// This wheel's value, SI.
         right: f64,
-        /// The rule that is broken.
+        /// The rule that must hold.
         rule: &'static str,
     },
 }

@@ -42,13 +42,13 @@ pub struct World {
     pub text: String,
     /// Title.
     pub name: String,
-    /// What the file says of itself.
+    /// Note, as given in the file.
     pub note: String,
     /// Robot width d_r, m. Paths keep half of it clear of every obstacle.
     pub robot_width: f64,
     /// Start A.
     pub start: Point,
-    /// The note in the file.
+    /// Target B.
     pub target: Point,
     /// The carried object.
     pub object: CarriedObject,

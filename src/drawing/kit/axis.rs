@@ -1,4 +1,4 @@
-//! Axes, linear or logarithmic, with round numbers as far apart as their labels need; and frames with two of them.
+//! Axes, linear or logarithmic, with round tick values whose labels do not overlap, and frames with two axes.
 
 use super::text::number;
 use super::{
@@ -11,10 +11,10 @@ use svg::node::element::Group;
 
 /// Length of a tick, px.
 const TICK: f64 = 6.0;
-/// The widest that the numbers of a vertical axis get before they are drawn smaller, px.
-const NUMBERS: f64 = 38.0;
-/// Least distance of two ticks, px.
-const APART: f64 = 46.0;
+/// Width (px) above which the numbers of a vertical axis are drawn smaller.
+const NUMBERS_WIDTH: f64 = 38.0;
+/// Smallest distance of two ticks, px.
+const TICK_DISTANCE: f64 = 46.0;
 
 /// The side of its frame on which an axis lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,20 +24,20 @@ pub(in super::super) enum Side {
     Left,
 }
 
-/// Where numbers lie along a side of a frame.
+/// The mapping of values to positions along a side of a frame.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct Axis {
     side: Side,
-    /// The numbers at the ends.
+    /// Values at the ends.
     range: [f64; 2],
-    /// Where the ends lie, px.
+    /// Positions of the ends, px.
     ends: [f64; 2],
-    /// Whether equal lengths are equal ratios.
+    /// Whether the axis is logarithmic.
     is_log: bool,
 }
 
 impl Axis {
-    /// An axis along a side of a frame.
+    /// A linear axis along a side of a frame.
     pub fn linear(side: Side, range: [f64; 2], frame: Bounds) -> Self {
         let ends = match side {
             Side::Left => [frame.max.y, frame.min.y],
@@ -46,12 +46,12 @@ impl Axis {
         Self { side, range, ends, is_log: false }
     }
 
-    /// An axis on which equal lengths are equal ratios; the range is of positive numbers.
+    /// A logarithmic axis; the range must be positive.
     pub fn log(side: Side, range: [f64; 2], frame: Bounds) -> Self {
         Self { is_log: true, ..Self::linear(side, range, frame) }
     }
 
-    /// px; numbers beyond the ends lie at the ends.
+    /// The position of a value, px; values beyond the ends are clamped.
     pub fn at(&self, value: f64) -> f64 {
         let [low, high] = self.range;
         let value = value.clamp(low, high);
@@ -62,15 +62,15 @@ impl Axis {
         self.ends[0] + part * (self.ends[1] - self.ends[0])
     }
 
-    /// Round numbers, as (value, label), whose labels do not touch.
+    /// Round values with their labels, which do not overlap.
     fn ticks(&self) -> Vec<(f64, String)> {
         let all = |apart: f64| match self.is_log {
             true => self.log_ticks(apart),
             false => self.linear_ticks(apart),
         };
-        let ticks = all(APART);
+        let ticks = all(TICK_DISTANCE);
         let needed = if self.side == Side::Left { 0.0 } else { widest(&ticks) + 1.2 * GAP };
-        if needed > APART { all(needed) } else { ticks }
+        if needed > TICK_DISTANCE { all(needed) } else { ticks }
     }
 
     fn linear_ticks(&self, apart: f64) -> Vec<(f64, String)> {
@@ -113,7 +113,7 @@ impl Axis {
         values.into_iter().map(|v| (v, label(v))).collect()
     }
 
-    /// Lines across `frame` at the ticks, to lie behind everything else.
+    /// Grid lines across `frame` at the ticks, to be drawn first.
     pub fn grid(&self, frame: Bounds) -> Group {
         self.ticks().into_iter().fold(Group::new().set("class", "grid"), |group, (value, _)| {
             let line = if self.side == Side::Left { level } else { upright };
@@ -129,7 +129,7 @@ impl Axis {
         })
     }
 
-    /// Where the tick of a value begins, and the direction away from the frame.
+    /// The inner end of a value's tick, and the direction away from the frame.
     fn foot(&self, value: f64, frame: Bounds) -> (Point, Vector) {
         let at = self.at(value);
         match self.side {
@@ -139,20 +139,20 @@ impl Axis {
         }
     }
 
-    /// The ticks with their numbers at `frame`, and what they mean.
+    /// The ticks with their numbers at `frame`, and the title.
     pub fn draw(&self, frame: Bounds, title: &Text) -> Group {
         let ticks = self.ticks();
         let widest = widest(&ticks);
-        // in the middle of the frame, but on the picture
+        // centred on the frame, but inside the picture
         let half = title.width(TITLE_SIZE) / 2.0;
         let middle = nalgebra::center(&frame.min, &frame.max);
         let x = middle.x.min(WIDTH - MARGIN - half).max(MARGIN + half);
-        let size = TEXT_SIZE * if self.side == Side::Left { (NUMBERS / widest).min(1.0) } else { 1.0 };
+        let size = TEXT_SIZE * if self.side == Side::Left { (NUMBERS_WIDTH / widest).min(1.0) } else { 1.0 };
         let (offset, align, at, angle) = match self.side {
             Side::Below => ([0.0, 23.0], Align::Middle, Point::new(x, frame.max.y + AXIS_ROOM - GAP), 0),
             Side::Above => ([0.0, -12.0], Align::Middle, Point::new(x, frame.min.y - 38.0), 0),
             Side::Left => {
-                let at = Point::new(frame.min.x - 2.2 * GAP - widest.min(NUMBERS), middle.y);
+                let at = Point::new(frame.min.x - 2.2 * GAP - widest.min(NUMBERS_WIDTH), middle.y);
                 ([-GAP, 0.35 * size], Align::Right, at, -90)
             }
         };
@@ -211,7 +211,7 @@ mod tests {
         let below = |range, width| labels(Axis::linear(Side::Below, range, frame(width)));
         assert_eq!(below([-4.2, 4.9], 330.0), ["\u{2212}4", "\u{2212}2", "0", "2", "4"]);
         assert_eq!(below([0.0, 0.1], 170.0), ["0.00", "0.05", "0.10"]);
-        // wide numbers are farther apart
+        // wide numbers need more distance
         assert_eq!(below([0.0, 1e6], 300.0), ["0", "500000", "1000000"]);
         assert_eq!(labels(Axis::linear(Side::Left, [0.0, 1.0], frame(9.0))), ["0.0", "0.5", "1.0"]);
     }

@@ -1,4 +1,4 @@
-//! What lies on a picture already, and what it costs to cover it with a label.
+//! The lines and areas already on a picture, and the cost of covering them with a label.
 
 use crate::geometry::{Bounds, Point};
 
@@ -13,7 +13,7 @@ struct Line {
     ends: [Point; 2],
     /// Half of its width, px.
     half: f64,
-    /// What covering a pixel of its length costs.
+    /// Cost of covering a pixel of its length.
     cost: f64,
 }
 
@@ -34,12 +34,13 @@ impl Clutter {
         self.lines.extend(points.windows(2).map(|w| Line { ends: [w[0], w[1]], half, cost }));
     }
 
-    /// Keeps an area free.
+    /// Reserves an area.
     pub fn take(&mut self, area: Bounds) {
         self.taken.push(area);
     }
 
-    /// What a label in this area covers: lines by their cost, areas by the pixel, and four times what lies outside.
+    /// The cost of a label in this area: covered lines by their cost, reserved areas per pixel, and four
+    /// times the area outside.
     pub fn cost(&self, area: Bounds) -> f64 {
         let covered: f64 = self.lines.iter().map(|line| line.cost * line.inside(area)).sum();
         let shared: f64 = self.taken.iter().map(|t| overlap(area, t.grown(5.0))).sum();

@@ -1,4 +1,5 @@
-//! The legend of every picture: samples of lines and marks with what they mean, in columns, or as a table with heads.
+//! The legend of every picture: samples of lines and marks with their meanings, in columns or as a table with
+//! headings.
 
 use super::{Align, GAP, INK, LineStyle, TEXT_SIZE, Text, place, stroke};
 use crate::geometry::{Point, Vector};
@@ -14,7 +15,7 @@ const BELOW: f64 = 14.0;
 /// Distance of columns, px.
 const COLUMN_GAP: f64 = 14.0;
 
-/// Samples and what they mean.
+/// Samples with their meanings.
 pub(in super::super) struct Legend {
     /// Room for a sample, px.
     sample: f64,
@@ -25,7 +26,7 @@ pub(in super::super) struct Legend {
 struct Entry {
     /// Drawn around the origin.
     sample: Group,
-    /// The lines of every cell; all but tables have one.
+    /// The lines of every cell; only tables have more than one.
     cells: Vec<Vec<Text>>,
 }
 
@@ -38,12 +39,12 @@ impl Legend {
         Self { sample: SAMPLE / 2.0, ..Self::of_lines() }
     }
 
-    /// A legend of lines that is a table, with a head and an alignment for every column.
+    /// A legend in the form of a table, with a heading and an alignment for every column.
     pub fn table(heads: Vec<(Text, Align)>) -> Self {
         Self { sample: SAMPLE, heads, entries: Vec::new() }
     }
 
-    /// Adds a sample, drawn around the origin, and what it means.
+    /// Adds a sample, drawn around the origin, with its meaning.
     pub fn entry(self, sample: Group, text: impl Into<String>) -> Self {
         self.row(sample, vec![vec![Text::new(text)]])
     }
@@ -54,7 +55,7 @@ impl Legend {
         self
     }
 
-    /// How wide a sample with its cells is, px.
+    /// Width of a sample with its cells, px.
     pub fn width(&self) -> f64 {
         self.sample + self.column_widths().iter().map(|width| COLUMN_GAP + width).sum::<f64>()
     }
@@ -72,7 +73,7 @@ impl Legend {
     pub fn draw(&self, at: Point, width: f64) -> (Group, f64) {
         let widths = self.column_widths();
         let aligns = || self.heads.iter().map(|h| h.1).chain(std::iter::repeat(Align::Left));
-        // cells side by side, beginning at `from` on the first baseline
+        // cells side by side, from `from` on the first baseline
         let cells = |group: Group, from: Point, cells: &[Vec<Text>]| {
             let mut left = from.x + self.sample;
             let mut group = group;

@@ -1,10 +1,10 @@
-//! Marks of single values, drawn around the origin and put where they belong by [`place`].
+//! Marks of single values, drawn around the origin and moved to their positions by [`place`].
 
 use super::{INK, PAPER, disc, polygon, px, stroke};
 use crate::geometry::{Point, Vector};
 use svg::node::element::Group;
 
-/// Half of the size of a mark, px.
+/// Half the size of a mark, px.
 const MARK: f64 = 5.0;
 
 /// The shape of a mark.
@@ -19,7 +19,7 @@ pub(in super::super) enum Shape {
     Cross,
 }
 
-/// A mark edged in white, filled with its colour or open.
+/// A mark with a white edge, filled with its colour or open.
 pub(in super::super) fn mark(shape: Shape, is_full: bool, colour: &str) -> Group {
     let corners: &[[f64; 2]] = match shape {
         Shape::Dot | Shape::Disc => &[],
@@ -53,13 +53,13 @@ fn cross(colour: &str) -> Group {
     bars(edge, MARK + 2.0, colour, 3.4)
 }
 
-/// The mark of a mean: an upright bar edged in white, `height` px high.
+/// The mark of a mean: a vertical bar with a white edge, `height` px high.
 pub(in super::super) fn mean_bar(height: f64) -> Group {
     let ends = [Point::new(0.0, -height / 2.0), Point::new(0.0, height / 2.0)];
     Group::new().set("class", "mean").add(stroke(&ends, PAPER, 6.2)).add(stroke(&ends, INK, 3.8))
 }
 
-/// Moves what is drawn around the origin to `at` (px).
+/// Moves a drawing around the origin to `at` (px).
 pub(in super::super) fn place(drawn: Group, at: Point) -> Group {
     Group::new().set("transform", format!("translate({} {})", px(at.x), px(at.y))).add(drawn)
 }

@@ -1,9 +1,10 @@
-//! The chart kit under every picture: text with measured widths, one palette, axes, marks, legends and the sizes they share.
+//! The chart kit under every picture: text with measured widths, one palette, axes, marks, legends and shared
+//! sizes.
 //!
-//! The kit is our own and writes through the `svg` crate; a charting crate was weighed and left. Most pictures here are
-//! maps, hatched regions and strips of marks, which no charting crate draws, so theirs would be a second axis engine beside
-//! this one. plotters, the candidate, also guesses SVG text widths without a system font library, rounds to whole pixels, and
-//! knows no subscripts and no legend outside the frame.
+//! The kit is the project's own and writes through the `svg` crate. Most pictures here are maps, hatched
+//! regions and strips of marks, which no charting crate draws, so a charting crate would add a second axis
+//! engine. The candidate, plotters, also guesses SVG text widths without a system font library, rounds to
+//! whole pixels, and has no subscripts and no legend outside the frame.
 
 mod axis;
 mod clutter;
@@ -27,7 +28,7 @@ use crate::geometry::{Bounds, Point, Vector};
 use svg::Document;
 use svg::node::element::{Circle, Element, Group, Path, Rectangle};
 
-/// Font sizes, px: titles; everything else.
+/// Font sizes, px: of titles, and of all other text.
 pub(super) const TITLE_SIZE: f64 = 19.0;
 pub(super) const TEXT_SIZE: f64 = 16.5;
 
@@ -38,7 +39,7 @@ pub(super) const LEFT_ROOM: f64 = 78.0;
 /// Room above a frame for its title, and below it for the numbers and the title of its horizontal axis, px.
 pub(super) const TITLE_ROOM: f64 = 38.0;
 pub(super) const AXIS_ROOM: f64 = 58.0;
-/// Distance between one thing and the next, px.
+/// Distance between neighbouring elements, px.
 pub(super) const GAP: f64 = 10.0;
 
 /// Width of frames and ticks, and of lines that mark a value, px.
@@ -56,7 +57,7 @@ pub(super) fn document(height: f64) -> Document {
         .add(rectangle(paper).set("fill", PAPER))
 }
 
-/// A picture of panels, two in a row: `draw` is given the frame and returns the y at which the panel ends.
+/// A picture of panels, two in a row. `draw` receives the frame and returns the y at which the panel ends.
 pub(super) fn in_two_columns<P>(
     panels: &[P],
     frame_height: f64,
@@ -79,25 +80,26 @@ pub(super) fn in_two_columns<P>(
     drawn.into_iter().fold(document(top), Document::add).to_string()
 }
 
-/// A bold title above a frame, from `left` to the frame's right side at most.
+/// A bold title above a frame, at most from `left` to the frame's right side.
 pub(super) fn frame_title(text: &str, left: f64, frame: Bounds) -> Element {
     let at = Point::new(left, frame.min.y - 1.2 * GAP);
     Text::new(text).bold().within(frame.max.x - left, TITLE_SIZE).at(at, TITLE_SIZE, Align::Left)
 }
 
-/// The left side of a frame whose rows have these labels, which get `most` px at most.
+/// The left side of a frame whose rows have these labels, of which each is at most `most` px wide.
 pub(super) fn left_of_rows<'a>(labels: impl Iterator<Item = &'a str>, most: f64) -> f64 {
     let widest = labels.map(|label| Text::new(label).width(TEXT_SIZE)).fold(0.0, f64::max);
     (MARGIN + GAP + widest.min(most)).max(LEFT_ROOM)
 }
 
-/// What a row is called, left of the frame that begins at `left`; it is cut to the room up to the side of the picture.
+/// A row's label to the left of the frame that begins at `left`, shortened to fit the picture.
 pub(super) fn row_label(text: &str, left: f64, middle: f64) -> Element {
     let at = Point::new(left - GAP, middle + 0.35 * TEXT_SIZE);
     Text::new(text).within(left - MARGIN - GAP, TEXT_SIZE).at(at, TEXT_SIZE, Align::Right)
 }
 
-/// Sentences below a picture from `top` (px) on, one a line, as small as the width asks for, and where they end.
+/// Sentences below a picture from `top` (px) on, one per line, in a font size that fits the width; and the y
+/// at which they end.
 pub(super) fn notes<'a>(sentences: impl IntoIterator<Item = &'a str>, top: f64) -> (Group, f64) {
     let mut bottom = top;
     let mut group = Group::new();
@@ -120,12 +122,12 @@ pub(super) fn guide(ends: [Point; 2]) -> Path {
     stroke(&ends, INK, GUIDE_WIDTH).set("stroke-dasharray", "7 5")
 }
 
-/// The ends of an upright line from the top to the bottom of a frame.
+/// The ends of a vertical line from the top to the bottom of a frame.
 pub(super) fn upright(x: f64, frame: Bounds) -> [Point; 2] {
     [Point::new(x, frame.min.y), Point::new(x, frame.max.y)]
 }
 
-/// The ends of a level line from the left to the right of a frame.
+/// The ends of a horizontal line from the left to the right of a frame.
 pub(super) fn level(y: f64, frame: Bounds) -> [Point; 2] {
     [Point::new(frame.min.x, y), Point::new(frame.max.x, y)]
 }
@@ -140,7 +142,7 @@ pub(super) fn stroke(points: &[Point], colour: &str, width: f64) -> Path {
         .set("stroke-linejoin", "round")
 }
 
-/// A closed outline, to be filled.
+/// A closed outline to be filled.
 pub(super) fn polygon(corners: &[Point]) -> Path {
     Path::new().set("d", path_data(corners) + "Z")
 }
@@ -157,7 +159,7 @@ pub(super) fn rectangle(bounds: Bounds) -> Rectangle {
         .set("height", px(bounds.size().y))
 }
 
-/// The `d` attribute of a line, less the points too close to be told apart.
+/// The `d` attribute of a line, without points too close to be distinguishable.
 pub(super) fn path_data(points: &[Point]) -> String {
     const CLOSE: f64 = 0.1;
     let mut kept: Vec<Point> = Vec::new();

@@ -1,13 +1,13 @@
-//! The palette of every picture: colours, dash patterns and widths of lines, and the colours of risk.
+//! The palette of every picture: colours, dash patterns and line widths, and the colours of risk.
 
 use super::{px, stroke};
 use crate::geometry::Point;
 use svg::node::element::Group;
 
-/// Frames and letters; paper.
+/// Colours of frames and letters, and of the paper.
 pub(in super::super) const INK: &str = "#1a1a1a";
 pub(in super::super) const PAPER: &str = "#ffffff";
-/// From light to dark, what lies behind or steps back: every other row, areas, grids, faint lines and marks.
+/// Background greys from light to dark: alternate rows, areas, grids, faint lines and marks.
 pub(in super::super) const STRIPE: &str = "#f3f3f3";
 pub(in super::super) const BAND: &str = "#e6e6e6";
 pub(in super::super) const GRID: &str = "#d6d6d6";
@@ -15,8 +15,8 @@ pub(in super::super) const FAINT: &str = "#8a8a8a";
 /// Width of faint lines, px.
 pub(in super::super) const FAINT_WIDTH: f64 = 1.2;
 
-/// Okabe and Ito's colours, which readers with any colour vision tell apart. Dark red takes the place of yellow, which
-/// white paper swallows; in this order, the first four differ in grey too.
+/// Okabe and Ito's colours, which readers with any colour vision can distinguish. Dark red replaces yellow,
+/// which is invisible on white paper. In this order, the first four differ in grey as well.
 const COLOURS: [[u8; 3]; 8] = [
     [0, 114, 178],
     [230, 159, 0],
@@ -28,7 +28,7 @@ const COLOURS: [[u8; 3]; 8] = [
     [17, 17, 17],
 ];
 
-/// Lengths drawn and left out in turn, px, for a line of middling width; empty is solid.
+/// Dash patterns for a line of medium width: lengths of dashes and gaps, px. Empty is solid.
 const DASHES: [&[f64]; 8] = [
     &[],
     &[14.0, 6.0],
@@ -40,7 +40,7 @@ const DASHES: [&[f64]; 8] = [
     &[13.0, 4.0, 6.0, 4.0],
 ];
 
-/// How one of several lines is told from the others. An option has the style of its index in every picture.
+/// The style that distinguishes one of several lines. An option has the style of its index in every picture.
 #[derive(Clone, Copy)]
 pub(in super::super) struct LineStyle {
     colour: [u8; 3],
@@ -48,7 +48,7 @@ pub(in super::super) struct LineStyle {
 }
 
 impl LineStyle {
-    /// Eight styles differ in colour and dash pattern, 64 in one of the two.
+    /// The style of this index. Eight styles differ in colour and in dash pattern, 64 in one of the two.
     pub fn of(index: usize) -> Self {
         let n = COLOURS.len();
         Self { colour: COLOURS[index % n], dash: DASHES[(index + index / n) % n] }
@@ -58,12 +58,12 @@ impl LineStyle {
         hex(self.colour)
     }
 
-    /// The colour, thinned with white, for areas under letters.
+    /// The colour mixed with white, for areas under letters.
     pub fn tint(self) -> String {
         hex(self.colour.map(|c| 255 - (255 - c) / 4))
     }
 
-    /// A line edged in white, so that what lies below it stays readable.
+    /// A line with a white edge, so that lines below it stay readable.
     pub fn draw(self, points: &[Point], width: f64) -> Group {
         let factor = (width / 4.5).clamp(0.75, 1.5);
         let dash: Vec<String> = self.dash.iter().map(|d| px(d * factor)).collect();
@@ -75,17 +75,18 @@ impl LineStyle {
     }
 }
 
-/// Width of one of several lines, px: each is narrower than the one before, so that lines which coincide remain visible.
+/// Width of one of several lines, px. Each is narrower than the previous one, so that coinciding lines remain
+/// visible.
 pub(in super::super) fn width_by_rank(index: usize, of: usize) -> f64 {
     let narrowed = index as f64 / of.saturating_sub(1).max(3) as f64;
     6.4 - 4.2 * narrowed
 }
 
-/// Widths of lines, px, that grow with probability and differ from each other.
+/// Line widths, px, that grow with probability and all differ.
 pub(in super::super) fn widths_by_probability(probabilities: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut widths: Vec<f64> = probabilities.map(|p| 1.4 + 9.0 * p.min(1.0)).collect();
     let mut order: Vec<usize> = (0..widths.len()).collect();
-    // of equally wide lines the later one is the narrower
+    // of equally wide lines the later one is narrower
     order.sort_by(|&a, &b| widths[a].total_cmp(&widths[b]).then(b.cmp(&a)));
     let step = (8.0 / widths.len().max(1) as f64).min(1.6);
     for pair in order.windows(2) {
@@ -119,8 +120,8 @@ mod tests {
     use super::*;
     use crate::math;
 
-    /// How red, green and blue light look to readers who see all colours, and to those without one kind of cone (Machado,
-    /// Oliveira and Fernandes 2009).
+    /// The perception of red, green and blue light by readers with full colour vision and by those without
+    /// one kind of cone (Machado, Oliveira and Fernandes 2009).
     const READERS: [[[f64; 3]; 3]; 4] = [
         [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
@@ -128,7 +129,7 @@ mod tests {
         [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
     ];
 
-    /// CIELAB of a colour, as a reader sees it.
+    /// CIELAB of a colour as a reader sees it.
     fn seen(colour: [u8; 3], reader: &[[f64; 3]; 3]) -> [f64; 3] {
         let light = colour.map(|c| {
             let c = f64::from(c) / 255.0;

@@ -1,14 +1,15 @@
-//! A line of text: italics, subscripts, and its width, measured.
+//! Lines of text with italics, subscripts and measured width.
 
 use super::{INK, px};
 use crate::geometry::Point;
 use svg::node::element::Element;
 use svg::node::{Blob, Node};
 
-/// The fonts asked for.
+/// The font stack.
 pub(super) const FONTS: &str = "Helvetica, Arial, DejaVu Sans, sans-serif";
 
-/// Advance widths of the characters from blank to tilde, em / 1000: of Helvetica and DejaVu Sans, the larger.
+/// Advance widths of the characters from blank to tilde, em / 1000: the larger of Helvetica's and DejaVu
+/// Sans's.
 const ADVANCES: [u16; 95] = [
     318, 401, 460, 838, 636, 950, 780, 275, 390, 390, 500, 838, 318, 361, 318, 337, 636, 636, 636, 636, 636,
     636, 636, 636, 636, 636, 337, 337, 838, 838, 838, 556, 1015, 684, 686, 722, 770, 667, 611, 778, 752, 295,
@@ -16,13 +17,13 @@ const ADVANCES: [u16; 95] = [
     556, 500, 613, 635, 550, 635, 615, 352, 635, 634, 278, 278, 579, 278, 974, 634, 612, 635, 635, 411, 521,
     392, 634, 592, 818, 592, 592, 525, 636, 337, 636, 838,
 ];
-/// How much wider bold letters are.
+/// Width of bold letters relative to regular ones.
 const BOLD: f64 = 1.13;
-/// How large a subscript is beside the line's own size, and how far it is lowered, em.
+/// Size of a subscript relative to the line, and its drop, em.
 const SUB_SIZE: f64 = 0.72;
 const SUB_DROP: f64 = 0.24;
 
-/// Which part of a text stands at its point.
+/// The part of a text at its anchor point.
 #[derive(Clone, Copy)]
 pub(in super::super) enum Align {
     Left,
@@ -98,14 +99,14 @@ impl Text {
         let em = match c {
             _ if ascii.is_some() => f64::from(ascii.copied().unwrap_or_default()) / 1000.0,
             '\u{2026}' => 1.0,
-            // Latin with accents, Greek, Cyrillic and signs; the rest is as wide as it is high
+            // accented Latin, Greek, Cyrillic and signs; other characters count as full width
             c if (c as u32) < 0x2e80 => 0.84,
             _ => 1.05,
         };
         em * if form == Form::Sub { SUB_SIZE } else { 1.0 } * if self.is_bold { BOLD } else { 1.0 }
     }
 
-    /// As much of the text as fits into `width` px; an ellipsis says that more follows.
+    /// As much of the text as fits into `width` px, with an ellipsis if it is cut.
     pub fn within(self, width: f64, size: f64) -> Self {
         if self.width(size) <= width {
             return self;
@@ -143,7 +144,7 @@ impl Text {
                 Form::Italic => " font-style=\"italic\"".to_owned(),
                 Form::Sub => format!(" font-size=\"{}\"", px(size * SUB_SIZE)),
             };
-            // renderers drop blanks at the ends of a run otherwise
+            // otherwise renderers drop blanks at the ends of a run
             let style = format!("dy=\"{}\"{style} xml:space=\"preserve\"", px(low - lowered));
             content += &format!("<tspan {style}>{}</tspan>", escape(text));
             lowered = low;
@@ -162,7 +163,7 @@ impl Text {
     }
 }
 
-/// A number with a true minus sign.
+/// A number with a typographic minus sign.
 pub(in super::super) fn number(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
@@ -172,7 +173,7 @@ pub(in super::super) fn number(value: f64, decimals: usize) -> String {
     }
 }
 
-/// `text` without the characters that XML cannot hold; line breaks become blanks.
+/// `text` without the characters that XML does not allow; line breaks become blanks.
 pub(in super::super) fn printable(text: &str) -> String {
     let fit = |c: char| match c {
         c if c.is_whitespace() => ' ',
@@ -183,7 +184,7 @@ pub(in super::super) fn printable(text: &str) -> String {
     text.chars().map(fit).collect()
 }
 
-/// `text` for the inside of an XML element.
+/// `text` escaped for the inside of an XML element.
 fn escape(text: &str) -> String {
     printable(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
