@@ -10,7 +10,7 @@ pub struct Saved(#[serde(with = "serde_bytes")] Vec<u8>);
 
 /// A saved state that does not belong to the part that should restore it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("the state is one of another episode: its {part} does not belong here")]
+#[error("the state belongs to another episode: its {part} does not match")]
 pub struct NotRestored {
     /// The part whose state does not match.
     pub part: &'static str,

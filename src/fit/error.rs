@@ -72,7 +72,7 @@ pub enum FitError {
         expected: String,
     },
     /// A duplicate answer.
-    #[error("{file}:{line}: {what} has an answer already, in line {first}; one is expected")]
+    #[error("{file}:{line}: duplicate answer: {what} first answered in line {first}")]
     Duplicate {
         /// The file.
         file: String,
@@ -101,7 +101,7 @@ pub enum FitError {
     },
     /// A participant's percentages do not sum to 100.
     #[error(
-        "{file}:{line}: percent of participant `{participant}` in {world} (lines {first} to {line}) sums to {sum}; it must be 100 (give or take 1); --normalise scales every sum to 100"
+        "{file}:{line}: percent of participant `{participant}` in {world} (lines {first} to {line}) sums to {sum}; it must be 100 (within 1); --normalise scales every sum to 100"
     )]
     Sum {
         /// The file.
@@ -127,7 +127,7 @@ pub enum FitError {
     },
     /// The model's choice probabilities are the same for every c_r.
     #[error(
-        "{file}: the answers tell nothing of c_r: in every world that is fitted, P_o is the same for all c_r from {lower} to {upper} m"
+        "{file}: the answers do not determine c_r: in every fitted world, P_o is the same for all c_r from {lower} to {upper} m"
     )]
     Flat {
         /// The file.

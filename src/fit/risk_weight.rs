@@ -202,13 +202,13 @@ fn fitted_worlds(answers: &Answers, held_out: &[String]) -> Result<Vec<usize>, F
     if let Some(unknown) = held_out.iter().find(|name| !worlds.contains(name)) {
         let known: Vec<_> = worlds.iter().map(|name| name.as_str()).collect();
         return Err(wrong(format!(
-            "{unknown} is to be held out, but has no answers; there are answers for {}",
+            "cannot hold out {unknown}, which has no answers; expected one of: {}",
             known.join(", ")
         )));
     }
     let fitted: Vec<usize> = (0..worlds.len()).filter(|&w| !held_out.contains(worlds[w])).collect();
     match fitted.is_empty() {
-        true => Err(wrong("all worlds are to be held out; expected one at least to fit c_r to".to_owned())),
+        true => Err(wrong("all worlds are held out; at least one must be left to fit c_r".to_owned())),
         false => Ok(fitted),
     }
 }

@@ -94,13 +94,13 @@ impl SwitchFile {
                 }
             }
             let executed = match (option.as_str(), method.as_str()) {
-                ("", "") => return Err(cell("option", "", "an option's name, unless there is a method")),
+                ("", "") => return Err(cell("option", "", "an option's name, or a method")),
                 ("", "mutual") => Executed::Mutual,
                 ("", other) => {
                     return Err(cell(
                         "method",
                         other,
-                        "mutual: with the others nobody is led, or nobody switches",
+                        "mutual; with the other methods the human is not led or does not switch",
                     ));
                 }
                 (_, "") => Executed::Option(option),
@@ -115,7 +115,7 @@ impl SwitchFile {
             };
             if let Some(first) = rows.iter().find(is_same) {
                 let what = format!(
-                    "participant `{participant}` in {world}, {} (a column `trial` tells repetitions apart),",
+                    "participant `{participant}` in {world}, {} (a column `trial` distinguishes repetitions),",
                     executed.name()
                 );
                 return Err(FitError::Duplicate { file, line, what, first: first.line });

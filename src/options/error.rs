@@ -23,7 +23,7 @@ pub enum OptionError {
     },
     /// A listed option is not walkable.
     #[error(
-        "{file}:{line}: option `{option}`: no way leads from {from} to {to} with {clearance} m clear on either side and through no other opening"
+        "{file}:{line}: option `{option}`: no path leads from {from} to {to} with {clearance} m clear on either side and through no other opening"
     )]
     NotWalkable {
         /// The world file.
@@ -62,10 +62,10 @@ pub enum Blockage {
 impl std::fmt::Display for Blockage {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         match self {
-            Self::Walled => write!(f, "obstacles close it off"),
+            Self::Walled => write!(f, "obstacles enclose it"),
             Self::Gap { first, second, width, robot_width } => write!(
                 f,
-                "no opening leads there; the widest gap too narrow for the robot ({robot_width} m) is {width:.4} m, between `{first}` and `{second}`"
+                "no opening leads there; the widest gap that is too narrow for the robot ({robot_width} m) is {width:.4} m wide, between `{first}` and `{second}`"
             ),
         }
     }

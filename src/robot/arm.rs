@@ -159,7 +159,8 @@ fn held(
             });
         };
         if let Some(mimic) = &joint.mimic {
-            let kind = format!("a joint of its own: it mimics `{}`, which may be held instead", mimic.joint);
+            let kind =
+                format!("an independent joint; it mimics `{}`, which may be held instead", mimic.joint);
             return Err(RobotError::Missing { place: hold.place.clone(), needed: kind });
         }
         let (key, scale, given, other) = match joint.kind {
@@ -202,7 +203,7 @@ fn checked_limits(urdf: Urdf, joint: &Joint, needs_rate: bool) -> Result<Limits,
             place,
             field: "limit velocity".to_owned(),
             value: limits.rate,
-            expected: "greater than 0 and finite: the joint moves".to_owned(),
+            expected: "greater than 0 and finite for a moving joint".to_owned(),
         });
     }
     Ok(limits)
@@ -240,7 +241,7 @@ fn followed(urdf: Urdf, links: &[Link], i: usize) -> Result<(usize, f64, f64), R
         let named = |l: &Link| l.joint.as_ref().is_some_and(|j| j.name == mimic.joint);
         at = links.iter().position(named).ok_or_else(|| RobotError::Unknown {
             place: joint_place(urdf, follower),
-            kind: "joint to mimic,",
+            kind: "joint to mimic",
             name: mimic.joint.clone(),
             known: known(links.iter().filter_map(|l| Some(l.joint.as_ref()?.name.as_str()))),
         })?;

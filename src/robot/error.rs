@@ -35,13 +35,13 @@ pub enum RobotError {
         source: std::io::Error,
     },
     /// A file of another kind.
-    #[error("{file}: a robot is a robot file (.toml), or a URDF (.urdf or .xml) with a robot file beside it")]
+    #[error("{file}: expected a robot file (.toml), or a URDF (.urdf or .xml) with a robot file beside it")]
     Format {
         /// The file.
         file: String,
     },
     /// A xacro where a URDF belongs.
-    #[error("{file}: is a xacro, not a URDF; expand it first: `xacro {file} > {expanded}`")]
+    #[error("{file}: a xacro, not a URDF; expand it first: `xacro {file} > {expanded}`")]
     Xacro {
         /// The file.
         file: String,
@@ -59,7 +59,7 @@ pub enum RobotError {
         needed: String,
     },
     /// The robot file beside a URDF names another URDF.
-    #[error("{place} = {found:?}: that is not {asked}, which was asked for")]
+    #[error("{place} = {found:?}; expected {asked}, which was asked for")]
     OtherUrdf {
         /// Where the URDF is named.
         place: Place,
@@ -97,7 +97,7 @@ pub enum RobotError {
         expected: String,
     },
     /// A missing item.
-    #[error("{place}: lacks {needed}")]
+    #[error("{place}: missing {needed}")]
     Missing {
         /// Where.
         place: Place,
@@ -117,7 +117,7 @@ pub enum RobotError {
         key: &'static str,
     },
     /// An unknown name.
-    #[error("{place}: there is no {kind} `{name}`; there are: {known}")]
+    #[error("{place}: unknown {kind} `{name}`; expected one of: {known}")]
     Unknown {
         /// Where.
         place: Place,
@@ -129,7 +129,7 @@ pub enum RobotError {
         known: String,
     },
     /// Two items of one kind have the same name.
-    #[error("{place}: the name is used twice; every {kind} needs a name of its own")]
+    #[error("{place}: duplicate name; every {kind} needs a unique name")]
     Duplicate {
         /// The item.
         place: Place,
@@ -161,7 +161,7 @@ pub enum RobotError {
         why: WheelFault,
     },
     /// A lower limit that is not below the upper one.
-    #[error("{place}: limits upside down: lower {lower} must be below upper {upper}")]
+    #[error("{place}: invalid limits: lower {lower} must be below upper {upper}")]
     Limits {
         /// The joint.
         place: Place,
@@ -171,7 +171,7 @@ pub enum RobotError {
         upper: f64,
     },
     /// Joints that mimic each other in a circle.
-    #[error("{place}: mimics itself: {circle}; a joint must follow one that moves on its own")]
+    #[error("{place}: mimics itself: {circle}; a joint must follow one that moves independently")]
     MimicCircle {
         /// The joint.
         place: Place,
@@ -179,7 +179,7 @@ pub enum RobotError {
         circle: String,
     },
     /// A missing mesh.
-    #[error("{place}: there is no mesh `{mesh}`; looked for it at {looked}")]
+    #[error("{place}: no mesh `{mesh}`; searched for {looked}")]
     Mesh {
         /// The link.
         place: Place,
@@ -190,7 +190,7 @@ pub enum RobotError {
     },
     /// A posture that does not hold the object level at its height, heading ahead.
     #[error(
-        "{place}: the angles given hold the grasp {height:.4} m above the floor, tilted by {tilt_deg:.2} deg and heading {heading_deg:.2} deg from ahead; it must be level, heading ahead, at grasp_height_m = {needed} m: {why}"
+        "{place}: the given angles hold the grasp {height:.4} m above the floor, tilted by {tilt_deg:.2} deg and turned by {heading_deg:.2} deg from straight ahead; it must be level, straight ahead, at grasp_height_m = {needed} m: {why}"
     )]
     Posture {
         /// The posture.

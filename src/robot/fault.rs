@@ -14,13 +14,13 @@ pub enum TreeFault {
         second: String,
     },
     /// Two links have no parent.
-    #[error("hangs on nothing, and neither does `{other}`; a URDF has one root")]
+    #[error("has no parent, like `{other}`; a URDF has one root")]
     TwoRoots {
         /// The other root.
         other: String,
     },
     /// A cycle of links.
-    #[error("carries itself: its parents lead back to it; a URDF is a tree")]
+    #[error("is its own ancestor; a URDF is a tree")]
     Circle,
 }
 
@@ -31,7 +31,7 @@ pub enum ArmFault {
     #[error("is the base link itself; name the link at the end of the arm")]
     GraspIsBase,
     /// The grasp does not descend from the base.
-    #[error("does not hang on `{base}`: its root is `{root}`")]
+    #[error("does not descend from `{base}`: its root is `{root}`")]
     Elsewhere {
         /// The base link.
         base: String,
@@ -39,14 +39,14 @@ pub enum ArmFault {
         root: String,
     },
     /// No joint of the arm moves.
-    #[error("no joint between it and `{base}` moves on its own")]
+    #[error("no joint between it and `{base}` moves independently")]
     NothingMoves {
         /// The base link.
         base: String,
     },
     /// Too many joints move independently.
     #[error(
-        "{count} joints move on their own between it and `{base}`, more than {most}; hold some of them still under [hold]: {joints}"
+        "{count} joints move independently between it and `{base}`, more than {most}; fix some of them under [hold]: {joints}"
     )]
     TooManyJoints {
         /// The base link.
@@ -59,7 +59,7 @@ pub enum ArmFault {
         joints: String,
     },
     /// Too many joints move, mimicking joints included.
-    #[error("{count} joints move between it and `{base}`, those that mimic included, more than {most}")]
+    #[error("{count} joints move between it and `{base}`, mimicking joints included, more than {most}")]
     TooManyMoving {
         /// The base link.
         base: String,
@@ -82,12 +82,10 @@ pub enum ArmFault {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PostureFault {
     /// No solution near the given angles.
-    #[error("no angles near those given do that")]
+    #[error("no angles near the given ones achieve that")]
     NoSolution,
     /// The solution is too far from the given angles.
-    #[error(
-        "`{joint}` would have to move by {by:.4}, more than {most} (rad or m); give angles that are nearer"
-    )]
+    #[error("`{joint}` would have to move by {by:.4}, more than {most} (rad or m); give closer angles")]
     Far {
         /// The first such joint.
         joint: String,
@@ -122,19 +120,19 @@ pub enum WheelFault {
         kind: &'static str,
     },
     /// The joint mimics another one.
-    #[error("it mimics `{joint}`; each wheel must turn on its own")]
+    #[error("it mimics `{joint}`; each wheel must turn independently")]
     Mimics {
         /// The other joint.
         joint: String,
     },
     /// The arm descends from it.
-    #[error("the grasp, `{grasp}`, hangs on it")]
+    #[error("the grasp, `{grasp}`, descends from it")]
     CarriesArm {
         /// The link at the grasp.
         grasp: String,
     },
     /// It does not descend from the base.
-    #[error("it does not hang on `{base}`; its root is `{root}`")]
+    #[error("it does not descend from `{base}`; its root is `{root}`")]
     Elsewhere {
         /// The base link.
         base: String,
@@ -142,7 +140,7 @@ pub enum WheelFault {
         root: String,
     },
     /// A moving joint lies between it and the base.
-    #[error("it hangs on `{base}` through `{joint}`, which is {kind}; it must be fixed")]
+    #[error("it is connected to `{base}` through `{joint}`, which is {kind}; it must be fixed")]
     Loose {
         /// The base link.
         base: String,
@@ -165,7 +163,7 @@ pub enum WheelFault {
     #[error("it has no cylinder or sphere to measure; give wheel_radius_m in the robot file")]
     NoRadius,
     /// Its shape is not centred on the joint's axis.
-    #[error("its {shape} is {by_m:.4} m or {by_deg:.2} deg off the joint's axis; it must turn about its own")]
+    #[error("its {shape} is {by_m:.4} m or {by_deg:.2} deg off the joint's axis; it must be centred on it")]
     Eccentric {
         /// Cylinder or sphere.
         shape: &'static str,

@@ -70,7 +70,7 @@ fn angles(source: Source, spanned: &Spanned<PostureEntry>, robot: &Robot) -> Res
     for ((name, value), motion) in angles.chain(positions) {
         let place = source.place(value, item.clone());
         let Some(i) = robot.joints.iter().position(|j| j.name == *name) else {
-            let (kind, name) = ("joint of the arm that moves on its own,", name.clone());
+            let (kind, name) = ("independent joint of the arm", name.clone());
             let known = known(robot.joints.iter().map(|j| j.name.as_str()));
             return Err(RobotError::Unknown { place, kind, name, known });
         };
@@ -99,8 +99,7 @@ fn angles(source: Source, spanned: &Spanned<PostureEntry>, robot: &Robot) -> Res
         Some(i) => {
             let joint = &robot.joints[i];
             let key = if joint.motion == Motion::Revolute { "angles_deg" } else { "positions_m" };
-            let needed =
-                format!("`{}` under {key}; every joint that moves on its own needs a position", joint.name);
+            let needed = format!("`{}` under {key}; every independent joint needs a position", joint.name);
             Err(RobotError::Missing { place: source.place(spanned, item), needed })
         }
     }

@@ -195,7 +195,7 @@ impl Check<'_> {
             place: self.urdf.place(self.item.clone()),
             field: "length of axis xyz".to_owned(),
             value: axis.norm(),
-            expected: "greater than 0: say which way the joint moves".to_owned(),
+            expected: "greater than 0, to give the direction of motion".to_owned(),
         })
     }
 

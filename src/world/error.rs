@@ -71,7 +71,7 @@ pub enum WorldError {
         field: &'static str,
     },
     /// Two items of one kind have the same name.
-    #[error("{place}: the name is used twice; every {kind} needs a name of its own")]
+    #[error("{place}: duplicate name; every {kind} needs a unique name")]
     Duplicate {
         /// The second occurrence of the name.
         place: Place,
@@ -101,13 +101,13 @@ pub enum WorldError {
         y: f64,
     },
     /// A shape too thin for its length.
-    #[error("{place}: its proportions are too extreme for a solid: use corners and a height of like size")]
+    #[error("{place}: its proportions are too extreme for a solid; use corners and a height of similar size")]
     Extreme {
         /// Where.
         place: Place,
     },
     /// An unknown name.
-    #[error("{place}: there is no {kind} `{name}`; there are: {known}")]
+    #[error("{place}: unknown {kind} `{name}`; expected one of: {known}")]
     Unknown {
         /// Where.
         place: Place,
@@ -144,7 +144,7 @@ pub enum WorldError {
     },
     /// An opening in which a third obstacle stands.
     #[error(
-        "{place}: `{third}` stands {distance:.4} m from the middle of the gap between `{first}` and `{second}` ({width:.4} m wide); name the narrower gap beside it instead"
+        "{place}: `{third}` stands {distance:.4} m from the middle of the gap between `{first}` and `{second}` ({width:.4} m wide); name the narrower gap beside it"
     )]
     Obstructed {
         /// Where.

@@ -209,12 +209,12 @@ fn a_polygon_with_two_corners() {
 
 #[test]
 fn two_obstacles_of_one_name() {
-    spoil("name = \"upper\"", "name = \"lower\"", &["obstacle `lower`", "twice", ":18:"]);
+    spoil("name = \"upper\"", "name = \"lower\"", &["obstacle `lower`", "duplicate name", ":18:"]);
 }
 
 #[test]
 fn an_opening_at_an_unknown_obstacle() {
-    let said = ["opening `gap`", "no obstacle `uper`", "`upper`"];
+    let said = ["opening `gap`", "unknown obstacle `uper`", "`upper`"];
     spoil("between = [\"lower\", \"upper\"]", "between = [\"lower\", \"uper\"]", &said);
 }
 
@@ -229,7 +229,7 @@ fn an_unknown_opening() {
     spoil(
         "openings = [\"gap\"]",
         "openings = [\"gape\"]",
-        &["option `straight`", "no opening `gape`", "`gap`"],
+        &["option `straight`", "unknown opening `gape`", "`gap`"],
     );
 }
 

@@ -74,22 +74,18 @@ fn files_that_are_not_what_they_should_be() {
     urdf("</robot>", "", &["not a valid URDF: "]);
     urdf("velocity=\"1.256\"", "", &["not a valid URDF: ", "velocity"]);
     let page = "<html><body>404</body></html>".to_owned();
-    Files { urdf: page, ..Files::new() }.says(&["carrier.urdf: robot: lacks links"]);
+    Files { urdf: page, ..Files::new() }.says(&["carrier.urdf: robot: missing links"]);
     let deep = "<a>".repeat(100_000) + &"</a>".repeat(100_000);
     Files { urdf: deep, ..Files::new() }.says(&["depth of its elements = 100000", "at most 64"]);
 }
 
 #[test]
 fn names_that_nothing_has() {
-    let base = ["base_link: there is no link `bass_link`", ":3:", "`base_link`, ", "and 5 more"];
+    let base = ["base_link: unknown link `bass_link`", ":3:", "`base_link`, ", "and 5 more"];
     toml("base_link = \"base_link\"", "base_link = \"bass_link\"", &base);
-    toml("= \"grasp_link\"", "= \"grip\"", &["grasp_frame: there is no link `grip`", ":4:"]);
-    toml(
-        "= \"left_wheel_joint\"",
-        "= \"left_wheel\"",
-        &["left_wheel: there is no joint `left_wheel`", ":5:"],
-    );
-    toml("= \"right_wheel_joint\"", "= \"wheel\"", &["right_wheel: there is no joint `wheel`", ":6:"]);
+    toml("= \"grasp_link\"", "= \"grip\"", &["grasp_frame: unknown link `grip`", ":4:"]);
+    toml("= \"left_wheel_joint\"", "= \"left_wheel\"", &["left_wheel: unknown joint `left_wheel`", ":5:"]);
+    toml("= \"right_wheel_joint\"", "= \"wheel\"", &["right_wheel: unknown joint `wheel`", ":6:"]);
 }
 
 #[test]
@@ -110,11 +106,11 @@ fn numbers_of_the_robot_file() {
 
 #[test]
 fn postures_that_are_not_complete() {
-    toml("name = \"elbow-out\"", "name = \"elbow-up\"", &["posture `elbow-up`", "twice", ":23:"]);
+    toml("name = \"elbow-out\"", "name = \"elbow-up\"", &["posture `elbow-up`", "duplicate name", ":23:"]);
     toml(
         "elbow_flex_joint = 95.527315\n",
         "",
-        &["posture `elbow-up`", "lacks `elbow_flex_joint`", "angles_deg"],
+        &["posture `elbow-up`", "missing `elbow_flex_joint`", "angles_deg"],
     );
     let unknown = ["`elbow-up`", "`elbow_flex`", "`elbow_flex_joint`"];
     toml("elbow_flex_joint = 95.527315", "elbow_flex = 95.5", &unknown);
@@ -123,7 +119,7 @@ fn postures_that_are_not_complete() {
     toml("wrist_flex_joint = -61.556035", slides, &unit);
     let mut files = Files::new();
     files.toml.truncate(files.toml.find("# The arm in").expect("the first posture"));
-    files.says(&["carrier.toml: robot: lacks a [[posture]]"]);
+    files.says(&["carrier.toml: robot: missing a [[posture]]"]);
 }
 
 #[test]
@@ -131,9 +127,9 @@ fn postures_that_do_not_hold_the_object_as_they_must() {
     let far = ["`elbow-up`", "tilted by 45.53 deg", "grasp_height_m = 0.7 m", "would have to move", "0.2"];
     toml("elbow_flex_joint = 95.527315", "elbow_flex_joint = 50.0", &far);
     let high =
-        ["`elbow-up`", "0.7000 m above the floor", "grasp_height_m = 2.9 m", "no angles near those given"];
+        ["`elbow-up`", "0.7000 m above the floor", "grasp_height_m = 2.9 m", "no angles near the given ones"];
     toml("grasp_height_m = 0.7", "grasp_height_m = 2.9", &high);
-    let heading = ["`elbow-up`", "heading 30.00 deg"];
+    let heading = ["`elbow-up`", "turned by 30.00 deg"];
     toml("shoulder_pan_joint = 0.0", "shoulder_pan_joint = 30.0", &heading);
     let limit = [
         "carrier.toml:11: posture `elbow-up`",
@@ -150,7 +146,7 @@ fn joints_that_are_held() {
     let hold = |entry: &str, said: &[&str]| {
         toml("# The arm in the", &format!("[hold]\n{entry}\n# The arm in the"), said);
     };
-    hold("elbow = { angle_deg = 1 }", &[":11: hold `elbow`: there is no moving joint", "`elbow_flex_joint`"]);
+    hold("elbow = { angle_deg = 1 }", &[":11: hold `elbow`: unknown moving joint", "`elbow_flex_joint`"]);
     hold("left_finger_joint = { position_m = 0.01 }", &["no moving joint between", "`left_finger_joint`"]);
     let beyond = ["hold `elbow_flex_joint`", "angle_deg = 150", "from -128.97", "to 128.97"];
     hold("elbow_flex_joint = { angle_deg = 150 }", &beyond);

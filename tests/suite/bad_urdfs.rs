@@ -4,29 +4,25 @@ use crate::spoiled_robot::{Files, TOML, URDF, item, toml, urdf};
 
 #[test]
 fn links_that_are_not_one_tree() {
-    let twice = ["link `torso_link`", "twice", "every link"];
-    urdf("<link name=\"grasp_link\"/>", "<link name=\"grasp_link\"/><link name=\"torso_link\"/>", &twice);
-    let twice = ["joint `torso_joint`", "twice", "every joint"];
-    urdf("<joint name=\"gripper_joint\"", "<joint name=\"torso_joint\"", &twice);
+    let duplicate = ["link `torso_link`", "duplicate name", "every link"];
+    urdf("<link name=\"grasp_link\"/>", "<link name=\"grasp_link\"/><link name=\"torso_link\"/>", &duplicate);
+    let duplicate = ["joint `torso_joint`", "duplicate name", "every joint"];
+    urdf("<joint name=\"gripper_joint\"", "<joint name=\"torso_joint\"", &duplicate);
     item(
         "torso_joint",
         "parent link=\"base_link\"",
         "parent link=\"bass_link\"",
-        &["no link `bass_link`", "`base_link`"],
+        &["unknown link `bass_link`", "`base_link`"],
     );
     let parents = ["link `torso_link`", "two joints, `torso_joint` and `gripper_joint`"];
     item("gripper_joint", "child link=\"gripper_link\"", "child link=\"torso_link\"", &parents);
     let lost = "<link name=\"grasp_link\"/><link name=\"lost\"/>";
-    urdf(
-        "<link name=\"grasp_link\"/>",
-        lost,
-        &["link `lost`: hangs on nothing, and neither does `base_link`"],
-    );
+    urdf("<link name=\"grasp_link\"/>", lost, &["link `lost`: has no parent, like `base_link`"]);
     let circle = "<link name=\"a\"/><link name=\"b\"/>
         <joint name=\"ab\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>
         <joint name=\"ba\" type=\"fixed\"><parent link=\"b\"/><child link=\"a\"/></joint>
         <link name=\"grasp_link\"/>";
-    urdf("<link name=\"grasp_link\"/>", circle, &["link `a`: carries itself"]);
+    urdf("<link name=\"grasp_link\"/>", circle, &["link `a`: is its own ancestor"]);
 }
 
 #[test]
@@ -40,7 +36,7 @@ fn grasps_that_are_not_at_the_end_of_an_arm() {
         .within("name=\"left_wheel_joint\"", "parent link=\"base_link\"", "parent link=\"torso_link\"")
         .within("name=\"right_wheel_joint\"", "parent link=\"base_link\"", "parent link=\"torso_link\"")
         .with(TOML, grasp, "grasp_frame = \"front_caster_link\"")
-        .says(&["link `front_caster_link`: does not hang on `torso_link`: its root is `base_link`"]);
+        .says(&["link `front_caster_link`: does not descend from `torso_link`: its root is `base_link`"]);
 }
 
 #[test]
@@ -77,9 +73,9 @@ fn joints_that_an_arm_cannot_have() {
 #[test]
 fn limits() {
     let elbow = "<limit lower=\"-2.251\" upper=\"2.251\" effort=\"66.18\" velocity=\"1.521\"/>";
-    item("elbow_flex_joint", elbow, "", &["lacks <limit>", "lower, upper and velocity"]);
-    item("elbow_flex_joint", "lower=\"-2.251\"", "lower=\"3\"", &["upside down: lower 3", "upper 2.251"]);
-    item("elbow_flex_joint", "lower=\"-2.251\"", "lower=\"2.251\"", &["upside down: lower 2.251"]);
+    item("elbow_flex_joint", elbow, "", &["missing <limit>", "lower, upper and velocity"]);
+    item("elbow_flex_joint", "lower=\"-2.251\"", "lower=\"3\"", &["invalid limits: lower 3", "upper 2.251"]);
+    item("elbow_flex_joint", "lower=\"-2.251\"", "lower=\"2.251\"", &["invalid limits: lower 2.251"]);
     item(
         "elbow_flex_joint",
         "velocity=\"1.521\"",
@@ -104,7 +100,7 @@ fn mimics() {
         elbow,
         "type=\"revolute\">",
         &mimic("elbow"),
-        &["no joint to mimic, `elbow`", "`shoulder_pan_joint`"],
+        &["unknown joint to mimic `elbow`", "`shoulder_pan_joint`"],
     );
     item(
         elbow,
@@ -124,7 +120,7 @@ fn mimics() {
     item(elbow, "type=\"revolute\">", still, &said);
     // the elbow would have to be within its limits while the wrist is within its own
     let apart = "type=\"revolute\"><mimic joint=\"wrist_flex_joint\" offset=\"10\"/>";
-    let said = ["joint `wrist_flex_joint`, which `elbow_flex_joint` mimics", "upside down"];
+    let said = ["joint `wrist_flex_joint`, which `elbow_flex_joint` mimics", "invalid limits"];
     item(elbow, "type=\"revolute\">", apart, &said);
 }
 
@@ -152,10 +148,10 @@ fn wheels_that_do_not_fit() {
         &["y = -0.1870 m", "left", "positive"],
     );
     let elsewhere =
-        ["`left_wheel_joint`: not a wheel", "does not hang on `torso_link`; its root is `base_link`"];
+        ["`left_wheel_joint`: not a wheel", "does not descend from `torso_link`; its root is `base_link`"];
     let files = Files::new().with(TOML, "base_link = \"base_link\"", "base_link = \"torso_link\"");
     files.says(&elsewhere);
-    let arm = ["joint `left_wheel_joint`: not a wheel", "the grasp, `grasp_link`, hangs on it"];
+    let arm = ["joint `left_wheel_joint`: not a wheel", "the grasp, `grasp_link`, descends from it"];
     Files::new()
         .within("name=\"torso_joint\"", "parent link=\"base_link\"", "parent link=\"left_wheel_link\"")
         .says(&arm);
@@ -266,7 +262,7 @@ fn meshes_that_are_not_there() {
         ("file:///no/such/palm.stl", "`/no/such/palm.stl`"),
         ("https://example.org/palm.stl", "palm.stl`"),
     ] {
-        let said = [&format!("no mesh `{mesh}`"), "looked for it at", looked];
+        let said = [&format!("no mesh `{mesh}`"), "searched for", looked];
         item(
             "gripper_link",
             "<box size=\"0.09 0.13 0.07\"/>",

@@ -198,7 +198,7 @@ fn answers_that_tell_nothing_are_refused() {
     let world = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [0, 0]\ntarget_m = [9, 0]\n";
     let file = File::new("answers.csv", "participant,world,option,percent\na,w.toml,1,100\n");
     std::fs::write(file.path.with_file_name("w.toml"), world).unwrap();
-    refused(&["fit", "risk-weight", file.path()], &["tell nothing of c_r", "0.1 to 1000 m"]);
+    refused(&["fit", "risk-weight", file.path()], &["do not determine c_r", "0.1 to 1000 m"]);
 }
 
 /// The step at which a human of this eta takes over from a robot that knows it.

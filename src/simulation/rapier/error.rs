@@ -29,7 +29,7 @@ pub enum PhysicsError {
     },
     /// The team does not fit at its start.
     #[error(
-        "{file}: at the start the {part} `{name}` is inside obstacle `{obstacle}`; the team stands 2 to 3 m long, the human ahead of ({x}, {y})"
+        "{file}: at the start, the {part} `{name}` is inside obstacle `{obstacle}`; the team is 2 to 3 m long, with the human ahead of ({x}, {y})"
     )]
     Occupied {
         /// The world file.
@@ -47,7 +47,7 @@ pub enum PhysicsError {
     },
     /// The human has no room at the end of an option.
     #[error(
-        "{file}: no room at the target: where option `{option}` ends, the human walks on to ({x:.3}, {y:.3}) and is {distance:.3} m from obstacle `{obstacle}` on the way; leave {needed} m on either side, as far as {ahead:.2} m beyond target_m"
+        "{file}: no room at the target: at the end of option `{option}`, the human walks on to ({x:.3}, {y:.3}) and comes within {distance:.3} m of obstacle `{obstacle}`; leave {needed} m on either side, up to {ahead:.2} m beyond target_m"
     )]
     NoRoomAtTarget {
         /// The world file.
