@@ -41,7 +41,7 @@ pub fn table_2(rows: &[Row]) -> Table {
             h2::SAMPLES,
             n = h2::GRID,
         ))
-        .with_note("Reduction: of ours against `without model`. Their difference: of the same 20 humans' cost from that without the model.");
+        .with_note("Reduction: ours compared with `without model`. Their difference: the cost of the same 20 humans minus their cost without the model.");
     let tested = rows.iter().filter_map(|r| r.sample_against_without?.p_value).count();
     let table = explained(table, tested, "of this table");
     match rows.iter().map(|r| r.not_arrived).sum::<usize>() {
@@ -111,7 +111,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     let rows = h2::table(settings, plan.seed, on_done)?;
     let mut blocks = vec![
         Block::Text(
-            "The robot leads until the human's stubbornness \u{3c6}(k), eq. (5), exceeds 1, and follows from then on; while it leads it takes the option of eq. (6). \
+            "The robot leads until the human's stubbornness \u{3c6}(k), eq. (5), exceeds 1, and follows from then on. While it leads, it takes the option of eq. (6). \
              Without the model, the human leads from start to end on the option preferred at the start."
                 .to_owned(),
         ),

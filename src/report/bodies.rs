@@ -58,12 +58,12 @@ pub fn table_2_with_bodies(rows: &[Row], humans: usize, sway: f64) -> Table {
         })
         .table(
             "table-2-bodies",
-            format!("Table II with bodies: {humans} humans a cell, whose hands sway by {sway} m"),
+            format!("Table II with bodies: {humans} humans per cell, whose hands sway by {sway} m"),
         )
-        .with_note("Means are over those who arrive with bodies, without any contact. point: accumulated objective cost of a team without bodies; ratio: with over without,")
-        .with_note("human by human, mean and farthest from 1, and how many are within 5 %; same option: ended on it; transition: largest difference in steps; error: of the grasp, rms;")
-        .with_note("against no model: cost with bodies less that without the model, of the humans who arrive both times;")
-        .with_note("force: of the human on the object, rms; grip: how far a grip yielded at most.");
+        .with_note("Means are over the humans who arrive with bodies and without any contact. point: accumulated objective cost of a team without bodies; ratio: cost with bodies over cost without,")
+        .with_note("for each human, mean and value farthest from 1; within 5 %: number of such ratios; same option: humans who end on the same option; transition: largest difference in steps; error: of the grasp, rms;")
+        .with_note("against no model: cost with bodies minus cost without the model, for the humans who arrive both times;")
+        .with_note("force: of the human on the object, rms; grip: largest deflection of a grip.");
     let tested = rows.iter().filter_map(|r| r.against_without?.p_value).count();
     let table = explained(table, tested, "of this table");
     let lost: Vec<&str> = rows.iter().flat_map(|r| r.lost.iter().copied()).collect();
@@ -109,7 +109,7 @@ fn finding(rows: &[Row]) -> Finding {
         claim: "H2, where the team has bodies (not in the paper)",
         verdict: holds(cheaper, cells, "cells"),
         figures: format!(
-            "mean cost lower than without the model in {cheaper} of {cells} cells, significantly (p < {LEVEL}, Holm) in {shown}; {} of {} humans arrive without touching anything, {} on the option of the team that is a point; cost {ratio:.3} times the point's in the mean of the cells",
+            "mean cost lower than without the model in {cheaper} of {cells} cells, significantly (p < {LEVEL}, Holm) in {shown}; {} of {} humans arrive without touching anything, {} on the option of the point team; cost {ratio:.3} times the point team's on average over the cells",
             sum(|r| r.arrived),
             sum(|r| r.humans),
             sum(|r| r.same_option),

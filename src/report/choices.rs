@@ -33,7 +33,7 @@ pub fn table_1(rows: &[Row]) -> Table {
         .with_note(format!(
             "ours - paper's model: mean |difference| {mean:.2}, largest {worst:.2} percentage points."
         ))
-        .with_note("The worlds' geometry was calibrated to this table: the paper does not publish its own.")
+        .with_note("The paper does not publish its worlds' geometry; it was calibrated to this table.")
 }
 
 /// A difference, without a sign where it rounds to 0.
@@ -65,8 +65,8 @@ fn run(plan: &Plan, _: crate::parallel::OnDone) -> Result<Section, ReportError> 
     let fits = h1::fits(&rows);
     let mut blocks = vec![
         Block::Text(
-            "A human takes the option with the lowest subjective cost, eq. (3), and the robot knows \u{3b1} and \u{3b3} only as ranges; P\u{2092} is the share of \
-             the ranges in which option o is taken, eq. (4)."
+            "A human takes the option with the lowest subjective cost, eq. (3). The robot knows only ranges of \u{3b1} and \u{3b3}. P\u{2092} is the share of the ranges \
+             in which the human takes option o, eq. (4)."
                 .to_owned(),
         ),
         Block::Table(table_1(&rows)),
@@ -111,8 +111,8 @@ fn finding(rows: &[Row], fits: &[Fit]) -> Finding {
         claim: "H1: a distribution over (\u{3b1}, \u{3b3}) represents how humans choose better than fixed parameters",
         verdict: holds(better, fits.len(), "environments"),
         figures: format!(
-            "{:.1} percentage points from the humans' answers in the mean (paper's model {:.1}; fixed parameters {:.1} at best); {ranked} of {pairs} pairs of \
-             options ranked as by humans; {off:.1} from the paper's model in the mean, {worst:.1} at most (calibrated to it)",
+            "{:.1} percentage points from the humans' answers on average (paper's model {:.1}; fixed parameters {:.1} at best); {ranked} of {pairs} pairs of \
+             options ranked as by humans; {off:.1} from the paper's model on average, {worst:.1} at most (calibrated to it)",
             mean(|f| f.ours),
             mean(|f| f.paper),
             mean(|f| f.fixed),

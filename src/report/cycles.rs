@@ -10,9 +10,9 @@ pub(super) const PART: Part = Part { name: "random worlds", episodes: |plan| pla
 
 fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     let findings = search(plan.worlds, plan.seed, &plan.settings, on_done);
-    let text = "The paper claims, without proof, that eq. (6) does not make the team go back and forth between options for ever. A random world, human and \u{3b7} (1 to \
-                30) an episode, run until the team stands at the target or ten times the longest option has passed. A counterexample is an episode that \
-                did not arrive.";
+    let text = "The paper claims, without proof, that eq. (6) never makes the team alternate between options forever. Every episode has a random world, human and \u{3b7} \
+                (1 to 30). It runs until the team arrives or ten times the time of the longest option has passed. A counterexample is an episode that does not \
+                arrive.";
     Ok(Section {
         title: "No locked cycles".to_owned(),
         finding: finding(&findings),

@@ -80,6 +80,6 @@ pub(super) fn explained(table: Table, tested: usize, family: &str) -> Table {
              by Holm's method for the {tested} comparisons {family} that are tested."
         ))
         .with_note(
-            "One outcome: it does not vary between these humans, who all make the same choices; nothing is tested.",
+            "One outcome: all these humans make the same choices, so nothing is tested.",
         )
 }

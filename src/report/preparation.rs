@@ -165,10 +165,10 @@ pub fn table_3_ratios(compared: Compared) -> Table {
         .with_note("tracked option: eq. (8) for that option alone.");
     let table = match compared.methods.contains(&PoseMethod::WithPoObstacles) {
         true => table.with_note(
-            "whole-body: candidates move base and arm. obstacles: the base is kept out of them, compared with no PO under the same limits.",
+            "whole-body: candidates move base and arm. obstacles: the base is kept off obstacles; compared with no PO under the same limits.",
         ),
         false => table.with_note(
-            "With bodies: obstacles are kept off, and the base follows the way; pairs of which either did not arrive do not count.",
+            "With bodies: the robot avoids obstacles, and the base follows the path. Pairs in which either episode did not arrive are left out.",
         ),
     };
     let own = || compared.rows.iter().filter(|r| r.start == compared.start);
@@ -188,10 +188,10 @@ fn parts_table(compared: Compared) -> Table {
     figures(Columns::of(&rows))
         .table(
             &format!("table-3-parts-{}", compared.start),
-            format!("What C is made of (means of the episodes); episodes start `{}`", compared.start),
+            format!("Composition of C (means over the episodes); episodes start `{}`", compared.start),
         )
         .with_note("error: distance of the grasp from its reference, rms over all steps; limited: share of the steps in which a limit was active;")
-        .with_note("overlaps: episodes in which the base overlaps an obstacle, of which eq. (7) knows nothing here, as in the paper.")
+        .with_note("overlaps: episodes in which the base overlaps an obstacle; as in the paper, eq. (7) has no obstacles here.")
 }
 
 /// Every row of every method and start, for programs.
@@ -279,15 +279,16 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     let rows = study.table(on_done)?;
     let starts: Vec<&str> = plan.robot.postures.iter().map(|p| p.name.as_str()).collect();
     let of = |start| Compared { rows: &rows, start, methods: study.methods() };
-    let text = "The human leads from the start and changes (\u{3b1}, \u{3b3}) once or twice on the way; the robot knows only the full ranges. C is the true control cost \
-                of Sec. V-C. Every method meets the same humans, so that all comparisons are paired.";
+    let text = "The human leads from the start and changes (\u{3b1}, \u{3b3}) once or twice during the episode; the robot knows only the full ranges. C is the true control \
+                cost of Sec. V-C. Every method meets the same humans, so all comparisons are paired.";
     let all: Vec<Compared> = starts.iter().map(|start| of(start)).collect();
     let mut blocks = vec![Block::Text(text.to_owned()), Block::Text(account(&all))];
     blocks.extend(starts.iter().map(|start| Block::Table(table_3(of(start)))));
     blocks.push(Block::Figure(Figure {
         name: "table-3-ratios".to_owned(),
-        caption: "Control cost over that of the baseline: one mark a cell of Table III, a bar at the mean."
-            .to_owned(),
+        caption:
+            "Control cost relative to the baseline: one mark for each cell of Table III, a bar at the mean."
+                .to_owned(),
         is_half: false,
         svg: ratio_picture(&rows, &starts)?,
     }));
@@ -371,15 +372,15 @@ fn account(compared: &[Compared]) -> String {
         PoseMethod::TrackedOption,
     ];
     format!(
-        "Numbers are ratios of C to that of the baseline, means of the cells; from `{start}` unless another start is named.\n\n\
-         *How much of it is the baseline's.* Pose optimisation: {po_ratio} ({po_elsewhere}). Minimum-norm inputs leave an arm that starts in the upright plane there, where sideways \
-         and yaw motion cost most; pose optimisation swings the elbow out once and keeps it there. What remains where both start with the elbow out is what preparing is worth by itself.\n\n\
-         *What the probabilities are worth.* Weights of eq. (8) by P\u{2092}: {po_ratio}; equal weights: {uniform_ratio}; the tracked option alone: {tracked_ratio}. The difference between \
-         the first and the last is what preparing for several options is worth, between the first and the second what knowing their probabilities is.\n\n\
+        "Numbers are ratios of C to the baseline's C, averaged over the cells. Episodes start `{start}` unless another start is named.\n\n\
+         *How much of it is the baseline's.* Pose optimisation: {po_ratio} ({po_elsewhere}). With minimum-norm inputs, an arm that starts in the vertical plane stays in it, where \
+         sideways and yaw motion cost most. Pose optimisation swings the elbow out once and keeps it there. The gain that remains where both start with the elbow out is due to preparation.\n\n\
+         *What the probabilities are worth.* Weights of eq. (8) by P\u{2092}: {po_ratio}; equal weights: {uniform_ratio}; the tracked option alone: {tracked_ratio}. The first \
+         and the last differ by the gain of preparing for several options, the first and the second by the gain of knowing their probabilities.\n\n\
          *Costs against manipulability.* The most manipulable of the same candidates: {manipulability_ratio} ({manipulability_elsewhere}); above 1 is worse than doing nothing.\n\n\
          *Base and arm together.* {whole_body_ratio} ({whole_body_elsewhere}).\n\n\
-         *Obstacles.* Eq. (7) knows none, as in the paper: the base overlaps one in {with} of the episodes with pose optimisation and in {without} without. With the base kept out of \
-         them: {kept} and {kept_without}, at a ratio of {obstacle_ratio}.",
+         *Obstacles.* As in the paper, eq. (7) has no obstacles: the base overlaps one in {with} of the episodes with pose optimisation and in {without} without. With the base kept off \
+         obstacles: {kept} and {kept_without}, at a ratio of {obstacle_ratio}.",
         start = first.start,
         po_ratio = ratio(first, po),
         po_elsewhere = elsewhere(po),

@@ -62,7 +62,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     let held_out = ENVIRONMENTS[3].name.to_owned();
     let settings = RiskWeightSettings { held_out: vec![held_out], ..RiskWeightSettings::default() };
     let fit = fit_risk_weight(&answers, predictor, &settings, on_done)?;
-    let text = "Fitted to the mean answers in Environments 1 to 3 (scaled to 100 % each), and held against Environment 4's. The paper finds 10. The answers of single \
+    let text = "Fitted to the mean answers in Environments 1 to 3 (scaled to 100 % each) and validated with Environment 4's. The paper finds 10. The answers of single \
                 participants are not published, so there is no interval.";
     Ok(Section {
         title: "H1: the weight of risk".to_owned(),
@@ -102,8 +102,8 @@ fn finding(fit: &RiskWeightFit) -> Finding {
         claim: "The humans' answers give c\u{1d63} = 10 m",
         verdict: format!("{:.1} m", fit.likelihood.risk_weight),
         figures: format!(
-            "by likelihood, {:.1} m by least squares, as the paper, nearly as good from {low:.1} to {high:.1} m; by likelihood {:.1} percentage points off in the \
-             environments fitted and {held_out:.1} in Environment 4, held out (rms)",
+            "by likelihood; {:.1} m by least squares, as in the paper, and nearly as good from {low:.1} to {high:.1} m; by likelihood {:.1} percentage points off in the \
+             fitted environments and {held_out:.1} in the held-out Environment 4 (rms)",
             fit.least_squares.risk_weight, fit.likelihood.fitted.rms,
         ),
     }
