@@ -82,7 +82,7 @@ pub enum DrawingError {
         period: f64,
     },
     /// A figure without panels.
-    #[error("there is nothing to draw: no panels were given")]
+    #[error("nothing to draw; expected at least one panel")]
     NoPanels,
     /// A ratio of costs that is negative, not a number or out of range.
     #[error("row `{row}`: the ratio {value} in environment {environment} cannot be drawn")]

@@ -64,7 +64,7 @@ impl fmt::Display for NoInterval {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::Few { found } => {
-                write!(f, "{found} of the at least {LEAST_DRAWS} that a 95 % interval needs")
+                write!(f, "{found}; a 95 % interval needs at least {LEAST_DRAWS}")
             }
             Self::Unbounded { bounded, of } => {
                 write!(f, "{bounded} of {of} bounded on both sides, at least {LEAST_BOUNDED} needed")
