@@ -12,7 +12,7 @@ use crate::policy::Method;
 use crate::preference::Perception;
 use crate::robot::Robot;
 use crate::scenario::{Carrier, Stage};
-use crate::simulation::Party;
+use crate::simulation::BodyKind;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -282,7 +282,7 @@ impl Told<'_> {
         };
         if let Some(Loss { by, step, distance }) = summary.loss {
             let words = match by {
-                Party::Human => "the human's grip yielded by",
+                BodyKind::Human => "the human's grip yielded by",
                 _ => "the robot's grasp was off by",
             };
             events.push(format!(
@@ -295,7 +295,7 @@ impl Told<'_> {
             let [first, second] = &contact.between;
             events.push(format!(
                 "the {}'s {} touched {} at ({:.2}, {:.2}, {:.2}) m, {:.1} mm deep, {:.0} N",
-                first.party.name(),
+                first.kind.name(),
                 first.name,
                 second.name,
                 contact.point.x,
@@ -396,7 +396,7 @@ impl Told<'_> {
             })),
             "collision": summary.collision.as_ref().map(|c| json!({
                 "between": c.between.each_ref().map(|part| json!({
-                    "party": part.party.name(),
+                    "party": part.kind.name(),
                     "name": part.name,
                 })),
                 "point_m": [c.point.x, c.point.y, c.point.z],

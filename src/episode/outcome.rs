@@ -3,7 +3,7 @@
 use super::{PhysicsTick, RobotTick};
 use crate::control::SolveOutcome;
 use crate::geometry::Point;
-use crate::simulation::{Contact, Failure, Observation, Party};
+use crate::simulation::{BodyKind, Contact, Failure, Observation};
 use serde::{Deserialize, Serialize};
 
 /// The outcome of an episode.
@@ -63,7 +63,7 @@ pub const GRASP_WARNING_RMS_M: f64 = 0.05;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Loss {
     /// The end at which it happened: the robot's or the human's.
-    pub by: Party,
+    pub by: BodyKind,
     /// k of the step in which it happened.
     pub step: u64,
     /// The grasp error or the grip's deflection, m.
@@ -275,7 +275,7 @@ impl Summary {
             }
         }
         if let Some(seen) = seen {
-            let obstacle = |contact: &&Contact| contact.between.iter().any(|p| p.party == Party::Obstacle);
+            let obstacle = |contact: &&Contact| contact.between.iter().any(|p| p.kind == BodyKind::Obstacle);
             self.collision = seen.contacts.iter().find(obstacle).cloned();
             self.failure.clone_from(&seen.failure);
         }

@@ -8,7 +8,7 @@ use crate::paper::BuiltInError;
 use crate::parallel::{OnDone, in_parallel};
 use crate::policy::Method;
 use crate::robot::Robot;
-use crate::simulation::{Party, PhysicsError, PhysicsSettings};
+use crate::simulation::{BodyKind, PhysicsError, PhysicsSettings};
 use crate::world::World;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -91,9 +91,9 @@ impl Study<'_> {
                         row.free += 1;
                         row.clearance += clearance;
                     }
-                    End::Touched(party) => {
+                    End::Touched(kind) => {
                         *touched += 1;
-                        row.touched[party as usize] += 1;
+                        row.touched[kind as usize] += 1;
                     }
                     End::Other => row.other += 1,
                 }
@@ -130,7 +130,7 @@ impl Study<'_> {
             }
             let summary = episode.summary();
             Ok(match (&summary.collision, summary.outcome) {
-                (Some(contact), _) => End::Touched(contact.between[0].party),
+                (Some(contact), _) => End::Touched(contact.between[0].kind),
                 (None, Outcome::Arrived) => End::Free(clearance),
                 _ => End::Other,
             })
@@ -142,7 +142,7 @@ impl Study<'_> {
 /// How a walk ended: with the nearest distance, m, or with who touched.
 enum End {
     Free(f64),
-    Touched(Party),
+    Touched(BodyKind),
     Other,
 }
 

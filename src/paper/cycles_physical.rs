@@ -8,7 +8,7 @@ use crate::options::OptionSet;
 use crate::parallel::{OnDone, in_parallel};
 use crate::preference::Perception;
 use crate::robot::Robot;
-use crate::simulation::{Contact, Party, PhysicsError, PhysicsSettings};
+use crate::simulation::{BodyKind, Contact, PhysicsError, PhysicsSettings};
 use crate::world::World;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -94,15 +94,15 @@ impl Study<'_> {
         let trials = in_parallel(self.worlds, on_done, |i| self.trial(self.seed.wrapping_add(i as u64)));
         let trials = trials.into_iter().collect::<Result<Vec<_>, _>>()?;
         let arrived = |t: &&Trial| t.summary.outcome == Outcome::Arrived;
-        let party = |t: &Trial| t.summary.collision.as_ref().map(|contact| contact.between[0].party);
-        let by = |by| trials.iter().filter(|t| party(t) == Some(by)).count();
+        let kind = |t: &Trial| t.summary.collision.as_ref().map(|contact| contact.between[0].kind);
+        let by = |by| trials.iter().filter(|t| kind(t) == Some(by)).count();
         Ok(Findings {
             episodes: trials.len(),
             with_choice: trials.iter().filter(|t| t.options > 1).count(),
             with_changes: trials.iter().filter(|t| t.summary.changes > 0).count(),
             most_changes: trials.iter().map(|t| t.summary.changes).max().unwrap_or(0),
             arrived: trials.iter().filter(arrived).count(),
-            touched: [Party::Robot, Party::Object, Party::Human].map(by),
+            touched: [BodyKind::Robot, BodyKind::Object, BodyKind::Human].map(by),
             longest_detour: trials.iter().filter(arrived).map(|t| t.detour).fold(0.0, f64::max),
             lost: (self.seed..)
                 .zip(&trials)

@@ -6,7 +6,7 @@ use super::motion::timestamp;
 use crate::coordination::Mode;
 use crate::episode::{Episode, PreferenceChange, Summary, Tick};
 use crate::preference::Perception;
-use crate::simulation::{Contact, Part, Party};
+use crate::simulation::{BodyKind, Contact, Part};
 use foxglove::messages::{Log, log::Level};
 
 /// What was said so far.
@@ -71,11 +71,11 @@ impl Events {
         let new = contacts.iter().filter(|c| !self.touching.contains(&c.between));
         let said = new.map(|contact| {
             let [first, second] = &contact.between;
-            let level = if second.party == Party::Obstacle { Level::Error } else { Level::Warning };
+            let level = if second.kind == BodyKind::Obstacle { Level::Error } else { Level::Warning };
             let p = contact.point;
             let words = format!(
                 "the {}'s {} touched {} at ({:.2}, {:.2}, {:.2}) m, {:.1} mm deep, {:.0} N",
-                first.party.name(),
+                first.kind.name(),
                 first.name,
                 second.name,
                 p.x,

@@ -6,7 +6,7 @@ mod rapier;
 
 pub use kinematic::KinematicPlant;
 pub use rapier::{
-    Clearance, Clearances, Contact, Failure, Forces, HAND_RADIUS, HumanCommand, HumanSettings, Observation,
-    Part, Party, PhysicalPlant, PhysicsError, PhysicsSettings, TORSO_HEIGHT, TORSO_RADIUS, Wrench,
+    BodyKind, Clearance, Clearances, Contact, Failure, Forces, HAND_RADIUS, HumanCommand, HumanSettings,
+    Observation, Part, PhysicalPlant, PhysicsError, PhysicsSettings, TORSO_HEIGHT, TORSO_RADIUS, Wrench,
     sample_motion,
 };

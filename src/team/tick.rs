@@ -4,7 +4,7 @@ use super::physical::object_on_floor;
 use crate::control::SolveOutcome;
 use crate::geometry::PlanarPose;
 use crate::robot::{Configuration, InputVector};
-use crate::simulation::{Clearance, Observation, Party};
+use crate::simulation::{BodyKind, Clearance, Observation};
 use serde::{Deserialize, Serialize};
 
 /// The robot in one planning step.
@@ -121,12 +121,12 @@ impl RobotTick {
         self.tracking_cost + self.control_effort + self.pose_cost
     }
 
-    /// The body kind with the worst hold on the object, and the deviation (m): of the robot's grasp, or of a
+    /// The kind of body with the worst hold on the object, and the deviation (m): of the robot's grasp, or of a
     /// yielding grip.
-    pub(crate) fn worst_hold(&self) -> (Party, f64) {
+    pub(crate) fn worst_hold(&self) -> (BodyKind, f64) {
         let [gripper, hand] = self.physics.map_or([0.0; 2], |physics| physics.stretch);
         let robot = self.position_error.max(gripper);
-        if hand > robot { (Party::Human, hand) } else { (Party::Robot, robot) }
+        if hand > robot { (BodyKind::Human, hand) } else { (BodyKind::Robot, robot) }
     }
 
     pub(super) fn at(configuration: &Configuration, grasp_goal: PlanarPose) -> Self {

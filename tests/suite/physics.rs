@@ -5,7 +5,7 @@ use cocarry::geometry::{PlanarPose, Point, Pose, angle_of, direction, left_of, w
 use cocarry::math;
 use cocarry::robot::{Configuration, InputVector, Robot, pose_difference};
 use cocarry::simulation::{
-    Failure, HumanCommand, Observation, Party, PhysicalPlant, PhysicsError, PhysicsSettings,
+    BodyKind, Failure, HumanCommand, Observation, PhysicalPlant, PhysicsError, PhysicsSettings,
 };
 use cocarry::world::World;
 use nalgebra::{SMatrix, SVector, Vector3};
@@ -395,16 +395,16 @@ fn a_collision_says_who_with_what_where_and_how_hard() {
         let speed = Vector3::from_column_slice(&seen.object_twist[..3]).norm();
         assert!(speed < 2.0, "{speed} m/s");
         for contact in &seen.contacts {
-            assert_eq!(contact.between[1].party, Party::Obstacle);
+            assert_eq!(contact.between[1].kind, BodyKind::Obstacle);
             assert_eq!(contact.between[1].name, "wall");
             // nothing holds the human back; what is dynamic must not go in
-            if contact.between[0].party == Party::Human {
+            if contact.between[0].kind == BodyKind::Human {
                 assert_eq!(contact.force, 0.0);
                 continue;
             }
             deepest = deepest.max(contact.depth);
             hardest = hardest.max(contact.force);
-            if contact.between[0].party == Party::Object {
+            if contact.between[0].kind == BodyKind::Object {
                 assert_eq!(contact.between[0].name, "beam");
                 assert!((contact.point - nalgebra::Point3::new(2.0, 1.7, 0.7)).norm() < 1.6, "{contact:?}");
                 met.get_or_insert((seen.time, contact.clone()));

@@ -151,7 +151,7 @@ fn bodies_text(findings: &cycles_physical::Findings, sway: f64) -> String {
                 let [own, obstacle] = &contact.between;
                 format!(
                     "the {}'s {} touched {}, {distance:.2} m from the target",
-                    own.party.name(),
+                    own.kind.name(),
                     own.name,
                     obstacle.name
                 )

@@ -10,7 +10,7 @@ use super::clusters::{Cluster, clusters, moving};
 use super::motor::{Motor, joint_data};
 use super::parts::{Group, Parts};
 use super::ramp::Ramp;
-use super::{Party, PhysicsSettings};
+use super::{BodyKind, PhysicsSettings};
 use crate::geometry::{PlanarPose, Point, Pose, Vector, direction, wrap_angle};
 use crate::robot::{Configuration, InputVector, JointVector, MAX_JOINTS, Robot};
 use crate::simulation::convert::{self, to_matrix, to_vector};
@@ -268,7 +268,7 @@ fn insert(world: &mut PhysicsWorld, parts: &mut Parts, robot: &Robot, cluster: &
     let group = if cluster.parent.is_none() { Group::Base } else { Group::Arm };
     for (link, cluster_from_link) in &cluster.links {
         let link = &robot.links[*link];
-        parts.add_link(world, body, link, cluster_from_link, (Party::Robot, group));
+        parts.add_link(world, body, link, cluster_from_link, (BodyKind::Robot, group));
     }
     body
 }

@@ -23,7 +23,7 @@ mod touch;
 
 pub use error::PhysicsError;
 pub use human::HumanCommand;
-pub use observation::{Clearance, Clearances, Contact, Failure, Forces, Observation, Part, Party, Wrench};
+pub use observation::{BodyKind, Clearance, Clearances, Contact, Failure, Forces, Observation, Part, Wrench};
 pub use sample::sample_motion;
 pub use settings::{HumanSettings, PhysicsSettings};
 

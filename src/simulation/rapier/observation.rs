@@ -103,7 +103,7 @@ pub struct Forces {
 
 /// The kind of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum Party {
+pub enum BodyKind {
     /// The robot.
     Robot,
     /// The carried object.
@@ -114,7 +114,7 @@ pub enum Party {
     Obstacle,
 }
 
-impl Party {
+impl BodyKind {
     /// Name in lower case.
     pub fn name(self) -> &'static str {
         match self {
@@ -130,7 +130,7 @@ impl Party {
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Part {
     /// The kind of its body.
-    pub party: Party,
+    pub kind: BodyKind,
     /// Name: the robot's link, the object's shape, `torso` or `hand`, or the obstacle.
     pub name: String,
 }
@@ -138,7 +138,7 @@ pub struct Part {
 /// Two parts that touched during a control period.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
-    /// The two parts, in the order of [`Party`].
+    /// The two parts, in the order of [`BodyKind`].
     pub between: [Part; 2],
     /// The contact point at the largest depth.
     pub point: Point3<f64>,

@@ -1,6 +1,6 @@
 //! Colliders and the named parts that they belong to.
 
-use super::{Part, Party};
+use super::{BodyKind, Part};
 use crate::geometry::Pose;
 use crate::robot::{Link, Shape};
 use crate::simulation::convert::to_rapier;
@@ -50,7 +50,7 @@ impl Group {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Parts {
     parts: Vec<Part>,
-    colliders: Vec<(Party, ColliderHandle)>,
+    colliders: Vec<(BodyKind, ColliderHandle)>,
     /// Links with shapes that the physics ignores.
     left_out: Vec<String>,
 }
@@ -63,11 +63,11 @@ impl Parts {
         body: Option<RigidBodyHandle>,
         shape: ColliderBuilder,
         name: &str,
-        (party, group): (Party, Group),
+        (kind, group): (BodyKind, Group),
     ) {
-        let known = self.parts.iter().position(|p| p.party == party && p.name == name);
+        let known = self.parts.iter().position(|p| p.kind == kind && p.name == name);
         let number = known.unwrap_or_else(|| {
-            self.parts.push(Part { party, name: name.to_owned() });
+            self.parts.push(Part { kind, name: name.to_owned() });
             self.parts.len() - 1
         });
         let collider = shape
@@ -80,7 +80,7 @@ impl Parts {
             Some(body) => world.colliders.insert_with_parent(collider, body, &mut world.bodies),
             None => world.colliders.insert(collider),
         };
-        self.colliders.push((party, handle));
+        self.colliders.push((kind, handle));
     }
 
     /// Adds the collision shapes of a link.
@@ -90,7 +90,7 @@ impl Parts {
         body: RigidBodyHandle,
         link: &Link,
         body_from_link: &Pose,
-        kind: (Party, Group),
+        kind: (BodyKind, Group),
     ) {
         let quarter = to_rapier(&Pose::identity()) * rapier3d::math::Rotation::from_rotation_x(FRAC_PI_2);
         for geometry in &link.collisions {
@@ -135,9 +135,9 @@ impl Parts {
     pub fn of<'w>(
         &'w self,
         world: &'w PhysicsWorld,
-        party: Party,
+        kind: BodyKind,
     ) -> impl Iterator<Item = &'w Collider> + Clone {
-        let own = self.colliders.iter().filter(move |(owner, _)| *owner == party);
+        let own = self.colliders.iter().filter(move |(owner, _)| *owner == kind);
         own.filter_map(|(_, handle)| world.colliders.get(*handle))
     }
 }

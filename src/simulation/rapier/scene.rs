@@ -6,7 +6,7 @@ use super::grip::{GRIPPER, Grip, HAND};
 use super::human::Walker;
 use super::parts::{Group, Parts};
 use super::{
-    GRAVITY, HAND_RADIUS, Party, PhysicalPlant, PhysicsError, PhysicsSettings, TORSO_AHEAD, TORSO_HEIGHT,
+    BodyKind, GRAVITY, HAND_RADIUS, PhysicalPlant, PhysicsError, PhysicsSettings, TORSO_AHEAD, TORSO_HEIGHT,
     TORSO_RADIUS,
 };
 use crate::geometry::{PlanarPose, Pose, direction};
@@ -55,7 +55,7 @@ impl Scene<'_> {
         for obstacle in &self.world.obstacles {
             let (at, shape) = obstacle.solid();
             let shape = ColliderBuilder::new(SharedShape(shape.clone_dyn().into())).position(at);
-            parts.add(&mut world, None, shape, &obstacle.name, (Party::Obstacle, Group::Obstacle));
+            parts.add(&mut world, None, shape, &obstacle.name, (BodyKind::Obstacle, Group::Obstacle));
         }
 
         let [x, y, z] = object.size;
@@ -74,7 +74,7 @@ impl Scene<'_> {
         );
         let shape = ColliderBuilder::cuboid(x / 2.0, y / 2.0, z / 2.0);
         let name = object.shape.name();
-        parts.add(&mut world, Some(object_body), shape, name, (Party::Object, Group::Object));
+        parts.add(&mut world, Some(object_body), shape, name, (BodyKind::Object, Group::Object));
 
         let human = Walker::new(front, settings.human, self.seed);
         let mut kinematic = |pose: Pose| {
@@ -85,9 +85,9 @@ impl Scene<'_> {
         let hand_body = kinematic(human.hand(height));
         let torso_body = kinematic(human.torso(TORSO_AHEAD, TORSO_HEIGHT / 2.0));
         let shape = ColliderBuilder::ball(HAND_RADIUS);
-        parts.add(&mut world, Some(hand_body), shape, "hand", (Party::Human, Group::Hand));
+        parts.add(&mut world, Some(hand_body), shape, "hand", (BodyKind::Human, Group::Hand));
         let shape = ColliderBuilder::capsule_z(TORSO_HEIGHT / 2.0 - TORSO_RADIUS, TORSO_RADIUS);
-        parts.add(&mut world, Some(torso_body), shape, "torso", (Party::Human, Group::Torso));
+        parts.add(&mut world, Some(torso_body), shape, "torso", (BodyKind::Human, Group::Torso));
 
         let load = object.mass / 2.0;
         let end = |x: f64| (object_body, Pose::translation(x, 0.0, 0.0));
@@ -122,15 +122,15 @@ impl PhysicalPlant {
     /// Refuses a start inside an obstacle.
     pub(super) fn check_start(&self, world: &World, team: &PlanarPose) -> Result<(), PhysicsError> {
         let name = |c| self.parts.part(Parts::number(c)).map_or(String::new(), |p| p.name.clone());
-        for party in [Party::Robot, Party::Object, Party::Human] {
-            for own in self.parts.of(&self.world, party) {
-                for obstacle in self.parts.of(&self.world, Party::Obstacle) {
+        for kind in [BodyKind::Robot, BodyKind::Object, BodyKind::Human] {
+            for own in self.parts.of(&self.world, kind) {
+                for obstacle in self.parts.of(&self.world, BodyKind::Obstacle) {
                     let meets =
                         intersection_test(own.position(), own.shape(), obstacle.position(), obstacle.shape());
                     if meets.is_ok_and(|m| m.intersecting) {
                         return Err(PhysicsError::Occupied {
                             file: world.file.clone(),
-                            part: party.name(),
+                            part: kind.name(),
                             name: name(own),
                             obstacle: name(obstacle),
                             x: team.position.x,

@@ -2,7 +2,7 @@
 
 use super::observation::Clearances;
 use super::parts::Parts;
-use super::{Clearance, Contact, Part, Party};
+use super::{BodyKind, Clearance, Contact, Part};
 use crate::simulation::convert;
 use nalgebra::Point3;
 use rapier3d::parry::bounding_volume::Aabb;
@@ -70,7 +70,7 @@ impl Touch {
 }
 
 fn ordered(a: Part, b: Part) -> [Part; 2] {
-    if b.party < a.party { [b, a] } else { [a, b] }
+    if b.kind < a.kind { [b, a] } else { [a, b] }
 }
 
 /// A contact of two colliders that penetrate or press against each other.
@@ -92,8 +92,9 @@ fn touch(world: &PhysicsWorld, pair: &ContactPair, dt: f64) -> Option<Touch> {
 
 /// The smallest distances in the present state.
 pub(super) fn clearances(world: &PhysicsWorld, parts: &Parts) -> Clearances {
-    let [robot, object, human, obstacle] = [Party::Robot, Party::Object, Party::Human, Party::Obstacle]
-        .map(|party| bounded(world, parts, party));
+    let [robot, object, human, obstacle] =
+        [BodyKind::Robot, BodyKind::Object, BodyKind::Human, BodyKind::Obstacle]
+            .map(|kind| bounded(world, parts, kind));
     Clearances {
         robot_obstacle: nearest(&robot, &obstacle, parts),
         object_obstacle: nearest(&object, &obstacle, parts),
@@ -102,8 +103,8 @@ pub(super) fn clearances(world: &PhysicsWorld, parts: &Parts) -> Clearances {
     }
 }
 
-fn bounded<'w>(world: &'w PhysicsWorld, parts: &'w Parts, party: Party) -> Vec<(Aabb, &'w Collider)> {
-    parts.of(world, party).map(|c| (c.compute_aabb(), c)).collect()
+fn bounded<'w>(world: &'w PhysicsWorld, parts: &'w Parts, kind: BodyKind) -> Vec<(Aabb, &'w Collider)> {
+    parts.of(world, kind).map(|c| (c.compute_aabb(), c)).collect()
 }
 
 /// The nearest pair. Shapes are compared in the order of the distance between their boxes, until no closer
