@@ -1,4 +1,4 @@
-//! The physical plant against budgets: a control period of 0.2 s (48 physics steps), and whole episodes; what fewer sweeps or steps would save of these, and
+//! The physical plant against budgets: a control period of 0.2 s (48 physics steps), and whole episodes; what fewer solver iterations or steps would save of these, and
 //! spoil. The same scene in MuJoCo: `benches/mujoco_peer.py`.
 
 use cocarry::control;
@@ -19,14 +19,14 @@ const PERIOD: f64 = 0.2;
 const BUDGET: Duration = Duration::from_micros(1500);
 const TICKS: usize = 200;
 const EPISODES: usize = 5;
-/// Physics steps per second and sweeps; the first are the plant's own.
+/// Physics steps per second and solver iterations; the first pair is the plant's own.
 const CHOICES: [(f64, usize); 6] = [(240.0, 4), (240.0, 16), (240.0, 2), (240.0, 1), (120.0, 4), (480.0, 4)];
 
-fn plant(rate_hz: f64, sweeps: usize) -> (Robot, PhysicalPlant) {
+fn plant(rate_hz: f64, solver_iterations: usize) -> (Robot, PhysicalPlant) {
     let text = include_str!("../worlds/environment-4.toml");
     let world = World::parse("environment-4", text).expect("a world of the repository");
     let robot = Robot::built_in().expect("the built-in robot");
-    let settings = PhysicsSettings { rate_hz, sweeps, ..PhysicsSettings::default() };
+    let settings = PhysicsSettings { rate_hz, solver_iterations, ..PhysicsSettings::default() };
     let team = PlanarPose { position: world.start, yaw: 0.0 };
     let plant = PhysicalPlant::new(&world, &robot, &robot.postures[0].joints, &team, &settings, 1);
     (robot, plant.expect("room at the start"))
@@ -45,8 +45,8 @@ fn rates(robot: &Robot, tick: usize) -> InputVector {
 }
 
 /// How long a control period takes in the median.
-fn tick(rate_hz: f64, sweeps: usize) -> Duration {
-    let (robot, mut plant) = plant(rate_hz, sweeps);
+fn tick(rate_hz: f64, solver_iterations: usize) -> Duration {
+    let (robot, mut plant) = plant(rate_hz, solver_iterations);
     let mut times: Vec<_> = (0..TICKS)
         .map(|tick| {
             let rates = rates(&robot, tick);
@@ -70,11 +70,11 @@ struct Run {
 }
 
 /// The paper's example human in Environment 4; the fastest of some runs.
-fn episode(rate_hz: f64, sweeps: usize) -> Run {
+fn episode(rate_hz: f64, solver_iterations: usize) -> Run {
     let robot = Robot::built_in().expect("the built-in robot");
     let posture = robot.postures[0].name.clone();
     let carrier = Carrier { posture, control: control::Settings::default(), robot: robot.texts };
-    let physics = PhysicsSettings { rate_hz, sweeps, ..PhysicsSettings::default() };
+    let physics = PhysicsSettings { rate_hz, solver_iterations, ..PhysicsSettings::default() };
     let scenario = Scenario {
         seed: 1,
         world: paper::ENVIRONMENTS[3].world().expect("a world of the repository").into(),
@@ -121,10 +121,10 @@ fn report() {
     println!(
         "\nphysics of a control period of {PERIOD} s in Environment 4, median of {TICKS} (budget {BUDGET:?})"
     );
-    for (rate_hz, sweeps) in CHOICES {
-        let tick = tick(rate_hz, sweeps);
+    for (rate_hz, solver_iterations) in CHOICES {
+        let tick = tick(rate_hz, solver_iterations);
         println!(
-            "  {rate_hz:4} Hz, {sweeps:2} sweeps: {:7.1} us, {:5.2} us a step, {:6.0} steps a second, {:4.0} times real time, {:4.2} of the budget",
+            "  {rate_hz:4} Hz, {solver_iterations:2} solver iterations: {:7.1} us, {:5.2} us a step, {:6.0} steps a second, {:4.0} times real time, {:4.2} of the budget",
             tick.as_secs_f64() * 1e6,
             tick.as_secs_f64() / (PERIOD * rate_hz) * 1e6,
             PERIOD * rate_hz / tick.as_secs_f64(),
@@ -133,17 +133,17 @@ fn report() {
         );
     }
     println!(
-        "\nwhole episode in Environment 4, fastest of {EPISODES}; against 1920 Hz and 64 sweeps: how far off the object is at most, the human's force (rms and peak), \
+        "\nwhole episode in Environment 4, fastest of {EPISODES}; against 1920 Hz and 64 solver iterations: how far off the object is at most, the human's force (rms and peak), \
          the objective cost"
     );
     let exact = episode(1920.0, 64);
     let interaction = |run: &Run| run.summary.interaction.expect("a physical plant");
-    for (rate_hz, sweeps) in CHOICES {
-        let run = episode(rate_hz, sweeps);
+    for (rate_hz, solver_iterations) in CHOICES {
+        let run = episode(rate_hz, solver_iterations);
         let off = run.object.iter().zip(&exact.object).map(|(at, exact)| (at - exact).norm());
         let (forces, forces_exact) = (interaction(&run), interaction(&exact));
         println!(
-            "  {rate_hz:4} Hz, {sweeps:2} sweeps: {:5.1} s in {:5.1} ms, {:4.0} times real time; {:5.2} mm, {:7.4} N, {:7.4} N, {:+.3} %; noise {:4.2} N",
+            "  {rate_hz:4} Hz, {solver_iterations:2} solver iterations: {:5.1} s in {:5.1} ms, {:4.0} times real time; {:5.2} mm, {:7.4} N, {:7.4} N, {:+.3} %; noise {:4.2} N",
             run.seconds,
             run.took.as_secs_f64() * 1e3,
             run.seconds / run.took.as_secs_f64(),

@@ -53,7 +53,7 @@ fn settings(plan: &Plan) -> String {
     let eta: Vec<String> = COLUMNS.iter().flatten().map(f64::to_string).collect();
     format!(
         "`cocarry` {}, seed {}, robot {} (starts: {}). c\u{1d63} = {} m; \u{3b1} from {} to {}, \u{3b3} from {} to {}; \u{3c6}(0) = {}, \u{3b7} = {}; one step is {} s, walking speed {} m/s, \
-         turning at most {} rad/s. Eq. (7): H = {HORIZON}, Q = {} I, R = {} I; eq. (8): \u{3ba} = {}. Bodies: {} Hz, {} sweeps, sway {} m.\n",
+         turning at most {} rad/s. Eq. (7): H = {HORIZON}, Q = {} I, R = {} I; eq. (8): \u{3ba} = {}. Bodies: {} Hz, {} solver iterations, sway {} m.\n",
         env!("CARGO_PKG_VERSION"),
         plan.seed,
         plan.robot.name,
@@ -72,7 +72,7 @@ fn settings(plan: &Plan) -> String {
         control.input_weight,
         control.pose_weight,
         physics.rate_hz,
-        physics.sweeps,
+        physics.solver_iterations,
         physics.human.sway_lateral,
     )
 }

@@ -326,7 +326,10 @@ fn what_the_switches_do_not_determine_is_said_in_text_json_and_picture() {
     // too few episodes for an interval of somebody whose eta scatters
     for (participant, reasons) in [
         ("", vec!["1 of 10 bounded on both sides, at least 2 needed"]),
-        ("s,environment-4,1,30,1\ns,environment-4,1,60,2\n", vec!["episodes: 2; a 95 % interval needs at least 4"]),
+        (
+            "s,environment-4,1,30,1\ns,environment-4,1,60,2\n",
+            vec!["episodes: 2; a 95 % interval needs at least 4"],
+        ),
     ] {
         let file = File::new("switches.csv", &(text.clone() + participant));
         let fit = json(&["fit", "eta", file.path(), "--json"]);

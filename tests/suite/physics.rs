@@ -333,13 +333,14 @@ fn a_human_who_walks_leads_around_a_corner() {
     assert!(stretch[0] < 0.002 && stretch[1] < 0.02, "{stretch:?}");
 }
 
-/// The most by which an object's place (m) and the forces of gripper and hand (N) differ around a corner, with so many sweeps and with a hundred.
-fn spoiled_by(sweeps: usize, mass: f64) -> [f64; 2] {
+/// Largest differences of an object's position (m) and of the forces of gripper and hand (N) around a corner, between this number of solver iterations and a hundred.
+fn spoiled_by(solver_iterations: usize, mass: f64) -> [f64; 2] {
     let robot = carrier();
     let world = world(&format!("[object]\nshape = \"beam\"\nsize_m = [1.2, 0.1, 0.1]\nmass_kg = {mass}\n"));
     let reach = world.object.size[0] / 2.0;
-    let walk = |sweeps| {
-        let mut plant = plant(&robot, &world, &PhysicsSettings { sweeps, ..PhysicsSettings::default() });
+    let walk = |solver_iterations| {
+        let mut plant =
+            plant(&robot, &world, &PhysicsSettings { solver_iterations, ..PhysicsSettings::default() });
         let mut seen = plant.observe();
         let step = |tick: i32| {
             let goal = around_a_corner(f64::from(tick) * PERIOD);
@@ -351,7 +352,7 @@ fn spoiled_by(sweeps: usize, mass: f64) -> [f64; 2] {
         (1..=45).map(step).collect::<Vec<_>>()
     };
     let mut worst = [0.0_f64; 2];
-    for (seen, exact) in walk(sweeps).iter().zip(&walk(100)) {
+    for (seen, exact) in walk(solver_iterations).iter().zip(&walk(100)) {
         let place = (seen.object.translation.vector - exact.object.translation.vector).norm();
         let force = (seen.grip.mean.force - exact.grip.mean.force).norm();
         let hand = (seen.hand_grip.mean.force - exact.hand_grip.mean.force).norm();
@@ -361,10 +362,10 @@ fn spoiled_by(sweeps: usize, mass: f64) -> [f64; 2] {
 }
 
 #[test]
-fn oracle_the_sweeps_that_there_are_suffice() {
-    let sweeps = PhysicsSettings::default().sweeps;
+fn oracle_the_default_solver_iterations_suffice() {
+    let solver_iterations = PhysicsSettings::default().solver_iterations;
     for (mass, bounds) in [(0.5, [1e-4, 0.02]), (4.0, [1e-6, 1e-3]), (15.0, [1e-6, 1e-3])] {
-        let spoiled = spoiled_by(sweeps, mass);
+        let spoiled = spoiled_by(solver_iterations, mass);
         assert!(spoiled[0] < bounds[0] && spoiled[1] < bounds[1], "{mass} kg: {spoiled:?}");
     }
 }

@@ -44,7 +44,7 @@ impl Scene<'_> {
         world.gravity = Vector::new(0.0, 0.0, -GRAVITY);
         let parameters = &mut world.integration_parameters;
         parameters.num_solver_iterations = 1;
-        parameters.num_internal_pgs_iterations = settings.sweeps;
+        parameters.num_internal_pgs_iterations = settings.solver_iterations;
         // no body is fast enough to pass through a wall in one step
         parameters.max_ccd_substeps = 0;
         // reported depths must be current

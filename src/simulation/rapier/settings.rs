@@ -12,7 +12,7 @@ pub struct PhysicsSettings {
     /// Solver iterations over all constraints in a step: the base's motors, the grips and contacts. The arm
     /// is solved exactly. With four iterations, forces are within 1e-3 N of those with a hundred, and within
     /// 0.02 N for an object of half a kilogram (tested).
-    pub sweeps: usize,
+    pub solver_iterations: usize,
     /// Largest acceleration of a wheel's rim, m/s^2, given the wheels' motors and the robot's mass.
     #[serde(rename = "rim_acceleration_m_per_s2")]
     pub rim_acceleration: f64,
@@ -22,7 +22,7 @@ pub struct PhysicsSettings {
 
 impl Default for PhysicsSettings {
     fn default() -> Self {
-        Self { rate_hz: 240.0, sweeps: 4, rim_acceleration: 1.5, human: HumanSettings::default() }
+        Self { rate_hz: 240.0, solver_iterations: 4, rim_acceleration: 1.5, human: HumanSettings::default() }
     }
 }
 
@@ -77,7 +77,7 @@ impl PhysicsSettings {
         let human = &self.human;
         let ranges = [
             ("rate_hz", self.rate_hz, 60.0, 10_000.0),
-            ("sweeps", self.sweeps as f64, 1.0, 1000.0),
+            ("solver_iterations", self.solver_iterations as f64, 1.0, 1000.0),
             ("rim_acceleration_m_per_s2", self.rim_acceleration, 0.01, 1000.0),
             ("human.speed_limit_m_per_s", human.speed_limit, 0.01, 10.0),
             ("human.acceleration_limit_m_per_s2", human.acceleration_limit, 0.01, 100.0),
