@@ -1,5 +1,6 @@
-//! Control against the slow obvious way: the closed form and the constrained MPC against a sparse program in clarabel, pose optimisation
-//! against 15 x options such programs (same winner?), and a full control tick against its budget.
+//! Control against the slow obvious way: the closed form and the constrained MPC against a sparse program in
+//! clarabel, pose optimisation against 15 x options such programs (same winner?), and a full control tick
+//! against its budget.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, ZeroConeT};
@@ -78,7 +79,8 @@ fn problem<'a>(robot: &'a Robot, state: &'a State) -> PoseProblem<'a> {
     }
 }
 
-/// Eq. (7) with all limits as it is written: a sparse program over inputs, states and joint positions. Its cost.
+/// Eq. (7) with all limits as it is written: a sparse program over inputs, states and joint positions. Its
+/// cost.
 fn naive_mpc(robot: &Robot, b: &InputJacobian, candidate: &Candidate, reference: &Reference) -> f64 {
     let n = robot.joint_count();
     let m = n + 2;
@@ -228,7 +230,8 @@ fn report_pose() {
     );
 }
 
-/// Times of all ticks of episodes led by a human, and how many of these had a limit active; the arm's rate limits are `share` of what they are.
+/// Times of all ticks of episodes led by a human, and how many of these had a limit active; the arm's rate
+/// limits are `share` of what they are.
 fn tick_times(environment: usize, share: f64) -> (Vec<Duration>, usize) {
     let mut robot = Robot::built_in().expect("the built-in robot");
     for joint in &mut robot.joints {

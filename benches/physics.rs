@@ -1,5 +1,6 @@
-//! The physical plant against budgets: a control period of 0.2 s (48 physics steps), and whole episodes; what fewer solver iterations or steps would save of these, and
-//! spoil. The same scene in MuJoCo: `benches/mujoco_peer.py`.
+//! The physical plant against budgets: a control period of 0.2 s (48 physics steps), and whole episodes; what
+//! fewer solver iterations or steps would save of these, and spoil. The same scene in MuJoCo:
+//! `benches/mujoco_peer.py`.
 
 use cocarry::control;
 use cocarry::episode::Summary;

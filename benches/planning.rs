@@ -1,4 +1,5 @@
-//! One planning tick (all options, P_o, expected costs, eq. 6) against a budget of 20 us and against planning anew in every tick.
+//! One planning tick (all options, P_o, expected costs, eq. 6) against a budget of 20 us and against planning
+//! anew in every tick.
 
 use cocarry::episode::{Episode, Settings};
 use cocarry::options::OptionSet;

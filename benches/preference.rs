@@ -1,4 +1,5 @@
-//! Choice probabilities and expected costs of typical and of many options, against a plain grid over the two parameters.
+//! Choice probabilities and expected costs of typical and of many options, against a plain grid over the two
+//! parameters.
 
 use cocarry::math;
 use std::hint::black_box;
@@ -9,23 +10,26 @@ use criterion::{BenchmarkId, Criterion, criterion_group};
 
 const RISK_WEIGHT: f64 = 10.0;
 
-/// Points per parameter from which on the error of the grid for the options below stays under 1e-6: of the sizes tried
-/// (1500 to 9000 by 500, then 10000, 12000 and 16000) 5500 is the last to miss it, by 1.2e-6.
+/// Points per parameter from which on the error of the grid for the options below stays under 1e-6: of the
+/// sizes tried (1500 to 9000 by 500, then 10000, 12000 and 16000) 5500 is the last to miss it, by 1.2e-6.
 const GRID: usize = 6000;
 
-/// Near Environment 4 at its start: lengths in metres, risks from the widths of the openings (0.5 m robot), so that all four can win.
+/// Near Environment 4 at its start: lengths in metres, risks from the widths of the openings (0.5 m robot),
+/// so that all four can win.
 fn environment_4() -> [Prospect; 4] {
     [(18.0658, 1.0966), (28.5424, 2.4739), (13.3412, 0.7253), (18.0649, 1.0965)]
         .map(|(length, width)| Prospect::new(length, 0.5 / width))
 }
 
-/// Options along a trade-off of length against risk, so that none is dominated and many can win: the hard case.
+/// Options along a trade-off of length against risk, so that none is dominated and many can win: the hard
+/// case.
 fn trade_off(options: usize) -> Vec<Prospect> {
     let at = |k: usize| (k as f64 + 0.5) / options as f64;
     (0..options).map(|k| Prospect::new(10.0 + 25.0 * at(k), 0.95 - 0.9 * at(k))).collect()
 }
 
-/// The plain way: the midpoints of `points` by `points` cells, powers and risks computed once per column and row.
+/// The plain way: the midpoints of `points` by `points` cells, powers and risks computed once per column and
+/// row.
 fn grid(prospects: &[Prospect], points: usize) -> Vec<f64> {
     let options = prospects.len();
     let middle =

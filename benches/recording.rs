@@ -1,4 +1,5 @@
-//! An episode on the physical plant with a recording and without: what recording costs of it, against a budget of 15 %, and how large the file is.
+//! An episode on the physical plant with a recording and without: what recording costs of it, against a
+//! budget of 15 %, and how large the file is.
 
 use cocarry::control;
 use cocarry::paper;

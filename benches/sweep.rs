@@ -1,4 +1,5 @@
-//! A sweep from study to file: episodes per second, and two threads against one, taken in turns since other work on the machine comes and goes.
+//! A sweep from study to file: episodes per second, and two threads against one, taken in turns since other
+//! work on the machine comes and goes.
 
 use cocarry::study::{Study, Sweep};
 use std::path::Path;

@@ -1,4 +1,5 @@
-//! A human of one's own: prefers the safest way, and takes over as soon as the robot leads elsewhere for five seconds.
+//! A human of one's own: prefers the safest way, and takes over as soon as the robot leads elsewhere for five
+//! seconds.
 //!
 //! ```text
 //! cargo run --release --example own_human

@@ -15,8 +15,8 @@ pub struct Limits {
     rates: InputVector,
     /// The part of the first rates that the motion to another configuration already takes, m/s and rad/s.
     taken: InputVector,
-    /// How far the sum of a joint's rates may decrease and increase, rad/s: the distance to the position limits
-    /// divided by the period.
+    /// How far the sum of a joint's rates may decrease and increase, rad/s: the distance to the position
+    /// limits divided by the period.
     room: [JointVector; 2],
     /// The half-planes.
     pub half_planes: Vec<HalfPlane>,
@@ -115,8 +115,8 @@ impl Limits {
         }
     }
 
-    /// Calls `on_violation` for every constraint that `u` violates by more than 1e-9, with the excess `a .
-    /// u - b`. The order is input by input, rates before positions, then half-planes.
+    /// Calls `on_violation` for every constraint that `u` violates by more than 1e-9, with the excess
+    /// `a . u - b`. The order is input by input, rates before positions, then half-planes.
     pub fn violations(&self, u: &Inputs, mut on_violation: impl FnMut(Row, f64)) {
         for input in 0..self.inputs {
             for step in 0..HORIZON {

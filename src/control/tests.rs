@@ -16,8 +16,8 @@ fn robot() -> Robot {
     Robot::built_in().expect("the built-in robot")
 }
 
-/// A configuration inside the joint limits, its kinematics, and trajectories from there at `speed_factor` times
-/// walking speed.
+/// A configuration inside the joint limits, its kinematics, and trajectories from there at `speed_factor`
+/// times walking speed.
 fn random_state(
     robot: &Robot,
     rng: &mut ChaCha8Rng,

@@ -1,4 +1,5 @@
-//! Mutual adaptation (Sec. IV-B): the stubbornness measure phi(k) of eq. (5), the two modes, and the robot's choice of eq. (6).
+//! Mutual adaptation (Sec. IV-B): the stubbornness measure phi(k) of eq. (5), the two modes, and the robot's
+//! choice of eq. (6).
 
 use crate::math;
 use crate::options::{Remaining, Waypoint};
@@ -45,7 +46,8 @@ impl Stubbornness {
         Self { settings, discomfort: 0.0 }
     }
 
-    /// One step under the robot's lead: g(k) = g(k-1) + sum_o omega_o(k) P_o(k), where `misaligned` is that sum.
+    /// One step under the robot's lead: g(k) = g(k-1) + sum_o omega_o(k) P_o(k), where `misaligned` is that
+    /// sum.
     pub fn accumulate(&mut self, misaligned: f64) {
         self.discomfort += misaligned;
     }
@@ -87,7 +89,8 @@ pub fn misalignment(options: &[OptionTick]) -> f64 {
     options.iter().filter(|option| option.misaligned).map(|option| option.probability).sum()
 }
 
-/// omega_o(k) = 1 (Sec. IV-B.1): the team moves toward an opening, or the target, that is not the next one on the option.
+/// omega_o(k) = 1 (Sec. IV-B.1): the team moves toward an opening, or the target, that is not the next one on
+/// the option.
 pub fn is_misaligned(team: Waypoint, option: Waypoint) -> bool {
     team != option
 }

@@ -19,7 +19,8 @@ const NAME_WIDTH: f64 = 120.0;
 pub(super) const PATH_COST: f64 = 4.0;
 const OUTLINE_COST: f64 = 6.0;
 const OPENING_COST: f64 = 12.0;
-/// A label that costs more than `CROWDED_COST` omits the width of its opening where that saves `LEAST_SAVING`.
+/// A label that costs more than `CROWDED_COST` omits the width of its opening where that saves
+/// `LEAST_SAVING`.
 const CROWDED_COST: f64 = 140.0;
 const LEAST_SAVING: f64 = 60.0;
 

@@ -40,8 +40,8 @@ const LABELS_WIDTH: f64 = 220.0;
 const ROW_HEIGHT: f64 = 52.0;
 /// Vertical distance of the marks of consecutive environments, px.
 const LANE_DISTANCE: f64 = 10.4;
-/// Vertical offsets, px, of nearly equal marks of one environment, in turn: a quarter of [`LANE_DISTANCE`] apart,
-/// which separates sixteen equal ratios as far as possible.
+/// Vertical offsets, px, of nearly equal marks of one environment, in turn: a quarter of [`LANE_DISTANCE`]
+/// apart, which separates sixteen equal ratios as far as possible.
 const OFFSETS: [f64; 4] = [-1.3, 1.3, -3.9, 3.9];
 /// Distance below which marks of one environment are nearly equal, px.
 const NEARLY_EQUAL: f64 = 6.5;

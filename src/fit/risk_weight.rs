@@ -285,7 +285,8 @@ impl Model<'_> {
         self.probabilities.iter().all(|p| self.fitted.iter().all(|&w| p[w] == first[w]))
     }
 
-    /// Mean square of the differences between P_o and mean answers, over the options of all fitted worlds with answers.
+    /// Mean square of the differences between P_o and mean answers, over the options of all fitted worlds
+    /// with answers.
     fn square<'p>(&self, weights: &Weights, p: impl Fn(usize) -> &'p [f64]) -> f64 {
         let (mut sum, mut n) = (0.0, 0);
         for &w in self.fitted.iter().filter(|&&w| weights.counts[w] > 0.0) {

@@ -169,7 +169,8 @@ impl Footprint {
         }
     }
 
-    /// Whether the segment `a b` keeps at least `clearance` (m) from the outline. `bounds` are the outline's own.
+    /// Whether the segment `a b` keeps at least `clearance` (m) from the outline. `bounds` are the outline's
+    /// own.
     pub fn clears_segment(&self, bounds: Bounds, a: Point, b: Point, clearance: f64) -> bool {
         bounds.grown(clearance).misses_segment(a, b) || self.distance_to_segment(a, b) >= clearance
     }

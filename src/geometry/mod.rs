@@ -71,8 +71,8 @@ pub fn segments_cross(a: Point, b: Point, c: Point, d: Point) -> bool {
     cross(ab, c - a) * cross(ab, d - a) < 0.0 && cross(cd, a - c) * cross(cd, b - c) < 0.0
 }
 
-/// Whether the segments `a b` and `c d` cross or touch. An end within `tolerance` (m) of the line through `c
-/// d` counts as on it.
+/// Whether the segments `a b` and `c d` cross or touch. An end within `tolerance` (m) of the line through
+/// `c d` counts as on it.
 pub fn segments_meet(a: Point, b: Point, c: Point, d: Point, tolerance: f64) -> bool {
     let (ab, cd) = (b - a, d - c);
     let near = tolerance * cd.norm();

@@ -80,7 +80,8 @@ pub struct HumanView<'a> {
     pub mode: Mode,
     /// `world_from_hand`, on the physical plant.
     pub hand: Option<&'a Pose>,
-    /// The mean wrench of the hand on the object in the last period, world axes, N and Nm, on the physical plant.
+    /// The mean wrench of the hand on the object in the last period, world axes, N and Nm, on the physical
+    /// plant.
     pub wrench: Option<&'a Wrench>,
 }
 

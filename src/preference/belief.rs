@@ -29,7 +29,8 @@ pub struct WeightedSample {
     pub weight: f64,
 }
 
-/// Weighted samples. Invariant: at least one, all parameters and weights positive and finite, weights summing to 1.
+/// Weighted samples. Invariant: at least one, all parameters and weights positive and finite, weights summing
+/// to 1.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Vec<Row>", into = "Vec<Row>")]
 pub struct SampleSet {

@@ -14,7 +14,8 @@ pub struct ChoiceDistribution {
 }
 
 impl ChoiceDistribution {
-    /// Normalises non-negative finite `weights`; `None` if one is negative or not finite, or if none is positive.
+    /// Normalises non-negative finite `weights`; `None` if one is negative or not finite, or if none is
+    /// positive.
     pub fn from_weights(weights: &[f64]) -> Option<Self> {
         let mut distribution = Self { probabilities: weights.to_vec() };
         distribution.normalise().then_some(distribution)

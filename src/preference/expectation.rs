@@ -101,7 +101,8 @@ mod tests {
 
     #[test]
     fn closed_form_normal_lengths() {
-        // exp(mean L + std^2 L^2 / 2) times the ratio of the shifted and the plain probability between the bounds.
+        // exp(mean L + std^2 L^2 / 2) times the ratio of the shifted and the plain probability between the
+        // bounds.
         let (mean, std, lower, upper) = (0.75, 0.1, 0.55, 0.95);
         let mass = |shift: f64| {
             let cdf = |x: f64| 0.5 * math::erfc(-(x - mean - shift) / std / std::f64::consts::SQRT_2);

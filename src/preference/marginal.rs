@@ -9,10 +9,11 @@ use serde::{Deserialize, Serialize};
 
 use super::PreferenceError;
 
-/// Distribution of one perception parameter (`alpha` or `gamma`, dimensionless) on `[lower, upper]` with `0 < lower < upper`.
+/// Distribution of one perception parameter (`alpha` or `gamma`, dimensionless) on `[lower, upper]` with
+/// `0 < lower < upper`.
 ///
-/// Read and written as `uniform(lower,upper)` or `normal(mean,std,lower,upper)`, where mean and standard deviation are those of
-/// the normal before truncation.
+/// Read and written as `uniform(lower,upper)` or `normal(mean,std,lower,upper)`, where mean and standard
+/// deviation are those of the normal before truncation.
 ///
 /// ```
 /// use cocarry::preference::Marginal;
@@ -117,7 +118,8 @@ impl Marginal {
         if self.shape == Shape::Uniform {
             return value.min(above);
         }
-        // Newton inside a shrinking bracket: the density may vanish in a far tail, where only bisection still moves.
+        // Newton inside a shrinking bracket: the density may vanish in a far tail, where only bisection still
+        // moves.
         for _ in 0..200 {
             let excess = self.cdf(value) - probability;
             if excess > 0.0 {

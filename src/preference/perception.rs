@@ -71,8 +71,8 @@ pub fn subjective_cost(prospect: Prospect, risk_weight: f64, perception: Percept
 
 /// The option the human prefers, `o_h = argmin_o J^_o(alpha, gamma)` (eq. 3), as an index into `prospects`.
 ///
-/// Ties go to `current`, the option being executed, if it is among the best, else to the lower index. Without options the
-/// answer is 0.
+/// Ties go to `current`, the option being executed, if it is among the best, else to the lower index. Without
+/// options the answer is 0.
 pub fn human_choice(
     prospects: &[Prospect],
     risk_weight: f64,

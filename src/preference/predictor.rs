@@ -86,7 +86,8 @@ impl Default for Predictor {
 }
 
 impl Predictor {
-    /// A predictor for a belief and the weight `c_r` of risk in eq. 2 (finite, not negative; the paper fits 10).
+    /// A predictor for a belief and the weight `c_r` of risk in eq. 2 (finite, not negative; the paper fits
+    /// 10).
     pub fn new(belief: Belief, risk_weight: f64) -> Result<Self, PreferenceError> {
         check(risk_weight)?;
         let model = match &belief {
@@ -171,7 +172,8 @@ impl Predictor {
         }
     }
 
-    /// Expected subjective cost `J~_o = E[D_o^alpha] + c_r E[exp(-(-ln S_o)^gamma)]` of each option (eq. 6), into `costs`.
+    /// Expected subjective cost `J~_o = E[D_o^alpha] + c_r E[exp(-(-ln S_o)^gamma)]` of each option (eq. 6),
+    /// into `costs`.
     pub fn expected_costs(&mut self, prospects: &[Prospect], costs: &mut Vec<f64>) {
         costs.clear();
         let risk_weight = self.risk_weight;
@@ -241,7 +243,8 @@ mod tests {
 
     #[test]
     fn paper_table_1_model_column() {
-        // Options 1 and 4 of Environment 4 are equal to four digits, so that only their sum is defined by these numbers.
+        // Options 1 and 4 of Environment 4 are equal to four digits, so that only their sum is defined by
+        // these numbers.
         let expected = [
             [0.0, 39.8, 35.4, 24.8],
             [51.6, 8.7, 0.0, 39.7],

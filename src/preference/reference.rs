@@ -74,7 +74,8 @@ fn shares(options: &[Prospect], alpha: &Marginal, gamma: f64) -> Vec<f64> {
     shares
 }
 
-/// Probability of each option, with at least `panels` panels over `gamma`, halved until Simpson's rule changes by `tolerance`.
+/// Probability of each option, with at least `panels` panels over `gamma`, halved until Simpson's rule
+/// changes by `tolerance`.
 fn probabilities(
     options: &[Prospect],
     alpha: &Marginal,

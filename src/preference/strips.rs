@@ -177,7 +177,8 @@ impl Strips {
         self.todo.push((left, middle));
     }
 
-    /// Cuts where an option of this rank joins or leaves, provided that nothing else happened to the envelope in between.
+    /// Cuts where an option of this rank joins or leaves, provided that nothing else happened to the envelope
+    /// in between.
     fn cut_at_event(&mut self, left: Edge, right: Edge, gamma: f64, rank: usize) {
         let middle = self.edge(gamma);
         let others = |edge: Edge| self.sequence(edge).iter().filter(move |&&other| other != rank);

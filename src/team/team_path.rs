@@ -102,8 +102,8 @@ impl TeamPath {
         self.tandem.pose(path, walked)
     }
 
-    /// The object's pose if the team turns onto `new_path` at the position `along` (m). `new_path` begins at the
-    /// human's body.
+    /// The object's pose if the team turns onto `new_path` at the position `along` (m). `new_path` begins at
+    /// the human's body.
     pub fn pose_after_turning(&self, path: &Path, along: f64, new_path: &Path, walked: f64) -> PlanarPose {
         let body = self.body_ahead();
         self.tandem.pose_after_turning(path, along + body, new_path, walked - body)

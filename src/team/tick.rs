@@ -121,8 +121,8 @@ impl RobotTick {
         self.tracking_cost + self.control_effort + self.pose_cost
     }
 
-    /// The kind of body with the worst hold on the object, and the deviation (m): of the robot's grasp, or of a
-    /// yielding grip.
+    /// The kind of body with the worst hold on the object, and the deviation (m): of the robot's grasp, or of
+    /// a yielding grip.
     pub(crate) fn worst_hold(&self) -> (BodyKind, f64) {
         let [gripper, hand] = self.physics.map_or([0.0; 2], |physics| physics.stretch);
         let robot = self.position_error.max(gripper);

@@ -176,10 +176,12 @@ fn gaps(obstacles: &[Obstacle], widest: f64) -> impl Iterator<Item = Opening> + 
         .filter(move |gap| gap.width <= widest)
 }
 
-/// Every opening between two of the obstacles: d_r < w <= 5 d_r, and no third obstacle in the disc over the gap.
+/// Every opening between two of the obstacles: d_r < w <= 5 d_r, and no third obstacle in the disc over the
+/// gap.
 ///
-/// DEVIATION (design): a gap counts only if the disc that has it for a diameter is free of other obstacles, which is stronger than a free
-/// gap segment. Without it the diagonals between four pillars count as well: the same constriction twice, and gaps that cross.
+/// DEVIATION (design): a gap counts only if the disc that has it for a diameter is free of other obstacles,
+/// which is stronger than a free gap segment. Without it the diagonals between four pillars count as well:
+/// the same constriction twice, and gaps that cross.
 pub(super) fn detect(obstacles: &[Obstacle], robot_width: f64) -> Vec<Opening> {
     let mut openings: Vec<Opening> = Vec::new();
     for gap in gaps(obstacles, FREE_PASSAGE * robot_width) {

@@ -239,8 +239,8 @@ fn held(risk_weight: f64, studies: usize) -> [usize; 2] {
     held
 }
 
-/// Lapses bias least squares, which do not know them; the likelihood's intervals, from a bootstrap of 20 people, hold c_r in 86 % of 200 such
-/// studies, those of least squares in none.
+/// Lapses bias least squares, which do not know them; the likelihood's intervals, from a bootstrap of 20
+/// people, hold c_r in 86 % of 200 such studies, those of least squares in none.
 #[test]
 fn diffuse_answers_spoil_least_squares_but_not_the_likelihood() {
     let [likelihood, squares] = held(5.0, 30);

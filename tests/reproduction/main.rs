@@ -34,7 +34,8 @@ fn paper_table_1() {
     }
 }
 
-/// Sec. V-A: c_r fitted to the mean answers in Environments 1 to 3 (the paper: 10), validated in Environment 4.
+/// Sec. V-A: c_r fitted to the mean answers in Environments 1 to 3 (the paper: 10), validated in Environment
+/// 4.
 #[test]
 fn paper_risk_weight() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/data/table-1-humans.csv");
@@ -78,7 +79,8 @@ fn paper_table_2() {
     }
 }
 
-/// Random worlds of 3 to 20 mixed obstacles: no path turns by more than 100 degrees at an end of a straight part, anywhere.
+/// Random worlds of 3 to 20 mixed obstacles: no path turns by more than 100 degrees at an end of a straight
+/// part, anywhere.
 #[test]
 fn property_no_option_doubles_back_in_1000_random_worlds() {
     let worlds = (0..).filter_map(|seed| {

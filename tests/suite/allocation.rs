@@ -18,8 +18,8 @@ fn a_warm_control_tick_allocates_nothing() {
     assert!(limited + slow.1 > 50, "{} ticks with active limits", limited + slow.1);
 }
 
-/// Runs episodes whose joints have this share of their speed, and asserts that no warm tick allocates. How many of these had no limit active,
-/// and how many had.
+/// Runs episodes whose joints have this share of their speed, and asserts that no warm tick allocates. How
+/// many of these had no limit active, and how many had.
 fn count(share: f64) -> (usize, usize) {
     let mut robot = Robot::built_in().expect("the built-in robot");
     for joint in &mut robot.joints {

@@ -1,5 +1,5 @@
-//! The same bits on another kind of processor; and where the arithmetic is another all the same, that it is told. (The report has its test
-//! in `reports`.)
+//! The same bits on another kind of processor; and where the arithmetic is another all the same, that it is
+//! told. (The report has its test in `reports`.)
 
 use crate::support::{cocarry, cocarry_without_fma, json, repository, stderr, stdout};
 use cocarry::arithmetic::stamp;

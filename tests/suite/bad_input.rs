@@ -1,5 +1,5 @@
-//! One case a fault: a valid file or command line with one thing spoiled. The program must say what is wrong, with names and numbers,
-//! and end with 2.
+//! One case a fault: a valid file or command line with one thing spoiled. The program must say what is wrong,
+//! with names and numbers, and end with 2.
 
 use crate::support::{cocarry, repository, stderr};
 use std::path::Path;

@@ -1,4 +1,5 @@
-//! One case a fault in a robot file: a valid robot with one thing spoiled. The error must say what is wrong, with names and numbers.
+//! One case a fault in a robot file: a valid robot with one thing spoiled. The error must say what is wrong,
+//! with names and numbers.
 
 use crate::spoiled_robot::{Files, TOML, URDF, check, toml, urdf};
 use crate::support::random_configuration;

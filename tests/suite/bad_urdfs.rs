@@ -1,4 +1,5 @@
-//! One case a fault in a URDF: a valid robot with one thing spoiled. The error must say what is wrong, with names and numbers.
+//! One case a fault in a URDF: a valid robot with one thing spoiled. The error must say what is wrong, with
+//! names and numbers.
 
 use crate::spoiled_robot::{Files, TOML, URDF, item, toml, urdf};
 

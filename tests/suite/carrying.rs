@@ -127,7 +127,8 @@ fn the_criterion_decides_the_pose() {
     assert!(cost(PoseCriterion::Expected) < cost(PoseCriterion::Manipulability));
 }
 
-/// Eq. (8) once more from what is told of a step: the totals of all candidates, each problem solved by itself, and the least of them.
+/// Eq. (8) once more from what is told of a step: the totals of all candidates, each problem solved by
+/// itself, and the least of them.
 #[test]
 fn closed_form_eq_8_can_be_worked_out_from_what_a_step_tells() {
     let robot = carrier();

@@ -1,4 +1,5 @@
-//! A human who changes their mind on the way: what they then do, what is told of it, and which changes a seed draws.
+//! A human who changes their mind on the way: what they then do, what is told of it, and which changes a seed
+//! draws.
 
 use crate::support::{cocarry, json, stderr, stdout};
 use serde_json::{Value, json};
@@ -25,7 +26,8 @@ fn a_change_of_mind_makes_the_team_end_on_another_option() {
             let asked = ["--plant", plant, "--method", method, "--eta", "5"];
             assert_ne!(example(&asked)["last_option"], after, "{plant} {method}");
             let change = format!("10:{alpha},{gamma}");
-            // on the kinematic plant the human turns on the spot, which may cost the object: that it arrives is not asked
+            // on the kinematic plant the human turns on the spot, which may cost the object: that it arrives
+            // is not asked
             let output = cocarry(&[&HUMAN[..], &asked, &["--change", &change, "--json"]].concat());
             let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
             assert_eq!(told["last_option"], after, "{plant} {method}");
@@ -78,7 +80,8 @@ fn every_change_is_told_when_it_happens() {
     assert_eq!(json(&["run", "--plant", "point", "--json"])["preference_changes"], json!([]));
 }
 
-/// A robot that leads does what it did, at every step and to the last bit; only the human would rather go another way.
+/// A robot that leads does what it did, at every step and to the last bit; only the human would rather go
+/// another way.
 #[test]
 fn the_robot_is_not_told() {
     let folder = tempfile::tempdir().expect("a folder");

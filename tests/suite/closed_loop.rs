@@ -137,8 +137,9 @@ fn paper_no_locked_cycles_in_random_worlds() {
     assert!(findings.with_changes > 0);
 }
 
-/// Random worlds in which a team once stood still: the end of a straight part lay exactly at the clearance, or a line touched an obstacle
-/// exactly at an opening, and the way from there was lost or led around through the opening's line.
+/// Random worlds in which a team once stood still: the end of a straight part lay exactly at the clearance,
+/// or a line touched an obstacle exactly at an opening, and the way from there was lost or led around through
+/// the opening's line.
 #[test]
 fn issue_no_way_from_the_edge_of_the_clearance() {
     for seed in [510, 2977, 4024, 4297, 4614, 6983, 8428, 9048] {

@@ -1,4 +1,5 @@
-//! Openings of walls that are made of several obstacles, gaps as wide as the robot, and an independent flood fill for what can be reached.
+//! Openings of walls that are made of several obstacles, gaps as wide as the robot, and an independent flood
+//! fill for what can be reached.
 
 use crate::support::{cocarry, json, stderr, stdout};
 use cocarry::geometry::Point;
@@ -62,7 +63,8 @@ impl Build {
     }
 }
 
-/// Two rooms beside each other, each cut by a wall along y with doors, and a few pillars; every wall built in one way.
+/// Two rooms beside each other, each cut by a wall along y with doors, and a few pillars; every wall built in
+/// one way.
 fn rooms(seed: u64, build: Build) -> String {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let turn = if seed.is_multiple_of(3) { 0.0 } else { rng.random_range(-3.0..3.0) };
@@ -174,7 +176,8 @@ fn property_it_does_not_matter_of_how_many_boxes_a_wall_is_made() {
     assert!(openings > 500 && options > 500 && unreachable < 100, "{openings}, {options}, {unreachable}");
 }
 
-/// Two walls along x with a door of 1 m from x = 4 to 5, and what else is given; start in the south, target in the north, closed around.
+/// Two walls along x with a door of 1 m from x = 4 to 5, and what else is given; start in the south, target
+/// in the north, closed around.
 fn hall(parts: &[[f64; 4]]) -> String {
     let mut text = format!("{HEAD}start_m = [4.5, -3]\ntarget_m = [4.5, 3]\n");
     let around =
@@ -254,7 +257,8 @@ fn closed_form_a_gap_as_wide_as_the_robot_is_impassable() {
     assert!(set.remaining(&set.begin(), 0).risk > 0.999);
 }
 
-/// What can be reached by a flood fill over a grid of squares of side `h` (m), whose middles keep `clearance` (m), diagonally or not.
+/// What can be reached by a flood fill over a grid of squares of side `h` (m), whose middles keep `clearance`
+/// (m), diagonally or not.
 fn floods(world: &World, h: f64, clearance: f64, diagonally: bool) -> bool {
     let bounds = world.bounds().grown(1.0);
     let (columns, rows) = ((bounds.size().x / h) as usize + 1, (bounds.size().y / h) as usize + 1);
@@ -288,8 +292,9 @@ fn floods(world: &World, h: f64, clearance: f64, diagonally: bool) -> bool {
     false
 }
 
-/// A target is refused exactly where a flood fill does not come to it, and no option leads through an obstacle. Between a fill that keeps a
-/// little too much clear and one that keeps a little too little, either answer is right.
+/// A target is refused exactly where a flood fill does not come to it, and no option leads through an
+/// obstacle. Between a fill that keeps a little too much clear and one that keeps a little too little, either
+/// answer is right.
 #[test]
 fn property_what_can_be_reached_agrees_with_a_flood_fill() {
     const H: f64 = 0.05;
@@ -372,8 +377,8 @@ fn openings_that_no_option_uses_are_told() {
     assert!(!stdout(&cocarry(&["world", "environment-1"])).contains("nowhere new"));
 }
 
-/// On the physical plant the human walks on beyond the target: what stands there is named before the run, and with room for the human the team
-/// arrives.
+/// On the physical plant the human walks on beyond the target: what stands there is named before the run, and
+/// with room for the human the team arrives.
 #[test]
 fn a_target_without_room_for_the_human_is_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -125,7 +125,8 @@ fn closed_form_shifted_doors_in_close_walls_share_the_way_between() {
     assert_walkable(&world, &path);
 }
 
-/// How much an option's length changes beyond the step, where the team walks off the straight part of an opening.
+/// How much an option's length changes beyond the step, where the team walks off the straight part of an
+/// opening.
 #[test]
 fn issue_leaving_a_straight_part_sideways_changes_lengths_by_no_more_than_the_step() {
     let (world, set) = load(&repository("worlds/environment-4.toml"));
@@ -150,9 +151,10 @@ fn issue_leaving_a_straight_part_sideways_changes_lengths_by_no_more_than_the_st
     }
 }
 
-/// A team that walks at random among options, changing between them, in steps of 0.1 m. D of an option changes by no more than a step, but for
-/// steps through a gap, after which other options lead back, and where two ways round an obstacle are equally good: they may join a
-/// straight part in different places, at most its length apart.
+/// A team that walks at random among options, changing between them, in steps of 0.1 m. D of an option
+/// changes by no more than a step, but for steps through a gap, after which other options lead back, and
+/// where two ways round an obstacle are equally good: they may join a straight part in different places, at
+/// most its length apart.
 #[test]
 fn property_lengths_are_continuous_as_the_team_moves() {
     let (mut steps, mut changes, mut jumps, mut largest) = (0, 0, 0, 0.0_f64);

@@ -167,7 +167,8 @@ fn a_team_starts_gently_and_takes_the_lead_over_gently() {
     }
 }
 
-/// In this run's last step, a human who stopped dead at the end of their way was pushed with 75 N by a robot that could not know.
+/// In this run's last step, a human who stopped dead at the end of their way was pushed with 75 N by a robot
+/// that could not know.
 #[test]
 fn a_team_arrives_gently() {
     let told = json(&["run", "environment-1", "--eta", "5", "--seed", "35", "--json"]);
@@ -176,7 +177,8 @@ fn a_team_arrives_gently() {
     assert!(peak < 40.0, "{peak} N");
 }
 
-/// A point turns on the spot; a team with bodies that is in a doorway when it changes its mind steps back, and ends on the same option.
+/// A point turns on the spot; a team with bodies that is in a doorway when it changes its mind steps back,
+/// and ends on the same option.
 #[test]
 fn a_team_without_room_to_turn_steps_back() {
     let cases = [
@@ -216,7 +218,8 @@ fn a_team_without_room_to_turn_steps_back() {
     }
 }
 
-/// The way round that this human turns onto leads through two openings close to each other, whose straight parts would pass each other.
+/// The way round that this human turns onto leads through two openings close to each other, whose straight
+/// parts would pass each other.
 #[test]
 fn a_way_through_neighbouring_openings_is_walked() {
     let human = ["run", "worlds/free-form.toml", "--eta", "5", "--seed", "96", "--json"];
@@ -277,7 +280,8 @@ fn the_grasp_keeps_to_its_way_and_the_grips_hardly_yield() {
     }
 }
 
-/// A shortest path goes round the end of a wall, and round a pillar there, as closely as a point may: there the object would cut the corner.
+/// A shortest path goes round the end of a wall, and round a pillar there, as closely as a point may: there
+/// the object would cut the corner.
 #[test]
 fn what_is_long_is_carried_round_corners() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -292,14 +296,16 @@ fn what_is_long_is_carried_round_corners() {
     }
 }
 
-/// While the object is in an opening and the human through it already, the way to another option would lead back through another opening.
+/// While the object is in an opening and the human through it already, the way to another option would lead
+/// back through another opening.
 #[test]
 fn a_team_turns_through_no_opening_that_its_option_does_not_have() {
     let told = json(&["run", "environment-1", "--eta", "10.5", "--seed", "11", "--json"]);
     assert_eq!(told["outcome"], "arrived", "{told}");
 }
 
-/// The human takes over between the walls of an opening, and would rather go back: they go on, since the team cannot turn there.
+/// The human takes over between the walls of an opening, and would rather go back: they go on, since the team
+/// cannot turn there.
 #[test]
 fn an_option_is_not_changed_in_a_doorway() {
     let arguments = ["run", "environment-2", "--seed", "1", "--eta", "5"];

@@ -1,4 +1,5 @@
-//! The physical plant: what it does is what mechanics says, within stated errors, and the same bits every time.
+//! The physical plant: what it does is what mechanics says, within stated errors, and the same bits every
+//! time.
 
 use crate::support::repository;
 use cocarry::geometry::{PlanarPose, Point, Pose, angle_of, direction, left_of, wrap_angle};
@@ -50,7 +51,8 @@ fn corner(along: f64) -> Point {
     bend + direction(angle) * (along - 1.6 - FRAC_PI_2).max(0.0)
 }
 
-/// The object's centre on that way, its ends heading along the way too: 0.5 m/s after a second, 0.5 rad/s in the bend.
+/// The object's centre on that way, its ends heading along the way too: 0.5 m/s after a second, 0.5 rad/s in
+/// the bend.
 fn around_a_corner(time: f64) -> PlanarPose {
     let along = if time < 1.0 { 0.25 * time * time } else { 0.25 + 0.5 * (time - 1.0) };
     let [rear, front] = [corner(along - 0.6), corner(along + 0.6)];
@@ -63,8 +65,8 @@ fn grasp_of(robot: &Robot, center: &PlanarPose, reach: f64) -> Pose {
     rear.at_height(robot.grasp_height)
 }
 
-/// Rates that carry the object on around the corner from `time` (s): what the way asks for and half of the error, by least squares over
-/// wheels and joints.
+/// Rates that carry the object on around the corner from `time` (s): what the way asks for and half of the
+/// error, by least squares over wheels and joints.
 fn around(robot: &Robot, seen: &Observation, time: f64, reach: f64) -> InputVector {
     let at = robot.kinematics(&seen.configuration);
     let [now, next] = [time, time + PERIOD].map(|t| grasp_of(robot, &around_a_corner(t), reach));
@@ -217,7 +219,8 @@ fn the_base_goes_as_told_and_never_sideways() {
     assert!(slip.abs() < 1e-3 * walked, "{slip} m of {walked} m");
 }
 
-/// The arm moves through its null space, so that nothing pulls at the object, as it does when it prepares a pose.
+/// The arm moves through its null space, so that nothing pulls at the object, as it does when it prepares a
+/// pose.
 #[test]
 fn joints_track_their_rates_and_keep_their_limits() {
     let robot = carrier();
@@ -267,7 +270,8 @@ fn plant_start(robot: &Robot) -> Vector3<f64> {
     Vector3::new(-0.6, 0.0, robot.grasp_height)
 }
 
-/// 20 kg at its end are more than a wrist of half the effort can hold up: what it cannot hangs on the hand, which gives way.
+/// 20 kg at its end are more than a wrist of half the effort can hold up: what it cannot hangs on the hand,
+/// which gives way.
 #[test]
 fn an_object_that_is_too_heavy_sinks() {
     let mut robot = carrier();
@@ -333,7 +337,8 @@ fn a_human_who_walks_leads_around_a_corner() {
     assert!(stretch[0] < 0.002 && stretch[1] < 0.02, "{stretch:?}");
 }
 
-/// Largest differences of an object's position (m) and of the forces of gripper and hand (N) around a corner, between this number of solver iterations and a hundred.
+/// Largest differences of an object's position (m) and of the forces of gripper and hand (N) around a corner,
+/// between this number of solver iterations and a hundred.
 fn spoiled_by(solver_iterations: usize, mass: f64) -> [f64; 2] {
     let robot = carrier();
     let world = world(&format!("[object]\nshape = \"beam\"\nsize_m = [1.2, 0.1, 0.1]\nmass_kg = {mass}\n"));

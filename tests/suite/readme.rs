@@ -6,7 +6,8 @@ use serde_json::Value;
 /// Words of a comment, and whether a run does what they say.
 type Claim = (&'static str, fn(&Value) -> bool);
 
-/// What comments behind `cocarry run` say of how an episode goes, and what its JSON has then. Each must occur in the README.
+/// What comments behind `cocarry run` say of how an episode goes, and what its JSON has then. Each must occur
+/// in the README.
 const CLAIMS: [Claim; 9] = [
     ("takes the lead at step 22", |told| told["transition"]["step"] == 22),
     ("ends on option 4", |told| told["last_option"] == "4"),

@@ -136,7 +136,8 @@ fn a_figure_that_is_gone_or_new_has_moved() {
     assert!(text.contains("control_cost") && text.contains("outcome") && text.contains("2 moved"), "{text}");
 }
 
-/// Two ways around a pillar, of which the one above the line from start to target is listed as the only option.
+/// Two ways around a pillar, of which the one above the line from start to target is listed as the only
+/// option.
 const PILLAR: &str = r#"
 name = "Pillar"
 robot_width_m = 0.5

@@ -1,4 +1,5 @@
-//! The report of a small run: complete, by itself, the same for any number of threads, and true to the commands it is made of.
+//! The report of a small run: complete, by itself, the same for any number of threads, and true to the
+//! commands it is made of.
 
 use crate::support::{cocarry, cocarry_without_fma, json, stderr};
 use cocarry::episode::prospects;
@@ -192,7 +193,8 @@ fn the_figures_are_those_of_the_single_commands() {
     );
 }
 
-/// The paper's protocol of twenty humans stands beside the expectation over all, with intervals and tests, also where it goes the other way.
+/// The paper's protocol of twenty humans stands beside the expectation over all, with intervals and tests,
+/// also where it goes the other way.
 #[test]
 fn the_twenty_humans_of_table_2_are_compared_in_pairs() {
     let number = |row: &std::collections::BTreeMap<String, String>, key: &str| -> f64 {
@@ -226,7 +228,8 @@ fn the_twenty_humans_of_table_2_are_compared_in_pairs() {
     assert!(markdown.contains("Holm's method for the 12 comparisons of this table"));
 }
 
-/// Every comparison of Table III is corrected, and not made where all humans have one outcome; the account of H3 is in figures of the run.
+/// Every comparison of Table III is corrected, and not made where all humans have one outcome; the account of
+/// H3 is in figures of the run.
 #[test]
 fn table_3_is_tested_where_humans_differ() {
     let mut untested = 0;

@@ -277,7 +277,8 @@ fn closed_form_the_other_robot_multiplied_out() {
     assert!((robot.drive.track - 0.4).abs() < 1e-12);
 }
 
-/// A robot whose joints mimic stands as the one without does at the positions that this comes to, and keeps their limits.
+/// A robot whose joints mimic stands as the one without does at the positions that this comes to, and keeps
+/// their limits.
 #[test]
 fn closed_form_mimics_follow_with_ratio_and_offset() {
     let (robot, plain) = (carrier_that_mimics(), carrier());

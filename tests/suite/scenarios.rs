@@ -1,4 +1,5 @@
-//! A scenario as text is the scenario: the episode is the same to the last bit, and what is wrong in it is named.
+//! A scenario as text is the scenario: the episode is the same to the last bit, and what is wrong in it is
+//! named.
 
 use crate::support::repository;
 use cocarry::control;

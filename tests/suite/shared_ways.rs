@@ -1,4 +1,5 @@
-//! Options that have become one way: they are aligned with it, and their probability is the executed option's.
+//! Options that have become one way: they are aligned with it, and their probability is the executed
+//! option's.
 
 use crate::support::{cocarry, load, repository, stderr};
 use cocarry::coordination::{Mode, Settings as Coordination};
@@ -20,8 +21,9 @@ fn length_apart(a: &Path, b: &Path) -> f64 {
     apart.max((a.length() - b.length()).abs())
 }
 
-/// Walks an episode. At every step, options whose path from here is the executed option's are aligned with it and equal to it to the bit, and
-/// P_o is not theirs but the executed option's. Returns how many steps had such options, and whether any P_o but the executed one's was 1.
+/// Walks an episode. At every step, options whose path from here is the executed option's are aligned with it
+/// and equal to it to the bit, and P_o is not theirs but the executed option's. Returns how many steps had
+/// such options, and whether any P_o but the executed one's was 1.
 fn check(set: &OptionSet, settings: &Settings, human: Perception, context: &str) -> (u32, u32) {
     let mut episode = Episode::new(set, settings, human);
     let mut progress: Progress = set.begin();

@@ -1,4 +1,5 @@
-//! An episode saved and gone on with is the episode that was never cut, to the last bit; a damaged snapshot is refused and named.
+//! An episode saved and gone on with is the episode that was never cut, to the last bit; a damaged snapshot
+//! is refused and named.
 
 use crate::support::{cocarry, stderr, stdout};
 use cocarry::control;
@@ -155,8 +156,8 @@ fn a_state_of_another_scenario_is_refused() {
     assert!(refused(&other, &point).contains("place"));
 }
 
-/// Saved before, at and after a change of mind, the human goes on as they would have: what they have become is in the file, and what is to
-/// come too.
+/// Saved before, at and after a change of mind, the human goes on as they would have: what they have become
+/// is in the file, and what is to come too.
 #[test]
 fn a_human_cut_around_a_change_of_mind_is_the_one_never_cut() {
     let change = |step, alpha, gamma| PreferenceChange { step, perception: Perception { alpha, gamma } };

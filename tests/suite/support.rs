@@ -23,8 +23,8 @@ pub fn cocarry(arguments: &[&str]) -> Output {
         .expect("the program starts")
 }
 
-/// As [`cocarry`], where the C library takes its functions for processors without fused multiplication and addition: their last bits are
-/// others. (Where there is no glibc on x86-64, the same as [`cocarry`].)
+/// As [`cocarry`], where the C library takes its functions for processors without fused multiplication and
+/// addition: their last bits are others. (Where there is no glibc on x86-64, the same as [`cocarry`].)
 pub fn cocarry_without_fma(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_cocarry"))
         .args(arguments)

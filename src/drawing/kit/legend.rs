@@ -69,7 +69,8 @@ impl Legend {
         (0..columns).map(width).collect()
     }
 
-    /// The legend with its upper left corner at `at`, in as many columns as fit into `width` px, and the y at which it ends.
+    /// The legend with its upper left corner at `at`, in as many columns as fit into `width` px, and the y at
+    /// which it ends.
     pub fn draw(&self, at: Point, width: f64) -> (Group, f64) {
         let widths = self.column_widths();
         let aligns = || self.heads.iter().map(|h| h.1).chain(std::iter::repeat(Align::Left));

@@ -53,7 +53,8 @@ impl Disc {
     pub fn is_taut(&self, angle: f64) -> bool {
         self.between.is_none_or(|[first, last]| {
             let d = direction(angle);
-            // a string that dips by CLEARANCE_TOLERANCE_M along a side meets the corner's circle this much too early
+            // a string that dips by CLEARANCE_TOLERANCE_M along a side meets the corner's circle this much
+            // too early
             let early = (2.0 * CLEARANCE_TOLERANCE_M / self.radius).sqrt();
             cross(first, d) >= -early && cross(d, last) >= -early
         })

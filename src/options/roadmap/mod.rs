@@ -30,8 +30,8 @@ const LENGTH_TOLERANCE_M: f64 = 1e-10;
 pub(super) struct Roadmap {
     space: Space,
     discs: Vec<Disc>,
-    /// Two rings per disc, one for each direction around it: counter-clockwise at `2 d` and clockwise at `2
-    /// d + 1`.
+    /// Two rings per disc, one for each direction around it: counter-clockwise at `2 d` and clockwise at
+    /// `2 d + 1`.
     rings: Vec<Vec<Stop>>,
     graph: DiGraph<(), Way>,
     sites: Vec<Site>,

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PhysicsSettings {
-    /// Physics steps per second of simulated time, Hz. A control period has `round(period * rate_hz)` of them.
+    /// Physics steps per second of simulated time, Hz. A control period has `round(period * rate_hz)` of
+    /// them.
     pub rate_hz: f64,
     /// Solver iterations over all constraints in a step: the base's motors, the grips and contacts. The arm
     /// is solved exactly. With four iterations, forces are within 1e-3 N of those with a hundred, and within

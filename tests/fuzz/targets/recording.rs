@@ -1,4 +1,5 @@
-//! Bytes in; read as a recording, listed, and recovered: whatever they are, without a panic, and what is recovered is a recording.
+//! Bytes in; read as a recording, listed, and recovered: whatever they are, without a panic, and what is
+//! recovered is a recording.
 #![no_main]
 
 use cocarry::recording::{Contents, Reader, columns, recover};

@@ -1,4 +1,5 @@
-//! Text in; parsed as a scenario, and made ready to run: without a panic, and the same again from its own text.
+//! Text in; parsed as a scenario, and made ready to run: without a panic, and the same again from its own
+//! text.
 #![no_main]
 
 use cocarry::scenario::Scenario;

@@ -1,4 +1,5 @@
-//! Full disks, folders that are not there, kills and Ctrl-C: what was written stays, and it is said what went wrong.
+//! Full disks, folders that are not there, kills and Ctrl-C: what was written stays, and it is said what went
+//! wrong.
 
 use super::{example, messages, path, rapier};
 use crate::support::{cocarry, json, stderr};
@@ -94,7 +95,8 @@ fn a_full_disk_ends_with_4_and_leaves_what_was_written() {
     }
 }
 
-/// Not even the beginning, or not all that was to be recovered: there is nothing to be kept, and nothing in the way of the next attempt.
+/// Not even the beginning, or not all that was to be recovered: there is nothing to be kept, and nothing in
+/// the way of the next attempt.
 #[test]
 fn what_is_of_no_use_is_not_left_on_a_full_disk() {
     let folder = tempfile::tempdir().unwrap();

@@ -202,7 +202,8 @@ fn ctrl_c_ends_the_wait_for_a_viewer_who_does_not_come() {
     assert_eq!(line, "interrupted after 0 steps\n");
 }
 
-/// One who subscribes and then never reads loses the oldest messages, and costs neither time nor memory without end.
+/// One who subscribes and then never reads loses the oldest messages, and costs neither time nor memory
+/// without end.
 #[test]
 fn a_viewer_who_stalls_does_not_hold_up_anything() {
     let mut server = LiveServer::start("127.0.0.1:0".parse().unwrap(), &Channel::ALL).unwrap();

@@ -43,7 +43,8 @@ pub fn rapier() -> Plant {
     Plant::Rapier { carrier: carrier(), physics: PhysicsSettings::default() }
 }
 
-/// A scenario's episode as a file, and as what it is told as; `on_step` sees the episode before the first step and after each.
+/// A scenario's episode as a file, and as what it is told as; `on_step` sees the episode before the first
+/// step and after each.
 pub fn encoded(scenario: Scenario, mut on_step: impl FnMut(&Episode)) -> (Vec<u8>, Vec<Message>) {
     let stage = scenario.prepare().expect("a scenario");
     let mut episode = stage.episode().expect("room");
@@ -108,7 +109,8 @@ pub fn chunk(size: u64, checksum: u32, compression: &str, packed: &[u8]) -> Vec<
     [MAGIC, &record(6, &[&head, &(packed.len() as u64).to_le_bytes()[..], packed].concat())].concat()
 }
 
-/// The same file with its chunks not packed and without checksums, so that what is wrong in them is not found out at once.
+/// The same file with its chunks not packed and without checksums, so that what is wrong in them is not found
+/// out at once.
 pub fn unpacked(whole: &[u8]) -> Vec<u8> {
     let mut bytes = MAGIC.to_vec();
     let mut rest = &whole[8..whole.len() - 8];

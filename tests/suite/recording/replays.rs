@@ -32,7 +32,8 @@ fn a_recording_replays_to_the_last_message_on_every_plant() {
     }
 }
 
-/// Changes of mind are in the scenario that a recording is made of, and told in its log: those that stand, when they happen.
+/// Changes of mind are in the scenario that a recording is made of, and told in its log: those that stand,
+/// when they happen.
 #[test]
 fn a_human_who_changes_their_mind_replays_and_is_told() {
     let change = |step, alpha| PreferenceChange { step, perception: Perception { alpha, gamma: 1.1 } };

@@ -1,5 +1,5 @@
-//! Sweeps: the rows are those of `cocarry run`, the file is the same to the byte however the sweep was run, and what is wrong in a study is
-//! named.
+//! Sweeps: the rows are those of `cocarry run`, the file is the same to the byte however the sweep was run,
+//! and what is wrong in a study is named.
 
 mod redraws;
 mod studies;
@@ -412,7 +412,8 @@ fn the_summary_is_that_of_the_rows() {
     near(&pair["share_lower"], lower as f64 / 6.0);
 }
 
-/// Holm's correction against its definition, for all comparisons of a summary; humans who are all the same are one outcome.
+/// Holm's correction against its definition, for all comparisons of a summary; humans who are all the same
+/// are one outcome.
 #[test]
 fn comparisons_are_corrected_and_only_made_where_humans_differ() {
     let bench = Bench::new(STUDY);
@@ -443,7 +444,8 @@ fn comparisons_are_corrected_and_only_made_where_humans_differ() {
     assert!(said.contains(&said_of) && said.contains("all make the same choices"), "{said}");
 }
 
-/// With bodies, humans who all go the same way still cost differently, by the noise of their gait: that is no sample of humans.
+/// With bodies, humans who all go the same way still cost differently, by the noise of their gait: that is no
+/// sample of humans.
 #[test]
 fn the_noise_of_the_gait_is_not_tested() {
     let study = r#"worlds = "environment-1"

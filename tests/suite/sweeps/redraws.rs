@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// The human of a seed, and what they change their mind to, are those of `cocarry run --redraws`, whoever decides and whatever carries.
+/// The human of a seed, and what they change their mind to, are those of `cocarry run --redraws`, whoever
+/// decides and whatever carries.
 #[test]
 fn humans_change_their_mind_as_those_of_run() {
     let bench = Bench::new(

@@ -117,8 +117,8 @@ fn the_studies_of_the_docs_run() {
     assert_eq!(studies, 3);
 }
 
-/// Slurm's part is played by the test: the tasks one after the other, with what Slurm tells them. Tasks 2 and 3 are submitted again, without
-/// task 1: Slurm then counts two tasks.
+/// Slurm's part is played by the test: the tasks one after the other, with what Slurm tells them. Tasks 2 and
+/// 3 are submitted again, without task 1: Slurm then counts two tasks.
 #[cfg(unix)]
 #[test]
 fn the_job_array_of_the_docs_merges_to_the_whole() {
