@@ -15,7 +15,7 @@ const SINGLE_STEPS: usize = 5;
 /// bound the same input.
 const RIDGE: f64 = 1e-11;
 /// Solves with the ridge; each solves for the residual of the previous one.
-const PASSES: usize = 2;
+const SOLVE_PASSES: usize = 2;
 /// A multiplier larger than this multiple of what its row alone needs indicates rows that contradict each
 /// other.
 const CONTRADICTION: f64 = 1e8;
@@ -142,7 +142,7 @@ impl ActiveSet {
         self.trial.clear();
         self.trial.resize(n, 0.0);
         // the first pass solves, the others remove the effect of the ridge
-        for _ in 0..PASSES {
+        for _ in 0..SOLVE_PASSES {
             for i in 0..k {
                 let known: f64 = l[i * k..i * k + i].iter().zip(&x[..i]).map(|(l, x)| l * x).sum();
                 x[i] = (-slack(d, c, &self.trial, chosen[i]) - known) / l[i * k + i];

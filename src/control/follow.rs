@@ -16,11 +16,11 @@ const LOOK_AHEAD_M: f64 = 0.5;
 /// Gain of the spacing between base and grasp, 1/s.
 const SPACING_GAIN: f64 = 1.0;
 /// Largest acceleration of the rims, m/s^2.
-const ACCELERATION: f64 = 1.2;
+const RIM_ACCELERATION: f64 = 1.2;
 /// Gain of the turn on the spot toward a path in another direction, 1/s.
 const TURN_GAIN: f64 = 3.0;
 /// Weight of the squared deviation (m/s) from the rim speeds that follow the path.
-const PRICE: f64 = 1e4;
+const GUIDE_PRICE: f64 = 1e4;
 
 /// Rim speeds of the base over the horizon, left and right, m/s.
 pub type Rims = [[f64; 2]; HORIZON];
@@ -68,7 +68,7 @@ impl Follower<'_> {
             let rims = [-0.5, 0.5].map(|end| side * speed + end * turn * drive.track);
             let fastest = rims[0].abs().max(rims[1].abs());
             let scale = if fastest > drive.rim_speed_limit { drive.rim_speed_limit / fastest } else { 1.0 };
-            let change = ACCELERATION * period;
+            let change = RIM_ACCELERATION * period;
             let rims = std::array::from_fn(|i| (rims[i] * scale).clamp(last[i] - change, last[i] + change));
             last = rims;
             at = drive.roll(&at, rims.map(|rim| rim * period));
@@ -109,7 +109,7 @@ pub fn hold_base_to(rims: &Rims, limits: &mut Limits) {
                 limits.half_planes.push(HalfPlane {
                     coefficients,
                     bound: sign * rim,
-                    price: PRICE,
+                    price: GUIDE_PRICE,
                     is_guide: true,
                 });
             }
@@ -192,7 +192,7 @@ mod tests {
                 let before = rims;
                 rims = follower.rims(&DRIVE, &base, rims, PERIOD)[0];
                 for (rim, before) in rims.iter().zip(before) {
-                    assert!(rim.abs() <= 1.0 && (rim - before).abs() <= ACCELERATION * PERIOD + 1e-12);
+                    assert!(rim.abs() <= 1.0 && (rim - before).abs() <= RIM_ACCELERATION * PERIOD + 1e-12);
                 }
                 base = DRIVE.roll(&base, rims.map(|rim| rim * PERIOD));
                 let off = off_the_way(&base, &way);

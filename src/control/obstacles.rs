@@ -16,7 +16,7 @@ const MARGIN_M: f64 = 0.01;
 const BASE_RANGE_M: f64 = 0.5;
 
 /// Weight of the squared violation (m) of a bound: a thousand times that of the same tracking error.
-const PRICE: f64 = 1e6;
+const VIOLATION_PRICE: f64 = 1e6;
 /// Radius (m) of the balls around the arm's joints that stand for the arm: half a link's width and a little
 /// more.
 const ARM_RADIUS_M: f64 = 0.08;
@@ -130,7 +130,7 @@ impl RobotObstacles {
                     continue;
                 };
                 let room = distance - drive.base_radius - MARGIN_M;
-                limits.half_planes.push(rolling.bound(t, -away, room, PRICE));
+                limits.half_planes.push(rolling.bound(t, -away, room, VIOLATION_PRICE));
             }
         }
     }
@@ -166,7 +166,7 @@ impl RobotObstacles {
                 if is_below || outline.near(base.position, ARM_REACH_M).is_none() {
                     continue;
                 }
-                let mut price = PRICE / confidence;
+                let mut price = VIOLATION_PRICE / confidence;
                 for (t, chain) in chain.iter().enumerate() {
                     price *= confidence;
                     let (lever, at) = reaching.place(from_base, &arm, t);

@@ -94,15 +94,16 @@ pub fn fit_eta(switches: &[Switch]) -> EtaFit {
     let of = |name: &&str| switches.iter().filter(|s| s.participant == *name).collect::<Vec<_>>();
     let episodes: Vec<Vec<&Switch>> = names.iter().map(of).collect();
     let is_scattered = episodes.iter().any(|own| {
-        let sets = told(own);
+        let sets = informative_sets(own);
         !sets.is_empty() && intersection(&sets).is_empty()
     });
     let participants: Vec<Eta> =
         names.into_iter().zip(&episodes).map(|(name, own)| participant(name, own, is_scattered)).collect();
-    let told: Vec<Vec<Set>> = episodes.iter().map(|own| told(own)).filter(|sets| !sets.is_empty()).collect();
+    let known: Vec<Vec<Set>> =
+        episodes.iter().map(|own| informative_sets(own)).filter(|sets| !sets.is_empty()).collect();
     let fitted = match is_scattered {
-        true => lognormal::fit_repeated(&told),
-        false => lognormal::fit(&told.iter().map(|sets| intersection(sets)).collect::<Vec<_>>()),
+        true => lognormal::fit_repeated(&known),
+        false => lognormal::fit(&known.iter().map(|sets| intersection(sets)).collect::<Vec<_>>()),
     };
     let (overall, interval) = match fitted {
         Ok((overall, interval)) => (Some(overall), interval),
@@ -119,7 +120,7 @@ pub fn fit_eta(switches: &[Switch]) -> EtaFit {
 }
 
 /// The sets of the informative episodes.
-fn told(switches: &[&Switch]) -> Vec<Set> {
+fn informative_sets(switches: &[&Switch]) -> Vec<Set> {
     switches.iter().map(|s| s.etas.clone()).filter(|set| !set.is_empty()).collect()
 }
 
@@ -134,7 +135,7 @@ fn participant(name: &str, switches: &[&Switch], is_scattered: bool) -> Eta {
         interval: None,
         no_interval: None,
         log_scatter: None,
-        bounds: told(switches),
+        bounds: informative_sets(switches),
     };
     if eta.bounds.is_empty() {
         return eta;

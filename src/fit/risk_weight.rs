@@ -23,8 +23,8 @@ use serde::Serialize;
 pub const CELL_ERROR: f64 = 0.5;
 
 /// The limitation of least squares, reported with every c_r that they give.
-pub const LEAST_SQUARES_CAUTION: &str = "Least squares take every answer as the model's. Answers that are not (lapses) bias their c_r, and their interval does not \
-     include that bias. The likelihood estimates the share of lapses along with c_r: prefer it.";
+pub const LEAST_SQUARES_CAUTION: &str = "Least squares assume that every answer follows the model. Answers that do not (lapses) bias c_r, and the interval does not \
+     include that bias. The likelihood estimates the share of lapses along with c_r and is recommended.";
 
 /// Settings of the fit of c_r.
 #[derive(Clone, Debug)]
@@ -159,7 +159,7 @@ pub fn fit_risk_weight(
     let samples = bootstrap(&model, &predictor, settings, on_done);
 
     let (by_squares, squares) = model.least_squares(&weights, &mut predictor);
-    let (by_likelihood, lapse, losses) = model.likeliest(&weights, &mut predictor);
+    let (by_likelihood, lapse, losses) = model.maximum_likelihood(&weights, &mut predictor);
     let estimate = |risk_weight: f64, lapse, losses: &[f64], samples: Vec<f64>, predictor: &mut Predictor| {
         let errors = |held_out: bool| model.errors(&weights, predictor, risk_weight, held_out);
         let [fitted, held_out] = [false, true].map(errors);
@@ -234,7 +234,7 @@ fn bootstrap(
         let mut predictor = predictor.clone();
         is_some.then(|| {
             let (by_squares, _) = model.least_squares(&weights, &mut predictor);
-            (by_squares, model.likeliest(&weights, &mut predictor).0)
+            (by_squares, model.maximum_likelihood(&weights, &mut predictor).0)
         })
     });
     samples.into_iter().flatten().collect()
@@ -316,7 +316,7 @@ impl Model<'_> {
     }
 
     /// c_r with its lapse, and the negative log-likelihoods at the values tried.
-    fn likeliest(&self, weights: &Weights, predictor: &mut Predictor) -> (f64, f64, Vec<f64>) {
+    fn maximum_likelihood(&self, weights: &Weights, predictor: &mut Predictor) -> (f64, f64, Vec<f64>) {
         let losses: Vec<f64> =
             self.probabilities.iter().map(|p| self.with_best_lapse(weights, |w| &p[w]).1).collect();
         let c_r = refined(&self.scanned, least(&losses), |c| {

@@ -133,7 +133,7 @@ fn discomfort_limit(settings: &Settings) -> f64 {
 
 /// The course of a walk while the robot leads a human of a given eta.
 #[derive(Clone)]
-struct Led {
+struct LedWalk {
     eta: f64,
     /// The options that the robot executed before the switch, by step.
     executed: Vec<usize>,
@@ -143,7 +143,7 @@ struct Led {
     has_switched: bool,
 }
 
-impl Led {
+impl LedWalk {
     fn of(set: &OptionSet, settings: &Settings, eta: f64) -> Self {
         let coordination = coordination::Settings { eta, ..settings.coordination };
         let settings = Settings { method: Method::MUTUAL, coordination, ..settings.clone() };
@@ -185,7 +185,7 @@ impl Led {
 /// so no piece is missed.
 fn pieces(set: &OptionSet, settings: &Settings) -> Vec<Piece> {
     let discomfort_limit = discomfort_limit(settings);
-    let led = |eta: f64| Led::of(set, settings, eta);
+    let led = |eta: f64| LedWalk::of(set, settings, eta);
     let [least, largest] = DISCOMFORT_RANGE.map(|g| led(g / discomfort_limit));
     let mut pieces: Vec<Piece> = Vec::new();
     // intervals still to be examined, the lowest last
@@ -197,12 +197,12 @@ fn pieces(set: &OptionSet, settings: &Settings) -> Vec<Piece> {
             continue;
         };
         let is_switch = low.executed.len() == at;
-        let is_low = |led: &Led| match is_switch {
+        let is_low = |led: &LedWalk| match is_switch {
             true => led.executed.len() == at,
             false => led.executed.get(at) == low.executed.get(at),
         };
         let (mut below, mut above) = (low.clone(), high.clone());
-        let divide = |eta: f64, below: &mut Led, above: &mut Led| {
+        let divide = |eta: f64, below: &mut LedWalk, above: &mut LedWalk| {
             let is_between = eta > below.eta && eta < above.eta;
             if is_between {
                 let tried = led(eta);

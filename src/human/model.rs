@@ -56,7 +56,7 @@ pub enum ModelError {
         expected: &'static str,
     },
     /// The script names an option that the world does not have.
-    #[error("step {step}: the world has no option `{option}`; it has {known}")]
+    #[error("step {step}: unknown option `{option}`; expected one of: {known}")]
     Option {
         /// The script's step.
         step: u64,

@@ -26,8 +26,7 @@ pub struct Scripted {
 
 impl Scripted {
     fn parse(script: &str, participant: &Participant<'_>) -> Result<Self, ModelError> {
-        let expected =
-            "entries STEP:OPTION separated by commas, the first at step 0, in the order of the steps";
+        let expected = "comma-separated entries STEP:OPTION, ordered by step, the first at step 0";
         let wrong = || ModelError::Arguments { expected };
         let options = participant.options.options();
         let entry = |text: &str| {

@@ -241,7 +241,7 @@ impl Strips {
                 return Verdict::CutAt(gamma);
             }
         }
-        if !short && let Some(cut) = self.doubt(left, right, middle, half) {
+        if !short && let Some(cut) = self.suspected_change(left, right, middle, half) {
             return Verdict::CutAt(cut);
         }
         if !short && self.marks.iter().any(|mark| half * self.rule.error(mark) > TOLERANCE) {
@@ -325,7 +325,7 @@ impl Strips {
 
     /// A `gamma` between the nodes at which the winners differ, searched for where a certificate comes close
     /// enough to 0.
-    fn doubt(&mut self, left: Edge, right: Edge, middle: f64, half: f64) -> Option<f64> {
+    fn suspected_change(&mut self, left: Edge, right: Edge, middle: f64, half: f64) -> Option<f64> {
         for certificate in &self.certificates {
             for gamma in self.rule.dips(certificate).map(|x| middle + half * x) {
                 if gamma > left.gamma && gamma < right.gamma {

@@ -93,7 +93,7 @@ pub struct Drive {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
     "robot `{robot}`: its wheels drive {limit:.3} m/s at most (their limit velocity of {:.2} rad/s times their radius of {wheel_radius} m), \
-     but the team is to walk {speed} m/s: the robot cannot keep up",
+     but the team walks at {speed} m/s: the robot cannot keep up",
     limit / wheel_radius
 )]
 pub struct SlowDrive {

@@ -28,7 +28,7 @@ const RECONFIGURATION_SHARE: f64 = 0.25;
 /// corner.
 const CONFIDENCE: f64 = 0.7;
 /// Largest correction (m and rad) of the linear model of eq. (7).
-const MOST_MISSED: f64 = 0.01;
+const LARGEST_CORRECTION: f64 = 0.01;
 
 /// The confidence in the arm's half-planes.
 fn confidence(rims: Option<&Rims>) -> f64 {
@@ -300,14 +300,14 @@ impl<'a, B: Bodies> Carrying<'a, B> {
     }
 
     /// The error of eq. (7)'s linear model in the first period of `input`: the grasp by the arm's kinematics
-    /// minus the grasp by the model. Its norm is at most [`MOST_MISSED`], m and rad.
-    fn missed(&self, jacobian: &InputJacobian, input: &InputVector, grasp: &Pose) -> Vector6<f64> {
+    /// minus the grasp by the model. Its norm is at most [`LARGEST_CORRECTION`], m and rad.
+    fn model_error(&self, jacobian: &InputJacobian, input: &InputVector, grasp: &Pose) -> Vector6<f64> {
         let Candidate { configuration: target, .. } = self.target;
         let moved: JointVector = input.fixed_rows::<MAX_JOINTS>(2) * self.walk.period;
         let reached = Configuration { base: target.base, joints: target.joints + moved };
         let reached = pose_difference(&self.manipulator.robot.grasp_pose(&reached), grasp);
-        let missed = reached - jacobian.fixed_columns::<MAX_JOINTS>(2) * moved;
-        missed * (MOST_MISSED / missed.norm()).min(1.0)
+        let model_error = reached - jacobian.fixed_columns::<MAX_JOINTS>(2) * moved;
+        model_error * (LARGEST_CORRECTION / model_error.norm()).min(1.0)
     }
 
     /// u of eq. (7) that tracks one of the references. For bodies it is solved twice, the second time with
@@ -344,9 +344,9 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         }
         let mut plan = self.mpc.solve(&free, &self.limits, &to_track);
         if rims.is_some() {
-            let missed = self.missed(&jacobian, &plan.inputs.column(0).into_owned(), grasp);
+            let model_error = self.model_error(&jacobian, &plan.inputs.column(0).into_owned(), grasp);
             let mut first = to_track.column_mut(0);
-            first -= missed;
+            first -= model_error;
             plan = self.mpc.solve(&free, &self.limits, &to_track);
         }
         self.input = plan.inputs.column(0).into_owned();

@@ -19,14 +19,14 @@ use serde::{Deserialize, Serialize};
 /// The team has arrived when the object's centre is this near (m) to the end of its path.
 const ARRIVAL_TOLERANCE_M: f64 = 0.05;
 /// Acceleration of the team, m/s^2.
-const ACCELERATION: f64 = 0.9;
+const TEAM_ACCELERATION: f64 = 0.9;
 /// A team slows down where the object has to turn by more than the first angle (rad) beyond what a step
 /// allows, and goes at a tenth of its speed at the second.
 const TURNING_LAG_RAD: [f64; 2] = [0.1, 0.4];
 /// Speed at which position errors are corrected, as a multiple of the walking speed.
-const CATCH_UP: f64 = 1.5;
+const CATCH_UP_FACTOR: f64 = 1.5;
 /// Number of points kept of the path walked, enough to reach back to the base.
-const POINTS_BEHIND: u32 = 50;
+const TRAIL_POINTS: u32 = 50;
 /// Speed of a reversing team, m/s.
 const REVERSING_SPEED: f64 = 0.35;
 /// The object turns more slowly where the robot's end is this far (m) from its target, and at a fifth of the
@@ -47,7 +47,7 @@ impl Travel {
     /// Speed after one period of a team that has the speed `speed`, at most this `share` of the target speed,
     /// m/s; negative when reversing.
     fn speed_after(self, speed: f64, share: f64, walk: &Walk) -> f64 {
-        let change = ACCELERATION * walk.period;
+        let change = TEAM_ACCELERATION * walk.period;
         match self {
             Self::Forward => (speed + change).min(walk.speed * share),
             Self::Backward => (speed - change).max(-REVERSING_SPEED * share),
@@ -195,7 +195,7 @@ impl Physical {
         *path_position += *path_speed * walk.period;
         let following = share(OUT_OF_PLACE_M, out_of_place).clamp(0.2, 1.0);
         let gently = Walk { yaw_rate: walk.yaw_rate * following, ..*walk };
-        *goal = brought_to(goal, &team_path.pose(step.path, *path_position), &gently);
+        *goal = moved_toward(goal, &team_path.pose(step.path, *path_position), &gently);
     }
 
     /// The command of the human's hand: to follow the object, or to walk.
@@ -269,7 +269,7 @@ impl Bodies for Physical {
         let grasps = (1..=HORIZON).map(|_| {
             path_speed = path_ahead.travel.speed_after(path_speed, 1.0, walk);
             ahead += path_speed * walk.period;
-            at = brought_to(&at, &self.pose(path_ahead, ahead), walk);
+            at = moved_toward(&at, &self.pose(path_ahead, ahead), walk);
             self.state.team_path.end(&at, -1.0)
         });
         reference(grasps, grasp, self.height)
@@ -286,12 +286,12 @@ impl Bodies for Physical {
         let State { team_path, seen, .. } = &self.state;
         // from the grasp's position for the object's target, back to beyond the base
         self.walked.clear();
-        let behind = (0..POINTS_BEHIND).rev().map(|i| team_path.half() + Follower::STEP * f64::from(i));
+        let behind = (0..TRAIL_POINTS).rev().map(|i| team_path.half() + Follower::STEP * f64::from(i));
         self.walked.extend(behind.map(|behind| team_path.point(path_ahead.path, position - behind)));
         let follower = Follower {
             way: &self.walked,
             speeds: [speed.min(walk.speed), path_ahead.travel.speed(walk)],
-            acceleration: ACCELERATION,
+            acceleration: TEAM_ACCELERATION,
             distance: self.distance,
         };
         Some(follower.rims(&robot.drive, &seen.configuration.base, seen.rim_speeds, walk.period))
@@ -371,9 +371,9 @@ impl std::fmt::Debug for Physical {
 }
 
 /// One step of the object's pose from `at` toward `goal`, as fast as it can be carried there.
-fn brought_to(at: &PlanarPose, goal: &PlanarPose, walk: &Walk) -> PlanarPose {
+fn moved_toward(at: &PlanarPose, goal: &PlanarPose, walk: &Walk) -> PlanarPose {
     let way = goal.position - at.position;
-    let most = CATCH_UP * walk.speed * walk.period;
+    let most = CATCH_UP_FACTOR * walk.speed * walk.period;
     let share = if way.norm() > most { most / way.norm() } else { 1.0 };
     PlanarPose {
         position: at.position + way * share,

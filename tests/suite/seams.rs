@@ -257,7 +257,7 @@ fn the_command_line_takes_human_models() {
         ("boltzmann", "a number greater than 0"),
         ("boltzmann(-1)", "a number greater than 0"),
         ("scripted(5:1)", "the first at step 0"),
-        ("scripted(0:9)", "no option `9`"),
+        ("scripted(0:9)", "unknown option `9`"),
         ("preference(1)", "no arguments"),
     ] {
         let output = cocarry(&["run", "--plant", "point", "--human", model]);

@@ -19,7 +19,7 @@ const UNLIMITED_EFFORT: f64 = 200.0;
 const NO_LIMIT: f64 = 1e9;
 /// How far a joint's reference may run ahead of the joint while the motor is too weak, rad or m. The excess
 /// is dropped.
-const WINDUP: f64 = 0.02;
+const WINDUP_LIMIT: f64 = 0.02;
 /// Distance to its limit at which a joint gets a stop, rad or m.
 const STOP_DISTANCE: f64 = 0.1;
 
@@ -77,7 +77,7 @@ impl Motor {
         let (position, moving) = self.state(world)?;
         let wanted = &mut reference[self.joint];
         if self.is_own {
-            let within = wanted.clamp(position - WINDUP, position + WINDUP);
+            let within = wanted.clamp(position - WINDUP_LIMIT, position + WINDUP_LIMIT);
             *wanted = within.clamp(self.limits[0], self.limits[1]);
         }
         self.aim(self.ratio * *wanted + self.offset, self.ratio * rates[self.joint], position, moving, dt);
