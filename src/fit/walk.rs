@@ -12,7 +12,7 @@ use crate::preference::ChoiceDistribution;
 /// The robot's guidance of a participant through a world, and what it implies for eta.
 ///
 /// phi(k) = phi(0) exp(g(k) / eta) exceeds 1 when g(k) exceeds eta ln(1 / phi(0)). A switch at step k bounds
-/// eta by g(k - 1) and g(k). No switch bounds eta from below by the last g.
+/// eta by g(k - 1) and g(k). An episode without a switch bounds eta from below by the last g.
 #[derive(Clone, Debug)]
 pub enum Guidance {
     /// The robot walks one option from start to end, whatever the human prefers. g(k) is the same for
