@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_rows_that_say_the_same_the_stricter_counts() {
+    fn of_two_equal_rows_the_stricter_counts() {
         let (mut positive, mut multipliers) = ([true, true], Vec::new());
         let same = [2.0, 2.0, 2.0, 2.0];
         assert!(ActiveSet::default().minimise(&same, &[1.0, 3.0], &mut positive, &mut multipliers));

@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn a_human_who_stands_still_tells_nothing() {
+    fn a_human_who_stands_still_gives_no_evidence() {
         let mut intent = Intent::new(20.0);
         intent.observe(Point::origin(), &[0.2, 0.8]);
         intent.expect([Vector::new(0.1, 0.0), Vector::new(0.0, 0.1)].into_iter());

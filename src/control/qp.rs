@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_are_none_are_refused() {
+    fn numbers_that_are_not_finite_are_refused() {
         let mut found = Vec::new();
         assert!(!Qp::default().minimise(&[f64::NAN], &[1.0], &mut found));
         assert!(!Qp::default().minimise(&[1.0], &[f64::INFINITY], &mut found));

@@ -240,7 +240,7 @@ fn closed_form_the_fallback_keeps_every_hard_limit() {
 }
 
 #[test]
-fn a_reference_that_is_no_number_stops_the_robot() {
+fn a_reference_that_is_not_finite_stops_the_robot() {
     let robot = robot();
     let q = Configuration {
         base: PlanarPose { position: Point::origin(), yaw: 0.0 },

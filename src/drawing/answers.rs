@@ -153,18 +153,18 @@ fn fit_mark(fit: usize) -> Group {
 }
 
 /// The curve without the plateaus at its ends.
-fn without_plains(curve: &[(f64, f64)]) -> &[(f64, f64)] {
-    const LEVEL: f64 = 0.05;
+fn without_plateaus(curve: &[(f64, f64)]) -> &[(f64, f64)] {
+    const PLATEAU_TOLERANCE: f64 = 0.05;
     let [first, last] = [curve[0].1, curve[curve.len() - 1].1];
-    let begin = curve.iter().position(|c| (c.1 - first).abs() > LEVEL).unwrap_or(0);
-    let end = curve.iter().rposition(|c| (c.1 - last).abs() > LEVEL).unwrap_or(curve.len() - 1);
+    let begin = curve.iter().position(|c| (c.1 - first).abs() > PLATEAU_TOLERANCE).unwrap_or(0);
+    let end = curve.iter().rposition(|c| (c.1 - last).abs() > PLATEAU_TOLERANCE).unwrap_or(curve.len() - 1);
     let [begin, end] = [begin.saturating_sub(20), (end + 21).min(curve.len())];
     if begin + 1 < end { &curve[begin..end] } else { curve }
 }
 
 /// The rms error over c_r, without the plateaus at its ends.
 fn errors(curve: &[(f64, f64)], marks: &[RiskWeightMark; 2], frame: Bounds) -> Group {
-    let curve = without_plains(curve);
+    let curve = without_plateaus(curve);
     let top = curve.iter().map(|c| c.1).fold(1.0, f64::max) * 1.06;
     let x = Axis::log(Side::Below, [curve[0].0, curve[curve.len() - 1].0], frame);
     let plot = Plot { frame, x, y: Axis::linear(Side::Left, [0.0, top], frame) };
@@ -219,12 +219,12 @@ mod tests {
     }
 
     #[test]
-    fn plains_are_left_out() {
+    fn plateaus_are_left_out() {
         let height = |i: i32| if (100..200).contains(&i) { 3.0 } else { 30.0 };
         let curve: Vec<(f64, f64)> = (0..400).map(|i| (f64::from(i), height(i))).collect();
-        let shown = without_plains(&curve);
+        let shown = without_plateaus(&curve);
         assert_eq!((shown[0].0, shown[shown.len() - 1].0), (80.0, 219.0));
-        assert_eq!(without_plains(&curve[..50]).len(), 50);
+        assert_eq!(without_plateaus(&curve[..50]).len(), 50);
     }
 
     #[test]

@@ -461,7 +461,7 @@ mod tests {
     }
 
     #[test]
-    fn sets_that_meet_are_no_riddle() {
+    fn sets_that_meet_in_a_point_have_an_interval() {
         // with a small spread, only means near 5 are likely at all
         let sets = [[3.0, 5.0], [3.0, 5.0], [5.0, 8.0], [5.0, 8.0]].map(|set| vec![set]);
         let [low, high] = interval(&sets);

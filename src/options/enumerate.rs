@@ -112,7 +112,7 @@ impl<'a> Search<'a> {
             let crossings = partial.crossings.clone();
             return vec![Partial { bound, length, safe: partial.safe, crossings, arrived: true }];
         }
-        let leads_on = self.leads_on(partial, self.regions[leave]);
+        let can_reach_target = self.can_reach_target(partial, self.regions[leave]);
         let extended = |crossing: &Crossing| {
             let exit = beyond(*crossing);
             let length = partial.length + set.stages.between(leave, before(*crossing)).length();
@@ -123,7 +123,7 @@ impl<'a> Search<'a> {
         };
         self.out[self.regions[leave]]
             .iter()
-            .filter(|crossing| leads_on[self.after(**crossing)])
+            .filter(|crossing| can_reach_target[self.after(**crossing)])
             .map(extended)
             .filter(|next| next.bound.is_finite())
             .collect()
@@ -136,25 +136,25 @@ impl<'a> Search<'a> {
 
     /// For every region, whether the target can be reached from it through regions that the sequence has not
     /// entered. `here` is the last region entered.
-    fn leads_on(&self, partial: &Partial, here: usize) -> Vec<bool> {
+    fn can_reach_target(&self, partial: &Partial, here: usize) -> Vec<bool> {
         let target = self.regions[TARGET];
         let mut closed = vec![false; self.out.len()];
         for region in partial.crossings.iter().map(|c| self.after(c.back())).chain([here]) {
             closed[region] = true;
         }
-        let mut leads_on = vec![false; self.out.len()];
-        leads_on[target] = true;
+        let mut can_reach_target = vec![false; self.out.len()];
+        can_reach_target[target] = true;
         let mut queue = vec![target];
         while let Some(region) = queue.pop() {
             for &crossing in &self.out[region] {
                 let next = self.after(crossing);
-                if !closed[next] && !leads_on[next] {
-                    leads_on[next] = true;
+                if !closed[next] && !can_reach_target[next] {
+                    can_reach_target[next] = true;
                     queue.push(next);
                 }
             }
         }
-        leads_on
+        can_reach_target
     }
 }
 

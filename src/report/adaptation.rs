@@ -1,6 +1,6 @@
 //! H2: Table II, the Environment 4 example, and the same human in the other environments.
 
-use super::pairs::{LEVEL, compared, difference, explained, is_significant, rounded};
+use super::pairs::{SIGNIFICANCE_LEVEL, compared, difference, explained, is_significant, rounded};
 use super::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
 use crate::drawing::{Curve, CurvePanel, DrawingError, Track, adaptation, curves};
 use crate::paper::h2::{self, ExampleRun, Row};
@@ -210,7 +210,7 @@ fn sampled(pairs: &[(&Row, f64)]) -> (String, usize) {
     let lower = all.iter().filter(|(_, paired)| is_lower(paired)).count();
     let shown = all.iter().filter(|(_, paired)| is_lower(paired) && is_significant(paired)).count();
     let mut text = format!(
-        "the paper's protocol, {} random humans: lower in {lower} of {} cells, significantly (p < {LEVEL}, Holm) in {shown}",
+        "the paper's protocol, {} random humans: lower in {lower} of {} cells, significantly (p < {SIGNIFICANCE_LEVEL}, Holm) in {shown}",
         h2::SAMPLES,
         all.len()
     );

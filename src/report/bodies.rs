@@ -1,7 +1,7 @@
 //! H2 with bodies: Table II's humans on the physical plant, compared with the point team.
 
 use super::adaptation::method;
-use super::pairs::{LEVEL, compared, explained, is_significant};
+use super::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant};
 use super::{Block, Finding, Part, Plan, ReportError, Section, holds};
 use crate::paper::h2_physical::{Row, Study};
 use crate::parallel::OnDone;
@@ -109,7 +109,7 @@ fn finding(rows: &[Row]) -> Finding {
         claim: "H2, where the team has bodies (not in the paper)",
         verdict: holds(cheaper, cells, "cells"),
         figures: format!(
-            "mean cost lower than without the model in {cheaper} of {cells} cells, significantly (p < {LEVEL}, Holm) in {shown}; {} of {} humans arrive without touching anything, {} on the option of the point team; cost {ratio:.3} times the point team's on average over the cells",
+            "mean cost lower than without the model in {cheaper} of {cells} cells, significantly (p < {SIGNIFICANCE_LEVEL}, Holm) in {shown}; {} of {} humans arrive without touching anything, {} on the option of the point team; cost {ratio:.3} times the point team's on average over the cells",
             sum(|r| r.arrived),
             sum(|r| r.humans),
             sum(|r| r.same_option),

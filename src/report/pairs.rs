@@ -5,11 +5,11 @@ use crate::table::{Cell, Columns, Table};
 use serde_json::Value;
 
 /// The significance level of corrected p-values.
-pub(super) const LEVEL: f64 = 0.05;
+pub(super) const SIGNIFICANCE_LEVEL: f64 = 0.05;
 
 /// Whether a comparison is significant after Holm's correction.
 pub(super) fn is_significant(paired: &Paired) -> bool {
-    paired.p_holm.is_some_and(|p| p < LEVEL)
+    paired.p_holm.is_some_and(|p| p < SIGNIFICANCE_LEVEL)
 }
 
 /// A p-value in words; a dash where nothing is tested.

@@ -1,6 +1,6 @@
 //! H3: Table III, every method and start compared with its baseline, and the composition of the costs.
 
-use super::pairs::{LEVEL, compared, explained, is_significant, rounded};
+use super::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant, rounded};
 use super::{Block, Figure, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::control;
 use crate::drawing::{DrawingError, RatioPanel, RatioRow, cost_ratios};
@@ -146,7 +146,7 @@ pub fn table_3_ratios(compared: Compared) -> Table {
             let holm = row.against_baseline.and_then(|paired| paired.p_holm);
             let doubt = match holm {
                 None => "*",
-                Some(p) if p >= LEVEL => "?",
+                Some(p) if p >= SIGNIFICANCE_LEVEL => "?",
                 Some(_) => "",
             };
             Cell { shown: format!("{:.3}{doubt}", row.ratio), values: vec![row.ratio.into(), holm.into()] }
@@ -158,7 +158,7 @@ pub fn table_3_ratios(compared: Compared) -> Table {
             format!("C relative to no pose optimisation; episodes start `{}`", compared.start),
         )
         .with_note(format!(
-            "?: p >= {LEVEL}, paired t-test, corrected by Holm's method for the {} comparisons {FAMILY} that are tested; *: one outcome, nothing is tested.",
+            "?: p >= {SIGNIFICANCE_LEVEL}, paired t-test, corrected by Holm's method for the {} comparisons {FAMILY} that are tested; *: one outcome, nothing is tested.",
             compared.tested()
         ))
         .with_note("manipulability: the most manipulable candidate. uniform weights: eq. (8) without P_o.")
@@ -313,7 +313,7 @@ fn finding(compared: &[Compared]) -> Finding {
         .collect();
     let ratio = |c: &Compared, method| format!("{:.3}", c.mean_ratio(method));
     let mut figures = format!(
-        "cheaper in {} of {} cells and {} of {} pairs, significantly (p < {LEVEL}, Holm) in {shown} of {} tested, largest p {}{}; mean ratio {} (paper {:.3})",
+        "cheaper in {} of {} cells and {} of {} pairs, significantly (p < {SIGNIFICANCE_LEVEL}, Holm) in {shown} of {} tested, largest p {}{}; mean ratio {} (paper {:.3})",
         cheaper(&pairs),
         pairs.len(),
         grouped(sum(|r| r.wins)),

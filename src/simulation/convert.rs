@@ -50,7 +50,7 @@ mod tests {
     use crate::geometry::{PlanarPose, Point};
 
     #[test]
-    fn who_turns_all_round_never_turns_at_once() {
+    fn a_full_turn_never_happens_in_one_step() {
         let turned = |degrees: i32| {
             let yaw = crate::geometry::wrap_angle(f64::from(degrees).to_radians());
             PlanarPose { position: Point::origin(), yaw }.at_height(0.7)

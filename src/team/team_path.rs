@@ -277,7 +277,7 @@ mod tests {
 
     /// The expected path of the human does not lead through walls, although that would be shorter.
     #[test]
-    fn who_goes_on_is_expected_to_keep_off_walls() {
+    fn the_expected_path_keeps_off_walls() {
         let world = World::parse("w.toml", include_str!("../../worlds/environment-2.toml")).unwrap();
         let options = OptionSet::new(&world, 10.0).unwrap();
         let obstacles = RobotObstacles::new(&world);

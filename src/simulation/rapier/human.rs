@@ -34,7 +34,7 @@ const BODY_GAIN: f64 = 10.0;
 const TURN_LIMIT: f64 = 2.0;
 const TURN_ACCELERATION_LIMIT: f64 = 8.0;
 /// Time constant with which a following human adopts the robot's velocity, s.
-const FEELING_TIME: f64 = 0.05;
+const ADOPTION_TIME: f64 = 0.05;
 /// Speed (m/s) at which the gait reaches its full sway, and the time constant (s) of changes of the sway.
 const STRIDING_SPEED: f64 = 0.4;
 const SWAY_TIME: f64 = 0.3;
@@ -161,7 +161,7 @@ impl Walker {
                 (pace.at, pace.velocity * share, pace.yaw_rate * share)
             }
             None => {
-                let share = dt / (FEELING_TIME + dt);
+                let share = dt / (ADOPTION_TIME + dt);
                 self.led.0 += (sensed.velocity - self.led.0) * share;
                 self.led.1 += (sensed.yaw_rate - self.led.1) * share;
                 (sensed.end, self.led.0, self.led.1)

@@ -302,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn a_body_that_is_no_longer_anywhere_is_named_and_stops_the_plant() {
+    fn a_body_that_is_not_finite_is_named_and_stops_the_plant() {
         let mut plant = plant();
         plant.world.bodies[plant.object].set_linvel(Vector::new(f64::NAN, 0.0, 0.0), true);
         let seen = plant.step(&InputVector::zeros(), &HumanCommand::Follow, 0.2);

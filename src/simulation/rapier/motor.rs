@@ -80,7 +80,13 @@ impl Motor {
             let within = wanted.clamp(position - WINDUP_LIMIT, position + WINDUP_LIMIT);
             *wanted = within.clamp(self.limits[0], self.limits[1]);
         }
-        self.aim(self.ratio * *wanted + self.offset, self.ratio * rates[self.joint], position, moving, dt);
+        self.set_spring(
+            self.ratio * *wanted + self.offset,
+            self.ratio * rates[self.joint],
+            position,
+            moving,
+            dt,
+        );
         let (body, id) = world.multibody_joints.get_mut(self.handle)?;
         let joint = &mut body.link_mut(id)?.joint;
         joint.set_spring(self.coordinate(), self.stiffness, self.rest);
@@ -111,7 +117,7 @@ impl Motor {
 
     /// Sets the spring for a step of `dt` seconds toward a position and a rate. The implicit effort is
     /// clamped to its limit for a joint that keeps its rate; a change of rate during the step adds to it.
-    fn aim(&mut self, target: f64, rate: f64, position: f64, moving: f64, dt: f64) {
+    fn set_spring(&mut self, target: f64, rate: f64, position: f64, moving: f64, dt: f64) {
         let Self { stiffness, damping, most, .. } = *self;
         let rest = target + damping / stiffness * rate;
         let without = position + dt * moving + damping / stiffness * moving;
