@@ -40,6 +40,12 @@
 //! math, saved    transcendental functions, the same bits everywhere; saved states
 //! ```
 //!
+//! # Features
+//!
+//! Up to `scenario` the library has no C code, no clock and no randomness of the operating system, and builds for WebAssembly. The floors
+//! above it are features: `drawing`; `recording`; `studies`, which are `statistics`, `paper`, `regression`, `fit`, `study` and `report`;
+//! `cli`, the default, which has all of them and the program. `live` adds live viewing to `recording`.
+//!
 //! # Notation
 //!
 //! | paper | here | unit |
@@ -71,13 +77,15 @@
 //!
 //! ```
 //! use cocarry::episode::{Outcome, Settings, run};
-//! use cocarry::paper;
 //! use cocarry::options::OptionSet;
+//! use cocarry::preference::Perception;
+//! use cocarry::world::World;
 //!
-//! let world = paper::ENVIRONMENTS[3].world()?;
+//! let world = World::load("worlds/environment-4.toml".as_ref())?;
 //! let settings = Settings::default();
 //! let options = OptionSet::new(&world, settings.predictor.risk_weight())?;
-//! let summary = run(&options, &settings, paper::EXAMPLE_HUMAN, |tick| {
+//! let human = Perception { alpha: 0.747, gamma: 0.765 };
+//! let summary = run(&options, &settings, human, |tick| {
 //!     assert!(tick.stubbornness > 0.0);
 //! });
 //! assert_eq!(summary.outcome, Outcome::Arrived);
@@ -85,29 +93,40 @@
 //! ```
 
 pub mod arithmetic;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod control;
 pub mod coordination;
+#[cfg(feature = "drawing")]
 pub mod drawing;
 pub mod episode;
+#[cfg(feature = "studies")]
 pub mod fit;
 pub mod geometry;
 pub mod human;
 pub mod math;
 pub mod options;
+#[cfg(feature = "studies")]
 pub mod paper;
+#[cfg(feature = "studies")]
 pub mod parallel;
 pub mod policy;
 pub mod preference;
+#[cfg(feature = "recording")]
 pub mod recording;
+#[cfg(feature = "studies")]
 pub mod regression;
+#[cfg(feature = "studies")]
 pub mod report;
 pub mod robot;
 pub mod saved;
 pub mod scenario;
 pub mod simulation;
+#[cfg(feature = "studies")]
 pub mod statistics;
+#[cfg(feature = "studies")]
 pub mod study;
+#[cfg(feature = "studies")]
 pub mod table;
 pub mod team;
 pub mod world;
