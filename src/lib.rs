@@ -23,6 +23,7 @@
 //! statistics     means, intervals, tests; tables of results; work on all threads
 //! drawing        maps and curves as SVG
 //! recording      an episode as an MCAP file, and back; live viewing
+//! quantities     every figure of a control period and of an episode: key, unit, description, getter; events in sentences
 //! scenario       everything that defines an episode, as text; snapshots; from either the episode again
 //! episode        THE LOOP: observe, evaluate, predict, ask the human, ask the policy, execute, control, walk
 //! team           the plants: point, kinematic, physical; the robot's controller; how a team walks and turns
@@ -43,7 +44,7 @@
 //! # Features
 //!
 //! Up to `scenario` the library has no C code, no clock and no randomness of the operating system, and builds for WebAssembly. The floors
-//! above it are features: `drawing`; `recording`; `studies`, which are `statistics`, `paper`, `regression`, `fit`, `study` and `report`;
+//! above it are features: `drawing`; `recording`, with `quantities`; `studies`, with `quantities` too, which are `statistics`, `paper`, `regression`, `fit`, `study` and `report`;
 //! `cli`, the default, which has all of them and the program. `live` adds live viewing to `recording`.
 //!
 //! # Notation
@@ -112,6 +113,8 @@ pub mod paper;
 pub mod parallel;
 pub mod policy;
 pub mod preference;
+#[cfg(any(feature = "recording", feature = "studies"))]
+pub mod quantities;
 #[cfg(feature = "recording")]
 pub mod recording;
 #[cfg(feature = "studies")]

@@ -1,6 +1,6 @@
 //! `cocarry inspect`: shows what is in a recording, as text, JSON, CSV or a picture.
 
-use super::output::{Failure, input, print, print_json, table, table_text, write_file};
+use super::output::{Failure, input, plain, print, print_json, table, table_text, write_file};
 use crate::drawing::{self, Track};
 use crate::geometry::Point;
 use crate::recording::{Channel, Contents, ReadError, Reader, columns, decode, rows, scenario};
@@ -112,15 +112,6 @@ fn as_json(contents: &Contents) -> Value {
         "outcome": contents.outcome,
         "cost": contents.cost,
     })
-}
-
-/// A value as in a cell: null is nothing, text is bare.
-fn plain(value: &Value) -> String {
-    match value {
-        Value::Null => String::new(),
-        Value::String(text) => text.clone(),
-        other => other.to_string(),
-    }
 }
 
 /// What stops a table half way.

@@ -1,5 +1,7 @@
 //! Output of commands: text, tables, whole files, and a progress bar that is silent in a pipe.
 
+use crate::coordination::OptionTick;
+use crate::quantities::{self, OptionView};
 use anyhow::{Context, Error};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_HORIZONTAL_ONLY};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -35,6 +37,15 @@ pub(super) fn print_json(value: &serde_json::Value) -> Result<(), Failure> {
     print(&format!("{value:#}\n"))
 }
 
+/// A value as in a cell: null is nothing, text is bare.
+pub(super) fn plain(value: &serde_json::Value) -> String {
+    match value {
+        serde_json::Value::Null => String::new(),
+        serde_json::Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
+}
+
 pub(super) fn is_broken_pipe(error: &Error) -> bool {
     let io = error.downcast_ref::<std::io::Error>();
     io.is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
@@ -57,6 +68,17 @@ pub(super) fn write_file(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), 
 /// m^alpha and m).
 pub(super) const OPTION_HEADINGS: [&str; 7] =
     ["option", "openings", "D (m)", "risk S", "cost J (m)", "belief's mean J~", "P (%)"];
+
+/// An option as JSON: its quantities and its openings.
+pub(super) fn option_json(
+    name: &str,
+    openings: &[impl AsRef<str>],
+    option: &OptionTick,
+) -> serde_json::Value {
+    let mut told = quantities::json(OptionView { name, option }.read());
+    told["openings"] = openings.iter().map(AsRef::as_ref).collect();
+    told
+}
 
 /// Prints a warning, which stops nothing.
 pub(super) fn warn(warning: &impl std::fmt::Display) {

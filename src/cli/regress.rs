@@ -3,6 +3,7 @@
 use super::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
 use super::reproduce::Common;
 use super::scenario::ScenarioArguments;
+use crate::quantities::cell;
 use crate::regression::{
     Baseline, BaselineError, FORMAT, Figure, Figures, Moved, Run, Value, moved, run_all,
 };
@@ -165,8 +166,8 @@ fn text(is_check: bool, runs: usize, figures: usize, found: &[Moved]) -> String 
     }
     let mut shown = table(["run", "figure", "recorded", "now", "change", "may move by"], 2);
     for moved in found {
-        let figure = |figure: &Option<Figure>| figure.as_ref().map_or("-".to_owned(), Figure::to_string);
-        let [before, now] = [&moved.recorded, &moved.now].map(|f| f.as_ref().and_then(Figure::number));
+        let figure = |figure: &Option<Figure>| figure.as_ref().map_or("-".to_owned(), cell);
+        let [before, now] = [&moved.recorded, &moved.now].map(|f| f.as_ref().and_then(Figure::as_f64));
         let change = before.zip(now).map(|(before, now)| {
             let change = now - before;
             match before != 0.0 {
@@ -198,17 +199,11 @@ fn signed(value: f64) -> String {
 }
 
 fn as_json(moved: &Moved) -> serde_json::Value {
-    let figure = |figure: &Option<Figure>| match figure {
-        None => serde_json::Value::Null,
-        Some(Figure::Text(text)) => json!(text),
-        Some(Figure::Count(count)) => json!(count),
-        Some(Figure::Number(number)) => json!(number),
-    };
     json!({
         "run": moved.run,
         "figure": moved.figure,
-        "recorded": figure(&moved.recorded),
-        "now": figure(&moved.now),
+        "recorded": moved.recorded,
+        "now": moved.now,
         "relative_tolerance": moved.tolerance.relative,
         "absolute_tolerance": moved.tolerance.absolute,
     })

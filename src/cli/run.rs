@@ -7,12 +7,13 @@ use super::record::RecordArguments;
 use super::scenario::ScenarioArguments;
 use super::serving::Serving;
 use super::snapshots::SnapshotArguments;
-use super::tick_log;
+use super::tick_log::{self, TickLog};
 use super::told::Told;
 use crate::drawing;
 use crate::episode::{Outcome, State, Summary};
 use crate::paper::EXAMPLE_HUMAN;
 use crate::preference::Perception;
+use crate::quantities::View;
 use crate::recording::Ending;
 use crate::scenario::Snapshot;
 use anyhow::Context;
@@ -72,6 +73,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let mut episode = episode.map_err(refused)?;
     let mut saves = arguments.snapshots.saves(resumed)?;
     let mut ticks = Vec::new();
+    let mut log = arguments.ticks.as_ref().map(tick_log::File::begin);
     let bar = Progress::new(episode.expected_steps() as usize, "episode");
     saves.write(&stage, &episode)?;
     let is_to_be_finished = arguments.recording.is_asked_for() || arguments.live.live.is_some();
@@ -83,6 +85,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         recording.step(&episode)?;
         if let Some(serving) = &mut serving {
             serving.step(&episode);
+        }
+        if let Some(log) = &mut log {
+            log.step(&View { stage: &stage, episode: &episode })?;
         }
         ticks.push(episode.tick().clone());
         saves.write(&stage, &episode)?;
@@ -102,11 +107,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         serving.into_iter().for_each(Serving::stop);
         return Ok(ExitCode::from(130));
     }
-    let told = Told { stage: &stage, resumed, summary: episode.summary().clone(), ticks };
-    if let Some(file) = &arguments.ticks {
-        let joints = stage.robot().map_or(&[][..], |robot| &robot.joints);
-        file.write(&told.ticks, &tick_log::Names { options: stage.options(), joints })?;
-    }
+    let told = Told { stage: &stage, episode: &episode, resumed, ticks };
+    log.map_or(Ok(()), TickLog::finish)?;
     if let Some(path) = &arguments.svg {
         let svg = drawing::adaptation(stage.world(), &[told.track()], stage.scenario().settings.period)
             .with_context(|| path.display().to_string())

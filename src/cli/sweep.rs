@@ -128,7 +128,7 @@ fn headings(summary: &Summary) -> Vec<String> {
 
 fn groups(summary: &Summary) -> String {
     let keys = headings(summary);
-    let with_control = summary.groups.iter().any(|group| group.control_cost.is_some());
+    let with_control = summary.groups.iter().any(|group| group.accumulated_control_cost.is_some());
     let mut titles = keys.clone();
     let costs = ["J (m)", "std", "95 %"].map(str::to_owned);
     titles.extend(["n".to_owned(), "arrived".to_owned()]);
@@ -138,13 +138,13 @@ fn groups(summary: &Summary) -> String {
     }
     let mut shown = table_of(&titles, keys.len());
     for group in &summary.groups {
-        let Group { inputs, n, arrived, accumulated_objective_cost_m, control_cost } = group;
+        let Group { inputs, n, arrived, accumulated_objective_cost_m, accumulated_control_cost } = group;
         let mut cells: Vec<String> =
             keys.iter().map(|key| inputs.get(key).cloned().unwrap_or_default()).collect();
         cells.extend([n.to_string(), arrived.to_string()]);
         cells.extend(estimate(accumulated_objective_cost_m.as_ref()));
         if with_control {
-            cells.extend(estimate(control_cost.as_ref()));
+            cells.extend(estimate(accumulated_control_cost.as_ref()));
         }
         shown.add_row(cells);
     }
@@ -194,7 +194,7 @@ fn comparisons(summary: &Summary) -> String {
         let paired = &c.difference;
         let [difference, _, interval] = estimate(Some(&paired.difference));
         cells.extend([
-            if c.cost == "control_cost" { "C" } else { "J (m)" }.to_owned(),
+            if c.cost == "accumulated_control_cost" { "C" } else { "J (m)" }.to_owned(),
             format!("{} - {}", c.first, c.second),
             paired.difference.n.to_string(),
             difference,

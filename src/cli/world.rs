@@ -1,12 +1,14 @@
 //! `cocarry world`: shows a world's obstacles, openings and options, as tables, JSON or a map.
 
 use super::model::{ModelArguments, load_world};
-use super::output::{Failure, OPTION_HEADINGS, input, print, print_json, table, table_text, write_file};
+use super::output::{
+    Failure, OPTION_HEADINGS, input, option_json, print, print_json, table, table_text, write_file,
+};
 use crate::drawing;
-use crate::episode::prospects;
+use crate::episode::{OptionTick, prospects};
 use crate::geometry::Footprint;
-use crate::options::OptionSet;
-use crate::preference::{ChoiceDistribution, Predictor, Prospect, objective_cost};
+use crate::options::{OptionSet, PathOption};
+use crate::preference::{ChoiceDistribution, Predictor, objective_cost};
 use crate::world::{FREE_PASSAGE, Obstacle, World};
 use anyhow::Context;
 use clap::Args;
@@ -33,10 +35,7 @@ pub(super) struct Arguments {
 struct Offer {
     name: String,
     openings: Vec<String>,
-    prospect: Prospect,
-    objective: f64,
-    expected: f64,
-    probability: f64,
+    option: OptionTick,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
@@ -45,7 +44,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let set = OptionSet::new(&world, predictor.risk_weight()).map_err(input)?;
     let offers = offers(&world, &set, &mut predictor);
     if let Some(path) = &arguments.svg {
-        let probabilities: Vec<f64> = offers.iter().map(|o| o.probability).collect();
+        let probabilities: Vec<f64> = offers.iter().map(|o| o.option.probability).collect();
         let svg = drawing::world_map(&world, &set, &probabilities)
             .with_context(|| path.display().to_string())
             .map_err(Failure::Output)?;
@@ -65,18 +64,18 @@ fn offers(world: &World, set: &OptionSet, predictor: &mut Predictor) -> Vec<Offe
     let mut expected = Vec::new();
     predictor.predict(&prospects, &mut choice);
     predictor.expected_costs(&prospects, &mut expected);
-    set.options()
-        .iter()
-        .enumerate()
-        .map(|(o, option)| Offer {
-            name: option.name.clone(),
-            openings: option.crossings.iter().map(|c| world.openings[c.opening].name.clone()).collect(),
-            prospect: prospects[o],
+    let offer = |(o, option): (usize, &PathOption)| Offer {
+        name: option.name.clone(),
+        openings: option.crossings.iter().map(|c| world.openings[c.opening].name.clone()).collect(),
+        option: OptionTick {
+            remaining: set.remaining(&set.begin(), o),
             objective: objective_cost(prospects[o], predictor.risk_weight()),
             expected: expected[o],
             probability: choice.probabilities()[o],
-        })
-        .collect()
+            misaligned: false,
+        },
+    };
+    set.options().iter().enumerate().map(offer).collect()
 }
 
 fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
@@ -130,11 +129,11 @@ fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
         options.add_row([
             o.name.clone(),
             if o.openings.is_empty() { "(none)".to_owned() } else { o.openings.join(" ") },
-            format!("{:.4}", o.prospect.length),
-            format!("{:.4}", o.prospect.risk),
-            format!("{:.4}", o.objective),
-            format!("{:.4}", o.expected),
-            format!("{:.2}", 100.0 * o.probability),
+            format!("{:.4}", o.option.remaining.length),
+            format!("{:.4}", o.option.remaining.risk),
+            format!("{:.4}", o.option.objective),
+            format!("{:.4}", o.option.expected),
+            format!("{:.2}", 100.0 * o.option.probability),
         ]);
     }
     text + &table_text(&options)
@@ -183,15 +182,7 @@ fn as_json(world: &World, set: &OptionSet, offers: &[Offer]) -> Value {
         })).collect::<Vec<_>>(),
         "options_enumerated": world.listed_options.is_empty(),
         "options_cut": set.is_cut,
-        "options": offers.iter().map(|o| json!({
-            "name": o.name,
-            "openings": o.openings,
-            "length_m": o.prospect.length,
-            "risk": o.prospect.risk,
-            "objective": o.objective,
-            "expected_subjective": o.expected,
-            "probability": o.probability,
-        })).collect::<Vec<_>>(),
+        "options": offers.iter().map(|o| option_json(&o.name, &o.openings, &o.option)).collect::<Vec<_>>(),
     })
 }
 

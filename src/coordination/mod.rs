@@ -15,6 +15,16 @@ pub enum Mode {
     HumanLed,
 }
 
+impl Mode {
+    /// Name, as in outputs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::RobotLed => "robot-led",
+            Self::HumanLed => "human-led",
+        }
+    }
+}
+
 /// Parameters of the stubbornness measure, eq. (5).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

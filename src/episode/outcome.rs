@@ -86,7 +86,7 @@ pub struct Summary {
     /// The option executed last.
     pub last_option: usize,
     /// Number of changes of the executed option.
-    pub changes: u32,
+    pub option_changes: u32,
     /// The transition of the mode, if there was one.
     pub transition: Option<Transition>,
     /// The human's part.
@@ -112,15 +112,17 @@ pub struct HumanSummary {
     pub stubbornness: f64,
     /// g in the last step.
     pub discomfort: f64,
+    /// The option that the human preferred in the first step.
+    pub preferred_at_start: usize,
     /// Steps in which the executed option was not the one that this human preferred.
     pub steps_off_preference: u64,
     /// Sum over the steps of J^, eq. (2), of the executed option with the human's alpha and gamma at that
     /// step; cost units.
     pub subjective_cost: f64,
     /// Number of changes of the human's alpha and gamma.
-    pub changes_of_mind: u32,
+    pub preference_changes: u32,
     /// Number of changes of the preferred option.
-    pub preference_switches: u32,
+    pub preferred_option_switches: u32,
 }
 
 impl HumanSummary {
@@ -149,7 +151,7 @@ pub struct InteractionSummary {
     /// Integral of the square of the object's jerk, m^2/s^5.
     pub squared_jerk: f64,
     /// Largest deflection of a grip, m.
-    pub stretch: f64,
+    pub deflection: f64,
     /// Largest motor effort of the arm in a physics step, as a share of the URDF's effort limit.
     pub effort_share: f64,
 }
@@ -166,7 +168,7 @@ impl InteractionSummary {
         self.work[0] += tick.work[0];
         self.work[1] += tick.work[1];
         self.squared_jerk += tick.squared_jerk;
-        self.stretch = self.stretch.max(tick.stretch[0]).max(tick.stretch[1]);
+        self.deflection = self.deflection.max(tick.deflection[0]).max(tick.deflection[1]);
         self.effort_share = self.effort_share.max(tick.effort_share);
     }
 
@@ -243,7 +245,7 @@ impl ControlSummary {
 
     pub(super) fn add(&mut self, tick: &RobotTick) {
         self.tracking += tick.tracking_cost;
-        self.effort += tick.control_effort;
+        self.effort += tick.effort_cost;
         self.pose += tick.pose_cost;
         self.squared_error += tick.position_error * tick.position_error;
         self.largest_error = self.largest_error.max(tick.position_error);
@@ -302,7 +304,7 @@ impl Summary {
             accumulated_cost: 0.0,
             first_option: 0,
             last_option: 0,
-            changes: 0,
+            option_changes: 0,
             transition: None,
             human: HumanSummary::default(),
             control: None,

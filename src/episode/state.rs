@@ -61,9 +61,10 @@ impl Episode<'_> {
     /// [`NotRestored`] if the state does not fit.
     pub fn resume(mut self, state: State) -> Result<Self, NotRestored> {
         let n = self.options.options().len();
-        let Summary { first_option, last_option, .. } = state.summary;
-        let Tick { executed, preferred, steps_back_for, .. } = state.tick;
-        let indices = [executed, preferred, first_option, last_option].into_iter().chain(steps_back_for);
+        let Summary { first_option, last_option, ref human, .. } = state.summary;
+        let Tick { executed, preferred, reverses_for, .. } = state.tick;
+        let indices = [executed, preferred, first_option, last_option, human.preferred_at_start];
+        let indices = indices.into_iter().chain(reverses_for);
         let parts = [
             ("place", self.options.knows(&state.progress)),
             ("path", state.route.is_finite()),

@@ -103,8 +103,11 @@ impl Episode<'_> {
             wrench: seen.map(|seen| &seen.hand_grip.mean),
         });
         let switched = self.underway && decision.option != self.tick.preferred;
-        self.summary.human.preference_switches += u32::from(switched);
-        self.summary.human.changes_of_mind += u32::from(self.human.change(self.tick.step).is_some());
+        self.summary.human.preferred_option_switches += u32::from(switched);
+        self.summary.human.preference_changes += u32::from(self.human.change(self.tick.step).is_some());
+        if !self.underway {
+            self.summary.human.preferred_at_start = decision.option;
+        }
         self.tick.preferred = decision.option;
         self.tick.stubbornness = decision.stubbornness;
         self.tick.discomfort = decision.discomfort;
@@ -141,7 +144,7 @@ impl Episode<'_> {
             Lead::Human => human.option,
             Lead::HumanKeepingOption => current.unwrap_or(human.option),
         };
-        self.tick.steps_back_for = None;
+        self.tick.reverses_for = None;
         match current {
             None => {
                 let path = self.options.path(&self.progress, option).unwrap_or_default();
@@ -156,9 +159,9 @@ impl Episode<'_> {
                 match self.route.turn_onto(option, team, self.options, &self.progress) {
                     TurnOutcome::Turned => {
                         self.tick.executed = option;
-                        self.summary.changes += 1;
+                        self.summary.option_changes += 1;
                     }
-                    TurnOutcome::Reverses => self.tick.steps_back_for = Some(option),
+                    TurnOutcome::Reverses => self.tick.reverses_for = Some(option),
                     TurnOutcome::GoesOn => {}
                 }
             }

@@ -27,7 +27,7 @@ pub struct Tick {
     /// The option that this human would choose from this position.
     pub preferred: usize,
     /// The option for which the team reverses to a place with room to turn; only a team with bodies reverses.
-    pub steps_back_for: Option<usize>,
+    pub reverses_for: Option<usize>,
     /// J of the executed option, m.
     pub objective_cost: f64,
     /// Sum of `objective_cost` up to and including this step, m.
@@ -50,7 +50,7 @@ impl Tick {
             discomfort: 0.0,
             executed: 0,
             preferred: 0,
-            steps_back_for: None,
+            reverses_for: None,
             objective_cost: 0.0,
             accumulated_cost: 0.0,
             options: Vec::new(),

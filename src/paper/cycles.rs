@@ -102,7 +102,7 @@ fn trial(seed: u64, settings: &Settings) -> Trial {
             eta,
             outcome: summary.outcome,
             options: set.options().len(),
-            changes: summary.changes,
+            changes: summary.option_changes,
             detour: summary.steps as f64 / shortest.max(1.0),
         };
     }

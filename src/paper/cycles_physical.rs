@@ -99,8 +99,8 @@ impl Study<'_> {
         Ok(Findings {
             episodes: trials.len(),
             with_choice: trials.iter().filter(|t| t.options > 1).count(),
-            with_changes: trials.iter().filter(|t| t.summary.changes > 0).count(),
-            most_changes: trials.iter().map(|t| t.summary.changes).max().unwrap_or(0),
+            with_changes: trials.iter().filter(|t| t.summary.option_changes > 0).count(),
+            most_changes: trials.iter().map(|t| t.summary.option_changes).max().unwrap_or(0),
             arrived: trials.iter().filter(arrived).count(),
             touched: [BodyKind::Robot, BodyKind::Object, BodyKind::Human].map(by),
             longest_detour: trials.iter().filter(arrived).map(|t| t.detour).fold(0.0, f64::max),

@@ -71,7 +71,7 @@ pub struct Row {
     /// Mean and largest of the episodes' root mean square force of the human on the object, N.
     pub hand_force_rms: [f64; 2],
     /// How far the grips yielded at most, m.
-    pub stretch: f64,
+    pub deflection: f64,
 }
 
 impl Study<'_> {
@@ -190,6 +190,6 @@ fn row(environment: &Environment, settings: &Settings, eta: Option<f64>, ends: &
         transition_difference: differences.max().unwrap_or(0),
         position_error_rms: (squared / steps as f64).sqrt(),
         hand_force_rms: [mean_and_std(&forces).0, forces.iter().copied().fold(0.0, f64::max)],
-        stretch: of(&|(_, p)| p.interaction.map_or(0.0, |i| i.stretch)).into_iter().fold(0.0, f64::max),
+        deflection: of(&|(_, p)| p.interaction.map_or(0.0, |i| i.deflection)).into_iter().fold(0.0, f64::max),
     }
 }

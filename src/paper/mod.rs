@@ -152,5 +152,5 @@ pub enum BuiltInError {
 type Way = [u64; 3];
 
 fn way(summary: &Summary) -> Way {
-    [summary.first_option as u64, summary.last_option as u64, summary.changes.into()]
+    [summary.first_option as u64, summary.last_option as u64, summary.option_changes.into()]
 }

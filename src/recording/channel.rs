@@ -1,6 +1,7 @@
 //! The channels of a recording: topic, schema and encoding of each.
 
 use super::schema;
+use crate::quantities::{Record, json};
 use foxglove::messages::{FrameTransforms, JointStates, Log, SceneUpdate};
 use foxglove::{Encode, Schema};
 use serde_json::Value;
@@ -93,14 +94,14 @@ impl Channel {
         };
         known.unwrap_or_else(|| {
             let name = self.topic().trim_start_matches('/');
-            let text = schema::json_schema(name, schema::fields(self)).to_string();
+            let text = schema::json_schema(self).to_string();
             Schema::new(format!("cocarry.{name}"), "jsonschema", text.into_bytes())
         })
     }
 
     /// How its messages are encoded: `protobuf` or `json`.
     pub fn encoding(self) -> &'static str {
-        match schema::fields(self) {
+        match schema::quantities(self) {
             [] => "protobuf",
             _ => "json",
         }
@@ -128,7 +129,8 @@ impl Message {
     }
 
     /// A JSON message, without the fields that are null.
-    pub(super) fn json(channel: Channel, time: u64, mut message: Value) -> Self {
+    pub(super) fn json(channel: Channel, time: u64, record: Record) -> Self {
+        let mut message = json(record);
         leave_out_nulls(&mut message);
         Self { channel, time, data: message.to_string().into_bytes() }
     }

@@ -2,10 +2,10 @@
 
 use super::channel::{Channel, Message};
 use super::events::Events;
-use super::figures::{self, Names};
-use super::{motion, scene};
+use super::{motion, scene, schema};
 use crate::episode::{Episode, Outcome};
 use crate::geometry::Point;
+use crate::quantities::{Record, View};
 use crate::scenario::Stage;
 
 /// How a recording ends.
@@ -83,29 +83,27 @@ impl<'a> Encoder<'a> {
         self.messages.clear();
         let tick = episode.tick();
         let (from, to) = (self.time(tick.step), self.time(tick.step + 1));
-        let names = Names(self.stage.options());
-        let changed = episode.change().map(|change| Events::changed(change, from));
-        let decided = self.events.decided(tick, names, from);
-        let events = changed.into_iter().chain(decided);
-        self.messages.extend(events.map(|log| Message::of(Channel::Log, from, &log)));
-        self.json(Channel::Options, from, figures::options(tick, names));
-        self.json(Channel::Coordination, from, figures::coordination(tick, names));
+        let decided = self.events.decided(episode, self.stage.options(), from);
+        self.messages.extend(decided.iter().map(|log| Message::of(Channel::Log, from, log)));
+        self.json(Channel::Options, from, episode);
+        self.json(Channel::Coordination, from, episode);
         if let Some(ways) = self.ways.update(tick, from) {
             self.messages.push(Message::of(Channel::Ways, from, &ways));
         }
-        if let (Some(robot), Some(decision)) = (self.stage.robot(), episode.considerations()) {
-            self.json(Channel::Preparation, from, figures::preparation(tick, &decision, names, robot));
+        let has_robot = self.stage.robot().is_some();
+        if has_robot && episode.considerations().is_some() {
+            self.json(Channel::Preparation, from, episode);
         }
         self.state(episode, to);
-        if let (Some(robot), Some(decided)) = (self.stage.robot(), &tick.robot) {
-            self.json(Channel::Control, to, figures::control(tick.step, decided, names, robot));
+        if has_robot && tick.robot.is_some() {
+            self.json(Channel::Control, to, episode);
         }
         if let Some(seen) = episode.observation() {
-            self.json(Channel::Interaction, to, figures::interaction(tick.step, seen));
-            let events = self.events.touched(&seen.contacts, to);
+            self.json(Channel::Interaction, to, episode);
+            let events = self.events.touched(tick.step, &seen.contacts, to);
             self.messages.extend(events.iter().map(|log| Message::of(Channel::Log, to, log)));
         }
-        self.json(Channel::Cost, to, figures::cost(tick, episode.summary()));
+        self.json(Channel::Cost, to, episode);
         self.walk(episode.position());
         let path = scene::path(&self.walked, episode.path(), to);
         self.messages.push(Message::of(Channel::Path, to, &path));
@@ -115,24 +113,30 @@ impl<'a> Encoder<'a> {
     /// The end.
     pub fn end(&mut self, episode: &Episode, ending: Ending) -> &[Message] {
         self.messages.clear();
-        let summary = episode.summary();
-        let (time, names) = (self.time(summary.steps), Names(self.stage.options()));
-        self.messages.push(Message::of(Channel::Log, time, &Events::ended(episode, ending, names, time)));
-        self.json(Channel::Outcome, time, figures::outcome(summary, ending, self.period(), names));
+        let time = self.time(episode.summary().steps);
+        let ended = Events::ended(&View { stage: self.stage, episode }, ending, time);
+        self.messages.extend(ended.iter().map(|log| Message::of(Channel::Log, time, log)));
+        let mut outcome = self.record(Channel::Outcome, episode);
+        let ended = outcome.iter_mut().filter(|(key, _)| *key == "outcome");
+        ended.for_each(|(_, value)| *value = ending.name().into());
+        self.messages.push(Message::json(Channel::Outcome, time, outcome));
         &self.messages
-    }
-
-    fn period(&self) -> f64 {
-        self.stage.scenario().settings.period
     }
 
     /// Simulated time at the beginning of a step, ns.
     fn time(&self, step: u64) -> u64 {
-        (step as f64 * self.period() * 1e9).round() as u64
+        (step as f64 * self.stage.scenario().settings.period * 1e9).round() as u64
     }
 
-    fn json(&mut self, channel: Channel, time: u64, message: serde_json::Value) {
-        self.messages.push(Message::json(channel, time, message));
+    fn json(&mut self, channel: Channel, time: u64, episode: &Episode) {
+        let record = self.record(channel, episode);
+        self.messages.push(Message::json(channel, time, record));
+    }
+
+    /// The quantities of a channel.
+    fn record(&self, channel: Channel, episode: &Episode) -> Record {
+        let view = View { stage: self.stage, episode };
+        schema::quantities(channel).iter().flat_map(|table| view.read(table)).collect()
     }
 
     /// Where everything is, if there is more than a point.

@@ -8,8 +8,8 @@
 //! # Channels
 //!
 //! Times are simulated. Decisions are stamped with the beginning of their step, motion and forces with its end. Lengths are in m, angles in
-//! Foxglove's messages in rad, forces in N, torques in Nm; JSON fields say their unit in their name and in the JSON Schema of the
-//! channel, and what is no number is left out. All frames are in `world` (z up, the floor at 0).
+//! Foxglove's messages in rad, forces in N, torques in Nm; JSON fields are [quantities](crate::quantities): they say their unit in their name and in the JSON Schema
+//! of the channel, and missing values are left out. All frames are in `world` (z up, the floor at 0).
 //!
 //! | topic | schema | rate | what |
 //! | --- | --- | --- | --- |
@@ -19,7 +19,7 @@
 //! | `/scene/options` | foxglove.SceneUpdate | when P_o changes by 0.02 | every option from A to B, as wide (2 to 20 cm) and opaque as P_o |
 //! | `/scene/path` | foxglove.SceneUpdate | every step | where the team walked, and the way of the option executed |
 //! | `/joints` | foxglove.JointStates | every step, and at 0 | arm joints (rad or m, per s, Nm or N), then wheels (rad, rad/s) |
-//! | `/log` | foxglove.Log | when it happens | start, change of the human's mind, mode transition, change of option, change of preference, contact, end |
+//! | `/log` | foxglove.Log | when it happens | what [`Event`](crate::quantities::Event)s say: start, preference change, mode transition, change of option, reversal, contact, loss of the object, end |
 //! | `/options` | JSON | every step | per option: D_o (m), S_o, J_o (m), J~_o, P_o, omega_o |
 //! | `/coordination` | JSON | every step | phi, its threshold, g, mode, option executed and preferred, position (m), heading (deg) |
 //! | `/control` | JSON | every step | tracking error (m, deg), cost terms, candidate of eq. (8), outcome of eq. (7), u (m/s, rad/s) |
@@ -72,7 +72,6 @@ mod encoder;
 mod error;
 mod events;
 mod fields;
-mod figures;
 mod file;
 #[cfg(feature = "live")]
 mod live;

@@ -1,6 +1,7 @@
 //! A baseline file (TOML): its runs, tolerances and recorded figures.
 
-use super::{BaselineError, FIGURES, Figure, Figures};
+use super::{BaselineError, Figure, Figures, figure_names};
+use crate::quantities::cell;
 use std::path::Path;
 use toml_edit::{Document, DocumentMut, Item, Table};
 
@@ -60,8 +61,8 @@ impl Default for Tolerance {
 /// What a file may hold at its top.
 const TOP: [&str; 3] = ["format", "tolerance", "run"];
 
-/// The format of figures that are recorded now. 2: with the openings walked.
-pub const FORMAT: i64 = 2;
+/// The format of figures that are recorded now. 2: with the openings walked. 3: all quantities of an episode, by their keys.
+pub const FORMAT: i64 = 3;
 
 impl Baseline {
     /// Reads a file.
@@ -82,7 +83,7 @@ impl Baseline {
     pub fn parse(file: String, text: String) -> Result<Self, BaselineError> {
         let document = Document::parse(text.clone())
             .map_err(|source| BaselineError::Syntax { file: file.clone(), source: Box::new(source) })?;
-        let source = Source { file: &file, text: &text };
+        let mut source = Source { file: &file, text: &text, is_current: false };
         if let Some((key, _)) = document.iter().find(|(key, _)| !TOP.contains(key)) {
             return Err(source.unknown(document.as_table(), key, "the file", &TOP));
         }
@@ -92,6 +93,7 @@ impl Baseline {
                 format!("a whole number from 1 to {FORMAT}, the latest format that this version knows");
             format.ok_or_else(|| source.wrong(item, "the file", "format", &expected))
         })?;
+        source.is_current = format == FORMAT;
         let tolerances =
             document.get("tolerance").map_or(Ok(Vec::new()), |item| tolerances(&source, item))?;
         let runs = document.get("run").and_then(Item::as_array_of_tables);
@@ -141,14 +143,10 @@ impl Baseline {
                 table.decor_mut().set_prefix("\n");
             }
             for (name, figure) in figures {
-                table.insert(
-                    name,
-                    toml_edit::value(match figure {
-                        Figure::Text(text) => toml_edit::Value::from(text.as_str()),
-                        Figure::Count(count) => toml_edit::Value::from(*count),
-                        Figure::Number(number) => toml_edit::Value::from(*number),
-                    }),
-                );
+                let count = figure.as_i64().map(toml_edit::Value::from);
+                let value =
+                    count.or_else(|| Some(figure.as_f64()?.into())).unwrap_or_else(|| cell(figure).into());
+                table.insert(name, toml_edit::value(value));
             }
             run.insert("recorded", Item::Table(table));
         }
@@ -161,6 +159,8 @@ impl Baseline {
 struct Source<'a> {
     file: &'a str,
     text: &'a str,
+    /// Whether figures are of the latest format: earlier ones had other names.
+    is_current: bool,
 }
 
 impl Source<'_> {
@@ -213,10 +213,11 @@ fn tolerances(source: &Source, item: &Item) -> Result<Vec<(String, Tolerance)>, 
     };
     let table = table_of(item, "tolerance", "the file")?;
     let general = read(&table, "tolerance", Tolerance::default())?;
+    let names = figure_names();
     let mut all = vec![(String::new(), general)];
     for (figure, item) in table.iter().filter(|(key, _)| !KEYS.contains(key)) {
-        if !FIGURES.contains(&figure) {
-            return Err(source.unknown(&table, figure, "tolerance", &[&KEYS[..], &FIGURES[..]].concat()));
+        if !names.contains(&figure) {
+            return Err(source.unknown(&table, figure, "tolerance", &[&KEYS[..], &names].concat()));
         }
         let own = table_of(item, figure, "tolerance")?;
         let place = format!("tolerance.{figure}");
@@ -280,15 +281,16 @@ fn recorded(source: &Source, item: &Item) -> Result<Vec<(String, Figure)>, Basel
     let Some(table) = item.as_table() else {
         return Err(source.wrong(item, "run", "recorded", "a table [run.recorded], as `record` writes it"));
     };
+    let names = figure_names();
     let mut figures = Vec::new();
     for (key, item) in table.iter() {
-        if !FIGURES.contains(&key) {
-            return Err(source.unknown(table, key, "run.recorded", &FIGURES));
+        if source.is_current && !names.contains(&key) {
+            return Err(source.unknown(table, key, "run.recorded", &names));
         }
         let figure = match item.as_value() {
-            Some(toml_edit::Value::String(text)) => Figure::Text(text.value().clone()),
-            Some(toml_edit::Value::Integer(count)) => Figure::Count(*count.value()),
-            Some(toml_edit::Value::Float(number)) => Figure::Number(*number.value()),
+            Some(toml_edit::Value::String(text)) => text.value().as_str().into(),
+            Some(toml_edit::Value::Integer(count)) => (*count.value()).into(),
+            Some(toml_edit::Value::Float(number)) => (*number.value()).into(),
             _ => return Err(source.wrong(item, "run.recorded", key, "a number or a word in quotes")),
         };
         figures.push((key.to_owned(), figure));

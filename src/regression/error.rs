@@ -80,7 +80,7 @@ pub enum BaselineError {
     },
     /// Figures of an earlier format.
     #[error(
-        "{file}: its figures are of format {found}, which did not have all that format {FORMAT} compares (since 2: the openings walked); record them anew: cocarry regress record {file}"
+        "{file}: its figures are of format {found}, which did not have all that format {FORMAT} compares (since 2: the openings walked; since 3: all figures, under the names of `cocarry run --json`); record them anew: cocarry regress record {file}"
     )]
     Older {
         /// The file.

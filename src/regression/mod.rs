@@ -6,13 +6,14 @@ mod figures;
 
 pub use baseline::{Baseline, FORMAT, Run, Tolerance, Value};
 pub use error::BaselineError;
-pub use figures::{FIGURES, Figure, Way, figures};
+pub use figures::{Figure, Way, figure_names, figures, is_near};
 
 use crate::parallel::{OnDone, in_parallel};
+use crate::quantities::{Record, View};
 use crate::scenario::{Scenario, ScenarioError};
 
-/// The figures of a run, in the order of [`FIGURES`].
-pub type Figures = Vec<(&'static str, Figure)>;
+/// The figures of a run, in the order of [`figure_names`].
+pub type Figures = Record;
 
 /// A figure that is not what was recorded.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,7 +39,7 @@ pub fn run_all(scenarios: Vec<Scenario>, on_done: OnDone) -> Vec<Result<Figures,
         while episode.step().is_none() {
             way.step(&stage, episode.position());
         }
-        Ok(figures(&stage, episode.summary(), &way))
+        Ok(figures(&View { stage: &stage, episode: &episode }, &way))
     })
 }
 
@@ -55,7 +56,7 @@ pub fn moved(baseline: &Baseline, run: &Run, now: &Figures) -> Vec<Moved> {
     let mut found = Vec::new();
     for (name, value) in now {
         let before = recorded.iter().find(|(recorded, _)| recorded == name).map(|(_, figure)| figure);
-        if before.is_none_or(|before| !before.is_near(value, baseline.tolerance(name))) {
+        if before.is_none_or(|before| !is_near(before, value, baseline.tolerance(name))) {
             found.push(moved(name, before, Some(value)));
         }
     }

@@ -52,9 +52,9 @@ pub fn table_2_with_bodies(rows: &[Row], humans: usize, sway: f64) -> Table {
             shown: format!("{:.1}", r.hand_force_rms[0]),
             values: r.hand_force_rms.map(Into::into).to_vec(),
         })
-        .column("grip (cm)", false, &["stretch_m"], |r| Cell {
-            shown: format!("{:.1}", 100.0 * r.stretch),
-            values: vec![r.stretch.into()],
+        .column("grip (cm)", false, &["largest_grip_deflection_m"], |r| Cell {
+            shown: format!("{:.1}", 100.0 * r.deflection),
+            values: vec![r.deflection.into()],
         })
         .table(
             "table-2-bodies",

@@ -15,7 +15,7 @@ use thiserror::Error;
 
 const MAGIC: &[u8] = b"cocarry snapshot";
 /// To be raised whenever what is written changes.
-const FORMAT: u32 = 5;
+const FORMAT: u32 = 6;
 /// Files larger than this (bytes) are not read: a snapshot has about 100 kB.
 const LARGEST: u64 = 1 << 28;
 

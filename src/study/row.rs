@@ -4,14 +4,13 @@ use super::names::{AVOID, BOOLEANS, CRITERIA, METHODS, PLANTS, POSES, Plants, na
 use super::{Cell, Study};
 use crate::arithmetic;
 use crate::control::CandidateSet;
-use crate::episode::{ControlSummary, InteractionSummary, Loss, Outcome, Summary};
-use crate::scenario::{Scenario, Stage};
-use crate::simulation::{Contact, Failure};
+use crate::episode::Outcome;
+use crate::preference::Perception;
+use crate::quantities::{EPISODE, View, cell};
+use crate::scenario::{Scenario, ScenarioError, Stage};
 
 /// A column: its name, and its value for a cell; none where it does not apply.
 type InputColumn = (&'static str, fn(&Inputs) -> Option<String>);
-/// The same for an episode that is over.
-type ResultColumn = (&'static str, fn(&End) -> Option<String>);
 
 /// What tells rows and studies apart.
 pub(super) const IDENTITY: [&str; 4] = ["episode", "episodes", "study", "arithmetic"];
@@ -50,81 +49,13 @@ const INPUTS: &[InputColumn] = &[
     ("sway_m", |r| (r.cell.plant == Plants::Rapier).then(|| r.cell.sway.to_string())),
 ];
 
-/// An episode that is over.
-struct End<'a> {
-    scenario: &'a Scenario,
-    stage: &'a Stage,
-    /// The option that the human preferred at the first step.
-    preferred: Option<usize>,
-    /// None if the episode could not begin.
-    summary: Option<Summary>,
-    refusal: Option<String>,
-}
-
-/// The seed, what is drawn from it, and what came of it.
-const RESULTS: &[ResultColumn] = &[
-    ("seed", |r| some(r.scenario.seed)),
-    ("alpha", |r| some(r.scenario.human.alpha)),
-    ("gamma", |r| some(r.scenario.human.gamma)),
-    ("preference_changes", |r| some(r.changes())),
-    ("outcome", |r| word(r.summary.as_ref().map_or("not-begun", |s| s.outcome.name()))),
-    ("steps", |r| r.of(|s| s.steps)),
-    ("time_s", |r| r.of(|s| r.seconds(s.steps))),
-    ("walked_m", |r| r.of(|s| s.walked)),
-    ("accumulated_objective_cost_m", |r| r.of(|s| s.accumulated_cost)),
-    ("final_stubbornness", |r| r.of(|s| s.human.stubbornness)),
-    ("final_discomfort", |r| r.of(|s| s.human.discomfort)),
-    ("share_off_preference", |r| r.of(|s| s.human.share_off_preference(s.steps))),
-    ("accumulated_subjective_cost", |r| r.of(|s| s.human.subjective_cost)),
-    ("changes_of_mind", |r| r.of(|s| s.human.changes_of_mind)),
-    ("preference_switches", |r| r.of(|s| s.human.preference_switches)),
-    ("preferred_at_start", |r| r.preferred.map(|option| r.option(option))),
-    ("first_option", |r| r.summary.as_ref().map(|s| r.option(s.first_option))),
-    ("last_option", |r| r.summary.as_ref().map(|s| r.option(s.last_option))),
-    ("option_changes", |r| r.of(|s| s.changes)),
-    ("transition_step", |r| r.summary.as_ref()?.transition.map(|t| t.step.to_string())),
-    ("transition_time_s", |r| r.summary.as_ref()?.transition.map(|t| r.seconds(t.step).to_string())),
-    ("transition_x_m", |r| r.summary.as_ref()?.transition.map(|t| t.position.x.to_string())),
-    ("transition_y_m", |r| r.summary.as_ref()?.transition.map(|t| t.position.y.to_string())),
-    ("control_cost", |r| r.control(|c, _| c.cost())),
-    ("control_tracking", |r| r.control(|c, _| c.tracking)),
-    ("control_effort", |r| r.control(|c, _| c.effort)),
-    ("control_pose", |r| r.control(|c, _| c.pose)),
-    ("position_error_rms_m", |r| r.control(|c, steps| c.error_rms(steps))),
-    ("largest_position_error_m", |r| r.control(|c, _| c.largest_error)),
-    ("constrained_steps", |r| r.control(|c, _| c.constrained_steps as f64)),
-    ("fallback_steps", |r| r.control(|c, _| c.fallback_steps as f64)),
-    ("pose_changes", |r| r.control(|c, _| c.pose_changes as f64)),
-    ("overlapping_steps", |r| r.control(|c, _| c.overlapping_steps as f64)),
-    ("least_base_clearance_m", |r| r.control(|c, _| c.least_clearance)),
-    ("hand_force_mean_n", |r| r.interaction(InteractionSummary::mean_force)),
-    ("hand_force_rms_n", |r| r.interaction(InteractionSummary::rms_force)),
-    ("peak_force_n", |r| r.interaction(|i| i.peak_force)),
-    ("robot_work_j", |r| r.interaction(|i| i.work[0])),
-    ("human_work_j", |r| r.interaction(|i| i.work[1])),
-    ("squared_jerk_m2_per_s5", |r| r.interaction(|i| i.squared_jerk)),
-    ("force_noise_rms_n", |r| r.interaction(InteractionSummary::force_noise)),
-    ("largest_stretch_m", |r| r.interaction(|i| i.stretch)),
-    ("largest_effort_share", |r| r.interaction(|i| i.effort_share)),
-    ("lost_by", |r| r.loss(|l| l.by.name().to_owned())),
-    ("lost_at_step", |r| r.loss(|l| l.step.to_string())),
-    ("lost_distance_m", |r| r.loss(|l| l.distance.to_string())),
-    ("collision_of", |r| r.collision(|c| c.between[0].kind.name().to_owned())),
-    ("collision_part", |r| r.collision(|c| c.between[0].name.clone())),
-    ("collision_with", |r| r.collision(|c| c.between[1].kind.name().to_owned())),
-    ("collision_with_part", |r| r.collision(|c| c.between[1].name.clone())),
-    ("collision_x_m", |r| r.collision(|c| c.point.x.to_string())),
-    ("collision_y_m", |r| r.collision(|c| c.point.y.to_string())),
-    ("collision_z_m", |r| r.collision(|c| c.point.z.to_string())),
-    ("collision_depth_m", |r| r.collision(|c| c.depth.to_string())),
-    ("collision_force_n", |r| r.collision(|c| c.force.to_string())),
-    ("failure", |r| r.failure()),
-];
+/// Columns of the seed and of what is drawn from it; those of [`EPISODE`] follow.
+const DRAWN: [&str; 4] = ["seed", "alpha", "gamma", "preference_changes"];
 
 /// Names of all columns, in their order.
 pub(super) fn columns() -> Vec<&'static str> {
     let inputs = INPUTS.iter().map(|(name, _)| *name);
-    IDENTITY.into_iter().chain(inputs).chain(RESULTS.iter().map(|(name, _)| *name)).collect()
+    IDENTITY.into_iter().chain(inputs).chain(DRAWN).chain(EPISODE.iter().map(|q| q.key)).collect()
 }
 
 /// Names of the columns that settle a combination.
@@ -165,29 +96,40 @@ impl Study {
         let Some((cell, seed)) = self.place(episode) else { return Vec::new() };
         let basis = &self.stages[self.stage_of[cell]];
         let scenario = self.drawn(cell, seed);
-        let end = match basis.prepare(scenario.clone()) {
-            Ok(stage) => carry_out(&stage),
-            Err(error) => (None, None, Some(words(&error))),
-        };
-        let (preferred, summary, refusal) = end;
-        let end = End { scenario: &scenario, stage: basis, preferred, summary, refusal };
+        let drawn = drawn(&scenario);
+        let results = basis.prepare(scenario).and_then(|stage| carry_out(&stage));
+        let results = results.unwrap_or_else(|error| not_begun(&words(&error)));
         let (digest, arithmetic) = (self.digest.clone(), arithmetic::stamp().to_owned());
         let identity = [episode.to_string(), self.episodes.to_string(), digest, arithmetic];
-        let results = RESULTS.iter().map(|(_, value)| value(&end).unwrap_or_default());
-        line(identity.into_iter().chain(inputs(self, cell)).chain(results))
+        line(identity.into_iter().chain(inputs(self, cell)).chain(drawn).chain(results))
     }
 }
 
-fn carry_out(stage: &Stage) -> (Option<usize>, Option<Summary>, Option<String>) {
-    let mut episode = match stage.episode() {
-        Ok(episode) => episode,
-        Err(error) => return (None, None, Some(words(&error))),
+/// The seed and what is drawn from it: preference changes as `cocarry run --change` takes them, with spaces between, by their steps.
+fn drawn(scenario: &Scenario) -> [String; DRAWN.len()] {
+    let mut changes = scenario.changes.clone();
+    changes.sort_by_key(|change| change.step);
+    let changes = changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
+    let Perception { alpha, gamma } = scenario.human;
+    [scenario.seed.to_string(), alpha.to_string(), gamma.to_string(), changes]
+}
+
+/// The figures of an episode, run to its end.
+fn carry_out(stage: &Stage) -> Result<Vec<String>, ScenarioError> {
+    let mut episode = stage.episode()?;
+    while episode.step().is_none() {}
+    let figures = View { stage, episode: &episode }.read(EPISODE);
+    Ok(figures.iter().map(|(_, value)| cell(value)).collect())
+}
+
+/// Those of an episode that could not begin.
+fn not_begun(why: &str) -> Vec<String> {
+    let value = |key| match key {
+        "outcome" => "not-begun",
+        "failure" => why,
+        _ => "",
     };
-    let mut preferred = None;
-    while episode.step().is_none() {
-        preferred = preferred.or(Some(episode.tick().preferred));
-    }
-    (preferred, Some(episode.summary().clone()), None)
+    EPISODE.iter().map(|quantity| value(quantity.key).to_owned()).collect()
 }
 
 /// An error with its causes, in one line.
@@ -223,53 +165,6 @@ impl Inputs<'_> {
 
     fn with_choice(&self, value: impl Fn(&Self) -> String) -> Option<String> {
         self.with_robot(value).filter(|_| self.cell.candidates != CandidateSet::None)
-    }
-}
-
-impl End<'_> {
-    fn of<T: ToString>(&self, value: impl Fn(&Summary) -> T) -> Option<String> {
-        self.summary.as_ref().map(|summary| value(summary).to_string())
-    }
-
-    fn seconds(&self, steps: u64) -> f64 {
-        steps as f64 * self.scenario.settings.period
-    }
-
-    /// As `cocarry run --change` takes them, with spaces between, by their steps; empty without.
-    fn changes(&self) -> String {
-        let mut changes = self.scenario.changes.clone();
-        changes.sort_by_key(|change| change.step);
-        changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
-    }
-
-    fn option(&self, option: usize) -> String {
-        self.stage.options().options().get(option).map_or(String::new(), |o| o.name.clone())
-    }
-
-    fn control(&self, value: impl Fn(&ControlSummary, u64) -> f64) -> Option<String> {
-        let summary = self.summary.as_ref()?;
-        let value = value(summary.control.as_ref()?, summary.steps);
-        value.is_finite().then(|| value.to_string())
-    }
-
-    fn interaction(&self, value: impl Fn(&InteractionSummary) -> f64) -> Option<String> {
-        self.summary.as_ref()?.interaction.as_ref().map(|i| value(i).to_string())
-    }
-
-    fn loss(&self, value: impl Fn(&Loss) -> String) -> Option<String> {
-        self.summary.as_ref()?.loss.as_ref().map(value)
-    }
-
-    fn collision(&self, value: impl Fn(&Contact) -> String) -> Option<String> {
-        self.summary.as_ref()?.collision.as_ref().map(value)
-    }
-
-    fn failure(&self) -> Option<String> {
-        let failure = self.summary.as_ref().and_then(|s| s.failure.as_ref()).map(|failure| match failure {
-            Failure::NonFinite { body } => format!("{body} stopped being a number"),
-            Failure::Dropped => "the object fell".to_owned(),
-        });
-        failure.or_else(|| self.refusal.clone())
     }
 }
 

@@ -9,9 +9,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The columns that are summed up.
-const COSTS: [&str; 2] = ["accumulated_objective_cost_m", "control_cost"];
+const COSTS: [&str; 2] = ["accumulated_objective_cost_m", "accumulated_control_cost"];
 /// What tells humans apart who choose differently.
-const CHOICES: [&str; 4] = ["preferred_at_start", "first_option", "last_option", "option_changes"];
+const CHOICES: [&str; 4] = ["preferred_at_start", "first_option", "last_option", "option_change_count"];
 /// What is compared, all other inputs being equal: columns that belong together.
 const COMPARED: [&[&str]; 2] = [&["method"], &["pose", "pose_criterion", "prepare_while_leading"]];
 
@@ -44,7 +44,7 @@ pub struct Group {
     /// The accumulated objective cost, m.
     pub accumulated_objective_cost_m: Option<Estimate>,
     /// The control cost C; none without a robot.
-    pub control_cost: Option<Estimate>,
+    pub accumulated_control_cost: Option<Estimate>,
 }
 
 /// Two combinations that differ in one thing, over the seeds with which both arrived.
@@ -293,7 +293,7 @@ impl Reader {
             n: cell.n,
             arrived: cell.arrived,
             accumulated_objective_cost_m: cell.costs[0].estimate(cell.is_sample()),
-            control_cost: cell.costs[1].estimate(cell.is_sample()),
+            accumulated_control_cost: cell.costs[1].estimate(cell.is_sample()),
         };
         let comparison = |(&(what, first, second, cost), pair): (&Pair, &Differences)| {
             let [of_first, of_second] = [first, second].map(|cell| &self.cells[cell].inputs);
@@ -326,6 +326,20 @@ impl Reader {
             varied: varied.iter().map(|i| names[*i].to_owned()).collect(),
             groups: self.cells.iter().map(group).collect(),
             comparisons,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_columns_that_are_read_are_written() {
+        let columns = row::columns();
+        let compared = COMPARED.into_iter().flatten().copied();
+        for name in ["seed", "outcome", "plant"].into_iter().chain(COSTS).chain(CHOICES).chain(compared) {
+            assert!(columns.contains(&name), "{name}");
         }
     }
 }

@@ -410,7 +410,7 @@ impl<B: Bodies> Team for Carrying<'_, B> {
             self.track(tracked.unwrap_or(0), rims.as_ref(), &at.grasp, &mut tick);
         }
         tick.input = self.input;
-        tick.control_effort = control.input_weight * self.input.norm_squared();
+        tick.effort_cost = control.input_weight * self.input.norm_squared();
         tick.base_clearance = obstacles.clearance(q.base.position, robot.drive.base_radius);
         Some(tick)
     }

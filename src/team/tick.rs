@@ -30,7 +30,7 @@ pub struct RobotTick {
     /// ||x - s||_Q^2 at the end of the step.
     pub tracking_cost: f64,
     /// ||u||_R^2.
-    pub control_effort: f64,
+    pub effort_cost: f64,
     /// kappa ||q* - q_c||^2.
     pub pose_cost: f64,
     /// Distance between the base and the nearest obstacle at the beginning of the step, m; negative where
@@ -59,7 +59,7 @@ pub struct PhysicsTick {
     /// steps, N.
     pub force_change: [f64; 2],
     /// Largest deflection of the robot's and of the human's grip, m.
-    pub stretch: [f64; 2],
+    pub deflection: [f64; 2],
     /// Largest motor effort of the arm in a physics step, as a share of the URDF's effort limit; 0 without
     /// such limits.
     pub effort_share: f64,
@@ -74,11 +74,11 @@ pub struct PhysicsTick {
     pub human_distance: f64,
     /// How far the leader's intended position is ahead of the object along the path at the end of the step,
     /// m.
-    pub pace: f64,
+    pub path_lead: f64,
 }
 
 impl PhysicsTick {
-    pub(super) fn of(seen: &Observation, pace: f64) -> Self {
+    pub(super) fn of(seen: &Observation, path_lead: f64) -> Self {
         let near = &seen.clearances;
         let distance = |c: &Option<Clearance>| c.as_ref().map_or(f64::INFINITY, |c| c.distance);
         Self {
@@ -89,7 +89,7 @@ impl PhysicsTick {
             hand_force: seen.hand_grip.rms,
             peak_force: seen.grip.peak.max(seen.hand_grip.peak),
             force_change: [seen.grip.step_change, seen.hand_grip.step_change],
-            stretch: [seen.grip.stretch, seen.hand_grip.stretch],
+            deflection: [seen.grip.deflection, seen.hand_grip.deflection],
             effort_share: seen.effort_share,
             work: [seen.grip.work, seen.hand_grip.work],
             squared_jerk: seen.squared_jerk,
@@ -97,7 +97,7 @@ impl PhysicsTick {
                 .min(distance(&near.object_obstacle))
                 .min(distance(&near.human_obstacle)),
             human_distance: distance(&near.robot_human),
-            pace,
+            path_lead,
         }
     }
 }
@@ -118,13 +118,13 @@ pub struct Preparation {
 impl RobotTick {
     /// The step's contribution to the control cost C (Sec. V-C).
     pub fn cost(&self) -> f64 {
-        self.tracking_cost + self.control_effort + self.pose_cost
+        self.tracking_cost + self.effort_cost + self.pose_cost
     }
 
     /// The kind of body with the worst hold on the object, and the deviation (m): of the robot's grasp, or of
     /// a yielding grip.
     pub(crate) fn worst_hold(&self) -> (BodyKind, f64) {
-        let [gripper, hand] = self.physics.map_or([0.0; 2], |physics| physics.stretch);
+        let [gripper, hand] = self.physics.map_or([0.0; 2], |physics| physics.deflection);
         let robot = self.position_error.max(gripper);
         if hand > robot { (BodyKind::Human, hand) } else { (BodyKind::Robot, robot) }
     }
@@ -140,7 +140,7 @@ impl RobotTick {
             position_error: 0.0,
             orientation_error: 0.0,
             tracking_cost: 0.0,
-            control_effort: 0.0,
+            effort_cost: 0.0,
             pose_cost: 0.0,
             base_clearance: 0.0,
             physics: None,

@@ -76,7 +76,7 @@ fn closed_form_the_tracking_error_of_a_step_is_the_distance_to_the_human_after_i
         assert!((off - now.position_error).abs() < 1e-9, "step {}", pair[0].step);
         let cost = 1000.0 * (math::squared(now.position_error) + math::squared(now.orientation_error));
         assert!((cost - now.tracking_cost).abs() < 1e-9 * cost.max(1.0));
-        assert!((now.control_effort - now.input.norm_squared()).abs() < 1e-12);
+        assert!((now.effort_cost - now.input.norm_squared()).abs() < 1e-12);
     }
     // kappa ||q* - q_c||^2 with kappa = 1: what moved the joints besides the input
     for pair in ticks.windows(2) {
@@ -194,9 +194,8 @@ fn ticks_carry_what_the_robot_did() {
     let column = |name: &str| headings.iter().position(|h| h == name).unwrap_or_else(|| panic!("{name}"));
     let records: Vec<csv::StringRecord> = reader.records().map(|r| r.unwrap()).collect();
     let sum = |name: &str| records.iter().map(|r| r[column(name)].parse::<f64>().unwrap()).sum::<f64>();
-    let control = &told["control"];
-    for (key, name) in [("tracking", "tracking_cost"), ("effort", "control_effort"), ("pose", "pose_cost")] {
-        let expected = control[key].as_f64().unwrap();
+    for name in ["tracking_cost", "effort_cost", "pose_cost"] {
+        let expected = told[format!("accumulated_{name}")].as_f64().unwrap();
         assert!((sum(name) - expected).abs() < 1e-9 * expected.max(1.0), "{name}");
     }
     assert!(
@@ -220,7 +219,7 @@ fn ticks_carry_what_the_robot_did() {
 #[test]
 fn the_planning_level_alone_knows_no_robot() {
     let told = json(&["run", "--plant", "point", "--json"]);
-    assert!(told["control"].is_null() && told["robot"].is_null());
+    assert!(told["accumulated_control_cost"].is_null() && told["robot"].is_null());
     let output = cocarry(&["run", "--plant", "point", "--pose", "arm"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("--pose says something of a robot, but --plant point has none"));

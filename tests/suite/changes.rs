@@ -58,7 +58,7 @@ fn every_change_is_told_when_it_happens() {
     let output = cocarry(&asked);
     assert!(output.status.success(), "{}", stderr(&output));
     let text = stdout(&output);
-    let told: Vec<&str> = text.lines().filter(|line| line.contains("mind changes")).collect();
+    let told: Vec<&str> = text.lines().filter(|line| line.contains("preferences change")).collect();
     assert_eq!(told.len(), 2, "{text}");
     for (line, said) in told.iter().zip([
         ["step   12 (  2.4 s) at (", "alpha 0.9500, gamma 1.1000; they prefer option 3 from here"],

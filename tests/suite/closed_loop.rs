@@ -88,7 +88,7 @@ fn without_the_model_the_first_choice_is_kept() {
     let (summary, ticks) =
         ticks("worlds/environment-4.toml", &settings(Method::WITHOUT_MODEL, 5.0), EXAMPLE_HUMAN);
     assert!(ticks.iter().all(|t| t.mode == Mode::HumanLed && t.executed == ticks[0].preferred));
-    assert_eq!(summary.changes, 0);
+    assert_eq!(summary.option_changes, 0);
 }
 
 /// Sums over the ticks, with the perception that the human has in each.
@@ -117,7 +117,7 @@ fn closed_form_what_an_episode_is_to_the_human() {
     assert!(off > 0 && off < ticks.len(), "{off} of {}", ticks.len());
     assert!((human.share_off_preference(steps) - off as f64 / ticks.len() as f64).abs() < 1e-15);
     let switches = ticks.windows(2).filter(|w| w[0].preferred != w[1].preferred).count();
-    assert_eq!((human.changes_of_mind, human.preference_switches as usize), (1, switches));
+    assert_eq!((human.preference_changes, human.preferred_option_switches as usize), (1, switches));
     assert!(switches > 0);
 }
 

@@ -22,7 +22,7 @@ fn json_of_a_world_has_the_agreed_keys() {
     for option in options {
         assert!(option["name"].is_string() && option["openings"].is_array());
         let number = |key: &str| option[key].as_f64().unwrap_or_else(|| panic!("{key}"));
-        assert!((number("objective") - number("length_m") - 10.0 * number("risk")).abs() < 1e-9);
+        assert!((number("objective_cost_m") - number("length_m") - 10.0 * number("risk")).abs() < 1e-9);
         sum += number("probability");
     }
     assert!((sum - 1.0).abs() < 1e-12);
@@ -68,7 +68,7 @@ fn every_tick_is_written_as_csv_and_as_json_lines() {
         assert_eq!(number("length_m[3]"), line["options"][2]["length_m"].as_f64().unwrap());
         assert_eq!(number("probability[4]"), line["options"][3]["probability"].as_f64().unwrap());
     }
-    let last = &lines[steps - 1]["accumulated_cost_m"];
+    let last = &lines[steps - 1]["accumulated_objective_cost_m"];
     assert_eq!(last.as_f64(), summary["accumulated_objective_cost_m"].as_f64());
     assert!(std::fs::read_to_string(&svg_file).unwrap().contains("</svg>"));
     let names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();

@@ -286,7 +286,7 @@ fn the_discomfort_of_a_video_is_that_of_an_episode() {
         while episode.step().is_none() {
             ticks.push(episode.tick().clone());
         }
-        if episode.summary().changes > 0 {
+        if episode.summary().option_changes > 0 {
             continue;
         }
         let option = episode.summary().first_option;

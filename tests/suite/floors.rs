@@ -4,7 +4,7 @@ use crate::support::repository;
 use std::path::{Path, PathBuf};
 
 /// The floors from the bottom; those in one row may not use each other.
-const FLOORS: [&[&str]; 21] = [
+const FLOORS: [&[&str]; 22] = [
     &["math", "saved"],
     &["geometry"],
     &["robot"],
@@ -20,6 +20,7 @@ const FLOORS: [&[&str]; 21] = [
     &["team"],
     &["episode"],
     &["scenario"],
+    &["quantities"],
     &["recording", "drawing"],
     &["statistics", "table", "parallel"],
     &["paper"],

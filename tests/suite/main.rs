@@ -17,6 +17,7 @@ mod object_lost;
 mod paths;
 mod physical_carrying;
 mod physics;
+mod quantities;
 mod readme;
 mod recording;
 mod reference_recordings;

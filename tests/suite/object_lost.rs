@@ -31,13 +31,12 @@ fn a_robot_that_drives_too_slowly_loses_the_object() {
     let (code, told, said) = run(&robot, &["--plant", "kinematic"]);
     assert_eq!(code, Some(3), "{told}");
     assert_eq!(told["outcome"], "object-lost");
-    let loss = &told["loss"];
-    assert_eq!(loss["by"], "robot");
-    let distance = loss["distance_m"].as_f64().expect("a distance");
+    assert_eq!(told["lost_by"], "robot");
+    let distance = told["lost_distance_m"].as_f64().expect("a distance");
     // in one step, the team gets 4.8 cm ahead of it, and the second step beyond 10 cm ends the episode
     assert!(distance > 0.1 && distance < 0.21, "{distance}");
-    assert_eq!(told["control"]["largest_position_error_m"].as_f64(), Some(distance));
-    assert_eq!(loss["step"].as_u64().map(|step| step + 1), told["steps"].as_u64(), "it ends there");
+    assert_eq!(told["largest_position_error_m"].as_f64(), Some(distance));
+    assert_eq!(told["lost_at_step"].as_u64().map(|step| step + 1), told["steps"].as_u64(), "it ends there");
     let words = "its wheels drive 0.260 m/s at most";
     assert!(told["warnings"][0].as_str().is_some_and(|warning| warning.contains(words)), "{told}");
     assert!(said.contains(words), "told at load: {said}");

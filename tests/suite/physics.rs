@@ -133,10 +133,10 @@ fn closed_form_at_rest_the_grips_share_the_weight() {
             );
             assert!((grip.mean.force.z - weight / 2.0).abs() < 1.0, "{name}: {grip:?}");
             assert!(
-                grip.stretch < 0.005 && hand.stretch < 0.005,
+                grip.deflection < 0.005 && hand.deflection < 0.005,
                 "{name}: {} {}",
-                grip.stretch,
-                hand.stretch
+                grip.deflection,
+                hand.deflection
             );
             assert!(grip.step_change < 0.01 && hand.step_change < 0.01, "{name}: {grip:?}");
             let from = *settled.get_or_insert(seen.object);
@@ -300,18 +300,18 @@ fn a_human_who_follows_around_a_corner_feels_little() {
     let reach = world.object.size[0] / 2.0;
     let mut plant = plant(&robot, &world, &PhysicsSettings::default());
     let mut seen = plant.observe();
-    let (mut stretch, mut forces, mut off) = ([0.0_f64; 2], vec![], 0.0_f64);
+    let (mut deflection, mut forces, mut off) = ([0.0_f64; 2], vec![], 0.0_f64);
     for tick in 1..=45 {
         let goal = around_a_corner(f64::from(tick) * PERIOD);
         let rates = around(&robot, &seen, f64::from(tick - 1) * PERIOD, reach);
         seen = plant.step(&rates, &HumanCommand::Follow, PERIOD);
         assert_eq!(seen.failure, None);
-        stretch = [stretch[0].max(seen.grip.stretch), stretch[1].max(seen.hand_grip.stretch)];
+        deflection = [deflection[0].max(seen.grip.deflection), deflection[1].max(seen.hand_grip.deflection)];
         forces.push(horizontal(&seen.hand_grip.mean.force));
         off = off.max((seen.object.translation.vector.xy() - goal.position.coords).norm());
     }
     let mean = forces.iter().sum::<f64>() / forces.len() as f64;
-    assert!(stretch[0] < 0.002 && stretch[1] < 0.02, "{stretch:?}");
+    assert!(deflection[0] < 0.002 && deflection[1] < 0.02, "{deflection:?}");
     assert!(mean < 6.0, "{mean} N");
     assert!(off < 0.03, "{off} m");
 }
@@ -323,18 +323,18 @@ fn a_human_who_walks_leads_around_a_corner() {
     let reach = world.object.size[0] / 2.0;
     let mut plant = plant(&robot, &world, &PhysicsSettings::default());
     let mut seen = plant.observe();
-    let mut stretch = [0.0_f64; 2];
+    let mut deflection = [0.0_f64; 2];
     for tick in 1..=45 {
         let goal = around_a_corner(f64::from(tick) * PERIOD);
         let hand = PlanarPose { position: goal.position + direction(goal.yaw) * reach, ..goal };
         let rates = around(&robot, &seen, f64::from(tick - 1) * PERIOD, reach);
         seen = plant.step(&rates, &HumanCommand::Walk { hand }, PERIOD);
-        stretch = [stretch[0].max(seen.grip.stretch), stretch[1].max(seen.hand_grip.stretch)];
+        deflection = [deflection[0].max(seen.grip.deflection), deflection[1].max(seen.hand_grip.deflection)];
         if tick > 8 {
             assert!((seen.hand_planar.position - hand.position).norm() < 0.02, "tick {tick}");
         }
     }
-    assert!(stretch[0] < 0.002 && stretch[1] < 0.02, "{stretch:?}");
+    assert!(deflection[0] < 0.002 && deflection[1] < 0.02, "{deflection:?}");
 }
 
 /// Largest differences of an object's position (m) and of the forces of gripper and hand (N) around a corner,

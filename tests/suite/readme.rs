@@ -9,12 +9,12 @@ type Claim = (&'static str, fn(&Value) -> bool);
 /// What comments behind `cocarry run` say of how an episode goes, and what its JSON has then. Each must occur
 /// in the README.
 const CLAIMS: [Claim; 9] = [
-    ("takes the lead at step 22", |told| told["transition"]["step"] == 22),
+    ("takes the lead at step 22", |told| told["transition_step"] == 22),
     ("ends on option 4", |told| told["last_option"] == "4"),
     ("turns onto option 4", |told| told["option_changes"][0]["to"] == "4"),
     ("ends on option 3", |told| told["last_option"] == "3"),
     ("the human leads from start to end", |told| {
-        told["method"] == "without-model" && told["transition"].is_null()
+        told["method"] == "without-model" && told["transition_step"].is_null()
     }),
     ("through narrow openings", |told| told["world"] == "Environment 2"),
     ("without a robot", |told| told["robot"].is_null()),

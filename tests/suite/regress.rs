@@ -1,6 +1,7 @@
 //! The regression gate: what was recorded stands, what moves is told, and what is wrong is named.
 
 use crate::support::{cocarry, json, repository, stderr, stdout};
+use cocarry::quantities::EPISODE;
 use std::path::Path;
 
 const OWN: &str = "tests/fixtures/regress/costs.toml";
@@ -106,7 +107,7 @@ fn tolerances_decide_what_moved() {
     let walked: f64 = line.split(" = ").nth(1).unwrap().parse().unwrap();
     let spoiled = recorded.replacen(line, &format!("walked_m = {}", walked * 1.001), 1);
     let moved = |head: &str| {
-        let file = at(folder.path(), &spoiled.replacen("format = 2\n", &format!("format = 2\n{head}\n"), 1));
+        let file = at(folder.path(), &spoiled.replacen("format = 3\n", &format!("format = 3\n{head}\n"), 1));
         let output = cocarry(&["regress", "check", &file, "--json"]);
         let told: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
         let moved = told["moved"].as_array().unwrap().clone();
@@ -129,11 +130,14 @@ fn a_figure_that_is_gone_or_new_has_moved() {
     let file = at(folder.path(), SMALL);
     assert!(cocarry(&["regress", "record", &file]).status.success());
     let recorded = std::fs::read_to_string(&file).unwrap();
-    let spoiled = recorded.replacen("outcome = \"arrived\"\n", "control_cost = 3.0\n", 1);
+    let spoiled = recorded.replacen("outcome = \"arrived\"\n", "accumulated_control_cost = 3.0\n", 1);
     let output = cocarry(&["regress", "check", &at(folder.path(), &spoiled)]);
     assert_eq!(output.status.code(), Some(1));
     let text = stdout(&output);
-    assert!(text.contains("control_cost") && text.contains("outcome") && text.contains("2 moved"), "{text}");
+    assert!(
+        text.contains("accumulated_control_cost") && text.contains("outcome") && text.contains("2 moved"),
+        "{text}"
+    );
 }
 
 /// Two ways around a pillar, of which the one above the line from start to target is listed as the only
@@ -198,7 +202,10 @@ fn figures_of_an_earlier_format_are_to_be_recorded_anew() {
     let is_new =
         |line: &&str| ["format", "openings", "mean_offset_m"].iter().any(|key| line.starts_with(key));
     let old: Vec<&str> = recorded.lines().filter(|line| !is_new(line)).collect();
-    let file = at(folder.path(), &(old.join("\n") + "\n"));
+    // the names of then
+    let old = old.join("\n").replace("option_change_count", "option_changes");
+    assert!(old.contains("option_changes"));
+    let file = at(folder.path(), &(old + "\n"));
     let output = cocarry(&["regress", "check", &file]);
     assert_eq!(output.status.code(), Some(2));
     let error = stderr(&output);
@@ -206,7 +213,7 @@ fn figures_of_an_earlier_format_are_to_be_recorded_anew() {
     assert!(error.contains("regress record"), "{error}");
     assert!(cocarry(&["regress", "record", &file]).status.success());
     assert!(cocarry(&["regress", "check", &file]).status.success());
-    refused(&format!("format = 3\n{SMALL}"), &[":1:", "format = 3", "from 1 to 2"]);
+    refused(&format!("format = 4\n{SMALL}"), &[":1:", "format = 4", "from 1 to 3"]);
 }
 
 #[test]
@@ -229,8 +236,12 @@ fn keys_are_those_of_run() {
     let same = "run environment-1 --plant kinematic --method human-led --seed 4 --no-obstacles --pose-criterion uniform --belief-alpha uniform(0.6,0.9) --max-steps 40 --json";
     let output = cocarry(&same.split(' ').collect::<Vec<_>>());
     let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    let cost = told["control"]["cost"].as_f64().unwrap();
-    assert!(recorded.contains(&format!("control_cost = {cost}")), "{cost}:\n{recorded}");
+    let cost = told["accumulated_control_cost"].as_f64().unwrap();
+    assert!(recorded.contains(&format!("accumulated_control_cost = {cost}")), "{cost}:\n{recorded}");
+    for quantity in EPISODE {
+        let is_recorded = recorded.contains(&format!("\n{} = ", quantity.key));
+        assert_eq!(is_recorded, !told[quantity.key].is_null(), "{}:\n{recorded}", quantity.key);
+    }
     assert!(recorded.contains("outcome = \"out-of-time\""));
 }
 

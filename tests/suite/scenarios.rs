@@ -86,7 +86,7 @@ fn parameter() -> impl Strategy<Value = f64> {
 }
 
 #[test]
-fn property_changes_of_mind_are_read_back_to_the_last_bit() {
+fn property_preference_changes_are_read_back_to_the_last_bit() {
     let of = scenario(Plant::Point);
     let plain = of.text().unwrap_or_else(|e| panic!("{e}"));
     assert!(!plain.contains("change"), "nothing is written where there are none:\n{plain}");

@@ -107,7 +107,7 @@ fn issue_a_transition_behind_the_last_opening() {
         let output = cocarry(&["run", world, "--plant", "point", "--eta", eta, "--json"]);
         assert!(output.status.success(), "{}", stderr(&output));
         let run: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-        assert!(run["transition"].is_null(), "{world}, eta {eta}: {}", run["transition"]);
+        assert!(run["transition_step"].is_null(), "{world}, eta {eta}: {}", run["transition_step"]);
     }
     let set = load(&repository("worlds/environment-4.toml")).1;
     for eta in 1..=30 {

@@ -73,7 +73,7 @@ fn an_episode_gone_on_with_is_the_one_never_cut() {
         let transition = {
             let mut episode = whole.clone();
             while episode.step().is_none() {}
-            assert!(episode.summary().changes > 0, "{name}: the option changes");
+            assert!(episode.summary().option_changes > 0, "{name}: the option changes");
             episode.summary().transition.expect("a transition").step
         };
         let whole = rest(whole);
@@ -133,7 +133,7 @@ fn a_snapshot_of_another_format_says_so() {
     assert_eq!(version, env!("CARGO_PKG_VERSION").as_bytes());
     bytes[16] += 1;
     let error = parse(&bytes).map(|s| s.state.steps()).expect_err("another format").to_string();
-    for part in ["format 6", "this program reads format 5", env!("CARGO_PKG_VERSION")] {
+    for part in ["format 7", "this program reads format 6", env!("CARGO_PKG_VERSION")] {
         assert!(error.contains(part), "{error}");
     }
 }
@@ -197,14 +197,14 @@ fn a_team_cut_while_it_steps_back_is_the_one_never_cut() {
     let mut back = 0;
     while back < 4 {
         assert_eq!(episode.step(), None, "it steps back");
-        back += u32::from(episode.tick().steps_back_for.is_some());
+        back += u32::from(episode.tick().reverses_for.is_some());
     }
     let bytes = whole.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"));
     let snapshot = parse(&bytes).unwrap_or_else(|e| panic!("{e}"));
     let stage = stage(snapshot.scenario);
     let again = stage.resume(snapshot.state).unwrap_or_else(|e| panic!("{e}"));
     let (whole, again) = (rest(episode), rest(again));
-    assert!(whole[0].contains("steps_back_for: Some") && again == whole);
+    assert!(whole[0].contains("reverses_for: Some") && again == whole);
 }
 
 #[test]
@@ -246,7 +246,7 @@ fn another_process_goes_on_with_the_same_bits() {
             assert!(rows(Path::new(&left)) == rows(Path::new(&all))[step..], "{plant}: the ticks differ");
             assert_eq!(told["resumed_at_step"], step);
             // these tell of single ticks: from the snapshot on
-            let of_ticks = ["options", "preferred_at_start", "option_changes", "resumed_at_step"];
+            let of_ticks = ["options", "option_changes", "resumed_at_step"];
             let expected = whole.as_object().expect("an object").iter();
             for (key, value) in expected.filter(|(key, _)| !of_ticks.contains(&key.as_str())) {
                 assert_eq!(&told[key], value, "{plant}: {key}");
@@ -286,7 +286,7 @@ fn a_change_before_a_snapshot_is_told() {
     let whole = cocarry(&[&asked[..], &changes].concat());
     assert!(whole.status.success(), "{}", stderr(&whole));
     let told = stdout(&cocarry(&["run", "--resume", &file]));
-    for part in ["step   20 (  4.0 s): the human's mind changes", "step   40 (  8.0 s) at ("] {
+    for part in ["step   20 (  4.0 s): the human's preferences change", "step   40 (  8.0 s) at ("] {
         assert!(told.contains(part), "{part:?} is missing from:\n{told}");
     }
     let told = crate::support::json(&["run", "--resume", &file, "--json"]);

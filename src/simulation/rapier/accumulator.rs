@@ -28,7 +28,7 @@ struct Sum {
     squared_change: f64,
     peak: f64,
     work: f64,
-    stretch: f64,
+    deflection: f64,
     /// The wrench of the last step; kept between periods. `None` before the first step.
     last: Option<Wrench>,
 }
@@ -87,7 +87,7 @@ impl Sum {
         self.torque += torque;
         self.squared += force.norm_squared();
         self.peak = self.peak.max(force.norm());
-        self.stretch = self.stretch.max(sample.stretch);
+        self.deflection = self.deflection.max(sample.deflection);
         self.work += (force.dot(&sample.velocity) + torque.dot(&sample.turning)) * dt;
         if let Some(last) = self.last {
             self.squared_change += (force - last.force).norm_squared();
@@ -104,7 +104,7 @@ impl Sum {
             rms: (self.squared / steps).sqrt(),
             step_change: (self.squared_change / steps).sqrt(),
             work: self.work,
-            stretch: self.stretch,
+            deflection: self.deflection,
         }
     }
 }

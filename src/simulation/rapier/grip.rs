@@ -48,7 +48,7 @@ pub(super) struct WrenchSample {
     /// Angular velocity of the object.
     pub turning: Vector3<f64>,
     /// Distance between the two points joined, m.
-    pub stretch: f64,
+    pub deflection: f64,
 }
 
 impl Grip {
@@ -109,7 +109,7 @@ impl Grip {
             },
             velocity: convert::vector(object.velocity_at_point(convert::to_vector(&at.translation.vector))),
             turning: convert::vector(object.angvel()),
-            stretch: (at.translation.vector - world_from_grip.translation.vector).norm(),
+            deflection: (at.translation.vector - world_from_grip.translation.vector).norm(),
         })
     }
 }

@@ -98,7 +98,7 @@ pub struct Forces {
     /// Work done on the object, J.
     pub work: f64,
     /// Largest distance between the two points that the grip joins, m.
-    pub stretch: f64,
+    pub deflection: f64,
 }
 
 /// The kind of a body.

@@ -64,7 +64,7 @@ fn frames_and_figures_are_those_of_the_episode() {
         }
     }
     for (message, (_, _, _, force)) in of(Channel::Interaction).zip(&seen[1..]) {
-        assert_eq!(decoded(message)["hand"]["force_n"]["z"].as_f64(), Some(*force));
+        assert_eq!(decoded(message)["hand_mean_force_z_n"].as_f64(), Some(*force));
     }
     for (message, tick) in of(Channel::Coordination).zip(&ticks) {
         let value = decoded(message);
@@ -77,7 +77,11 @@ fn frames_and_figures_are_those_of_the_episode() {
             let recorded = &value["options"][o];
             assert_eq!(recorded["probability"].as_f64(), Some(option.probability));
             let expected = Some(option.expected).filter(|e| e.is_finite());
-            assert_eq!(recorded["expected_subjective"].as_f64(), expected, "what is no number is left out");
+            assert_eq!(
+                recorded["expected_subjective_cost"].as_f64(),
+                expected,
+                "what is no number is left out"
+            );
         }
     }
     assert_eq!(of(Channel::Preparation).count(), ticks.len());
@@ -92,7 +96,7 @@ fn frames_and_figures_are_those_of_the_episode() {
     }
     let said: Vec<String> =
         of(Channel::Log).map(|m| decoded(m)["message"].as_str().unwrap().to_owned()).collect();
-    for words in ["leads on option 3", "the human takes the lead", "arrived on option 3"] {
+    for words in ["leads on option 3", "the human takes the lead", "arrived at B on option 3"] {
         assert!(said.iter().any(|s| s.contains(words)), "{words:?} is missing from {said:?}");
     }
 }
@@ -174,7 +178,7 @@ fn a_table_has_a_column_for_every_field_of_the_schema() {
     json(&["run", "--plant", "point", "--record", &file, "--json"]);
     let table = stdout(&cocarry(&["inspect", &file, "--csv", "/cost"]));
     let (heading, rest) = table.split_once('\n').expect("a heading");
-    assert!(heading.contains("control") && heading.contains("robot_work_j"), "{heading}");
+    assert!(heading.contains("accumulated_control_cost") && heading.contains("robot_work_j"), "{heading}");
     assert!(rest.lines().all(|line| line.split(',').count() == heading.split(',').count()));
 }
 
@@ -206,7 +210,7 @@ fn inspect_tells_what_is_in_a_recording() {
     let told = json(&["inspect", &file, "--json"]);
     assert_eq!(told["outcome"]["outcome"], run["outcome"]);
     assert_eq!(told["outcome"]["steps"], run["steps"]);
-    assert_eq!(told["outcome"]["control_cost"], run["control"]["cost"]);
+    assert_eq!(told["outcome"]["accumulated_control_cost"], run["accumulated_control_cost"]);
     assert_eq!(told["provenance"]["seed"], "3");
     assert_eq!(told["attachments"][0]["name"], "scenario.toml");
     let steps = run["steps"].as_u64().unwrap();

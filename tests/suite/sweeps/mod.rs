@@ -5,6 +5,7 @@ mod redraws;
 mod studies;
 
 use crate::support::{cocarry, json, repository, stderr, stdout};
+use cocarry::quantities::EPISODE;
 use cocarry::statistics::{mean_and_std, paired_p_value};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -108,7 +109,10 @@ fn every_combination_is_run_with_every_seed_the_humans_the_same_for_all_methods(
     for (i, row) in rows.iter().enumerate() {
         assert_eq!((row["episode"].parse(), row["episodes"].as_str()), (Ok(i), "96"));
         assert_eq!(row["outcome"], "arrived");
-        assert!(row["control_cost"].is_empty() && row["robot"].is_empty(), "the point has no robot");
+        assert!(
+            row["accumulated_control_cost"].is_empty() && row["robot"].is_empty(),
+            "the point has no robot"
+        );
         if row["humans"] == "same" {
             assert_eq!((row["alpha"].as_str(), row["gamma"].as_str()), ("0.747", "0.765"));
         }
@@ -124,9 +128,9 @@ fn every_combination_is_run_with_every_seed_the_humans_the_same_for_all_methods(
 }
 
 /// Compares a row with what `run --json` says of the same episode.
-fn agrees(row: &Row, told: &Value, pairs: &[(&str, &str)]) {
+fn agrees(row: &Row, told: &Value, pairs: &[(&str, impl AsRef<str>)]) {
     for (column, pointer) in pairs {
-        let (cell, value) = (&row[*column], told.pointer(pointer).unwrap_or(&Value::Null));
+        let (cell, value) = (&row[*column], told.pointer(pointer.as_ref()).unwrap_or(&Value::Null));
         let agrees = match value {
             Value::Null => cell.is_empty(),
             Value::Number(number) => cell.parse::<f64>().ok() == number.as_f64(),
@@ -139,51 +143,21 @@ fn agrees(row: &Row, told: &Value, pairs: &[(&str, &str)]) {
 
 #[test]
 fn a_row_is_what_run_says_of_the_same_episode() {
-    let common = [
+    let inputs = [
         ("seed", "/seed"),
         ("alpha", "/human/alpha"),
         ("gamma", "/human/gamma"),
         ("method", "/method"),
         ("eta", "/eta"),
-        ("outcome", "/outcome"),
-        ("steps", "/steps"),
-        ("time_s", "/time_s"),
-        ("walked_m", "/walked_m"),
-        ("accumulated_objective_cost_m", "/accumulated_objective_cost_m"),
-        ("final_stubbornness", "/final_stubbornness"),
-        ("final_discomfort", "/final_discomfort"),
-        ("share_off_preference", "/share_off_preference"),
-        ("accumulated_subjective_cost", "/accumulated_subjective_cost"),
-        ("changes_of_mind", "/changes_of_mind"),
-        ("preference_switches", "/preference_switches"),
-        ("preferred_at_start", "/preferred_at_start"),
-        ("first_option", "/first_option"),
-        ("last_option", "/last_option"),
-        ("transition_step", "/transition/step"),
-        ("transition_time_s", "/transition/time_s"),
-        ("transition_x_m", "/transition/position_m/0"),
-        ("posture", "/robot/posture"),
-        ("control_cost", "/control/cost"),
-        ("control_pose", "/control/pose"),
-        ("position_error_rms_m", "/control/position_error_rms_m"),
-        ("largest_position_error_m", "/control/largest_position_error_m"),
-        ("constrained_steps", "/control/constrained_steps"),
-        ("pose_changes", "/control/pose_changes"),
-        ("least_base_clearance_m", "/control/least_base_clearance_m"),
-        ("hand_force_rms_n", "/interaction/hand_force_rms_n"),
-        ("peak_force_n", "/interaction/peak_force_n"),
-        ("human_work_j", "/interaction/human_work_j"),
-        ("squared_jerk_m2_per_s5", "/interaction/squared_jerk_m2_per_s5"),
-        ("largest_effort_share", "/interaction/largest_effort_share"),
-        ("lost_by", "/loss/by"),
-        ("lost_at_step", "/loss/step"),
-        ("lost_distance_m", "/loss/distance_m"),
-        ("collision_of", "/collision/between/0/party"),
-        ("collision_with_part", "/collision/between/1/name"),
-        ("collision_x_m", "/collision/point_m/0"),
-        ("collision_depth_m", "/collision/depth_m"),
-        ("collision_force_n", "/collision/force_n"),
     ];
+    let of_robot = ["posture", "avoid", "pose"].map(|key| (key, format!("/robot/{key}")));
+    let results = EPISODE.iter().map(|quantity| (quantity.key, format!("/{}", quantity.key)));
+    let pairs = inputs
+        .map(|(column, pointer)| (column, pointer.to_owned()))
+        .into_iter()
+        .chain(of_robot)
+        .chain(results);
+    let pairs: Vec<(&str, String)> = pairs.collect();
     // the last one ends in a contact
     for (study, arguments) in [
         ("plants = \"point\"\nmethods = \"mutual\"", &["--plant", "point"][..]),
@@ -213,9 +187,9 @@ fn a_row_is_what_run_says_of_the_same_episode() {
         bench.good(&["study.toml"]);
         let output = cocarry(&[&["run", world, "--json", "--seed", "3"], arguments].concat());
         let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-        agrees(&bench.rows("study.csv")[0], &told, &common);
+        agrees(&bench.rows("study.csv")[0], &told, &pairs);
         if study.contains("robot-led") {
-            assert!(told["collision"].is_object(), "choose an episode with a contact");
+            assert!(told["collision_of"].is_string(), "choose an episode with a contact");
         }
     }
 }
@@ -462,14 +436,17 @@ gamma = 0.765
     let output = bench.good(&["study.toml", "--json"]);
     let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let compared = told["summary"]["comparisons"].as_array().expect("comparisons");
-    let control = compared.iter().find(|c| c["cost"] == "control_cost").expect("a comparison");
+    let control = compared.iter().find(|c| c["cost"] == "accumulated_control_cost").expect("a comparison");
     let paired = &control["difference"];
     assert!(paired["n"] == 3 && paired["std"].as_f64().expect("noise") > 0.0, "{paired}");
     for key in ["interval", "effect_size", "p_value", "p_holm"] {
         assert!(paired[key].is_null(), "{paired}");
     }
     for group in told["summary"]["groups"].as_array().expect("groups") {
-        assert!(group["control_cost"]["interval"].is_null() && group["control_cost"]["std"].is_f64());
+        assert!(
+            group["accumulated_control_cost"]["interval"].is_null()
+                && group["accumulated_control_cost"]["std"].is_f64()
+        );
     }
 }
 

@@ -1,0 +1,104 @@
+//! The quantities of an episode as a whole.
+
+use super::{JOULES, Kind, METRES, NEWTONS, PLAIN, Quantity, SECONDS, SQUARED_JERK, View, quantities};
+use crate::episode::{ControlSummary, InteractionSummary, Loss, Summary, Transition};
+use crate::simulation::{Contact, Failure, Part};
+use Kind::{Count, Text};
+
+impl View<'_> {
+    fn summary(&self) -> &Summary {
+        self.episode.summary()
+    }
+
+    fn seconds(&self, step: u64) -> f64 {
+        step as f64 * self.stage.scenario().settings.period
+    }
+
+    fn transition(&self) -> Option<Transition> {
+        self.summary().transition
+    }
+
+    fn control(&self) -> Option<&ControlSummary> {
+        self.summary().control.as_ref()
+    }
+
+    fn interaction(&self) -> Option<&InteractionSummary> {
+        self.summary().interaction.as_ref()
+    }
+
+    fn loss(&self) -> Option<Loss> {
+        self.summary().loss
+    }
+
+    fn collision(&self) -> Option<&Contact> {
+        self.summary().collision.as_ref()
+    }
+
+    fn touched(&self, side: usize) -> Option<&Part> {
+        self.collision().map(|contact| &contact.between[side])
+    }
+}
+
+/// How the episode ended, what it cost whom, and what went wrong.
+#[rustfmt::skip]
+pub const EPISODE: &[Quantity] = quantities! {
+    "outcome", Text, "arrived, out-of-time, no-way, collided, stuck, dropped, object-lost or non-finite; in recordings also interrupted (by the user)", |v| v.summary().outcome.name();
+    "steps", Count, "steps taken", |v| v.summary().steps;
+    "time_s", SECONDS, "simulated time", |v| v.seconds(v.summary().steps);
+    "walked_m", METRES, "length of the path walked", |v| v.summary().walked;
+    "accumulated_objective_cost_m", METRES, "sum over the steps of J of the option executed", |v| v.summary().accumulated_cost;
+    "final_stubbornness", PLAIN, "phi in the last step", |v| v.summary().human.stubbornness;
+    "final_discomfort", PLAIN, "g in the last step", |v| v.summary().human.discomfort;
+    "share_off_preference", PLAIN, "share of the steps off the option that this human preferred, 0 to 1", |v| v.summary().human.share_off_preference(v.summary().steps);
+    "accumulated_subjective_cost", PLAIN, "sum over the steps of J^ of the option executed, eq. (2), with this human's alpha and gamma; cost units", |v| v.summary().human.subjective_cost;
+    "preference_change_count", Count, "how often the human's alpha and gamma changed", |v| v.summary().human.preference_changes;
+    "preferred_option_switches", Count, "how often the option that the human preferred changed", |v| v.summary().human.preferred_option_switches;
+    "preferred_at_start", Text, "the option that the human preferred in the first step", |v| v.option(v.summary().human.preferred_at_start);
+    "first_option", Text, "the option executed first", |v| v.option(v.summary().first_option);
+    "last_option", Text, "the option executed last", |v| v.option(v.summary().last_option);
+    "option_change_count", Count, "how often the executed option changed", |v| v.summary().option_changes;
+    "transition_step", Count, "k at which the human took the lead; missing if the human did not", |v| v.transition().map(|t| t.step);
+    "transition_time_s", SECONDS, "time of that step", |v| v.transition().map(|t| v.seconds(t.step));
+    "transition_x_m", METRES, "position of the team then, world x", |v| v.transition().map(|t| t.position.x);
+    "transition_y_m", METRES, "position of the team then, world y", |v| v.transition().map(|t| t.position.y);
+    "accumulated_control_cost", PLAIN, "C: tracking + effort + pose (Sec. V-C); missing without a robot", |v| v.control().map(ControlSummary::cost);
+    "accumulated_tracking_cost", PLAIN, "sum of ||x - s||_Q^2", |v| v.control().map(|c| c.tracking);
+    "accumulated_effort_cost", PLAIN, "sum of ||u||_R^2", |v| v.control().map(|c| c.effort);
+    "accumulated_pose_cost", PLAIN, "sum of kappa ||q* - q_c||^2", |v| v.control().map(|c| c.pose);
+    "position_error_rms_m", METRES, "root mean square distance between grasp and reference", |v| v.control().map(|c| c.error_rms(v.summary().steps));
+    "largest_position_error_m", METRES, "largest distance between grasp and reference", |v| v.control().map(|c| c.largest_error);
+    "constrained_steps", Count, "steps in which a limit of joints, wheels or obstacles was active", |v| v.control().map(|c| c.constrained_steps);
+    "fallback_steps", Count, "steps without a solution of eq. (7)", |v| v.control().map(|c| c.fallback_steps);
+    "pose_change_count", Count, "steps in which eq. (8) chose another configuration", |v| v.control().map(|c| c.pose_changes);
+    "overlapping_steps", Count, "steps in which the base overlapped an obstacle", |v| v.control().map(|c| c.overlapping_steps);
+    "least_base_clearance_m", METRES, "least distance between base and obstacles; missing without obstacles", |v| v.control().map(|c| c.least_clearance);
+    "hand_force_mean_n", NEWTONS, "mean of the human's force on the object; missing without physics", |v| v.interaction().map(InteractionSummary::mean_force);
+    "hand_force_rms_n", NEWTONS, "root mean square of the human's force on the object", |v| v.interaction().map(InteractionSummary::rms_force);
+    "peak_force_n", NEWTONS, "largest force in either grip", |v| v.interaction().map(|i| i.peak_force);
+    "robot_work_j", JOULES, "work that the robot did on the object", |v| v.interaction().map(|i| i.work[0]);
+    "human_work_j", JOULES, "work that the human did on the object", |v| v.interaction().map(|i| i.work[1]);
+    "squared_jerk_m2_per_s5", SQUARED_JERK, "integral of the square of the object's jerk", |v| v.interaction().map(|i| i.squared_jerk);
+    "force_noise_rms_n", NEWTONS, "root mean square of a grip's force change between two physics steps, the larger of the two grips'", |v| v.interaction().map(InteractionSummary::force_noise);
+    "largest_grip_deflection_m", METRES, "largest deflection of either grip", |v| v.interaction().map(|i| i.deflection);
+    "largest_effort_share", PLAIN, "the most that a motor of the arm exerted, as a share of its effort limit", |v| v.interaction().map(|i| i.effort_share);
+    "lost_by", Text, "robot or human: who lost the object; missing if nobody did", |v| v.loss().map(|l| l.by.name());
+    "lost_at_step", Count, "k at which the object was lost", |v| v.loss().map(|l| l.step);
+    "lost_distance_m", METRES, "position error of the grasp then, or deflection of the human's grip", |v| v.loss().map(|l| l.distance);
+    "collision_of", Text, "robot, object or human: what touched an obstacle; missing if nothing did", |v| v.touched(0).map(|p| p.kind.name());
+    "collision_part", Text, "the part that touched it", |v| v.touched(0).map(|p| p.name.as_str());
+    "collision_with", Text, "obstacle", |v| v.touched(1).map(|p| p.kind.name());
+    "collision_with_part", Text, "name of the obstacle", |v| v.touched(1).map(|p| p.name.as_str());
+    "collision_x_m", METRES, "place of the contact, world x", |v| v.collision().map(|c| c.point.x);
+    "collision_y_m", METRES, "place of the contact, world y", |v| v.collision().map(|c| c.point.y);
+    "collision_z_m", METRES, "place of the contact, world z", |v| v.collision().map(|c| c.point.z);
+    "collision_depth_m", METRES, "depth of the contact", |v| v.collision().map(|c| c.depth);
+    "collision_force_n", NEWTONS, "largest normal force of the contact", |v| v.collision().map(|c| c.force);
+    "failure", Text, "what broke, if anything did", |v| v.summary().failure.as_ref().map(failure);
+};
+
+fn failure(failure: &Failure) -> String {
+    match failure {
+        Failure::NonFinite { body } => format!("{body} stopped being a number"),
+        Failure::Dropped => "the object fell".to_owned(),
+    }
+}

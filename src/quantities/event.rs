@@ -1,0 +1,160 @@
+//! What happens in an episode, in sentences: those of `/log` in recordings and of what `cocarry run` prints.
+
+use super::View;
+use crate::coordination::Mode;
+use crate::episode::{Loss, Outcome, PreferenceChange, Summary, Tick, Transition};
+use crate::geometry::Point;
+use crate::options::OptionSet;
+use crate::preference::Perception;
+use crate::simulation::{BodyKind, Contact};
+
+/// How bad an event is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Severity {
+    /// As intended.
+    Info,
+    /// To be looked at.
+    Warning,
+    /// It ends the episode.
+    Error,
+}
+
+/// Something that happened.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// k of the step in which it happened.
+    pub step: u64,
+    /// Where the team was, m, world frame; `None` where it is not known, or not what the event is about.
+    pub position: Option<Point>,
+    /// How bad it is.
+    pub severity: Severity,
+    /// What it is about: episode, human, preference, mode, option, contact or end.
+    pub about: &'static str,
+    /// What happened, without time and position.
+    pub sentence: String,
+}
+
+/// The name of an option.
+fn name(options: &OptionSet, option: usize) -> &str {
+    &options.options()[option].name
+}
+
+impl Event {
+    fn of_tick(tick: &Tick, about: &'static str, sentence: String) -> Self {
+        Self { step: tick.step, position: Some(tick.position), severity: Severity::Info, about, sentence }
+    }
+
+    fn of_step(step: u64, severity: Severity, about: &'static str, sentence: String) -> Self {
+        Self { step, position: None, severity, about, sentence }
+    }
+
+    /// What was decided in a step, with the step before it, if there is one, and the preference change with which it began.
+    pub fn decided(
+        before: Option<&Tick>,
+        tick: &Tick,
+        change: Option<&PreferenceChange>,
+        options: &OptionSet,
+    ) -> Vec<Self> {
+        let name = |option| name(options, option);
+        let of_tick = |about, sentence| Self::of_tick(tick, about, sentence);
+        let leader = if tick.mode == Mode::RobotLed { "robot" } else { "human" };
+        let (executed, preferred) = (name(tick.executed), name(tick.preferred));
+        let mut events = Vec::new();
+        if before.is_none() {
+            let sentence =
+                format!("the {leader} leads on option {executed}; this human prefers option {preferred}");
+            events.push(of_tick("episode", sentence));
+        }
+        events.extend(change.map(|change| Self::preference_change(change, Some(tick), options)));
+        let Some(before) = before else { return events };
+        if before.preferred != tick.preferred && change.is_none() {
+            let from = name(before.preferred);
+            let sentence = format!("this human now prefers option {preferred} to option {from}");
+            events.push(of_tick("preference", sentence));
+        }
+        if before.mode != tick.mode {
+            let transition = Transition { step: tick.step, position: tick.position };
+            events.push(Self::transition(&transition, Some(tick.stubbornness)));
+        }
+        if before.executed != tick.executed {
+            let from = name(before.executed);
+            events.push(of_tick(
+                "option",
+                format!("the {leader} leads from option {from} to option {executed}"),
+            ));
+        }
+        if let (None, Some(option)) = (before.reverses_for, tick.reverses_for) {
+            let sentence = format!("the team reverses, to turn onto option {}", name(option));
+            events.push(of_tick("option", sentence));
+        }
+        events
+    }
+
+    /// A preference change, with its step, if that is known.
+    pub fn preference_change(change: &PreferenceChange, tick: Option<&Tick>, options: &OptionSet) -> Self {
+        let Perception { alpha, gamma } = change.perception;
+        let sentence = format!("the human's preferences change: alpha {alpha:.4}, gamma {gamma:.4}");
+        match tick {
+            None => Self::of_step(change.step, Severity::Info, "human", sentence),
+            Some(tick) => {
+                let preferred = name(options, tick.preferred);
+                Self::of_tick(tick, "human", format!("{sentence}; they prefer option {preferred} from here"))
+            }
+        }
+    }
+
+    /// The transition of the mode, with phi in that step, if that is known.
+    pub fn transition(transition: &Transition, stubbornness: Option<f64>) -> Self {
+        let phi = stubbornness.map_or(String::new(), |phi| format!(" ({phi:.3})"));
+        let sentence = format!("stubbornness passes 1{phi}, the human takes the lead");
+        let Transition { step, position } = *transition;
+        Self { step, position: Some(position), severity: Severity::Warning, about: "mode", sentence }
+    }
+
+    /// A contact during a step.
+    pub fn contact(step: u64, contact: &Contact) -> Self {
+        let ([first, second], at) = (&contact.between, contact.point);
+        let severity = if second.kind == BodyKind::Obstacle { Severity::Error } else { Severity::Warning };
+        let sentence = format!(
+            "the {}'s {} touched {} at ({:.2}, {:.2}, {:.2}) m, {:.1} mm deep, {:.0} N",
+            first.kind.name(),
+            first.name,
+            second.name,
+            at.x,
+            at.y,
+            at.z,
+            1e3 * contact.depth,
+            contact.force
+        );
+        Self::of_step(step, severity, "contact", sentence)
+    }
+
+    /// The loss of the object.
+    pub fn loss(loss: &Loss) -> Self {
+        let what = match loss.by {
+            BodyKind::Human => "the human's grip yielded by",
+            _ => "the robot's grasp was off by",
+        };
+        let sentence = format!("{what} {:.1} cm: it lost the object", 100.0 * loss.distance);
+        Self::of_step(loss.step, Severity::Error, "contact", sentence)
+    }
+
+    /// The end of an episode; `outcome` is `None` where the user interrupted it.
+    pub fn end(view: &View, outcome: Option<Outcome>) -> Self {
+        let Summary { steps, last_option, walked, .. } = *view.episode.summary();
+        let end = match outcome {
+            None => "interrupted",
+            Some(Outcome::Arrived) => "arrived at B",
+            Some(Outcome::OutOfTime) => "did not arrive: the step limit is reached",
+            Some(Outcome::NoWay) => "did not arrive: no path leads on from here",
+            Some(Outcome::Collided) => "did not arrive: collided",
+            Some(Outcome::Stuck) => "did not arrive: stuck for ten seconds",
+            Some(Outcome::Dropped) => "did not arrive: the object fell",
+            Some(Outcome::ObjectLost) => "did not arrive: the object was lost",
+            Some(Outcome::NonFinite) => "did not arrive: the physics broke down",
+        };
+        let severity = if outcome == Some(Outcome::Arrived) { Severity::Info } else { Severity::Error };
+        let sentence = format!("{end} on option {} after {walked:.2} m", view.option(last_option));
+        Self::of_step(steps, severity, "end", sentence)
+    }
+}

@@ -1,0 +1,217 @@
+//! The vocabulary: every figure of a control period and of an episode, declared once.
+//!
+//! A [`Quantity`] has a key, a kind with its unit, a description and a getter. Tables of ticks, JSON, the channels of recordings with their
+//! schemas, the result columns of studies and the figures of baselines are all read from the tables here, so a figure has one public
+//! name. The sentences about what happens in an episode are in [`Event`].
+//!
+//! ```
+//! use cocarry::quantities::{EPISODE, View};
+//! # use cocarry::scenario::{Plant, Scenario};
+//! # let scenario = Scenario {
+//! #     seed: 1,
+//! #     world: cocarry::world::World::load("worlds/environment-4.toml".as_ref())?.into(),
+//! #     human: cocarry::preference::Perception { alpha: 0.747, gamma: 0.765 },
+//! #     human_model: Default::default(),
+//! #     changes: Vec::new(),
+//! #     settings: Default::default(),
+//! #     plant: Plant::Point,
+//! # };
+//! let stage = scenario.prepare()?;
+//! let mut episode = stage.episode()?;
+//! while episode.step().is_none() {}
+//! let figures = View { stage: &stage, episode: &episode }.read(EPISODE);
+//! assert_eq!((figures[0].0, figures[0].1.as_str()), ("outcome", Some("arrived")));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod episode;
+mod event;
+mod preparation;
+mod tick;
+
+pub use episode::EPISODE;
+pub use event::{Event, Severity};
+pub use preparation::PREPARATION;
+pub use tick::{
+    CONTROL, COORDINATION, COST, INTERACTION, JOINTS, OPTION, OPTIONS, OptionView, STEP, TICK, TIME,
+};
+
+use crate::episode::Episode;
+use crate::scenario::Stage;
+use serde_json::{Map, Value, json};
+
+/// Values by their keys, in the order of their table. A missing value, as one that is not finite, is null.
+pub type Record = Vec<(&'static str, Value)>;
+
+/// A record as a JSON object.
+pub fn json(record: Record) -> Value {
+    record.into_iter().collect()
+}
+
+/// A value as in a cell of a table: nothing where it is missing.
+pub fn cell(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        Value::Number(number) => {
+            number.as_f64().map_or_else(|| number.to_string(), |number| number.to_string())
+        }
+        other => other.to_string(),
+    }
+}
+
+/// An episode under way or over, with what its indices stand for.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    /// What the episode was prepared from.
+    pub stage: &'a Stage,
+    /// The episode. Quantities of a control period are those of the last step taken.
+    pub episode: &'a Episode<'a>,
+}
+
+impl View<'_> {
+    /// The values of these quantities, by their keys.
+    pub fn read(&self, quantities: &[Quantity]) -> Record {
+        read(quantities, self)
+    }
+
+    fn option(&self, option: usize) -> &str {
+        &self.stage.options().options()[option].name
+    }
+}
+
+/// A figure: its public name, what it is, and how it is read.
+#[derive(Clone, Copy, Debug)]
+pub struct Quantity<Getter = fn(&View) -> Value> {
+    /// Public name, which ends in the unit: `length_m`.
+    pub key: &'static str,
+    /// What kind of value it has.
+    pub kind: Kind,
+    /// What it is: symbol, meaning, and when it is missing.
+    pub description: &'static str,
+    /// Reads its value.
+    pub get: Getter,
+}
+
+/// What kind of value a quantity has.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// A real number, with its unit; "" if it has none.
+    Number(&'static str),
+    /// A whole number.
+    Count,
+    /// A word or a sentence.
+    Text,
+    /// Yes or no.
+    Flag,
+    /// A list of numbers.
+    Numbers,
+    /// A record, with the JSON Schema of it.
+    Record(fn() -> Value),
+    /// A list of records, with the JSON Schema of one.
+    List(fn() -> Value),
+}
+
+const PLAIN: Kind = Kind::Number("");
+const METRES: Kind = Kind::Number("m");
+const DEGREES: Kind = Kind::Number("deg");
+const RADIANS: Kind = Kind::Number("rad");
+const SECONDS: Kind = Kind::Number("s");
+const METRES_PER_SECOND: Kind = Kind::Number("m/s");
+const RADIANS_PER_SECOND: Kind = Kind::Number("rad/s");
+const NEWTONS: Kind = Kind::Number("N");
+const NEWTON_METRES: Kind = Kind::Number("Nm");
+const JOULES: Kind = Kind::Number("J");
+const SQUARED_JERK: Kind = Kind::Number("m^2/s^5");
+
+impl<Getter> Quantity<Getter> {
+    /// The JSON Schema of its value: one plain type, which is all that Foxglove reads.
+    fn schema(&self) -> Value {
+        let mut schema = match self.kind {
+            Kind::Number(_) => json!({ "type": "number" }),
+            Kind::Count => json!({ "type": "integer" }),
+            Kind::Text => json!({ "type": "string" }),
+            Kind::Flag => json!({ "type": "boolean" }),
+            Kind::Numbers => json!({ "type": "array", "items": { "type": "number" } }),
+            Kind::Record(record) => record(),
+            Kind::List(record) => json!({ "type": "array", "items": record() }),
+        };
+        schema["description"] = match self.kind {
+            Kind::Number(unit) if !unit.is_empty() => format!("{} [{unit}]", self.description).into(),
+            _ => self.description.into(),
+        };
+        schema
+    }
+}
+
+type Of<V> = Quantity<fn(&V) -> Value>;
+
+/// The values of these quantities, by their keys.
+fn read<V>(quantities: &[Of<V>], of: &V) -> Record {
+    quantities.iter().map(|quantity| (quantity.key, (quantity.get)(of))).collect()
+}
+
+/// The JSON Schema of a record of these quantities. None of them is required: a missing value is left out.
+pub fn schema<'a, Getter: 'a>(quantities: impl IntoIterator<Item = &'a Quantity<Getter>>) -> Value {
+    let property = |quantity: &Quantity<Getter>| (quantity.key.to_owned(), quantity.schema());
+    let properties: Map<String, Value> = quantities.into_iter().map(property).collect();
+    json!({ "type": "object", "properties": properties })
+}
+
+/// A table of quantities: key, kind, description and getter of each.
+macro_rules! quantities {
+    ($($key:literal, $kind:expr, $description:literal, |$view:pat_param| $get:expr;)*) => {
+        &[$($crate::quantities::Quantity {
+            key: $key,
+            kind: $kind,
+            description: $description,
+            get: |$view| serde_json::Value::from($get),
+        }),*]
+    };
+}
+use quantities;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    /// Key and kind of every quantity, with those of nested records.
+    fn all() -> Vec<(&'static str, Kind)> {
+        fn of<Getter>(quantities: &[Quantity<Getter>]) -> Vec<(&'static str, Kind)> {
+            quantities.iter().map(|quantity| (quantity.key, quantity.kind)).collect()
+        }
+        let nested = [of(OPTION), of(tick::REVOLUTE), of(tick::PRISMATIC), preparation::nested()];
+        TICK.into_iter().chain([PREPARATION, EPISODE]).map(of).chain(nested).flatten().collect()
+    }
+
+    #[test]
+    fn keys_are_plain_and_end_in_their_unit() {
+        let suffix = |unit: &str| format!("_{}", unit.to_lowercase().replace('/', "_per_").replace('^', ""));
+        let units: BTreeSet<&str> = all()
+            .iter()
+            .filter_map(|(_, kind)| if let Kind::Number(unit) = kind { Some(*unit) } else { None })
+            .collect();
+        assert!(units.len() > 8, "{units:?}");
+        for (key, kind) in all() {
+            assert!(key.bytes().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_'), "{key}");
+            match kind {
+                Kind::Number(unit) if !unit.is_empty() => {
+                    assert!(key.ends_with(&suffix(unit)), "{key}: {unit}")
+                }
+                _ => {
+                    let unit = units.iter().find(|unit| !unit.is_empty() && key.ends_with(&suffix(unit)));
+                    assert_eq!(unit, None, "{key} is said to have no unit");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_key_stands_for_one_quantity_of_a_tick_and_for_one_of_an_episode() {
+        for tables in [&TICK[..], &[STEP, PREPARATION], &[EPISODE]] {
+            let keys: Vec<_> = tables.iter().flat_map(|table| table.iter().map(|q| q.key)).collect();
+            assert_eq!(keys.iter().collect::<BTreeSet<_>>().len(), keys.len(), "{keys:?}");
+        }
+    }
+}

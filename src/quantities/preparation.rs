@@ -1,0 +1,94 @@
+//! What the controller decided a step from: references, and the candidates of eq. (8). In recordings only.
+
+use super::{Kind, METRES, PLAIN, Quantity, RADIANS, View, json, quantities, read, schema};
+use crate::control::{Considered, Reference};
+use crate::robot::Configuration;
+use Kind::{List, Numbers, Text};
+use serde_json::Value;
+
+/// What the robot prepared. Missing without a robot.
+#[rustfmt::skip]
+pub const PREPARATION: &[Quantity] = quantities! {
+    "references", List(|| schema(REFERENCE)), "what eq. (7) and (8) track: all options while the human leads, else the one executed", |v| references(v);
+    "target", Kind::Record(|| schema(CONFIGURATION)), "q*, the configuration that eq. (8) chose, else the present one", |v| v.episode.considerations().map(|c| configuration(v, c.target));
+    "candidates", List(|| schema(CANDIDATE)), "Q of eq. (8), the present configuration first; none where it was not asked", |v| candidates(v);
+};
+
+struct ReferenceView<'a> {
+    name: &'a str,
+    weight: f64,
+    reference: &'a Reference,
+}
+
+type OfReference = Quantity<fn(&ReferenceView) -> Value>;
+
+#[rustfmt::skip]
+const REFERENCE: &[OfReference] = quantities! {
+    "name", Text, "name of the option", |v| v.name;
+    "weight", PLAIN, "its weight in eq. (8): P_o, if nothing else was asked for", |v| v.weight;
+    "s", Numbers, "s_o(1) to s_o(8), six numbers each: x, y, z (m) and rotation vector (rad), relative to the grasp's present pose, world axes; on the \
+        physical plant what is left for the arm while the base follows its path", |v| v.reference.as_slice().to_vec();
+};
+
+struct ConfigurationView<'a> {
+    configuration: &'a Configuration,
+    joints: usize,
+}
+
+type OfConfiguration = Quantity<fn(&ConfigurationView) -> Value>;
+
+#[rustfmt::skip]
+const CONFIGURATION: &[OfConfiguration] = quantities! {
+    "x_m", METRES, "position of the base, world x", |v| v.configuration.base.position.x;
+    "y_m", METRES, "position of the base, world y", |v| v.configuration.base.position.y;
+    "yaw_rad", RADIANS, "heading of the base", |v| v.configuration.base.yaw;
+    "joints", Numbers, "positions of the joints, in the order of /joints, rad (prismatic: m)", |v| v.configuration.joints.as_slice()[..v.joints].to_vec();
+};
+
+/// Of a candidate's configuration, as JSON, and of what was found of it.
+type OfCandidate = Quantity<fn(&(Value, Considered)) -> Value>;
+
+#[rustfmt::skip]
+const CANDIDATE: &[OfCandidate] = quantities! {
+    "q", Kind::Record(|| schema(CONFIGURATION)), "the configuration", |(q, _)| q.clone();
+    "lower_bound", PLAIN, "the sum of eq. (8) without limits; missing where no costs were asked for", |(_, found)| found.floor;
+    "total", PLAIN, "the sum of eq. (8) (minus the manipulability, if that is the criterion); missing where it is known to exceed the least without being \
+        worked out", |(_, found)| found.total;
+};
+
+fn references(view: &View) -> Option<Vec<Value>> {
+    let considerations = view.episode.considerations()?;
+    let is_led = view.preparation().is_some_and(|p| p.tracked.is_some());
+    let pairs = considerations.references.iter().zip(considerations.weights).enumerate();
+    let records = pairs.map(|(i, (reference, &weight))| {
+        let name = view.option(if is_led { i } else { view.tick().executed });
+        json(read(REFERENCE, &ReferenceView { name, weight, reference }))
+    });
+    Some(records.collect())
+}
+
+fn configuration(view: &View, configuration: &Configuration) -> Value {
+    let joints = view.stage.robot().map_or(0, |robot| robot.joint_count());
+    json(read(CONFIGURATION, &ConfigurationView { configuration, joints }))
+}
+
+fn candidates(view: &View) -> Option<Vec<Value>> {
+    let considerations = view.episode.considerations()?;
+    if view.preparation().is_none() {
+        return Some(Vec::new());
+    }
+    let considered = considerations.poses.considered();
+    Some(
+        considered
+            .map(|c| json(read(CANDIDATE, &(configuration(view, &c.candidate.configuration), c))))
+            .collect(),
+    )
+}
+
+/// Key and kind of every quantity in a nested record.
+#[cfg(test)]
+pub(super) fn nested() -> Vec<(&'static str, Kind)> {
+    let of_references = REFERENCE.iter().map(|q| (q.key, q.kind));
+    let of_configurations = CONFIGURATION.iter().map(|q| (q.key, q.kind));
+    of_references.chain(of_configurations).chain(CANDIDATE.iter().map(|q| (q.key, q.kind))).collect()
+}

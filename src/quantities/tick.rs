@@ -1,0 +1,255 @@
+//! The quantities of one control period.
+
+use super::{
+    DEGREES, JOULES, Kind, METRES, METRES_PER_SECOND, NEWTON_METRES, NEWTONS, PLAIN, Quantity, RADIANS,
+    RADIANS_PER_SECOND, Record, SECONDS, SQUARED_JERK, View, json, quantities, read, schema,
+};
+use crate::control::{Failure, SolveOutcome};
+use crate::coordination::OptionTick;
+use crate::episode::{ControlSummary, PhysicsTick, Preparation, RobotTick, Summary, Tick};
+use crate::robot::{ArmJoint, Motion};
+use crate::simulation::Observation;
+use Kind::{Count, Flag, List, Text};
+use serde_json::Value;
+
+impl View<'_> {
+    pub(super) fn tick(&self) -> &Tick {
+        self.episode.tick()
+    }
+
+    pub(super) fn robot_tick(&self) -> Option<&RobotTick> {
+        self.tick().robot.as_ref()
+    }
+
+    pub(super) fn preparation(&self) -> Option<Preparation> {
+        self.robot_tick()?.preparation
+    }
+
+    fn physics(&self) -> Option<&PhysicsTick> {
+        self.robot_tick()?.physics.as_ref()
+    }
+
+    fn seen(&self) -> Option<&Observation> {
+        self.episode.observation()
+    }
+
+    fn so_far(&self) -> &Summary {
+        self.episode.summary()
+    }
+
+    fn control_so_far(&self) -> Option<&ControlSummary> {
+        self.so_far().control.as_ref()
+    }
+
+    fn work_so_far(&self) -> Option<[f64; 2]> {
+        self.so_far().interaction.as_ref().map(|interaction| interaction.work)
+    }
+
+    /// Limits and guides active in the solution of eq. (7).
+    fn active(&self) -> Option<[usize; 2]> {
+        self.robot_tick().map(|robot| match robot.outcome {
+            SolveOutcome::Constrained { active, guides } => [active, guides],
+            _ => [0, 0],
+        })
+    }
+}
+
+/// All that is told of a control period in one row: every quantity but what the robot prepared.
+pub const TICK: [&[Quantity]; 8] = [STEP, TIME, COORDINATION, COST, CONTROL, INTERACTION, OPTIONS, JOINTS];
+
+/// Which step it is.
+pub const STEP: &[Quantity] = quantities! {
+    "step", Count, "k, from 0", |v| v.tick().step;
+};
+
+/// Its time, which messages of recordings are stamped with.
+pub const TIME: &[Quantity] = quantities! {
+    "time_s", SECONDS, "simulated time at the beginning of the step", |v| v.tick().time;
+};
+
+/// Where the team is, who leads, and what was chosen.
+#[rustfmt::skip]
+pub const COORDINATION: &[Quantity] = quantities! {
+    "x_m", METRES, "position of the team at the beginning of the step, world x", |v| v.tick().position.x;
+    "y_m", METRES, "position of the team at the beginning of the step, world y", |v| v.tick().position.y;
+    "heading_deg", DEGREES, "direction of travel, counter-clockwise from x", |v| v.tick().heading.to_degrees();
+    "mode", Text, "who leads: robot-led or human-led", |v| v.tick().mode.name();
+    "stubbornness", PLAIN, "phi(k), eq. (5)", |v| v.tick().stubbornness;
+    "stubbornness_threshold", PLAIN, "the human takes the lead when phi exceeds this: 1", |_| 1.0;
+    "discomfort", PLAIN, "g(k), eq. (5)", |v| v.tick().discomfort;
+    "executed", Text, "the option executed", |v| v.option(v.tick().executed);
+    "executed_index", Count, "its place among the options, from 0", |v| v.tick().executed;
+    "preferred", Text, "the option that this human would choose from here", |v| v.option(v.tick().preferred);
+    "preferred_index", Count, "its place among the options, from 0", |v| v.tick().preferred;
+    "reverses_for", Text, "the option for which the team reverses, to where there is room to turn onto it; mostly missing", |v| v.tick().reverses_for.map(|o| v.option(o));
+};
+
+/// Costs and work, of this step and accumulated up to and with it.
+#[rustfmt::skip]
+pub const COST: &[Quantity] = quantities! {
+    "objective_cost_m", METRES, "J of the option executed", |v| v.tick().objective_cost;
+    "accumulated_objective_cost_m", METRES, "sum of J of the options executed", |v| v.tick().accumulated_cost;
+    "walked_m", METRES, "length of the path walked", |v| v.so_far().walked;
+    "accumulated_control_cost", PLAIN, "C so far: tracking + effort + pose; missing without a robot", |v| v.control_so_far().map(ControlSummary::cost);
+    "accumulated_tracking_cost", PLAIN, "sum of ||x - s||_Q^2; missing without a robot", |v| v.control_so_far().map(|c| c.tracking);
+    "accumulated_effort_cost", PLAIN, "sum of ||u||_R^2; missing without a robot", |v| v.control_so_far().map(|c| c.effort);
+    "accumulated_pose_cost", PLAIN, "sum of kappa ||q* - q_c||^2; missing without a robot", |v| v.control_so_far().map(|c| c.pose);
+    "robot_work_j", JOULES, "work that the robot did on the object so far; missing without physics", |v| v.work_so_far().map(|w| w[0]);
+    "human_work_j", JOULES, "work that the human did on the object so far; missing without physics", |v| v.work_so_far().map(|w| w[1]);
+};
+
+/// What the controller decided, and how well it was followed. Missing without a robot.
+#[rustfmt::skip]
+pub const CONTROL: &[Quantity] = quantities! {
+    "grasp_goal_x_m", METRES, "s: where the grasp should be at the beginning of the step, world x", |v| v.robot_tick().map(|r| r.grasp_goal.position.x);
+    "grasp_goal_y_m", METRES, "s: where the grasp should be at the beginning of the step, world y", |v| v.robot_tick().map(|r| r.grasp_goal.position.y);
+    "grasp_goal_yaw_deg", DEGREES, "s: the heading that the grasp should have", |v| v.robot_tick().map(|r| r.grasp_goal.yaw.to_degrees());
+    "base_x_m", METRES, "position of the base at the beginning of the step, world x", |v| v.robot_tick().map(|r| r.configuration.base.position.x);
+    "base_y_m", METRES, "position of the base at the beginning of the step, world y", |v| v.robot_tick().map(|r| r.configuration.base.position.y);
+    "base_yaw_deg", DEGREES, "heading of the base at the beginning of the step", |v| v.robot_tick().map(|r| r.configuration.base.yaw.to_degrees());
+    "base_clearance_m", METRES, "distance of the base to the nearest obstacle at the beginning of the step; missing without obstacles", |v| v.robot_tick().map(|r| r.base_clearance);
+    "tracked", Text, "the option that the robot takes the human to be on; missing while it leads", |v| v.preparation().and_then(|p| p.tracked).map(|o| v.option(o));
+    "pose_candidate", Count, "the configuration that eq. (8) chose, 0 the present one; missing where it was not asked", |v| v.preparation().map(|p| p.candidate);
+    "pose_candidates", Count, "|Q|; missing where eq. (8) was not asked", |v| v.preparation().map(|p| p.candidates);
+    "pose_constrained_problems", Count, "problems of eq. (8) solved with limits; missing where it was not asked", |v| v.preparation().map(|p| p.constrained);
+    "mpc_outcome", Text, "how eq. (7) was solved: unconstrained, constrained, or fallback with the reason", |v| v.robot_tick().map(|r| solved(&r.outcome));
+    "mpc_active_limits", Count, "limits of joints, wheels and obstacles active in its solution", |v| v.active().map(|a| a[0]);
+    "mpc_active_guides", Count, "bounds active in it that hold the base to its path; physical plant only", |v| v.active().map(|a| a[1]);
+    "least_singular_value", PLAIN, "least singular value of B(q*), m or rad for a unit input", |v| v.robot_tick().map(|r| r.least_singular_value);
+    "position_error_m", METRES, "distance between grasp and reference at the end of the step", |v| v.robot_tick().map(|r| r.position_error);
+    "orientation_error_deg", DEGREES, "angle between grasp and reference at the end of the step", |v| v.robot_tick().map(|r| r.orientation_error.to_degrees());
+    "tracking_cost", PLAIN, "||x - s||_Q^2 at the end of the step", |v| v.robot_tick().map(|r| r.tracking_cost);
+    "effort_cost", PLAIN, "||u||_R^2", |v| v.robot_tick().map(|r| r.effort_cost);
+    "pose_cost", PLAIN, "kappa ||q* - q_c||^2", |v| v.robot_tick().map(|r| r.pose_cost);
+    "left_rim_m_per_s", METRES_PER_SECOND, "u of the left wheel's rim", |v| v.robot_tick().map(|r| r.input[0]);
+    "right_rim_m_per_s", METRES_PER_SECOND, "u of the right wheel's rim", |v| v.robot_tick().map(|r| r.input[1]);
+};
+
+/// Bodies and forces on the physical plant. Missing on the others.
+#[rustfmt::skip]
+pub const INTERACTION: &[Quantity] = quantities! {
+    "object_x_m", METRES, "the object's centre at the end of the step, world x", |v| v.physics().map(|p| p.object.position.x);
+    "object_y_m", METRES, "the object's centre at the end of the step, world y", |v| v.physics().map(|p| p.object.position.y);
+    "object_yaw_deg", DEGREES, "the object's heading at the end of the step", |v| v.physics().map(|p| p.object.yaw.to_degrees());
+    "hand_x_m", METRES, "the human's hand at the end of the step, without sway, world x", |v| v.physics().map(|p| p.hand.position.x);
+    "hand_y_m", METRES, "the human's hand at the end of the step, without sway, world y", |v| v.physics().map(|p| p.hand.position.y);
+    "hand_yaw_deg", DEGREES, "the hand's heading at the end of the step", |v| v.physics().map(|p| p.hand.yaw.to_degrees());
+    "torso_x_m", METRES, "the human's torso at the end of the step, world x", |v| v.physics().map(|p| p.torso.position.x);
+    "torso_y_m", METRES, "the human's torso at the end of the step, world y", |v| v.physics().map(|p| p.torso.position.y);
+    "torso_yaw_deg", DEGREES, "the torso's heading at the end of the step", |v| v.physics().map(|p| p.torso.yaw.to_degrees());
+    "grip_force_n", NEWTONS, "root mean square of the robot's force on the object", |v| v.physics().map(|p| p.grip_force);
+    "hand_force_n", NEWTONS, "root mean square of the human's force on the object", |v| v.physics().map(|p| p.hand_force);
+    "grip_peak_force_n", NEWTONS, "largest force of the robot on the object", |v| v.seen().map(|s| s.grip.peak);
+    "hand_peak_force_n", NEWTONS, "largest force of the human on the object", |v| v.seen().map(|s| s.hand_grip.peak);
+    "peak_force_n", NEWTONS, "the larger of the two", |v| v.physics().map(|p| p.peak_force);
+    "grip_mean_force_x_n", NEWTONS, "mean force of the robot on the object, world x", |v| v.seen().map(|s| s.grip.mean.force.x);
+    "grip_mean_force_y_n", NEWTONS, "mean force of the robot on the object, world y", |v| v.seen().map(|s| s.grip.mean.force.y);
+    "grip_mean_force_z_n", NEWTONS, "mean force of the robot on the object, world z", |v| v.seen().map(|s| s.grip.mean.force.z);
+    "grip_mean_torque_x_nm", NEWTON_METRES, "mean torque of the robot on the object, world x", |v| v.seen().map(|s| s.grip.mean.torque.x);
+    "grip_mean_torque_y_nm", NEWTON_METRES, "mean torque of the robot on the object, world y", |v| v.seen().map(|s| s.grip.mean.torque.y);
+    "grip_mean_torque_z_nm", NEWTON_METRES, "mean torque of the robot on the object, world z", |v| v.seen().map(|s| s.grip.mean.torque.z);
+    "hand_mean_force_x_n", NEWTONS, "mean force of the human on the object, world x", |v| v.seen().map(|s| s.hand_grip.mean.force.x);
+    "hand_mean_force_y_n", NEWTONS, "mean force of the human on the object, world y", |v| v.seen().map(|s| s.hand_grip.mean.force.y);
+    "hand_mean_force_z_n", NEWTONS, "mean force of the human on the object, world z", |v| v.seen().map(|s| s.hand_grip.mean.force.z);
+    "hand_mean_torque_x_nm", NEWTON_METRES, "mean torque of the human on the object, world x", |v| v.seen().map(|s| s.hand_grip.mean.torque.x);
+    "hand_mean_torque_y_nm", NEWTON_METRES, "mean torque of the human on the object, world y", |v| v.seen().map(|s| s.hand_grip.mean.torque.y);
+    "hand_mean_torque_z_nm", NEWTON_METRES, "mean torque of the human on the object, world z", |v| v.seen().map(|s| s.hand_grip.mean.torque.z);
+    "grip_deflection_m", METRES, "largest deflection of the robot's grip", |v| v.physics().map(|p| p.deflection[0]);
+    "hand_deflection_m", METRES, "largest deflection of the human's grip", |v| v.physics().map(|p| p.deflection[1]);
+    "grip_force_change_n", NEWTONS, "root mean square of the robot's force change between two physics steps", |v| v.physics().map(|p| p.force_change[0]);
+    "hand_force_change_n", NEWTONS, "root mean square of the human's force change between two physics steps", |v| v.physics().map(|p| p.force_change[1]);
+    "effort_share", PLAIN, "the most that a motor of the arm exerted, as a share of its effort limit", |v| v.physics().map(|p| p.effort_share);
+    "grip_work_j", JOULES, "work that the robot did on the object in the step", |v| v.physics().map(|p| p.work[0]);
+    "hand_work_j", JOULES, "work that the human did on the object in the step", |v| v.physics().map(|p| p.work[1]);
+    "squared_jerk_m2_per_s5", SQUARED_JERK, "integral over the step of the square of the object's jerk", |v| v.physics().map(|p| p.squared_jerk);
+    "obstacle_distance_m", METRES, "least distance of robot, object or human to an obstacle at the end of the step; missing without obstacles", |v| v.physics().map(|p| p.obstacle_distance);
+    "human_distance_m", METRES, "distance between robot and human at the end of the step", |v| v.physics().map(|p| p.human_distance);
+    "path_lead_m", METRES, "how far the leader's intended position is ahead of the object along the path at the end of the step", |v| v.physics().map(|p| p.path_lead);
+    "contacts", Count, "pairs of parts that touched in the step", |v| v.seen().map(|s| s.contacts.len());
+};
+
+/// The options, a record of [`OPTION`] each.
+pub const OPTIONS: &[Quantity] = quantities! {
+    "options", List(|| schema(OPTION)), "every option as it is from where the team is at the beginning of the step", |v| options(v);
+};
+
+/// One option, as it is from a position.
+#[derive(Clone, Copy, Debug)]
+pub struct OptionView<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// What is left of it, and what it costs.
+    pub option: &'a OptionTick,
+}
+
+impl OptionView<'_> {
+    /// The values of [`OPTION`].
+    pub fn read(&self) -> Record {
+        read(OPTION, self)
+    }
+}
+
+type OfOption = Quantity<fn(&OptionView) -> Value>;
+
+/// What is told of an option.
+#[rustfmt::skip]
+pub const OPTION: &[OfOption] = quantities! {
+    "name", Text, "name of the option", |v| v.name;
+    "length_m", METRES, "D_o: length of what is left; missing where no path leads on", |v| v.option.remaining.length;
+    "risk", PLAIN, "S_o: risk of what is left, 0 to 1", |v| v.option.remaining.risk;
+    "objective_cost_m", METRES, "J_o = D_o + c_r S_o, eq. (1)", |v| v.option.objective;
+    "expected_subjective_cost", PLAIN, "J~_o of eq. (6): mean of the subjective cost over the robot's belief, cost units; missing while the human leads", |v| v.option.expected;
+    "probability", PLAIN, "P_o: probability that the human prefers it, eq. (4), 0 to 1; missing where it was not evaluated", |v| v.option.probability;
+    "misaligned", Flag, "omega_o, eq. (5): whether the team moves toward something else than this option's next opening", |v| v.option.misaligned;
+};
+
+fn options(view: &View) -> Vec<Value> {
+    let options = view.tick().options.iter().enumerate();
+    options.map(|(o, option)| json(OptionView { name: view.option(o), option }.read())).collect()
+}
+
+/// The joints of the arm, a record each; none without a robot.
+pub const JOINTS: &[Quantity] = quantities! {
+    "joints", List(|| schema(REVOLUTE.iter().chain(PRISMATIC))), "the joints of the arm, from the base on", |v| joints(v);
+};
+
+/// One joint of the arm in a control period.
+pub(super) struct JointView<'a> {
+    joint: &'a ArmJoint,
+    position: f64,
+    rate: f64,
+}
+
+type OfJoint = Quantity<fn(&JointView) -> Value>;
+
+/// What is told of a joint that turns.
+pub(super) const REVOLUTE: &[OfJoint] = quantities! {
+    "name", Text, "name of the joint", |v| v.joint.name.as_str();
+    "position_rad", RADIANS, "position of a revolute joint at the beginning of the step", |v| v.position;
+    "rate_rad_per_s", RADIANS_PER_SECOND, "u of a revolute joint", |v| v.rate;
+};
+
+/// What is told of a joint that slides.
+pub(super) const PRISMATIC: &[OfJoint] = quantities! {
+    "name", Text, "name of the joint", |v| v.joint.name.as_str();
+    "position_m", METRES, "position of a prismatic joint at the beginning of the step", |v| v.position;
+    "rate_m_per_s", METRES_PER_SECOND, "u of a prismatic joint", |v| v.rate;
+};
+
+fn joints(view: &View) -> Vec<Value> {
+    let (Some(robot), Some(tick)) = (view.stage.robot(), view.robot_tick()) else { return Vec::new() };
+    let joints = robot.joints.iter().enumerate().map(|(i, joint)| {
+        let view = JointView { joint, position: tick.configuration.joints[i], rate: tick.input[i + 2] };
+        json(read(if joint.motion == Motion::Revolute { REVOLUTE } else { PRISMATIC }, &view))
+    });
+    joints.collect()
+}
+
+fn solved(outcome: &SolveOutcome) -> &'static str {
+    match outcome {
+        SolveOutcome::Unconstrained => "unconstrained",
+        SolveOutcome::Constrained { .. } => "constrained",
+        SolveOutcome::Fallback(Failure::NotFinite) => "fallback: not finite",
+        SolveOutcome::Fallback(Failure::NotSolved) => "fallback: not solved",
+    }
+}
