@@ -5,7 +5,7 @@
 
 The same URDF (wheels and fingers held, fixed links fused, weight compensated), base on two slides and a hinge driven by velocity motors, arm on position
 motors with the stiffness, damping and effort limits of `motor.rs`, a free beam of 4 kg held by soft welds with the stiffness of `grip.rs`, a mocap
-human, the boxes of Environment 4. Time is that of `mj_step` alone, in the median over 200 periods; `stretch` is the most by which a grip gives way.
+human, the boxes of Environment 4. Time is that of `mj_step` alone, in the median over 200 periods; `deflection` is the most by which a grip gives way.
 """
 
 import re
@@ -110,7 +110,7 @@ def drive(step: float) -> str:
     model = spec.compile()
     data = placed(model, start)
     first, mocap = data.site("hand end").xpos.copy(), data.mocap_pos.copy()
-    steps, times, stretch = round(PERIOD / step), [], 0.0
+    steps, times, deflection = round(PERIOD / step), [], 0.0
     for tick in range(TICKS):
         phase, heading = PERIOD * tick, data.joint("yaw").qpos[0]
         speed = 0.4 * np.sin(0.5 * phase)
@@ -123,12 +123,12 @@ def drive(step: float) -> str:
         begun = time.perf_counter()
         mujoco.mj_step(model, data, steps)
         times.append(time.perf_counter() - begun)
-        stretch = max(stretch, *(np.linalg.norm(data.site(n).xpos - data.site(f"{n} end").xpos) for n in ("gripper", "hand")))
+        deflection = max(deflection, *(np.linalg.norm(data.site(n).xpos - data.site(f"{n} end").xpos) for n in ("gripper", "hand")))
     assert np.isfinite(data.qpos).all()
     median = np.median(times)
     return (
         f"{1 / step:4.0f} Hz: {median * 1e6:7.1f} us a tick, {median / steps * 1e6:5.2f} us a step, {PERIOD / median:4.0f} times real time; "
-        f"stretch at most {stretch * 1e3:.1f} mm"
+        f"deflection at most {deflection * 1e3:.1f} mm"
     )
 
 

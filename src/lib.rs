@@ -43,9 +43,10 @@
 //!
 //! # Features
 //!
-//! Up to `scenario` the library has no C code, no clock and no randomness of the operating system, and builds for WebAssembly. The floors
-//! above it are features: `drawing`; `recording`, with `quantities`; `studies`, with `quantities` too, which are `statistics`, `paper`, `regression`, `fit`, `study` and `report`;
-//! `cli`, the default, which has all of them and the program. `live` adds live viewing to `recording`.
+//! Up to `scenario` the library has no C code, no clock and no randomness of the operating system, and builds
+//! for WebAssembly. The floors above it are features: `drawing`; `recording`, with `quantities`; `studies`,
+//! with `quantities` too, which are `statistics`, `paper`, `regression`, `fit`, `study` and `report`; `cli`,
+//! the default, which has all of them and the program. `live` adds live viewing to `recording`.
 //!
 //! # Notation
 //!

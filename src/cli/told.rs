@@ -205,8 +205,8 @@ impl Told<'_> {
         self.stage.slow_drive().map(|slow| slow.to_string()).into_iter().chain(off).collect()
     }
 
-    /// What happened, in lines. Preference changes and the transition are told although they came before the step that the episode went on
-    /// from.
+    /// What happened, in lines. Preference changes and the transition are told although they came before the
+    /// step that the episode went on from.
     fn events(&self) -> Vec<String> {
         let (summary, options) = (self.summary(), self.stage.options());
         if summary.steps == 0 {
@@ -280,8 +280,8 @@ impl Told<'_> {
         told
     }
 
-    /// All preference changes that the scenario has, by their steps; which came about, and what the human preferred from there on, where that is
-    /// known: not before the step that the episode went on from.
+    /// All preference changes that the scenario has, by their steps; which came about, and what the human
+    /// preferred from there on, where that is known: not before the step that the episode went on from.
     fn changes_as_json(&self) -> Vec<Value> {
         let came_about = self.preference_changes();
         let mut given = self.stage.scenario().changes.clone();

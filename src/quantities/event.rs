@@ -48,7 +48,8 @@ impl Event {
         Self { step, position: None, severity, about, sentence }
     }
 
-    /// What was decided in a step, with the step before it, if there is one, and the preference change with which it began.
+    /// What was decided in a step, with the step before it, if there is one, and the preference change with
+    /// which it began.
     pub fn decided(
         before: Option<&Tick>,
         tick: &Tick,

@@ -1,8 +1,9 @@
 //! The vocabulary: every figure of a control period and of an episode, declared once.
 //!
-//! A [`Quantity`] has a key, a kind with its unit, a description and a getter. Tables of ticks, JSON, the channels of recordings with their
-//! schemas, the result columns of studies and the figures of baselines are all read from the tables here, so a figure has one public
-//! name. The sentences about what happens in an episode are in [`Event`].
+//! A [`Quantity`] has a key, a kind with its unit, a description and a getter. Tables of ticks, JSON, the
+//! channels of recordings with their schemas, the result columns of studies and the figures of baselines are
+//! all read from the tables here, so a figure has one public name. The sentences about what happens in an
+//! episode are in [`Event`].
 //!
 //! ```
 //! use cocarry::quantities::{EPISODE, View};

@@ -7,9 +7,10 @@
 //!
 //! # Channels
 //!
-//! Times are simulated. Decisions are stamped with the beginning of their step, motion and forces with its end. Lengths are in m, angles in
-//! Foxglove's messages in rad, forces in N, torques in Nm; JSON fields are [quantities](crate::quantities): they say their unit in their name and in the JSON Schema
-//! of the channel, and missing values are left out. All frames are in `world` (z up, the floor at 0).
+//! Times are simulated. Decisions are stamped with the beginning of their step, motion and forces with its
+//! end. Lengths are in m, angles in Foxglove's messages in rad, forces in N, torques in Nm; JSON fields are
+//! [quantities](crate::quantities): they say their unit in their name and in the JSON Schema of the channel,
+//! and missing values are left out. All frames are in `world` (z up, the floor at 0).
 //!
 //! | topic | schema | rate | what |
 //! | --- | --- | --- | --- |

@@ -61,7 +61,8 @@ impl Default for Tolerance {
 /// What a file may hold at its top.
 const TOP: [&str; 3] = ["format", "tolerance", "run"];
 
-/// The format of figures that are recorded now. 2: with the openings walked. 3: all quantities of an episode, by their keys.
+/// The format of figures that are recorded now. 2: with the openings walked. 3: all quantities of an episode,
+/// by their keys.
 pub const FORMAT: i64 = 3;
 
 impl Baseline {

@@ -9,12 +9,13 @@ use crate::scenario::Stage;
 /// A figure of a run: a word, a whole number or a number.
 pub type Figure = serde_json::Value;
 
-/// The path that a team walked, in words and as a number: on which side, which the names of options do not say.
+/// The path that a team walked, in words and as a number: on which side, which the names of options do not
+/// say.
 const WALKED: [&str; 2] = ["openings", "mean_offset_m"];
 
-/// The names of all figures, in the order in which they are recorded: the quantities of an [`EPISODE`], then `openings`, each with its middle,
-/// in the order in which the team went through them, and `mean_offset_m`, how far to the left of the straight line from start to target.
-/// What a run does not have is left out.
+/// The names of all figures, in the order in which they are recorded: the quantities of an [`EPISODE`], then
+/// `openings`, each with its middle, in the order in which the team went through them, and `mean_offset_m`,
+/// how far to the left of the straight line from start to target. What a run does not have is left out.
 pub fn figure_names() -> Vec<&'static str> {
     EPISODE.iter().map(|quantity| quantity.key).chain(WALKED).collect()
 }

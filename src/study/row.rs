@@ -105,7 +105,8 @@ impl Study {
     }
 }
 
-/// The seed and what is drawn from it: preference changes as `cocarry run --change` takes them, with spaces between, by their steps.
+/// The seed and what is drawn from it: preference changes as `cocarry run --change` takes them, with spaces
+/// between, by their steps.
 fn drawn(scenario: &Scenario) -> [String; DRAWN.len()] {
     let mut changes = scenario.changes.clone();
     changes.sort_by_key(|change| change.step);
