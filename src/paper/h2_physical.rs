@@ -70,7 +70,8 @@ pub struct Row {
     pub position_error_rms: f64,
     /// Mean and largest of the episodes' root mean square force of the human on the object, N.
     pub hand_force_rms: [f64; 2],
-    /// How far the grips yielded at most, m.
+    /// Largest deflection of a grip, m.
+    #[serde(rename = "largest_grip_deflection_m")]
     pub deflection: f64,
 }
 
