@@ -16,6 +16,7 @@ mod run;
 mod scenario;
 #[cfg_attr(not(feature = "live"), path = "serving_nobody.rs")]
 mod serving;
+mod settings;
 mod snapshots;
 mod sweep;
 mod tick_log;

@@ -1,9 +1,11 @@
 //! The arguments that describe the human model, shared by commands; numbers checked where they are read.
 
 use super::output::{Failure, input};
+use super::settings::number;
 use crate::episode::PreferenceChange;
 use crate::paper;
 use crate::preference::{self, Belief, Marginal, Perception, Predictor, WeightedSample};
+use crate::scenario::{PERCEPTION, RISK_WEIGHT};
 use crate::world::World;
 use anyhow::{Context, anyhow};
 use clap::Args;
@@ -12,8 +14,7 @@ use std::path::{Path, PathBuf};
 /// What the robot believes of humans.
 #[derive(Args, Debug)]
 pub(super) struct ModelArguments {
-    /// Weight of risk against distance, c_r, in metres
-    #[arg(long, value_name = "M", default_value_t = preference::RISK_WEIGHT, value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", help = RISK_WEIGHT.about, default_value_t = preference::RISK_WEIGHT, value_parser = number(&RISK_WEIGHT), allow_negative_numbers = true)]
     pub risk_weight: f64,
     #[command(flatten)]
     pub belief: BeliefArguments,
@@ -95,14 +96,10 @@ pub(super) fn load_world_near(folder: &Path, name: &str) -> Result<World, Failur
     if beside.is_file() { load_world(&beside) } else { load_world(Path::new(name)) }
 }
 
-/// eta, or c_r in metres: beyond a million, a slip.
-pub(super) fn positive(text: &str) -> Result<f64, String> {
-    number(text, "a number greater than 0 and at most 1000000", |v| v > 0.0 && v <= 1e6)
-}
-
-/// alpha or gamma of a human: around 1, and never far from it.
+/// alpha or gamma of a human.
 pub(super) fn perception(text: &str) -> Result<f64, String> {
-    number(text, "a number greater than 0 and at most 10", |v| v > 0.0 && v <= 10.0)
+    let number = text.parse().ok().filter(|number| PERCEPTION.contains(*number));
+    number.ok_or_else(|| format!("must be {PERCEPTION}"))
 }
 
 /// A change of mind, STEP:ALPHA,GAMMA.
@@ -115,13 +112,4 @@ pub(super) fn change(text: &str) -> Result<PreferenceChange, String> {
         |name: &str, text: &str| perception(text).map_err(|e| format!("{form}: {name} {text:?} {e}"));
     let perception = Perception { alpha: number("ALPHA", alpha)?, gamma: number("GAMMA", gamma)? };
     Ok(PreferenceChange { step, perception })
-}
-
-/// phi(0).
-pub(super) fn initial_stubbornness(text: &str) -> Result<f64, String> {
-    number(text, "a number greater than 0 and at most 1", |v| v > 0.0 && v <= 1.0)
-}
-
-fn number(text: &str, expected: &str, good: impl Fn(f64) -> bool) -> Result<f64, String> {
-    text.parse().ok().filter(|v: &f64| v.is_finite() && good(*v)).ok_or_else(|| format!("must be {expected}"))
 }

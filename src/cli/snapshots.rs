@@ -1,39 +1,19 @@
 //! The arguments of snapshots: which steps to save, and what to resume.
 
 use super::output::{Failure, input, write_file};
+use super::scenario::ScenarioArguments;
 use crate::arithmetic;
 use crate::episode::Episode;
 use crate::scenario::{ScenarioError, Snapshot, Stage};
 use anyhow::{Error, anyhow};
-use clap::Args;
+use clap::{Args, Command, Id};
 use std::path::PathBuf;
 
-/// The arguments that settle a scenario: with a snapshot, it is settled.
-const SETTLED: [&str; 23] = [
-    "world",
-    "method",
-    "alpha",
-    "gamma",
-    "change",
-    "redraws",
-    "human",
-    "eta",
-    "initial_stubbornness",
-    "seed",
-    "max_steps",
-    "risk_weight",
-    "belief_alpha",
-    "belief_gamma",
-    "belief_samples",
-    "plant",
-    "robot",
-    "posture",
-    "pose",
-    "pose_criterion",
-    "prepare_while_leading",
-    "no_obstacles",
-    "sway",
-];
+/// The arguments that define a scenario: a snapshot has its own.
+fn settled() -> impl Iterator<Item = Id> {
+    let command = ScenarioArguments::augment_args(Command::new(""));
+    command.get_arguments().map(|argument| argument.get_id().clone()).collect::<Vec<_>>().into_iter()
+}
 
 /// Where an episode is cut, and gone on with.
 #[derive(Args, Debug)]
@@ -44,7 +24,7 @@ pub(super) struct SnapshotArguments {
     save_at: Vec<String>,
     /// Go on with an episode that was saved, to the end and to the same bits. World, human, team and robot are in the file. What is told
     /// of single ticks begins there; sums are of the whole episode
-    #[arg(long, value_name = "FILE", conflicts_with_all = SETTLED)]
+    #[arg(long, value_name = "FILE", conflicts_with_all = settled())]
     resume: Option<PathBuf>,
 }
 

@@ -1,14 +1,12 @@
 //! The paper's risk S = d_r / w against what happens: how often a team with bodies touches the sides of an opening.
 
-use crate::control::{self, RobotObstacles};
-use crate::episode::{Episode, Manipulator, Outcome, Settings};
+use super::{BuiltInError, prepared, run};
+use crate::episode::{Outcome, Settings};
 use crate::math;
-use crate::options::OptionSet;
-use crate::paper::BuiltInError;
 use crate::parallel::{OnDone, in_parallel};
 use crate::policy::Method;
-use crate::robot::Robot;
-use crate::simulation::{BodyKind, PhysicsError, PhysicsSettings};
+use crate::scenario::{Plant, Scenario, ScenarioError};
+use crate::simulation::BodyKind;
 use crate::world::World;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -26,12 +24,10 @@ const WAY: f64 = 4.0;
 /// What is run.
 #[derive(Clone, Copy, Debug)]
 pub struct Study<'a> {
-    /// The robot, which starts from its first posture.
-    pub robot: &'a Robot,
-    /// The plant, with the human's sway.
-    pub physics: PhysicsSettings,
+    /// The physical plant, with the human's sway.
+    pub plant: &'a Plant,
     /// The loop's settings; the human leads whatever they say.
-    pub episode: &'a Settings,
+    pub settings: &'a Settings,
     /// Walks through each opening from each side: as many gaits.
     pub walks: usize,
     /// Seed of the gaits.
@@ -105,37 +101,24 @@ impl Study<'_> {
 
     fn walks(&self, risk: f64, angle: f64, on_done: OnDone) -> Result<Vec<End>, BuiltInError> {
         let world = World::parse("opening", &world(ROBOT_WIDTH / risk, angle.to_radians()))?;
-        let options = OptionSet::new(&world, self.episode.predictor.risk_weight())?;
-        let obstacles = RobotObstacles::new(&world);
-        let settings = Settings { method: Method::WITHOUT_MODEL, ..self.episode.clone() };
+        let settings = Settings { method: Method::WITHOUT_MODEL, ..self.settings.clone() };
         let human = settings.predictor.belief().sample(&mut ChaCha8Rng::seed_from_u64(self.seed));
-        let manipulator = Manipulator {
-            robot: self.robot,
-            posture: self.robot.postures[0].joints,
-            control: control::Settings::default(),
-            obstacles: &obstacles,
-        };
+        let stage = prepared(world, &settings, self.plant)?;
         let ends = in_parallel(self.walks, on_done, |i| {
             let seed = self.seed.wrapping_add(i as u64);
-            let mut episode = Episode::new(&options, &settings, human).with_physics(
-                manipulator,
-                &world,
-                &self.physics,
-                seed,
-            )?;
+            let walk = stage.prepare(Scenario { seed, human, ..stage.scenario().clone() })?;
             let mut clearance = f64::INFINITY;
-            while episode.step().is_none() {
-                let physics = episode.tick().robot.and_then(|robot| robot.physics);
+            let summary = run(&walk, |tick| {
+                let physics = tick.robot.and_then(|robot| robot.physics);
                 clearance = physics.map_or(clearance, |p| clearance.min(p.obstacle_distance));
-            }
-            let summary = episode.summary();
+            })?;
             Ok(match (&summary.collision, summary.outcome) {
                 (Some(contact), _) => End::Touched(contact.between[0].kind),
                 (None, Outcome::Arrived) => End::Free(clearance),
                 _ => End::Other,
             })
         });
-        Ok(ends.into_iter().collect::<Result<Vec<_>, PhysicsError>>()?)
+        Ok(ends.into_iter().collect::<Result<Vec<_>, ScenarioError>>()?)
     }
 }
 

@@ -1,21 +1,38 @@
 //! Sec. IV-B.2 claims without proof that eq. (6) causes no locked cycles (infinite oscillation between options). Random worlds and humans,
-//! each episode run until the team stands at the target or ten times the longest option has passed.
+//! each episode run until the team stands at the target or ten times the longest option has passed: by a team that is a point, and by one with
+//! bodies, which must not touch anything either.
 
+use super::{prepared, run};
 use crate::coordination;
-use crate::episode::{Outcome, Settings, run};
+use crate::episode::{Outcome, Settings, Summary};
 use crate::math;
-use crate::options::OptionSet;
 use crate::parallel::{OnDone, in_parallel};
 use crate::preference::Perception;
-use crate::world::World;
+use crate::scenario::{Plant, PlantKind, Scenario, ScenarioError, WorldText};
+use crate::simulation::{BodyKind, Contact, PhysicsError};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::Serialize;
 use std::ops::Range;
 
-/// How many worlds are tried, where nobody says.
+/// Default number of worlds of a team that is a point.
 pub const WORLDS: usize = 10_000;
+/// Default number of worlds of a team with bodies.
+pub const WORLDS_WITH_BODIES: usize = 200;
+
+/// What is run.
+#[derive(Clone, Copy, Debug)]
+pub struct Search<'a> {
+    /// The plant.
+    pub plant: &'a Plant,
+    /// The loop's settings, but for eta.
+    pub settings: &'a Settings,
+    /// How many worlds.
+    pub worlds: usize,
+    /// Seed of the first world, its human, eta and gait; the others follow it.
+    pub seed: u64,
+}
 
 /// What came of the random worlds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -28,16 +45,20 @@ pub struct Findings {
     pub with_changes: usize,
     /// The most changes of the executed option in one episode.
     pub most_changes: u32,
-    /// The most steps that an episode took, as a multiple of its shortest option's.
+    /// Those that arrived without touching anything.
+    pub arrived: usize,
+    /// Those in which the robot, the object or the human touched an obstacle.
+    pub touched: [usize; 3],
+    /// The most steps that an episode that arrived took, as a multiple of its cheapest option's.
     pub longest_detour: f64,
-    /// Episodes that did not end at the target.
-    pub counterexamples: Vec<Counterexample>,
+    /// Episodes that did not arrive: on the planning level, counterexamples.
+    pub lost: Vec<Lost>,
 }
 
-/// An episode that did not end at the target.
+/// An episode that did not arrive.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Counterexample {
-    /// Its index: the seed of its world, human and eta.
+pub struct Lost {
+    /// Its index: the seed of its world, human, eta and gait.
     pub index: u64,
     /// The world, as a world file.
     pub world: String,
@@ -47,69 +68,101 @@ pub struct Counterexample {
     pub gamma: f64,
     /// eta.
     pub eta: f64,
+    /// How it ended, as in [`Outcome::name`].
+    pub outcome: &'static str,
+    /// What touched what.
+    pub contact: Option<Contact>,
+    /// How far from the target that was, m.
+    pub from_target: Option<f64>,
 }
 
 /// One episode in a random world.
 struct Trial {
-    world: String,
-    human: Perception,
-    eta: f64,
-    outcome: Outcome,
+    scenario: Scenario,
     options: usize,
-    changes: u32,
     detour: f64,
+    from_target: Option<f64>,
+    summary: Summary,
 }
 
-/// Runs `episodes` random worlds, each with a random human and eta from 1 to 30, under eq. (6) and the single transition.
-pub fn search(episodes: usize, seed: u64, settings: &Settings, on_done: OnDone) -> Findings {
-    let trials = in_parallel(episodes, on_done, |i| trial(seed.wrapping_add(i as u64), settings));
-    Findings {
-        episodes,
-        with_choice: trials.iter().filter(|t| t.options > 1).count(),
-        with_changes: trials.iter().filter(|t| t.changes > 0).count(),
-        most_changes: trials.iter().map(|t| t.changes).max().unwrap_or(0),
-        longest_detour: trials.iter().map(|t| t.detour).fold(0.0, f64::max),
-        counterexamples: trials
-            .into_iter()
-            .enumerate()
-            .filter(|(_, t)| t.outcome != Outcome::Arrived)
-            .map(|(i, t)| Counterexample {
-                index: seed.wrapping_add(i as u64),
-                world: t.world,
-                alpha: t.human.alpha,
-                gamma: t.human.gamma,
-                eta: t.eta,
-            })
-            .collect(),
+impl Search<'_> {
+    /// Runs random worlds, each with a random human and eta from 1 to 30, under eq. (6) and the single transition.
+    ///
+    /// # Errors
+    /// [`ScenarioError`], if the settings are out of their range.
+    pub fn run(&self, on_done: OnDone) -> Result<Findings, ScenarioError> {
+        let trials = in_parallel(self.worlds, on_done, |i| self.trial(self.seed.wrapping_add(i as u64)));
+        let trials = trials.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let arrived = |t: &&Trial| t.summary.outcome == Outcome::Arrived;
+        let kind = |t: &Trial| t.summary.collision.as_ref().map(|contact| contact.between[0].kind);
+        let by = |by| trials.iter().filter(|t| kind(t) == Some(by)).count();
+        Ok(Findings {
+            episodes: trials.len(),
+            with_choice: trials.iter().filter(|t| t.options > 1).count(),
+            with_changes: trials.iter().filter(|t| t.summary.option_changes > 0).count(),
+            most_changes: trials.iter().map(|t| t.summary.option_changes).max().unwrap_or(0),
+            arrived: trials.iter().filter(arrived).count(),
+            touched: [BodyKind::Robot, BodyKind::Object, BodyKind::Human].map(by),
+            longest_detour: trials.iter().filter(arrived).map(|t| t.detour).fold(0.0, f64::max),
+            lost: trials.iter().filter(|t| !arrived(t)).map(Trial::lost).collect(),
+        })
+    }
+
+    fn trial(&self, seed: u64) -> Result<Trial, ScenarioError> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let (human, eta) = random_human(self.settings, &mut rng);
+        let coordination = coordination::Settings { eta, ..self.settings.coordination };
+        let settings = Settings { coordination, predict_while_human_leads: false, ..self.settings.clone() };
+        let random_world = match self.plant.kind() {
+            PlantKind::Point => random_world,
+            _ => roomy_world,
+        };
+        loop {
+            // start or target built over, or closed in, or no room for the team at the start or the target: draw again
+            let world = WorldText { file: "random world".to_owned(), text: random_world(&mut rng) };
+            let stage = match prepared(world, &settings, self.plant) {
+                Err(ScenarioError::World(_) | ScenarioError::Options(_)) => continue,
+                stage => stage?,
+            };
+            let stage = stage.prepare(Scenario { seed, human, ..stage.scenario().clone() })?;
+            let summary = match run(&stage, |_| {}) {
+                Err(ScenarioError::Physics(
+                    PhysicsError::Occupied { .. } | PhysicsError::NoRoomAtTarget { .. },
+                )) => continue,
+                summary => summary?,
+            };
+            let options = stage.options();
+            let shortest = options.remaining(&options.begin(), 0).length / (settings.speed * settings.period);
+            let contact = summary.collision.as_ref();
+            return Ok(Trial {
+                scenario: stage.scenario().clone(),
+                options: options.options().len(),
+                detour: summary.steps as f64 / shortest.max(1.0),
+                from_target: contact.map(|c| (c.point.xy() - stage.world().target).norm()),
+                summary,
+            });
+        }
     }
 }
 
-fn trial(seed: u64, settings: &Settings) -> Trial {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let (human, eta) = random_human(settings, &mut rng);
-    let coordination = coordination::Settings { eta, ..settings.coordination };
-    let settings = Settings { coordination, predict_while_human_leads: false, ..settings.clone() };
-    loop {
-        let text = random_world(&mut rng);
-        // start or target built over, or closed in: draw again
-        let Ok(world) = World::parse("random world", &text) else { continue };
-        let Ok(set) = OptionSet::new(&world, settings.predictor.risk_weight()) else { continue };
-        let shortest = set.remaining(&set.begin(), 0).length / (settings.speed * settings.period);
-        let summary = run(&set, &settings, human, |_| {});
-        return Trial {
-            world: text,
-            human,
-            eta,
-            outcome: summary.outcome,
-            options: set.options().len(),
-            changes: summary.option_changes,
-            detour: summary.steps as f64 / shortest.max(1.0),
-        };
+impl Trial {
+    fn lost(&self) -> Lost {
+        let Self { scenario, summary, from_target, .. } = self;
+        Lost {
+            index: scenario.seed,
+            world: scenario.world.text.clone(),
+            alpha: scenario.human.alpha,
+            gamma: scenario.human.gamma,
+            eta: scenario.settings.coordination.eta,
+            outcome: summary.outcome.name(),
+            contact: summary.collision.clone(),
+            from_target: *from_target,
+        }
     }
 }
 
 /// A human and their eta, from 1 to 30: as many sensitive as tolerant ones.
-pub(super) fn random_human(settings: &Settings, rng: &mut ChaCha8Rng) -> (Perception, f64) {
+fn random_human(settings: &Settings, rng: &mut ChaCha8Rng) -> (Perception, f64) {
     let human = settings.predictor.belief().sample(rng);
     (human, math::exp(rng.random_range(0.0..math::ln(30f64))))
 }

@@ -5,19 +5,14 @@
 //! half; the robot only knows the full ranges. Every method meets the same humans: all comparisons are paired.
 
 use super::{BuiltInError, ENVIRONMENTS, Environment, SETTINGS};
-use super::{Way, way};
-use crate::control::{Avoid, CandidateSet, PoseCriterion, RobotObstacles};
-use crate::episode::{
-    ControlSummary, Episode, LOSS_DISTANCE_M, Manipulator, Outcome, PreferenceChange, Settings,
-};
-use crate::human::PreferenceHuman;
+use super::{Way, prepared, way};
+use crate::control::{Avoid, CandidateSet, PoseCriterion};
+use crate::episode::{ControlSummary, Episode, LOSS_DISTANCE_M, Outcome, PreferenceChange, Settings};
 use crate::options::OptionSet;
 use crate::parallel::{OnDone, in_parallel};
 use crate::policy::Method;
 use crate::preference::{Belief, Perception};
-use crate::robot::{Posture, Robot};
-use crate::scenario::Redraws;
-use crate::simulation::{PhysicsError, PhysicsSettings};
+use crate::scenario::{Plant, PlantKind, PreferenceChanges, Scenario, ScenarioError};
 use crate::statistics::{self, Paired, mean_and_std};
 use crate::{control, preference};
 use rand_chacha::ChaCha8Rng;
@@ -64,20 +59,31 @@ impl PoseMethod {
     ];
 
     /// Those that there are on the physical plant: there, obstacles are always kept off, and the base follows its way.
-    pub const PHYSICAL: [Self; 5] =
+    const PHYSICAL: [Self; 5] =
         [Self::WithoutPo, Self::WithPo, Self::Manipulability, Self::UniformWeights, Self::TrackedOption];
+
+    /// Those that are compared on a plant.
+    pub fn on(plant: PlantKind) -> &'static [Self] {
+        if plant == PlantKind::Rapier { &Self::PHYSICAL } else { &Self::ALL }
+    }
 
     /// Name, as in `--json`.
     pub fn name(self) -> &'static str {
+        self.entry().0
+    }
+
+    /// The name, what eq. (8) chooses among and by, and what is kept out of obstacles.
+    fn entry(self) -> (&'static str, CandidateSet, PoseCriterion, Avoid) {
+        use {Avoid as A, CandidateSet as C, PoseCriterion as P};
         match self {
-            Self::WithoutPo => "without-po",
-            Self::WithPo => "with-po",
-            Self::WithPoWholeBody => "with-po-whole-body",
-            Self::Manipulability => "manipulability",
-            Self::UniformWeights => "uniform-weights",
-            Self::TrackedOption => "tracked-option",
-            Self::WithPoObstacles => "with-po-obstacles",
-            Self::WithoutPoObstacles => "without-po-obstacles",
+            Self::WithoutPo => ("without-po", C::None, P::Expected, A::Nothing),
+            Self::WithPo => ("with-po", C::Arm, P::Expected, A::Nothing),
+            Self::WithPoWholeBody => ("with-po-whole-body", C::WholeBody, P::Expected, A::Nothing),
+            Self::Manipulability => ("manipulability", C::Arm, P::Manipulability, A::Nothing),
+            Self::UniformWeights => ("uniform-weights", C::Arm, P::Uniform, A::Nothing),
+            Self::TrackedOption => ("tracked-option", C::Arm, P::Tracked, A::Nothing),
+            Self::WithPoObstacles => ("with-po-obstacles", C::Arm, P::Expected, A::Base),
+            Self::WithoutPoObstacles => ("without-po-obstacles", C::None, P::Expected, A::Base),
         }
     }
 
@@ -89,19 +95,10 @@ impl PoseMethod {
         }
     }
 
-    fn control(self, settings: &control::Settings) -> control::Settings {
-        let (candidates, criterion) = match self {
-            Self::WithoutPo | Self::WithoutPoObstacles => (CandidateSet::None, PoseCriterion::Expected),
-            Self::WithPo | Self::WithPoObstacles => (CandidateSet::Arm, PoseCriterion::Expected),
-            Self::WithPoWholeBody => (CandidateSet::WholeBody, PoseCriterion::Expected),
-            Self::Manipulability => (CandidateSet::Arm, PoseCriterion::Manipulability),
-            Self::UniformWeights => (CandidateSet::Arm, PoseCriterion::Uniform),
-            Self::TrackedOption => (CandidateSet::Arm, PoseCriterion::Tracked),
-        };
-        let avoid = match self {
-            Self::WithPoObstacles | Self::WithoutPoObstacles => Avoid::Base,
-            _ => Avoid::Nothing,
-        };
+    /// The controller on that plant: the physical one always keeps off obstacles.
+    fn control(self, plant: PlantKind, settings: &control::Settings) -> control::Settings {
+        let (_, candidates, criterion, avoid) = self.entry();
+        let avoid = if plant == PlantKind::Rapier { Avoid::Robot } else { avoid };
         control::Settings { candidates, criterion, avoid, ..*settings }
     }
 }
@@ -109,18 +106,16 @@ impl PoseMethod {
 /// What is run.
 #[derive(Clone, Copy, Debug)]
 pub struct Study<'a> {
-    /// The robot; every one of its postures is a start.
-    pub robot: &'a Robot,
+    /// The plant, kinematic as in the paper or physical, and the controller but for what the methods vary.
+    pub plant: &'a Plant,
+    /// The postures to start from, by their names.
+    pub starts: &'a [&'a str],
     /// Random experiments a cell.
     pub episodes: usize,
     /// Seed of the humans.
     pub seed: u64,
     /// The loop's settings; the human leads whatever they say.
-    pub episode: &'a Settings,
-    /// The controller's settings, but for what the methods vary.
-    pub control: control::Settings,
-    /// The physical plant; without, episodes run on the kinematic one, as the paper's do.
-    pub physics: Option<PhysicsSettings>,
+    pub settings: &'a Settings,
 }
 
 /// One method in one cell of Table III, from one start.
@@ -166,20 +161,12 @@ pub struct Row {
     pub not_arrived: usize,
 }
 
+/// Units of work of [`Study::table`], for a progress bar.
+pub fn units(plant: PlantKind, starts: usize, episodes: usize) -> usize {
+    ENVIRONMENTS.len() * SETTINGS.len() * starts * PoseMethod::on(plant).len() * episodes
+}
+
 impl Study<'_> {
-    /// Units of work, for a progress bar.
-    pub fn units(&self) -> usize {
-        ENVIRONMENTS.len() * SETTINGS.len() * self.robot.postures.len() * self.methods().len() * self.episodes
-    }
-
-    /// What is compared.
-    pub fn methods(&self) -> &'static [PoseMethod] {
-        match self.physics {
-            None => &PoseMethod::ALL,
-            Some(_) => &PoseMethod::PHYSICAL,
-        }
-    }
-
     /// Table III, by environment, setting, start and method.
     ///
     /// # Errors
@@ -189,54 +176,47 @@ impl Study<'_> {
         for environment in &ENVIRONMENTS {
             rows.extend(self.environment(environment, on_done)?);
         }
-        for start in &self.robot.postures {
-            let from_there = rows.iter_mut().filter(|row| row.start == start.name);
+        for start in self.starts {
+            let from_there = rows.iter_mut().filter(|row| row.start == *start);
             statistics::correct(from_there.filter_map(|row| row.against_baseline.as_mut()));
         }
         Ok(rows)
     }
 
     fn environment(&self, environment: &Environment, on_done: OnDone) -> Result<Vec<Row>, BuiltInError> {
-        let world = environment.world()?;
-        let options = OptionSet::new(&world, self.episode.predictor.risk_weight())?;
-        let obstacles = RobotObstacles::new(&world);
-        let humans = self.humans_of(environment, &options)?;
-        let settings = Settings { method: Method::HUMAN_LED, ..self.episode.clone() };
+        let settings = Settings { method: Method::HUMAN_LED, ..self.settings.clone() };
+        let stage = prepared(environment.world()?, &settings, self.plant)?;
+        let humans = self.humans_of(environment, stage.options())?;
+        let is_physical = self.plant.kind() == PlantKind::Rapier;
         // every episode of the environment, the last index varying fastest
-        let (starts, methods, n) = (&self.robot.postures, self.methods(), self.episodes);
+        let (starts, methods, n) = (self.starts, PoseMethod::on(self.plant.kind()), self.episodes);
         let cells = SETTINGS.len() * starts.len() * methods.len();
         let ends = in_parallel(cells * n, on_done, |i| {
             let (cell, episode) = (i / n, i % n);
             let (method, start) =
-                (methods[cell % methods.len()], &starts[cell / methods.len() % starts.len()]);
+                (methods[cell % methods.len()], starts[cell / methods.len() % starts.len()]);
             let human = &humans[cell / methods.len() / starts.len() * n + episode];
-            let mut manipulator = Manipulator {
-                robot: self.robot,
-                posture: start.joints,
-                control: method.control(&self.control),
-                obstacles: &obstacles,
+            let mut scenario = Scenario {
+                seed: human.gait_seed,
+                human: human.first,
+                changes: human.changes.clone(),
+                ..stage.scenario().clone()
             };
-            let begun = Episode::new(&options, &settings, human.first).with_human(
-                PreferenceHuman::new(human.first, settings.coordination).with_changes(&human.changes),
-            );
-            let begun = match &self.physics {
-                None => begun.with_robot(manipulator).ignoring_loss(),
-                Some(physics) => {
-                    manipulator.control.avoid = Avoid::Robot;
-                    begun.with_physics(manipulator, &world, physics, human.gait_seed)?
-                }
-            };
-            Ok(follow(begun))
+            if let Some(robot) = scenario.plant.carrier_mut() {
+                robot.posture = start.to_owned();
+                robot.control = method.control(self.plant.kind(), &robot.control);
+            }
+            let begun = stage.prepare(scenario)?;
+            let episode = begun.episode()?;
+            Ok(follow(if is_physical { episode } else { episode.ignoring_loss() }))
         });
-        let ends = ends.into_iter().collect::<Result<Vec<_>, PhysicsError>>()?;
+        let ends = ends.into_iter().collect::<Result<Vec<_>, ScenarioError>>()?;
         Ok((0..SETTINGS.len() * starts.len())
             .flat_map(|group| {
                 let all = &ends[group * methods.len() * n..][..methods.len() * n];
-                let (setting, start) = (group / starts.len(), &starts[group % starts.len()]);
+                let (setting, start) = (group / starts.len(), starts[group % starts.len()]);
                 (0..methods.len())
-                    .map(move |m| {
-                        row(environment, setting, start, (methods, m), all, (n, self.physics.is_some()))
-                    })
+                    .map(move |m| row(environment, setting, start, (methods, m), all, (n, is_physical)))
                     .collect::<Vec<_>>()
             })
             .collect())
@@ -249,7 +229,7 @@ impl Study<'_> {
     pub fn humans(&self) -> Result<Vec<Human>, BuiltInError> {
         let mut humans = Vec::new();
         for environment in &ENVIRONMENTS {
-            let options = OptionSet::new(&environment.world()?, self.episode.predictor.risk_weight())?;
+            let options = OptionSet::new(&environment.world()?, self.settings.predictor.risk_weight())?;
             humans.extend(self.humans_of(environment, &options)?);
         }
         Ok(humans)
@@ -269,7 +249,8 @@ impl Study<'_> {
                 let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
                 rng.set_stream(stream);
                 let first = belief.sample(&mut rng);
-                let changes = Redraws::OnceOrTwice.draw(&belief, first, options, self.episode, &mut rng);
+                let changes =
+                    PreferenceChanges::OnceOrTwice.draw(&belief, first, options, self.settings, &mut rng);
                 let gait_seed = self.seed.wrapping_add(episode as u64);
                 let (environment, setting) = (environment.number, setting.name);
                 Human { environment, setting, episode, stream, gait_seed, first, changes }
@@ -281,7 +262,7 @@ impl Study<'_> {
 
 /// A human whose perception changes on the way, and what they are drawn from: ChaCha8 with the study's seed ([`SeedableRng::seed_from_u64`]) and
 /// the stream 2^32 (16 environment + s) + episode, s from 0 for S1. Drawn are alpha and gamma of the start, then the changes
-/// ([`Redraws::draw`]).
+/// ([`PreferenceChanges::draw`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Human {
     /// Environment, 1 to 4.
@@ -331,7 +312,7 @@ fn follow(mut episode: Episode) -> End {
 fn row(
     environment: &Environment,
     setting: usize,
-    start: &Posture,
+    start: &str,
     (methods, method): (&[PoseMethod], usize),
     all: &[End],
     (n, is_noisy): (usize, bool),
@@ -356,7 +337,7 @@ fn row(
         environment: environment.number,
         setting: SETTINGS[setting].name,
         method: this,
-        start: start.name.clone(),
+        start: start.to_owned(),
         paper_mean: match this {
             PoseMethod::WithPo => Some(environment.control_cost_with[setting]),
             PoseMethod::WithoutPo => Some(environment.control_cost_without[setting]),

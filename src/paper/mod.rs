@@ -5,16 +5,14 @@
 
 pub mod contacts;
 pub mod cycles;
-pub mod cycles_physical;
 pub mod h1;
 pub mod h2;
-pub mod h2_physical;
 pub mod h3;
 
-use crate::episode::Summary;
+use crate::episode::{Settings, Summary, Tick};
 use crate::options::OptionError;
 use crate::preference::{Perception, PreferenceError};
-use crate::simulation::PhysicsError;
+use crate::scenario::{Plant, Scenario, ScenarioError, Stage, WorldText};
 use crate::world::{World, WorldError};
 use thiserror::Error;
 
@@ -143,9 +141,23 @@ pub enum BuiltInError {
     /// The distribution of its humans.
     #[error(transparent)]
     Humans(#[from] PreferenceError),
-    /// Its bodies.
+    /// Its episode.
     #[error(transparent)]
-    Physics(#[from] PhysicsError),
+    Scenario(#[from] ScenarioError),
+}
+
+/// A team in a world, to be prepared for one human after the other.
+fn prepared(world: impl Into<WorldText>, settings: &Settings, plant: &Plant) -> Result<Stage, ScenarioError> {
+    Scenario { settings: settings.clone(), ..Scenario::new(world.into(), plant.clone()) }.prepare()
+}
+
+/// Runs the episode of a scenario to its end; `on_tick` sees every step.
+fn run(stage: &Stage, mut on_tick: impl FnMut(&Tick)) -> Result<Summary, ScenarioError> {
+    let mut episode = stage.episode()?;
+    while episode.step().is_none() {
+        on_tick(episode.tick());
+    }
+    Ok(episode.summary().clone())
 }
 
 /// The route that an episode took, to tell humans who make the same choices: first and last option, and how often it changed.

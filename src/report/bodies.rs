@@ -3,24 +3,14 @@
 use super::adaptation::method;
 use super::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant};
 use super::{Block, Finding, Part, Plan, ReportError, Section, holds};
-use crate::paper::h2_physical::{Row, Study};
+use crate::paper::h2::{self, BodiesRow as Row, WithBodies};
 use crate::parallel::OnDone;
-use crate::simulation::PhysicsSettings;
+use crate::scenario::{Carrier, Plant, PlantKind};
 use crate::table::{Cell, Columns, Table};
 
 /// Table II with bodies.
 pub(super) const PART: Part =
-    Part { name: "Table II with bodies", episodes: |plan| 2 * study(plan).units(), run };
-
-fn study<'a>(plan: &'a Plan) -> Study<'a> {
-    Study {
-        robot: plan.robot,
-        physics: PhysicsSettings::default(),
-        episode: &plan.settings,
-        humans: plan.humans,
-        seed: plan.seed,
-    }
-}
+    Part { name: "Table II with bodies", episodes: |plan| 2 * h2::units(plan.humans), run };
 
 /// Table II's episodes with bodies, compared with those without.
 pub fn table_2_with_bodies(rows: &[Row], humans: usize, sway: f64) -> Table {
@@ -74,7 +64,8 @@ pub fn table_2_with_bodies(rows: &[Row], humans: usize, sway: f64) -> Table {
 }
 
 fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
-    let study = study(plan);
+    let plant = Plant::new(PlantKind::Rapier, Carrier::new(plan.robot));
+    let study = WithBodies { plant: &plant, settings: &plan.settings, humans: plan.humans, seed: plan.seed };
     // a human's episode as a point and the one with bodies finish together
     let both = || (0..2).for_each(|_| on_done());
     let rows = study.table(&both)?;
@@ -84,7 +75,11 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
         finding: finding(&rows),
         blocks: vec![
             Block::Text(text.to_owned()),
-            Block::Table(table_2_with_bodies(&rows, study.humans, study.physics.human.sway_lateral)),
+            Block::Table(table_2_with_bodies(
+                &rows,
+                study.humans,
+                plant.physics().map_or(0.0, |physics| physics.human.sway_lateral),
+            )),
         ],
     })
 }

@@ -1,15 +1,19 @@
 //! "No locked cycles" (Sec. IV-B): the search for a counterexample.
 
 use super::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds};
-use crate::paper::cycles::{Findings, search};
+use crate::paper::BuiltInError;
+use crate::paper::cycles::{Findings, Search};
 use crate::parallel::OnDone;
+use crate::scenario::Plant;
 use crate::table::{Columns, Table};
 
 /// The search.
 pub(super) const PART: Part = Part { name: "random worlds", episodes: |plan| plan.worlds, run };
 
 fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
-    let findings = search(plan.worlds, plan.seed, &plan.settings, on_done);
+    let (settings, worlds, seed) = (&plan.settings, plan.worlds, plan.seed);
+    let search = Search { plant: &Plant::Point, settings, worlds, seed };
+    let findings = search.run(on_done).map_err(BuiltInError::from)?;
     let text = "The paper claims, without proof, that eq. (6) never makes the team alternate between options forever. Every episode has a random world, human and \u{3b7} \
                 (1 to 30). It runs until the team arrives or ten times the time of the longest option has passed. A counterexample is an episode that does not \
                 arrive.";
@@ -27,16 +31,15 @@ fn table(findings: &Findings) -> Table {
         .count("option changed in", "with_changes", |f| f.with_changes as u64)
         .count("most changes", "most_changes", |f| u64::from(f.most_changes))
         .number("longest / cheapest option", "longest_detour", 2, |f| f.longest_detour)
-        .count("counterexamples", "counterexamples", |f| f.counterexamples.len() as u64)
+        .count("counterexamples", "counterexamples", |f| f.lost.len() as u64)
         .table("cycles", "The search for locked cycles")
         .with_note("longest / cheapest option: the most steps that an episode took, over those of its cheapest option at the start.")
 }
 
 fn finding(findings: &Findings) -> Finding {
-    let arrived = findings.episodes - findings.counterexamples.len();
     Finding {
         claim: "Eq. (6) causes no locked cycles",
-        verdict: match holds(arrived, findings.episodes, "worlds") {
+        verdict: match holds(findings.arrived, findings.episodes, "worlds") {
             verdict if verdict == "holds" => "no counterexample".to_owned(),
             verdict => verdict,
         },

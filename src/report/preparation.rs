@@ -2,26 +2,19 @@
 
 use super::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant, rounded};
 use super::{Block, Figure, Finding, Part, Plan, ReportError, Section, grouped, holds};
-use crate::control;
 use crate::drawing::{DrawingError, RatioPanel, RatioRow, cost_ratios};
-use crate::paper::h3::{PoseMethod, Row, Study};
+use crate::paper::h3::{self, PoseMethod, Row, Study};
 use crate::paper::{ENVIRONMENTS, SETTINGS};
 use crate::parallel::OnDone;
+use crate::scenario::{Carrier, Plant, PlantKind};
 use crate::table::{Cell, Columns, Table};
 
 /// Table III.
-pub(super) const PART: Part = Part { name: "Table III", episodes: |plan| study(plan).units(), run };
-
-fn study<'a>(plan: &'a Plan) -> Study<'a> {
-    Study {
-        robot: plan.robot,
-        episodes: plan.episodes,
-        seed: plan.seed,
-        episode: &plan.settings,
-        control: control::Settings::default(),
-        physics: None,
-    }
-}
+pub(super) const PART: Part = Part {
+    name: "Table III",
+    episodes: |plan| h3::units(PlantKind::Kinematic, plan.robot.postures.len(), plan.episodes),
+    run,
+};
 
 /// Rows of Table III to compare: all methods that were run, from one start.
 #[derive(Clone, Copy, Debug)]
@@ -275,10 +268,13 @@ pub fn ratio_picture(rows: &[Row], starts: &[&str]) -> Result<String, DrawingErr
 }
 
 fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
-    let study = study(plan);
+    let plant = Plant::new(PlantKind::Kinematic, Carrier::new(plan.robot));
+    let starts: Vec<&str> = plan.robot.postures.iter().map(|p| p.name.as_str()).collect();
+    let (episodes, seed, settings) = (plan.episodes, plan.seed, &plan.settings);
+    let study = Study { plant: &plant, starts: &starts, episodes, seed, settings };
     let rows = study.table(on_done)?;
     let starts: Vec<&str> = plan.robot.postures.iter().map(|p| p.name.as_str()).collect();
-    let of = |start| Compared { rows: &rows, start, methods: study.methods() };
+    let of = |start| Compared { rows: &rows, start, methods: PoseMethod::on(plant.kind()) };
     let text = "The human leads from the start and changes (\u{3b1}, \u{3b3}) once or twice during the episode; the robot knows only the full ranges. C is the true control \
                 cost of Sec. V-C. Every method meets the same humans, so all comparisons are paired.";
     let all: Vec<Compared> = starts.iter().map(|start| of(start)).collect();

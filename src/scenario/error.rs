@@ -20,26 +20,12 @@ pub enum ScenarioError {
     /// A number is out of its range.
     #[error("scenario: {key} = {value}; it must be {expected}")]
     Number {
-        /// The key, with those of the tables around it.
-        key: &'static str,
+        /// The key, with those of the tables around it, or the change of mind.
+        key: String,
         /// The value found.
         value: f64,
         /// The values allowed.
-        expected: &'static str,
-    },
-    /// A number of a change of mind is out of its range.
-    #[error("scenario: change {number}, at step {step}: {key} = {value}; it must be {expected}")]
-    Change {
-        /// Which `[[change]]`, counted from 1.
-        number: usize,
-        /// Its step.
-        step: u64,
-        /// The key.
-        key: &'static str,
-        /// The value found.
-        value: f64,
-        /// The values allowed.
-        expected: &'static str,
+        expected: String,
     },
     /// The robot has no posture of that name.
     #[error("scenario: posture = {posture:?}: {file} has no posture of that name; it has {known}")]

@@ -5,15 +5,8 @@
 //! # let world = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [0, 0]\ntarget_m = [9, 0]\n";
 //! # let world = cocarry::world::World::parse("w.toml", world)?;
 //!
-//! let scenario = Scenario {
-//!     seed: 7,
-//!     world: world.into(),
-//!     human: cocarry::preference::Perception { alpha: 0.7, gamma: 0.8 },
-//!     human_model: Default::default(),
-//!     changes: Vec::new(),
-//!     settings: Default::default(),
-//!     plant: Plant::Point,
-//! };
+//! let human = cocarry::preference::Perception { alpha: 0.7, gamma: 0.8 };
+//! let scenario = Scenario { seed: 7, human, ..Scenario::new(world.into(), Plant::Point) };
 //! let again = Scenario::parse(&scenario.text()?)?;
 //! assert_eq!(again, scenario);
 //! let stage = again.prepare()?;
@@ -25,29 +18,54 @@
 
 mod check;
 mod error;
-mod redraws;
+mod plant;
+mod preference_changes;
+mod settings;
 mod snapshot;
 mod stage;
 
 pub use error::ScenarioError;
-pub use redraws::{Redraws, drawn_changes};
+pub use plant::{Carrier, Plant, PlantKind};
+pub use preference_changes::{NotPreferenceChanges, PreferenceChanges, drawn_changes};
+pub use settings::{
+    AVOID, Applies, Field, INITIAL_STUBBORNNESS, Kind, PERCEPTION, POSE, POSTURE, RISK_WEIGHT, Range,
+    SETTINGS, SWAY, Setting, Value, Word, one_of,
+};
 pub use snapshot::{Snapshot, SnapshotError};
 pub use stage::Stage;
 
-use crate::control;
 use crate::episode::{self, PreferenceChange};
 use crate::human::ModelName;
 use crate::preference::{Belief, Perception};
-use crate::robot::RobotTexts;
-use crate::simulation::PhysicsSettings;
 use crate::world::World;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::{Deserialize, Serialize};
 
-/// The human of a seed, drawn from a belief: whoever asks for the same seed of the same belief meets the same human.
-pub fn drawn_human(belief: &Belief, seed: u64) -> Perception {
-    belief.sample(&mut ChaCha8Rng::seed_from_u64(seed))
+/// alpha and gamma of a human, as far as they are given; the rest is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GivenPerception {
+    /// alpha.
+    pub alpha: Option<f64>,
+    /// gamma.
+    pub gamma: Option<f64>,
+}
+
+impl GivenPerception {
+    /// What is given, the rest as drawn.
+    pub fn or(self, drawn: Perception) -> Perception {
+        Perception { alpha: self.alpha.unwrap_or(drawn.alpha), gamma: self.gamma.unwrap_or(drawn.gamma) }
+    }
+
+    /// Whether nothing is left to draw.
+    pub fn is_complete(self) -> bool {
+        self.alpha.is_some() && self.gamma.is_some()
+    }
+}
+
+/// The human of a seed, drawn from a belief but for what is given: whoever asks for the same seed of the same belief meets the same human.
+pub fn drawn_human(belief: &Belief, given: GivenPerception, seed: u64) -> Perception {
+    given.or(belief.sample(&mut ChaCha8Rng::seed_from_u64(seed)))
 }
 
 /// One episode, settled: whoever has it needs nothing else to run the same episode to the same bits.
@@ -73,7 +91,7 @@ pub struct Scenario {
 }
 
 /// A world file.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WorldText {
     /// What errors call it.
@@ -88,66 +106,27 @@ impl From<World> for WorldText {
     }
 }
 
-/// What the controller acts on, with what it needs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Plant {
-    /// The planning level alone: no robot.
-    Point,
-    /// The robot moves exactly as its inputs say.
-    Kinematic {
-        /// The robot.
-        carrier: Carrier,
-    },
-    /// Robot, object, human and obstacles as bodies.
-    Rapier {
-        /// The robot.
-        carrier: Carrier,
-        /// How the bodies are stepped, and how the human moves.
-        physics: PhysicsSettings,
-    },
-}
-
-/// Who carries, from which posture, controlled how.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Carrier {
-    /// The posture to start from, by its name in the robot file.
-    pub posture: String,
-    /// The controller.
-    pub control: control::Settings,
-    /// The robot.
-    pub robot: RobotTexts,
-}
-
-impl Plant {
-    /// Name, as in files and on the command line.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Point => "point",
-            Self::Kinematic { .. } => "kinematic",
-            Self::Rapier { .. } => "rapier",
-        }
-    }
-
-    /// Who carries; none on the planning level alone.
-    pub fn carrier(&self) -> Option<&Carrier> {
-        match self {
-            Self::Point => None,
-            Self::Kinematic { carrier } | Self::Rapier { carrier, .. } => Some(carrier),
-        }
-    }
-
-    /// The physical plant's settings; none on the others.
-    pub fn physics(&self) -> Option<&PhysicsSettings> {
-        match self {
-            Self::Point | Self::Kinematic { .. } => None,
-            Self::Rapier { physics, .. } => Some(physics),
-        }
-    }
-}
-
 impl Scenario {
+    /// The episode that `cocarry run` begins in that world where nothing else is said: seed 0, its human, and all defaults.
+    pub fn new(world: WorldText, plant: Plant) -> Self {
+        let settings = episode::Settings::default();
+        let human = drawn_human(settings.predictor.belief(), GivenPerception::default(), 0);
+        Self {
+            seed: 0,
+            world,
+            human,
+            human_model: ModelName::default(),
+            changes: Vec::new(),
+            settings,
+            plant,
+        }
+    }
+
+    /// All defaults, without a world: every [setting](Setting) that has a default has it here.
+    pub fn defaults() -> Self {
+        Self::new(WorldText::default(), Plant::new(PlantKind::Rapier, Carrier::default()))
+    }
+
     /// Reads a scenario's text (TOML) and checks its numbers.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 use super::{Scenario, ScenarioError};
 use crate::control::RobotObstacles;
 use crate::episode::{Episode, Manipulator};
-use crate::human::Participant;
+use crate::human::{Human, Participant};
 use crate::options::OptionSet;
 use crate::robot::{Robot, SlowDrive};
 use crate::world::World;
@@ -29,7 +29,7 @@ impl Scenario {
     /// Builds what the episode needs.
     ///
     /// # Errors
-    /// [`ScenarioError`]: a number is out of its range, or world, options, robot or posture are not valid.
+    /// [`ScenarioError`]: a number is out of its range, or world, options, human model, robot or posture are not valid.
     pub fn prepare(self) -> Result<Stage, ScenarioError> {
         self.prepare_beside(None)
     }
@@ -65,7 +65,9 @@ impl Scenario {
                 Some(robot)
             }
         };
-        Ok(Stage { scenario: self, scene, robot })
+        let stage = Stage { scenario: self, scene, robot };
+        stage.human()?;
+        Ok(stage)
     }
 
     fn has_scene_of(&self, other: &Self) -> bool {
@@ -121,18 +123,21 @@ impl Stage {
     /// [`ScenarioError::Physics`]: the team does not fit where it is to start.
     pub fn episode(&self) -> Result<Episode<'_>, ScenarioError> {
         let Self { scenario, scene, .. } = self;
-        let Scenario { human_model, human: perception, changes, settings, seed, .. } = scenario;
-        let (options, stubbornness) = (&scene.options, settings.coordination);
-        let participant =
-            Participant { perception: *perception, changes, stubbornness, seed: *seed, options };
-        let human = human_model
-            .make(&participant)
-            .map_err(|source| ScenarioError::HumanModel { model: human_model.to_string(), source })?;
-        let episode = Episode::new(options, settings, *perception).with_boxed_human(human);
+        let episode = Episode::new(&scene.options, &scenario.settings, scenario.human);
+        let episode = episode.with_boxed_human(self.human()?);
         let Some(manipulator) = self.manipulator() else { return Ok(episode) };
         match scenario.plant.physics() {
             None => Ok(episode.with_robot(manipulator)),
             Some(physics) => Ok(episode.with_physics(manipulator, &scene.world, physics, scenario.seed)?),
         }
+    }
+
+    fn human(&self) -> Result<Box<dyn Human>, ScenarioError> {
+        let Scenario { human_model, human: perception, changes, settings, seed, .. } = &self.scenario;
+        let (options, stubbornness) = (&self.scene.options, settings.coordination);
+        let participant =
+            Participant { perception: *perception, changes, stubbornness, seed: *seed, options };
+        let human = human_model.make(&participant);
+        human.map_err(|source| ScenarioError::HumanModel { model: human_model.to_string(), source })
     }
 }

@@ -57,7 +57,7 @@ pub enum SweepError {
         /// The key.
         key: &'static str,
         /// What would be right.
-        expected: &'static str,
+        expected: String,
     },
     /// A value is listed twice, or a name given twice.
     #[error("{place} = {value} stands there twice")]

@@ -2,13 +2,15 @@
 
 use super::cell::{Axes, Cell, LARGEST_RUN};
 use super::humans::{Humans, Range};
-use super::names::{self, AVOID, CRITERIA, METHODS, Names, PLANTS, POSES, Plants};
 use super::source::{self, Source, get, number, whole};
 use super::{Run, Seeds, SweepError};
 use crate::paper;
 use crate::preference::{Belief, Marginal};
 use crate::robot::{Robot, RobotTexts};
-use crate::scenario::{Redraws, WorldText};
+use crate::scenario::{
+    Applies, Kind, PERCEPTION, POSTURE, PlantKind, PreferenceChanges, SETTINGS, Setting, Value, WorldText,
+    one_of,
+};
 use crate::world::{Place, World};
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
@@ -20,33 +22,9 @@ const BUILT_IN: &str = "built-in";
 /// The most seeds of a run.
 const MOST_SEEDS: u64 = 1_000_000_000;
 
-/// The keys of a run, which are those of a study too.
-const RUN_KEYS: [&str; 21] = [
-    "worlds",
-    "plants",
-    "methods",
-    "eta",
-    "initial_stubbornness",
-    "risk_weight_m",
-    "humans",
-    "redraws",
-    "beliefs",
-    "period_s",
-    "speed_m_per_s",
-    "yaw_rate_rad_per_s",
-    "max_steps",
-    "seeds",
-    "robots",
-    "postures",
-    "pose",
-    "pose_criterion",
-    "prepare_while_leading",
-    "avoid",
-    "sway_m",
-];
-/// Those of them that say something of a robot.
-const ROBOT_KEYS: [&str; 6] =
-    ["robots", "postures", "pose", "pose_criterion", "prepare_while_leading", "avoid"];
+/// The keys of a run beside those of [`SETTINGS`]; a study has them too.
+const RUN_KEYS: [&str; 7] =
+    ["worlds", "plants", "humans", "preference_changes", "beliefs", "seeds", "robots"];
 /// The keys of a study alone.
 const STUDY_KEYS: [&str; 5] = ["name", "note", "human", "belief", "run"];
 
@@ -55,7 +33,6 @@ const STUDY_KEYS: [&str; 5] = ["name", "note", "human", "belief", "run"];
 pub(super) struct Contents {
     pub worlds: Vec<(String, WorldText)>,
     pub robots: Vec<(String, RobotTexts, Vec<String>)>,
-    pub postures: Vec<String>,
     pub humans: Vec<(String, Humans)>,
     pub beliefs: Vec<(String, Belief)>,
     pub runs: Vec<(Run, Place)>,
@@ -65,10 +42,10 @@ pub(super) struct Contents {
 #[derive(Clone)]
 struct Draft {
     axes: Axes,
-    /// The postures asked for, with their places.
-    postures: Vec<(String, Place)>,
+    /// The values given for each of [`SETTINGS`], with their places.
+    given: Vec<Vec<(Value, Place)>>,
     /// How often humans are to change their mind, with the places.
-    redraws: Vec<(Redraws, Place)>,
+    changes: Vec<(PreferenceChanges, Place)>,
     seeds: Seeds,
 }
 
@@ -81,7 +58,8 @@ pub(super) fn read(
     let source = Source { file, text };
     let table = source.parse()?;
     let table = table.get_ref();
-    source.only(table, &[&STUDY_KEYS[..], &RUN_KEYS].concat())?;
+    let run_keys: Vec<&str> = SETTINGS.iter().map(list_key).chain(RUN_KEYS).collect();
+    source.only(table, &[&STUDY_KEYS[..], &run_keys].concat())?;
     for key in ["name", "note"] {
         source.list(table, key, "a text", source::text)?;
     }
@@ -114,8 +92,8 @@ pub(super) fn read(
     }
     let mut draft = Draft {
         axes: Axes::default(),
-        postures: Vec::new(),
-        redraws: Vec::new(),
+        given: vec![Vec::new(); SETTINGS.len()],
+        changes: Vec::new(),
         seeds: Seeds { first: 0, last: 0 },
     };
     draft.axes.humans = (0..contents.humans.len()).collect();
@@ -128,7 +106,7 @@ pub(super) fn read(
         contents.finish(source, draft, seeds, whole_file)?;
     } else {
         for (entry, place) in runs {
-            source.only(entry, &RUN_KEYS)?;
+            source.only(entry, &run_keys)?;
             let mut draft = draft.clone();
             contents.keys(source, folder, entry, &mut draft)?;
             has_use(source, entry, &draft)?;
@@ -156,49 +134,21 @@ impl Contents {
         if let Some(robots) = source.list(table, "robots", robot, source::text)? {
             axes.robots = robots.into_iter().map(|r| self.robot(folder, r)).collect::<Result<_, _>>()?;
         }
-        if let Some(postures) = source.list(table, "postures", "the name of a posture", source::text)? {
-            run.postures = postures;
-        }
         pick(source, table, "humans", &self.humans, &mut axes.humans)?;
-        let expected =
-            format!("a whole number from 0 to {}, or \"{}\"", Redraws::MOST, Redraws::ONCE_OR_TWICE);
-        if let Some(redraws) = source.list(table, "redraws", &expected, redraws)? {
-            run.redraws = redraws;
-        }
         pick(source, table, "beliefs", &self.beliefs, &mut axes.beliefs)?;
-        named(source, table, "plants", PLANTS, &mut axes.plants)?;
-        named(source, table, "methods", METHODS, &mut axes.methods)?;
-        named(source, table, "pose", POSES, &mut axes.candidates)?;
-        named(source, table, "pose_criterion", CRITERIA, &mut axes.criteria)?;
-        named(source, table, "avoid", AVOID, &mut axes.avoid)?;
-        let leading =
-            source.list(table, "prepare_while_leading", "true or false", |value| value.as_bool())?;
-        replace(&mut axes.prepare_while_leading, leading);
-        // the bounds are those of a scenario
-        for (key, values, least, most) in [
-            ("eta", &mut axes.eta, f64::MIN_POSITIVE, 1e6),
-            ("initial_stubbornness", &mut axes.initial_stubbornness, f64::MIN_POSITIVE, 1.0),
-            ("risk_weight_m", &mut axes.risk_weight, 0.0, 1e6),
-            ("period_s", &mut axes.period, 0.01, 60.0),
-            ("speed_m_per_s", &mut axes.speed, 0.001, 10.0),
-            ("yaw_rate_rad_per_s", &mut axes.yaw_rate, f64::MIN_POSITIVE, 1000.0),
-            ("sway_m", &mut axes.sway, 0.0, 0.1),
-        ] {
-            let from = if least == f64::MIN_POSITIVE {
-                "greater than 0 and at most".to_owned()
-            } else {
-                format!("from {least} to")
-            };
-            let expected = format!("a number {from} {most}");
-            let read = |value: &DeValue| number(value).filter(|v| (least..=most).contains(v));
-            replace(values, source.list(table, key, &expected, read)?);
+        let times = PreferenceChanges::expected();
+        if let Some(changes) = source.list(table, "preference_changes", &times, changes)? {
+            run.changes = changes;
         }
-        let steps =
-            |value: &DeValue| whole(value).filter(|steps| (1..=1_000_000_000).contains(steps)).map(Some);
-        replace(
-            &mut axes.max_steps,
-            source.list(table, "max_steps", "a whole number from 1 to 1000000000", steps)?,
-        );
+        let plants = one_of(&PlantKind::ALL.map(PlantKind::word));
+        let plant = |value: &DeValue| value.as_str().and_then(PlantKind::named);
+        replace(&mut axes.plants, source.list(table, "plants", &plants, plant)?);
+        for (setting, given) in SETTINGS.iter().zip(&mut run.given) {
+            let read = |written: &DeValue| value(setting, written);
+            if let Some(values) = source.list(table, list_key(setting), &setting.expected(), read)? {
+                *given = values;
+            }
+        }
         if let Some(value) = get(table, "seeds") {
             let expected = format!(
                 "how many, a whole number from 1 to {MOST_SEEDS}, or from which to which, {{ first = 100, last = 199 }}"
@@ -253,113 +203,121 @@ impl Contents {
             return Err(SweepError::Missing {
                 place,
                 key: "worlds",
-                expected: "a world file, relative to the study, or one of \"environment-1\" to \"environment-4\", or a list",
+                expected: "a world file, relative to the study, or one of \"environment-1\" to \"environment-4\", or a list"
+                    .to_owned(),
             });
         }
         if let Some(count) = seeds {
             run.seeds.last = run.seeds.last.min(run.seeds.first.saturating_add(count - 1));
         }
-        self.redraws(&mut run)?;
-        let has_robot = run.axes.plants.iter().any(|plant| *plant != Plants::Point);
+        self.changes(&mut run)?;
+        let has_robot = run.axes.plants.iter().any(|plant| *plant != PlantKind::Point);
         if has_robot {
             if self.robots.is_empty() {
                 let built_in = (BUILT_IN.to_owned(), source.place(0..0, "robots"));
                 self.robot(Path::new(""), built_in)?;
             }
-            self.postures(&mut run)?;
+            self.postures(&run)?;
+        }
+        for (values, given) in run.axes.values.iter_mut().zip(run.given) {
+            let given: Vec<_> = given.into_iter().map(|(value, _)| Some(value)).collect();
+            if !given.is_empty() {
+                *values = given;
+            }
         }
         let too_many = SweepError::TooMany { place: place.clone(), most: LARGEST_RUN };
-        let cells: Vec<Cell> = run.axes.cells().ok_or(too_many)?;
+        let mut cells: Vec<Cell> = run.axes.cells().ok_or(too_many)?;
+        for cell in cells.iter_mut().filter(|cell| cell.plant != PlantKind::Point) {
+            let first = || self.robots[cell.robot].2.first().cloned().map(Value::Text);
+            cell.values[posture()] = cell.values[posture()].take().or_else(first);
+        }
         self.runs.push((Run { cells, seeds: run.seeds }, place));
         Ok(())
     }
 
     /// Who is to change their mind must have something to change it to.
-    fn redraws(&self, run: &mut Draft) -> Result<(), SweepError> {
+    fn changes(&self, run: &mut Draft) -> Result<(), SweepError> {
         let one = run.axes.humans.iter().map(|&at| &self.humans[at]).find(|(_, humans)| humans.are_one());
-        let asked = run.redraws.iter().find(|(redraws, _)| *redraws != Redraws::NONE);
-        if let (Some((name, _)), Some((redraws, place))) = (one, asked) {
+        let asked = run.changes.iter().find(|(changes, _)| *changes != PreferenceChanges::NONE);
+        if let (Some((name, _)), Some((changes, place))) = (one, asked) {
             return Err(SweepError::Value {
                 place: place.clone(),
-                value: redraws.to_string(),
+                value: changes.to_string(),
                 expected: format!(
-                    "0 where humans are `{name}`, of whom alpha and gamma are given: there is nothing to redraw"
+                    "0 where humans are `{name}`, of whom alpha and gamma are given: there is nothing to draw again"
                 ),
             });
         }
-        if !run.redraws.is_empty() {
-            run.axes.redraws = run.redraws.iter().map(|(redraws, _)| *redraws).collect();
+        if !run.changes.is_empty() {
+            run.axes.changes = run.changes.iter().map(|(changes, _)| *changes).collect();
         }
         Ok(())
     }
 
     /// Every robot of the run must have every posture of the run.
-    fn postures(&mut self, run: &mut Draft) -> Result<(), SweepError> {
-        let mut found = Vec::new();
-        for (name, place) in &run.postures {
-            for &robot in &run.axes.robots {
-                let (_, texts, known) = &self.robots[robot];
-                if !known.contains(name) {
-                    return Err(SweepError::Value {
-                        place: place.clone(),
-                        value: format!("{name:?}"),
-                        expected: format!("a posture of {}: {}", texts.file, known.join(", ")),
-                    });
-                }
+    fn postures(&self, run: &Draft) -> Result<(), SweepError> {
+        for (name, place) in &run.given[posture()] {
+            let name = name.to_string();
+            let mut robots = run.axes.robots.iter().map(|&robot| &self.robots[robot]);
+            if let Some((_, texts, known)) = robots.find(|(.., known)| !known.contains(&name)) {
+                let expected = format!("a posture of {}: {}", texts.file, known.join(", "));
+                let (place, value) = (place.clone(), format!("{name:?}"));
+                return Err(SweepError::Value { place, value, expected });
             }
-            let at = self.postures.iter().position(|other| other == name).unwrap_or_else(|| {
-                self.postures.push(name.clone());
-                self.postures.len() - 1
-            });
-            found.push(Some(at));
-        }
-        if !found.is_empty() {
-            run.axes.postures = found;
         }
         Ok(())
     }
 }
 
-/// Refuses keys that the run's plants have no use for, where they stand in the run itself.
-fn has_use(source: Source, table: &DeTable, run: &Draft) -> Result<(), SweepError> {
-    let plants = &run.axes.plants;
-    let is_idle = |key: &str| match key {
-        "sway_m" => !plants.contains(&Plants::Rapier),
-        key => ROBOT_KEYS.contains(&key) && plants.iter().all(|plant| *plant == Plants::Point),
-    };
-    match table.iter().find(|(key, _)| is_idle(key.get_ref())) {
-        None => Ok(()),
-        Some((key, _)) => {
-            let what = if key.get_ref().as_ref() == "sway_m" { "a human's body" } else { "a robot" };
-            Err(SweepError::Idle { place: source.place(key.span(), key.get_ref().as_ref()), what })
-        }
+/// The key of the values of a setting: that of words is a plural.
+fn list_key(setting: &Setting) -> &'static str {
+    match setting.key {
+        "method" => "methods",
+        "posture" => "postures",
+        key => key,
     }
 }
 
-/// How often humans change their mind, as written.
-fn redraws(value: &DeValue) -> Option<Redraws> {
-    match value.as_str() {
-        Some(word) => Some(Redraws::OnceOrTwice).filter(|_| word == Redraws::ONCE_OR_TWICE),
-        None => whole(value).and_then(Redraws::times),
+/// The place of the posture among [`SETTINGS`].
+fn posture() -> usize {
+    SETTINGS.iter().position(|setting| setting.key == POSTURE.key).unwrap_or_default()
+}
+
+/// The value of a setting, as written.
+fn value(setting: &Setting, written: &DeValue) -> Option<Value> {
+    let value = match setting.kind {
+        Kind::Number(..) => number(written).map(Value::Number),
+        Kind::Count(..) => whole(written).map(Value::Count),
+        Kind::Flag(_) => written.as_bool().map(Value::Flag),
+        Kind::Word(..) | Kind::Text(..) => written.as_str().map(|text| Value::Text(text.to_owned())),
+    };
+    value.filter(|value| setting.accepts(value))
+}
+
+/// Refuses keys that the run's plants have no use for, where they stand in the run itself.
+fn has_use(source: Source, table: &DeTable, run: &Draft) -> Result<(), SweepError> {
+    let is_idle = |applies: Applies| !run.axes.plants.iter().any(|plant| applies.is_on(*plant, true));
+    for (key, _) in table {
+        let setting = SETTINGS.iter().find(|setting| list_key(setting) == key.get_ref().as_ref());
+        let robots = (key.get_ref() == "robots").then_some(Applies::Robot);
+        if let Some(applies) = setting.map(|setting| setting.applies).or(robots).filter(|a| is_idle(*a)) {
+            let (place, what) = (source.place(key.span(), key.get_ref().as_ref()), applies.what());
+            return Err(SweepError::Idle { place, what });
+        }
     }
+    Ok(())
+}
+
+/// How often humans change their mind, as written.
+fn changes(value: &DeValue) -> Option<PreferenceChanges> {
+    let word = value.as_str().filter(|word| *word == PreferenceChanges::ONCE_OR_TWICE);
+    word.map(str::to_owned).or(whole(value).map(|times| times.to_string()))?.parse().ok()
 }
 
 fn replace<T>(values: &mut Vec<T>, read: Option<Vec<(T, Place)>>) {
     if let Some(read) = read {
         *values = read.into_iter().map(|(value, _)| value).collect();
     }
-}
-
-fn named<T: Copy + PartialEq>(
-    source: Source,
-    table: &DeTable,
-    key: &str,
-    known: &Names<T>,
-    values: &mut Vec<T>,
-) -> Result<(), SweepError> {
-    let read = |value: &DeValue| value.as_str().and_then(|word| names::value(known, word));
-    replace(values, source.list(table, key, &names::words(known), read)?);
-    Ok(())
 }
 
 /// Values that the study itself has named.
@@ -389,17 +347,16 @@ fn add<T>(all: &mut Vec<(String, T)>, name: String, item: T, place: Place) -> Re
 
 const DISTRIBUTION: &str =
     "\"uniform(LOWER,UPPER)\" or \"normal(MEAN,STD,LOWER,UPPER)\" with 0 < LOWER < UPPER";
-const RANGE: &str = "\"uniform(LOWER,UPPER)\" or \"normal(MEAN,STD,LOWER,UPPER)\" with 0 < LOWER < UPPER, or a number greater than 0 and at most 10";
-
 /// One parameter of humans.
 fn range(source: Source, table: &DeTable, key: &'static str, place: &Place) -> Result<Range, SweepError> {
+    let expected = format!("{DISTRIBUTION}, or {PERCEPTION}");
     match get(table, key) {
-        None => Err(SweepError::Missing { place: place.clone(), key, expected: RANGE }),
+        None => Err(SweepError::Missing { place: place.clone(), key, expected }),
         Some(value) if value.get_ref().is_str() => marginal(source, table, key, place).map(Range::Drawn),
         Some(value) => number(value.get_ref())
-            .filter(|v| *v > 0.0 && *v <= 10.0)
+            .filter(|v| PERCEPTION.contains(*v))
             .map(Range::Fixed)
-            .ok_or_else(|| source.wrong(key, value, RANGE)),
+            .ok_or_else(|| source.wrong(key, value, expected)),
     }
 }
 
@@ -409,7 +366,7 @@ fn marginal(
     key: &'static str,
     place: &Place,
 ) -> Result<Marginal, SweepError> {
-    let missing = || SweepError::Missing { place: place.clone(), key, expected: DISTRIBUTION };
+    let missing = || SweepError::Missing { place: place.clone(), key, expected: DISTRIBUTION.to_owned() };
     let value = get(table, key).ok_or_else(missing)?;
     let marginal = value.get_ref().as_str().and_then(|text| text.parse().ok());
     marginal.ok_or_else(|| source.wrong(key, value, DISTRIBUTION))

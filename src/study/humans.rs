@@ -3,7 +3,7 @@
 use crate::episode::{PreferenceChange, Settings};
 use crate::options::OptionSet;
 use crate::preference::{Belief, Marginal, Perception};
-use crate::scenario::{Redraws, drawn_changes, drawn_human};
+use crate::scenario::{GivenPerception, PreferenceChanges, drawn_changes, drawn_human};
 
 /// Where one parameter of a human comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,28 +24,23 @@ pub(super) struct Humans {
 impl Humans {
     /// The human of a seed: the one that `cocarry run --seed` draws from these ranges as the robot's belief.
     pub fn draw(&self, seed: u64) -> Perception {
-        self.fixed_or(drawn_human(&self.belief(), seed))
+        drawn_human(&self.belief(), self.given(), seed)
     }
 
-    /// That human's changes of mind: those that `cocarry run --seed --redraws` draws likewise.
+    /// That human's changes of mind: those that `cocarry run --seed --preference-changes` draws likewise.
     pub fn draw_changes(
         &self,
-        redraws: Redraws,
+        count: PreferenceChanges,
         seed: u64,
         options: &OptionSet,
         settings: &Settings,
     ) -> Vec<PreferenceChange> {
-        let drawn = drawn_changes(redraws, &self.belief(), seed, self.draw(seed), options, settings);
-        let fixed = |change: PreferenceChange| PreferenceChange {
-            perception: self.fixed_or(change.perception),
-            ..change
-        };
-        drawn.into_iter().map(fixed).collect()
+        drawn_changes(count, &self.belief(), self.given(), seed, options, settings)
     }
 
-    /// Whether all of them are the same human, who has nothing to redraw.
+    /// Whether all of them are the same human, who has nothing to draw again.
     pub fn are_one(&self) -> bool {
-        [self.alpha, self.gamma].iter().all(|range| range.marginal().is_none())
+        self.given().is_complete()
     }
 
     /// What humans are drawn from. A parameter that is fixed is drawn all the same, so that the other one is the same human's.
@@ -59,8 +54,8 @@ impl Humans {
         }
     }
 
-    fn fixed_or(&self, drawn: Perception) -> Perception {
-        Perception { alpha: self.alpha.or(drawn.alpha), gamma: self.gamma.or(drawn.gamma) }
+    fn given(&self) -> GivenPerception {
+        GivenPerception { alpha: self.alpha.fixed(), gamma: self.gamma.fixed() }
     }
 }
 
@@ -72,10 +67,10 @@ impl Range {
         }
     }
 
-    fn or(self, drawn: f64) -> f64 {
+    fn fixed(self) -> Option<f64> {
         match self {
-            Self::Drawn(_) => drawn,
-            Self::Fixed(value) => value,
+            Self::Drawn(_) => None,
+            Self::Fixed(value) => Some(value),
         }
     }
 }

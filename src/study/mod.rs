@@ -9,7 +9,6 @@ mod error;
 mod file;
 mod humans;
 mod merge;
-mod names;
 mod ordered;
 mod partial;
 mod results;
@@ -22,17 +21,13 @@ pub use merge::merge;
 pub use partial::{Shard, Sweep};
 pub use summary::{Comparison, Group, Summary};
 
-use crate::control;
-use crate::coordination;
 use crate::episode::Settings;
-use crate::preference::Predictor;
+use crate::preference::{Predictor, RISK_WEIGHT};
 use crate::robot::SlowDrive;
-use crate::scenario::{Carrier, Plant, Scenario, Stage};
-use crate::simulation::{HumanSettings, PhysicsSettings};
+use crate::scenario::{Carrier, Plant, PlantKind, SETTINGS, Scenario, Stage};
 use cell::Cell;
 use file::Contents;
-use names::Plants;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::Path;
 
@@ -56,12 +51,13 @@ pub struct Study {
     file: String,
     contents: Contents,
     cells: Vec<Cell>,
-    /// Belief and c_r, for each cell.
-    predictors: Vec<Predictor>,
-    predictor_of: Vec<usize>,
+    /// The default settings with each of the beliefs.
+    bases: Vec<Settings>,
     /// One for every world, c_r and robot; which, for each cell.
     stages: Vec<Stage>,
     stage_of: Vec<usize>,
+    /// Drives that are slower than their team is to walk, each once.
+    slow_drives: Vec<SlowDrive>,
     blocks: Vec<Block>,
     episodes: u64,
     digest: String,
@@ -99,24 +95,25 @@ impl Study {
     /// As [`Study::load`].
     pub fn parse(file: &str, text: &str, folder: &Path, seeds: Option<u64>) -> Result<Self, SweepError> {
         let contents = file::read(file, text, folder, seeds)?;
-        let cells: Vec<Cell> = contents.runs.iter().flat_map(|(run, _)| run.cells.iter().copied()).collect();
+        let cells: Vec<Cell> = contents.runs.iter().flat_map(|(run, _)| run.cells.iter().cloned()).collect();
         let blocks = blocks(&contents);
         let episodes = blocks.last().map_or(0, |b| b.begin + b.episodes());
         let mut study = Self {
             file: file.to_owned(),
-            digest: digest(&contents),
+            digest: String::new(),
             contents,
             cells,
-            predictors: Vec::new(),
-            predictor_of: Vec::new(),
+            bases: Vec::new(),
             stages: Vec::new(),
             stage_of: Vec::new(),
+            slow_drives: Vec::new(),
             blocks,
             episodes,
         };
         study.refuse_repetition()?;
-        study.set_predictors()?;
+        study.set_bases()?;
         study.prepare()?;
+        study.digest = study.hash()?;
         Ok(study)
     }
 
@@ -142,22 +139,17 @@ impl Study {
     }
 
     /// Drives that are slower than their team is to walk, each once.
-    pub fn slow_drives(&self) -> Vec<SlowDrive> {
-        let mut slow = Vec::new();
-        for (cell, &stage) in self.cells.iter().zip(&self.stage_of) {
-            let found = self.stages[stage].robot().and_then(|robot| robot.slow_drive(cell.speed));
-            slow.extend(found.filter(|found| !slow.contains(found)));
-        }
-        slow
+    pub fn slow_drives(&self) -> &[SlowDrive] {
+        &self.slow_drives
     }
 
     /// The scenario of a cell that has its stage, with all that is drawn.
     fn drawn(&self, cell: usize, seed: u64) -> Scenario {
         let scenario = self.scenario_of(cell, seed);
         let options = self.stages[self.stage_of[cell]].options();
-        let Cell { humans, redraws, .. } = self.cells[cell];
-        let (_, humans) = &self.contents.humans[humans];
-        let changes = humans.draw_changes(redraws, seed, options, &scenario.settings);
+        let cell = &self.cells[cell];
+        let (_, humans) = &self.contents.humans[cell.humans];
+        let changes = humans.draw_changes(cell.changes, seed, options, &scenario.settings);
         Scenario { changes, ..scenario }
     }
 
@@ -179,72 +171,30 @@ impl Study {
 
     /// The scenario but for changes of mind, which are drawn for a world's options.
     fn scenario_of(&self, cell: usize, seed: u64) -> Scenario {
-        let (contents, predictor) = (&self.contents, &self.predictors[self.predictor_of[cell]]);
-        let cell = &self.cells[cell];
-        let settings = Settings {
-            predictor: predictor.clone(),
-            coordination: coordination::Settings {
-                initial_stubbornness: cell.initial_stubbornness,
-                eta: cell.eta,
-            },
-            method: cell.method,
-            period: cell.period,
-            speed: cell.speed,
-            yaw_rate: cell.yaw_rate,
-            tick_limit: cell.max_steps,
-            // nobody looks at single ticks here
-            predict_while_human_leads: false,
+        let (contents, cell) = (&self.contents, &self.cells[cell]);
+        let robot = contents.robots.get(cell.robot).map(|(_, texts, _)| texts.clone()).unwrap_or_default();
+        let plant = Plant::new(cell.plant, Carrier { robot, ..Carrier::default() });
+        let mut scenario = Scenario {
+            seed,
+            world: contents.worlds[cell.world].1.clone(),
+            human: contents.humans[cell.humans].1.draw(seed),
+            human_model: Default::default(),
+            changes: Vec::new(),
+            settings: self.bases[cell.belief].clone(),
+            plant,
         };
-        let plant = match cell.plant {
-            Plants::Point => Plant::Point,
-            Plants::Kinematic => Plant::Kinematic { carrier: self.carrier(cell) },
-            Plants::Rapier => {
-                let human = HumanSettings {
-                    sway_lateral: cell.sway,
-                    sway_vertical: cell.sway / 2.0,
-                    ..HumanSettings::default()
-                };
-                let physics = PhysicsSettings { human, ..PhysicsSettings::default() };
-                Plant::Rapier { carrier: self.carrier(cell), physics }
-            }
-        };
-        let world = contents.worlds[cell.world].1.clone();
-        let human = contents.humans[cell.humans].1.draw(seed);
-        let human_model = Default::default();
-        Scenario { seed, world, human, human_model, changes: Vec::new(), settings, plant }
-    }
-
-    fn carrier(&self, cell: &Cell) -> Carrier {
-        let (_, robot, _) = &self.contents.robots[cell.robot];
-        let control = control::Settings {
-            candidates: cell.candidates,
-            criterion: cell.criterion,
-            prepare_while_leading: cell.prepare_while_leading,
-            avoid: cell.avoid,
-            ..control::Settings::default()
-        };
-        Carrier { posture: self.posture(cell).to_owned(), control, robot: robot.clone() }
-    }
-
-    fn posture(&self, cell: &Cell) -> &str {
-        match cell.posture {
-            Some(posture) => &self.contents.postures[posture],
-            None => self.contents.robots[cell.robot].2.first().map_or("", String::as_str),
+        for (setting, value) in SETTINGS.iter().zip(&cell.values) {
+            value.iter().for_each(|value| setting.set(&mut scenario, value));
         }
+        scenario
     }
 
-    fn set_predictors(&mut self) -> Result<(), SweepError> {
-        let mut known: BTreeMap<(usize, u64), usize> = BTreeMap::new();
-        for i in 0..self.cells.len() {
-            let cell = &self.cells[i];
-            let next = self.predictors.len();
-            let at = *known.entry((cell.belief, cell.risk_weight.to_bits())).or_insert(next);
-            if at == next {
-                let belief = self.contents.beliefs[cell.belief].1.clone();
-                let made = Predictor::new(belief, cell.risk_weight);
-                self.predictors.push(made.map_err(|source| self.refused(i, source))?);
-            }
-            self.predictor_of.push(at);
+    fn set_bases(&mut self) -> Result<(), SweepError> {
+        for belief in 0..self.contents.beliefs.len() {
+            let made = Predictor::new(self.contents.beliefs[belief].1.clone(), RISK_WEIGHT);
+            let predictor = made.map_err(|source| self.refused(0, source))?;
+            // nobody looks at single ticks here
+            self.bases.push(Settings { predictor, predict_while_human_leads: false, ..Settings::default() });
         }
         Ok(())
     }
@@ -254,29 +204,51 @@ impl Study {
         let mut known: BTreeMap<(usize, u64, Option<usize>), usize> = BTreeMap::new();
         for i in 0..self.cells.len() {
             let cell = &self.cells[i];
-            let robot = (cell.plant != Plants::Point).then_some(cell.robot);
-            let (world, risk_weight) = (cell.world, cell.risk_weight.to_bits());
+            let robot = (cell.plant != PlantKind::Point).then_some(cell.robot);
             let scenario = self.scenario_of(i, 0);
-            let at = match known.get(&(world, risk_weight, robot)) {
-                Some(&at) => {
-                    self.stages[at].prepare(scenario).map_err(|source| self.refused(i, source))?;
-                    at
-                }
-                None => {
-                    let mut similar = known.range((world, risk_weight, None)..);
-                    let similar = similar.next().filter(|(key, _)| (key.0, key.1) == (world, risk_weight));
-                    let made = match similar {
-                        Some((_, &at)) => self.stages[at].prepare(scenario),
-                        None => scenario.prepare(),
-                    };
-                    self.stages.push(made.map_err(|source| self.refused(i, source))?);
-                    known.insert((world, risk_weight, robot), self.stages.len() - 1);
-                    self.stages.len() - 1
-                }
+            let (world, risk_weight) = (cell.world, scenario.settings.predictor.risk_weight().to_bits());
+            let key = (world, risk_weight, robot);
+            let mut similar = known.range((world, risk_weight, None)..);
+            let similar = similar.next().filter(|(key, _)| (key.0, key.1) == (world, risk_weight));
+            let made = match known.get(&key).or(similar.map(|(_, at)| at)) {
+                Some(&at) => self.stages[at].prepare(scenario),
+                None => scenario.prepare(),
             };
+            let made = made.map_err(|source| self.refused(i, source))?;
+            let slow = made.slow_drive().filter(|found| !self.slow_drives.contains(found));
+            self.slow_drives.extend(slow);
+            let at = *known.entry(key).or_insert(self.stages.len());
+            if at == self.stages.len() {
+                self.stages.push(made);
+            }
             self.stage_of.push(at);
         }
         Ok(())
+    }
+
+    /// 64 bits (FNV-1a) of all that the results depend on, as text: accidents are told apart, not forgeries. Of each world, robot and plant
+    /// one scenario is taken whole; beside these, a combination is its settings.
+    fn hash(&self) -> Result<String, SweepError> {
+        let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+        let mut add = |text: &str| {
+            for byte in text.bytes().chain([0]) {
+                hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+            }
+        };
+        add(env!("CARGO_PKG_VERSION"));
+        let (mut whole, mut cell) = (BTreeSet::new(), 0);
+        for (Run { cells, seeds }, _) in &self.contents.runs {
+            add(&format!("{} combinations, seeds {} to {}", cells.len(), seeds.first, seeds.last));
+            for _ in cells {
+                if whole.insert((self.stage_of[cell], self.cells[cell].plant.name())) {
+                    let text = self.scenario_of(cell, seeds.first).text();
+                    add(&text.map_err(|source| self.refused(cell, source))?);
+                }
+                row::inputs(self, cell).iter().for_each(|input| add(input));
+                cell += 1;
+            }
+        }
+        Ok(format!("{hash:016x}"))
     }
 
     fn refused(&self, cell: usize, source: impl std::error::Error + Send + Sync + 'static) -> SweepError {
@@ -336,16 +308,4 @@ fn blocks(contents: &Contents) -> Vec<Block> {
         }
     }
     blocks
-}
-
-/// 64 bits (FNV-1a) of all that the results depend on: accidents are told apart, not forgeries.
-fn digest(contents: &Contents) -> String {
-    let runs: Vec<&Run> = contents.runs.iter().map(|(run, _)| run).collect();
-    let Contents { worlds, robots, postures, humans, beliefs, .. } = contents;
-    let version = env!("CARGO_PKG_VERSION");
-    let text = format!("{version} {worlds:?} {robots:?} {postures:?} {humans:?} {beliefs:?} {runs:?}");
-    let hash = text.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    });
-    format!("{hash:016x}")
 }

@@ -1,13 +1,11 @@
 //! A row of results: a column for every input and every figure of an episode, with its unit.
 
-use super::names::{AVOID, BOOLEANS, CRITERIA, METHODS, PLANTS, POSES, Plants, name};
 use super::{Cell, Study};
 use crate::arithmetic;
-use crate::control::CandidateSet;
 use crate::episode::Outcome;
 use crate::preference::Perception;
 use crate::quantities::{EPISODE, View, cell};
-use crate::scenario::{Scenario, ScenarioError, Stage};
+use crate::scenario::{PlantKind, SETTINGS, Scenario, ScenarioError, Stage, Value};
 
 /// A column: its name, and its value for a cell; none where it does not apply.
 type InputColumn = (&'static str, fn(&Inputs) -> Option<String>);
@@ -21,32 +19,20 @@ struct Inputs<'a> {
     cell: &'a Cell,
 }
 
-/// The inputs but for the seed and what is drawn from it.
+/// The inputs but for the seed, what is drawn from it, and the settings.
 const INPUTS: &[InputColumn] = &[
     ("world", |r| Some(r.study.contents.worlds[r.cell.world].0.clone())),
-    ("plant", |r| word(name(PLANTS, r.cell.plant))),
-    ("method", |r| word(name(METHODS, r.cell.method))),
-    ("eta", |r| some(r.cell.eta)),
-    ("initial_stubbornness", |r| some(r.cell.initial_stubbornness)),
-    ("risk_weight_m", |r| some(r.cell.risk_weight)),
+    ("plant", |r| word(r.cell.plant.name())),
     ("humans", |r| Some(r.study.contents.humans[r.cell.humans].0.clone())),
     ("humans_alpha", |r| some(r.study.contents.humans[r.cell.humans].1.alpha)),
     ("humans_gamma", |r| some(r.study.contents.humans[r.cell.humans].1.gamma)),
-    ("redraws", |r| some(r.cell.redraws)),
+    ("preference_changes_drawn", |r| some(r.cell.changes)),
     ("belief", |r| Some(r.study.contents.beliefs[r.cell.belief].0.clone())),
     ("belief_alpha", |r| r.belief()[0].clone()),
     ("belief_gamma", |r| r.belief()[1].clone()),
-    ("period_s", |r| some(r.cell.period)),
-    ("speed_m_per_s", |r| some(r.cell.speed)),
-    ("yaw_rate_rad_per_s", |r| some(r.cell.yaw_rate)),
-    ("max_steps", |r| r.cell.max_steps.map(|steps| steps.to_string())),
-    ("robot", |r| r.with_robot(|r| r.study.contents.robots[r.cell.robot].0.clone())),
-    ("posture", |r| r.with_robot(|r| r.study.posture(r.cell).to_owned())),
-    ("avoid", |r| r.with_robot(|r| name(AVOID, r.cell.avoid).to_owned())),
-    ("pose", |r| r.with_robot(|r| name(POSES, r.cell.candidates).to_owned())),
-    ("pose_criterion", |r| r.with_choice(|r| name(CRITERIA, r.cell.criterion).to_owned())),
-    ("prepare_while_leading", |r| r.with_choice(|r| name(BOOLEANS, r.cell.prepare_while_leading).to_owned())),
-    ("sway_m", |r| (r.cell.plant == Plants::Rapier).then(|| r.cell.sway.to_string())),
+    ("robot", |r| {
+        (r.cell.plant != PlantKind::Point).then(|| r.study.contents.robots[r.cell.robot].0.clone())
+    }),
 ];
 
 /// Columns of the seed and of what is drawn from it; those of [`EPISODE`] follow.
@@ -54,13 +40,12 @@ const DRAWN: [&str; 4] = ["seed", "alpha", "gamma", "preference_changes"];
 
 /// Names of all columns, in their order.
 pub(super) fn columns() -> Vec<&'static str> {
-    let inputs = INPUTS.iter().map(|(name, _)| *name);
-    IDENTITY.into_iter().chain(inputs).chain(DRAWN).chain(EPISODE.iter().map(|q| q.key)).collect()
+    IDENTITY.into_iter().chain(input_columns()).chain(DRAWN).chain(EPISODE.iter().map(|q| q.key)).collect()
 }
 
 /// Names of the columns that settle a combination.
 pub(super) fn input_columns() -> impl Iterator<Item = &'static str> {
-    INPUTS.iter().map(|(name, _)| *name)
+    INPUTS.iter().map(|(name, _)| *name).chain(SETTINGS.iter().map(|setting| setting.key))
 }
 
 /// The first line of a file of results.
@@ -71,7 +56,9 @@ pub(super) fn header() -> Vec<u8> {
 /// The values of a cell's input columns.
 pub(super) fn inputs(study: &Study, cell: usize) -> Vec<String> {
     let inputs = Inputs { study, cell: &study.cells[cell] };
-    INPUTS.iter().map(|(_, value)| value(&inputs).unwrap_or_default()).collect()
+    let settings = inputs.cell.values.iter().map(|value| value.as_ref().map(Value::to_string));
+    let values = INPUTS.iter().map(|(_, value)| value(&inputs)).chain(settings);
+    values.map(Option::unwrap_or_default).collect()
 }
 
 /// A cell, for errors.
@@ -159,14 +146,6 @@ impl Inputs<'_> {
             crate::preference::Belief::Samples(_) => [None, None],
         }
     }
-
-    fn with_robot(&self, value: impl Fn(&Self) -> String) -> Option<String> {
-        (self.cell.plant != Plants::Point).then(|| value(self))
-    }
-
-    fn with_choice(&self, value: impl Fn(&Self) -> String) -> Option<String> {
-        self.with_robot(value).filter(|_| self.cell.candidates != CandidateSet::None)
-    }
 }
 
 /// The outcome that counts as success.
@@ -176,5 +155,5 @@ pub(super) fn arrived() -> &'static str {
 
 /// The plant on which the same choices may cost differently, by noise.
 pub(super) fn with_bodies() -> &'static str {
-    name(PLANTS, Plants::Rapier)
+    PlantKind::Rapier.name()
 }

@@ -105,7 +105,7 @@ impl<'a> Source<'a> {
         expected: &'static str,
         place: &Place,
     ) -> Result<String, SweepError> {
-        let missing = || SweepError::Missing { place: place.clone(), key, expected };
+        let missing = || SweepError::Missing { place: place.clone(), key, expected: expected.to_owned() };
         let value = get(table, key).ok_or_else(missing)?;
         let text = value.get_ref().as_str().filter(|text| !text.is_empty());
         Ok(text.ok_or_else(|| self.wrong(key, value, expected))?.to_owned())

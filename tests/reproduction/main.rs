@@ -11,6 +11,7 @@ use cocarry::paper::{self, h1, h2};
 use cocarry::policy::Method;
 use cocarry::preference::Predictor;
 use cocarry::robot::Robot;
+use cocarry::scenario::{Carrier, Plant, PlantKind};
 use cocarry::world::World;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -119,15 +120,13 @@ fn paper_environment_4_example() {
 /// `cocarry reproduce h3` does the same with 100 humans a cell and from every posture.
 #[test]
 fn paper_table_3() {
-    let mut robot = Robot::built_in().expect("the built-in robot");
-    robot.postures.truncate(1);
+    let robot = Robot::built_in().expect("the built-in robot");
     let study = Study {
-        robot: &robot,
+        plant: &Plant::new(PlantKind::Kinematic, Carrier::new(&robot)),
+        starts: &[&robot.postures[0].name],
         episodes: 3,
         seed: 0,
-        episode: &Settings::default(),
-        control: cocarry::control::Settings::default(),
-        physics: None,
+        settings: &Settings::default(),
     };
     let rows = study.table(&|| ()).expect("built-in worlds");
     assert_eq!(rows.len(), 16 * PoseMethod::ALL.len());

@@ -64,7 +64,7 @@ worlds = ["environment-1", "environment-4"]
 plants = ["point", "kinematic", "rapier"]
 methods = ["mutual", "human-led"]
 eta = 5
-redraws = 1
+preference_changes = 1
 seeds = 2
 "#;
     let folder = tempfile::tempdir().expect("a folder");

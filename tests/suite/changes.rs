@@ -116,12 +116,13 @@ fn without_model_the_option_preferred_at_the_start_is_kept() {
 }
 
 #[test]
-fn redraws_do_not_move_the_human_or_the_gait_of_a_seed() {
+fn preference_changes_do_not_move_the_human_or_the_gait_of_a_seed() {
     let folder = tempfile::tempdir().expect("a folder");
     let [kept, drawn] = ["kept.csv", "drawn.csv"].map(|name| folder.path().join(name));
-    let run = |redraws: &str, file: &Path| {
+    let run = |times: &str, file: &Path| {
         let ticks = file.to_str().expect("UTF-8");
-        let asked = ["run", "--method", "human-led", "--seed", "8", "--sway", "0.03", "--redraws", redraws];
+        let asked =
+            ["run", "--method", "human-led", "--seed", "8", "--sway", "0.03", "--preference-changes", times];
         json(&[&asked[..], &["--ticks", ticks, "--json"]].concat())
     };
     let (without, with) = (run("0", &kept), run("2", &drawn));
@@ -134,14 +135,14 @@ fn redraws_do_not_move_the_human_or_the_gait_of_a_seed() {
 }
 
 #[test]
-fn redraws_are_drawn_as_the_first_was_up_to_half_of_the_way_preferred() {
+fn preference_changes_are_drawn_as_the_first_was_up_to_half_of_the_way_preferred() {
     let mut counts = [0; 3];
     let mut latest = 0.0_f64;
     for seed in 0..60 {
         let seed = seed.to_string();
         let asked =
             ["run", "--plant", "point", "--seed", &seed, "--belief-gamma", "uniform(0.7,0.8)", "--json"];
-        let told = json(&[&asked[..], &["--redraws", "once-or-twice"]].concat());
+        let told = json(&[&asked[..], &["--preference-changes", "once-or-twice"]].concat());
         let changes = told["preference_changes"].as_array().expect("a list");
         counts[changes.len()] += 1;
         let preferred = told["options"]
@@ -160,7 +161,7 @@ fn redraws_are_drawn_as_the_first_was_up_to_half_of_the_way_preferred() {
             latest = latest.max(number("step") / nominal);
         }
         // what is given stays
-        let given = json(&[&asked[..], &["--redraws", "8", "--alpha", "0.7"]].concat());
+        let given = json(&[&asked[..], &["--preference-changes", "8", "--alpha", "0.7"]].concat());
         let changes = given["preference_changes"].as_array().expect("a list");
         assert!(
             changes.len() == 8
@@ -187,14 +188,17 @@ fn what_is_wrong_is_named() {
         (&["--change", "3:0.7,0"], &[form, "GAMMA \"0\"", "greater than 0 and at most 10"]),
         (&["--change", "3:0.7,nan"], &[form, "GAMMA \"nan\""]),
         (&["--change", "3:0.7,0.5,1"], &[form, "GAMMA \"0.5,1\""]),
-        (&["--redraws", "9"], &["--redraws", "from 0 to 8, or once-or-twice"]),
-        (&["--redraws", "-1"], &["--redraws", "from 0 to 8, or once-or-twice"]),
-        (&["--redraws", "1.5"], &["from 0 to 8, or once-or-twice"]),
-        (&["--redraws", "twice"], &["from 0 to 8, or once-or-twice"]),
-        (&["--redraws", "1", "--change", "3:0.7,0.5"], &["--redraws", "--change", "cannot be used with"]),
+        (&["--preference-changes", "9"], &["--preference-changes", "from 0 to 8, or \"once-or-twice\""]),
+        (&["--preference-changes", "-1"], &["--preference-changes", "from 0 to 8, or \"once-or-twice\""]),
+        (&["--preference-changes", "1.5"], &["from 0 to 8, or \"once-or-twice\""]),
+        (&["--preference-changes", "twice"], &["from 0 to 8, or \"once-or-twice\""]),
         (
-            &["--redraws", "2", "--alpha", "0.7", "--gamma", "0.8"],
-            &["--redraws 2", "both are given", "--change"],
+            &["--preference-changes", "1", "--change", "3:0.7,0.5"],
+            &["--preference-changes", "--change", "cannot be used with"],
+        ),
+        (
+            &["--preference-changes", "2", "--alpha", "0.7", "--gamma", "0.8"],
+            &["--preference-changes 2", "both are given", "--change"],
         ),
     ];
     for (arguments, said) in cases {
@@ -209,12 +213,14 @@ fn what_is_wrong_is_named() {
 }
 
 #[test]
-fn the_help_says_which_methods_do_not_mind() {
+fn the_help_says_which_methods_ignore_preference_changes() {
     let help = stdout(&cocarry(&["run", "--help"]));
     let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
-    for part in
-        ["--change <STEP:ALPHA,GAMMA>", "--redraws <N>", "nor after the start with --method without-model"]
-    {
+    for part in [
+        "--change <STEP:ALPHA,GAMMA>",
+        "--preference-changes <N>",
+        "nor after the start with --method without-model",
+    ] {
         assert!(help.contains(part), "{part:?} is missing from:\n{help}");
     }
 }

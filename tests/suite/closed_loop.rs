@@ -6,9 +6,10 @@ use cocarry::episode::{Episode, Outcome, PreferenceChange, Settings, Tick, run};
 use cocarry::human::PreferenceHuman;
 use cocarry::math;
 use cocarry::paper::EXAMPLE_HUMAN;
-use cocarry::paper::cycles;
+use cocarry::paper::cycles::{Findings, Search};
 use cocarry::policy::Method;
 use cocarry::preference::{Perception, Prospect, RISK_WEIGHT, subjective_cost};
+use cocarry::scenario::Plant;
 
 fn settings(method: Method, eta: f64) -> Settings {
     let coordination = coordination::Settings { eta, ..coordination::Settings::default() };
@@ -128,11 +129,16 @@ fn an_episode_that_is_cut_short_says_so() {
     assert_eq!((summary.outcome, ticks.len()), (Outcome::OutOfTime, 5));
 }
 
+fn search(worlds: usize, seed: u64) -> Findings {
+    let search = Search { plant: &Plant::Point, settings: &Settings::default(), worlds, seed };
+    search.run(&|| ()).unwrap_or_else(|e| panic!("{e}"))
+}
+
 /// Sec. IV-B.2: no locked cycles. `cocarry reproduce cycles` does the same over 10,000 worlds.
 #[test]
 fn paper_no_locked_cycles_in_random_worlds() {
-    let findings = cycles::search(150, 0, &Settings::default(), &|| ());
-    assert_eq!(findings.counterexamples, []);
+    let findings = search(150, 0);
+    assert_eq!(findings.lost, []);
     assert!(findings.with_choice > 75, "{} worlds had a choice", findings.with_choice);
     assert!(findings.with_changes > 0);
 }
@@ -143,8 +149,8 @@ fn paper_no_locked_cycles_in_random_worlds() {
 #[test]
 fn issue_no_way_from_the_edge_of_the_clearance() {
     for seed in [510, 2977, 4024, 4297, 4614, 6983, 8428, 9048] {
-        let findings = cycles::search(1, seed, &Settings::default(), &|| ());
-        assert_eq!(findings.counterexamples, [], "seed {seed}");
+        let findings = search(1, seed);
+        assert_eq!(findings.lost, [], "seed {seed}");
         assert!(findings.longest_detour < 2.0, "seed {seed}: {}", findings.longest_detour);
     }
 }

@@ -26,6 +26,7 @@ mod reports;
 mod robots;
 mod scenarios;
 mod seams;
+mod settings;
 mod shared_ways;
 mod snapshots;
 mod spoiled_robot;

@@ -252,8 +252,8 @@ fn humans_who_change_their_mind_are_recorded() {
     for (key, arguments) in [
         ("change = [\"10:0.95,1.1\", \"40:0.6,0.6\"]", "--change 10:0.95,1.1 --change 40:0.6,0.6"),
         ("change = \"10:0.95,1.1\"", "--change 10:0.95,1.1"),
-        ("redraws = 3", "--redraws 3"),
-        ("redraws = \"once-or-twice\"", "--redraws once-or-twice"),
+        ("preference_changes = 3", "--preference-changes 3"),
+        ("preference_changes = \"once-or-twice\"", "--preference-changes once-or-twice"),
     ] {
         let file = at(folder.path(), &format!("{head}{key}\n"));
         assert!(cocarry(&["regress", "record", &file]).status.success(), "{key}");
@@ -282,7 +282,7 @@ fn wrong_files_are_named_by_line() {
     refused(&spoil("eta = 5", "no_obstacles = []"), &[":11:", "no_obstacles = []", "true or false"]);
     refused(&spoil("eta = 5", "change = [\"3\"]"), &[":11:", "--change", "STEP:ALPHA,GAMMA"]);
     refused(&spoil("eta = 5", "change = [true]"), &[":11:", "change = [true]", "a number, a word in quotes"]);
-    refused(&spoil("eta = 5", "redraws = 9"), &[":11:", "--redraws", "from 0 to 8"]);
+    refused(&spoil("eta = 5", "preference_changes = 9"), &[":11:", "--preference-changes", "from 0 to 8"]);
     refused(&spoil("eta = 5", "eta = true"), &[":11:", "eta = true"]);
     refused(&spoil("eta = 5", "no_obstacles = 1"), &[":11:", "no_obstacles = 1", "true or false"]);
     refused(&spoil("eta = 5", "method = \"democratic\""), &[":11:", "democratic", "mutual"]);

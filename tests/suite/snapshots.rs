@@ -338,7 +338,7 @@ fn what_cannot_be_gone_on_with_is_named() {
         &["--risk-weight", "3"],
         &["--plant", "point"],
         &["--change", "3:0.7,0.8"],
-        &["--redraws", "1"],
+        &["--preference-changes", "1"],
     ] {
         refused(&[&["run", "--resume", &file], other].concat(), &["--resume", "cannot be used with"]);
     }

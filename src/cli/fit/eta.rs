@@ -1,13 +1,15 @@
 //! `cocarry fit eta`: estimates eta from the steps at which participants asked to switch.
 
 use super::options;
-use crate::cli::model::{ModelArguments, initial_stubbornness};
+use crate::cli::model::ModelArguments;
 use crate::cli::output::{Failure, input, print, print_json, table, table_text, write_file};
+use crate::cli::settings::number;
 use crate::coordination;
 use crate::drawing::{self, ToleranceRow};
 use crate::episode::Settings;
 use crate::fit::{Eta, EtaFit, Evidence, SwitchFile, fit_eta};
 use crate::math;
+use crate::scenario::INITIAL_STUBBORNNESS;
 use anyhow::{Context, anyhow};
 use clap::Args;
 use serde_json::json;
@@ -35,7 +37,7 @@ pub(in crate::cli) struct Arguments {
     #[command(flatten)]
     model: ModelArguments,
     /// Stubbornness at the start, in (0, 1)
-    #[arg(long, value_name = "PHI", default_value_t = coordination::Settings::default().initial_stubbornness, value_parser = initial_stubbornness, allow_negative_numbers = true)]
+    #[arg(long, value_name = "PHI", default_value_t = coordination::Settings::default().initial_stubbornness, value_parser = number(&INITIAL_STUBBORNNESS), allow_negative_numbers = true)]
     initial_stubbornness: f64,
     /// Draw every participant's episodes and eta into this file
     #[arg(long, value_name = "FILE")]

@@ -1,7 +1,7 @@
 //! `cocarry reproduce contacts`: how often a team with bodies touches the sides of an opening, against the paper's risk of it.
 
 use super::super::output::{Failure, Progress, input, print, print_json, table, table_text};
-use super::super::robot::{load_robot, physics, sway};
+use super::super::robot::{SwayArguments, sway_of};
 use super::Common;
 use crate::episode::Settings;
 use crate::paper::contacts::{ANGLES, Row, Study};
@@ -18,25 +18,19 @@ pub(in super::super) struct Arguments {
     /// Seed of the first gait; the others follow it
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// How far the human's hand sways to either side with the gait, in metres [default: 0.01]
-    #[arg(long, value_name = "M", value_parser = sway, allow_negative_numbers = true)]
-    sway: Option<f64>,
+    #[command(flatten)]
+    sway: SwayArguments,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let robot = load_robot(None)?;
+    let plant = arguments.sway.plant()?;
     let settings = Settings::default();
-    let study = Study {
-        robot: &robot,
-        physics: physics(arguments.sway),
-        episode: &settings,
-        walks: arguments.walks as usize,
-        seed: arguments.seed,
-    };
+    let study =
+        Study { plant: &plant, settings: &settings, walks: arguments.walks as usize, seed: arguments.seed };
     let bar = Progress::new(study.units(), "walks");
     let rows = arguments.common.on_threads(|| study.table(&|| bar.step()))?.map_err(input)?;
     bar.finish();
-    let sway = study.physics.human.sway_lateral;
+    let sway = sway_of(&plant);
     if arguments.common.json {
         return print_json(&json!({
             "claim": "contacts",

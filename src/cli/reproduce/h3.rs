@@ -2,12 +2,12 @@
 
 use super::super::output::{Failure, Progress, input, print, print_json, table_with_notes, warn, write_file};
 use super::super::robot::load_robot;
-use super::{Common, TablePlant};
-use crate::control;
+use super::super::settings::plants;
+use super::Common;
 use crate::episode::Settings;
-use crate::paper::h3::{EPISODES, Human, PoseMethod, Row, Study};
+use crate::paper::h3::{EPISODES, Human, PoseMethod, Row, Study, units};
 use crate::report::{Compared, ratio_picture, table_3, table_3_ratios};
-use crate::simulation::PhysicsSettings;
+use crate::scenario::{Carrier, Plant, PlantKind};
 use anyhow::Context;
 use clap::Args;
 use serde_json::json;
@@ -18,8 +18,8 @@ pub(in super::super) struct Arguments {
     #[command(flatten)]
     common: Common,
     /// What the controller acts on: `kinematic`, as in the paper, or `rapier`, where the team has bodies
-    #[arg(long, value_enum, default_value_t = TablePlant::Kinematic)]
-    plant: TablePlant,
+    #[arg(long, default_value = "kinematic", value_parser = plants(&[PlantKind::Kinematic, PlantKind::Rapier]))]
+    plant: PlantKind,
     /// Random humans in each of the 16 cells [default: 100; 20 with --plant rapier, where an episode takes fifty times as long]
     #[arg(long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
     episodes: Option<u64>,
@@ -41,26 +41,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let robot = load_robot(arguments.robot.as_deref())?;
     let settings = Settings::default();
     robot.slow_drive(settings.speed).iter().for_each(warn);
-    let physics = (arguments.plant == TablePlant::Rapier).then(PhysicsSettings::default);
-    let default = if physics.is_some() { EPISODES / 5 } else { EPISODES };
+    let default = if arguments.plant == PlantKind::Rapier { EPISODES / 5 } else { EPISODES };
     let episodes = arguments.episodes.map_or(default, |n| n as usize);
-    let study = Study {
-        robot: &robot,
-        episodes,
-        seed: arguments.seed,
-        episode: &settings,
-        control: control::Settings::default(),
-        physics,
-    };
+    let plant = Plant::new(arguments.plant, Carrier::new(&robot));
+    let starts: Vec<&str> = robot.postures.iter().map(|p| p.name.as_str()).collect();
+    let study = Study { plant: &plant, starts: &starts, episodes, seed: arguments.seed, settings: &settings };
     if let Some(path) = &arguments.humans {
         let humans = study.humans().map_err(input)?;
         write_file(path, humans_as_csv(&humans, study.seed).map_err(Failure::Output)?)?;
     }
-    let bar = Progress::new(study.units(), "Table III");
+    let bar = Progress::new(units(plant.kind(), starts.len(), episodes), "Table III");
     let rows = arguments.common.on_threads(|| study.table(&|| bar.step()))?.map_err(input)?;
     bar.finish();
-    let starts: Vec<&str> = robot.postures.iter().map(|p| p.name.as_str()).collect();
-    let of = |start| Compared { rows: &rows, start, methods: study.methods() };
+    let of = |start| Compared { rows: &rows, start, methods: PoseMethod::on(plant.kind()) };
     if let Some(path) = &arguments.svg {
         let svg = ratio_picture(&rows, &starts)
             .with_context(|| path.display().to_string())

@@ -1,7 +1,7 @@
 //! Sweeps: the rows are those of `cocarry run`, the file is the same to the byte however the sweep was run,
 //! and what is wrong in a study is named.
 
-mod redraws;
+mod preference_changes;
 mod studies;
 
 use crate::support::{cocarry, json, repository, stderr, stdout};

@@ -46,16 +46,30 @@ fn what_is_wrong_in_a_study_is_named() {
     );
     spoil("plants = \"point\"", "max_steps = 0", &["study.toml:4: max_steps = 0"]);
     spoil("plants = \"point\"", "period_s = 0", &["study.toml:4: period_s = 0", "0.01 to 60"]);
-    let redraws = "from 0 to 8, or \"once-or-twice\"";
-    for bad in ["9", "-1", "1.5", "\"twice\"", "true"] {
-        let to = format!("plants = \"point\"\nredraws = {bad}");
-        spoil("plants = \"point\"", &to, &[&format!("study.toml:5: redraws = {bad}"), redraws]);
-    }
-    spoil("plants = \"point\"", "redraws = [2, 2]", &["study.toml:4: redraws = 2 stands there twice"]);
     spoil(
         "plants = \"point\"",
-        "redraws = [0, 2]",
-        &["study.toml:4: redraws = 2", "`same`", "nothing to redraw"],
+        "human_model = [\"preference\", \"robot\"]",
+        &["study.toml:4: human_model = \"robot\"", "boltzmann(RATIONALITY)"],
+    );
+    spoil(
+        "plants = \"point\"",
+        "human_model = \"scripted(0:9)\"",
+        &["study.toml", "human_model scripted(0:9)", "no option `9`"],
+    );
+    let times = "from 0 to 8, or \"once-or-twice\"";
+    for bad in ["9", "-1", "1.5", "\"twice\"", "true"] {
+        let to = format!("plants = \"point\"\npreference_changes = {bad}");
+        spoil("plants = \"point\"", &to, &[&format!("study.toml:5: preference_changes = {bad}"), times]);
+    }
+    spoil(
+        "plants = \"point\"",
+        "preference_changes = [2, 2]",
+        &["study.toml:4: preference_changes = 2 stands there twice"],
+    );
+    spoil(
+        "plants = \"point\"",
+        "preference_changes = [0, 2]",
+        &["study.toml:4: preference_changes = 2", "`same`", "nothing to draw again"],
     );
     spoil("\"same\"]", "\"other\"]", &["study.toml:7: humans = \"other\"", "\"all\", \"same\""]);
     spoil("name = \"same\"", "name = \"all\"", &["study.toml:15: name = \"all\" stands there twice"]);

@@ -2,15 +2,15 @@
 
 use super::*;
 
-/// The human of a seed, and what they change their mind to, are those of `cocarry run --redraws`, whoever
-/// decides and whatever carries.
+/// The human of a seed, and what they change their mind to, are those of `cocarry run
+/// --preference-changes`, whoever decides and whatever carries.
 #[test]
 fn humans_change_their_mind_as_those_of_run() {
     let bench = Bench::new(
         r#"worlds = ["environment-1", "environment-4"]
 plants = ["point", "kinematic"]
 methods = ["mutual", "without-model", "human-led"]
-redraws = [0, 3, "once-or-twice"]
+preference_changes = [0, 3, "once-or-twice"]
 max_steps = 90
 seeds = { first = 5, last = 7 }
 
@@ -25,18 +25,21 @@ gamma = "uniform(0.5,0.7)"
     assert_eq!(rows.len(), 2 * 2 * 3 * 3 * 3);
     for world in ["environment-1", "environment-4"] {
         for seed in ["5", "6", "7"] {
-            for (redraws, count) in [("0", 0..=0), ("3", 3..=3), ("once-or-twice", 1..=2)] {
-                let is_of = |r: &&Row| r["world"] == world && r["seed"] == seed && r["redraws"] == redraws;
+            for (times, count) in [("0", 0..=0), ("3", 3..=3), ("once-or-twice", 1..=2)] {
+                let is_of = |r: &&Row| {
+                    r["world"] == world && r["seed"] == seed && r["preference_changes_drawn"] == times
+                };
                 let of: Vec<&Row> = rows.iter().filter(is_of).collect();
                 assert_eq!(of.len(), 6);
                 let changes = &of[0]["preference_changes"];
                 assert!(of.iter().all(|row| row["preference_changes"] == *changes), "{changes}");
-                assert!(count.contains(&changes.split_whitespace().count()), "{redraws}: {changes:?}");
+                assert!(count.contains(&changes.split_whitespace().count()), "{times}: {changes:?}");
                 let row =
                     of.iter().find(|r| r["plant"] == "point" && r["method"] == "human-led").expect("a row");
                 let asked = ["run", world, "--plant", "point", "--method", "human-led", "--max-steps", "90"];
                 let human = ["--alpha", "0.6", "--belief-gamma", "uniform(0.5,0.7)", "--seed", seed];
-                let told = cocarry(&[&asked[..], &human, &["--redraws", redraws, "--json"]].concat());
+                let told =
+                    cocarry(&[&asked[..], &human, &["--preference-changes", times, "--json"]].concat());
                 let told: Value = serde_json::from_slice(&told.stdout).expect("JSON");
                 agrees(row, &told, &[("gamma", "/human/gamma")]);
                 let one = |c: &Value| format!("{}:{},{}", c["step"], c["alpha"], c["gamma"]);

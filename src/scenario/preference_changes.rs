@@ -1,5 +1,6 @@
 //! Preference changes drawn from a seed: when the human changes, and to which alpha and gamma.
 
+use super::{GivenPerception, drawn_human};
 use crate::episode::{PreferenceChange, Settings, prospects};
 use crate::options::OptionSet;
 use crate::preference::{Belief, Perception, human_choice};
@@ -10,21 +11,21 @@ use rand_chacha::rand_core::SeedableRng;
 /// The stream of a seed's generator that changes are drawn from: humans, and gaits, are drawn from the first, 0.
 const STREAM: u64 = 1;
 
-/// How often a human redraws (alpha, gamma) on the way.
+/// How often a human draws another (alpha, gamma) on the way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Redraws {
-    /// So often, at most [`Redraws::MOST`].
+pub enum PreferenceChanges {
+    /// So often, at most [`PreferenceChanges::MOST`].
     Times(u8),
     /// Once or twice: a fair coin decides, as in Table III.
     OnceOrTwice,
 }
 
-/// What is no number of redraws.
+/// What is no number of preference changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("must be a whole number from 0 to {}, or once-or-twice", Redraws::MOST)]
-pub struct NotRedraws;
+#[error("must be {}", PreferenceChanges::expected())]
+pub struct NotPreferenceChanges;
 
-impl Redraws {
+impl PreferenceChanges {
     /// A human who keeps their mind.
     pub const NONE: Self = Self::Times(0);
     /// The most that may be asked for.
@@ -32,9 +33,9 @@ impl Redraws {
     /// The word for a fair coin.
     pub const ONCE_OR_TWICE: &str = "once-or-twice";
 
-    /// So many, if that is not too many.
-    pub fn times(times: u64) -> Option<Self> {
-        u8::try_from(times).ok().filter(|times| *times <= Self::MOST).map(Self::Times)
+    /// What may be asked for, in words.
+    pub fn expected() -> String {
+        format!("a whole number from 0 to {}, or \"{}\"", Self::MOST, Self::ONCE_OR_TWICE)
     }
 
     /// Draws the changes of a human who sets out as `first`: steps uniformly from 1 to half of what the option that they prefer at the start
@@ -67,33 +68,38 @@ impl Redraws {
     }
 }
 
-/// The changes of mind of a seed's human, who sets out as `first`: whoever asks for the same seed and the same belief in the same world meets
-/// the same human, whoever leads and whatever carries.
+/// The changes of mind of a seed's human, each to a perception that is drawn but for what is given: whoever asks for the same seed and the same
+/// belief in the same world meets the same human, whoever leads and whatever carries.
 pub fn drawn_changes(
-    redraws: Redraws,
+    count: PreferenceChanges,
     belief: &Belief,
+    given: GivenPerception,
     seed: u64,
-    first: Perception,
     options: &OptionSet,
     settings: &Settings,
 ) -> Vec<PreferenceChange> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(STREAM);
-    redraws.draw(belief, first, options, settings, &mut rng)
+    let mut changes = count.draw(belief, drawn_human(belief, given, seed), options, settings, &mut rng);
+    changes.iter_mut().for_each(|change| change.perception = given.or(change.perception));
+    changes
 }
 
-impl std::str::FromStr for Redraws {
-    type Err = NotRedraws;
+impl std::str::FromStr for PreferenceChanges {
+    type Err = NotPreferenceChanges;
 
-    fn from_str(text: &str) -> Result<Self, NotRedraws> {
+    fn from_str(text: &str) -> Result<Self, NotPreferenceChanges> {
         match text {
             Self::ONCE_OR_TWICE => Ok(Self::OnceOrTwice),
-            number => number.parse().ok().and_then(Self::times).ok_or(NotRedraws),
+            number => {
+                let times = number.parse().ok().filter(|times| *times <= Self::MOST);
+                times.map(Self::Times).ok_or(NotPreferenceChanges)
+            }
         }
     }
 }
 
-impl std::fmt::Display for Redraws {
+impl std::fmt::Display for PreferenceChanges {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         match self {
             Self::Times(times) => times.fmt(f),

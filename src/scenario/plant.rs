@@ -1,0 +1,144 @@
+//! The plants, and the robot on them.
+
+use super::Word;
+use crate::control;
+use crate::robot::{Robot, RobotTexts};
+use crate::simulation::PhysicsSettings;
+use serde::{Deserialize, Serialize};
+
+/// What the controller acts on, with what it needs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Plant {
+    /// The planning level alone: no robot.
+    Point,
+    /// The robot moves exactly as its inputs say.
+    Kinematic {
+        /// The robot.
+        carrier: Carrier,
+    },
+    /// Robot, object, human and obstacles as bodies.
+    Rapier {
+        /// The robot.
+        carrier: Carrier,
+        /// How the bodies are stepped, and how the human moves.
+        physics: PhysicsSettings,
+    },
+}
+
+/// Who carries, from which posture, controlled how.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Carrier {
+    /// The posture to start from, by its name in the robot file.
+    pub posture: String,
+    /// The controller.
+    pub control: control::Settings,
+    /// The robot.
+    pub robot: RobotTexts,
+}
+
+/// A plant by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlantKind {
+    /// [`Plant::Point`].
+    Point,
+    /// [`Plant::Kinematic`].
+    Kinematic,
+    /// [`Plant::Rapier`].
+    Rapier,
+}
+
+impl PlantKind {
+    /// All plants.
+    pub const ALL: [Self; 3] = [Self::Point, Self::Kinematic, Self::Rapier];
+
+    /// Its name, as in files and on the command line, and what it is.
+    pub fn word(self) -> Word {
+        match self {
+            Self::Point => {
+                ("point", "The planning level alone: the team is a point that walks its path exactly")
+            }
+            Self::Kinematic => ("kinematic", "The robot moves exactly as its inputs say, without dynamics"),
+            Self::Rapier => (
+                "rapier",
+                "Robot, object, human and obstacles as bodies, with dynamics and contacts (rapier)",
+            ),
+        }
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        self.word().0
+    }
+
+    /// The plant of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+}
+
+impl Carrier {
+    /// A robot that starts from its first posture, with the default controller.
+    pub fn new(robot: &Robot) -> Self {
+        let posture = robot.postures.first().map_or(String::new(), |posture| posture.name.clone());
+        Self { posture, control: control::Settings::default(), robot: robot.texts.clone() }
+    }
+}
+
+impl Plant {
+    /// A plant with that robot, if it has one, and default physics.
+    pub fn new(kind: PlantKind, carrier: Carrier) -> Self {
+        match kind {
+            PlantKind::Point => Self::Point,
+            PlantKind::Kinematic => Self::Kinematic { carrier },
+            PlantKind::Rapier => Self::Rapier { carrier, physics: PhysicsSettings::default() },
+        }
+    }
+
+    /// Which of the plants.
+    pub fn kind(&self) -> PlantKind {
+        match self {
+            Self::Point => PlantKind::Point,
+            Self::Kinematic { .. } => PlantKind::Kinematic,
+            Self::Rapier { .. } => PlantKind::Rapier,
+        }
+    }
+
+    /// Name, as in files and on the command line.
+    pub fn name(&self) -> &'static str {
+        self.kind().name()
+    }
+
+    /// Who carries; none on the planning level alone.
+    pub fn carrier(&self) -> Option<&Carrier> {
+        match self {
+            Self::Point => None,
+            Self::Kinematic { carrier } | Self::Rapier { carrier, .. } => Some(carrier),
+        }
+    }
+
+    /// The physical plant's settings; none on the others.
+    pub fn physics(&self) -> Option<&PhysicsSettings> {
+        match self {
+            Self::Point | Self::Kinematic { .. } => None,
+            Self::Rapier { physics, .. } => Some(physics),
+        }
+    }
+
+    /// [`Plant::carrier`], to be changed.
+    pub fn carrier_mut(&mut self) -> Option<&mut Carrier> {
+        match self {
+            Self::Point => None,
+            Self::Kinematic { carrier } | Self::Rapier { carrier, .. } => Some(carrier),
+        }
+    }
+
+    /// [`Plant::physics`], to be changed.
+    pub fn physics_mut(&mut self) -> Option<&mut PhysicsSettings> {
+        match self {
+            Self::Point | Self::Kinematic { .. } => None,
+            Self::Rapier { physics, .. } => Some(physics),
+        }
+    }
+}

@@ -1,0 +1,502 @@
+//! The table of an episode's settings: every key, range, word and sentence of help is declared here, once.
+//!
+//! The command line, study files, columns of results, baselines and the check of a scenario derive from [`SETTINGS`]. What is not in the
+//! table is what a scenario is made of: seed, world, human, preference changes, belief, plant and robot.
+
+use super::{PlantKind, Scenario};
+use crate::control::{Avoid, CandidateSet, PoseCriterion};
+use crate::human::{MODELS, ModelName};
+use crate::policy::Method;
+use std::fmt;
+
+/// A setting of an episode.
+#[derive(Debug)]
+pub struct Setting {
+    /// Its key in studies and their results, with the unit.
+    pub key: &'static str,
+    /// Its name on the command line, without the dashes.
+    pub flag: &'static str,
+    /// Where it stands in a scenario's text.
+    pub path: &'static str,
+    /// What it is, in a sentence.
+    pub about: &'static str,
+    /// What it is a setting of.
+    pub applies: Applies,
+    /// Its values, and where a scenario keeps them.
+    pub kind: Kind,
+}
+
+/// What a setting says something of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Applies {
+    /// Every team.
+    Always,
+    /// A robot.
+    Robot,
+    /// A robot that chooses among configurations.
+    Candidates,
+    /// A human with a body.
+    Bodies,
+}
+
+/// The values of a setting, and where a scenario keeps them.
+#[derive(Debug)]
+pub enum Kind {
+    /// A number in a range.
+    Number(Range, Field<f64>),
+    /// A whole number from 1 to this.
+    Count(u64, Field<Option<u64>>),
+    /// Yes or no.
+    Flag(Field<bool>),
+    /// One of several words.
+    Word(fn() -> Vec<Word>, Field<String>),
+    /// A text of this form, if it is accepted.
+    Text(fn() -> String, fn(&str) -> bool, Field<String>),
+}
+
+/// A place in a scenario: what is there, if the scenario has such a thing, and how to put another value there.
+#[derive(Debug)]
+pub struct Field<T> {
+    get: fn(&Scenario) -> Option<T>,
+    set: fn(&mut Scenario, T),
+}
+
+/// A word for a value, and what it means.
+pub type Word = (&'static str, &'static str);
+
+/// The value of a setting.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// Of [`Kind::Number`].
+    Number(f64),
+    /// Of [`Kind::Count`].
+    Count(u64),
+    /// Of [`Kind::Flag`].
+    Flag(bool),
+    /// Of [`Kind::Word`] and [`Kind::Text`].
+    Text(String),
+}
+
+/// Numbers from `least`, or above it, to `most`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    least: f64,
+    is_open: bool,
+    most: f64,
+}
+
+/// alpha and gamma as they are given: around 1, and never far from it. Those that are drawn may be anywhere in the belief.
+pub const PERCEPTION: Range = Range::above(0.0, 10.0);
+const POSITIVE: Range = Range::above(0.0, 1e6);
+const NOT_NEGATIVE: Range = Range::between(0.0, 1e6);
+
+/// The [`Field`] at a place: of the scenario, of its robot or of its physics. Words name the values of a type.
+macro_rules! field {
+    (scenario $s:ident => $place:expr) => {
+        Field { get: |$s| Some($place), set: |$s, value| $place = value }
+    };
+    (robot $r:ident => $place:expr) => {
+        Field {
+            get: |s| s.plant.carrier().map(|$r| $place),
+            set: |s, value| s.plant.carrier_mut().into_iter().for_each(|$r| $place = value),
+        }
+    };
+    (robot $r:ident => $place:expr, $words:ident) => {
+        Field {
+            get: |s| s.plant.carrier().and_then(|$r| word($words, $place)),
+            set: |s, word| s.plant.carrier_mut().into_iter().for_each(|$r| put(&mut $place, $words, &word)),
+        }
+    };
+}
+
+/// c_r of eq. (2).
+pub const RISK_WEIGHT: Setting = Setting {
+    key: "risk_weight_m",
+    flag: "risk-weight",
+    path: "settings.predictor.risk_weight_m",
+    about: "Weight of risk against distance, c_r, in metres",
+    applies: Applies::Always,
+    kind: Kind::Number(
+        NOT_NEGATIVE,
+        Field {
+            get: |s| Some(s.settings.predictor.risk_weight()),
+            // fails outside of the range alone
+            set: |s, value| drop(s.settings.predictor.set_risk_weight(value)),
+        },
+    ),
+};
+
+/// The posture that the robot starts from.
+pub const POSTURE: Setting = Setting {
+    key: "posture",
+    flag: "posture",
+    path: "plant.posture",
+    about: "Posture to start from, by its name in the robot file [default: the first]",
+    applies: Applies::Robot,
+    kind: Kind::Text(
+        || "the name of a posture".to_owned(),
+        |text| !text.is_empty(),
+        Field {
+            get: |s| s.plant.carrier().map(|robot| robot.posture.clone()).filter(|name| !name.is_empty()),
+            set: |s, name| {
+                s.plant.carrier_mut().into_iter().for_each(|robot| robot.posture.clone_from(&name))
+            },
+        },
+    ),
+};
+
+/// What is kept out of obstacles in eq. (7).
+pub const AVOID: Setting = Setting {
+    key: "avoid",
+    flag: "avoid",
+    path: "control.avoid",
+    about: "What the robot's MPC keeps out of obstacles",
+    applies: Applies::Robot,
+    kind: Kind::Word(|| words(AVOIDED), field!(robot r => r.control.avoid, AVOIDED)),
+};
+
+/// The sway of the human's hand.
+pub const SWAY: Setting = Setting {
+    key: "sway_m",
+    flag: "sway",
+    path: "physics.human.sway_lateral_m",
+    about: "How far the human's hand sways to either side with the gait, in metres; half as far up and down",
+    applies: Applies::Bodies,
+    kind: Kind::Number(
+        Range::between(0.0, 0.1),
+        Field {
+            get: |s| s.plant.physics().map(|physics| physics.human.sway_lateral),
+            set: |s, sway| {
+                if let Some(physics) = s.plant.physics_mut() {
+                    (physics.human.sway_lateral, physics.human.sway_vertical) = (sway, sway / 2.0);
+                }
+            },
+        },
+    ),
+};
+
+/// phi(0) of eq. (5).
+pub const INITIAL_STUBBORNNESS: Setting = Setting {
+    key: "initial_stubbornness",
+    flag: "initial-stubbornness",
+    path: "settings.coordination.initial_stubbornness",
+    about: "Stubbornness at the start, phi(0)",
+    applies: Applies::Always,
+    kind: Kind::Number(
+        Range::above(0.0, 1.0),
+        field!(scenario s => s.settings.coordination.initial_stubbornness),
+    ),
+};
+
+/// Candidates of eq. (8).
+pub const POSE: Setting = Setting {
+    key: "pose",
+    flag: "pose",
+    path: "control.candidates",
+    about: "Configurations that pose optimisation chooses among while the human leads",
+    applies: Applies::Robot,
+    kind: Kind::Word(|| words(POSES), field!(robot r => r.control.candidates, POSES)),
+};
+
+/// All settings. A study varies the last ones fastest.
+pub const SETTINGS: &[Setting] = &[
+    RISK_WEIGHT,
+    Setting {
+        key: "human_model",
+        flag: "human",
+        path: "human_model",
+        about: "How the human decides: preference, boltzmann(RATIONALITY) or scripted(STEP:OPTION,...)",
+        applies: Applies::Always,
+        kind: Kind::Text(
+            || format!("one of {}", MODELS.map(|model| model.form).join(", ")),
+            |text| text.parse::<ModelName>().is_ok(),
+            Field {
+                get: |s| Some(s.human_model.to_string()),
+                set: |s, text| s.human_model = text.parse().unwrap_or_default(),
+            },
+        ),
+    },
+    Setting {
+        key: "period_s",
+        flag: "period",
+        path: "settings.period_s",
+        about: "Control period, in seconds: one planning step",
+        applies: Applies::Always,
+        kind: Kind::Number(Range::between(0.01, 60.0), field!(scenario s => s.settings.period)),
+    },
+    Setting {
+        key: "speed_m_per_s",
+        flag: "speed",
+        path: "settings.speed_m_per_s",
+        about: "Walking speed of the team, in metres per second",
+        applies: Applies::Always,
+        kind: Kind::Number(Range::between(0.001, 10.0), field!(scenario s => s.settings.speed)),
+    },
+    Setting {
+        key: "yaw_rate_rad_per_s",
+        flag: "yaw-rate",
+        path: "settings.yaw_rate_rad_per_s",
+        about: "The fastest the human turns, in radians per second",
+        applies: Applies::Always,
+        kind: Kind::Number(Range::above(0.0, 1000.0), field!(scenario s => s.settings.yaw_rate)),
+    },
+    Setting {
+        key: "max_steps",
+        flag: "max-steps",
+        path: "settings.tick_limit",
+        about: "Give up after this many steps [default: ten times what the longest option takes]",
+        applies: Applies::Always,
+        kind: Kind::Count(1_000_000_000, field!(scenario s => s.settings.tick_limit)),
+    },
+    POSTURE,
+    Setting {
+        key: "state_weight",
+        flag: "state-weight",
+        path: "control.state_weight",
+        about: "Weight of the grasp's error in eq. (7): Q is this times the identity",
+        applies: Applies::Robot,
+        kind: Kind::Number(POSITIVE, field!(robot r => r.control.state_weight)),
+    },
+    Setting {
+        key: "input_weight",
+        flag: "input-weight",
+        path: "control.input_weight",
+        about: "Weight of the inputs in eq. (7): R is this times the identity",
+        applies: Applies::Robot,
+        kind: Kind::Number(POSITIVE, field!(robot r => r.control.input_weight)),
+    },
+    AVOID,
+    SWAY,
+    INITIAL_STUBBORNNESS,
+    Setting {
+        key: "eta",
+        flag: "eta",
+        path: "settings.coordination.eta",
+        about: "Tolerance of the human: the larger, the slower stubbornness grows (paper: 5, 10.5, 15)",
+        applies: Applies::Always,
+        kind: Kind::Number(POSITIVE, field!(scenario s => s.settings.coordination.eta)),
+    },
+    Setting {
+        key: "method",
+        flag: "method",
+        path: "settings.method",
+        about: "Who decides the way",
+        applies: Applies::Always,
+        kind: Kind::Word(
+            || Method::all().map(|method| (method.name(), method.about())).collect(),
+            Field {
+                get: |s| Some(s.settings.method.to_string()),
+                set: |s, word| s.settings.method = word.parse().unwrap_or(s.settings.method),
+            },
+        ),
+    },
+    POSE,
+    Setting {
+        key: "pose_criterion",
+        flag: "pose-criterion",
+        path: "control.criterion",
+        about: "What pose optimisation chooses by",
+        applies: Applies::Candidates,
+        kind: Kind::Word(|| words(CRITERIA), field!(robot r => r.control.criterion, CRITERIA)),
+    },
+    Setting {
+        key: "pose_weight",
+        flag: "pose-weight",
+        path: "control.pose_weight",
+        about: "Weight of a change of configuration in eq. (8), kappa",
+        applies: Applies::Candidates,
+        kind: Kind::Number(NOT_NEGATIVE, field!(robot r => r.control.pose_weight)),
+    },
+    Setting {
+        key: "direction_concentration",
+        flag: "direction-concentration",
+        path: "control.direction_concentration",
+        about: "How sharply a walking direction tells options apart: concentration of a von Mises distribution",
+        applies: Applies::Robot,
+        kind: Kind::Number(NOT_NEGATIVE, field!(robot r => r.control.direction_concentration)),
+    },
+    Setting {
+        key: "prepare_while_leading",
+        flag: "prepare-while-leading",
+        path: "control.prepare_while_leading",
+        about: "Optimise the pose also while the robot leads, for its own way; the paper does so only while it follows",
+        applies: Applies::Candidates,
+        kind: Kind::Flag(field!(robot r => r.control.prepare_while_leading)),
+    },
+];
+
+/// A word for every value of an enum, with what it means.
+type Words<T> = [(T, &'static str, &'static str)];
+
+const POSES: &Words<CandidateSet> = &[
+    (CandidateSet::None, "none", "No pose optimisation"),
+    (CandidateSet::Arm, "arm", "Fifteen configurations of the arm"),
+    (CandidateSet::WholeBody, "whole-body", "Fifteen configurations of base and arm"),
+];
+const CRITERIA: &Words<PoseCriterion> = &[
+    (PoseCriterion::Expected, "expected", "Eq. (8): costs of all options, weighted by P_o"),
+    (PoseCriterion::Uniform, "uniform", "Costs of all options, equally weighted"),
+    (PoseCriterion::Tracked, "tracked", "The cost of the option that the robot takes the human to be on"),
+    (
+        PoseCriterion::Manipulability,
+        "manipulability",
+        "Yoshikawa's manipulability of the arm instead of costs",
+    ),
+];
+const AVOIDED: &Words<Avoid> = &[
+    (Avoid::Nothing, "nothing", "Nothing, as in the paper"),
+    (Avoid::Base, "base", "The base"),
+    (Avoid::Robot, "robot", "Base and arm"),
+];
+
+fn words<T>(all: &Words<T>) -> Vec<Word> {
+    all.iter().map(|(_, word, about)| (*word, *about)).collect()
+}
+
+fn word<T: PartialEq>(all: &Words<T>, value: T) -> Option<String> {
+    all.iter().find(|(other, ..)| *other == value).map(|(_, word, _)| (*word).to_owned())
+}
+
+fn put<T: Copy>(place: &mut T, all: &Words<T>, word: &str) {
+    let found = all.iter().find(|(_, other, _)| *other == word);
+    *place = found.map_or(*place, |(value, ..)| *value);
+}
+
+/// "one of" these words.
+pub fn one_of(words: &[Word]) -> String {
+    let words: Vec<_> = words.iter().map(|(word, _)| format!("\"{word}\"")).collect();
+    format!("one of {}", words.join(", "))
+}
+
+impl Setting {
+    /// Its value in a scenario; `None` where the scenario has no such thing.
+    pub fn get(&self, scenario: &Scenario) -> Option<Value> {
+        match &self.kind {
+            Kind::Number(_, field) => (field.get)(scenario).map(Value::Number),
+            Kind::Count(_, field) => (field.get)(scenario)?.map(Value::Count),
+            Kind::Flag(field) => (field.get)(scenario).map(Value::Flag),
+            Kind::Word(_, field) | Kind::Text(.., field) => (field.get)(scenario).map(Value::Text),
+        }
+    }
+
+    /// Sets it in a scenario that has such a thing, to a value that it [accepts](Setting::accepts).
+    pub fn set(&self, scenario: &mut Scenario, value: &Value) {
+        match (&self.kind, value) {
+            (Kind::Number(_, field), Value::Number(value)) => (field.set)(scenario, *value),
+            (Kind::Count(_, field), Value::Count(value)) => (field.set)(scenario, Some(*value)),
+            (Kind::Flag(field), Value::Flag(value)) => (field.set)(scenario, *value),
+            (Kind::Word(_, field) | Kind::Text(.., field), Value::Text(text)) => {
+                (field.set)(scenario, text.clone());
+            }
+            _ => {}
+        }
+    }
+
+    /// Whether it may have this value.
+    pub fn accepts(&self, value: &Value) -> bool {
+        match (&self.kind, value) {
+            (Kind::Number(range, _), Value::Number(value)) => range.contains(*value),
+            (Kind::Count(most, _), Value::Count(value)) => (1..=*most).contains(value),
+            (Kind::Flag(_), Value::Flag(_)) => true,
+            (Kind::Word(words, _), Value::Text(text)) => words().iter().any(|(word, _)| word == text),
+            (Kind::Text(_, accepts, _), Value::Text(text)) => accepts(text),
+            _ => false,
+        }
+    }
+
+    /// The words that are its values, if its values are words.
+    pub fn words(&self) -> Option<Vec<Word>> {
+        if let Kind::Word(words, _) = &self.kind { Some(words()) } else { None }
+    }
+
+    /// What its values are, in words.
+    pub fn expected(&self) -> String {
+        match &self.kind {
+            Kind::Number(range, _) => range.to_string(),
+            Kind::Count(most, _) => format!("a whole number from 1 to {most}"),
+            Kind::Flag(_) => "true or false".to_owned(),
+            Kind::Word(words, _) => one_of(&words()),
+            Kind::Text(form, ..) => form(),
+        }
+    }
+
+    /// The value that a text says, as it is shown.
+    ///
+    /// # Errors
+    /// What it must be, if the text is no value that it accepts.
+    pub fn parse(&self, text: &str) -> Result<Value, String> {
+        let value = match &self.kind {
+            Kind::Number(..) => text.parse().ok().map(Value::Number),
+            Kind::Count(..) => text.parse().ok().map(Value::Count),
+            Kind::Flag(_) => text.parse().ok().map(Value::Flag),
+            Kind::Word(..) | Kind::Text(..) => Some(Value::Text(text.to_owned())),
+        };
+        value.filter(|value| self.accepts(value)).ok_or_else(|| format!("must be {}", self.expected()))
+    }
+
+    /// The number in a scenario that is out of range, if it is.
+    pub(super) fn number_out_of_range(&self, scenario: &Scenario) -> Option<f64> {
+        match self.get(scenario).filter(|value| !self.accepts(value))? {
+            Value::Number(value) => Some(value),
+            Value::Count(count) => Some(count as f64),
+            Value::Flag(_) | Value::Text(_) => None,
+        }
+    }
+}
+
+impl Applies {
+    /// Whether a team on that plant has it, `chooses` being whether its robot, if any, chooses among configurations.
+    pub fn is_on(self, plant: PlantKind, chooses: bool) -> bool {
+        match self {
+            Self::Always => true,
+            Self::Robot => plant != PlantKind::Point,
+            Self::Candidates => plant != PlantKind::Point && chooses,
+            Self::Bodies => plant == PlantKind::Rapier,
+        }
+    }
+
+    /// What it is, for errors.
+    pub fn what(self) -> &'static str {
+        match self {
+            Self::Always => "a team",
+            Self::Robot | Self::Candidates => "a robot",
+            Self::Bodies => "a human's body",
+        }
+    }
+}
+
+impl Range {
+    const fn between(least: f64, most: f64) -> Self {
+        Self { least, is_open: false, most }
+    }
+
+    const fn above(least: f64, most: f64) -> Self {
+        Self { least, is_open: true, most }
+    }
+
+    /// Whether the number is in it; NaN is not.
+    pub fn contains(&self, value: f64) -> bool {
+        value <= self.most && if self.is_open { value > self.least } else { value >= self.least }
+    }
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { least, is_open, most } = self;
+        match is_open {
+            true => write!(f, "a number greater than {least} and at most {most}"),
+            false => write!(f, "a number from {least} to {most}"),
+        }
+    }
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Number(value) => value.fmt(f),
+            Self::Count(count) => count.fmt(f),
+            Self::Flag(flag) => flag.fmt(f),
+            Self::Text(text) => text.fmt(f),
+        }
+    }
+}
