@@ -1,4 +1,5 @@
-//! The arguments that describe the plant and the robot on it; robot files loaded, choices checked against each other.
+//! The arguments that describe the plant and the robot on it; robot files loaded, choices checked against
+//! each other.
 
 use super::output::{Failure, input};
 use super::settings::{SettingArguments, number, plants};
@@ -14,13 +15,15 @@ pub(super) struct RobotArguments {
     /// What the controller acts on
     #[arg(long, default_value = PlantKind::Rapier.name(), value_parser = plants(&PlantKind::ALL))]
     plant: PlantKind,
-    /// Robot file (TOML), or a URDF with a robot file of the same name beside it [default: the built-in carrier]
+    /// Robot file (TOML), or a URDF with a robot file of the same name beside it [default: the built-in
+    /// carrier]
     #[arg(long, value_name = "FILE")]
     robot: Option<PathBuf>,
 }
 
 impl RobotArguments {
-    /// The plant with its robot, whose files are read and checked here; the settings are checked against it, not set.
+    /// The plant with its robot, whose files are read and checked here; the settings are checked against it,
+    /// not set.
     pub fn plant(&self, settings: &SettingArguments) -> Result<Plant, Failure> {
         let robot = self.robot.as_ref().map(|_| ("robot", &POSTURE));
         let idle = robot.filter(|_| self.plant == PlantKind::Point).or_else(|| settings.idle(self.plant));

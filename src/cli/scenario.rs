@@ -24,14 +24,15 @@ pub(super) struct ScenarioArguments {
     /// The human's perception of risk (Prelec's gamma); drawn from the belief if not given
     #[arg(long, value_parser = perception, allow_negative_numbers = true)]
     gamma: Option<f64>,
-    /// The human changes their mind: from step STEP (from 0) on, alpha and gamma are these. May be given several times; of two at the same
-    /// step, the later stands. The robot is not told. Makes no difference to the way while the robot leads, nor after the start with
-    /// --method without-model
+    /// The human changes their mind: from step STEP (from 0) on, alpha and gamma are these. May be given
+    /// several times; of two at the same step, the later stands. The robot is not told. Makes no difference
+    /// to the way while the robot leads, nor after the start with --method without-model
     #[arg(long, value_name = "STEP:ALPHA,GAMMA", value_parser = change, conflicts_with = "preference_changes")]
     change: Vec<PreferenceChange>,
-    /// The human changes their mind so often, 0 to 8 times, or once-or-twice (a fair coin, as in Table III): alpha and gamma are drawn from
-    /// the seed again (but for one that is given), each time at a random step up to half of what the way preferred at the start takes. Some
-    /// methods ignore preference changes, as with --change
+    /// The human changes their mind so often, 0 to 8 times, or once-or-twice (a fair coin, as in Table III):
+    /// alpha and gamma are drawn from the seed again (but for one that is given), each time at a random step
+    /// up to half of what the way preferred at the start takes. Some methods ignore preference changes, as
+    /// with --change
     #[arg(long, value_name = "N", default_value_t = PreferenceChanges::NONE, allow_negative_numbers = true)]
     preference_changes: PreferenceChanges,
     /// Seed from which the human, and what they change their mind to, is drawn

@@ -1,6 +1,7 @@
-//! Sec. IV-B.2 claims without proof that eq. (6) causes no locked cycles (infinite oscillation between options). Random worlds and humans,
-//! each episode run until the team stands at the target or ten times the longest option has passed: by a team that is a point, and by one with
-//! bodies, which must not touch anything either.
+//! Sec. IV-B.2 claims without proof that eq. (6) causes no locked cycles (infinite oscillation between
+//! options). Random worlds and humans, each episode run until the team stands at the target or ten times the
+//! longest option has passed: by a team that is a point, and by one with bodies, which must not touch
+//! anything either.
 
 use super::{prepared, run};
 use crate::coordination;
@@ -86,7 +87,8 @@ struct Trial {
 }
 
 impl Search<'_> {
-    /// Runs random worlds, each with a random human and eta from 1 to 30, under eq. (6) and the single transition.
+    /// Runs random worlds, each with a random human and eta from 1 to 30, under eq. (6) and the single
+    /// transition.
     ///
     /// # Errors
     /// [`ScenarioError`], if the settings are out of their range.
@@ -118,7 +120,8 @@ impl Search<'_> {
             _ => roomy_world,
         };
         loop {
-            // start or target built over, or closed in, or no room for the team at the start or the target: draw again
+            // start or target built over, or closed in, or no room for the team at the start or the target:
+            // draw again
             let world = WorldText { file: "random world".to_owned(), text: random_world(&mut rng) };
             let stage = match prepared(world, &settings, self.plant) {
                 Err(ScenarioError::World(_) | ScenarioError::Options(_)) => continue,
@@ -167,20 +170,21 @@ fn random_human(settings: &Settings, rng: &mut ChaCha8Rng) -> (Perception, f64) 
     (human, math::exp(rng.random_range(0.0..math::ln(30f64))))
 }
 
-/// A random world file: a walled field with boxes, cylinders and polygons strewn over it, start on the left, target on the right, nothing
-/// declared.
+/// A random world file: a walled field with boxes, cylinders and polygons strewn over it, start on the left,
+/// target on the right, nothing declared.
 pub fn random_world(rng: &mut ChaCha8Rng) -> String {
     random_field(rng, 0.6, 0.0, usize::MAX)
 }
 
-/// The same with room for a team with bodies, which is 2 to 3 m long: start and target twice as far from the walls at the sides, 2 m more behind them,
-/// and eight obstacles at most.
+/// The same with room for a team with bodies, which is 2 to 3 m long: start and target twice as far from the
+/// walls at the sides, 2 m more behind them, and eight obstacles at most.
 pub fn roomy_world(rng: &mut ChaCha8Rng) -> String {
     random_field(rng, 1.2, 2.0, 8)
 }
 
-/// A random world file of 3 to 20 mixed obstacles: rotated boxes, some of them long and thin as walls are, cylinders and irregular convex
-/// polygons, on a field that every other world has no walls around; start and target anywhere but near to each other.
+/// A random world file of 3 to 20 mixed obstacles: rotated boxes, some of them long and thin as walls are,
+/// cylinders and irregular convex polygons, on a field that every other world has no walls around; start and
+/// target anywhere but near to each other.
 pub fn mixed_world(rng: &mut ChaCha8Rng) -> String {
     let size: [f64; 2] = [rng.random_range(8.0..16.0), rng.random_range(5.0..12.0)];
     let mut place = || [0, 1].map(|i| rng.random_range(0.4..size[i] - 0.4));
@@ -207,7 +211,8 @@ pub fn mixed_world(rng: &mut ChaCha8Rng) -> String {
     text
 }
 
-/// Start and target `beside` (m) off the walls at the sides at least, `room` (m) more behind them, and so many obstacles at most.
+/// Start and target `beside` (m) off the walls at the sides at least, `room` (m) more behind them, and so
+/// many obstacles at most.
 fn random_field(rng: &mut ChaCha8Rng, beside: f64, room: f64, most: usize) -> String {
     let width: f64 = rng.random_range(8.0..16.0);
     let depth: f64 = rng.random_range(5.0..12.0);

@@ -1,5 +1,5 @@
-//! H2, Table II: accumulated objective cost with and without the mode transition, and the Environment 4 example; by a team that is a point, as
-//! in the paper, and by one with bodies.
+//! H2, Table II: accumulated objective cost with and without the mode transition, and the Environment 4
+//! example; by a team that is a point, as in the paper, and by one with bodies.
 
 use super::{BuiltInError, COLUMNS, ENVIRONMENTS, EXAMPLE, EXAMPLE_ENVIRONMENT, EXAMPLE_HUMAN, Environment};
 use super::{Way, prepared, run, way};
@@ -40,7 +40,8 @@ pub struct Row {
     pub sample_mean: f64,
     /// Their standard deviation, m.
     pub sample_std: f64,
-    /// The same twenty humans' cost less that without the model, m; corrected for the comparisons of the table. None without the model.
+    /// The same twenty humans' cost less that without the model, m; corrected for the comparisons of the
+    /// table. None without the model.
     pub sample_against_without: Option<Paired>,
     /// Step of the mode transition; it does not depend on the human.
     pub transition_step: Option<u64>,
@@ -127,8 +128,8 @@ fn with_eta(stage: &Stage, eta: Option<f64>, human: Perception) -> Result<Stage,
     stage.prepare(Scenario { human, settings, ..base.clone() })
 }
 
-/// The part of an episode that is the same for all humans, since a robot that leads knows nothing of this one: the episode just before the
-/// step at which the human takes over, and that step.
+/// The part of an episode that is the same for all humans, since a robot that leads knows nothing of this
+/// one: the episode just before the step at which the human takes over, and that step.
 fn led_by_robot(stage: &Stage) -> Result<(Episode<'_>, Option<u64>), ScenarioError> {
     let mut episode = stage.episode()?;
     if stage.scenario().settings.method == Method::WITHOUT_MODEL {
@@ -186,7 +187,8 @@ pub struct ExampleRun {
     pub ticks: Vec<Tick>,
 }
 
-/// The human of the Environment 4 example of Sec. V-B in an environment: eta 5, 10.5 and 15, and without the model.
+/// The human of the Environment 4 example of Sec. V-B in an environment: eta 5, 10.5 and 15, and without the
+/// model.
 ///
 /// # Errors
 /// If the built-in world is not valid.
@@ -210,7 +212,8 @@ pub fn example(
     Ok((stage.world().clone(), runs))
 }
 
-/// Table II by a team with bodies: the same humans on the planning level, where the team is a point, and on a plant with a robot.
+/// Table II by a team with bodies: the same humans on the planning level, where the team is a point, and on a
+/// plant with a robot.
 #[derive(Clone, Copy, Debug)]
 pub struct WithBodies<'a> {
     /// The physical plant.
@@ -241,12 +244,13 @@ pub struct BodiesRow {
     pub arrived: usize,
     /// How the others ended, in the order of the humans.
     pub lost: Vec<&'static str>,
-    /// Mean accumulated objective cost of a team without bodies, m: of the humans who arrive with bodies, as all that follows.
+    /// Mean accumulated objective cost of a team without bodies, m: of the humans who arrive with bodies, as
+    /// all that follows.
     pub point_mean: f64,
     /// The same with bodies, m.
     pub physical_mean: f64,
-    /// The cost with bodies less that without the model, of the humans who arrive both times, m; corrected for the comparisons of the table. None
-    /// without the model.
+    /// The cost with bodies less that without the model, of the humans who arrive both times, m; corrected
+    /// for the comparisons of the table. None without the model.
     pub against_without: Option<Paired>,
     /// Mean of the ratios of the two, human by human.
     pub mean_ratio: f64,
@@ -314,7 +318,8 @@ fn cost(physical: &Summary) -> Cost {
     (physical.outcome == Outcome::Arrived).then(|| (physical.accumulated_cost, way(physical)))
 }
 
-/// The comparison of the humans who arrive both times. Where all of them go the same ways, they differ by the noise of the gait alone.
+/// The comparison of the humans who arrive both times. Where all of them go the same ways, they differ by the
+/// noise of the gait alone.
 fn against(costs: &[Cost], without: &[Cost]) -> Option<Paired> {
     let both: Vec<_> = costs.iter().zip(without).filter_map(|(a, b)| Some(((*a)?, (*b)?))).collect();
     let ways: BTreeSet<(Way, Way)> = both.iter().map(|(a, b)| (a.1, b.1)).collect();

@@ -63,7 +63,8 @@ impl GivenPerception {
     }
 }
 
-/// The human of a seed, drawn from a belief but for what is given: whoever asks for the same seed of the same belief meets the same human.
+/// The human of a seed, drawn from a belief but for what is given: whoever asks for the same seed of the same
+/// belief meets the same human.
 pub fn drawn_human(belief: &Belief, given: GivenPerception, seed: u64) -> Perception {
     given.or(belief.sample(&mut ChaCha8Rng::seed_from_u64(seed)))
 }
@@ -81,7 +82,8 @@ pub struct Scenario {
     /// How the human decides.
     #[serde(default, skip_serializing_if = "ModelName::is_default")]
     pub human_model: ModelName,
-    /// When the human changes their mind, and to what; as given or drawn. Of several at the same step, the last stands.
+    /// When the human changes their mind, and to what; as given or drawn. Of several at the same step, the
+    /// last stands.
     #[serde(rename = "change", default, skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<PreferenceChange>,
     /// What the robot believes, who leads, how fast they walk, when the episode ends at the latest.
@@ -107,7 +109,8 @@ impl From<World> for WorldText {
 }
 
 impl Scenario {
-    /// The episode that `cocarry run` begins in that world where nothing else is said: seed 0, its human, and all defaults.
+    /// The episode that `cocarry run` begins in that world where nothing else is said: seed 0, its human, and
+    /// all defaults.
     pub fn new(world: WorldText, plant: Plant) -> Self {
         let settings = episode::Settings::default();
         let human = drawn_human(settings.predictor.belief(), GivenPerception::default(), 0);
@@ -130,8 +133,8 @@ impl Scenario {
     /// Reads a scenario's text (TOML) and checks its numbers.
     ///
     /// # Errors
-    /// [`ScenarioError`], which names the line, or the key and the value. What is wrong with world, robot and posture shows when the scenario
-    /// is prepared.
+    /// [`ScenarioError`], which names the line, or the key and the value. What is wrong with world, robot and
+    /// posture shows when the scenario is prepared.
     pub fn parse(text: &str) -> Result<Self, ScenarioError> {
         let scenario: Self = toml::from_str(text).map_err(|e| ScenarioError::Syntax(Box::new(e)))?;
         scenario.check()?;

@@ -8,7 +8,8 @@ use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-/// The stream of a seed's generator that changes are drawn from: humans, and gaits, are drawn from the first, 0.
+/// The stream of a seed's generator that changes are drawn from: humans, and gaits, are drawn from the first,
+/// 0.
 const STREAM: u64 = 1;
 
 /// How often a human draws another (alpha, gamma) on the way.
@@ -38,8 +39,9 @@ impl PreferenceChanges {
         format!("a whole number from 0 to {}, or \"{}\"", Self::MOST, Self::ONCE_OR_TWICE)
     }
 
-    /// Draws the changes of a human who sets out as `first`: steps uniformly from 1 to half of what the option that they prefer at the start
-    /// takes, (alpha, gamma) from `belief`. In the order in which they are drawn, which need not be that of the steps.
+    /// Draws the changes of a human who sets out as `first`: steps uniformly from 1 to half of what the
+    /// option that they prefer at the start takes, (alpha, gamma) from `belief`. In the order in which they
+    /// are drawn, which need not be that of the steps.
     pub fn draw<R: Rng + ?Sized>(
         self,
         belief: &Belief,
@@ -68,8 +70,9 @@ impl PreferenceChanges {
     }
 }
 
-/// The changes of mind of a seed's human, each to a perception that is drawn but for what is given: whoever asks for the same seed and the same
-/// belief in the same world meets the same human, whoever leads and whatever carries.
+/// The changes of mind of a seed's human, each to a perception that is drawn but for what is given: whoever
+/// asks for the same seed and the same belief in the same world meets the same human, whoever leads and
+/// whatever carries.
 pub fn drawn_changes(
     count: PreferenceChanges,
     belief: &Belief,

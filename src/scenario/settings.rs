@@ -1,7 +1,8 @@
 //! The table of an episode's settings: every key, range, word and sentence of help is declared here, once.
 //!
-//! The command line, study files, columns of results, baselines and the check of a scenario derive from [`SETTINGS`]. What is not in the
-//! table is what a scenario is made of: seed, world, human, preference changes, belief, plant and robot.
+//! The command line, study files, columns of results, baselines and the check of a scenario derive from
+//! [`SETTINGS`]. What is not in the table is what a scenario is made of: seed, world, human, preference
+//! changes, belief, plant and robot.
 
 use super::{PlantKind, Scenario};
 use crate::control::{Avoid, CandidateSet, PoseCriterion};
@@ -54,7 +55,8 @@ pub enum Kind {
     Text(fn() -> String, fn(&str) -> bool, Field<String>),
 }
 
-/// A place in a scenario: what is there, if the scenario has such a thing, and how to put another value there.
+/// A place in a scenario: what is there, if the scenario has such a thing, and how to put another value
+/// there.
 #[derive(Debug)]
 pub struct Field<T> {
     get: fn(&Scenario) -> Option<T>,
@@ -85,12 +87,14 @@ pub struct Range {
     most: f64,
 }
 
-/// alpha and gamma as they are given: around 1, and never far from it. Those that are drawn may be anywhere in the belief.
+/// alpha and gamma as they are given: around 1, and never far from it. Those that are drawn may be anywhere
+/// in the belief.
 pub const PERCEPTION: Range = Range::above(0.0, 10.0);
 const POSITIVE: Range = Range::above(0.0, 1e6);
 const NOT_NEGATIVE: Range = Range::between(0.0, 1e6);
 
-/// The [`Field`] at a place: of the scenario, of its robot or of its physics. Words name the values of a type.
+/// The [`Field`] at a place: of the scenario, of its robot or of its physics. Words name the values of a
+/// type.
 macro_rules! field {
     (scenario $s:ident => $place:expr) => {
         Field { get: |$s| Some($place), set: |$s, value| $place = value }
@@ -445,7 +449,8 @@ impl Setting {
 }
 
 impl Applies {
-    /// Whether a team on that plant has it, `chooses` being whether its robot, if any, chooses among configurations.
+    /// Whether a team on that plant has it, `chooses` being whether its robot, if any, chooses among
+    /// configurations.
     pub fn is_on(self, plant: PlantKind, chooses: bool) -> bool {
         match self {
             Self::Always => true,

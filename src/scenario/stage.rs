@@ -29,7 +29,8 @@ impl Scenario {
     /// Builds what the episode needs.
     ///
     /// # Errors
-    /// [`ScenarioError`]: a number is out of its range, or world, options, human model, robot or posture are not valid.
+    /// [`ScenarioError`]: a number is out of its range, or world, options, human model, robot or posture are
+    /// not valid.
     pub fn prepare(self) -> Result<Stage, ScenarioError> {
         self.prepare_beside(None)
     }
@@ -82,7 +83,8 @@ impl Stage {
         &self.scenario
     }
 
-    /// The stage of another scenario. What both are made of is shared: the world and its options, the robot; the rest is built.
+    /// The stage of another scenario. What both are made of is shared: the world and its options, the robot;
+    /// the rest is built.
     ///
     /// # Errors
     /// As [`Scenario::prepare`].

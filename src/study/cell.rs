@@ -5,7 +5,8 @@ use crate::scenario::{POSE, PlantKind, PreferenceChanges, SETTINGS, Scenario, Va
 /// The most combinations that a run may have.
 pub const LARGEST_RUN: usize = 100_000;
 
-/// All that an episode is settled by but the seed. Worlds, humans, beliefs and robots by their place in the study.
+/// All that an episode is settled by but the seed. Worlds, humans, beliefs and robots by their place in the
+/// study.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Cell {
     pub world: usize,
@@ -49,8 +50,8 @@ impl Default for Axes {
 }
 
 impl Axes {
-    /// Every combination, the last key varying fastest; none if there are more than [`LARGEST_RUN`]. Settings that a plant ignores are not
-    /// varied for it, nor are those of pose optimisation without candidates.
+    /// Every combination, the last key varying fastest; none if there are more than [`LARGEST_RUN`]. Settings
+    /// that a plant ignores are not varied for it, nor are those of pose optimisation without candidates.
     pub fn cells(&self) -> Option<Vec<Cell>> {
         let always = |_: &Cell| true;
         let has_robot = |cell: &Cell| cell.plant != PlantKind::Point;

@@ -1,8 +1,9 @@
 //! The study engine: one row of results for every episode of a study, in the study's order.
 //!
-//! A study is a product of lists of values, or several such products. Seeds vary slowest: a sweep that is under way has all combinations of
-//! the seeds it has come to, and the combinations of one seed, which is one human, stand together. Every row carries the number of its
-//! episode, how many the study has, and the study's digest, so that any part of the results says what it is a part of.
+//! A study is a product of lists of values, or several such products. Seeds vary slowest: a sweep that is
+//! under way has all combinations of the seeds it has come to, and the combinations of one seed, which is one
+//! human, stand together. Every row carries the number of its episode, how many the study has, and the
+//! study's digest, so that any part of the results says what it is a part of.
 
 mod cell;
 mod error;
@@ -89,7 +90,8 @@ impl Study {
         }
     }
 
-    /// Reads the text of a study file; `file` is what errors call it, and the files that it names lie relative to `folder`.
+    /// Reads the text of a study file; `file` is what errors call it, and the files that it names lie
+    /// relative to `folder`.
     ///
     /// # Errors
     /// As [`Study::load`].
@@ -127,7 +129,8 @@ impl Study {
         self.cells.len()
     }
 
-    /// Tells this study from others: it depends on all that the results depend on, and on the version of the program.
+    /// Tells this study from others: it depends on all that the results depend on, and on the version of the
+    /// program.
     pub fn digest(&self) -> &str {
         &self.digest
     }
@@ -226,8 +229,9 @@ impl Study {
         Ok(())
     }
 
-    /// 64 bits (FNV-1a) of all that the results depend on, as text: accidents are told apart, not forgeries. Of each world, robot and plant
-    /// one scenario is taken whole; beside these, a combination is its settings.
+    /// 64 bits (FNV-1a) of all that the results depend on, as text: accidents are told apart, not forgeries.
+    /// Of each world, robot and plant one scenario is taken whole; beside these, a combination is its
+    /// settings.
     fn hash(&self) -> Result<String, SweepError> {
         let mut hash = 0xcbf2_9ce4_8422_2325_u64;
         let mut add = |text: &str| {

@@ -1,4 +1,5 @@
-//! The table of settings: command line, studies, scenario texts and baselines take the same values and refuse the others in the same words.
+//! The table of settings: command line, studies, scenario texts and baselines take the same values and refuse
+//! the others in the same words.
 
 use crate::support::{cocarry, stderr};
 use cocarry::robot::Robot;

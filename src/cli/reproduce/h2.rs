@@ -1,4 +1,5 @@
-//! `cocarry reproduce h2`: Table II and the Environment 4 example, by a team that is a point or by one with bodies.
+//! `cocarry reproduce h2`: Table II and the Environment 4 example, by a team that is a point or by one with
+//! bodies.
 
 use super::super::output::{Failure, Progress, input, print, print_json, table_with_notes, write_file};
 use super::super::robot::{SwayArguments, sway_of};
@@ -21,7 +22,8 @@ pub(in super::super) struct Arguments {
     /// Seed of the twenty random humans
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// What walks: `point`, as in the paper, or `rapier`: the same humans once more with bodies, beside the point
+    /// What walks: `point`, as in the paper, or `rapier`: the same humans once more with bodies, beside the
+    /// point
     #[arg(long, default_value = "point", value_parser = plants(&[PlantKind::Point, PlantKind::Rapier]))]
     plant: PlantKind,
     /// Humans in each cell, with --plant rapier [default: 20]
