@@ -8,7 +8,7 @@ use cocarry::geometry::{PlanarPose, Point};
 use cocarry::math;
 use cocarry::paper;
 use cocarry::robot::{InputVector, Robot};
-use cocarry::scenario::{Carrier, Plant, Scenario};
+use cocarry::scenario::{Plant, RobotSetup, Scenario};
 use cocarry::simulation::{HumanCommand, PhysicalPlant, PhysicsSettings};
 use cocarry::world::World;
 use criterion::{BatchSize, Criterion, criterion_group};
@@ -74,7 +74,7 @@ struct Run {
 fn episode(rate_hz: f64, solver_iterations: usize) -> Run {
     let robot = Robot::built_in().expect("the built-in robot");
     let posture = robot.postures[0].name.clone();
-    let carrier = Carrier { posture, control: control::Settings::default(), robot: robot.texts };
+    let carrier = RobotSetup { posture, control: control::Settings::default(), robot: robot.texts };
     let physics = PhysicsSettings { rate_hz, solver_iterations, ..PhysicsSettings::default() };
     let scenario = Scenario {
         seed: 1,

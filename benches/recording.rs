@@ -5,7 +5,7 @@ use cocarry::control;
 use cocarry::paper;
 use cocarry::recording::{Ending, FileRecorder};
 use cocarry::robot::Robot;
-use cocarry::scenario::{Carrier, Plant, Scenario, Stage};
+use cocarry::scenario::{Plant, PreparedScenario, RobotSetup, Scenario};
 use cocarry::simulation::PhysicsSettings;
 use criterion::{Criterion, criterion_group};
 use std::hint::black_box;
@@ -18,10 +18,10 @@ const BUDGET: f64 = 0.15;
 const LARGEST: f64 = 3.0 * 1024.0 * 1024.0;
 const EPISODES: usize = 15;
 
-fn stage(environment: usize) -> Stage {
+fn stage(environment: usize) -> PreparedScenario {
     let robot = Robot::built_in().expect("the built-in robot");
     let posture = robot.postures[0].name.clone();
-    let carrier = Carrier { posture, control: control::Settings::default(), robot: robot.texts };
+    let carrier = RobotSetup { posture, control: control::Settings::default(), robot: robot.texts };
     let scenario = Scenario {
         seed: 1,
         world: paper::ENVIRONMENTS[environment].world().expect("a world of the repository").into(),
@@ -35,7 +35,7 @@ fn stage(environment: usize) -> Stage {
 }
 
 /// Steps of an episode, recorded or not, and how long they took, the file's beginning and end included.
-fn episode(stage: &Stage, file: Option<&Path>) -> (u64, Duration) {
+fn episode(stage: &PreparedScenario, file: Option<&Path>) -> (u64, Duration) {
     let mut episode = stage.episode().expect("room at the start");
     let begun = Instant::now();
     let mut recorder = file.map(|file| FileRecorder::create(file, true, stage, &episode).expect("a file"));

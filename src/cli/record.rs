@@ -3,7 +3,7 @@
 use super::output::Failure;
 use crate::episode::Episode;
 use crate::recording::{Ending, FileRecorder, RecordingError};
-use crate::scenario::Stage;
+use crate::scenario::PreparedScenario;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -29,7 +29,11 @@ impl RecordArguments {
     }
 
     /// Begins to record an episode that has not begun, if that is asked for.
-    pub fn begin<'a>(&self, stage: &'a Stage, episode: &Episode) -> Result<Recording<'a>, Failure> {
+    pub fn begin<'a>(
+        &self,
+        stage: &'a PreparedScenario,
+        episode: &Episode,
+    ) -> Result<Recording<'a>, Failure> {
         let Some(file) = &self.record else { return Ok(Recording(None)) };
         let recorder = FileRecorder::create(file, self.overwrite, stage, episode).map_err(output)?;
         Ok(Recording(Some((file.clone(), recorder))))

@@ -4,7 +4,7 @@
 use super::output::{Failure, input};
 use super::settings::{SettingArguments, number, plants};
 use crate::robot::Robot;
-use crate::scenario::{Carrier, POSE, POSTURE, Plant, PlantKind, SWAY, Scenario, Value};
+use crate::scenario::{POSE, POSTURE, Plant, PlantKind, RobotSetup, SWAY, Scenario, Value};
 use anyhow::anyhow;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -55,7 +55,7 @@ impl RobotArguments {
                 "--posture {asked}: {file} has no posture of that name; it has {known}"
             )));
         }
-        Ok(Plant::new(self.plant, Carrier::new(&robot)))
+        Ok(Plant::new(self.plant, RobotSetup::new(&robot)))
     }
 }
 
@@ -70,7 +70,7 @@ impl SwayArguments {
     /// A plant of a team with bodies, whose robot is the built-in one.
     pub fn plant(&self) -> Result<Plant, Failure> {
         let robot = load_robot(None)?;
-        let plant = Plant::new(PlantKind::Rapier, Carrier::new(&robot));
+        let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(&robot));
         let mut scenario = Scenario { plant, ..Scenario::defaults() };
         self.sway.iter().for_each(|sway| SWAY.set(&mut scenario, &Value::Number(*sway)));
         Ok(scenario.plant)

@@ -5,7 +5,7 @@ use super::live::LiveArguments;
 use super::output::Failure;
 use crate::episode::Episode;
 use crate::recording::{Encoder, Ending, LiveError, LiveServer, Message};
-use crate::scenario::Stage;
+use crate::scenario::PreparedScenario;
 use std::time::{Duration, Instant};
 
 /// How long nothing is done before looking again.
@@ -32,7 +32,7 @@ impl<'a> Serving<'a> {
     /// Begins to serve an episode from the step at which it is, if that is asked for.
     pub fn begin(
         arguments: &LiveArguments,
-        stage: &'a Stage,
+        stage: &'a PreparedScenario,
         episode: &Episode,
         interrupt: &'a Interrupt,
     ) -> Result<Option<Self>, Failure> {

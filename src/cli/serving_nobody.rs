@@ -5,7 +5,7 @@ use super::live::LiveArguments;
 use super::output::{Failure, input};
 use crate::episode::Episode;
 use crate::recording::Ending;
-use crate::scenario::Stage;
+use crate::scenario::PreparedScenario;
 use anyhow::anyhow;
 use std::convert::Infallible;
 
@@ -16,7 +16,7 @@ impl Serving {
     /// Refuses to serve.
     pub fn begin(
         arguments: &LiveArguments,
-        _: &Stage,
+        _: &PreparedScenario,
         _: &Episode,
         _: &Interrupt,
     ) -> Result<Option<Self>, Failure> {

@@ -4,7 +4,7 @@ use super::output::{Failure, input, write_file};
 use super::scenario::ScenarioArguments;
 use crate::arithmetic;
 use crate::episode::Episode;
-use crate::scenario::{ScenarioError, Snapshot, Stage};
+use crate::scenario::{PreparedScenario, ScenarioError, Snapshot};
 use anyhow::{Error, anyhow};
 use clap::{Args, Command, Id};
 use std::path::PathBuf;
@@ -86,7 +86,7 @@ impl SnapshotArguments {
 
 impl Saves {
     /// Writes what is due.
-    pub fn write(&mut self, stage: &Stage, episode: &Episode) -> Result<(), Failure> {
+    pub fn write(&mut self, stage: &PreparedScenario, episode: &Episode) -> Result<(), Failure> {
         let steps = episode.summary().steps;
         for save in self.0.iter_mut().filter(|save| save.tick == steps) {
             let bytes = stage.snapshot(episode).bytes().map_err(|e| Failure::Output(e.into()))?;

@@ -12,13 +12,13 @@ use crate::policy::Method;
 use crate::preference::Perception;
 use crate::quantities::{EPISODE, Event, View};
 use crate::robot::Robot;
-use crate::scenario::{Carrier, Stage};
+use crate::scenario::{PreparedScenario, RobotSetup};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
 /// An episode that is over, with all that is told of it.
 pub(super) struct Told<'a> {
-    pub stage: &'a Stage,
+    pub stage: &'a PreparedScenario,
     pub episode: &'a Episode<'a>,
     /// The step that it went on from; none if it was run from its beginning.
     pub resumed: Option<u64>,
@@ -44,7 +44,7 @@ impl Told<'_> {
     }
 
     /// The robot, and how it was asked to carry.
-    fn carrier(&self) -> Option<(&Robot, &Carrier)> {
+    fn carrier(&self) -> Option<(&Robot, &RobotSetup)> {
         self.stage.robot().zip(self.stage.scenario().plant.carrier())
     }
 

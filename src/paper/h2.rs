@@ -8,7 +8,7 @@ use crate::episode::{Episode, Outcome, Settings, Summary, Tick};
 use crate::parallel::{OnDone, in_parallel};
 use crate::policy::Method;
 use crate::preference::{Belief, Perception};
-use crate::scenario::{Plant, Scenario, ScenarioError, Stage};
+use crate::scenario::{Plant, PreparedScenario, Scenario, ScenarioError};
 use crate::statistics::{self, Paired, mean_and_std};
 use crate::world::World;
 use rand_chacha::ChaCha8Rng;
@@ -77,7 +77,7 @@ pub fn table(settings: &Settings, seed: u64, on_done: OnDone) -> Result<Vec<Row>
 fn cell(
     environment: &Environment,
     column: usize,
-    stage: &Stage,
+    stage: &PreparedScenario,
     [grid, sample]: [&[Perception]; 2],
     on_done: OnDone,
 ) -> Result<(Row, Vec<f64>), ScenarioError> {
@@ -113,7 +113,11 @@ fn method(eta: Option<f64>) -> Method {
 }
 
 /// A human in a column of Table II.
-fn with_eta(stage: &Stage, eta: Option<f64>, human: Perception) -> Result<Stage, ScenarioError> {
+fn with_eta(
+    stage: &PreparedScenario,
+    eta: Option<f64>,
+    human: Perception,
+) -> Result<PreparedScenario, ScenarioError> {
     let base = stage.scenario();
     let coordination = coordination::Settings {
         eta: eta.unwrap_or(base.settings.coordination.eta),
@@ -130,7 +134,7 @@ fn with_eta(stage: &Stage, eta: Option<f64>, human: Perception) -> Result<Stage,
 
 /// The part of an episode that is the same for all humans, since a robot that leads knows nothing of this
 /// one: the episode just before the step at which the human takes over, and that step.
-fn led_by_robot(stage: &Stage) -> Result<(Episode<'_>, Option<u64>), ScenarioError> {
+fn led_by_robot(stage: &PreparedScenario) -> Result<(Episode<'_>, Option<u64>), ScenarioError> {
     let mut episode = stage.episode()?;
     if stage.scenario().settings.method == Method::WITHOUT_MODEL {
         return Ok((episode, None));

@@ -12,7 +12,7 @@ pub mod h3;
 use crate::episode::{Settings, Summary, Tick};
 use crate::options::OptionError;
 use crate::preference::{Perception, PreferenceError};
-use crate::scenario::{Plant, Scenario, ScenarioError, Stage, WorldText};
+use crate::scenario::{Plant, PreparedScenario, Scenario, ScenarioError, WorldText};
 use crate::world::{World, WorldError};
 use thiserror::Error;
 
@@ -147,12 +147,16 @@ pub enum BuiltInError {
 }
 
 /// A team in a world, to be prepared for one human after the other.
-fn prepared(world: impl Into<WorldText>, settings: &Settings, plant: &Plant) -> Result<Stage, ScenarioError> {
+fn prepared(
+    world: impl Into<WorldText>,
+    settings: &Settings,
+    plant: &Plant,
+) -> Result<PreparedScenario, ScenarioError> {
     Scenario { settings: settings.clone(), ..Scenario::new(world.into(), plant.clone()) }.prepare()
 }
 
 /// Runs the episode of a scenario to its end; `on_tick` sees every step.
-fn run(stage: &Stage, mut on_tick: impl FnMut(&Tick)) -> Result<Summary, ScenarioError> {
+fn run(stage: &PreparedScenario, mut on_tick: impl FnMut(&Tick)) -> Result<Summary, ScenarioError> {
     let mut episode = stage.episode()?;
     while episode.step().is_none() {
         on_tick(episode.tick());

@@ -38,7 +38,7 @@ pub use tick::{
 };
 
 use crate::episode::Episode;
-use crate::scenario::Stage;
+use crate::scenario::PreparedScenario;
 use serde_json::{Map, Value, json};
 
 /// Values by their keys, in the order of their table. A missing value, as one that is not finite, is null.
@@ -65,7 +65,7 @@ pub fn cell(value: &Value) -> String {
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
     /// What the episode was prepared from.
-    pub stage: &'a Stage,
+    pub stage: &'a PreparedScenario,
     /// The episode. Quantities of a control period are those of the last step taken.
     pub episode: &'a Episode<'a>,
 }

@@ -6,7 +6,7 @@ use super::{motion, scene, schema};
 use crate::episode::{Episode, Outcome};
 use crate::geometry::Point;
 use crate::quantities::{Record, View};
-use crate::scenario::Stage;
+use crate::scenario::PreparedScenario;
 
 /// How a recording ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,7 +30,7 @@ impl Ending {
 /// Tells of an episode. Same episode, same bytes.
 #[derive(Clone, Debug)]
 pub struct Encoder<'a> {
-    stage: &'a Stage,
+    stage: &'a PreparedScenario,
     ways: scene::Ways,
     events: Events,
     walked: Vec<Point>,
@@ -39,7 +39,7 @@ pub struct Encoder<'a> {
 
 impl<'a> Encoder<'a> {
     /// Before the first step.
-    pub fn new(stage: &'a Stage) -> Self {
+    pub fn new(stage: &'a PreparedScenario) -> Self {
         Self {
             ways: scene::Ways::new(stage.options()),
             stage,

@@ -6,7 +6,7 @@ use super::file::{MessageFile, Named};
 use super::provenance::{METADATA, Provenance};
 use super::{Definition, RecordingError};
 use crate::episode::Episode;
-use crate::scenario::Stage;
+use crate::scenario::PreparedScenario;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufWriter, Seek, Write};
@@ -31,7 +31,12 @@ impl<'a, W: Write + Seek> Recorder<'a, W> {
     ///
     /// # Errors
     /// [`RecordingError`]: it cannot be written, or the scenario cannot.
-    pub fn new(to: W, name: &str, stage: &'a Stage, episode: &Episode) -> Result<Self, RecordingError> {
+    pub fn new(
+        to: W,
+        name: &str,
+        stage: &'a PreparedScenario,
+        episode: &Episode,
+    ) -> Result<Self, RecordingError> {
         let mut encoder = Encoder::new(stage);
         let provenance = Provenance::of(stage.scenario())
             .map_err(|source| RecordingError::Scenario { file: name.to_owned(), source })?;
@@ -104,7 +109,7 @@ impl<'a> FileRecorder<'a> {
     pub fn create(
         file: &Path,
         overwrite: bool,
-        stage: &'a Stage,
+        stage: &'a PreparedScenario,
         episode: &Episode,
     ) -> Result<Self, RecordingError> {
         let (named, to) = Named::create(file, PARTIAL, overwrite)?;

@@ -4,7 +4,7 @@ use super::{Figures, Tolerance};
 use crate::geometry::{Point, cross};
 use crate::options::Crossing;
 use crate::quantities::{EPISODE, View};
-use crate::scenario::Stage;
+use crate::scenario::PreparedScenario;
 
 /// A figure of a run: a word, a whole number or a number.
 pub type Figure = serde_json::Value;
@@ -42,12 +42,12 @@ pub struct Way {
 
 impl Way {
     /// At the start.
-    pub fn new(stage: &Stage) -> Self {
+    pub fn new(stage: &PreparedScenario) -> Self {
         Self { position: stage.world().start, crossings: Vec::new(), offsets: 0.0, steps: 0 }
     }
 
     /// One step on.
-    pub fn step(&mut self, stage: &Stage, to: Point) {
+    pub fn step(&mut self, stage: &PreparedScenario, to: Point) {
         let world = stage.world();
         self.crossings.extend(stage.options().crossing(self.position, to));
         let ahead = world.target - world.start;
@@ -56,7 +56,7 @@ impl Way {
         self.position = to;
     }
 
-    fn openings(&self, stage: &Stage) -> String {
+    fn openings(&self, stage: &PreparedScenario) -> String {
         let names = self.crossings.iter().map(|crossing| {
             let opening = &stage.world().openings[crossing.opening];
             // to the centimetre; no negative zero

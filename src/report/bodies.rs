@@ -5,7 +5,7 @@ use super::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant};
 use super::{Block, Finding, Part, Plan, ReportError, Section, holds};
 use crate::paper::h2::{self, BodiesRow as Row, WithBodies};
 use crate::parallel::OnDone;
-use crate::scenario::{Carrier, Plant, PlantKind};
+use crate::scenario::{Plant, PlantKind, RobotSetup};
 use crate::table::{Cell, Columns, Table};
 
 /// Table II with bodies.
@@ -64,7 +64,7 @@ pub fn table_2_with_bodies(rows: &[Row], humans: usize, sway: f64) -> Table {
 }
 
 fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
-    let plant = Plant::new(PlantKind::Rapier, Carrier::new(plan.robot));
+    let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(plan.robot));
     let study = WithBodies { plant: &plant, settings: &plan.settings, humans: plan.humans, seed: plan.seed };
     // a human's episode as a point and the one with bodies finish together
     let both = || (0..2).for_each(|_| on_done());

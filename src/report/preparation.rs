@@ -6,7 +6,7 @@ use crate::drawing::{DrawingError, RatioPanel, RatioRow, cost_ratios};
 use crate::paper::h3::{self, PoseMethod, Row, Study};
 use crate::paper::{ENVIRONMENTS, SETTINGS};
 use crate::parallel::OnDone;
-use crate::scenario::{Carrier, Plant, PlantKind};
+use crate::scenario::{Plant, PlantKind, RobotSetup};
 use crate::table::{Cell, Columns, Table};
 
 /// Table III.
@@ -268,7 +268,7 @@ pub fn ratio_picture(rows: &[Row], starts: &[&str]) -> Result<String, DrawingErr
 }
 
 fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
-    let plant = Plant::new(PlantKind::Kinematic, Carrier::new(plan.robot));
+    let plant = Plant::new(PlantKind::Kinematic, RobotSetup::new(plan.robot));
     let starts: Vec<&str> = plan.robot.postures.iter().map(|p| p.name.as_str()).collect();
     let (episodes, seed, settings) = (plan.episodes, plan.seed, &plan.settings);
     let study = Study { plant: &plant, starts: &starts, episodes, seed, settings };

@@ -20,19 +20,19 @@ mod check;
 mod error;
 mod plant;
 mod preference_changes;
+mod prepared;
 mod settings;
 mod snapshot;
-mod stage;
 
 pub use error::ScenarioError;
-pub use plant::{Carrier, Plant, PlantKind};
+pub use plant::{Plant, PlantKind, RobotSetup};
 pub use preference_changes::{NotPreferenceChanges, PreferenceChanges, drawn_changes};
+pub use prepared::PreparedScenario;
 pub use settings::{
     AVOID, Applies, Field, INITIAL_STUBBORNNESS, Kind, PERCEPTION, POSE, POSTURE, RISK_WEIGHT, Range,
     SETTINGS, SWAY, Setting, Value, Word, one_of,
 };
 pub use snapshot::{Snapshot, SnapshotError};
-pub use stage::Stage;
 
 use crate::episode::{self, PreferenceChange};
 use crate::human::ModelName;
@@ -127,7 +127,7 @@ impl Scenario {
 
     /// All defaults, without a world: every [setting](Setting) that has a default has it here.
     pub fn defaults() -> Self {
-        Self::new(WorldText::default(), Plant::new(PlantKind::Rapier, Carrier::default()))
+        Self::new(WorldText::default(), Plant::new(PlantKind::Rapier, RobotSetup::default()))
     }
 
     /// Reads a scenario's text (TOML) and checks its numbers.

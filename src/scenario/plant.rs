@@ -15,12 +15,12 @@ pub enum Plant {
     /// The robot moves exactly as its inputs say.
     Kinematic {
         /// The robot.
-        carrier: Carrier,
+        carrier: RobotSetup,
     },
     /// Robot, object, human and obstacles as bodies.
     Rapier {
         /// The robot.
-        carrier: Carrier,
+        carrier: RobotSetup,
         /// How the bodies are stepped, and how the human moves.
         physics: PhysicsSettings,
     },
@@ -29,7 +29,7 @@ pub enum Plant {
 /// Who carries, from which posture, controlled how.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Carrier {
+pub struct RobotSetup {
     /// The posture to start from, by its name in the robot file.
     pub posture: String,
     /// The controller.
@@ -78,7 +78,7 @@ impl PlantKind {
     }
 }
 
-impl Carrier {
+impl RobotSetup {
     /// A robot that starts from its first posture, with the default controller.
     pub fn new(robot: &Robot) -> Self {
         let posture = robot.postures.first().map_or(String::new(), |posture| posture.name.clone());
@@ -88,7 +88,7 @@ impl Carrier {
 
 impl Plant {
     /// A plant with that robot, if it has one, and default physics.
-    pub fn new(kind: PlantKind, carrier: Carrier) -> Self {
+    pub fn new(kind: PlantKind, carrier: RobotSetup) -> Self {
         match kind {
             PlantKind::Point => Self::Point,
             PlantKind::Kinematic => Self::Kinematic { carrier },
@@ -111,7 +111,7 @@ impl Plant {
     }
 
     /// Who carries; none on the planning level alone.
-    pub fn carrier(&self) -> Option<&Carrier> {
+    pub fn carrier(&self) -> Option<&RobotSetup> {
         match self {
             Self::Point => None,
             Self::Kinematic { carrier } | Self::Rapier { carrier, .. } => Some(carrier),
@@ -127,7 +127,7 @@ impl Plant {
     }
 
     /// [`Plant::carrier`], to be changed.
-    pub fn carrier_mut(&mut self) -> Option<&mut Carrier> {
+    pub fn carrier_mut(&mut self) -> Option<&mut RobotSetup> {
         match self {
             Self::Point => None,
             Self::Kinematic { carrier } | Self::Rapier { carrier, .. } => Some(carrier),

@@ -5,7 +5,7 @@
 //! finds what is cut or damaged. It is no seal: who writes a file by hand, checksum and all, is trusted not to contradict themselves
 //! within the physics.
 
-use super::{Scenario, ScenarioError, Stage};
+use super::{PreparedScenario, Scenario, ScenarioError};
 use crate::arithmetic;
 use crate::episode::{Episode, State};
 use serde::{Deserialize, Serialize};
@@ -99,7 +99,7 @@ pub enum SnapshotError {
     Unwritable(#[source] Box<dyn std::error::Error + Send + Sync>),
 }
 
-impl Stage {
+impl PreparedScenario {
     /// The snapshot of an episode of this stage.
     pub fn snapshot(&self, episode: &Episode) -> Snapshot {
         let written_by = env!("CARGO_PKG_VERSION").to_owned();

@@ -25,7 +25,7 @@ pub use summary::{Comparison, Group, Summary};
 use crate::episode::Settings;
 use crate::preference::{Predictor, RISK_WEIGHT};
 use crate::robot::SlowDrive;
-use crate::scenario::{Carrier, Plant, PlantKind, SETTINGS, Scenario, Stage};
+use crate::scenario::{Plant, PlantKind, PreparedScenario, RobotSetup, SETTINGS, Scenario};
 use cell::Cell;
 use file::Contents;
 use std::collections::{BTreeMap, BTreeSet};
@@ -55,7 +55,7 @@ pub struct Study {
     /// The default settings with each of the beliefs.
     bases: Vec<Settings>,
     /// One for every world, c_r and robot; which, for each cell.
-    stages: Vec<Stage>,
+    stages: Vec<PreparedScenario>,
     stage_of: Vec<usize>,
     /// Drives that are slower than their team is to walk, each once.
     slow_drives: Vec<SlowDrive>,
@@ -176,7 +176,7 @@ impl Study {
     fn scenario_of(&self, cell: usize, seed: u64) -> Scenario {
         let (contents, cell) = (&self.contents, &self.cells[cell]);
         let robot = contents.robots.get(cell.robot).map(|(_, texts, _)| texts.clone()).unwrap_or_default();
-        let plant = Plant::new(cell.plant, Carrier { robot, ..Carrier::default() });
+        let plant = Plant::new(cell.plant, RobotSetup { robot, ..RobotSetup::default() });
         let mut scenario = Scenario {
             seed,
             world: contents.worlds[cell.world].1.clone(),

@@ -5,7 +5,7 @@ use crate::arithmetic;
 use crate::episode::Outcome;
 use crate::preference::Perception;
 use crate::quantities::{EPISODE, View, cell};
-use crate::scenario::{PlantKind, SETTINGS, Scenario, ScenarioError, Stage, Value};
+use crate::scenario::{PlantKind, PreparedScenario, SETTINGS, Scenario, ScenarioError, Value};
 
 /// A column: its name, and its value for a cell; none where it does not apply.
 type InputColumn = (&'static str, fn(&Inputs) -> Option<String>);
@@ -103,7 +103,7 @@ fn drawn(scenario: &Scenario) -> [String; DRAWN.len()] {
 }
 
 /// The figures of an episode, run to its end.
-fn carry_out(stage: &Stage) -> Result<Vec<String>, ScenarioError> {
+fn carry_out(stage: &PreparedScenario) -> Result<Vec<String>, ScenarioError> {
     let mut episode = stage.episode()?;
     while episode.step().is_none() {}
     let figures = View { stage, episode: &episode }.read(EPISODE);

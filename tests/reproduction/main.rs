@@ -11,7 +11,7 @@ use cocarry::paper::{self, h1, h2};
 use cocarry::policy::Method;
 use cocarry::preference::Predictor;
 use cocarry::robot::Robot;
-use cocarry::scenario::{Carrier, Plant, PlantKind};
+use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry::world::World;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -122,7 +122,7 @@ fn paper_environment_4_example() {
 fn paper_table_3() {
     let robot = Robot::built_in().expect("the built-in robot");
     let study = Study {
-        plant: &Plant::new(PlantKind::Kinematic, Carrier::new(&robot)),
+        plant: &Plant::new(PlantKind::Kinematic, RobotSetup::new(&robot)),
         starts: &[&robot.postures[0].name],
         episodes: 3,
         seed: 0,

@@ -7,14 +7,14 @@ use cocarry::episode::{Episode, PreferenceChange, Settings};
 use cocarry::policy::Method;
 use cocarry::preference::{Belief, Marginal, Perception, Predictor, WeightedSample};
 use cocarry::robot::Robot;
-use cocarry::scenario::{Carrier, Plant, Scenario, ScenarioError, WorldText};
+use cocarry::scenario::{Plant, RobotSetup, Scenario, ScenarioError, WorldText};
 use cocarry::simulation::PhysicsSettings;
 use proptest::prelude::*;
 
-fn carrier() -> Carrier {
+fn carrier() -> RobotSetup {
     let robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
     let posture = robot.postures[1].name.clone();
-    Carrier { posture, control: control::Settings::default(), robot: robot.texts }
+    RobotSetup { posture, control: control::Settings::default(), robot: robot.texts }
 }
 
 /// A scenario in one of the worlds, its human and belief with numbers that have no short decimal form.
@@ -181,7 +181,7 @@ fn a_scenario_needs_no_files() {
     drop(folder);
     assert!(Robot::load(&file).is_err());
     let posture = robot.postures[0].name.clone();
-    let carrier = Carrier { posture, robot: robot.texts, ..carrier() };
+    let carrier = RobotSetup { posture, robot: robot.texts, ..carrier() };
     let physics = PhysicsSettings::default();
     for plant in [Plant::Kinematic { carrier: carrier.clone() }, Plant::Rapier { carrier, physics }] {
         let stage = scenario(plant).prepare().unwrap_or_else(|e| panic!("{}", chain(e)));

@@ -12,7 +12,7 @@ use cocarry::paper;
 use cocarry::policy::{Decision, Motion, RobotPolicy, RobotView};
 use cocarry::preference::{Perception, subjective_cost};
 use cocarry::robot::{InputVector, Robot};
-use cocarry::scenario::{Carrier, Plant, Scenario, Snapshot, Stage};
+use cocarry::scenario::{Plant, PreparedScenario, RobotSetup, Scenario, Snapshot};
 use cocarry::simulation::PhysicsSettings;
 use cocarry::team::{PointTeam, RobotTick, Step, Team};
 
@@ -37,13 +37,13 @@ impl RobotPolicy for OwnPolicy {
     }
 }
 
-fn carrier() -> Carrier {
+fn carrier() -> RobotSetup {
     let robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
     let posture = robot.postures[0].name.clone();
-    Carrier { posture, control: control::Settings::default(), robot: robot.texts }
+    RobotSetup { posture, control: control::Settings::default(), robot: robot.texts }
 }
 
-fn stage(plant: Plant, model: &str) -> Stage {
+fn stage(plant: Plant, model: &str) -> PreparedScenario {
     let scenario = Scenario {
         seed: 3,
         world: paper::ENVIRONMENTS[3].world().unwrap_or_else(|e| panic!("{e}")).into(),

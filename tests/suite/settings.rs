@@ -3,7 +3,7 @@
 
 use crate::support::{cocarry, stderr};
 use cocarry::robot::Robot;
-use cocarry::scenario::{Carrier, Kind, Plant, PlantKind, SETTINGS, Scenario, Setting, Snapshot, Value};
+use cocarry::scenario::{Kind, Plant, PlantKind, RobotSetup, SETTINGS, Scenario, Setting, Snapshot, Value};
 use cocarry::study::Study;
 use cocarry::world::World;
 use std::path::Path;
@@ -13,7 +13,7 @@ const WORLD: &str = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [0, 0]\ntarget
 fn scenario(plant: PlantKind) -> Scenario {
     let robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
     let world = World::parse("w.toml", WORLD).unwrap_or_else(|e| panic!("{e}"));
-    Scenario::new(world.into(), Plant::new(plant, Carrier::new(&robot)))
+    Scenario::new(world.into(), Plant::new(plant, RobotSetup::new(&robot)))
 }
 
 fn list_key(setting: &Setting) -> String {

@@ -9,7 +9,7 @@ use cocarry::paper;
 use cocarry::policy::Method;
 use cocarry::preference::Perception;
 use cocarry::robot::Robot;
-use cocarry::scenario::{Carrier, Plant, Scenario, Snapshot, SnapshotError, Stage};
+use cocarry::scenario::{Plant, PreparedScenario, RobotSetup, Scenario, Snapshot, SnapshotError};
 use cocarry::simulation::PhysicsSettings;
 use std::path::Path;
 
@@ -31,13 +31,13 @@ fn scenario(plant: Plant, method: Method) -> Scenario {
 fn plants() -> [Plant; 3] {
     let robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
     let posture = robot.postures[0].name.clone();
-    let carrier = Carrier { posture, control: control::Settings::default(), robot: robot.texts };
+    let carrier = RobotSetup { posture, control: control::Settings::default(), robot: robot.texts };
     let physics = PhysicsSettings::default();
     assert!(physics.human.sway_lateral > 0.0, "the gait's generator matters");
     [Plant::Point, Plant::Kinematic { carrier: carrier.clone() }, Plant::Rapier { carrier, physics }]
 }
 
-fn stage(scenario: Scenario) -> Stage {
+fn stage(scenario: Scenario) -> PreparedScenario {
     scenario.prepare().unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -56,7 +56,7 @@ fn parse(bytes: &[u8]) -> Result<Snapshot, SnapshotError> {
 }
 
 /// An episode's snapshot after so many steps, as a file's contents.
-fn saved(stage: &Stage, steps: u64) -> Vec<u8> {
+fn saved(stage: &PreparedScenario, steps: u64) -> Vec<u8> {
     let mut episode = stage.episode().unwrap_or_else(|e| panic!("{e}"));
     for _ in 0..steps {
         assert_eq!(episode.step(), None);
@@ -144,9 +144,10 @@ fn a_state_of_another_scenario_is_refused() {
     let point = stage(scenario(point, Method::MUTUAL));
     let kinematic = stage(scenario(kinematic, Method::MUTUAL));
     let rapier = stage(scenario(rapier, Method::MUTUAL));
-    let state = |of: &Stage| of.episode().unwrap_or_else(|e| panic!("{e}")).state();
-    let refused =
-        |stage: &Stage, of: &Stage| stage.resume(state(of)).map(|_| ()).expect_err("misfit").to_string();
+    let state = |of: &PreparedScenario| of.episode().unwrap_or_else(|e| panic!("{e}")).state();
+    let refused = |stage: &PreparedScenario, of: &PreparedScenario| {
+        stage.resume(state(of)).map(|_| ()).expect_err("misfit").to_string()
+    };
     assert!(refused(&point, &kinematic).contains("plant"));
     assert!(refused(&kinematic, &point).contains("plant"));
     assert!(refused(&kinematic, &rapier).contains("plant"));

@@ -7,7 +7,7 @@ use super::Common;
 use crate::episode::Settings;
 use crate::paper::h3::{EPISODES, Human, PoseMethod, Row, Study, units};
 use crate::report::{Compared, ratio_picture, table_3, table_3_ratios};
-use crate::scenario::{Carrier, Plant, PlantKind};
+use crate::scenario::{Plant, PlantKind, RobotSetup};
 use anyhow::Context;
 use clap::Args;
 use serde_json::json;
@@ -43,7 +43,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     robot.slow_drive(settings.speed).iter().for_each(warn);
     let default = if arguments.plant == PlantKind::Rapier { EPISODES / 5 } else { EPISODES };
     let episodes = arguments.episodes.map_or(default, |n| n as usize);
-    let plant = Plant::new(arguments.plant, Carrier::new(&robot));
+    let plant = Plant::new(arguments.plant, RobotSetup::new(&robot));
     let starts: Vec<&str> = robot.postures.iter().map(|p| p.name.as_str()).collect();
     let study = Study { plant: &plant, starts: &starts, episodes, seed: arguments.seed, settings: &settings };
     if let Some(path) = &arguments.humans {

@@ -12,7 +12,7 @@ use cocarry::episode::{Episode, Settings};
 use cocarry::paper::EXAMPLE_HUMAN;
 use cocarry::recording::{Definition, Encoder, Ending, Entry, Message, Reader, Recorder, decode};
 use cocarry::robot::Robot;
-use cocarry::scenario::{Carrier, Plant, Scenario};
+use cocarry::scenario::{Plant, RobotSetup, Scenario};
 use cocarry::simulation::PhysicsSettings;
 use cocarry::world::World;
 use serde_json::Value;
@@ -34,9 +34,9 @@ pub fn example(plant: Plant) -> Scenario {
     }
 }
 
-pub fn carrier() -> Carrier {
+pub fn carrier() -> RobotSetup {
     let robot = Robot::built_in().expect("the built-in robot").texts;
-    Carrier { posture: "elbow-up".to_owned(), control: Default::default(), robot }
+    RobotSetup { posture: "elbow-up".to_owned(), control: Default::default(), robot }
 }
 
 pub fn rapier() -> Plant {

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// What is built from a scenario: it owns what its episode borrows.
 #[derive(Clone, Debug)]
-pub struct Stage {
+pub struct PreparedScenario {
     scenario: Scenario,
     scene: Arc<Scene>,
     robot: Option<Arc<Robot>>,
@@ -31,12 +31,12 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError`]: a number is out of its range, or world, options, human model, robot or posture are
     /// not valid.
-    pub fn prepare(self) -> Result<Stage, ScenarioError> {
+    pub fn prepare(self) -> Result<PreparedScenario, ScenarioError> {
         self.prepare_beside(None)
     }
 
     /// Shares with the other stage what is made of the same.
-    fn prepare_beside(self, other: Option<&Stage>) -> Result<Stage, ScenarioError> {
+    fn prepare_beside(self, other: Option<&PreparedScenario>) -> Result<PreparedScenario, ScenarioError> {
         self.check()?;
         let scene = match other.filter(|other| self.has_scene_of(&other.scenario)) {
             Some(other) => Arc::clone(&other.scene),
@@ -66,7 +66,7 @@ impl Scenario {
                 Some(robot)
             }
         };
-        let stage = Stage { scenario: self, scene, robot };
+        let stage = PreparedScenario { scenario: self, scene, robot };
         stage.human()?;
         Ok(stage)
     }
@@ -77,7 +77,7 @@ impl Scenario {
     }
 }
 
-impl Stage {
+impl PreparedScenario {
     /// The scenario.
     pub fn scenario(&self) -> &Scenario {
         &self.scenario
