@@ -4,6 +4,7 @@
 //! robot's [policy](crate::policy::RobotPolicy), and a plant, the [team](crate::team::Team) of bodies that
 //! both of them move.
 
+mod end;
 mod outcome;
 mod settings;
 mod state;
@@ -255,5 +256,14 @@ impl Episode<'_> {
     /// The preference change at the beginning of the last step; `None` if there was none.
     pub fn change(&self) -> Option<&PreferenceChange> {
         self.human.change(self.summary.steps.checked_sub(1)?)
+    }
+
+    /// The point of the present path at `along` (m).
+    fn point_at(&self, along: f64) -> Point {
+        match self.route.path.point_at(along) {
+            Some(_) if along == self.route.path.length() => self.options.target(),
+            Some(point) => point,
+            None => self.progress.position,
+        }
     }
 }

@@ -1,8 +1,10 @@
 //! The outcome and the summary of an episode.
 
-use super::{PhysicsTick, RobotTick};
+use super::{PhysicsTick, RobotTick, Tick};
 use crate::control::SolveOutcome;
 use crate::geometry::Point;
+use crate::human::HumanDecision;
+use crate::preference::{Prospect, subjective_cost};
 use crate::simulation::{BodyKind, Contact, Failure, Observation};
 use serde::{Deserialize, Serialize};
 
@@ -260,7 +262,37 @@ impl ControlSummary {
     }
 }
 
+impl HumanSummary {
+    /// Adds a decision. `before` is the option preferred in the step before; `has_changed` says whether the
+    /// step began with a preference change.
+    pub(super) fn add(&mut self, decision: &HumanDecision, before: Option<usize>, has_changed: bool) {
+        match before {
+            None => self.preferred_at_start = decision.option,
+            Some(before) => self.preferred_option_switches += u32::from(before != decision.option),
+        }
+        self.preference_changes += u32::from(has_changed);
+        (self.stubbornness, self.discomfort) = (decision.stubbornness, decision.discomfort);
+    }
+}
+
 impl Summary {
+    /// Adds the option executed in a step: J, and J^ for a human who has alpha and gamma.
+    pub(super) fn add_executed(
+        &mut self,
+        option: usize,
+        tick: &Tick,
+        human: &HumanDecision,
+        prospect: Prospect,
+        risk_weight: f64,
+    ) {
+        self.last_option = option;
+        self.accumulated_cost += tick.objective_cost;
+        self.human.steps_off_preference += u64::from(option != human.option);
+        if let Some(perception) = human.perception {
+            self.human.subjective_cost += subjective_cost(prospect, risk_weight, perception);
+        }
+    }
+
     /// Adds a step: the robot's tick, the observation of the bodies, and the loss of the object unless it is
     /// ignored.
     pub(super) fn add(&mut self, robot: Option<&RobotTick>, seen: Option<&Observation>, ignores_loss: bool) {

@@ -2,14 +2,10 @@
 
 use super::{Episode, OptionTick, Outcome, RobotTick, Transition, prospect};
 use crate::coordination::{Mode, is_misaligned};
-use crate::geometry::Point;
 use crate::human::{HumanDecision, HumanView, Stance};
 use crate::policy::{Decision, Lead, RobotView};
-use crate::preference::{objective_cost, subjective_cost};
+use crate::preference::objective_cost;
 use crate::team::{Situation, Step, TurnOutcome};
-
-/// Number of steps without progress after which a team is stuck: ten seconds.
-const STUCK_STEPS: u32 = 50;
 
 impl Episode<'_> {
     /// Takes one planning step. Returns the outcome once the episode has ended.
@@ -27,20 +23,6 @@ impl Episode<'_> {
         let robot = self.control(&decision); //                q*, u                    eq. (8), (7)
         self.walk(&human, robot);
         None
-    }
-
-    fn ended(&self) -> Option<Outcome> {
-        if let Some(outcome) = self.summary.incident() {
-            return Some(outcome);
-        }
-        if self.underway && self.route.along >= self.route.path.length() {
-            let at_target = (self.progress.position - self.options.target()).norm() < 1e-6;
-            return Some(if at_target { Outcome::Arrived } else { Outcome::NoWay });
-        }
-        if self.steps_without_progress > STUCK_STEPS {
-            return Some(Outcome::Stuck);
-        }
-        (self.summary.steps >= self.tick_limit).then_some(Outcome::OutOfTime)
     }
 
     fn observe(&mut self) {
@@ -102,12 +84,9 @@ impl Episode<'_> {
             hand: seen.map(|seen| &seen.hand),
             wrench: seen.map(|seen| &seen.hand_grip.mean),
         });
-        let switched = self.underway && decision.option != self.tick.preferred;
-        self.summary.human.preferred_option_switches += u32::from(switched);
-        self.summary.human.preference_changes += u32::from(self.human.change(self.tick.step).is_some());
-        if !self.underway {
-            self.summary.human.preferred_at_start = decision.option;
-        }
+        let before = self.underway.then_some(self.tick.preferred);
+        let has_changed = self.human.change(self.tick.step).is_some();
+        self.summary.human.add(&decision, before, has_changed);
         self.tick.preferred = decision.option;
         self.tick.stubbornness = decision.stubbornness;
         self.tick.discomfort = decision.discomfort;
@@ -169,15 +148,9 @@ impl Episode<'_> {
         let executed = self.tick.executed;
         self.tick.objective_cost = self.tick.options[executed].objective;
         self.tick.heading = self.route.path.heading_at(self.route.along).unwrap_or(self.tick.heading);
-        self.summary.accumulated_cost += self.tick.objective_cost;
+        let prospect = self.prospects[executed];
+        self.summary.add_executed(executed, &self.tick, human, prospect, self.predictor.risk_weight());
         self.tick.accumulated_cost = self.summary.accumulated_cost;
-        self.summary.last_option = executed;
-        let (felt, weight) = (&mut self.summary.human, self.predictor.risk_weight());
-        if let Some(perception) = human.perception {
-            felt.subjective_cost += subjective_cost(self.prospects[executed], weight, perception);
-        }
-        felt.steps_off_preference += u64::from(executed != human.option);
-        (felt.stubbornness, felt.discomfort) = (human.stubbornness, human.discomfort);
     }
 
     fn control(&mut self, decision: &Decision) -> Option<RobotTick> {
@@ -219,14 +192,5 @@ impl Episode<'_> {
         self.summary.walked += (along - from).abs();
         self.route.along = along;
         self.summary.steps += 1;
-    }
-
-    /// The point of the present path at `along` (m).
-    fn point_at(&self, along: f64) -> Point {
-        match self.route.path.point_at(along) {
-            Some(_) if along == self.route.path.length() => self.options.target(),
-            Some(point) => point,
-            None => self.progress.position,
-        }
     }
 }
