@@ -126,9 +126,20 @@ fn headings(summary: &Summary) -> Vec<String> {
     always.chain(named).map(str::to_owned).collect()
 }
 
+/// What a group's table shows beside mean, deviation and interval of the costs: means of what the episodes
+/// were to the human.
+const HUMAN_OUTCOMES: [(&str, &str); 5] = [
+    ("accumulated_subjective_cost", "J^"),
+    ("final_stubbornness", "phi"),
+    ("final_discomfort", "g"),
+    ("share_off_preference", "off (%)"),
+    ("preferred_option_switches", "switches"),
+];
+
 fn groups(summary: &Summary) -> String {
     let keys = headings(summary);
-    let with_control = summary.groups.iter().any(|group| group.accumulated_control_cost.is_some());
+    let outcome = |group: &Group, key: &str| group.outcomes.get(key).cloned().flatten();
+    let with_control = summary.groups.iter().any(|g| outcome(g, "accumulated_control_cost").is_some());
     let mut titles = keys.clone();
     let costs = ["J (m)", "std", "95 %"].map(str::to_owned);
     titles.extend(["n".to_owned(), "arrived".to_owned()]);
@@ -136,20 +147,24 @@ fn groups(summary: &Summary) -> String {
     if with_control {
         titles.extend(["C", "std", "95 %"].map(str::to_owned));
     }
+    titles.extend(HUMAN_OUTCOMES.map(|(_, title)| title.to_owned()));
     let mut shown = table_of(&titles, keys.len());
     for group in &summary.groups {
-        let Group { inputs, n, arrived, accumulated_objective_cost_m, accumulated_control_cost } = group;
         let mut cells: Vec<String> =
-            keys.iter().map(|key| inputs.get(key).cloned().unwrap_or_default()).collect();
-        cells.extend([n.to_string(), arrived.to_string()]);
-        cells.extend(estimate(accumulated_objective_cost_m.as_ref()));
+            keys.iter().map(|key| group.inputs.get(key).cloned().unwrap_or_default()).collect();
+        cells.extend([group.n.to_string(), group.arrived.to_string()]);
+        cells.extend(estimate(outcome(group, "accumulated_objective_cost_m").as_ref()));
         if with_control {
-            cells.extend(estimate(accumulated_control_cost.as_ref()));
+            cells.extend(estimate(outcome(group, "accumulated_control_cost").as_ref()));
         }
+        cells.extend(HUMAN_OUTCOMES.map(|(key, _)| {
+            let factor = if key == "share_off_preference" { 100.0 } else { 1.0 };
+            outcome(group, key).map_or("-".to_owned(), |found| format!("{:.2}", factor * found.mean))
+        }));
         shown.add_row(cells);
     }
     format!(
-        "{}J: accumulated objective cost; C: control cost; of the episodes that arrived. 95 %: interval of the mean over humans; none where these all make the same choices, so that seeds repeat one outcome.\n",
+        "{}Of the episodes that arrived. J: accumulated objective cost; C: control cost; std: standard deviation; 95 %: interval of the mean over humans, none where all humans make the same choices.\nMeans for the human: J^: accumulated subjective cost; phi, g: stubbornness and discomfort in the last step; off: share of the steps off the preferred option; switches: changes of the preferred option.\n",
         table_text(&shown)
     )
 }

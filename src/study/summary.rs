@@ -8,8 +8,18 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The columns that are summed up.
-const COSTS: [&str; 2] = ["accumulated_objective_cost_m", "accumulated_control_cost"];
+/// The columns that are summed up: costs first, which are compared too, then what the episode was to the human.
+const OUTCOMES: [&str; 7] = [
+    "accumulated_objective_cost_m",
+    "accumulated_control_cost",
+    "accumulated_subjective_cost",
+    "final_stubbornness",
+    "final_discomfort",
+    "share_off_preference",
+    "preferred_option_switches",
+];
+/// How many of them are compared.
+const COSTS: usize = 2;
 /// What tells humans apart who choose differently.
 const CHOICES: [&str; 4] = ["preferred_at_start", "first_option", "last_option", "option_change_count"];
 /// What is compared, all other inputs being equal: columns that belong together.
@@ -41,10 +51,9 @@ pub struct Group {
     pub n: u64,
     /// Those that arrived. Costs are of these.
     pub arrived: u64,
-    /// The accumulated objective cost, m.
-    pub accumulated_objective_cost_m: Option<Estimate>,
-    /// The control cost C; none without a robot.
-    pub accumulated_control_cost: Option<Estimate>,
+    /// Costs, and what the episodes were to the human, by their columns; none where nothing has that outcome.
+    #[serde(flatten)]
+    pub outcomes: BTreeMap<&'static str, Option<Estimate>>,
 }
 
 /// Two combinations that differ in one thing, over the seeds with which both arrived.
@@ -69,7 +78,7 @@ struct Cell {
     inputs: Vec<String>,
     n: u64,
     arrived: u64,
-    costs: [Moments; COSTS.len()],
+    outcomes: [Moments; OUTCOMES.len()],
     choices: Choices,
     /// Whether episodes with the same choices may differ by noise: where bodies sway.
     is_noisy: bool,
@@ -94,7 +103,7 @@ impl Choices {
 /// An episode that arrived.
 struct End {
     cell: usize,
-    costs: [Option<f64>; COSTS.len()],
+    outcomes: [Option<f64>; OUTCOMES.len()],
     choices: Vec<String>,
 }
 
@@ -120,7 +129,7 @@ impl Cell {
 struct Places {
     seed: usize,
     outcome: usize,
-    costs: [usize; COSTS.len()],
+    outcomes: [usize; OUTCOMES.len()],
     choices: [usize; CHOICES.len()],
     plant: usize,
 }
@@ -149,7 +158,7 @@ impl Summary {
         let places = Places {
             seed: at("seed"),
             outcome: at("outcome"),
-            costs: COSTS.map(at),
+            outcomes: OUTCOMES.map(at),
             choices: CHOICES.map(at),
             plant: at("plant"),
         };
@@ -206,25 +215,25 @@ impl Reader {
         &mut self,
         fields: &csv::StringRecord,
         inputs: std::ops::Range<usize>,
-        &Places { seed, outcome, costs, choices, plant }: &Places,
+        &Places { seed, outcome, outcomes, choices, plant }: &Places,
     ) {
         if self.seed.as_deref() != Some(&fields[seed]) {
             self.end_of_seed();
             self.seed = Some(fields[seed].to_owned());
         }
         let cell = self.cell(inputs.map(|i| fields[i].to_owned()).collect());
-        let costs = costs.map(|i| fields[i].parse::<f64>().ok().filter(|cost| cost.is_finite()));
+        let outcomes = outcomes.map(|i| fields[i].parse::<f64>().ok().filter(|value| value.is_finite()));
         let this = &mut self.cells[cell];
         this.n += 1;
         this.is_noisy = &fields[plant] == row::with_bodies();
         if &fields[outcome] == row::arrived() {
             this.arrived += 1;
-            for (moments, cost) in this.costs.iter_mut().zip(costs) {
-                cost.into_iter().for_each(|cost| moments.add(cost, cost.abs()));
+            for (moments, value) in this.outcomes.iter_mut().zip(outcomes) {
+                value.into_iter().for_each(|value| moments.add(value, value.abs()));
             }
             let choices: Vec<String> = choices.iter().map(|&i| fields[i].to_owned()).collect();
             this.choices.add(&choices);
-            self.ends.push(End { cell, costs, choices });
+            self.ends.push(End { cell, outcomes, choices });
         }
     }
 
@@ -239,12 +248,11 @@ impl Reader {
             let next = self.classes.len();
             *self.classes.entry((what, rest)).or_insert(next)
         });
-        let costs = [Moments::default(); COSTS.len()];
         self.cells.push(Cell {
             inputs: inputs.clone(),
             n: 0,
             arrived: 0,
-            costs,
+            outcomes: [Moments::default(); OUTCOMES.len()],
             choices: Choices::default(),
             is_noisy: false,
             classes,
@@ -274,8 +282,8 @@ impl Reader {
     fn compare(&mut self, what: usize, a: &End, b: &End) {
         let (a, b) = if a.cell <= b.cell { (a, b) } else { (b, a) };
         let both = [&a.choices[..], &b.choices[..]].concat();
-        for cost in 0..COSTS.len() {
-            if let (Some(first), Some(second)) = (a.costs[cost], b.costs[cost]) {
+        for cost in 0..COSTS {
+            if let (Some(first), Some(second)) = (a.outcomes[cost], b.outcomes[cost]) {
                 let pair = self.pairs.entry((what, a.cell, b.cell, cost)).or_default();
                 pair.moments.add(first - second, first.abs().max(second.abs()));
                 pair.lower += u64::from(first < second);
@@ -292,8 +300,10 @@ impl Reader {
             inputs: names.iter().zip(&cell.inputs).map(|(name, v)| ((*name).to_owned(), v.clone())).collect(),
             n: cell.n,
             arrived: cell.arrived,
-            accumulated_objective_cost_m: cell.costs[0].estimate(cell.is_sample()),
-            accumulated_control_cost: cell.costs[1].estimate(cell.is_sample()),
+            outcomes: OUTCOMES
+                .into_iter()
+                .zip(cell.outcomes.iter().map(|moments| moments.estimate(cell.is_sample())))
+                .collect(),
         };
         let comparison = |(&(what, first, second, cost), pair): (&Pair, &Differences)| {
             let [of_first, of_second] = [first, second].map(|cell| &self.cells[cell].inputs);
@@ -309,7 +319,7 @@ impl Reader {
             };
             let common = varied.iter().filter(|i| !COMPARED[what].contains(&names[**i]));
             Some(Comparison {
-                cost: COSTS[cost],
+                cost: OUTCOMES[cost],
                 first: label(of_first),
                 second: label(of_second),
                 inputs: common.map(|&i| (names[i].to_owned(), of_first[i].clone())).collect(),
@@ -338,7 +348,7 @@ mod tests {
     fn the_columns_that_are_read_are_written() {
         let columns = row::columns();
         let compared = COMPARED.into_iter().flatten().copied();
-        for name in ["seed", "outcome", "plant"].into_iter().chain(COSTS).chain(CHOICES).chain(compared) {
+        for name in ["seed", "outcome", "plant"].into_iter().chain(OUTCOMES).chain(CHOICES).chain(compared) {
             assert!(columns.contains(&name), "{name}");
         }
     }
