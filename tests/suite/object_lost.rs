@@ -1,6 +1,14 @@
 //! Episodes in which the object is lost, and what is said of robots that hardly keep up.
 
 use crate::support::{cocarry, repository, stderr};
+use cocarry::control;
+use cocarry::episode::{LOSS_DISTANCE_M, Manipulator, Outcome, Settings};
+use cocarry::human::{Human, HumanDecision, HumanView, Stance};
+use cocarry::options::OptionSet;
+use cocarry::paper;
+use cocarry::policy::{Decision, Motion, RobotPolicy, RobotView};
+use cocarry::robot::{InputVector, Robot};
+use cocarry::simulation::{BodyKind, PhysicsSettings};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -40,4 +48,63 @@ fn a_robot_that_drives_too_slowly_loses_the_object() {
     let words = "its wheels drive 0.260 m/s at most";
     assert!(told["warnings"][0].as_str().is_some_and(|warning| warning.contains(words)), "{told}");
     assert!(said.contains(words), "told at load: {said}");
+}
+
+/// Drives back at full speed, whatever the human does.
+#[derive(Clone, Debug)]
+struct BackAway;
+
+impl RobotPolicy for BackAway {
+    fn decide(&mut self, view: &RobotView<'_>) -> Decision {
+        let mut input = InputVector::zeros();
+        input[0] = -0.5;
+        input[1] = -0.5;
+        Decision::lead(view.best_option()).with_motion(Motion::Inputs(input))
+    }
+}
+
+/// Stays where they are.
+#[derive(Clone, Debug)]
+struct Stubborn;
+
+impl Human for Stubborn {
+    fn decide(&mut self, _: &HumanView<'_>) -> HumanDecision {
+        HumanDecision {
+            option: 0,
+            stance: Stance::Resist,
+            stubbornness: 0.5,
+            discomfort: 0.0,
+            perception: None,
+            hand: None,
+        }
+    }
+}
+
+/// The hand is the softer of the two grips: 1200 N/m, so that 0.1 m is 120 N.
+#[test]
+fn a_robot_that_backs_away_from_a_human_who_resists_pulls_the_object_out_of_their_hand() {
+    let world = paper::ENVIRONMENTS[0].world().expect("a built-in world");
+    let (robot, settings) = (Robot::built_in().expect("the robot"), Settings::default());
+    let options = OptionSet::new(&world, 10.0).expect("its options");
+    let obstacles = control::RobotObstacles::new(&world);
+    let manipulator = Manipulator {
+        robot: &robot,
+        posture: robot.postures[0].joints,
+        control: control::Settings::default(),
+        obstacles: &obstacles,
+    };
+    let episode = cocarry::episode::Episode::new(&options, &settings, paper::EXAMPLE_HUMAN)
+        .with_policy(BackAway)
+        .with_human(Stubborn);
+    let physics = PhysicsSettings::default();
+    let mut episode = episode.with_physics(manipulator, &world, &physics, 1).expect("room to start");
+    while episode.step().is_none() {}
+    let summary = episode.summary();
+    assert_eq!(summary.outcome, Outcome::ObjectLost);
+    let loss = summary.loss.expect("a loss");
+    assert_eq!(loss.by, BodyKind::Human);
+    assert!(loss.distance > LOSS_DISTANCE_M && loss.distance < 0.25, "{} m", loss.distance);
+    assert!(loss.step < 10 && loss.step + 1 == summary.steps, "step {}", loss.step);
+    let force = episode.tick().robot.and_then(|robot| robot.physics).expect("bodies").peak_force;
+    assert!(force > 100.0, "{force} N");
 }

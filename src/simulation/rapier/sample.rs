@@ -2,16 +2,52 @@
 //! a slope onto a ball, and two links swing on a driven hinge.
 
 use super::GRAVITY;
-use rapier3d::math::Vector;
+use crate::math;
+use rapier3d::math::{Matrix, Vector};
 use rapier3d::prelude::{
-    ColliderBuilder, PhysicsWorld, RevoluteJointBuilder, RigidBodyBuilder, RigidBodyHandle,
+    ColliderBuilder, MassProperties, PhysicsWorld, RevoluteJointBuilder, RigidBodyBuilder, RigidBodyHandle,
 };
 
 /// Number of physics steps.
 const STEPS: usize = 40;
 
-/// Final positions and velocities of the bodies.
+/// Final positions and velocities of the bodies, and what parry makes of inertia tensors and convex hulls.
 pub fn sample_motion() -> Vec<f64> {
+    [moved(), principal_inertias(), hull()].concat()
+}
+
+/// Principal inertias and their frames. parry takes them with the system's `acos` and `cos`, which no feature of
+/// it replaces: a stamp without them would not tell such machines apart.
+fn principal_inertias() -> Vec<f64> {
+    let of = |i: u8| {
+        let x = 0.1 * f64::from(i);
+        let tensor = Matrix::from_cols(
+            Vector::new(1.0 + x, 0.1 * x, 0.2),
+            Vector::new(0.1 * x, 2.0 - x, 0.3 * x),
+            Vector::new(0.2, 0.3 * x, 1.5),
+        );
+        let mass = MassProperties::with_inertia_matrix(Vector::ZERO, 1.0, tensor);
+        let (inertia, frame) = (mass.principal_inertia(), mass.principal_inertia_local_frame);
+        [inertia.x, inertia.y, inertia.z, frame.x, frame.y, frame.z, frame.w]
+    };
+    (1..=40).flat_map(of).collect()
+}
+
+/// Mass and inertia of the hull of points of no symmetry: parry finds its first tetrahedron in principal axes.
+fn hull() -> Vec<f64> {
+    let points: Vec<Vector> = (0..12)
+        .map(|i| 0.37 * f64::from(i))
+        .map(|x| Vector::new(math::cos(3.0 * x), math::sin(2.0 * x), math::cos(5.0 * x + 1.0)))
+        .collect();
+    let hull = ColliderBuilder::convex_hull(&points).map(|hull| hull.density(1.0).build().mass_properties());
+    let of = |mass: MassProperties| {
+        let (inertia, center) = (mass.principal_inertia(), mass.local_com);
+        vec![mass.mass(), center.x, center.y, center.z, inertia.x, inertia.y, inertia.z]
+    };
+    hull.map(of).unwrap_or_default()
+}
+
+fn moved() -> Vec<f64> {
     let mut world = PhysicsWorld::new();
     world.gravity = Vector::new(0.0, 0.0, -GRAVITY);
     world.insert_collider(
