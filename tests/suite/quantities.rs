@@ -81,7 +81,8 @@ fn every_output_has_every_quantity_under_one_name_and_with_one_value() {
         let episode =
             [&["run", "--plant", plant, "--seed", "3", "--change", "30:0.6,0.9", "--json"][..], more]
                 .concat();
-        let told = json(&[&episode[..], &["--ticks", &lines, "--record", &recording]].concat());
+        let told =
+            json(&[&episode[..], &["--ticks", &lines, "--record", &recording, "--overwrite"]].concat());
         assert_eq!(told, json(&[&episode[..], &["--ticks", &table]].concat()));
         let of_episode = keys(EPISODE.iter().map(|quantity| quantity.key));
         assert!(of_object(&told).is_superset(&of_episode), "{plant}: {told}");

@@ -292,7 +292,8 @@ fn wrong_files_are_named_by_line() {
     refused(&spoil("# kept", "[tolerance]\nrelative = -1"), &[":2:", "relative = -1", "at least 0"]);
     refused(&spoil("# kept", "[tolerance.cost]\nrelative = 1"), &[":1:", "unknown key `cost`", "walked_m"]);
     refused(&spoil("# kept", "[tolerance.steps]\nrel = 1"), &[":2:", "unknown key `rel`", "absolute"]);
-    refused(&spoil("seed = 2", "[run.recorded]\ncost = 1"), &[":15:", "unknown key `cost`"]);
+    let recorded = format!("format = 3\n{}", spoil("seed = 2", "[run.recorded]\ncost = 1"));
+    refused(&recorded, &[":16:", "unknown key `cost`"]);
     let output = cocarry(&["regress", "check", "no-such.toml"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("no-such.toml: cannot be read"));
