@@ -116,8 +116,9 @@ fn a_replay_tells_of_another_arithmetic() {
     let (code, said) = replayed(&elsewhere);
     assert!(code == Some(0) && told.iter().all(|part| said.contains(part)), "{said}");
     let mut changed = elsewhere.clone();
-    let at = changed.windows(15).position(|w| w == b"\"threshold\":1.0").expect("a message");
-    changed[at + 12] = b'2';
+    let threshold = b"\"stubbornness_threshold\":1.0";
+    let at = changed.windows(threshold.len()).position(|w| w == threshold).expect("a message");
+    changed[at + threshold.len() - 3] = b'2';
     let (code, said) = replayed(&changed);
     assert!(code == Some(1) && said.contains("threshold"), "{said}");
     assert!(told.iter().all(|part| said.contains(part)), "{said}");

@@ -96,7 +96,7 @@ fn the_program_replays() {
     let output = cocarry(&["replay", &file]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stdout(&output).contains("identical"));
-    let changed = rewritten(&std::fs::read(&file).unwrap(), "\"threshold\":1.0", "\"threshold\":2.0");
+    let changed = rewritten(&std::fs::read(&file).unwrap(), "_threshold\":1.0", "_threshold\":2.0");
     std::fs::write(&other, changed).unwrap();
     let output = cocarry(&["replay", &other]);
     assert_eq!(output.status.code(), Some(1));
