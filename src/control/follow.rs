@@ -4,8 +4,8 @@
 //! corners of the path between them; the horizon is too short to see the wall in time. The path of the grasp
 //! is free, so on the physical plant the base follows it.
 
-use super::limits::{HalfPlane, Limits};
-use super::{HORIZON, Inputs, Reference};
+use super::limits::{HalfPlane, Limits, Rims};
+use super::{Inputs, Reference};
 use crate::geometry::{PlanarPose, Point, Pose, angle_of, nearest_on_segment, wrap_angle};
 use crate::math;
 use crate::robot::{Drive, InputJacobian, pose_difference};
@@ -21,9 +21,6 @@ const RIM_ACCELERATION: f64 = 1.2;
 const TURN_GAIN: f64 = 3.0;
 /// Weight of the squared deviation (m/s) from the rim speeds that follow the path.
 const GUIDE_PRICE: f64 = 1e4;
-
-/// Rim speeds of the base over the horizon, left and right, m/s.
-pub type Rims = [[f64; 2]; HORIZON];
 
 /// A base that follows a path.
 pub struct Follower<'w> {
@@ -164,6 +161,7 @@ pub fn rolled(jacobian: &InputJacobian, rims: &Rims, period: f64) -> Reference {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::control::HORIZON;
     use crate::geometry::direction;
 
     const DRIVE: Drive = Drive { track: 0.37, wheel_radius: 0.06, rim_speed_limit: 1.0, base_radius: 0.25 };

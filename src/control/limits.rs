@@ -1,10 +1,13 @@
 //! The constraints of eq. (7): the robot's limits over the horizon.
 
-use super::{HORIZON, Inputs, Rims};
+use super::{HORIZON, Inputs};
 use crate::robot::{Configuration, InputVector, JointVector, Robot};
 
 /// The violation (m/s, rad/s; for half-planes m) below which a constraint counts as satisfied.
 pub const TOLERANCE: f64 = 1e-9;
+
+/// Rim speeds of the base over the horizon, left and right, m/s.
+pub type Rims = [[f64; 2]; HORIZON];
 
 /// The constraints on u(0..H-1): rates, joint positions, and half-planes for base and arm.
 #[derive(Clone, Debug)]

@@ -19,16 +19,14 @@ mod settings;
 
 pub use candidates::{Candidate, CandidateSet, Neighbourhood};
 pub use closed_form::ClosedForm;
-pub use follow::{Follower, Rims, hold_base_to, rolled, seen_from_base, set_base};
+pub use follow::{Follower, hold_base_to, rolled, seen_from_base, set_base};
 pub use intent::Intent;
-pub use limits::{HalfPlane, Limits};
+pub use limits::{HalfPlane, Limits, Rims};
 pub use mpc::{Failure, Mpc, Plan, SolveOutcome};
 pub use obstacles::{Avoid, RobotObstacles};
-pub use pose::{
-    Considered, PoseChoice, PoseCriterion, PoseOptimiser, PoseProblem, manipulability, motion_cost,
-};
+pub use pose::{Considered, PoseChoice, PoseOptimiser, PoseProblem, manipulability, motion_cost};
 pub use qp::Qp;
-pub use settings::Settings;
+pub use settings::{PoseCriterion, Settings};
 
 use crate::geometry::{PlanarPose, Pose};
 use crate::robot::{MAX_INPUTS, pose_difference};

@@ -8,22 +8,8 @@ use super::candidates::{Candidate, Neighbourhood};
 use super::follow::set_base;
 use super::limits::Limits;
 use super::obstacles::{Avoid, RobotObstacles};
-use super::{ClosedForm, Mpc, Reference, Rims, Settings, SolveOutcome};
+use super::{ClosedForm, Mpc, PoseCriterion, Reference, Rims, Settings, SolveOutcome};
 use crate::robot::{Configuration, InputJacobian, Kinematics, MAX_JOINTS, Robot};
-
-/// The criterion of eq. (8).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PoseCriterion {
-    /// Eq. (8): the options' costs, weighted by P_o.
-    Expected,
-    /// Eq. (8) with the same weight for every option.
-    Uniform,
-    /// Eq. (8) for the tracked option only.
-    Tracked,
-    /// Not eq. (8): the largest manipulability sqrt(det(J J')) of the arm (Yoshikawa 1985).
-    Manipulability,
-}
 
 /// The difference below which costs are equal. The earlier candidate then wins: the present configuration
 /// first, then those nearest to it.

@@ -1,6 +1,6 @@
 //! The weights and choices of eqs. (7) and (8), with the paper's values as defaults.
 
-use super::{Avoid, CandidateSet, PoseCriterion};
+use super::{Avoid, CandidateSet};
 use serde::{Deserialize, Serialize};
 
 /// The settings of the controller.
@@ -42,4 +42,18 @@ impl Default for Settings {
             direction_concentration: 20.0,
         }
     }
+}
+
+/// The criterion of eq. (8).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PoseCriterion {
+    /// Eq. (8): the options' costs, weighted by P_o.
+    Expected,
+    /// Eq. (8) with the same weight for every option.
+    Uniform,
+    /// Eq. (8) for the tracked option only.
+    Tracked,
+    /// Not eq. (8): the largest manipulability sqrt(det(J J')) of the arm (Yoshikawa 1985).
+    Manipulability,
 }

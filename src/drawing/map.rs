@@ -6,7 +6,7 @@ use super::kit::{
 };
 use super::map_view::MapView;
 use super::opening_labels::{PATH_COST, clutter, opening_labels};
-use super::option_table::{LEAST_WIDTH, option_table};
+use super::option_table::{LEAST_WIDTH, Route, option_table};
 use super::{DrawingError, WIDTH, check_probabilities};
 use crate::geometry::{Point, Vector};
 use crate::options::OptionSet;
@@ -18,19 +18,6 @@ pub const MOST_LISTED: usize = 12;
 
 /// Largest distance of a drawn arc from its chords, m.
 const SAGITTA: f64 = 0.01;
-
-/// An option to be drawn.
-pub(super) struct Route {
-    pub index: usize,
-    pub name: String,
-    pub openings: Vec<String>,
-    /// D_o (m), S_o and P_o.
-    pub length: f64,
-    pub risk: f64,
-    pub probability: f64,
-    /// Path, world frame, m; empty where there is no path.
-    points: Vec<Point>,
-}
 
 /// The map of a world: obstacles, openings coloured by risk, and every option as a path from A to B whose
 /// width grows with its probability.

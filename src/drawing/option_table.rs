@@ -4,9 +4,21 @@ use super::kit::{
     AXIS_ROOM, Align, Axis, FAINT, FAINT_WIDTH, GAP, Legend, LineStyle, RISK_COLOURS, Side, TEXT_SIZE, Text,
     border, level_sample, line_sample, number, px, rectangle, risk_colour,
 };
-use super::map::Route;
 use crate::geometry::{Bounds, Point, Vector};
 use svg::node::element::{Definitions, Group, LinearGradient, Stop};
+
+/// An option to be drawn.
+pub(super) struct Route {
+    pub index: usize,
+    pub name: String,
+    pub openings: Vec<String>,
+    /// D_o (m), S_o and P_o.
+    pub length: f64,
+    pub risk: f64,
+    pub probability: f64,
+    /// Path, world frame, m; empty where there is no path.
+    pub points: Vec<Point>,
+}
 
 /// Smallest width of the block, px.
 pub(super) const LEAST_WIDTH: f64 = 396.0;

@@ -1,7 +1,7 @@
 //! The noisy-rational (Boltzmann) human, who chooses options of lower cost with higher probability.
 
-use super::model::{HumanModel, ModelError, Participant};
-use super::{Human, HumanDecision, HumanView, PreferenceChange, PreferenceHuman};
+use super::model::{HumanModel, ModelError, Participant, PreferenceChange};
+use super::{Human, HumanDecision, HumanView, PreferenceHuman};
 use crate::math;
 use crate::preference::{Perception, subjective_cost};
 use crate::saved::{NotRestored, Saved};
@@ -45,7 +45,7 @@ impl Boltzmann {
         rng.set_stream(STREAM);
         let mut gumbel = || -math::ln(-math::ln(rng.random_range(f64::MIN_POSITIVE..1.0)));
         let disturbances = participant.options.options().iter().map(|_| gumbel()).collect();
-        Self { rationality, disturbances, human: participant.preference_human() }
+        Self { rationality, disturbances, human: PreferenceHuman::of(participant) }
     }
 }
 

@@ -7,12 +7,14 @@
 
 mod boltzmann;
 mod model;
+mod models;
 mod preference;
 mod scripted;
 
 pub use boltzmann::Boltzmann;
-pub use model::{HumanModel, MODELS, ModelError, ModelName, Participant};
-pub use preference::{PreferenceChange, PreferenceHuman};
+pub use model::{HumanModel, ModelError, Participant, PreferenceChange};
+pub use models::{MODELS, ModelName};
+pub use preference::PreferenceHuman;
 pub use scripted::Scripted;
 
 use crate::coordination::{Mode, OptionTick, Stubbornness};

@@ -1,13 +1,10 @@
-//! The human models that scenarios, studies and the command line know by name.
+//! A human model by its name, what a human is made from, and why there may be none.
 
-use super::{Human, PreferenceChange, PreferenceHuman, boltzmann, preference, scripted};
+use super::Human;
 use crate::coordination;
 use crate::options::OptionSet;
 use crate::preference::Perception;
-use std::str::FromStr;
-
-/// All models. A new model needs its own file and a line here.
-pub const MODELS: [&HumanModel; 3] = [&preference::MODEL, &boltzmann::MODEL, &scripted::MODEL];
+use serde::{Deserialize, Serialize};
 
 /// A human, or the reason why the model cannot be made.
 type Made = Result<Box<dyn Human>, ModelError>;
@@ -44,10 +41,12 @@ pub struct Participant<'a> {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ModelError {
     /// No model has this name.
-    #[error("unknown human model `{name}`; expected one of: {}", forms())]
+    #[error("unknown human model `{name}`; expected one of: {known}")]
     Unknown {
         /// The name found.
         name: String,
+        /// How the models are written.
+        known: String,
     },
     /// The arguments do not fit the model.
     #[error("the arguments must be {expected}")]
@@ -67,93 +66,76 @@ pub enum ModelError {
     },
 }
 
-/// A model with its arguments, written as `preference` or `boltzmann(2.5)`.
-#[derive(Clone)]
-pub struct ModelName {
-    model: &'static HumanModel,
-    arguments: String,
+/// A preference change: from a step on, the human perceives risk and distance differently. The robot is not
+/// told.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Row", into = "Row")]
+pub struct PreferenceChange {
+    /// k of the step at whose beginning the change happens, from 0.
+    pub step: u64,
+    /// alpha and gamma from this step on.
+    pub perception: Perception,
 }
 
-impl ModelName {
-    /// Makes the human.
-    ///
-    /// # Errors
-    /// [`ModelError`]: the arguments do not fit the model or the world.
-    pub fn make(&self, participant: &Participant<'_>) -> Result<Box<dyn Human>, ModelError> {
-        (self.model.make)(&self.arguments, participant)
-    }
-
-    /// The model.
-    pub fn model(&self) -> &'static HumanModel {
-        self.model
-    }
-
-    /// Whether this is the paper's model, the default.
-    pub fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
+/// A change as it is serialised.
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "change", deny_unknown_fields)]
+struct Row {
+    step: u64,
+    alpha: f64,
+    gamma: f64,
 }
 
-impl Participant<'_> {
-    /// This participant as the paper's human.
-    pub(super) fn preference_human(&self) -> PreferenceHuman {
-        PreferenceHuman::new(self.perception, self.stubbornness).with_changes(self.changes)
+impl From<Row> for PreferenceChange {
+    fn from(Row { step, alpha, gamma }: Row) -> Self {
+        Self { step, perception: Perception { alpha, gamma } }
     }
 }
 
-impl Default for ModelName {
-    fn default() -> Self {
-        Self { model: MODELS[0], arguments: String::new() }
+impl From<PreferenceChange> for Row {
+    fn from(PreferenceChange { step, perception: Perception { alpha, gamma } }: PreferenceChange) -> Self {
+        Self { step, alpha, gamma }
     }
 }
 
-impl PartialEq for ModelName {
-    fn eq(&self, other: &Self) -> bool {
-        self.model.name == other.model.name && self.arguments == other.arguments
-    }
-}
-
-impl FromStr for ModelName {
-    type Err = ModelError;
-
-    fn from_str(text: &str) -> Result<Self, ModelError> {
-        let text = text.trim();
-        let (name, arguments) = match text.split_once('(') {
-            Some((name, rest)) => (name.trim(), rest.strip_suffix(')').unwrap_or(rest).trim()),
-            None => (text, ""),
-        };
-        let model = MODELS.into_iter().find(|model| model.name == name);
-        let model = model.ok_or_else(|| ModelError::Unknown { name: name.to_owned() })?;
-        Ok(Self { model, arguments: arguments.to_owned() })
-    }
-}
-
-impl std::fmt::Debug for ModelName {
+impl std::fmt::Display for PreferenceChange {
+    /// `STEP:ALPHA,GAMMA`, with every number exact to the last bit.
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        std::fmt::Display::fmt(self, f)
+        let Perception { alpha, gamma } = self.perception;
+        write!(f, "{}:{alpha},{gamma}", self.step)
     }
 }
 
-impl std::fmt::Display for ModelName {
-    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        f.write_str(self.model.name)?;
-        if self.arguments.is_empty() { Ok(()) } else { write!(f, "({})", self.arguments) }
+impl PreferenceChange {
+    /// The changes of a list that take effect, ordered by step. Of several at the same step, the last one
+    /// applies.
+    pub fn in_force(changes: &[Self]) -> Vec<Self> {
+        let mut active: Vec<Self> = Vec::with_capacity(changes.len());
+        let mut by_step = changes.to_vec();
+        by_step.sort_by_key(|change| change.step);
+        for change in by_step {
+            match active.last_mut().filter(|last| last.step == change.step) {
+                Some(last) => *last = change,
+                None => active.push(change),
+            }
+        }
+        active
     }
 }
 
-impl serde::Serialize for ModelName {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
-    }
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-impl<'de> serde::Deserialize<'de> for ModelName {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let text = String::deserialize(deserializer)?;
-        text.parse().map_err(serde::de::Error::custom)
+    fn change(step: u64, alpha: f64) -> PreferenceChange {
+        PreferenceChange { step, perception: Perception { alpha, gamma: 1.0 } }
     }
-}
 
-fn forms() -> String {
-    MODELS.map(|model| model.form).join(", ")
+    #[test]
+    fn closed_form_the_last_change_of_a_step_is_in_force() {
+        let given = [change(7, 0.1), change(3, 0.2), change(7, 0.3), change(0, 0.4), change(3, 0.5)];
+        let active = PreferenceChange::in_force(&given);
+        assert_eq!(active, [change(0, 0.4), change(3, 0.5), change(7, 0.3)]);
+        assert!(PreferenceChange::in_force(&[]).is_empty());
+    }
 }

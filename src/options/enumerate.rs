@@ -1,12 +1,23 @@
 //! Enumeration of options: the cheapest sequences of openings from the start to the target that enter no
 //! region twice.
 
-use super::{Crossing, OptionSet, START, TARGET, before, beyond, site};
+use super::passage::{Crossing, Passage};
+use super::roadmap::Roadmap;
+use super::sites::{START, TARGET, before, beyond, site};
+use super::stage::Stages;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// The number of partial sequences after which the search stops and reports that it is cut.
 const MOST_EXPANDED: usize = 200_000;
+
+/// What is searched: places, the passages between them, and the paths from one to the next.
+#[derive(Clone, Copy)]
+pub(super) struct Network<'a> {
+    pub roadmap: &'a Roadmap,
+    pub passages: &'a [Passage],
+    pub stages: &'a Stages,
+}
 
 /// The result of the search.
 pub(super) struct Found {
@@ -33,7 +44,7 @@ const BOUND_ROUNDING_M: f64 = 1e-9;
 /// which the target can still be reached. Its lower bounds are the shortest and the safest path onward from
 /// each passage, with regions entered twice allowed. The search stops after [`MOST_EXPANDED`] partial
 /// sequences. If it has found no option by then, it takes the path of its bounds.
-pub(super) fn cheapest(set: &OptionSet, limit: usize, risk_weight: f64) -> Found {
+pub(super) fn cheapest(set: Network, limit: usize, risk_weight: f64) -> Found {
     let search = Search::new(set, risk_weight);
     let mut queue = BinaryHeap::new();
     queue.push(Partial { bound: 0.0, length: 0.0, safe: 1.0, crossings: Vec::new(), arrived: false });
@@ -60,7 +71,7 @@ pub(super) fn cheapest(set: &OptionSet, limit: usize, risk_weight: f64) -> Found
 
 /// The search's view of regions and passages.
 struct Search<'a> {
-    set: &'a OptionSet,
+    set: Network<'a>,
     risk_weight: f64,
     /// The region of every site, numbered from 0.
     regions: Vec<usize>,
@@ -73,7 +84,7 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(set: &'a OptionSet, risk_weight: f64) -> Self {
+    fn new(set: Network<'a>, risk_weight: f64) -> Self {
         let sites = 2 + 2 * set.passages.len();
         let components: Vec<usize> = (0..sites).map(|s| set.roadmap.component(s)).collect();
         let mut known = components.clone();

@@ -8,45 +8,32 @@
 mod enumerate;
 mod error;
 mod passage;
+mod path_option;
 mod progress;
 mod roadmap;
+mod sites;
 mod stage;
 mod trajectory;
 
 pub use error::{Blockage, OptionError};
 pub use passage::Crossing;
+pub use path_option::PathOption;
 pub use progress::Progress;
 pub use trajectory::{nominal_trajectory, turned};
 
 use crate::geometry::{Path, Point};
 use crate::world::{ListedOption, World};
 use passage::{Exit, Passage};
+use path_option::After;
 use progress::Rest;
 use roadmap::{Roadmap, Space, Straight};
 use serde::{Deserialize, Serialize};
+use sites::{START, TARGET, before, beyond};
 use stage::Stages;
 
 /// The length of the straight path before and after an opening, m. Human, object and robot in tandem are
 /// about 2.5 m long and must be aligned when they enter.
 pub const ALIGNMENT: f64 = 1.0;
-
-/// The sites of the roadmap are the start, the target, then both straight parts of every passage.
-const START: usize = 0;
-const TARGET: usize = 1;
-
-fn site(opening: usize, side: usize) -> usize {
-    2 + 2 * opening + side
-}
-
-/// The site at which a path to a crossing ends.
-fn before(crossing: Crossing) -> usize {
-    site(crossing.opening, 1 - crossing.into)
-}
-
-/// The site at which a path from a crossing begins.
-fn beyond(crossing: Crossing) -> usize {
-    site(crossing.opening, crossing.into)
-}
 
 /// The options of a world, ready to be evaluated from any position.
 #[derive(Clone, Debug)]
@@ -59,30 +46,6 @@ pub struct OptionSet {
     pub is_cut: bool,
     start: Point,
     target: Point,
-}
-
-/// One option from the start to the target: openings in the order of travel.
-#[derive(Clone, Debug)]
-pub struct PathOption {
-    /// Name, unique in its world.
-    pub name: String,
-    /// The openings in the order of travel, with the direction of each.
-    pub crossings: Vec<Crossing>,
-    /// The region before each crossing, and the region after the last one.
-    regions: Vec<usize>,
-    /// The remainder of the option from each crossing's gap on.
-    after: Vec<After>,
-    /// S_o over the crossings from each index on; 0 after the last.
-    risk_left: Vec<f64>,
-}
-
-/// The remainder of an option from a gap on.
-#[derive(Clone, Copy, Debug)]
-struct After {
-    /// Length along the axis to where the path leaves it, m.
-    exit: f64,
-    /// Length from there to the target, m.
-    length: f64,
 }
 
 /// The remainder of an option from the team's position.
@@ -132,7 +95,9 @@ impl OptionSet {
             target: world.target,
         };
         if world.listed_options.is_empty() {
-            let found = enumerate::cheapest(&set, world.option_limit, risk_weight);
+            let network =
+                enumerate::Network { roadmap: &set.roadmap, passages: &set.passages, stages: &set.stages };
+            let found = enumerate::cheapest(network, world.option_limit, risk_weight);
             set.is_cut = found.is_cut;
             set.options = found
                 .options

@@ -1,7 +1,7 @@
 //! The team's progress on every option.
 
-use super::PathOption;
 use super::passage::{Crossing, Passage};
+use super::path_option::PathOption;
 use crate::geometry::Point;
 use serde::{Deserialize, Serialize};
 

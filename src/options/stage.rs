@@ -4,8 +4,10 @@
 //! second and double back. Instead it leaves the first as far out as the largest turn there allows
 //! ([`MOST_BACKWARD`]), and joins the second likewise.
 
+use super::passage::Crossing;
+use super::path_option::After;
 use super::roadmap::{MOST_BACKWARD, Roadmap, Straight};
-use super::{After, Crossing, START, TARGET, before};
+use super::sites::{START, TARGET, before};
 
 /// Number of bisections in the search for where a path may leave a straight part.
 const HALVINGS: u32 = 48;

@@ -1,22 +1,11 @@
 //! The methods that scenarios, studies and the command line know by name.
 
-use super::{RobotPolicy, human_led, mutual, robot_led, without_model};
+use super::{MethodEntry, RobotPolicy, human_led, mutual, robot_led, without_model};
 use std::str::FromStr;
 
 /// All methods. A new method needs its own file and a line here.
 pub const METHODS: [&MethodEntry; 4] =
     [&mutual::METHOD, &without_model::METHOD, &human_led::METHOD, &robot_led::METHOD];
-
-/// A robot policy with a name.
-#[derive(Debug)]
-pub struct MethodEntry {
-    /// Name, as in files and on the command line.
-    pub name: &'static str,
-    /// A description in one sentence.
-    pub about: &'static str,
-    /// Makes the policy.
-    pub(super) make: fn() -> Box<dyn RobotPolicy>,
-}
 
 /// A method of deciding who leads: one of [`METHODS`].
 #[derive(Clone, Copy)]

@@ -4,13 +4,15 @@
 //! [`Episode::with_policy`](crate::episode::Episode::with_policy), or add it to [`METHODS`], which serves the
 //! command line, studies, scenarios and recordings.
 
+mod entry;
 mod human_led;
 mod method;
 mod mutual;
 mod robot_led;
 mod without_model;
 
-pub use method::{METHODS, Method, MethodEntry, UnknownMethod};
+pub use entry::MethodEntry;
+pub use method::{METHODS, Method, UnknownMethod};
 
 use crate::control::HORIZON;
 use crate::coordination::{Mode, OptionTick, robot_choice};

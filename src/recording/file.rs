@@ -2,7 +2,7 @@
 //!
 //! Chunks are put together in memory and written in one go, so that what a crash leaves is whole up to the last of them.
 
-use super::provenance::Attachment;
+use super::records::Attachment;
 use super::schema::Definition;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{McapError, WriteOptions, Writer};

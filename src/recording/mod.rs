@@ -95,9 +95,10 @@ pub use encoder::{Encoder, Ending};
 pub use error::{ReadError, RecordingError};
 #[cfg(feature = "live")]
 pub use live::{LiveError, LiveServer};
-pub use provenance::{Attachment, METADATA, Provenance, RECOVERED, SCENARIO, scenario};
+pub use provenance::{METADATA, Provenance, RECOVERED, SCENARIO, scenario};
 pub use reader::{Entry, Reader, Recorded};
 pub use recorder::{FileRecorder, Recorder};
+pub use records::Attachment;
 pub use recover::{RecoverError, Recovered, recover};
 pub use replay::{Replay, Verdict, replay};
 pub use schema::{Definition, SchemaText};

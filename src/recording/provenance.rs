@@ -1,5 +1,6 @@
 //! Where a recording comes from: its scenario, versions and conformance.
 
+use super::records::Attachment;
 use super::{Entry, ReadError, Reader};
 use crate::arithmetic;
 use crate::scenario::{Plant, Scenario, ScenarioError};
@@ -22,17 +23,6 @@ pub struct Provenance {
     pub metadata: BTreeMap<String, String>,
     /// Texts that the run was made from.
     pub attachments: Vec<Attachment>,
-}
-
-/// A file inside a recording.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Attachment {
-    /// File name.
-    pub name: String,
-    /// As in `text/plain`.
-    pub media_type: String,
-    /// Contents.
-    pub data: Vec<u8>,
 }
 
 impl Provenance {

@@ -1,7 +1,17 @@
 //! The records of an MCAP file: their numbers, how long they may be, and the fields of those that are read.
 
-use super::Attachment;
 use super::fields::Fields;
+
+/// A file inside a recording.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Attachment {
+    /// File name.
+    pub name: String,
+    /// As in `text/plain`.
+    pub media_type: String,
+    /// Contents.
+    pub data: Vec<u8>,
+}
 
 pub(super) const MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', b'0', b'\r', b'\n'];
 /// The longest record, and the longest chunk when unpacked, B. A simulated second takes 0.1 MB.

@@ -1,6 +1,6 @@
 //! A baseline file (TOML): its runs, tolerances and recorded figures.
 
-use super::{BaselineError, Figure, Figures, figure_names};
+use super::{BaselineError, FORMAT, Figure, Figures, Tolerance, figure_names};
 use crate::quantities::cell;
 use std::path::Path;
 use toml_edit::{Document, DocumentMut, Item, Table};
@@ -42,28 +42,8 @@ pub enum Value {
     List(Vec<String>),
 }
 
-/// By how much a number may move: `absolute + relative * |recorded|`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tolerance {
-    /// Part of what was recorded.
-    pub relative: f64,
-    /// In the unit of the figure.
-    pub absolute: f64,
-}
-
-impl Default for Tolerance {
-    /// 1e-6 of what was recorded: far more than the last bits in which mathematical libraries differ, far less than anything that matters.
-    fn default() -> Self {
-        Self { relative: 1e-6, absolute: 1e-9 }
-    }
-}
-
 /// What a file may hold at its top.
 const TOP: [&str; 3] = ["format", "tolerance", "run"];
-
-/// The format of figures that are recorded now. 2: with the openings walked. 3: all quantities of an episode,
-/// by their keys.
-pub const FORMAT: i64 = 3;
 
 impl Baseline {
     /// Reads a file.

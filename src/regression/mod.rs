@@ -3,10 +3,12 @@
 mod baseline;
 mod error;
 mod figures;
+mod tolerance;
 
-pub use baseline::{Baseline, FORMAT, Run, Tolerance, Value};
+pub use baseline::{Baseline, Run, Value};
 pub use error::BaselineError;
 pub use figures::{Figure, Way, figure_names, figures, is_near};
+pub use tolerance::{FORMAT, Tolerance};
 
 use crate::parallel::{OnDone, in_parallel};
 use crate::quantities::{Record, View};

@@ -1,7 +1,7 @@
 //! H2: Table II, the Environment 4 example, and the same human in the other environments.
 
 use super::pairs::{SIGNIFICANCE_LEVEL, compared, difference, explained, is_significant, rounded};
-use super::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
+use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
 use crate::drawing::{Curve, CurvePanel, DrawingError, Track, adaptation, curves};
 use crate::paper::h2::{self, ExampleRun, Row};
 use crate::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};

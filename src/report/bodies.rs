@@ -2,7 +2,7 @@
 
 use super::adaptation::method;
 use super::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant};
-use super::{Block, Finding, Part, Plan, ReportError, Section, holds};
+use super::part::{Block, Finding, Part, Plan, ReportError, Section, holds};
 use crate::paper::h2::{self, BodiesRow as Row, WithBodies};
 use crate::parallel::OnDone;
 use crate::scenario::{Plant, PlantKind, RobotSetup};

@@ -1,6 +1,6 @@
 //! H1: Table I, the preference regions whose area is P_o, and the perception of risk and distance.
 
-use super::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
+use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
 use crate::drawing::{Curve, CurvePanel, RegionPanel, curves, preference_regions, world_map};
 use crate::episode::prospects;
 use crate::options::OptionSet;

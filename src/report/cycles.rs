@@ -1,6 +1,6 @@
 //! "No locked cycles" (Sec. IV-B): the search for a counterexample.
 
-use super::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds};
+use super::part::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::paper::BuiltInError;
 use crate::paper::cycles::{Findings, Search};
 use crate::parallel::OnDone;

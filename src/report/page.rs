@@ -1,6 +1,6 @@
 //! The report as one self-contained HTML page.
 
-use super::Figure;
+use super::part::Figure;
 use pulldown_cmark::{CowStr, Event, Options, Parser, Tag, TagEnd, html::push_html};
 
 /// The style sheet for screen and paper.

@@ -1,7 +1,7 @@
 //! H3: Table III, every method and start compared with its baseline, and the composition of the costs.
 
 use super::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant, rounded};
-use super::{Block, Figure, Finding, Part, Plan, ReportError, Section, grouped, holds};
+use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::drawing::{DrawingError, RatioPanel, RatioRow, cost_ratios};
 use crate::paper::h3::{self, PoseMethod, Row, Study};
 use crate::paper::{ENVIRONMENTS, SETTINGS};

@@ -1,6 +1,6 @@
 //! The report's opening and closing sections: settings, environment and contents.
 
-use super::{PARTS, Plan, Section, grouped};
+use super::part::{Part, Plan, Section, grouped};
 use crate::control::{self, HORIZON};
 use crate::paper::COLUMNS;
 use crate::simulation::PhysicsSettings;
@@ -9,14 +9,14 @@ use crate::simulation::PhysicsSettings;
 const DEVIATIONS: &str = include_str!("../../docs/deviations.md");
 
 /// Title and findings.
-pub(super) fn opening(plan: &Plan, sections: &[Section]) -> String {
+pub(super) fn opening(plan: &Plan, run: &[Part], sections: &[Section]) -> String {
     let mut text = format!(
         "# Human-robot co-transportation, reproduced\n\n\
          Every table and figure of A. J. Mahmud, W. Li and X. Wang, *Mutual Adaptation in Human-Robot Co-Transportation with Human Preference Uncertainty*, with those \
          of `cocarry` {} beside them. All figures of ours, those in the text included, come from one run of {} episodes.\n\n\
          ## What holds\n\n| claim | finding | in figures |\n| :-- | :-- | :-- |\n",
         env!("CARGO_PKG_VERSION"),
-        grouped(episodes(plan)),
+        grouped(episodes(plan, run)),
     );
     for section in sections {
         let finding = &section.finding;
@@ -26,23 +26,23 @@ pub(super) fn opening(plan: &Plan, sections: &[Section]) -> String {
 }
 
 /// Deviations, episodes and settings.
-pub(super) fn end(plan: &Plan) -> String {
+pub(super) fn end(plan: &Plan, run: &[Part]) -> String {
     // the document's title becomes a section's
     let deviations = DEVIATIONS.trim().replacen("# ", "## ", 1);
-    format!("{deviations}\n\n## This run\n\n{}{}", parts(plan), settings(plan))
+    format!("{deviations}\n\n## This run\n\n{}{}", parts(plan, run), settings(plan))
 }
 
-fn episodes(plan: &Plan) -> usize {
-    PARTS.iter().map(|part| (part.episodes)(plan)).sum()
+fn episodes(plan: &Plan, run: &[Part]) -> usize {
+    run.iter().map(|part| (part.episodes)(plan)).sum()
 }
 
 /// The number of episodes of each part.
-fn parts(plan: &Plan) -> String {
+fn parts(plan: &Plan, run: &[Part]) -> String {
     let mut text = "| part | episodes |\n| :-- | --: |\n".to_owned();
-    for part in PARTS {
+    for part in run {
         text += &format!("| {} | {} |\n", part.name, grouped((part.episodes)(plan)));
     }
-    text + &format!("| all | {} |\n\n", grouped(episodes(plan)))
+    text + &format!("| all | {} |\n\n", grouped(episodes(plan, run)))
 }
 
 fn settings(plan: &Plan) -> String {

@@ -1,7 +1,7 @@
 //! The risk weight c_r (Sec. V-A): fitted to Table I's human column, as in the paper, and validated in
 //! Environment 4.
 
-use super::{Block, Figure, Finding, Part, Plan, ReportError, Section};
+use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
 use crate::drawing::{self, AnswerPanel, AnswerRow, DrawingError, RiskWeightMark};
 use crate::fit::{
     Answers, CELL_ERROR, Estimate, LEAST_SQUARES_CAUTION, RiskWeightFit, RiskWeightSettings, Situation,

@@ -1,8 +1,7 @@
 //! The order of links in which parents come before children.
 
-use super::error::{RobotError, known};
+use super::error::{Place, RobotError, known};
 use super::fault::TreeFault;
-use super::urdf::Urdf;
 use std::collections::BTreeMap;
 
 /// A joint with the two links that it connects.
@@ -24,15 +23,16 @@ pub(super) struct Spot {
 
 /// The links of the tree from its root, branch by branch in the order of their joints; or the reason why they
 /// are not a tree.
-pub(super) fn order(urdf: Urdf, names: Vec<&str>, joints: &[Edge]) -> Result<Vec<Spot>, RobotError> {
-    let fault = |link: &str, why| RobotError::NotATree { place: urdf.place(format!("link `{link}`")), why };
+pub(super) fn order(file: &str, names: Vec<&str>, joints: &[Edge]) -> Result<Vec<Spot>, RobotError> {
+    let place = |item: String| Place { file: file.to_owned(), line: None, item };
+    let fault = |link: &str, why| RobotError::NotATree { place: place(format!("link `{link}`")), why };
     let index: BTreeMap<&str, usize> = names.iter().enumerate().map(|(i, &n)| (n, i)).collect();
     let mut carrier: Vec<Option<usize>> = vec![None; names.len()];
     let mut children: Vec<Vec<(usize, usize)>> = vec![Vec::new(); names.len()];
     for (j, edge) in joints.iter().enumerate() {
         let find = |name: &str| {
             index.get(name).copied().ok_or_else(|| RobotError::Unknown {
-                place: urdf.place(format!("joint `{}`", edge.joint)),
+                place: place(format!("joint `{}`", edge.joint)),
                 kind: "link",
                 name: name.to_owned(),
                 known: known(names.iter().copied()),

@@ -51,7 +51,7 @@ impl Urdf<'_> {
         let names = urdf.links.iter().map(|l| l.name.as_str()).collect();
         let edges =
             urdf.joints.iter().map(|j| Edge { joint: &j.name, parent: &j.parent.link, child: &j.child.link });
-        tree::order(self, names, &edges.collect::<Vec<_>>())?
+        tree::order(self.file, names, &edges.collect::<Vec<_>>())?
             .into_iter()
             .map(|Spot { link, parent, joint }| {
                 let link = &urdf.links[link];

@@ -14,6 +14,7 @@ mod ordered;
 mod partial;
 mod results;
 mod row;
+mod run;
 mod source;
 mod summary;
 
@@ -28,23 +29,10 @@ use crate::robot::SlowDrive;
 use crate::scenario::{Plant, PlantKind, PreparedScenario, RobotSetup, SETTINGS, Scenario};
 use cell::Cell;
 use file::Contents;
+use run::{Run, Seeds};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::Path;
-
-/// The seeds of a run, both ends included.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Seeds {
-    first: u64,
-    last: u64,
-}
-
-/// Combinations, each of which is run with all seeds.
-#[derive(Debug)]
-struct Run {
-    cells: Vec<Cell>,
-    seeds: Seeds,
-}
 
 /// A study, read and checked: what its episodes are, by their numbers.
 #[derive(Debug)]

@@ -8,12 +8,14 @@
 mod carrying;
 mod kinematic;
 mod physical;
+mod plants;
 mod point;
 mod route;
 mod team_path;
 mod tick;
 
 pub use carrying::{Considerations, Manipulator};
+pub use plants::{kinematic, physical};
 pub use point::PointTeam;
 pub use route::{Route, Travel, TurnOutcome};
 pub use team_path::Turned;
@@ -27,8 +29,7 @@ use crate::policy::Motion;
 use crate::preference::ChoiceDistribution;
 use crate::robot::Configuration;
 use crate::saved::{NotRestored, Saved};
-use crate::simulation::{Observation, PhysicsError, PhysicsSettings};
-use crate::world::World;
+use crate::simulation::Observation;
 
 /// The plant: all bodies of the team, and the robot's controller.
 ///
@@ -173,38 +174,4 @@ pub struct Step<'s> {
     pub to: f64,
     /// The point of the path at `to`.
     pub position: Point,
-}
-
-/// The team of the kinematic plant, with its grasp at `start`.
-pub fn kinematic<'a>(
-    manipulator: Manipulator<'a>,
-    walk: Walk,
-    options: usize,
-    start: PlanarPose,
-) -> Box<dyn Team + 'a> {
-    Box::new(carrying::Carrying::new(
-        manipulator,
-        walk,
-        options,
-        kinematic::Kinematic::new(&manipulator, start),
-    ))
-}
-
-/// The team of the physical plant, at rest with the object's centre at `start`. `seed` determines the gait.
-///
-/// # Errors
-/// [`PhysicsError`] if the team does not fit at its start, the human has no room at the end of an option, or
-/// a setting is out of its range.
-pub fn physical<'a>(
-    manipulator: Manipulator<'a>,
-    walk: Walk,
-    options: &OptionSet,
-    start: PlanarPose,
-    world: &World,
-    physics: &PhysicsSettings,
-    seed: u64,
-) -> Result<Box<dyn Team + 'a>, PhysicsError> {
-    let team = physical::Physical::new(&manipulator, world, physics, seed, &start)?;
-    team.check_ends(options, world, manipulator.obstacles)?;
-    Ok(Box::new(carrying::Carrying::new(manipulator, walk, options.options().len(), team)))
 }

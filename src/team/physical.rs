@@ -3,7 +3,7 @@
 
 use super::carrying::{Bodies, Manipulator, Moved, PathAhead};
 use super::team_path::{BODY_ROOM_M, FreeSpace, TeamPath, Turned, WALKS_AHEAD_M};
-use super::tick::PhysicsTick;
+use super::tick::{PhysicsTick, object_on_floor, on_floor};
 use super::{Situation, Step, Travel, Walk};
 use crate::control::{Candidate, Follower, HORIZON, Intent, Reference, Rims, RobotObstacles, reference};
 use crate::coordination::Mode;
@@ -379,15 +379,4 @@ fn moved_toward(at: &PlanarPose, goal: &PlanarPose, walk: &Walk) -> PlanarPose {
         position: at.position + way * share,
         yaw: turned(at.yaw, goal.yaw, walk.yaw_rate * walk.period),
     }
-}
-
-/// Position seen from above, m.
-fn on_floor(world_from_it: &Pose) -> Point {
-    world_from_it.translation.vector.xy().into()
-}
-
-/// Position of the object's centre and its heading, seen from above.
-pub(super) fn object_on_floor(world_from_object: &Pose) -> PlanarPose {
-    let ahead = world_from_object.rotation * nalgebra::Vector3::x();
-    PlanarPose { position: on_floor(world_from_object), yaw: angle_of(ahead.xy()) }
 }

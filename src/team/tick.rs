@@ -1,8 +1,7 @@
 //! The robot's part of one control period, as data.
 
-use super::physical::object_on_floor;
 use crate::control::SolveOutcome;
-use crate::geometry::PlanarPose;
+use crate::geometry::{PlanarPose, Point, Pose, angle_of};
 use crate::robot::{Configuration, InputVector};
 use crate::simulation::{BodyKind, Clearance, Observation};
 use serde::{Deserialize, Serialize};
@@ -146,4 +145,15 @@ impl RobotTick {
             physics: None,
         }
     }
+}
+
+/// Position seen from above, m.
+pub(super) fn on_floor(world_from_it: &Pose) -> Point {
+    world_from_it.translation.vector.xy().into()
+}
+
+/// Position of the object's centre and its heading, seen from above.
+pub(super) fn object_on_floor(world_from_object: &Pose) -> PlanarPose {
+    let ahead = world_from_object.rotation * nalgebra::Vector3::x();
+    PlanarPose { position: on_floor(world_from_object), yaw: angle_of(ahead.xy()) }
 }

@@ -1,6 +1,6 @@
 //! `cocarry fit eta`: estimates eta from the steps at which participants asked to switch.
 
-use super::options;
+use super::worlds::options;
 use crate::cli::model::ModelArguments;
 use crate::cli::output::{Failure, input, print, print_json, table, table_text, write_file};
 use crate::cli::settings::number;

@@ -2,13 +2,10 @@
 
 mod eta;
 mod risk_weight;
+mod worlds;
 
-use super::model::load_world_near;
 use super::output::Failure;
-use crate::options::OptionSet;
-use anyhow::Context;
 use clap::Subcommand;
-use std::path::Path;
 use std::process::ExitCode;
 
 /// Fit a parameter of the model to what participants answered
@@ -24,24 +21,4 @@ pub(super) fn run(parameter: &Parameter) -> Result<ExitCode, Failure> {
         Parameter::Eta(arguments) => eta::run(arguments),
     }?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// The options of the worlds that `file` names, each with the line that does so first. Where a world lists no options, they are those of
-/// `cocarry world` with that `risk_weight` (m).
-fn options(
-    file: &Path,
-    worlds: Vec<(String, u64)>,
-    risk_weight: f64,
-) -> Result<Vec<(String, OptionSet)>, Failure> {
-    let folder = file.parent().unwrap_or(Path::new(""));
-    let load = |(world, line): (String, u64)| {
-        let place = || format!("{}:{line}: world = {world:?}", file.display());
-        let loaded = load_world_near(folder, &world).map_err(|failure| match failure {
-            Failure::Input(error) => Failure::Input(error.context(place())),
-            Failure::Output(error) => Failure::Output(error),
-        })?;
-        let set = OptionSet::new(&loaded, risk_weight).with_context(place).map_err(Failure::Input)?;
-        Ok((world, set))
-    };
-    worlds.into_iter().map(load).collect()
 }

@@ -1,7 +1,7 @@
 //! `cocarry fit risk-weight`: estimates c_r from participants' percentages, by least squares and by
 //! likelihood.
 
-use super::options;
+use super::worlds::options;
 use crate::cli::model::BeliefArguments;
 use crate::cli::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
 use crate::cli::reproduce::Common;

@@ -2,7 +2,7 @@
 
 use super::super::output::{Failure, Progress, input, print, print_json, write_file};
 use super::super::robot::load_robot;
-use super::Common;
+use super::common::Common;
 use crate::report::{PARTS, Plan, Report, ReportError, Section};
 use anyhow::{Context, anyhow};
 use clap::Args;

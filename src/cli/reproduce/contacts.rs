@@ -2,7 +2,7 @@
 
 use super::super::output::{Failure, Progress, input, print, print_json, table, table_text};
 use super::super::robot::{SwayArguments, sway_of};
-use super::Common;
+use super::common::Common;
 use crate::episode::Settings;
 use crate::paper::contacts::{ANGLES, Row, Study};
 use clap::Args;

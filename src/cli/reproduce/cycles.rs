@@ -3,7 +3,7 @@
 use super::super::output::{Failure, Progress, input, print, print_json, write_file};
 use super::super::robot::{SwayArguments, sway_of};
 use super::super::settings::plants;
-use super::Common;
+use super::common::Common;
 use crate::episode::Settings;
 use crate::paper::cycles::{Findings, Search, WORLDS, WORLDS_WITH_BODIES};
 use crate::scenario::{Plant, PlantKind};

@@ -4,7 +4,7 @@
 use super::super::output::{Failure, Progress, input, print, print_json, table_with_notes, write_file};
 use super::super::robot::{SwayArguments, sway_of};
 use super::super::settings::plants;
-use super::Common;
+use super::common::Common;
 use crate::episode::{Outcome, Settings};
 use crate::paper;
 use crate::paper::h2::{self, ExampleRun, WithBodies};

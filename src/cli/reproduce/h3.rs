@@ -3,7 +3,7 @@
 use super::super::output::{Failure, Progress, input, print, print_json, table_with_notes, warn, write_file};
 use super::super::robot::load_robot;
 use super::super::settings::plants;
-use super::Common;
+use super::common::Common;
 use crate::episode::Settings;
 use crate::paper::h3::{EPISODES, Human, PoseMethod, Row, Study, units};
 use crate::report::{Compared, ratio_picture, table_3, table_3_ratios};

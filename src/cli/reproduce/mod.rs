@@ -1,16 +1,18 @@
 //! `cocarry reproduce`: the paper's claims and tables, the paper's figures beside ours.
 
 mod all;
+mod common;
 mod contacts;
 mod cycles;
 mod h2;
 mod h3;
 
+pub(super) use common::Common;
+
 use super::output::{Failure, input, print, print_json, table_with_notes};
 use crate::episode::Settings;
 use crate::paper::h1;
 use crate::report::table_1;
-use anyhow::Context;
 use clap::{Args, Subcommand};
 use serde_json::json;
 use std::process::ExitCode;
@@ -36,26 +38,6 @@ pub(super) enum Claim {
 pub(super) struct H1 {
     #[command(flatten)]
     common: Common,
-}
-
-/// What commands that run many episodes take.
-#[derive(Args, Debug)]
-pub(super) struct Common {
-    /// Print one JSON object instead of tables
-    #[arg(long)]
-    pub json: bool,
-    /// Threads to use [default: all cores]; the figures do not depend on it
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1024))]
-    threads: Option<u64>,
-}
-
-impl Common {
-    /// Runs the work on as many threads as asked for.
-    pub fn on_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
-        let threads = self.threads.map_or(0, |n| n as usize);
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        Ok(pool.context("threads").map_err(Failure::Output)?.install(work))
-    }
 }
 
 pub(super) fn run(claim: &Claim) -> Result<ExitCode, Failure> {

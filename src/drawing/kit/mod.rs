@@ -11,6 +11,7 @@ mod clutter;
 mod legend;
 mod marks;
 mod palette;
+mod shapes;
 mod text;
 
 pub(super) use axis::{Axis, Plot, Side};
@@ -21,12 +22,13 @@ pub(super) use palette::{
     BAND, FAINT, FAINT_WIDTH, GRID, INK, LineStyle, PAPER, RISK_COLOURS, STRIPE, risk_colour, width_by_rank,
     widths_by_probability,
 };
+pub(super) use shapes::{disc, path_data, polygon, px, rectangle, stroke};
 pub(super) use text::{Align, Text, number, printable};
 
 use super::WIDTH;
 use crate::geometry::{Bounds, Point, Vector};
 use svg::Document;
-use svg::node::element::{Circle, Element, Group, Path, Rectangle};
+use svg::node::element::{Element, Group, Path, Rectangle};
 
 /// Font sizes, px: of titles, and of all other text.
 pub(super) const TITLE_SIZE: f64 = 19.0;
@@ -130,51 +132,4 @@ pub(super) fn upright(x: f64, frame: Bounds) -> [Point; 2] {
 /// The ends of a horizontal line from the left to the right of a frame.
 pub(super) fn level(y: f64, frame: Bounds) -> [Point; 2] {
     [Point::new(frame.min.x, y), Point::new(frame.max.x, y)]
-}
-
-/// A plain line.
-pub(super) fn stroke(points: &[Point], colour: &str, width: f64) -> Path {
-    Path::new()
-        .set("d", path_data(points))
-        .set("fill", "none")
-        .set("stroke", colour)
-        .set("stroke-width", px(width))
-        .set("stroke-linejoin", "round")
-}
-
-/// A closed outline to be filled.
-pub(super) fn polygon(corners: &[Point]) -> Path {
-    Path::new().set("d", path_data(corners) + "Z")
-}
-
-pub(super) fn disc(center: Point, radius: f64) -> Circle {
-    Circle::new().set("cx", px(center.x)).set("cy", px(center.y)).set("r", px(radius))
-}
-
-pub(super) fn rectangle(bounds: Bounds) -> Rectangle {
-    Rectangle::new()
-        .set("x", px(bounds.min.x))
-        .set("y", px(bounds.min.y))
-        .set("width", px(bounds.size().x))
-        .set("height", px(bounds.size().y))
-}
-
-/// The `d` attribute of a line, without points too close to be distinguishable.
-pub(super) fn path_data(points: &[Point]) -> String {
-    const CLOSE: f64 = 0.1;
-    let mut kept: Vec<Point> = Vec::new();
-    for (i, p) in points.iter().enumerate() {
-        if i + 1 == points.len() || kept.last().is_none_or(|last| (p - last).norm() > CLOSE) {
-            kept.push(*p);
-        }
-    }
-    let pairs: Vec<String> = kept.iter().map(|p| format!("{},{}", px(p.x), px(p.y))).collect();
-    format!("M{}", pairs.join("L"))
-}
-
-/// A coordinate or length of the picture, to a hundredth of a pixel.
-pub(super) fn px(value: f64) -> String {
-    let text = format!("{value:.2}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }

@@ -1,8 +1,10 @@
 //! The discs around obstacle corners and cylinders that taut strings bend around.
 
-use super::space::CLEARANCE_TOLERANCE_M;
 use crate::geometry::{Bend, Footprint, Point, Vector, angle_of, cross, direction, left_of};
 use std::f64::consts::TAU;
+
+/// Tolerance for comparing distances with the clearance, m. Paths touch discs exactly at the clearance.
+pub(super) const CLEARANCE_TOLERANCE_M: f64 = 1e-9;
 
 /// Angles closer than this are the same, rad.
 pub(super) const SAME_ANGLE_RAD: f64 = 1e-9;

@@ -21,6 +21,7 @@ use petgraph::graph::{DiGraph, EdgeIndex, NodeIndex};
 use petgraph::visit::{EdgeRef, Reversed};
 use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
+use straight::Join;
 
 /// Lines shorter than this (m) are rounding.
 const LENGTH_TOLERANCE_M: f64 = 1e-10;
@@ -88,18 +89,6 @@ impl Way {
             _ => self.length(),
         }
     }
-}
-
-/// The end of a line on a straight part.
-#[derive(Clone, Copy, Debug)]
-struct Join {
-    to: Point,
-    /// Length of the line, m.
-    length: f64,
-    /// Distance from the gap, m.
-    depth: f64,
-    /// Cost, m: see [`Straight::cost`].
-    cost: f64,
 }
 
 /// A path to a site.

@@ -1,12 +1,9 @@
 //! Free space: whether lines and arcs keep a clearance.
 
-use super::disc::{Disc, arc_crosses};
+use super::disc::{CLEARANCE_TOLERANCE_M, Disc, arc_crosses};
 use super::straight::Straight;
 use crate::geometry::{Bounds, Footprint, Point, segments_meet};
 use std::f64::consts::PI;
-
-/// Tolerance for comparing distances with the clearance, m. Paths touch discs exactly at the clearance.
-pub(super) const CLEARANCE_TOLERANCE_M: f64 = 1e-9;
 
 /// Obstacles, which paths keep clear of, and barriers, which paths do not cross.
 #[derive(Clone, Debug)]

@@ -5,13 +5,24 @@
 //! the straight part that it leaves out costs [`MOST_BACKWARD`] metres, because moving the joining point
 //! outward by ds lengthens the line by -cos(turn) ds.
 
-use super::Join;
 use crate::geometry::{Point, Vector, cross, left_of};
 
 /// How far back a path may lead, per metre, where it joins or leaves a straight part. This is minus the
 /// cosine of the largest turn there, 99.8 degrees. Paths along one wall, from opening to opening, turn by 90
 /// degrees.
 pub(in crate::options) const MOST_BACKWARD: f64 = 0.17;
+
+/// The end of a line on a straight part.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Join {
+    pub to: Point,
+    /// Length of the line, m.
+    pub length: f64,
+    /// Distance from the gap, m.
+    pub depth: f64,
+    /// Cost, m: see [`Straight::cost`].
+    pub cost: f64,
+}
 
 /// The straight part on one side of an opening. A point is a straight part of length 0.
 #[derive(Clone, Debug)]

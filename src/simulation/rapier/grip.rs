@@ -1,6 +1,7 @@
 //! A grip: a six-dimensional spring-damper between two bodies, and the wrench that it exerts.
 
 use super::Wrench;
+use super::dimensions::GRAVITY;
 use crate::geometry::Pose;
 use crate::simulation::convert::{self, to_rapier};
 use nalgebra::{Rotation3, Vector3};
@@ -69,7 +70,7 @@ impl Grip {
             .local_frame1(to_rapier(&holder_from_grip))
             .local_frame2(to_rapier(&object_from_grip));
         for axis in LINEAR {
-            let rest = if axis == JointAxis::LinZ { load * super::GRAVITY / linear } else { 0.0 };
+            let rest = if axis == JointAxis::LinZ { load * GRAVITY / linear } else { 0.0 };
             joint = joint
                 .motor_model(axis, MotorModel::ForceBased)
                 .motor_position(axis, rest, linear, damping)

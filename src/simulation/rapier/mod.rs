@@ -9,6 +9,7 @@
 mod accumulator;
 mod articulation;
 mod clusters;
+mod dimensions;
 mod error;
 mod grip;
 mod human;
@@ -21,10 +22,12 @@ mod scene;
 mod settings;
 mod touch;
 
+pub use dimensions::{HAND_RADIUS, TORSO_HEIGHT, TORSO_RADIUS};
 pub use error::PhysicsError;
 pub use human::HumanCommand;
 pub use observation::{BodyKind, Clearance, Clearances, Contact, Failure, Forces, Observation, Part, Wrench};
 pub use sample::sample_motion;
+pub use scene::PhysicalPlant;
 pub use settings::{HumanSettings, PhysicsSettings};
 
 use super::convert;
@@ -32,52 +35,15 @@ use crate::geometry::{PlanarPose, Point, Pose};
 use crate::math;
 use crate::robot::{InputVector, JointVector, Robot};
 use crate::world::World;
-use accumulator::Accumulator;
-use articulation::Articulation;
-use grip::Grip;
-use human::{SensedObject, Walker};
-use parts::Parts;
+use dimensions::TORSO_AHEAD;
+use human::SensedObject;
 use rapier3d::prelude::{PhysicsPipeline, PhysicsWorld, RigidBodyHandle};
 use scene::Scene;
-use serde::{Deserialize, Serialize};
 
-/// Gravity, m/s^2.
-const GRAVITY: f64 = 9.81;
 /// Height (m) of the object's centre below which the object counts as dropped.
 const DROPPED_HEIGHT_M: f64 = 0.2;
 /// Speed (m/s or rad/s) beyond which a body counts as diverging.
 const DIVERGING_SPEED: f64 = 1000.0;
-/// Distance of the middle of the torso ahead of the hand, m.
-const TORSO_AHEAD: f64 = 0.35;
-/// Radius of the human's torso, an upright capsule, m.
-pub const TORSO_RADIUS: f64 = 0.2;
-/// Total height of the human's torso, m.
-pub const TORSO_HEIGHT: f64 = 1.7;
-/// Radius of the human's hand, a ball, m.
-pub const HAND_RADIUS: f64 = 0.04;
-
-/// The physical plant. It owns all its data and can be serialised between two periods.
-#[derive(Serialize, Deserialize)]
-pub struct PhysicalPlant {
-    world: PhysicsWorld,
-    settings: PhysicsSettings,
-    parts: Parts,
-    robot: Articulation,
-    object: RigidBodyHandle,
-    object_name: String,
-    /// Half the object's length, and its carrying height, m.
-    reach: f64,
-    height: f64,
-    gripper: Grip,
-    hand: Grip,
-    hand_body: RigidBodyHandle,
-    torso_body: RigidBodyHandle,
-    human: Walker,
-    steps: u64,
-    accumulator: Accumulator,
-    failure: Option<Failure>,
-}
-
 impl PhysicalPlant {
     /// A team at rest.
     ///

@@ -1,7 +1,7 @@
 //! A small rapier scene whose motion is part of the arithmetic [stamp](crate::arithmetic): a box slides down
 //! a slope onto a ball, and two links swing on a driven hinge.
 
-use super::GRAVITY;
+use super::dimensions::GRAVITY;
 use crate::math;
 use rapier3d::math::{Matrix, Vector};
 use rapier3d::prelude::{

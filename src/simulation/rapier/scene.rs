@@ -2,13 +2,11 @@
 
 use super::accumulator::Accumulator;
 use super::articulation::Articulation;
+use super::dimensions::{GRAVITY, HAND_RADIUS, TORSO_AHEAD, TORSO_HEIGHT, TORSO_RADIUS};
 use super::grip::{GRIPPER, Grip, HAND};
 use super::human::Walker;
 use super::parts::{Group, Parts};
-use super::{
-    BodyKind, GRAVITY, HAND_RADIUS, PhysicalPlant, PhysicsError, PhysicsSettings, TORSO_AHEAD, TORSO_HEIGHT,
-    TORSO_RADIUS,
-};
+use super::{BodyKind, Failure, PhysicsError, PhysicsSettings};
 use crate::geometry::{PlanarPose, Pose, direction};
 use crate::robot::{JointVector, Robot};
 use crate::simulation::KinematicPlant;
@@ -17,7 +15,32 @@ use crate::world::World;
 use nalgebra::Matrix3;
 use rapier3d::math::Vector;
 use rapier3d::parry::query::intersection_test;
-use rapier3d::prelude::{ColliderBuilder, MassProperties, PhysicsWorld, RigidBodyBuilder, SharedShape};
+use rapier3d::prelude::{
+    ColliderBuilder, MassProperties, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle, SharedShape,
+};
+use serde::{Deserialize, Serialize};
+
+/// The physical plant. It owns all its data and can be serialised between two periods.
+#[derive(Serialize, Deserialize)]
+pub struct PhysicalPlant {
+    pub(super) world: PhysicsWorld,
+    pub(super) settings: PhysicsSettings,
+    pub(super) parts: Parts,
+    pub(super) robot: Articulation,
+    pub(super) object: RigidBodyHandle,
+    pub(super) object_name: String,
+    /// Half the object's length, and its carrying height, m.
+    pub(super) reach: f64,
+    pub(super) height: f64,
+    pub(super) gripper: Grip,
+    pub(super) hand: Grip,
+    pub(super) hand_body: RigidBodyHandle,
+    pub(super) torso_body: RigidBodyHandle,
+    pub(super) human: Walker,
+    pub(super) steps: u64,
+    pub(super) accumulator: Accumulator,
+    pub(super) failure: Option<Failure>,
+}
 
 /// The components of a plant.
 pub(super) struct Scene<'a> {

@@ -1,0 +1,27 @@
+//! The worlds that participants' answers name.
+
+use crate::cli::model::load_world_near;
+use crate::cli::output::Failure;
+use crate::options::OptionSet;
+use anyhow::Context;
+use std::path::Path;
+
+/// The options of the worlds that `file` names, each with the line that does so first. Where a world lists no options, they are those of
+/// `cocarry world` with that `risk_weight` (m).
+pub(super) fn options(
+    file: &Path,
+    worlds: Vec<(String, u64)>,
+    risk_weight: f64,
+) -> Result<Vec<(String, OptionSet)>, Failure> {
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let load = |(world, line): (String, u64)| {
+        let place = || format!("{}:{line}: world = {world:?}", file.display());
+        let loaded = load_world_near(folder, &world).map_err(|failure| match failure {
+            Failure::Input(error) => Failure::Input(error.context(place())),
+            Failure::Output(error) => Failure::Output(error),
+        })?;
+        let set = OptionSet::new(&loaded, risk_weight).with_context(place).map_err(Failure::Input)?;
+        Ok((world, set))
+    };
+    worlds.into_iter().map(load).collect()
+}

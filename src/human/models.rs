@@ -1,0 +1,92 @@
+//! The human models that scenarios, studies and the command line know by name.
+
+use super::model::{HumanModel, ModelError, Participant};
+use super::{Human, boltzmann, preference, scripted};
+use std::str::FromStr;
+
+/// All models. A new model needs its own file and a line here.
+pub const MODELS: [&HumanModel; 3] = [&preference::MODEL, &boltzmann::MODEL, &scripted::MODEL];
+
+/// A model with its arguments, written as `preference` or `boltzmann(2.5)`.
+#[derive(Clone)]
+pub struct ModelName {
+    model: &'static HumanModel,
+    arguments: String,
+}
+
+impl ModelName {
+    /// Makes the human.
+    ///
+    /// # Errors
+    /// [`ModelError`]: the arguments do not fit the model or the world.
+    pub fn make(&self, participant: &Participant<'_>) -> Result<Box<dyn Human>, ModelError> {
+        (self.model.make)(&self.arguments, participant)
+    }
+
+    /// The model.
+    pub fn model(&self) -> &'static HumanModel {
+        self.model
+    }
+
+    /// Whether this is the paper's model, the default.
+    pub fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+impl Default for ModelName {
+    fn default() -> Self {
+        Self { model: MODELS[0], arguments: String::new() }
+    }
+}
+
+impl PartialEq for ModelName {
+    fn eq(&self, other: &Self) -> bool {
+        self.model.name == other.model.name && self.arguments == other.arguments
+    }
+}
+
+impl FromStr for ModelName {
+    type Err = ModelError;
+
+    fn from_str(text: &str) -> Result<Self, ModelError> {
+        let text = text.trim();
+        let (name, arguments) = match text.split_once('(') {
+            Some((name, rest)) => (name.trim(), rest.strip_suffix(')').unwrap_or(rest).trim()),
+            None => (text, ""),
+        };
+        let model = MODELS.into_iter().find(|model| model.name == name);
+        let model = model.ok_or_else(|| ModelError::Unknown { name: name.to_owned(), known: forms() })?;
+        Ok(Self { model, arguments: arguments.to_owned() })
+    }
+}
+
+impl std::fmt::Debug for ModelName {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        std::fmt::Display::fmt(self, f)
+    }
+}
+
+impl std::fmt::Display for ModelName {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(self.model.name)?;
+        if self.arguments.is_empty() { Ok(()) } else { write!(f, "({})", self.arguments) }
+    }
+}
+
+impl serde::Serialize for ModelName {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> serde::Deserialize<'de> for ModelName {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        text.parse().map_err(serde::de::Error::custom)
+    }
+}
+
+fn forms() -> String {
+    MODELS.map(|model| model.form).join(", ")
+}

@@ -1,0 +1,27 @@
+//! A way from the start to the target, with what is tabulated of it.
+
+use super::passage::Crossing;
+
+/// One option from the start to the target: openings in the order of travel.
+#[derive(Clone, Debug)]
+pub struct PathOption {
+    /// Name, unique in its world.
+    pub name: String,
+    /// The openings in the order of travel, with the direction of each.
+    pub crossings: Vec<Crossing>,
+    /// The region before each crossing, and the region after the last one.
+    pub(super) regions: Vec<usize>,
+    /// The remainder of the option from each crossing's gap on.
+    pub(super) after: Vec<After>,
+    /// S_o over the crossings from each index on; 0 after the last.
+    pub(super) risk_left: Vec<f64>,
+}
+
+/// The remainder of an option from a gap on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct After {
+    /// Length along the axis to where the path leaves it, m.
+    pub exit: f64,
+    /// Length from there to the target, m.
+    pub length: f64,
+}

@@ -1,0 +1,12 @@
+//! Gravity, and the size of the human's body.
+
+/// Gravity, m/s^2.
+pub(super) const GRAVITY: f64 = 9.81;
+/// Distance of the middle of the torso ahead of the hand, m.
+pub(super) const TORSO_AHEAD: f64 = 0.35;
+/// Radius of the human's torso, an upright capsule, m.
+pub const TORSO_RADIUS: f64 = 0.2;
+/// Total height of the human's torso, m.
+pub const TORSO_HEIGHT: f64 = 1.7;
+/// Radius of the human's hand, a ball, m.
+pub const HAND_RADIUS: f64 = 0.04;

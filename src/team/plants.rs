@@ -1,0 +1,39 @@
+//! The teams of the plants with a robot.
+
+use super::carrying::Carrying;
+use super::kinematic::Kinematic;
+use super::physical::Physical;
+use super::{Manipulator, Team, Walk};
+use crate::geometry::PlanarPose;
+use crate::options::OptionSet;
+use crate::simulation::{PhysicsError, PhysicsSettings};
+use crate::world::World;
+
+/// The team of the kinematic plant, with its grasp at `start`.
+pub fn kinematic<'a>(
+    manipulator: Manipulator<'a>,
+    walk: Walk,
+    options: usize,
+    start: PlanarPose,
+) -> Box<dyn Team + 'a> {
+    Box::new(Carrying::new(manipulator, walk, options, Kinematic::new(&manipulator, start)))
+}
+
+/// The team of the physical plant, at rest with the object's centre at `start`. `seed` determines the gait.
+///
+/// # Errors
+/// [`PhysicsError`] if the team does not fit at its start, the human has no room at the end of an option, or
+/// a setting is out of its range.
+pub fn physical<'a>(
+    manipulator: Manipulator<'a>,
+    walk: Walk,
+    options: &OptionSet,
+    start: PlanarPose,
+    world: &World,
+    physics: &PhysicsSettings,
+    seed: u64,
+) -> Result<Box<dyn Team + 'a>, PhysicsError> {
+    let team = Physical::new(&manipulator, world, physics, seed, &start)?;
+    team.check_ends(options, world, manipulator.obstacles)?;
+    Ok(Box::new(Carrying::new(manipulator, walk, options.options().len(), team)))
+}
