@@ -38,7 +38,8 @@
 //! world          a TOML file -> obstacles, openings, start, target
 //! robot          a TOML file and a URDF -> drive, arm, grasp; forward kinematics and B(q)
 //! geometry       points, poses, outlines, paths
-//! math, saved    transcendental functions, the same bits everywhere; saved states
+//! math, saved, located
+//!                transcendental functions, the same bits everywhere; saved states; text files and places in them
 //! ```
 //!
 //! # Features
@@ -106,6 +107,7 @@ pub mod episode;
 pub mod fit;
 pub mod geometry;
 pub mod human;
+pub mod located;
 pub mod math;
 pub mod options;
 #[cfg(feature = "studies")]

@@ -1,26 +1,14 @@
 //! Errors in a file of answers or switches, each with its file, line, column and value.
 
+use crate::located::FileError;
 use thiserror::Error;
 
 /// The reason why nothing was fitted.
 #[derive(Debug, Error)]
 pub enum FitError {
-    /// The file cannot be read.
-    #[error("{file}: cannot be read")]
-    Read {
-        /// The file.
-        file: String,
-        /// The system's error.
-        source: std::io::Error,
-    },
-    /// The file is not CSV.
-    #[error("{file}: not a valid CSV file")]
-    Csv {
-        /// The file.
-        file: String,
-        /// The error, with its line.
-        source: csv::Error,
-    },
+    /// The file cannot be read, or is not CSV.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// A missing or duplicate column.
     #[error("{file}:{line}: {fault} column `{column}`; found `{found}`, expected {expected}")]
     Column {

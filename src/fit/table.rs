@@ -1,6 +1,7 @@
 //! A CSV file read by columns, each row with its line.
 
 use super::FitError;
+use crate::located::{self, Source};
 use std::path::Path;
 
 /// A column by name, and whether it is optional.
@@ -44,17 +45,17 @@ pub(super) fn named_worlds<'r>(rows: impl Iterator<Item = (&'r str, u64)>) -> Ve
 /// header.
 pub(super) fn read<const N: usize>(path: &Path, columns: [Column; N]) -> Result<Vec<Line<N>>, FitError> {
     let file = path.display().to_string();
-    let text = std::fs::read(path).map_err(|source| FitError::Read { file: file.clone(), source })?;
+    let text = located::read(path)?;
     let names: Vec<&str> = columns.iter().map(|c| c.name).collect();
     let expected = names.join(", ");
-    let not_csv = |source| FitError::Csv { file: file.clone(), source };
+    let not_csv = |error: csv::Error| Source { file: &file, text: &text }.invalid("CSV file", error);
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
         .flexible(true)
-        .from_reader(text.as_slice());
-    let mut lines = Lines { text: &text, at: 0, line: 1 };
+        .from_reader(text.as_bytes());
+    let mut lines = Lines { text: text.as_bytes(), at: 0, line: 1 };
     let mut record = csv::StringRecord::new();
     if !reader.read_record(&mut record).map_err(not_csv)? {
         return Err(FitError::NoRows { file, expected });

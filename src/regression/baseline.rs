@@ -1,6 +1,7 @@
 //! A baseline file (TOML): its runs, tolerances and recorded figures.
 
 use super::{BaselineError, FORMAT, Figure, Figures, Tolerance, figure_names};
+use crate::located;
 use crate::quantities::cell;
 use std::path::Path;
 use toml_edit::{Document, DocumentMut, Item, Table};
@@ -42,6 +43,9 @@ pub enum Value {
     List(Vec<String>),
 }
 
+/// What a baseline is, in errors.
+const KIND: &str = "file of runs";
+
 /// What a file may hold at its top.
 const TOP: [&str; 3] = ["format", "tolerance", "run"];
 
@@ -51,10 +55,7 @@ impl Baseline {
     /// # Errors
     /// [`BaselineError`], with line, key and value. Whether a run's arguments are good is not looked at.
     pub fn load(path: &Path) -> Result<Self, BaselineError> {
-        let file = path.display().to_string();
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| BaselineError::Read { file: file.clone(), source })?;
-        Self::parse(file, text)
+        Self::parse(path.display().to_string(), located::read(path)?)
     }
 
     /// Reads a file's text; `file` is what errors call it.
@@ -62,9 +63,9 @@ impl Baseline {
     /// # Errors
     /// As [`Baseline::load`].
     pub fn parse(file: String, text: String) -> Result<Self, BaselineError> {
-        let document = Document::parse(text.clone())
-            .map_err(|source| BaselineError::Syntax { file: file.clone(), source: Box::new(source) })?;
-        let mut source = Source { file: &file, text: &text, is_current: false };
+        let located = located::Source { file: &file, text: &text };
+        let document = Document::parse(text.clone()).map_err(|error| located.invalid(KIND, error))?;
+        let mut source = Source { located, is_current: false };
         if let Some((key, _)) = document.iter().find(|(key, _)| !TOP.contains(key)) {
             return Err(source.unknown(document.as_table(), key, "the file", &TOP));
         }
@@ -104,10 +105,8 @@ impl Baseline {
     /// # Errors
     /// [`BaselineError`]: none for a text that was read before.
     pub fn recorded(&self, figures: &[Figures]) -> Result<String, BaselineError> {
-        let mut document: DocumentMut = self
-            .text
-            .parse()
-            .map_err(|source| BaselineError::Syntax { file: self.file.clone(), source: Box::new(source) })?;
+        let source = located::Source { file: &self.file, text: &self.text };
+        let mut document: DocumentMut = self.text.parse().map_err(|error| source.invalid(KIND, error))?;
         let Some(runs) = document.get_mut("run").and_then(Item::as_array_of_tables_mut) else {
             return Err(BaselineError::NoRuns { file: self.file.clone() });
         };
@@ -138,22 +137,19 @@ impl Baseline {
 
 /// A text that errors point into.
 struct Source<'a> {
-    file: &'a str,
-    text: &'a str,
+    located: located::Source<'a>,
     /// Whether figures are of the latest format: earlier ones had other names.
     is_current: bool,
 }
 
 impl Source<'_> {
-    /// The line of a byte.
     fn line(&self, span: Option<std::ops::Range<usize>>) -> usize {
-        let at = span.map_or(0, |span| span.start).min(self.text.len());
-        1 + self.text.as_bytes()[..at].iter().filter(|b| **b == b'\n').count()
+        self.located.line(span.map_or(0, |span| span.start))
     }
 
     fn unknown(&self, table: &Table, key: &str, place: &str, expected: &[&str]) -> BaselineError {
         BaselineError::Key {
-            file: self.file.to_owned(),
+            file: self.located.file.to_owned(),
             line: self.line(table.key(key).and_then(|k| k.span())),
             place: place.to_owned(),
             key: key.to_owned(),
@@ -163,7 +159,7 @@ impl Source<'_> {
 
     fn wrong(&self, item: &Item, place: &str, key: &str, expected: &str) -> BaselineError {
         BaselineError::Value {
-            file: self.file.to_owned(),
+            file: self.located.file.to_owned(),
             line: self.line(item.span()),
             place: place.to_owned(),
             key: key.to_owned(),
@@ -190,7 +186,8 @@ fn tolerances(source: &Source, item: &Item) -> Result<Vec<(String, Tolerance)>, 
             }
         };
         let relative = number(KEYS[0], default.relative)?;
-        Ok(Tolerance { relative, absolute: number(KEYS[1], default.absolute)? })
+        let absolute = number(KEYS[1], default.absolute)?;
+        Ok::<_, BaselineError>(Tolerance { relative, absolute })
     };
     let table = table_of(item, "tolerance", "the file")?;
     let general = read(&table, "tolerance", Tolerance::default())?;

@@ -1,27 +1,15 @@
 //! What can be wrong with a file of runs, each case with its file, line, run and key.
 
 use super::FORMAT;
+use crate::located::FileError;
 use thiserror::Error;
 
 /// Why a baseline was refused.
 #[derive(Debug, Error)]
 pub enum BaselineError {
-    /// The file cannot be read.
-    #[error("{file}: cannot be read")]
-    Read {
-        /// The file.
-        file: String,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// The file is not TOML.
-    #[error("{file}: not a valid file of runs")]
-    Syntax {
-        /// The file.
-        file: String,
-        /// Line, column, and what was expected there.
-        source: Box<toml_edit::TomlError>,
-    },
+    /// The file cannot be read, or is not TOML.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// There are no runs.
     #[error("{file}: no runs; write each as a table [[run]], with the keys of `cocarry run`'s arguments")]
     NoRuns {

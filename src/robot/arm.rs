@@ -1,11 +1,12 @@
 //! The arm from the base to the grasp: its joints, its kinematic chain, and the coupling of every joint.
 
-use super::error::{Place, RobotError, known};
+use super::error::{RobotError, known};
 use super::fault::ArmFault;
 use super::link::{Coupling, Joint, JointKind, Limits, Link};
 use super::urdf::Urdf;
 use super::{ArmJoint, ChainLink, MAX_JOINTS, Motion};
 use crate::geometry::Pose;
+use crate::located::Place;
 use std::collections::BTreeMap;
 
 /// A joint under `[hold]`.

@@ -1,39 +1,15 @@
 //! Errors in a robot file or its URDF, each with its file, item and numbers.
 
 use super::fault::{ArmFault, PostureFault, TreeFault, WheelFault};
+use crate::located::{FileError, Place};
 use thiserror::Error;
-
-/// A place in a robot file or a URDF.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Place {
-    /// The file as it was named by the caller.
-    pub file: String,
-    /// Line, counted from 1; `None` in a URDF.
-    pub line: Option<usize>,
-    /// The item, such as ``joint `elbow` ``.
-    pub item: String,
-}
-
-impl std::fmt::Display for Place {
-    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        match self.line {
-            Some(line) => write!(f, "{}:{line}: {}", self.file, self.item),
-            None => write!(f, "{}: {}", self.file, self.item),
-        }
-    }
-}
 
 /// Why a robot was refused.
 #[derive(Debug, Error)]
 pub enum RobotError {
-    /// A file cannot be read.
-    #[error("{file}: cannot be read")]
-    Read {
-        /// The file.
-        file: String,
-        /// The system's error.
-        source: std::io::Error,
-    },
+    /// A file cannot be read, or is neither TOML nor XML.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// A file of another kind.
     #[error("{file}: expected a robot file (.toml), or a URDF (.urdf or .xml) with a robot file beside it")]
     Format {
@@ -67,22 +43,6 @@ pub enum RobotError {
         found: String,
         /// The URDF that was to be loaded.
         asked: String,
-    },
-    /// The robot file is not valid TOML.
-    #[error("{file}: not a valid robot file")]
-    Syntax {
-        /// The file.
-        file: String,
-        /// Line, column, and what was expected there.
-        source: Box<toml::de::Error>,
-    },
-    /// The URDF is not valid XML.
-    #[error("{file}: not a valid URDF")]
-    Urdf {
-        /// The file.
-        file: String,
-        /// The parser's error.
-        source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// A number is out of its range.
     #[error("{place}: {field} = {value}; it must be {expected}")]

@@ -1,6 +1,7 @@
 //! A robot file as written, each item with its line.
 
-use super::error::{Place, RobotError};
+use super::error::RobotError;
+use crate::located::Source;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use toml::Spanned;
@@ -43,43 +44,22 @@ pub(super) struct PostureEntry {
     pub positions_m: BTreeMap<String, Spanned<f64>>,
 }
 
-/// A file's name and text, used to locate items in it.
-#[derive(Clone, Copy)]
-pub(super) struct Source<'a> {
-    pub file: &'a str,
-    pub text: &'a str,
-}
-
-impl Source<'_> {
-    pub fn parse(self) -> Result<RobotFile, RobotError> {
-        toml::from_str(self.text)
-            .map_err(|e| RobotError::Syntax { file: self.file.to_owned(), source: Box::new(e) })
+/// A number that must be in a range.
+pub(super) fn number(
+    source: Source,
+    field: &str,
+    spanned: &Spanned<f64>,
+    is_good: impl Fn(f64) -> bool,
+    expected: &str,
+) -> Result<f64, RobotError> {
+    let value = *spanned.get_ref();
+    if is_good(value) {
+        return Ok(value);
     }
-
-    /// The place of `item`, which was read from `spanned`.
-    pub fn place<T>(self, spanned: &Spanned<T>, item: impl Into<String>) -> Place {
-        let before = self.text.get(..spanned.span().start).unwrap_or("");
-        let line = before.matches('\n').count() + 1;
-        Place { file: self.file.to_owned(), line: Some(line), item: item.into() }
-    }
-
-    /// A number that must be in a range.
-    pub fn number(
-        self,
-        field: &str,
-        spanned: &Spanned<f64>,
-        is_good: impl Fn(f64) -> bool,
-        expected: &str,
-    ) -> Result<f64, RobotError> {
-        let value = *spanned.get_ref();
-        if is_good(value) {
-            return Ok(value);
-        }
-        Err(RobotError::Number {
-            place: self.place(spanned, "robot"),
-            field: field.to_owned(),
-            value,
-            expected: expected.to_owned(),
-        })
-    }
+    Err(RobotError::Number {
+        place: source.place(spanned, "robot"),
+        field: field.to_owned(),
+        value,
+        expected: expected.to_owned(),
+    })
 }

@@ -1,16 +1,20 @@
 //! Loading of a robot from its robot file and the URDF that it names.
 
 use super::arm::{Arm, Ends, Hold};
-use super::error::{Place, RobotError, known};
-use super::file::{RobotFile, Source};
+use super::error::{RobotError, known};
+use super::file::{RobotFile, number};
 use super::link::Link;
 use super::urdf::Urdf;
 use super::wheels::Wheels;
 use super::{Posture, Robot, posture};
+use crate::located::{self, Place, Source};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
+
+/// What a robot file is, in errors.
+const KIND: &str = "robot file";
 
 /// The source texts of a robot, from which it can be built again without the files.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -45,9 +49,9 @@ impl RobotTexts {
         {
             return Err(RobotError::NoRobotFile { urdf: file, needed: robot_file.display().to_string() });
         }
-        let (name, text) = (robot_file.display().to_string(), read(&robot_file)?);
+        let (name, text) = (robot_file.display().to_string(), located::read(&robot_file)?);
         let source = Source { file: &name, text: &text };
-        let entries = source.parse()?;
+        let entries: RobotFile = source.parse(KIND)?;
         let folder = robot_file.parent().unwrap_or(Path::new(""));
         let urdf = folder.join(entries.urdf.get_ref());
         if let Some(asked) = asked.filter(|&asked| !is_same(asked, &urdf)) {
@@ -60,7 +64,7 @@ impl RobotTexts {
         if urdf.extension().is_some_and(|e| e.eq_ignore_ascii_case("xacro")) {
             return Err(xacro(&urdf));
         }
-        let urdf_text = read(&urdf)?;
+        let urdf_text = located::read(&urdf)?;
         Ok((Self { file: name, text, urdf_file: urdf.display().to_string(), urdf: urdf_text }, urdf))
     }
 }
@@ -97,11 +101,6 @@ impl Robot {
     }
 }
 
-fn read(path: &Path) -> Result<String, RobotError> {
-    std::fs::read_to_string(path)
-        .map_err(|source| RobotError::Read { file: path.display().to_string(), source })
-}
-
 fn xacro(path: &Path) -> RobotError {
     let stem = path.with_extension("");
     let has_urdf = stem.extension().is_some_and(|e| e == "urdf");
@@ -118,26 +117,28 @@ fn is_same(a: &Path, b: &Path) -> bool {
 /// The robot built from these texts. Meshes are searched for from `folder`, if there is one.
 fn build(texts: &RobotTexts, folder: Option<&Path>) -> Result<Robot, RobotError> {
     let source = Source { file: &texts.file, text: &texts.text };
-    let entries = &source.parse()?;
+    let entries = &source.parse::<RobotFile>(KIND)?;
     let (urdf, text) = (Urdf { file: &texts.urdf_file, folder }, texts.urdf.as_str());
     // older versions of xacro leave the bare namespace in what they expand, so it is no sign of a xacro file
     if text.contains("<xacro:") || text.contains("${") {
         return Err(xacro(Path::new(urdf.file)));
     }
-    let width = source.number(
+    let width = number(
+        source,
         "base_width_m",
         &entries.base_width_m,
         |w| w > 0.0 && w <= 10.0,
         "greater than 0 and at most 10 (metres)",
     )?;
-    let grasp_height = source.number(
+    let grasp_height = number(
+        source,
         "grasp_height_m",
         &entries.grasp_height_m,
         |h| (0.0..=3.0).contains(&h),
         "from 0 to 3 (metres)",
     )?;
     let radius = entries.wheel_radius_m.as_ref().map(|r| {
-        source.number("wheel_radius_m", r, |r| r > 0.0 && r <= 1.0, "greater than 0 and at most 1 (metres)")
+        number(source, "wheel_radius_m", r, |r| r > 0.0 && r <= 1.0, "greater than 0 and at most 1 (metres)")
     });
     let mut links = urdf.links(text)?;
     let base = link(source, &links, "base_link", &entries.base_link)?;

@@ -1,6 +1,7 @@
 //! The file of a URDF's mesh.
 
-use super::error::{Place, RobotError};
+use super::error::RobotError;
+use crate::located::Place;
 use std::path::{Path, PathBuf};
 
 /// The file that `mesh` names. `package://pkg/rest` is searched for in a folder `pkg` at or above `folder` or

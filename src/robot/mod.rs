@@ -17,7 +17,7 @@ mod tree;
 mod urdf;
 mod wheels;
 
-pub use error::{Place, RobotError};
+pub use error::RobotError;
 pub use fault::{ArmFault, PostureFault, TreeFault, WheelFault};
 pub use kinematics::{Kinematics, pose_difference};
 pub use link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};

@@ -2,9 +2,10 @@
 
 use super::error::{RobotError, known};
 use super::fault::PostureFault;
-use super::file::{PostureEntry, Source};
+use super::file::PostureEntry;
 use super::{Configuration, JointVector, Motion, Posture, Robot};
 use crate::geometry::{PlanarPose, Point, Pose};
+use crate::located::Source;
 use crate::math;
 use nalgebra::{Rotation3, Vector3};
 use toml::Spanned;

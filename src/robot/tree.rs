@@ -1,7 +1,8 @@
 //! The order of links in which parents come before children.
 
-use super::error::{Place, RobotError, known};
+use super::error::{RobotError, known};
 use super::fault::TreeFault;
+use crate::located::Place;
 use std::collections::BTreeMap;
 
 /// A joint with the two links that it connects.

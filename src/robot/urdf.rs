@@ -1,10 +1,11 @@
 //! A URDF's links, parents before children, with every number checked. No other file uses `urdf_rs`.
 
-use super::error::{Place, RobotError};
+use super::error::RobotError;
 use super::link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
 use super::mesh;
 use super::tree::{self, Edge, Spot};
 use crate::geometry::Pose;
+use crate::located::{Place, Source};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -38,7 +39,7 @@ impl Urdf<'_> {
             "at most 64",
         )?;
         let urdf = urdf_rs::read_from_string(text)
-            .map_err(|e| RobotError::Urdf { file: self.file.to_owned(), source: Box::new(e) })?;
+            .map_err(|error| Source { file: self.file, text }.invalid("URDF", error))?;
         if urdf.links.is_empty() {
             return Err(RobotError::Missing {
                 place: self.place("robot".to_owned()),
@@ -115,7 +116,7 @@ impl Urdf<'_> {
         let mimic = joint.mimic.as_ref().map(|m| {
             let ratio = check.finite("mimic multiplier", m.multiplier.unwrap_or(1.0))?;
             let offset = check.finite("mimic offset", m.offset.unwrap_or(0.0))?;
-            Ok(Mimic { joint: m.joint.clone(), ratio, offset })
+            Ok::<_, RobotError>(Mimic { joint: m.joint.clone(), ratio, offset })
         });
         Ok(Joint {
             name: joint.name.clone(),

@@ -1,11 +1,12 @@
 //! The differential drive, found from its two wheel joints.
 
 use super::Drive;
-use super::error::{Place, RobotError};
+use super::error::RobotError;
 use super::fault::WheelFault;
 use super::link::{Geometry, JointKind, Link, Shape};
 use super::urdf::Urdf;
 use crate::geometry::Pose;
+use crate::located::Place;
 use crate::math;
 use nalgebra::{Point3, Rotation3, Vector3};
 

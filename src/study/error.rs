@@ -1,20 +1,16 @@
 //! What can be wrong with a study file or with the files of a sweep, each case with its file, place and value.
 
+use crate::located::{FileError, Place};
 use crate::robot::RobotError;
-use crate::world::{Place, WorldError};
+use crate::world::WorldError;
 use thiserror::Error;
 
 /// Why a sweep was refused, or stopped.
 #[derive(Debug, Error)]
 pub enum SweepError {
-    /// A file cannot be read.
-    #[error("{file}: cannot be read")]
-    Read {
-        /// The file.
-        file: String,
-        /// What the system said.
-        source: std::io::Error,
-    },
+    /// A file cannot be read, or is not TOML.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// A file cannot be written.
     #[error("{file}: cannot be written")]
     Write {
@@ -22,14 +18,6 @@ pub enum SweepError {
         file: String,
         /// What the system said.
         source: std::io::Error,
-    },
-    /// The study file is not TOML.
-    #[error("{file}: not a valid study file")]
-    Syntax {
-        /// The file.
-        file: String,
-        /// Line, column, and what was expected there.
-        source: Box<toml::de::Error>,
     },
     /// A value is not one that the key takes.
     #[error("{place} = {value}; it must be {expected}")]

@@ -4,6 +4,7 @@ use super::cell::{Axes, Cell, LARGEST_RUN};
 use super::humans::{Humans, Range};
 use super::source::{self, Source, get, number, whole};
 use super::{Run, Seeds, SweepError};
+use crate::located::Place;
 use crate::paper;
 use crate::preference::{Belief, Marginal};
 use crate::robot::{Robot, RobotTexts};
@@ -11,7 +12,7 @@ use crate::scenario::{
     Applies, Kind, PERCEPTION, POSTURE, PlantKind, PreferenceChanges, SETTINGS, Setting, Value, WorldText,
     one_of,
 };
-use crate::world::{Place, World};
+use crate::world::World;
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
 

@@ -24,6 +24,7 @@ pub use partial::{Shard, Sweep};
 pub use summary::{Comparison, Group, Summary};
 
 use crate::episode::Settings;
+use crate::located;
 use crate::preference::{Predictor, RISK_WEIGHT};
 use crate::robot::SlowDrive;
 use crate::scenario::{Plant, PlantKind, PreparedScenario, RobotSetup, SETTINGS, Scenario};
@@ -72,10 +73,7 @@ impl Study {
     pub fn load(path: &Path, seeds: Option<u64>) -> Result<Self, SweepError> {
         let file = path.display().to_string();
         let folder = path.parent().unwrap_or(Path::new(""));
-        match std::fs::read_to_string(path) {
-            Ok(text) => Self::parse(&file, &text, folder, seeds),
-            Err(source) => Err(SweepError::Read { file, source }),
-        }
+        Self::parse(&file, &located::read(path)?, folder, seeds)
     }
 
     /// Reads the text of a study file; `file` is what errors call it, and the files that it names lie

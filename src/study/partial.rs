@@ -8,6 +8,7 @@ use super::ordered::in_order;
 use super::results::{self, Identity};
 use super::{Study, SweepError, row};
 use crate::arithmetic;
+use crate::located::FileError;
 use crate::parallel::OnDone;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
@@ -75,7 +76,7 @@ impl<'a> Sweep<'a> {
             return Err(SweepError::Exists { file: name });
         }
         let (mut bytes, kept) = match rows_kept(study, &file, &partial_name, &episodes) {
-            Err(error @ (SweepError::Read { .. } | SweepError::Write { .. })) => return Err(error),
+            Err(error @ (SweepError::File(_) | SweepError::Write { .. })) => return Err(error),
             Err(_) if overwrite => (0, 0),
             other => other?,
         };
@@ -132,7 +133,7 @@ fn rows_kept(
     loop {
         line.clear();
         let read = reader.read_until(b'\n', &mut line);
-        read.map_err(|source| SweepError::Read { file: name.to_owned(), source })?;
+        read.map_err(|source| FileError::Read { file: name.to_owned(), source })?;
         if line.last() != Some(&b'\n') {
             // the end of the file, or of a row that was cut short
             if bytes == 0 && !row::header().starts_with(&line) {

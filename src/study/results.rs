@@ -1,6 +1,7 @@
 //! A file of results: which episodes of which study its lines are.
 
 use super::{SweepError, row};
+use crate::located::FileError;
 use row::IDENTITY;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -78,7 +79,7 @@ impl Rows {
     /// Opens the file and checks its header.
     pub fn open(path: &Path) -> Result<Self, SweepError> {
         let file = path.display().to_string();
-        let opened = File::open(path).map_err(|source| SweepError::Read { file: file.clone(), source })?;
+        let opened = File::open(path).map_err(|source| FileError::Read { file: file.clone(), source })?;
         let mut rows = Self { file, reader: BufReader::new(opened), number: 0, line: Vec::new() };
         rows.advance()?;
         check_header(&rows.line, &rows.file)?;
@@ -98,7 +99,7 @@ impl Rows {
         self.line.clear();
         self.number += 1;
         let read = self.reader.read_until(b'\n', &mut self.line);
-        read.map_err(|source| SweepError::Read { file: self.file.clone(), source })?;
+        read.map_err(|source| FileError::Read { file: self.file.clone(), source })?;
         if self.line.last().is_some_and(|end| *end != b'\n') {
             return Err(SweepError::Line {
                 file: self.file.clone(),

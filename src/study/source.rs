@@ -1,7 +1,7 @@
 //! The values of a study file, each with the line on which it stands.
 
 use super::SweepError;
-use crate::world::Place;
+use crate::located::{self, Place};
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -17,16 +17,16 @@ pub(super) struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
+    fn located(self) -> located::Source<'a> {
+        located::Source { file: self.file, text: self.text }
+    }
+
     pub fn parse(self) -> Result<Spanned<DeTable<'a>>, SweepError> {
-        DeTable::parse(self.text).map_err(|mut error| {
-            error.set_input(Some(self.text));
-            SweepError::Syntax { file: self.file.to_owned(), source: Box::new(error) }
-        })
+        Ok(self.located().table("study file")?)
     }
 
     pub fn place(self, span: Range<usize>, item: impl Into<String>) -> Place {
-        let before = self.text.get(..span.start).unwrap_or("");
-        Place { file: self.file.to_owned(), line: before.matches('\n').count() + 1, item: item.into() }
+        self.located().place_at(span, item)
     }
 
     /// The error about a value.

@@ -1,43 +1,14 @@
 //! Errors in a world file, each with its file, line, item and numbers.
 
+use crate::located::{FileError, Place};
 use thiserror::Error;
-
-/// A place in a world file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Place {
-    /// The file as it was named by the caller.
-    pub file: String,
-    /// Line, counted from 1.
-    pub line: usize,
-    /// The item, such as ``obstacle `pillar` ``.
-    pub item: String,
-}
-
-impl std::fmt::Display for Place {
-    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        write!(f, "{}:{}: {}", self.file, self.line, self.item)
-    }
-}
 
 /// Why a world file was refused.
 #[derive(Debug, Error)]
 pub enum WorldError {
-    /// The file cannot be read.
-    #[error("{file}: cannot be read")]
-    Read {
-        /// The file.
-        file: String,
-        /// The system's error.
-        source: std::io::Error,
-    },
-    /// The file is not valid TOML.
-    #[error("{file}: not a valid world file")]
-    Syntax {
-        /// The file.
-        file: String,
-        /// Line, column, and what was expected there.
-        source: Box<toml::de::Error>,
-    },
+    /// A file cannot be read, or is not TOML.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// A number is out of its range.
     #[error("{place}: {field} = {value}; it must be {expected}")]
     Number {

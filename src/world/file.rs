@@ -1,7 +1,7 @@
 //! A world file as written, each item with its line.
 
-use super::error::{Place, WorldError};
-use super::object::ObjectShape;
+use super::object::ObjectEntry;
+use super::values::Pair;
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -47,16 +47,6 @@ pub(super) enum ShapeEntry {
     Polygon,
 }
 
-/// The `[object]`.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct ObjectEntry {
-    #[serde(default)]
-    pub shape: ObjectShape,
-    pub size_m: Spanned<Values<f64, 3>>,
-    pub mass_kg: Spanned<f64>,
-}
-
 /// One `[[opening]]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -71,43 +61,4 @@ pub(super) struct OpeningEntry {
 pub(super) struct OptionEntry {
     pub name: Option<String>,
     pub openings: Vec<String>,
-}
-
-/// Two values; more or fewer are an error.
-pub(super) type Pair<T> = Values<T, 2>;
-
-/// Exactly `N` values; more or fewer are an error.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(try_from = "Vec<T>")]
-#[serde(bound(deserialize = "T: Deserialize<'de>"))]
-pub(super) struct Values<T, const N: usize>(pub [T; N]);
-
-impl<T, const N: usize> TryFrom<Vec<T>> for Values<T, N> {
-    type Error = String;
-
-    fn try_from(values: Vec<T>) -> Result<Self, String> {
-        let n = values.len();
-        let expected = if N == 2 { "two" } else { "three" };
-        values.try_into().map(Self).map_err(|_| format!("expected {expected} values, found {n}"))
-    }
-}
-
-/// A file's name and text, used to locate items in it.
-#[derive(Clone, Copy)]
-pub(super) struct Source<'a> {
-    pub file: &'a str,
-    pub text: &'a str,
-}
-
-impl Source<'_> {
-    pub fn parse(self) -> Result<WorldFile, WorldError> {
-        toml::from_str(self.text)
-            .map_err(|e| WorldError::Syntax { file: self.file.to_owned(), source: Box::new(e) })
-    }
-
-    /// The place of `item`, which was read from `spanned`.
-    pub fn place<T>(self, spanned: &Spanned<T>, item: impl Into<String>) -> Place {
-        let before = self.text.get(..spanned.span().start).unwrap_or("");
-        Place { file: self.file.to_owned(), line: before.matches('\n').count() + 1, item: item.into() }
-    }
 }

@@ -16,17 +16,20 @@ mod file;
 mod object;
 mod obstacle;
 mod opening;
+mod values;
 
-pub use error::{Place, WorldError};
+pub use error::WorldError;
 pub use object::{CarriedObject, ObjectShape};
 pub use obstacle::Obstacle;
 pub use opening::{FREE_PASSAGE, Opening};
 
 use crate::geometry::{Bounds, Point};
-use file::{OptionEntry, Pair, Source, Values, WorldFile};
+use crate::located::{self, Place, Source};
+use file::{OptionEntry, WorldFile};
 use obstacle::Check;
 use std::collections::BTreeSet;
 use toml::Spanned;
+use values::{Pair, Values};
 
 /// Number of options to enumerate where a world lists none and sets no `option_limit`.
 pub const DEFAULT_OPTION_LIMIT: usize = 8;
@@ -81,11 +84,7 @@ impl World {
     /// # Errors
     /// [`WorldError`], which names the file, the line, the item and the numbers.
     pub fn load(path: &std::path::Path) -> Result<Self, WorldError> {
-        let file = path.display().to_string();
-        match std::fs::read_to_string(path) {
-            Ok(text) => Self::parse(&file, &text),
-            Err(source) => Err(WorldError::Read { file, source }),
-        }
+        Self::parse(&path.display().to_string(), &located::read(path)?)
     }
 
     /// Validates the text of a world file. Errors call it `file`.
@@ -94,7 +93,7 @@ impl World {
     /// As [`World::load`].
     pub fn parse(file: &str, text: &str) -> Result<Self, WorldError> {
         let source = Source { file, text };
-        let entries = source.parse()?;
+        let entries: WorldFile = source.parse("world file")?;
         let top = |spanned: &Spanned<f64>, item: &str| source.place(spanned, item);
         let robot_width = Check { place: &top(&entries.robot_width_m, "world") }
             .size("robot_width_m", *entries.robot_width_m.get_ref())?;
@@ -264,7 +263,7 @@ fn listed_options(
                 })
             };
             let openings = entry.openings.iter().map(find).collect::<Result<_, _>>()?;
-            Ok(ListedOption { name, openings, line: place.line })
+            Ok(ListedOption { name, openings, line: source.line(spanned.span().start) })
         })
         .collect()
 }

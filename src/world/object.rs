@@ -1,8 +1,10 @@
 //! The carried object.
 
 use super::error::WorldError;
-use super::file::{ObjectEntry, Source};
+use super::values::Values;
+use crate::located::Source;
 use serde::Deserialize;
+use toml::Spanned;
 
 /// Range of an object's length, width and height, m.
 const SIZES: [(f64, f64); 3] = [(0.3, 4.0), (0.02, 1.0), (0.02, 1.0)];
@@ -31,6 +33,16 @@ pub enum ObjectShape {
     Box,
     /// A board.
     Board,
+}
+
+/// The `[object]`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ObjectEntry {
+    #[serde(default)]
+    pub shape: ObjectShape,
+    pub size_m: Spanned<Values<f64, 3>>,
+    pub mass_kg: Spanned<f64>,
 }
 
 impl ObjectShape {

@@ -1,8 +1,10 @@
 //! Upright obstacles with their outlines and solids.
 
-use super::error::{Place, WorldError};
-use super::file::{ObstacleEntry, Pair, ShapeEntry};
+use super::error::WorldError;
+use super::file::{ObstacleEntry, ShapeEntry};
+use super::values::Pair;
 use crate::geometry::{Footprint, Point, cross, direction, left_of};
+use crate::located::Place;
 use crate::math;
 use parry3d::math::{Pose, Rotation, Vec3};
 use parry3d::shape::{Shape, SharedShape};

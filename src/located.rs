@@ -1,0 +1,143 @@
+//! Text files, and the places in them that errors name.
+
+use serde::de::DeserializeOwned;
+use std::io::Read;
+use std::ops::Range;
+use std::path::Path;
+use thiserror::Error;
+use toml::Spanned;
+use toml::de::DeTable;
+
+/// The largest text file that is read, B.
+const LARGEST: u64 = 64 << 20;
+
+/// Where in a file something stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// The file as it was named by the caller.
+    pub file: String,
+    /// Line, counted from 1; `None` where lines are not known, as in a URDF.
+    pub line: Option<usize>,
+    /// The item, such as ``obstacle `pillar` ``.
+    pub item: String,
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self.line {
+            Some(line) => write!(f, "{}:{line}: {}", self.file, self.item),
+            None => write!(f, "{}: {}", self.file, self.item),
+        }
+    }
+}
+
+/// A file that cannot be read, or is not what it should be.
+#[derive(Debug, Error)]
+pub enum FileError {
+    /// The file cannot be read.
+    #[error("{file}: cannot be read")]
+    Read {
+        /// The file.
+        file: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The file is not written in its language.
+    #[error("{file}: not a valid {kind}")]
+    Syntax {
+        /// The file.
+        file: String,
+        /// What it should be.
+        kind: &'static str,
+        /// Line, column, and what was expected there.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+}
+
+/// Reads a text file of at most 64 MiB.
+///
+/// # Errors
+/// [`FileError::Read`], also if it is larger or not UTF-8.
+pub fn read(path: &Path) -> Result<String, FileError> {
+    let mut text = String::new();
+    let read = std::fs::File::open(path).and_then(|file| file.take(LARGEST + 1).read_to_string(&mut text));
+    let too_large = || std::io::Error::other(format!("larger than {LARGEST} bytes"));
+    let read = read.and_then(|length| if length as u64 > LARGEST { Err(too_large()) } else { Ok(text) });
+    read.map_err(|source| FileError::Read { file: path.display().to_string(), source })
+}
+
+/// A file's name and text.
+#[derive(Clone, Copy, Debug)]
+pub struct Source<'a> {
+    /// What errors call it.
+    pub file: &'a str,
+    /// Its text.
+    pub text: &'a str,
+}
+
+impl<'a> Source<'a> {
+    /// The values of a TOML file; `kind` is what it should be, as in `world file`.
+    ///
+    /// # Errors
+    /// [`FileError::Syntax`], which names line and column.
+    pub fn parse<T: DeserializeOwned>(self, kind: &'static str) -> Result<T, FileError> {
+        toml::from_str(self.text).map_err(|error| self.invalid(kind, error))
+    }
+
+    /// The table of a TOML file, each key and value with its span.
+    ///
+    /// # Errors
+    /// As [`Source::parse`].
+    pub fn table(self, kind: &'static str) -> Result<Spanned<DeTable<'a>>, FileError> {
+        DeTable::parse(self.text).map_err(|mut error| {
+            error.set_input(Some(self.text));
+            self.invalid(kind, error)
+        })
+    }
+
+    /// The error that the file is not a valid `kind`.
+    pub fn invalid(
+        self,
+        kind: &'static str,
+        error: impl std::error::Error + Send + Sync + 'static,
+    ) -> FileError {
+        FileError::Syntax { file: self.file.to_owned(), kind, source: Box::new(error) }
+    }
+
+    /// The line of a byte, counted from 1.
+    pub fn line(self, byte: usize) -> usize {
+        let before = &self.text.as_bytes()[..byte.min(self.text.len())];
+        1 + before.iter().filter(|byte| **byte == b'\n').count()
+    }
+
+    /// The place of `item`, which was read from `spanned`.
+    pub fn place<T>(self, spanned: &Spanned<T>, item: impl Into<String>) -> Place {
+        self.place_at(spanned.span(), item)
+    }
+
+    /// The place of `item`, which stands at these bytes.
+    pub fn place_at(self, span: Range<usize>, item: impl Into<String>) -> Place {
+        Place { file: self.file.to_owned(), line: Some(self.line(span.start)), item: item.into() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_lines_are_counted_from_1() {
+        let source = Source { file: "f", text: "a\nbü\n\nc" };
+        assert_eq!([0, 1, 2, 4, 5, 6, 99].map(|byte| source.line(byte)), [1, 1, 2, 2, 2, 3, 4]);
+        assert_eq!(source.place_at(2..3, "x").to_string(), "f:2: x");
+    }
+
+    #[test]
+    fn a_file_that_is_too_large_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("large.toml");
+        std::fs::File::create(&path).unwrap().set_len(LARGEST + 1).unwrap();
+        let FileError::Read { source, .. } = read(&path).unwrap_err() else { panic!("another error") };
+        assert_eq!(source.to_string(), "larger than 67108864 bytes");
+    }
+}
