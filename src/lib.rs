@@ -38,8 +38,8 @@
 //! world          a TOML file -> obstacles, openings, start, target
 //! robot          a TOML file and a URDF -> drive, arm, grasp; forward kinematics and B(q)
 //! geometry       points, poses, outlines, paths
-//! math, saved, located
-//!                transcendental functions, the same bits everywhere; saved states; text files and places in them
+//! math, saved, located, output_file
+//!                transcendental functions, the same bits everywhere; saved states; places in text files; files written whole
 //! ```
 //!
 //! # Features
@@ -110,6 +110,8 @@ pub mod human;
 pub mod located;
 pub mod math;
 pub mod options;
+#[cfg(any(feature = "recording", feature = "studies"))]
+pub mod output_file;
 #[cfg(feature = "studies")]
 pub mod paper;
 #[cfg(feature = "studies")]

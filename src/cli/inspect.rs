@@ -1,8 +1,9 @@
 //! `cocarry inspect`: shows what is in a recording, as text, JSON, CSV or a picture.
 
-use super::output::{Failure, input, plain, print, print_json, table, table_text, write_file};
+use super::output::{Failure, input, plain, print, print_json, table, table_text, unwritten, write_file};
 use crate::drawing::{self, Track};
 use crate::geometry::Point;
+use crate::output_file::Outputs;
 use crate::recording::{Channel, Contents, ReadError, Reader, columns, decode, rows, scenario};
 use crate::world::World;
 use anyhow::{Context, anyhow};
@@ -136,20 +137,9 @@ fn csv(file: &Path, topic: &str, to: Option<&Path>) -> Result<ExitCode, Failure>
             write_table(&mut reader, topic, &columns, out, "standard output")?;
         }
         Some(to) => {
-            let name = to.display().to_string();
-            let failed = |error: std::io::Error| {
-                Failure::Output(anyhow!(error).context(format!("{name}: cannot be written")))
-            };
-            let mut partial = to.as_os_str().to_owned();
-            partial.push(".partial");
-            let out = std::fs::File::create(&partial).map_err(failed)?;
-            let written = write_table(&mut reader, topic, &columns, out, &name)
-                .and_then(|()| std::fs::rename(&partial, to).map_err(failed));
-            if written.is_err() {
-                // half a table is of no use; if it cannot be removed either, the first error is the one to report
-                let _ = std::fs::remove_file(&partial);
-            }
-            written?;
+            let mut out = Outputs::new(true, []).create(to).map_err(unwritten)?;
+            write_table(&mut reader, topic, &columns, &mut out, &to.display().to_string())?;
+            out.finish().map_err(unwritten)?;
         }
     }
     Ok(ExitCode::SUCCESS)

@@ -1,6 +1,7 @@
 //! Output of commands: text, tables, whole files, and a progress bar that is silent in a pipe.
 
 use crate::coordination::OptionTick;
+use crate::output_file::{OutputError, Outputs};
 use crate::quantities::{self, OptionView};
 use anyhow::{Context, Error};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_HORIZONTAL_ONLY};
@@ -51,17 +52,14 @@ pub(super) fn is_broken_pipe(error: &Error) -> bool {
     io.is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
 }
 
-/// Writes a file whole: beside its name first, renamed when finished, so that no half-written file carries the name.
+/// The failure to write a file: bad input where the name is wrong.
+pub(super) fn unwritten(error: OutputError) -> Failure {
+    if error.is_refusal() { input(error) } else { Failure::Output(error.into()) }
+}
+
+/// Writes a whole file.
 pub(super) fn write_file(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), Failure> {
-    let mut partial = path.as_os_str().to_owned();
-    partial.push(".partial");
-    let partial = Path::new(&partial);
-    let written = std::fs::write(partial, contents).and_then(|()| std::fs::rename(partial, path));
-    written.with_context(|| format!("{}: cannot be written", path.display())).map_err(|error| {
-        // what is left of a failed attempt is of no use; if it cannot be removed either, the first error is the one to report
-        let _ = std::fs::remove_file(partial);
-        Failure::Output(error)
-    })
+    Outputs::new(true, []).write(path, contents).map_err(unwritten)
 }
 
 /// Headings of a table of options. J~ is the robot's expectation: the subjective cost's mean over its belief, in cost units (eq. (2) adds

@@ -1,6 +1,6 @@
 //! `--record`: writes the recording of a run, finished also where the user stops it.
 
-use super::output::Failure;
+use super::output::{Failure, unwritten};
 use crate::episode::Episode;
 use crate::recording::{Ending, FileRecorder, RecordingError};
 use crate::scenario::PreparedScenario;
@@ -55,5 +55,8 @@ impl Recording<'_> {
 }
 
 pub(super) fn output(error: RecordingError) -> Failure {
-    Failure::Output(error.into())
+    match error {
+        RecordingError::Output(error) => unwritten(error),
+        other => Failure::Output(other.into()),
+    }
 }

@@ -1,35 +1,15 @@
 //! What can go wrong with recordings, each case with the file, the place and what would be right.
 
+use crate::output_file::OutputError;
 use crate::scenario::ScenarioError;
-use std::path::PathBuf;
 use thiserror::Error;
 
 /// A recording that cannot be written.
 #[derive(Debug, Error)]
 pub enum RecordingError {
-    /// There is a file of that name.
-    #[error("{}: exists already; choose another name, or give --overwrite", file.display())]
-    Exists {
-        /// The file.
-        file: PathBuf,
-    },
-    /// There is what is left of another recording of that name.
-    #[error(
-        "{}: is what is left of a recording that was cut; save it with `cocarry recover`, remove it, or give --overwrite",
-        file.display()
-    )]
-    LeftOver {
-        /// The file.
-        file: PathBuf,
-    },
-    /// The file cannot be made.
-    #[error("{}: cannot be written", file.display())]
-    Create {
-        /// The file.
-        file: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
+    /// The file cannot be made, or not get its name.
+    #[error(transparent)]
+    Output(#[from] OutputError),
     /// What the run is made of cannot be written down.
     #[error("{file}: would not say what it is made of")]
     Scenario {
@@ -46,16 +26,16 @@ pub enum RecordingError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// The finished file cannot get its name.
-    #[error("{}: is complete, but cannot be renamed to {}", partial.display(), file.display())]
-    Rename {
-        /// The file as it is called.
-        partial: PathBuf,
-        /// The file as it should be called.
-        file: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
+}
+
+impl RecordingError {
+    /// The same error about a file of which nothing is left.
+    pub(super) fn begun(self) -> Self {
+        match self {
+            Self::Write { file, source } => OutputError::Write { file: file.into(), source }.into(),
+            other => other,
+        }
+    }
 }
 
 /// A recording that cannot be read.

@@ -7,11 +7,7 @@ use super::schema::Definition;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{McapError, WriteOptions, Writer};
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions};
-use std::io::{BufWriter, Error, ErrorKind, Seek, Write};
-use std::path::{Path, PathBuf};
-
-use super::RecordingError;
+use std::io::{Error, Seek, Write};
 
 /// What files say that they were written by: the same for all, so that equal runs give equal bytes.
 const LIBRARY: &str = "cocarry";
@@ -102,74 +98,5 @@ fn error(error: McapError) -> Error {
     match error {
         McapError::Io(error) => error,
         other => Error::other(other),
-    }
-}
-
-/// A file that gets its name when it is finished.
-#[derive(Debug)]
-pub(super) struct Named {
-    file: PathBuf,
-    partial: PathBuf,
-    overwrite: bool,
-}
-
-impl Named {
-    /// Makes the file `<file><suffix>`, to be renamed; an existing one only if told to `overwrite`.
-    pub fn create(
-        file: &Path,
-        suffix: &str,
-        overwrite: bool,
-    ) -> Result<(Self, BufWriter<File>), RecordingError> {
-        let mut partial = file.as_os_str().to_owned();
-        partial.push(suffix);
-        let partial = PathBuf::from(partial);
-        if !overwrite && file.symlink_metadata().is_ok() {
-            return Err(RecordingError::Exists { file: file.to_owned() });
-        }
-        if file.is_dir() {
-            let source = ErrorKind::IsADirectory.into();
-            return Err(RecordingError::Create { file: file.to_owned(), source });
-        }
-        let mut options = OpenOptions::new();
-        options.write(true).create(true).truncate(true).create_new(!overwrite);
-        let opened = options.open(&partial).map_err(|source| match source.kind() {
-            ErrorKind::AlreadyExists => RecordingError::LeftOver { file: partial.clone() },
-            _ => RecordingError::Create { file: partial.clone(), source },
-        })?;
-        Ok((Self { file: file.to_owned(), partial, overwrite }, BufWriter::new(opened)))
-    }
-
-    /// How errors call it while it is being written.
-    pub fn partial(&self) -> String {
-        self.partial.display().to_string()
-    }
-
-    /// Removes what was begun and is of no use; what went wrong, as an error about a file that could not be made.
-    pub fn abandon(&self, error: RecordingError) -> RecordingError {
-        // if it cannot be removed either, the first error is the one to report
-        let _ = std::fs::remove_file(&self.partial);
-        match error {
-            RecordingError::Write { source, .. } => {
-                RecordingError::Create { file: self.partial.clone(), source }
-            }
-            other => other,
-        }
-    }
-
-    /// Gives the finished file its name.
-    pub fn finish(self, written: BufWriter<File>) -> Result<(), RecordingError> {
-        let Self { file, partial, overwrite } = self;
-        let written = written.into_inner().map_err(std::io::IntoInnerError::into_error);
-        written
-            .and_then(|file| file.sync_all())
-            .map_err(|source| RecordingError::Write { file: partial.display().to_string(), source })?;
-        if !overwrite && file.symlink_metadata().is_ok() {
-            return Err(RecordingError::Exists { file });
-        }
-        std::fs::rename(&partial, &file).map_err(|source| RecordingError::Rename {
-            partial: partial.clone(),
-            file: file.clone(),
-            source,
-        })
     }
 }

@@ -2,19 +2,17 @@
 
 use super::channel::{Channel, Message};
 use super::encoder::{Encoder, Ending};
-use super::file::{MessageFile, Named};
+use super::file::MessageFile;
 use super::provenance::{METADATA, Provenance};
 use super::{Definition, RecordingError};
 use crate::episode::Episode;
+use crate::output_file::OutputFile;
 use crate::scenario::PreparedScenario;
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{BufWriter, Seek, Write};
+use std::io::{Seek, Write};
 use std::path::Path;
 
 const SECOND: u64 = 1_000_000_000;
-/// What is added to the name of a recording that is not finished.
-const PARTIAL: &str = ".partial";
 
 /// Writes an episode as MCAP. All up to the last whole second of simulated time is in the system's hands.
 pub struct Recorder<'a, W: Write + Seek> {
@@ -96,10 +94,7 @@ fn write<W: Write + Seek>(
 }
 
 /// A [`Recorder`] into a file, which is called `<name>.partial` until it is finished.
-pub struct FileRecorder<'a> {
-    recorder: Recorder<'a, BufWriter<File>>,
-    named: Named,
-}
+pub struct FileRecorder<'a>(Recorder<'a, OutputFile>);
 
 impl<'a> FileRecorder<'a> {
     /// As [`Recorder::new`]. An existing file is only replaced if told to `overwrite`.
@@ -112,10 +107,15 @@ impl<'a> FileRecorder<'a> {
         stage: &'a PreparedScenario,
         episode: &Episode,
     ) -> Result<Self, RecordingError> {
-        let (named, to) = Named::create(file, PARTIAL, overwrite)?;
-        let recorder =
-            Recorder::new(to, &named.partial(), stage, episode).map_err(|error| named.abandon(error))?;
-        Ok(Self { recorder, named })
+        let mut to = OutputFile::anew(file, overwrite)?;
+        to.keep();
+        let partial = to.partial().to_owned();
+        let recorder = Recorder::new(to, &partial.display().to_string(), stage, episode);
+        Ok(Self(recorder.map_err(|error| {
+            // without its first chunk it is of no use; if it cannot be removed either, the first error is the one to report
+            let _ = std::fs::remove_file(&partial);
+            error.begun()
+        })?))
     }
 
     /// As [`Recorder::step`].
@@ -123,7 +123,7 @@ impl<'a> FileRecorder<'a> {
     /// # Errors
     /// [`RecordingError::Write`].
     pub fn step(&mut self, episode: &Episode) -> Result<(), RecordingError> {
-        self.recorder.step(episode)
+        self.0.step(episode)
     }
 
     /// Writes the end, and gives the file its name.
@@ -131,7 +131,6 @@ impl<'a> FileRecorder<'a> {
     /// # Errors
     /// [`RecordingError`]: it cannot be written, or renamed.
     pub fn finish(self, episode: &Episode, ending: Ending) -> Result<(), RecordingError> {
-        let written = self.recorder.finish(episode, ending)?;
-        self.named.finish(written)
+        Ok(self.0.finish(episode, ending)?.finish()?)
     }
 }

@@ -1,11 +1,11 @@
 //! What is whole in a cut or damaged recording, as a valid one.
 
-use super::file::{MessageFile, Named};
+use super::file::MessageFile;
 use super::provenance::RECOVERED;
 use super::{Entry, ReadError, Reader, RecordingError};
+use crate::output_file::OutputFile;
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{BufWriter, Read};
+use std::io::Read;
 use std::path::Path;
 
 /// What was saved of a recording.
@@ -19,8 +19,6 @@ pub struct Recovered {
     pub lost: Vec<ReadError>,
 }
 
-/// What is added to the name of a file that is not finished: another ending than a recording's, which may be what is read.
-const SUFFIX: &str = ".recovering";
 /// The most faults that are remembered; behind so many there is nothing to be saved.
 const MOST_FAULTS: usize = 1000;
 
@@ -44,20 +42,20 @@ pub fn recover<R: Read>(
     to: &Path,
     overwrite: bool,
 ) -> Result<Recovered, RecoverError> {
-    let (named, output) = Named::create(to, SUFFIX, overwrite)?;
+    let output = OutputFile::create(to, overwrite).map_err(RecordingError::from)?;
+    let name = to.display().to_string();
     // what was to be recovered is still there
-    let (recovered, written) =
-        save(reader, output, &named.partial()).map_err(|error| named.abandon(error))?;
-    named.finish(written)?;
+    let (recovered, written) = save(reader, output, &name).map_err(RecordingError::begun)?;
+    written.finish().map_err(RecordingError::from)?;
     Ok(recovered)
 }
 
 /// Writes what is whole; what was written to, unfinished in name only.
 fn save<R: Read>(
     reader: &mut Reader<R>,
-    output: BufWriter<File>,
+    output: OutputFile,
     name: &str,
-) -> Result<(Recovered, BufWriter<File>), RecordingError> {
+) -> Result<(Recovered, OutputFile), RecordingError> {
     let write = |source| RecordingError::Write { file: name.to_owned(), source };
     let mut file = MessageFile::new(output).map_err(write)?;
     let mut ids = BTreeMap::new();

@@ -1,6 +1,7 @@
 //! What can be wrong with a study file or with the files of a sweep, each case with its file, place and value.
 
 use crate::located::{FileError, Place};
+use crate::output_file::OutputError;
 use crate::robot::RobotError;
 use crate::world::WorldError;
 use thiserror::Error;
@@ -11,14 +12,9 @@ pub enum SweepError {
     /// A file cannot be read, or is not TOML.
     #[error(transparent)]
     File(#[from] FileError),
-    /// A file cannot be written.
-    #[error("{file}: cannot be written")]
-    Write {
-        /// The file.
-        file: String,
-        /// What the system said.
-        source: std::io::Error,
-    },
+    /// A file cannot be written, or may not be.
+    #[error(transparent)]
+    Output(#[from] OutputError),
     /// A value is not one that the key takes.
     #[error("{place} = {value}; it must be {expected}")]
     Value {
@@ -107,12 +103,6 @@ pub enum SweepError {
         /// What is wrong with it.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
-    /// The results are there already.
-    #[error("{file}: exists already; --overwrite replaces it")]
-    Exists {
-        /// The file.
-        file: String,
-    },
     /// Rows of another study are there.
     #[error(
         "{file}: line {line} is of study {found}, this is study {expected}: a file, an option or the program has changed; --overwrite begins anew"
@@ -140,12 +130,6 @@ pub enum SweepError {
         other: String,
         /// The stamp of that.
         expected: String,
-    },
-    /// Another process is writing the file.
-    #[error("{file}: another process is writing it")]
-    Busy {
-        /// The file.
-        file: String,
     },
     /// A file that no sweep of this version wrote.
     #[error(
@@ -224,6 +208,6 @@ pub enum SweepError {
 impl SweepError {
     /// Whether it is about writing, not about what was given.
     pub fn is_about_writing(&self) -> bool {
-        matches!(self, Self::Write { .. })
+        matches!(self, Self::Output(error) if !error.is_refusal())
     }
 }

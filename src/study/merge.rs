@@ -3,8 +3,8 @@
 use super::partial::Shard;
 use super::results::{Identity, Rows};
 use super::{SweepError, row};
-use std::fs::File;
-use std::io::{BufWriter, ErrorKind, Write};
+use crate::output_file::{OutputError, OutputFile, Outputs};
+use std::io::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -22,34 +22,18 @@ struct Part {
 /// # Errors
 /// [`SweepError`], which names the file that does not belong to the others, or the episodes that are missing.
 pub fn merge(path: &Path, shards: &[PathBuf], overwrite: bool) -> Result<u64, SweepError> {
-    let name = path.display().to_string();
-    if path.exists() && !overwrite {
-        return Err(SweepError::Exists { file: name });
-    }
+    Outputs::new(overwrite, shards.iter().cloned()).check(path)?;
     let mut parts = parts(shards)?;
     let Some(study) = parts.first().map(|part| part.first.clone()) else {
         let files: Vec<_> = shards.iter().map(|path| path.display().to_string()).collect();
         return Err(SweepError::Empty { file: files.join(", ") });
     };
     parts.sort_by_key(|part| part.first.episode);
-    let mut partial = path.as_os_str().to_owned();
-    partial.push(".partial");
-    let partial = PathBuf::from(partial);
     // an unfinished sweep of that name is not to be lost
-    let opened = if overwrite { File::create(&partial) } else { File::create_new(&partial) };
-    let file = opened.map_err(|source| match source.kind() {
-        ErrorKind::AlreadyExists => SweepError::Exists { file: partial.display().to_string() },
-        _ => SweepError::Write { file: partial.display().to_string(), source },
-    })?;
-    let written = write(file, &partial, parts, &study);
-    let renamed = written.and_then(|()| {
-        std::fs::rename(&partial, path).map_err(|source| SweepError::Write { file: name, source })
-    });
-    if renamed.is_err() {
-        // of no use; if it cannot be removed either, the first error is the one to report
-        let _ = std::fs::remove_file(&partial);
-    }
-    renamed.map(|()| study.episodes)
+    let mut file = OutputFile::anew(path, overwrite)?;
+    write(&mut file, parts, &study)?;
+    file.finish()?;
+    Ok(study.episodes)
 }
 
 /// Opens all files; those without a row have nothing to say.
@@ -89,9 +73,9 @@ fn check_study(file: &str, found: &Identity, first: &str, expected: &Identity) -
 }
 
 /// Writes the rows of all parts, which are in order.
-fn write(file: File, path: &Path, parts: Vec<Part>, study: &Identity) -> Result<(), SweepError> {
-    let unwritable = |source| SweepError::Write { file: path.display().to_string(), source };
-    let mut out = BufWriter::new(file);
+fn write(out: &mut OutputFile, parts: Vec<Part>, study: &Identity) -> Result<(), SweepError> {
+    let partial = out.partial().to_owned();
+    let unwritable = |source| OutputError::Write { file: partial.clone(), source };
     out.write_all(&row::header()).map_err(unwritable)?;
     let mut before: Option<String> = None;
     let mut covered: Vec<Range<u64>> = Vec::new();

@@ -9,11 +9,12 @@ use super::results::{self, Identity};
 use super::{Study, SweepError, row};
 use crate::arithmetic;
 use crate::located::FileError;
+use crate::output_file::{OutputError, OutputFile};
 use crate::parallel::OnDone;
-use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
+use std::fs::File;
+use std::io::{BufRead, BufReader, Write};
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A part of a study, for one of several computers: an unbroken range of its episodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,9 +37,7 @@ impl Shard {
 #[derive(Debug)]
 pub struct Sweep<'a> {
     study: &'a Study,
-    path: PathBuf,
-    partial: PathBuf,
-    file: File,
+    file: OutputFile,
     episodes: Range<u64>,
     kept: u64,
 }
@@ -56,39 +55,21 @@ impl<'a> Sweep<'a> {
         overwrite: bool,
     ) -> Result<Self, SweepError> {
         let episodes = shard.map_or(0..study.episodes(), |shard| shard.episodes(study.episodes()));
-        let mut partial = path.as_os_str().to_owned();
-        partial.push(".partial");
-        let partial = PathBuf::from(partial);
-        let (name, partial_name) = (path.display().to_string(), partial.display().to_string());
-        let write = |source| SweepError::Write { file: partial_name.clone(), source };
-        if path.exists() && !overwrite {
-            return Err(SweepError::Exists { file: name });
-        }
-        let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&partial);
-        let mut file = file.map_err(write)?;
-        match file.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Err(SweepError::Busy { file: partial_name }),
-            Err(TryLockError::Error(source)) => return Err(write(source)),
-        }
-        // whoever held the lock may have finished just now
-        if path.exists() && !overwrite {
-            return Err(SweepError::Exists { file: name });
-        }
-        let (mut bytes, kept) = match rows_kept(study, &file, &partial_name, &episodes) {
-            Err(error @ (SweepError::File(_) | SweepError::Write { .. })) => return Err(error),
+        let (mut file, _) = OutputFile::resumable(path, overwrite)?;
+        file.keep();
+        let partial = file.partial().to_owned();
+        let write = |source| OutputError::Write { file: partial.clone(), source };
+        let (bytes, kept) = match rows_kept(study, file.as_file(), &partial.display().to_string(), &episodes)
+        {
+            Err(error @ (SweepError::File(_) | SweepError::Output(_))) => return Err(error),
             Err(_) if overwrite => (0, 0),
             other => other?,
         };
-        file.set_len(bytes).map_err(write)?;
-        file.seek(SeekFrom::End(0)).map_err(write)?;
+        file.cut(bytes).map_err(write)?;
         if bytes == 0 {
-            let header = row::header();
-            file.write_all(&header).map_err(write)?;
-            bytes = header.len() as u64;
+            file.write_all(&row::header()).and_then(|()| file.flush()).map_err(write)?;
         }
-        debug_assert!(bytes > 0);
-        Ok(Self { study, path: path.to_owned(), partial, file, episodes, kept })
+        Ok(Self { study, file, episodes, kept })
     }
 
     /// Episodes whose rows were there already.
@@ -104,19 +85,20 @@ impl<'a> Sweep<'a> {
     /// Runs what is left, on all threads of the current pool, and gives the file its name.
     ///
     /// # Errors
-    /// [`SweepError::Write`]: the rows that could be written stay in the partial file.
+    /// [`SweepError::Output`]: the rows that could be written stay in the partial file.
     pub fn run(self, on_done: OnDone) -> Result<(), SweepError> {
-        let Self { study, path, partial, mut file, episodes, kept } = self;
+        let Self { study, mut file, episodes, kept } = self;
         let left = episodes.start + kept..episodes.end;
         let append = |lines: &[u8], count: u64| {
             file.write_all(lines)?;
+            file.flush()?;
             (0..count).for_each(|_| on_done());
             Ok(())
         };
-        let done = in_order(left, |episode| study.run(episode), append).and_then(|()| file.sync_all());
-        done.map_err(|source| SweepError::Write { file: partial.display().to_string(), source })?;
-        let renamed = std::fs::rename(&partial, &path);
-        renamed.map_err(|source| SweepError::Write { file: path.display().to_string(), source })
+        let done = in_order(left, |episode| study.run(episode), append);
+        let partial = file.partial().to_owned();
+        done.map_err(|source| OutputError::Write { file: partial, source })?;
+        Ok(file.finish()?)
     }
 }
 

@@ -1,0 +1,440 @@
+//! Files that appear under their names whole or not at all, and replace others only when told to.
+//!
+//! A file is written under another name in the same folder, and renamed when it is finished: [`OutputFile::create`] takes a name of its own
+//! that nobody else has, and removes it after a failure. [`OutputFile::resumable`] takes `NAME.partial`, which a killed process leaves to be
+//! gone on with or recovered; who writes it has a lock on it, so that a name has one writer.
+
+use std::fs::{File, Metadata, OpenOptions, TryLockError};
+use std::io::{BufWriter, Error, ErrorKind, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+/// Why a file cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// There is a file of that name.
+    #[error("{}: exists already; choose another name, or give --overwrite", file.display())]
+    Exists {
+        /// The file.
+        file: PathBuf,
+    },
+    /// There is what another process left of a file of that name.
+    #[error(
+        "{}: exists already: what is left of a file that was not finished; recover or remove it, choose another name, or give --overwrite",
+        file.display()
+    )]
+    LeftOver {
+        /// The unfinished file.
+        file: PathBuf,
+    },
+    /// There is something of that name that is no file.
+    #[error("{}: is a {kind}, which is never replaced; choose another name", file.display())]
+    NotAFile {
+        /// What was to be written.
+        file: PathBuf,
+        /// What there is.
+        kind: &'static str,
+    },
+    /// What the command reads would be replaced.
+    #[error("{}: is an input of this command, which is never replaced; choose another name", file.display())]
+    Input {
+        /// The file.
+        file: PathBuf,
+    },
+    /// Another process is writing it.
+    #[error("{}: another process is writing it", file.display())]
+    Busy {
+        /// The file.
+        file: PathBuf,
+    },
+    /// The system refuses to write.
+    #[error("{}: cannot be written", file.display())]
+    Write {
+        /// The file.
+        file: PathBuf,
+        /// What the system said.
+        source: Error,
+    },
+    /// The finished file cannot get its name.
+    #[error("{}: is complete, but cannot be renamed to {}", partial.display(), file.display())]
+    Rename {
+        /// The file as it is called.
+        partial: PathBuf,
+        /// The file as it should be called.
+        file: PathBuf,
+        /// What the system said.
+        source: Error,
+    },
+}
+
+impl OutputError {
+    /// Whether the name is wrong, not the system's answer.
+    pub fn is_refusal(&self) -> bool {
+        !matches!(self, Self::Write { .. } | Self::Rename { .. })
+    }
+}
+
+/// Which files a command may replace.
+#[derive(Clone, Debug, Default)]
+pub struct Outputs {
+    overwrite: bool,
+    inputs: Vec<PathBuf>,
+}
+
+impl Outputs {
+    /// Existing files are replaced if told to `overwrite`, but for `inputs`.
+    pub fn new(overwrite: bool, inputs: impl IntoIterator<Item = PathBuf>) -> Self {
+        Self { overwrite, inputs: inputs.into_iter().collect() }
+    }
+
+    /// Whether a file of that name may be written. To be asked before the work.
+    ///
+    /// # Errors
+    /// [`OutputError`] for which [`OutputError::is_refusal`].
+    pub fn check(&self, file: &Path) -> Result<(), OutputError> {
+        let same = |input: &PathBuf| input == file || is_same(input, file);
+        if self.inputs.iter().any(same) {
+            return Err(OutputError::Input { file: file.to_owned() });
+        }
+        existing(file, self.overwrite).map(drop)
+    }
+
+    /// Writes a whole file.
+    ///
+    /// # Errors
+    /// [`OutputError`]: a file of that name is as it was before.
+    pub fn write(&self, file: &Path, contents: impl AsRef<[u8]>) -> Result<(), OutputError> {
+        let mut output = self.create(file)?;
+        let written = output.write_all(contents.as_ref());
+        written.map_err(|source| OutputError::Write { file: file.to_owned(), source })?;
+        output.finish()
+    }
+
+    /// As [`OutputFile::create`].
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn create(&self, file: &Path) -> Result<OutputFile, OutputError> {
+        self.check(file)?;
+        OutputFile::create(file, self.overwrite)
+    }
+}
+
+/// A file being written.
+#[derive(Debug)]
+pub struct OutputFile {
+    file: PathBuf,
+    partial: PathBuf,
+    overwrite: bool,
+    /// Whether the partial file is removed where this is dropped unfinished.
+    is_removed: bool,
+    writer: BufWriter<File>,
+}
+
+impl OutputFile {
+    /// Begins a file under a name that nobody else has; unfinished, it is removed.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn create(file: &Path, overwrite: bool) -> Result<Self, OutputError> {
+        let replaced = existing(file, overwrite)?;
+        let write = |source| OutputError::Write { file: file.to_owned(), source };
+        let partial = partial_name(file);
+        if let Ok(other) = File::open(&partial)
+            && matches!(other.try_lock_shared(), Err(TryLockError::WouldBlock))
+        {
+            return Err(OutputError::Busy { file: partial });
+        }
+        let own = |n: u32| file.with_file_name(format!(".cocarry-{n}.tmp"));
+        let mut options = OpenOptions::new();
+        options.write(true).create_new(true);
+        for partial in (0..=u32::MAX).map(own) {
+            match options.open(&partial) {
+                Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(write(error)),
+                Ok(opened) => {
+                    let output = Self::new(file, partial, overwrite, opened);
+                    output.take_permissions(replaced).map_err(write)?;
+                    return Ok(output);
+                }
+            }
+        }
+        Err(write(ErrorKind::AlreadyExists.into()))
+    }
+
+    /// Opens `NAME.partial`, or makes it, and locks it. What it has already stays; how much that is (B) is returned too.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn resumable(file: &Path, overwrite: bool) -> Result<(Self, u64), OutputError> {
+        let partial = partial_name(file);
+        let write = |source| OutputError::Write { file: partial.clone(), source };
+        loop {
+            existing(file, overwrite)?;
+            existing(&partial, true)?;
+            let mut options = OpenOptions::new();
+            let opened = options.read(true).write(true).create(true).truncate(false).open(&partial);
+            let opened = opened.map_err(write)?;
+            match opened.try_lock() {
+                Ok(()) => {}
+                Err(TryLockError::WouldBlock) => return Err(OutputError::Busy { file: partial }),
+                Err(TryLockError::Error(source)) => return Err(write(source)),
+            }
+            // whoever had the lock may have given the file its name just now: then this is not the partial file
+            let metadata = opened.metadata().map_err(write)?;
+            let is_partial = partial.symlink_metadata().is_ok_and(|named| is_one(&named, &metadata));
+            if is_partial {
+                let replaced = existing(file, overwrite)?;
+                let mut output = Self::new(file, partial, overwrite, opened);
+                output.is_removed = metadata.len() == 0;
+                output
+                    .take_permissions(replaced)
+                    .map_err(|source| OutputError::Write { file: file.to_owned(), source })?;
+                return Ok((output, metadata.len()));
+            }
+        }
+    }
+
+    /// As [`OutputFile::resumable`], from the beginning.
+    ///
+    /// # Errors
+    /// [`OutputError`]: also if there is something already, without `overwrite`.
+    pub fn anew(file: &Path, overwrite: bool) -> Result<Self, OutputError> {
+        let (mut output, length) = Self::resumable(file, overwrite)?;
+        if length > 0 && !overwrite {
+            return Err(OutputError::LeftOver { file: output.partial.clone() });
+        }
+        output.cut(0).map_err(|source| OutputError::Write { file: output.partial.clone(), source })?;
+        output.is_removed = true;
+        Ok(output)
+    }
+
+    fn new(file: &Path, partial: PathBuf, overwrite: bool, opened: File) -> Self {
+        Self { file: file.to_owned(), partial, overwrite, is_removed: true, writer: BufWriter::new(opened) }
+    }
+
+    fn take_permissions(&self, replaced: Option<Metadata>) -> Result<(), Error> {
+        replaced.map_or(Ok(()), |replaced| self.as_file().set_permissions(replaced.permissions()))
+    }
+
+    /// How the file is called until it is finished.
+    pub fn partial(&self) -> &Path {
+        &self.partial
+    }
+
+    /// The file under that name.
+    pub fn as_file(&self) -> &File {
+        self.writer.get_ref()
+    }
+
+    /// Cuts the file off after so many bytes, and goes on there.
+    ///
+    /// # Errors
+    /// The system's.
+    pub fn cut(&mut self, length: u64) -> Result<(), Error> {
+        self.flush()?;
+        self.as_file().set_len(length)?;
+        self.writer.seek(SeekFrom::Start(length)).map(drop)
+    }
+
+    /// From here on, what is written stays under its other name where the file is not finished.
+    pub fn keep(&mut self) {
+        self.is_removed = false;
+    }
+
+    /// Gives the file its name.
+    ///
+    /// # Errors
+    /// [`OutputError`]: also if another file has got the name meanwhile, and is not to be replaced.
+    pub fn finish(mut self) -> Result<(), OutputError> {
+        let synced = self.writer.flush().and_then(|()| self.as_file().sync_all());
+        synced.map_err(|source| OutputError::Write { file: self.partial.clone(), source })?;
+        existing(&self.file, self.overwrite)?;
+        let named = match self.overwrite {
+            true => std::fs::rename(&self.partial, &self.file),
+            false => link(&self.partial, &self.file),
+        };
+        match named {
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+                Err(OutputError::Exists { file: self.file.clone() })
+            }
+            Err(source) => {
+                // it is whole: nobody wants it removed
+                self.is_removed = false;
+                Err(OutputError::Rename { partial: self.partial.clone(), file: self.file.clone(), source })
+            }
+            Ok(()) => {
+                self.is_removed = false;
+                Ok(())
+            }
+        }
+    }
+}
+
+impl Write for OutputFile {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, Error> {
+        self.writer.write(bytes)
+    }
+
+    fn flush(&mut self) -> Result<(), Error> {
+        self.writer.flush()
+    }
+}
+
+impl Seek for OutputFile {
+    fn seek(&mut self, to: SeekFrom) -> Result<u64, Error> {
+        self.writer.seek(to)
+    }
+}
+
+impl Drop for OutputFile {
+    fn drop(&mut self) {
+        if self.is_removed {
+            // if it cannot be removed, the error that led here is the one to report
+            let _ = std::fs::remove_file(&self.partial);
+        }
+    }
+}
+
+fn partial_name(file: &Path) -> PathBuf {
+    let mut partial = file.as_os_str().to_owned();
+    partial.push(".partial");
+    PathBuf::from(partial)
+}
+
+/// The file that has the name, if it may be replaced.
+fn existing(file: &Path, overwrite: bool) -> Result<Option<Metadata>, OutputError> {
+    // what else the system has against the name it says where the file is made
+    let Ok(found) = file.symlink_metadata() else { return Ok(None) };
+    let kind = match found.file_type() {
+        kind if kind.is_symlink() => "symbolic link",
+        kind if kind.is_dir() => "directory",
+        kind if kind.is_file() => "",
+        _ => "special file",
+    };
+    match kind {
+        "" if overwrite => Ok(Some(found)),
+        "" => Err(OutputError::Exists { file: file.to_owned() }),
+        kind => Err(OutputError::NotAFile { file: file.to_owned(), kind }),
+    }
+}
+
+/// Gives a file a name that nobody has.
+fn link(partial: &Path, file: &Path) -> Result<(), Error> {
+    match std::fs::hard_link(partial, file) {
+        Ok(()) => std::fs::remove_file(partial),
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => Err(error),
+        // not every file system has links
+        Err(_) => std::fs::rename(partial, file),
+    }
+}
+
+fn is_same(a: &Path, b: &Path) -> bool {
+    let metadata = |path: &Path| std::fs::metadata(path).ok();
+    metadata(a).zip(metadata(b)).is_some_and(|(a, b)| is_one(&a, &b))
+}
+
+#[cfg(unix)]
+fn is_one(a: &Metadata, b: &Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    (a.dev(), a.ino()) == (b.dev(), b.ino())
+}
+
+#[cfg(not(unix))]
+fn is_one(a: &Metadata, b: &Metadata) -> bool {
+    (a.created().ok(), a.len()) == (b.created().ok(), b.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = std::fs::read_dir(folder).unwrap();
+        let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_file_is_written_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        Outputs::default().write(&path, "one").unwrap();
+        let again = Outputs::default().write(&path, "two");
+        assert!(matches!(again, Err(OutputError::Exists { .. })), "{again:?}");
+        let mut output = OutputFile::create(&path, true).unwrap();
+        output.write_all(b"half of th").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"one");
+        drop(output);
+        assert_eq!(
+            (std::fs::read(&path).unwrap(), names(folder.path())),
+            (b"one".to_vec(), vec!["a.txt".to_owned()])
+        );
+        Outputs::new(true, []).write(&path, "two").unwrap();
+        assert_eq!(
+            (std::fs::read(&path).unwrap(), names(folder.path())),
+            (b"two".to_vec(), vec!["a.txt".to_owned()])
+        );
+    }
+
+    #[test]
+    fn a_file_that_appears_meanwhile_is_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        let output = OutputFile::create(&path, false).unwrap();
+        std::fs::write(&path, "mine").unwrap();
+        assert!(matches!(output.finish(), Err(OutputError::Exists { .. })));
+        assert_eq!(
+            (std::fs::read(&path).unwrap(), names(folder.path())),
+            (b"mine".to_vec(), vec!["a.txt".to_owned()])
+        );
+    }
+
+    #[test]
+    fn inputs_folders_and_links_are_never_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        std::fs::write(path("world.toml"), "mine").unwrap();
+        std::fs::create_dir(path("folder")).unwrap();
+        let outputs = Outputs::new(true, [path("folder/../world.toml")]);
+        assert!(matches!(outputs.write(&path("world.toml"), "x"), Err(OutputError::Input { .. })));
+        assert!(matches!(outputs.write(&path("folder"), "x"), Err(OutputError::NotAFile { .. })));
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::{PermissionsExt, symlink};
+            symlink(path("world.toml"), path("link")).unwrap();
+            assert!(matches!(outputs.write(&path("link"), "x"), Err(OutputError::NotAFile { .. })));
+            assert!(matches!(outputs.check(Path::new("/dev/null")), Err(OutputError::NotAFile { .. })));
+            std::fs::write(path("private"), "").unwrap();
+            std::fs::set_permissions(path("private"), PermissionsExt::from_mode(0o600)).unwrap();
+            outputs.write(&path("private"), "x").unwrap();
+            assert_eq!(path("private").metadata().unwrap().permissions().mode() & 0o777, 0o600);
+        }
+        assert_eq!(std::fs::read(path("world.toml")).unwrap(), b"mine");
+    }
+
+    #[test]
+    fn a_name_has_one_writer() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.csv");
+        let (mut first, length) = OutputFile::resumable(&path, false).unwrap();
+        assert_eq!(length, 0);
+        first.keep();
+        first.write_all(b"row\n").unwrap();
+        for overwrite in [false, true] {
+            assert!(matches!(OutputFile::resumable(&path, overwrite), Err(OutputError::Busy { .. })));
+            assert!(matches!(OutputFile::anew(&path, overwrite), Err(OutputError::Busy { .. })));
+            assert!(matches!(OutputFile::create(&path, overwrite), Err(OutputError::Busy { .. })));
+        }
+        drop(first);
+        assert_eq!(names(folder.path()), ["a.csv.partial"]);
+        assert!(matches!(OutputFile::anew(&path, false), Err(OutputError::LeftOver { .. })));
+        let (again, length) = OutputFile::resumable(&path, false).unwrap();
+        assert_eq!(length, 4);
+        again.finish().unwrap();
+        assert_eq!(
+            (std::fs::read(&path).unwrap(), names(folder.path())),
+            (b"row\n".to_vec(), vec!["a.csv".to_owned()])
+        );
+    }
+}
