@@ -95,7 +95,8 @@ impl Outputs {
         if self.inputs.iter().any(same) {
             return Err(OutputError::Input { file: file.to_owned() });
         }
-        existing(file, self.overwrite).map(drop)
+        existing(file, self.overwrite)?;
+        unlocked(file)
     }
 
     /// Writes a whole file.
@@ -138,12 +139,7 @@ impl OutputFile {
     pub fn create(file: &Path, overwrite: bool) -> Result<Self, OutputError> {
         let replaced = existing(file, overwrite)?;
         let write = |source| OutputError::Write { file: file.to_owned(), source };
-        let partial = partial_name(file);
-        if let Ok(other) = File::open(&partial)
-            && matches!(other.try_lock_shared(), Err(TryLockError::WouldBlock))
-        {
-            return Err(OutputError::Busy { file: partial });
-        }
+        unlocked(file)?;
         let own = |n: u32| file.with_file_name(format!(".cocarry-{n}.tmp"));
         let mut options = OpenOptions::new();
         options.write(true).create_new(true);
@@ -315,6 +311,18 @@ fn existing(file: &Path, overwrite: bool) -> Result<Option<Metadata>, OutputErro
         "" if overwrite => Ok(Some(found)),
         "" => Err(OutputError::Exists { file: file.to_owned() }),
         kind => Err(OutputError::NotAFile { file: file.to_owned(), kind }),
+    }
+}
+
+/// Refuses a name whose partial file somebody is writing.
+fn unlocked(file: &Path) -> Result<(), OutputError> {
+    let partial = partial_name(file);
+    // a FIFO would wait for its other end
+    let is_file = partial.symlink_metadata().is_ok_and(|found| found.is_file());
+    let other = is_file.then(|| File::open(&partial).ok()).flatten();
+    match other.map(|other| other.try_lock_shared()) {
+        Some(Err(TryLockError::WouldBlock)) => Err(OutputError::Busy { file: partial }),
+        _ => Ok(()),
     }
 }
 

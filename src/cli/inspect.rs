@@ -1,6 +1,8 @@
 //! `cocarry inspect`: shows what is in a recording, as text, JSON, CSV or a picture.
 
-use super::output::{Failure, input, plain, print, print_json, table, table_text, unwritten, write_file};
+use super::output::{
+    Failure, OverwriteArguments, input, plain, print, print_json, table, table_text, unwritten, write_file,
+};
 use crate::drawing::{self, Track};
 use crate::geometry::Point;
 use crate::output_file::Outputs;
@@ -30,17 +32,21 @@ pub(super) struct Arguments {
     /// Draw trajectory and stubbornness into this file
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
 }
 
 /// The most steps that a picture is drawn of.
 const MOST_STEPS: usize = 1_000_000;
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let files = arguments.svg.iter().chain(&arguments.output);
+    let outputs = arguments.overwrite.outputs([arguments.file.as_path()], files)?;
     if let Some(file) = &arguments.svg {
-        write_file(file, &picture(&arguments.file)?)?;
+        write_file(&outputs, file, &picture(&arguments.file)?)?;
     }
     if let Some(topic) = &arguments.csv {
-        return csv(&arguments.file, topic, arguments.output.as_deref());
+        return csv(&arguments.file, topic, arguments.output.as_deref(), &outputs);
     }
     let contents = Contents::read(&mut Reader::open(&arguments.file).map_err(input)?).map_err(input)?;
     if arguments.json {
@@ -127,7 +133,7 @@ impl From<ReadError> for Stop {
     }
 }
 
-fn csv(file: &Path, topic: &str, to: Option<&Path>) -> Result<ExitCode, Failure> {
+fn csv(file: &Path, topic: &str, to: Option<&Path>, outputs: &Outputs) -> Result<ExitCode, Failure> {
     let open = || Reader::open(file).map_err(input);
     let columns = columns(&mut open()?, topic).map_err(input)?;
     let mut reader = open()?;
@@ -137,7 +143,7 @@ fn csv(file: &Path, topic: &str, to: Option<&Path>) -> Result<ExitCode, Failure>
             write_table(&mut reader, topic, &columns, out, "standard output")?;
         }
         Some(to) => {
-            let mut out = Outputs::new(true, []).create(to).map_err(unwritten)?;
+            let mut out = outputs.create(to).map_err(unwritten)?;
             write_table(&mut reader, topic, &columns, &mut out, &to.display().to_string())?;
             out.finish().map_err(unwritten)?;
         }

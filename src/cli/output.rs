@@ -3,11 +3,12 @@
 use crate::coordination::OptionTick;
 use crate::output_file::{OutputError, Outputs};
 use crate::quantities::{self, OptionView};
-use anyhow::{Context, Error};
+use anyhow::{Context, Error, anyhow};
+use clap::Args;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_HORIZONTAL_ONLY};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -57,9 +58,37 @@ pub(super) fn unwritten(error: OutputError) -> Failure {
     if error.is_refusal() { input(error) } else { Failure::Output(error.into()) }
 }
 
+/// Whether files that exist may be replaced.
+#[derive(Args, Clone, Copy, Debug)]
+pub(super) struct OverwriteArguments {
+    /// Replace output files that exist already. Inputs, links and special files are never replaced
+    #[arg(long)]
+    pub overwrite: bool,
+}
+
+impl OverwriteArguments {
+    /// The rule for the output files of a command that reads `inputs`. Asked before the work, since an output that is refused would lose it.
+    pub fn outputs<'a>(
+        self,
+        inputs: impl IntoIterator<Item = &'a Path>,
+        files: impl IntoIterator<Item = &'a PathBuf>,
+    ) -> Result<Outputs, Failure> {
+        let outputs = Outputs::new(self.overwrite, inputs.into_iter().map(Path::to_owned));
+        let mut names: Vec<&PathBuf> = Vec::new();
+        for file in files {
+            outputs.check(file).map_err(unwritten)?;
+            if names.contains(&file) {
+                return Err(input(anyhow!("{}: is to be written twice; choose two names", file.display())));
+            }
+            names.push(file);
+        }
+        Ok(outputs)
+    }
+}
+
 /// Writes a whole file.
-pub(super) fn write_file(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), Failure> {
-    Outputs::new(true, []).write(path, contents).map_err(unwritten)
+pub(super) fn write_file(outputs: &Outputs, path: &Path, contents: impl AsRef<[u8]>) -> Result<(), Failure> {
+    outputs.write(path, contents).map_err(unwritten)
 }
 
 /// Headings of a table of options. J~ is the robot's expectation: the subjective cost's mean over its belief, in cost units (eq. (2) adds

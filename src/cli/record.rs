@@ -13,10 +13,7 @@ pub(super) struct RecordArguments {
     /// Record the episode into this MCAP file, to watch in Foxglove and to be read by `cocarry inspect`. A recording holds an episode from its
     /// start: not with --resume
     #[arg(long, value_name = "FILE", conflicts_with = "resume")]
-    record: Option<PathBuf>,
-    /// Replace an existing recording
-    #[arg(long, requires = "record")]
-    overwrite: bool,
+    pub record: Option<PathBuf>,
 }
 
 /// A recording under way, or none.
@@ -33,9 +30,10 @@ impl RecordArguments {
         &self,
         stage: &'a PreparedScenario,
         episode: &Episode,
+        overwrite: bool,
     ) -> Result<Recording<'a>, Failure> {
         let Some(file) = &self.record else { return Ok(Recording(None)) };
-        let recorder = FileRecorder::create(file, self.overwrite, stage, episode).map_err(output)?;
+        let recorder = FileRecorder::create(file, overwrite, stage, episode).map_err(output)?;
         Ok(Recording(Some((file.clone(), recorder))))
     }
 }

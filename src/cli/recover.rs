@@ -1,6 +1,6 @@
 //! `cocarry recover`: makes a valid recording of what is whole in a damaged one.
 
-use super::output::{Failure, input, print};
+use super::output::{Failure, OverwriteArguments, input, print};
 use super::record::output;
 use crate::recording::{Reader, RecoverError, recover};
 use clap::Args;
@@ -16,21 +16,21 @@ pub(super) struct Arguments {
     /// Where to save it
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Replace an existing file
-    #[arg(long)]
-    overwrite: bool,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
 }
 
 /// Faults that are told one by one.
 const TOLD: usize = 10;
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let OverwriteArguments { overwrite } = arguments.overwrite;
+    arguments.overwrite.outputs([arguments.file.as_path()], [&arguments.output])?;
     let mut reader = Reader::open(&arguments.file).map_err(input)?;
-    let saved =
-        recover(&mut reader, &arguments.output, arguments.overwrite).map_err(|error| match error {
-            RecoverError::Read(error) => input(error),
-            RecoverError::Write(error) => output(error),
-        })?;
+    let saved = recover(&mut reader, &arguments.output, overwrite).map_err(|error| match error {
+        RecoverError::Read(error) => input(error),
+        RecoverError::Write(error) => output(error),
+    })?;
     let mut text = format!(
         "{}: {} messages saved, up to {:.1} s\n",
         arguments.output.display(),

@@ -3,6 +3,7 @@
 use super::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
 use super::reproduce::Common;
 use super::scenario::ScenarioArguments;
+use crate::output_file::Outputs;
 use crate::quantities::cell;
 use crate::regression::{
     Baseline, BaselineError, FORMAT, Figure, Figures, Moved, Run, Value, moved, run_all,
@@ -69,7 +70,8 @@ pub(super) fn run(action: &Action) -> Result<ExitCode, Failure> {
     let pairs = baseline.runs.iter().zip(&figures).filter(was_recorded);
     let found: Vec<Moved> = pairs.flat_map(|(run, now)| moved(&baseline, run, now)).collect();
     if !is_check {
-        write_file(&arguments.file, baseline.recorded(&figures).map_err(input)?)?;
+        // the file is what the command is about
+        write_file(&Outputs::new(true, []), &arguments.file, baseline.recorded(&figures).map_err(input)?)?;
     }
     let compared = figures.iter().map(Vec::len).sum();
     match arguments.common.json {

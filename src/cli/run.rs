@@ -2,23 +2,24 @@
 
 use super::interrupt::Interrupt;
 use super::live::LiveArguments;
-use super::output::{Failure, Progress, print, print_json, warn, write_file};
+use super::output::{Failure, OverwriteArguments, Progress, print, print_json, warn, write_file};
 use super::record::RecordArguments;
 use super::scenario::ScenarioArguments;
 use super::serving::Serving;
-use super::snapshots::SnapshotArguments;
-use super::tick_log::{self, TickLog};
+use super::snapshots::{Saves, SnapshotArguments};
+use super::tick_log;
 use super::told::Told;
 use crate::drawing;
 use crate::episode::{Outcome, State, Summary};
+use crate::output_file::Outputs;
 use crate::paper::EXAMPLE_HUMAN;
 use crate::preference::Perception;
 use crate::quantities::View;
 use crate::recording::Ending;
-use crate::scenario::Snapshot;
+use crate::scenario::{Scenario, Snapshot};
 use anyhow::Context;
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Run one episode: a human and a robot carry an object from A to B
@@ -40,7 +41,23 @@ pub(super) struct Arguments {
     #[command(flatten)]
     recording: RecordArguments,
     #[command(flatten)]
+    overwrite: OverwriteArguments,
+    #[command(flatten)]
     live: LiveArguments,
+}
+
+impl Arguments {
+    /// The rule for the output files, none of which is what the episode is read from.
+    fn outputs(&self, scenario: &Scenario, saves: &Saves) -> Result<Outputs, Failure> {
+        let robot = scenario.plant.carrier().map(|carrier| &carrier.robot);
+        let robot = robot.into_iter().flat_map(|robot| [&robot.file, &robot.urdf_file]);
+        let named = [&scenario.world.file].into_iter().chain(robot).map(Path::new);
+        let given = [self.snapshots.resume.as_ref(), self.scenario.belief_samples()];
+        let inputs = named.chain(given.into_iter().flatten().map(PathBuf::as_path));
+        let ticks = self.ticks.iter().map(|file| &file.path);
+        let files = ticks.chain(&self.svg).chain(&self.recording.record).chain(saves.files());
+        self.overwrite.outputs(inputs, files)
+    }
 }
 
 /// What runs when no command is given.
@@ -72,14 +89,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     };
     let mut episode = episode.map_err(refused)?;
     let mut saves = arguments.snapshots.saves(resumed)?;
+    let outputs = arguments.outputs(stage.scenario(), &saves)?;
     let mut ticks = Vec::new();
     let mut log = arguments.ticks.as_ref().map(tick_log::File::begin);
     let bar = Progress::new(episode.expected_steps() as usize, "episode");
-    saves.write(&stage, &episode)?;
+    saves.write(&outputs, &stage, &episode)?;
     let is_to_be_finished = arguments.recording.is_asked_for() || arguments.live.live.is_some();
     let interrupt = Interrupt::caught_if(is_to_be_finished)?;
     let mut serving = Serving::begin(&arguments.live, &stage, &episode, &interrupt)?;
-    let mut recording = arguments.recording.begin(&stage, &episode)?;
+    let mut recording = arguments.recording.begin(&stage, &episode, arguments.overwrite.overwrite)?;
     serving.iter_mut().for_each(Serving::await_viewer);
     while !interrupt.is_set() && episode.step().is_none() {
         recording.step(&episode)?;
@@ -90,7 +108,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             log.step(&View { stage: &stage, episode: &episode })?;
         }
         ticks.push(episode.tick().clone());
-        saves.write(&stage, &episode)?;
+        saves.write(&outputs, &stage, &episode)?;
         bar.step();
     }
     bar.finish();
@@ -108,12 +126,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::from(130));
     }
     let told = Told { stage: &stage, episode: &episode, resumed, ticks };
-    log.map_or(Ok(()), TickLog::finish)?;
+    log.map_or(Ok(()), |log| log.finish(&outputs))?;
     if let Some(path) = &arguments.svg {
         let svg = drawing::adaptation(stage.world(), &[told.track()], stage.scenario().settings.period)
             .with_context(|| path.display().to_string())
             .map_err(Failure::Output)?;
-        write_file(path, &svg)?;
+        write_file(&outputs, path, &svg)?;
     }
     if arguments.json {
         print_json(&told.as_json())?;

@@ -47,6 +47,11 @@ pub(super) struct ScenarioArguments {
 }
 
 impl ScenarioArguments {
+    /// The file of samples that the belief is read from.
+    pub fn belief_samples(&self) -> Option<&PathBuf> {
+        self.belief.belief_samples.as_ref()
+    }
+
     /// The scenario that they ask for, its files read.
     pub fn scenario(&self) -> Result<Scenario, Failure> {
         let world = load_world(&self.world)?;

@@ -4,6 +4,7 @@ use super::output::{Failure, input, write_file};
 use super::scenario::ScenarioArguments;
 use crate::arithmetic;
 use crate::episode::Episode;
+use crate::output_file::Outputs;
 use crate::scenario::{PreparedScenario, ScenarioError, Snapshot};
 use anyhow::{Error, anyhow};
 use clap::{Args, Command, Id};
@@ -25,7 +26,7 @@ pub(super) struct SnapshotArguments {
     /// Go on with an episode that was saved, to the end and to the same bits. World, human, team and robot are in the file. What is told
     /// of single ticks begins there; sums are of the whole episode
     #[arg(long, value_name = "FILE", conflicts_with_all = settled())]
-    resume: Option<PathBuf>,
+    pub resume: Option<PathBuf>,
 }
 
 /// Snapshots to write, the earliest first.
@@ -85,12 +86,22 @@ impl SnapshotArguments {
 }
 
 impl Saves {
+    /// The files to be written.
+    pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
+        self.0.iter().map(|save| &save.file)
+    }
+
     /// Writes what is due.
-    pub fn write(&mut self, stage: &PreparedScenario, episode: &Episode) -> Result<(), Failure> {
+    pub fn write(
+        &mut self,
+        outputs: &Outputs,
+        stage: &PreparedScenario,
+        episode: &Episode,
+    ) -> Result<(), Failure> {
         let steps = episode.summary().steps;
         for save in self.0.iter_mut().filter(|save| save.tick == steps) {
             let bytes = stage.snapshot(episode).bytes().map_err(|e| Failure::Output(e.into()))?;
-            write_file(&save.file, bytes)?;
+            write_file(outputs, &save.file, bytes)?;
             save.is_written = true;
         }
         Ok(())

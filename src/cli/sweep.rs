@@ -1,7 +1,8 @@
 //! `cocarry sweep`: runs a study, merges shards of one, and prints its summary.
 
-use super::output::{Failure, Progress, input, print, print_json, table, table_text, warn};
+use super::output::{Failure, Progress, input, print, print_json, table, table_text, unwritten, warn};
 use super::reproduce::Common;
+use crate::output_file::Outputs;
 use crate::statistics::Estimate;
 use crate::study::{Comparison, Group, Shard, Study, Summary, Sweep, SweepError, merge};
 use anyhow::Error;
@@ -59,6 +60,8 @@ fn sweep(arguments: &Arguments, file: &Path) -> Result<(), Failure> {
     let study = Study::load(file, arguments.seeds).map_err(failure)?;
     study.slow_drives().iter().for_each(warn);
     let out = arguments.out.clone().unwrap_or_else(|| results_of(file, arguments.shard));
+    let inputs = std::iter::once(file.to_owned()).chain(study.files(file));
+    Outputs::new(true, inputs).check(&out).map_err(unwritten)?;
     let sweep = Sweep::open(&study, &out, arguments.shard, arguments.overwrite).map_err(failure)?;
     let (kept, episodes) = (sweep.kept(), sweep.episodes());
     let bar = Progress::new((episodes - kept) as usize, "episodes");

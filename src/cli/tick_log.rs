@@ -1,6 +1,7 @@
 //! Tables of ticks: CSV or JSON lines, one line a tick, every key with its unit.
 
 use super::output::{Failure, plain, write_file};
+use crate::output_file::Outputs;
 use crate::quantities::{Record, TICK, View, json};
 use anyhow::{Context, Error};
 use serde_json::Value;
@@ -9,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// A file to log ticks to; its ending says how.
 #[derive(Clone, Debug)]
 pub(super) struct File {
-    path: PathBuf,
+    pub path: PathBuf,
     format: Format,
 }
 
@@ -72,7 +73,7 @@ impl TickLog<'_> {
     }
 
     /// Writes the file.
-    pub fn finish(self) -> Result<(), Failure> {
+    pub fn finish(self, outputs: &Outputs) -> Result<(), Failure> {
         let text = match self.lines {
             Lines::Csv { table, .. } => {
                 let bytes = table.into_inner().map_err(|error| error.into_error());
@@ -81,7 +82,7 @@ impl TickLog<'_> {
             }
             Lines::Json(text) => text,
         };
-        write_file(self.path, &text)
+        write_file(outputs, self.path, &text)
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::model::{ModelArguments, load_world};
 use super::output::{
-    Failure, OPTION_HEADINGS, input, option_json, print, print_json, table, table_text, write_file,
+    Failure, OPTION_HEADINGS, OverwriteArguments, input, option_json, print, print_json, table, table_text,
+    write_file,
 };
 use crate::drawing;
 use crate::episode::{OptionTick, prospects};
@@ -29,6 +30,8 @@ pub(super) struct Arguments {
     /// Draw the map into this file
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
 }
 
 /// An option as it is from the start.
@@ -39,6 +42,9 @@ struct Offer {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let inputs = [Some(&arguments.world), arguments.model.belief.belief_samples.as_ref()];
+    let inputs = inputs.into_iter().flatten().map(PathBuf::as_path);
+    let outputs = arguments.overwrite.outputs(inputs, &arguments.svg)?;
     let world = load_world(&arguments.world)?;
     let mut predictor = arguments.model.predictor()?;
     let set = OptionSet::new(&world, predictor.risk_weight()).map_err(input)?;
@@ -48,7 +54,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         let svg = drawing::world_map(&world, &set, &probabilities)
             .with_context(|| path.display().to_string())
             .map_err(Failure::Output)?;
-        write_file(path, &svg)?;
+        write_file(&outputs, path, &svg)?;
     }
     if arguments.json {
         print_json(&as_json(&world, &set, &offers))?;

@@ -33,7 +33,7 @@ use file::Contents;
 use run::{Run, Seeds};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A study, read and checked: what its episodes are, by their numbers.
 #[derive(Debug)]
@@ -108,6 +108,14 @@ impl Study {
     /// Episodes of the whole study.
     pub fn episodes(&self) -> u64 {
         self.episodes
+    }
+
+    /// The world and robot files that the study at `path` names.
+    pub fn files(&self, path: &Path) -> impl Iterator<Item = PathBuf> {
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        let worlds = self.contents.worlds.iter().map(|(_, world)| &world.file);
+        let robots = self.contents.robots.iter().flat_map(|(_, robot, _)| [&robot.file, &robot.urdf_file]);
+        worlds.chain(robots).map(move |name| folder.join(name))
     }
 
     /// Combinations of values; each is run with all its seeds.

@@ -14,6 +14,7 @@ mod determinism;
 mod fitting;
 mod floors;
 mod object_lost;
+mod outputs;
 mod paths;
 mod physical_carrying;
 mod physics;

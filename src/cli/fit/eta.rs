@@ -2,7 +2,9 @@
 
 use super::worlds::options;
 use crate::cli::model::ModelArguments;
-use crate::cli::output::{Failure, input, print, print_json, table, table_text, write_file};
+use crate::cli::output::{
+    Failure, OverwriteArguments, input, print, print_json, table, table_text, write_file,
+};
 use crate::cli::settings::number;
 use crate::coordination;
 use crate::drawing::{self, ToleranceRow};
@@ -42,9 +44,12 @@ pub(in crate::cli) struct Arguments {
     /// Draw every participant's episodes and eta into this file
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let outputs = arguments.overwrite.outputs([arguments.switches.as_path()], &arguments.svg)?;
     let phi = arguments.initial_stubbornness;
     if phi >= 1.0 {
         return Err(input(anyhow!(
@@ -66,7 +71,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let svg = drawing::tolerances(&rows(&fit), overall, no_interval(&fit).as_deref())
             .with_context(|| path.display().to_string())
             .map_err(Failure::Output)?;
-        write_file(path, &svg)?;
+        write_file(&outputs, path, &svg)?;
     }
     if arguments.json {
         return print_json(&json!({

@@ -3,7 +3,9 @@
 
 use super::worlds::options;
 use crate::cli::model::BeliefArguments;
-use crate::cli::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
+use crate::cli::output::{
+    Failure, OverwriteArguments, Progress, input, print, print_json, table, table_text, write_file,
+};
 use crate::cli::reproduce::Common;
 use crate::fit::{
     AnswerFile, Answers, CELL_ERROR, Estimate, LEAST_SQUARES_CAUTION, RiskWeightFit, RiskWeightSettings,
@@ -45,9 +47,12 @@ pub(in crate::cli) struct Arguments {
     /// Draw answers and fit into this file
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let outputs = arguments.overwrite.outputs([arguments.answers.as_path()], &arguments.svg)?;
     let file = AnswerFile::read(&arguments.answers).map_err(input)?;
     let worlds = options(&arguments.answers, file.worlds(), RISK_WEIGHT)?;
     let situations = worlds.iter().map(|(world, set)| Situation::new(world.clone(), set)).collect();
@@ -68,7 +73,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.svg {
         let svg =
             answers_picture(&fit).with_context(|| path.display().to_string()).map_err(Failure::Output)?;
-        write_file(path, &svg)?;
+        write_file(&outputs, path, &svg)?;
     }
     if arguments.common.json {
         return print_json(&json!({

@@ -3,6 +3,7 @@
 use super::super::output::{Failure, Progress, input, print, print_json, write_file};
 use super::super::robot::load_robot;
 use super::common::Common;
+use crate::output_file::Outputs;
 use crate::report::{PARTS, Plan, Report, ReportError, Section};
 use anyhow::{Context, anyhow};
 use clap::Args;
@@ -132,9 +133,11 @@ fn write(report: &Report, folder: &Path, made: &str) -> Result<Vec<String>, Fail
         ("report.md".to_owned(), report.markdown.clone().into_bytes()),
         (PAGE.to_owned(), report.page(made).into_bytes()),
     ];
+    // the folder is this report's: that was asked before the work
+    let outputs = Outputs::new(true, []);
     let mut names = Vec::new();
     for (name, contents) in pictures.chain(tables).chain(texts) {
-        write_file(&folder.join(&name), contents)?;
+        write_file(&outputs, &folder.join(&name), contents)?;
         names.push(name);
     }
     Ok(names)

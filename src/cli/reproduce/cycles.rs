@@ -1,10 +1,11 @@
 //! `cocarry reproduce cycles`: random worlds and humans, by a team that is a point, or by one with bodies.
 
-use super::super::output::{Failure, Progress, input, print, print_json, write_file};
+use super::super::output::{Failure, OverwriteArguments, Progress, input, print, print_json, write_file};
 use super::super::robot::{SwayArguments, sway_of};
 use super::super::settings::plants;
 use super::common::Common;
 use crate::episode::Settings;
+use crate::output_file::{OutputError, Outputs};
 use crate::paper::cycles::{Findings, Search, WORLDS, WORLDS_WITH_BODIES};
 use crate::scenario::{Plant, PlantKind};
 use anyhow::{Context, anyhow};
@@ -31,6 +32,8 @@ pub(in super::super) struct Arguments {
     /// Write the worlds of episodes that did not arrive into this folder
     #[arg(long, value_name = "FOLDER")]
     keep: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -39,6 +42,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("{}: cannot be made", folder.display()))
             .map_err(Failure::Output)?;
+        let kept = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        let mut kept = kept.filter(|entry| entry.file_name().to_string_lossy().starts_with("cycle-"));
+        if let Some(entry) = kept.next().filter(|_| !arguments.overwrite.overwrite) {
+            return Err(input(OutputError::Exists { file: entry.path() }));
+        }
     }
     let is_point = arguments.plant == PlantKind::Point;
     if is_point && arguments.sway.sway.is_some() {
@@ -57,6 +65,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     bar.finish();
     let sway = sway_of(&plant);
     if let Some(folder) = &arguments.keep {
+        let outputs = Outputs::new(arguments.overwrite.overwrite, []);
         for lost in &findings.lost {
             let (plant, of_hand) =
                 (plant.name(), if is_point { String::new() } else { format!(" --sway {sway}") });
@@ -64,7 +73,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
                 "--plant {plant} --alpha {} --gamma {} --eta {} --seed {}{of_hand}",
                 lost.alpha, lost.gamma, lost.eta, lost.index
             );
-            keep(folder, lost.index, &how, &lost.world)?;
+            keep(&outputs, folder, lost.index, &how, &lost.world)?;
         }
     }
     if arguments.common.json {
@@ -79,9 +88,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Writes a world with the command that runs its episode again.
-fn keep(folder: &Path, index: u64, arguments: &str, world: &str) -> Result<(), Failure> {
+fn keep(outputs: &Outputs, folder: &Path, index: u64, arguments: &str, world: &str) -> Result<(), Failure> {
     let head = format!("# cocarry run FILE {arguments}\n\n");
-    write_file(&folder.join(format!("cycle-{index}.toml")), &(head + world))
+    write_file(outputs, &folder.join(format!("cycle-{index}.toml")), &(head + world))
 }
 
 /// `sway`: the hand's, m, where the team has bodies.

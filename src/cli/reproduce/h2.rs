@@ -1,7 +1,9 @@
 //! `cocarry reproduce h2`: Table II and the Environment 4 example, by a team that is a point or by one with
 //! bodies.
 
-use super::super::output::{Failure, Progress, input, print, print_json, table_with_notes, write_file};
+use super::super::output::{
+    Failure, OverwriteArguments, Progress, input, print, print_json, table_with_notes, write_file,
+};
 use super::super::robot::{SwayArguments, sway_of};
 use super::super::settings::plants;
 use super::common::Common;
@@ -34,6 +36,8 @@ pub(in super::super) struct Arguments {
     /// Draw the Environment 4 example (trajectories, stubbornness) into this file
     #[arg(long, value_name = "FILE", conflicts_with_all = ["humans", "sway"])]
     svg: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -43,6 +47,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.humans.is_some() || arguments.sway.sway.is_some() {
         return Err(input(anyhow!("--humans and --sway are for --plant rapier")));
     }
+    let outputs = arguments.overwrite.outputs([], &arguments.svg)?;
     let settings = Settings::default();
     let bar = Progress::new(h2::EPISODES, "Table II");
     let rows = arguments
@@ -55,7 +60,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let svg = example_picture(&world, &runs, settings.period)
             .with_context(|| path.display().to_string())
             .map_err(Failure::Output)?;
-        write_file(path, &svg)?;
+        write_file(&outputs, path, &svg)?;
     }
     if arguments.common.json {
         return print_json(&json!({

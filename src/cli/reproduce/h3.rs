@@ -1,6 +1,8 @@
 //! `cocarry reproduce h3`: Table III beside the paper's, and what the paper does not measure.
 
-use super::super::output::{Failure, Progress, input, print, print_json, table_with_notes, warn, write_file};
+use super::super::output::{
+    Failure, OverwriteArguments, Progress, input, print, print_json, table_with_notes, warn, write_file,
+};
 use super::super::robot::load_robot;
 use super::super::settings::plants;
 use super::common::Common;
@@ -11,7 +13,7 @@ use crate::scenario::{Plant, PlantKind, RobotSetup};
 use anyhow::Context;
 use clap::Args;
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
 pub(in super::super) struct Arguments {
@@ -35,10 +37,15 @@ pub(in super::super) struct Arguments {
     /// Draw all cost ratios into this file
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let files = arguments.humans.iter().chain(&arguments.svg);
     let robot = load_robot(arguments.robot.as_deref())?;
+    let inputs = [&robot.texts.file, &robot.texts.urdf_file].map(Path::new);
+    let outputs = arguments.overwrite.outputs(inputs, files)?;
     let settings = Settings::default();
     robot.slow_drive(settings.speed).iter().for_each(warn);
     let default = if arguments.plant == PlantKind::Rapier { EPISODES / 5 } else { EPISODES };
@@ -48,7 +55,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let study = Study { plant: &plant, starts: &starts, episodes, seed: arguments.seed, settings: &settings };
     if let Some(path) = &arguments.humans {
         let humans = study.humans().map_err(input)?;
-        write_file(path, humans_as_csv(&humans, study.seed).map_err(Failure::Output)?)?;
+        write_file(&outputs, path, humans_as_csv(&humans, study.seed).map_err(Failure::Output)?)?;
     }
     let bar = Progress::new(units(plant.kind(), starts.len(), episodes), "Table III");
     let rows = arguments.common.on_threads(|| study.table(&|| bar.step()))?.map_err(input)?;
@@ -58,7 +65,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let svg = ratio_picture(&rows, &starts)
             .with_context(|| path.display().to_string())
             .map_err(Failure::Output)?;
-        write_file(path, &svg)?;
+        write_file(&outputs, path, &svg)?;
     }
     if arguments.common.json {
         let (table, other): (Vec<&Row>, Vec<&Row>) = rows.iter().partition(|r| r.start == starts[0]);
