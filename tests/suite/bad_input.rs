@@ -295,7 +295,7 @@ fn an_option_limit_of_nothing() {
 fn numbers_on_the_command_line() {
     let cases: [(&[&str], &str); 11] = [
         (&["run", "--alpha", "70"], "at most 10"),
-        (&["world", "environment-1", "--risk-weight", "1e300"], "at most 1000000"),
+        (&["world", "environment-1", "--risk-weight", "1e300"], "from 0 to 1000000"),
         (&["run", "--eta", "0"], "greater than 0"),
         (&["run", "--eta", "nan"], "greater than 0"),
         (&["run", "--alpha", "-1"], "--alpha"),

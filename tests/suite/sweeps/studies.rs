@@ -54,7 +54,7 @@ fn what_is_wrong_in_a_study_is_named() {
     spoil(
         "plants = \"point\"",
         "human_model = \"scripted(0:9)\"",
-        &["study.toml", "human_model scripted(0:9)", "no option `9`"],
+        &["study.toml", "human_model scripted(0:9)", "unknown option `9`"],
     );
     let times = "from 0 to 8, or \"once-or-twice\"";
     for bad in ["9", "-1", "1.5", "\"twice\"", "true"] {
