@@ -159,7 +159,8 @@ fn a_human_of_ones_own_resists_and_takes_over() {
 /// With bodies, who resists keeps the hand where it is: the robot pulls at it, and the team goes on once the human leads.
 #[test]
 fn with_bodies_a_hand_that_resists_is_pulled_at() {
-    let stage = stage(Plant::Rapier { carrier: carrier(), physics: PhysicsSettings::default() }, "preference");
+    let stage =
+        stage(Plant::Rapier { carrier: carrier(), physics: PhysicsSettings::default() }, "preference");
     let mut episode = stage.episode().unwrap_or_else(|e| panic!("{e}")).with_human(Reluctant);
     let mut hands = Vec::new();
     let mut forces = Vec::new();
