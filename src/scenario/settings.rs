@@ -308,7 +308,7 @@ pub const SETTINGS: &[Setting] = &[
         flag: "pose-weight",
         path: "control.pose_weight",
         about: "Weight of a change of configuration in eq. (8), kappa",
-        applies: Applies::Candidates,
+        applies: Applies::Robot,
         kind: Kind::Number(NOT_NEGATIVE, field!(robot r => r.control.pose_weight)),
     },
     Setting {

@@ -343,7 +343,7 @@ fn the_summary_is_that_of_the_rows() {
     let summary = &told["summary"];
     assert_eq!(
         summary["varied"],
-        serde_json::json!(["world", "method", "eta", "humans", "humans_alpha", "humans_gamma"])
+        serde_json::json!(["world", "humans", "humans_alpha", "humans_gamma", "eta", "method"])
     );
     assert_eq!(summary["groups"].as_array().map(Vec::len), Some(16));
     let rows = bench.rows("study.csv");
