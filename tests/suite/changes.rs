@@ -87,7 +87,7 @@ fn the_robot_is_not_told() {
     let folder = tempfile::tempdir().expect("a folder");
     let [same, other] = ["same.csv", "other.csv"].map(|name| folder.path().join(name));
     for plant in ["point", "kinematic"] {
-        let asked = ["--plant", plant, "--method", "robot-led", "--ticks"];
+        let asked = ["--plant", plant, "--method", "robot-led", "--overwrite", "--ticks"];
         let name = |file: &Path| file.to_str().expect("UTF-8").to_owned();
         example(&[&asked[..], &[&name(&same)]].concat());
         example(&[&asked[..], &[&name(&other), "--change", "20:0.95,1.1"]].concat());

@@ -425,7 +425,7 @@ fn pictures_of_fits_are_written() {
     ];
     for (arguments, said) in cases {
         let path = folder.path().join("fit.svg");
-        let output = cocarry(&[&arguments[..], &["--svg", path.to_str().unwrap()]].concat());
+        let output = cocarry(&[&arguments[..], &["--overwrite", "--svg", path.to_str().unwrap()]].concat());
         assert!(output.status.success(), "{}", stderr(&output));
         assert!(std::fs::read_to_string(&path).unwrap().contains(said));
     }

@@ -78,11 +78,12 @@ fn every_output_has_every_quantity_under_one_name_and_with_one_value() {
     let folder = tempfile::tempdir().expect("a folder");
     let [table, lines, recording] = ["t.csv", "t.jsonl", "r.mcap"].map(|name| path(folder.path(), name));
     for (plant, more) in [("point", &[][..]), ("kinematic", &["--method", "human-led"]), ("rapier", &[])] {
-        let episode =
-            [&["run", "--plant", plant, "--seed", "3", "--change", "30:0.6,0.9", "--json"][..], more]
-                .concat();
-        let told =
-            json(&[&episode[..], &["--ticks", &lines, "--record", &recording, "--overwrite"]].concat());
+        let episode = [
+            &["run", "--plant", plant, "--seed", "3", "--change", "30:0.6,0.9", "--json", "--overwrite"][..],
+            more,
+        ]
+        .concat();
+        let told = json(&[&episode[..], &["--ticks", &lines, "--record", &recording]].concat());
         assert_eq!(told, json(&[&episode[..], &["--ticks", &table]].concat()));
         let of_episode = keys(EPISODE.iter().map(|quantity| quantity.key));
         assert!(of_object(&told).is_superset(&of_episode), "{plant}: {told}");

@@ -243,7 +243,7 @@ fn another_process_goes_on_with_the_same_bits() {
         let saves = ["--save-at", "60", &second, "--save-at", "20", &first];
         let whole = run(&[&asked[..], &saves].concat());
         for (snapshot, step) in [(&first, 20), (&second, 60)] {
-            let told = run(&["--resume", snapshot, "--ticks", &left, "--svg", &svg]);
+            let told = run(&["--resume", snapshot, "--ticks", &left, "--svg", &svg, "--overwrite"]);
             assert!(rows(Path::new(&left)) == rows(Path::new(&all))[step..], "{plant}: the ticks differ");
             assert_eq!(told["resumed_at_step"], step);
             // these tell of single ticks: from the snapshot on
