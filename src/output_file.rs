@@ -1,8 +1,9 @@
 //! Files that appear under their names whole or not at all, and replace others only when told to.
 //!
-//! A file is written under another name in the same folder, and renamed when it is finished: [`OutputFile::create`] takes a name of its own
-//! that nobody else has, and removes it after a failure. [`OutputFile::resumable`] takes `NAME.partial`, which a killed process leaves to be
-//! gone on with or recovered; who writes it has a lock on it, so that a name has one writer.
+//! A file is written under another name in the same folder, and renamed when it is finished.
+//! [`OutputFile::create`] takes a new name of its own and removes the file after a failure.
+//! [`OutputFile::resumable`] takes `NAME.partial`, which a killed process leaves to be resumed or recovered. Its
+//! writer holds a lock on it, so that a name has one writer.
 
 use std::fs::{File, Metadata, OpenOptions, TryLockError};
 use std::io::{BufWriter, Error, ErrorKind, Seek, SeekFrom, Write};
@@ -157,7 +158,7 @@ impl OutputFile {
         Err(write(ErrorKind::AlreadyExists.into()))
     }
 
-    /// Opens `NAME.partial`, or makes it, and locks it. What it has already stays; how much that is (B) is returned too.
+    /// Opens or creates `NAME.partial` and locks it. Its contents stay; their length (B) is returned too.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -410,7 +411,8 @@ mod tests {
         #[cfg(unix)]
         {
             use std::os::unix::fs::{PermissionsExt, symlink};
-            symlink(path("world.toml"), path("link")).unwrap();
+            std::fs::write(path("other"), "").unwrap();
+            symlink(path("other"), path("link")).unwrap();
             assert!(matches!(outputs.write(&path("link"), "x"), Err(OutputError::NotAFile { .. })));
             assert!(matches!(outputs.check(Path::new("/dev/null")), Err(OutputError::NotAFile { .. })));
             std::fs::write(path("private"), "").unwrap();

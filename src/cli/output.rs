@@ -67,7 +67,8 @@ pub(super) struct OverwriteArguments {
 }
 
 impl OverwriteArguments {
-    /// The rule for the output files of a command that reads `inputs`. Asked before the work, since an output that is refused would lose it.
+    /// The rule for the output files of a command that reads `inputs`. The files are checked before the work,
+    /// which a refusal afterwards would lose.
     pub fn outputs<'a>(
         self,
         inputs: impl IntoIterator<Item = &'a Path>,

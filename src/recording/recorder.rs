@@ -112,7 +112,7 @@ impl<'a> FileRecorder<'a> {
         let partial = to.partial().to_owned();
         let recorder = Recorder::new(to, &partial.display().to_string(), stage, episode);
         Ok(Self(recorder.map_err(|error| {
-            // without its first chunk it is of no use; if it cannot be removed either, the first error is the one to report
+            // without its first chunk it is of no use; if it cannot be removed, the first error matters
             let _ = std::fs::remove_file(&partial);
             error.begun()
         })?))

@@ -1,4 +1,4 @@
-//! The one-way rule: a file uses only floors below its own, and the files of a floor do not use each other in a circle.
+//! The one-way rule: a file uses only floors below its own, and files do not use each other in a circle.
 
 use crate::support::repository;
 use std::collections::{BTreeMap, BTreeSet};

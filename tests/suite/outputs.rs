@@ -1,4 +1,5 @@
-//! One rule for every output of every command: what is there is replaced only when asked for, inputs, links and special files never.
+//! One rule for every output of every command: an existing file is replaced only with `--overwrite`, and
+//! inputs, links and special files never.
 
 use crate::support::{repository, stderr};
 use std::path::{Path, PathBuf};
