@@ -5,7 +5,7 @@ use crate::control::{self, HORIZON};
 use crate::paper::COLUMNS;
 use crate::simulation::PhysicsSettings;
 
-/// Choices where the paper is silent, departures from it, and its slips.
+/// Choices that the paper leaves open, departures from the paper, and errors in it.
 const DEVIATIONS: &str = include_str!("../../docs/deviations.md");
 
 /// Title and findings.
