@@ -1,21 +1,22 @@
-//! Whether the user has asked a run to stop.
+//! Ctrl-C as a request to stop the run.
 
 use super::output::Failure;
 use anyhow::anyhow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether the user wants the run to stop.
+/// A flag that Ctrl-C sets.
 pub(super) struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// From now on Ctrl-C stops the episode, not the program, if there is something to finish.
+    /// Catches Ctrl-C if `is_to_be_finished`: it then stops the episode, so that its files are finished. A
+    /// second Ctrl-C ends the program.
     pub fn caught_if(is_to_be_finished: bool) -> Result<Self, Failure> {
         let interrupt = Self(Arc::default());
         if is_to_be_finished {
             let flag = Arc::clone(&interrupt.0);
             let stop = move || {
-                // one who asks twice does not want to wait
+                // a second Ctrl-C does not wait for the files
                 if flag.swap(true, Ordering::Relaxed) {
                     std::process::exit(130);
                 }

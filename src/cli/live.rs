@@ -3,11 +3,12 @@
 use clap::Args;
 use std::net::SocketAddr;
 
-/// Who may watch, and how fast the run goes for them.
+/// The address of the live server, and the rate of the run.
 #[derive(Args, Debug)]
 pub(super) struct LiveArguments {
-    /// Serve the episode while it runs, for Foxglove to watch over WebSocket: the messages that --record writes. Only programs on this computer
-    /// can connect, unless another address is given: 0.0.0.0:8765 serves everyone who can reach this computer. Needs the cargo feature `live`
+    /// Serve the messages that --record writes over WebSocket while the episode runs, for Foxglove [default
+    /// address: 127.0.0.1:8765, for programs on this computer]; 0.0.0.0:8765 serves every computer that can
+    /// reach this one. Needs the cargo feature `live`
     #[arg(
         long,
         value_name = "ADDRESS:PORT",
@@ -17,17 +18,18 @@ pub(super) struct LiveArguments {
         value_parser = address
     )]
     pub live: Option<SocketAddr>,
-    /// Simulated seconds in a second, from 0.01 to 1000
+    /// Simulated seconds per second of real time, from 0.01 to 1000
     #[arg(long, value_name = "R", requires = "live", default_value_t = 1.0, value_parser = rate)]
     pub live_rate: f64,
-    /// Wait for a viewer before the first step; and when the episode is over, serve its last state until the last viewer has gone, or Ctrl-C
+    /// Wait for a viewer before the first step; after the episode, serve its last state until the last viewer
+    /// disconnects, or until Ctrl-C
     #[arg(long, requires = "live")]
     pub live_wait: bool,
 }
 
 fn address(text: &str) -> Result<SocketAddr, String> {
     let wanted =
-        "must be an IP address and a port, such as 127.0.0.1:8765 or [::1]:8765; port 0 is any that is free";
+        "must be an IP address and a port, such as 127.0.0.1:8765 or [::1]:8765; port 0 selects a free port";
     text.parse().map_err(|_| wanted.to_owned())
 }
 

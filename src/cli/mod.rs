@@ -27,7 +27,8 @@ use clap::{Parser, Subcommand};
 use output::Failure;
 use std::process::ExitCode;
 
-/// Simulates a human and a mobile manipulator carrying an object together, and shows which way of adapting to each other works.
+/// Simulates a human and a mobile manipulator that carry an object together, and shows which way of adapting
+/// to each other works.
 #[derive(Debug, Parser)]
 #[command(
     name = "cocarry",
@@ -39,12 +40,12 @@ use std::process::ExitCode;
         Examples:\n  \
         cocarry                                           an episode, with defaults\n  \
         cocarry run environment-4 --eta 5 --svg run.svg   a sensitive human, with a picture\n  \
-        cocarry world worlds/free-form.toml --svg map.svg what a world offers\n  \
+        cocarry world worlds/free-form.toml --svg map.svg obstacles, openings, options\n  \
         cocarry sweep docs/studies/h2.toml                a study of many episodes, as CSV\n  \
         cocarry reproduce h2                              Table II of the paper\n  \
         cocarry reproduce all --report report             all its tables and figures, as a page\n  \
         cocarry run --plant rapier --record run.mcap      a recording, to watch in Foxglove\n  \
-        cocarry inspect run.mcap                          what is in it"
+        cocarry inspect run.mcap                          contents of a recording"
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -67,7 +68,7 @@ enum Command {
     Regress(regress::Action),
 }
 
-/// Parses the process's arguments, does what they ask, and prints errors.
+/// The program: parses the process's arguments, runs the command and prints errors.
 pub fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         None => run::example(),
@@ -88,7 +89,7 @@ pub fn main() -> ExitCode {
                 Failure::Input(error) => (2, error),
                 Failure::Output(error) => (4, error),
             };
-            // a reader that went away is not told so
+            // a broken pipe is not an error: the reader has closed it
             if !output::is_broken_pipe(&error) {
                 eprintln!("error: {error:#}");
             }

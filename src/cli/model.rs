@@ -1,4 +1,4 @@
-//! The arguments that describe the human model, shared by commands; numbers checked where they are read.
+//! The arguments of the human model, shared by commands. Numbers are checked where they are read.
 
 use super::output::{Failure, input};
 use super::settings::number;
@@ -11,7 +11,7 @@ use anyhow::{Context, anyhow};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// What the robot believes of humans.
+/// The robot's model of humans: risk weight and belief.
 #[derive(Args, Debug)]
 pub(super) struct ModelArguments {
     #[arg(long, value_name = "M", help = RISK_WEIGHT.about, default_value_t = preference::RISK_WEIGHT, value_parser = number(&RISK_WEIGHT), allow_negative_numbers = true)]
@@ -20,16 +20,16 @@ pub(super) struct ModelArguments {
     pub belief: BeliefArguments,
 }
 
-/// How the robot believes (alpha, gamma) to be distributed.
+/// The robot's belief: the distribution of (alpha, gamma).
 #[derive(Args, Debug)]
 pub(super) struct BeliefArguments {
     /// Distribution of alpha that the robot assumes: uniform(LOWER,UPPER) or normal(MEAN,STD,LOWER,UPPER)
     #[arg(long, value_name = "DIST", default_value = "uniform(0.55,0.95)")]
     pub belief_alpha: Marginal,
-    /// Distribution of gamma that the robot assumes, likewise
+    /// Distribution of gamma that the robot assumes, in the same form
     #[arg(long, value_name = "DIST", default_value = "uniform(0.5,1.1)")]
     pub belief_gamma: Marginal,
-    /// Samples of (alpha, gamma) to assume instead: CSV with columns alpha, gamma and, if wanted, weight
+    /// Samples of (alpha, gamma) as the robot's belief: CSV with columns alpha, gamma and optionally weight
     #[arg(long, value_name = "FILE", conflicts_with_all = ["belief_alpha", "belief_gamma"])]
     pub belief_samples: Option<PathBuf>,
 }
@@ -48,7 +48,7 @@ impl ModelArguments {
 }
 
 impl BeliefArguments {
-    /// Predicts from this belief with that c_r (m).
+    /// The predictor of this belief with `risk_weight` c_r (m).
     pub fn predictor(&self, risk_weight: f64) -> Result<Predictor, Failure> {
         let belief = match &self.belief_samples {
             None => Belief::Independent { alpha: self.belief_alpha, gamma: self.belief_gamma },
@@ -74,7 +74,7 @@ fn samples(file: &Path) -> anyhow::Result<Belief> {
     Belief::samples(samples).with_context(name)
 }
 
-/// A world file, or one of the built-in environments by name.
+/// The world in a file, or a built-in environment by its name.
 pub(super) fn load_world(path: &Path) -> Result<World, Failure> {
     let built_in = path.to_str().and_then(paper::environment);
     match built_in.filter(|_| !path.exists()) {
@@ -83,26 +83,27 @@ pub(super) fn load_world(path: &Path) -> Result<World, Failure> {
             .map_err(|error| match path.exists() {
                 true => anyhow!(error),
                 false => anyhow!(error).context(
-                    "no such world: give a world file, or one of environment-1 to environment-4, which are built in",
+                    "no such world; expected a world file or a built-in world, environment-1 to environment-4",
                 ),
             })
             .map_err(Failure::Input),
     }
 }
 
-/// The world that a file in `folder` names: a world file relative to that folder, else as [`load_world`] takes it.
+/// The world that a file in `folder` names: a world file relative to that folder, otherwise as in
+/// [`load_world`].
 pub(super) fn load_world_near(folder: &Path, name: &str) -> Result<World, Failure> {
     let beside = folder.join(name);
     if beside.is_file() { load_world(&beside) } else { load_world(Path::new(name)) }
 }
 
-/// alpha or gamma of a human.
+/// The value of alpha or gamma in `text`.
 pub(super) fn perception(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number| PERCEPTION.contains(*number));
     number.ok_or_else(|| format!("must be {PERCEPTION}"))
 }
 
-/// A change of mind, STEP:ALPHA,GAMMA.
+/// The preference change in `text`, STEP:ALPHA,GAMMA.
 pub(super) fn change(text: &str) -> Result<PreferenceChange, String> {
     let form = "must be STEP:ALPHA,GAMMA, as in 40:0.6,0.9";
     let parts = text.split_once(':').and_then(|(step, rest)| Some((step, rest.split_once(',')?)));

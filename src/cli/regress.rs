@@ -1,4 +1,4 @@
-//! `cocarry regress`: records the figures of a baseline's runs, or compares them with those recorded.
+//! `cocarry regress`: records the figures of a baseline's runs, or checks them against those recorded.
 
 use super::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
 use super::reproduce::Common;
@@ -16,12 +16,12 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Keep costs and outcomes of runs in a file, and find out whether they moved
+/// Record costs and outcomes of runs in a file, and check whether they moved
 #[derive(Debug, Subcommand)]
 pub(super) enum Action {
-    /// Run all, and write their figures into the file; everything else in it stays as it is
+    /// Run all runs, and write their figures into the file; the rest of the file stays as it is
     Record(Arguments),
-    /// Run all, and list the figures that are not what was recorded; exit code 1 if there are any
+    /// Run all runs, and list the figures that differ from those recorded; exit code 1 if there are any
     Check(Arguments),
 }
 
@@ -33,7 +33,7 @@ pub(super) struct Arguments {
     common: Common,
 }
 
-/// The arguments of a run, without a program's name before them.
+/// The arguments of a run, without the name of the program.
 #[derive(Parser, Debug)]
 #[command(no_binary_name = true)]
 struct RunArguments {
@@ -41,7 +41,7 @@ struct RunArguments {
     scenario: ScenarioArguments,
 }
 
-/// Arguments that name a file, which is looked for beside the file of runs.
+/// Arguments that name a file. The file is first looked for beside the baseline file.
 const FILES: [&str; 3] = ["world", "robot", "belief-samples"];
 
 pub(super) fn run(action: &Action) -> Result<ExitCode, Failure> {
@@ -89,7 +89,7 @@ fn place(file: &str, line: usize, name: &str) -> String {
     format!("{file}:{line}: run `{name}`")
 }
 
-/// What a run's keys ask for: they are read as the arguments of `cocarry run` are.
+/// The scenario of a run: its keys are parsed as the arguments of `cocarry run`.
 fn scenario(file: &str, folder: &Path, run: &Run) -> Result<Scenario, Failure> {
     let command = RunArguments::command();
     let mut line_of_words = Vec::new();
@@ -122,7 +122,7 @@ fn scenario(file: &str, folder: &Path, run: &Run) -> Result<Scenario, Failure> {
             }
             Value::List(texts) if is_repeated => texts.iter().map(word).collect(),
             Value::Flag(value) => {
-                return Err(wrong(file, run, *line, key, &value.to_string(), "no true or false"));
+                return Err(wrong(file, run, *line, key, &value.to_string(), "a number or a word in quotes"));
             }
             Value::Text(value) => return Err(wrong(file, run, *line, key, value, "true or false")),
             Value::List(texts) => {
@@ -191,7 +191,7 @@ fn text(is_check: bool, runs: usize, figures: usize, found: &[Moved]) -> String 
     format!("{runs} runs, {figures} figures {done}: {n} moved.\n{}", table_text(&shown))
 }
 
-/// Three digits or so.
+/// A signed number with about three digits.
 fn signed(value: f64) -> String {
     match value.abs() {
         100.0..1e6 => format!("{value:+.0}"),

@@ -7,10 +7,10 @@ use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Run a recording again from what is inside it, and compare every message
+/// Run the scenario of a recording again, and compare every message
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
-    /// The recording
+    /// Recording (MCAP)
     file: PathBuf,
 }
 
@@ -22,15 +22,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let other = match replayed.arithmetic.as_deref() {
         Some(theirs) if theirs == ours => String::new(),
         Some(theirs) => format!(
-            "recorded with arithmetic {theirs}, run again with {ours}: the last bits of results differ between the two\n"
+            "recorded with arithmetic {theirs}, run again with {ours}: the last bits of their results differ\n"
         ),
-        None => "recorded by a version that does not say with which arithmetic\n".to_owned(),
+        None => "the recording does not name its arithmetic: an older version wrote it\n".to_owned(),
     };
     let so_far = format!("{} messages, up to {:.1} s", replayed.same, replayed.until as f64 / 1e9);
     match &replayed.verdict {
         Verdict::Identical => print(&format!("{file}: identical: {so_far}\n{other}"))?,
         Verdict::IdenticalUntilCut => {
-            print(&format!("{file}: identical as far as it goes: {so_far}; it was cut there\n{other}"))?;
+            print(&format!("{file}: identical until its end: {so_far}; the recording is incomplete\n{other}"))?;
         }
         Verdict::Different(difference) => {
             let at = replayed.step.map_or("before the first tick".to_owned(), |k| format!("in tick {k}"));

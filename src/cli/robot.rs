@@ -1,4 +1,4 @@
-//! The arguments that describe the plant and the robot on it; robot files loaded, choices checked against
+//! The arguments of the plant and its robot. Robot files are loaded, and the arguments are checked against
 //! each other.
 
 use super::output::{Failure, input};
@@ -9,21 +9,21 @@ use anyhow::anyhow;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// What carries.
+/// The plant and the robot.
 #[derive(Args, Debug)]
 pub(super) struct RobotArguments {
-    /// What the controller acts on
+    /// Plant: what the controller moves
     #[arg(long, default_value = PlantKind::Rapier.name(), value_parser = plants(&PlantKind::ALL))]
     plant: PlantKind,
     /// Robot file (TOML), or a URDF with a robot file of the same name beside it [default: the built-in
-    /// carrier]
+    /// robot]
     #[arg(long, value_name = "FILE")]
     robot: Option<PathBuf>,
 }
 
 impl RobotArguments {
-    /// The plant with its robot, whose files are read and checked here; the settings are checked against it,
-    /// not set.
+    /// The plant with its robot, whose files are read and checked. The settings are checked against the plant,
+    /// but not applied.
     pub fn plant(&self, settings: &SettingArguments) -> Result<Plant, Failure> {
         let robot = self.robot.as_ref().map(|_| ("robot", &POSTURE));
         let idle = robot.filter(|_| self.plant == PlantKind::Point).or_else(|| settings.idle(self.plant));
@@ -32,7 +32,7 @@ impl RobotArguments {
             let has_it = has_it.map(PlantKind::name).collect::<Vec<_>>().join(" or ");
             let (what, plant) = (setting.applies.what(), self.plant.name());
             return Err(input(anyhow!(
-                "--{flag} says something of {what}, but --plant {plant} has none; it is for --plant {has_it}"
+                "--{flag} needs {what}, which --plant {plant} does not have; use --plant {has_it}"
             )));
         }
         let text = |setting| match settings.given(setting) {
@@ -41,7 +41,7 @@ impl RobotArguments {
         };
         if self.plant == PlantKind::Rapier && text(&POSE) == Some("whole-body") {
             return Err(input(anyhow!(
-                "--pose whole-body is for --plant kinematic: with bodies, the base follows the way and is not optimised"
+                "--pose whole-body needs --plant kinematic; with bodies, the base follows the path and is not optimised"
             )));
         }
         if self.plant == PlantKind::Point {
@@ -59,7 +59,7 @@ impl RobotArguments {
     }
 }
 
-/// How far the human's hand sways, for commands that take it alone.
+/// The sway of the human's hand, for commands without the other settings.
 #[derive(Args, Debug)]
 pub(super) struct SwayArguments {
     #[arg(long, value_name = "M", help = format!("{} (--plant rapier) [default: 0.01]", SWAY.about), value_parser = number(&SWAY), allow_negative_numbers = true)]
@@ -67,7 +67,7 @@ pub(super) struct SwayArguments {
 }
 
 impl SwayArguments {
-    /// A plant of a team with bodies, whose robot is the built-in one.
+    /// The physical plant with the built-in robot and this sway.
     pub fn plant(&self) -> Result<Plant, Failure> {
         let robot = load_robot(None)?;
         let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(&robot));
@@ -77,7 +77,7 @@ impl SwayArguments {
     }
 }
 
-/// How far the hand sways on a plant, m.
+/// The lateral sway of the hand on a plant, m; 0 without bodies.
 pub(super) fn sway_of(plant: &Plant) -> f64 {
     plant.physics().map_or(0.0, |physics| physics.human.sway_lateral)
 }

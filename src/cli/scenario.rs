@@ -18,24 +18,25 @@ pub(super) struct ScenarioArguments {
     /// World file (TOML), or a built-in world: environment-1 to environment-4
     #[arg(default_value = "environment-4")]
     world: PathBuf,
-    /// The human's perception of distance (D^alpha); drawn from the belief if not given
+    /// The human's perception of distance: alpha in D^alpha [default: drawn from the belief]
     #[arg(long, value_parser = perception, allow_negative_numbers = true)]
     alpha: Option<f64>,
-    /// The human's perception of risk (Prelec's gamma); drawn from the belief if not given
+    /// The human's perception of risk: Prelec's gamma [default: drawn from the belief]
     #[arg(long, value_parser = perception, allow_negative_numbers = true)]
     gamma: Option<f64>,
-    /// The human changes their mind: from step STEP (from 0) on, alpha and gamma are these. May be given
-    /// several times; of two at the same step, the later stands. The robot is not told. Makes no difference
-    /// to the way while the robot leads, nor after the start with --method without-model
+    /// Preference change: ALPHA and GAMMA apply from step STEP on (the first step is 0), as in 40:0.6,0.9. May
+    /// be given several times; of two at the same step, the last one given applies. The robot's belief stays
+    /// the same. A change has no effect on the path while the robot leads, nor with --method without-model
+    /// after the start
     #[arg(long, value_name = "STEP:ALPHA,GAMMA", value_parser = change, conflicts_with = "preference_changes")]
     change: Vec<PreferenceChange>,
-    /// The human changes their mind so often, 0 to 8 times, or once-or-twice (a fair coin, as in Table III):
-    /// alpha and gamma are drawn from the seed again (but for one that is given), each time at a random step
-    /// up to half of what the way preferred at the start takes. Some methods ignore preference changes, as
-    /// with --change
+    /// Number of preference changes drawn from the seed: 0 to 8, or once-or-twice (a fair coin, as in Table
+    /// III). Each draws alpha and gamma again, unless they are given, at a random step from 1 to half of the
+    /// steps that the option preferred at the start takes. Some methods ignore preference changes: see
+    /// --change
     #[arg(long, value_name = "N", default_value_t = PreferenceChanges::NONE, allow_negative_numbers = true)]
     preference_changes: PreferenceChanges,
-    /// Seed from which the human, and what they change their mind to, is drawn
+    /// Seed of the human, of the human's preference changes and of the gait
     #[arg(long, default_value_t = 0)]
     seed: u64,
     #[command(flatten)]
@@ -52,7 +53,7 @@ impl ScenarioArguments {
         self.belief.belief_samples.as_ref()
     }
 
-    /// The scenario that they ask for, its files read.
+    /// The scenario of these arguments; reads its files.
     pub fn scenario(&self) -> Result<Scenario, Failure> {
         let world = load_world(&self.world)?;
         let plant = self.carrier.plant(&self.settings)?;
@@ -67,7 +68,7 @@ impl ScenarioArguments {
         if count != PreferenceChanges::NONE {
             if given.is_complete() {
                 return Err(input(anyhow!(
-                    "--preference-changes {count} draws alpha and gamma again, but both are given: --change says when they become what"
+                    "--preference-changes {count} draws alpha and gamma again, but both are given; use --change to set the changes"
                 )));
             }
             let options = OptionSet::new(&world, settings.predictor.risk_weight()).map_err(input)?;

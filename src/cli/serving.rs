@@ -1,4 +1,4 @@
-//! Serving of a run's messages to live viewers, paced by a clock.
+//! The server of a run's messages to live viewers, paced by a clock.
 
 use super::interrupt::Interrupt;
 use super::live::LiveArguments;
@@ -8,28 +8,28 @@ use crate::recording::{Encoder, Ending, LiveError, LiveServer, Message};
 use crate::scenario::PreparedScenario;
 use std::time::{Duration, Instant};
 
-/// How long nothing is done before looking again.
-const LOOK: Duration = Duration::from_millis(20);
-/// How often viewers are told the time while nothing moves.
-const TELL: Duration = Duration::from_secs(1);
-/// How long the end waits, so that viewers get the last messages.
-const FAREWELL: Duration = Duration::from_millis(500);
+/// The interval between two checks while waiting.
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
+/// The interval at which viewers receive the time while the simulation waits.
+const TIME_INTERVAL: Duration = Duration::from_secs(1);
+/// The delay before the server stops, so that viewers receive the last messages.
+const CLOSING_DELAY: Duration = Duration::from_millis(500);
 
-/// An episode that is served.
+/// The live server of an episode.
 pub(super) struct Serving<'a> {
     encoder: Encoder<'a>,
     server: LiveServer,
     interrupt: &'a Interrupt,
-    /// Whether viewers are waited for, at the beginning and at the end.
+    /// Whether to wait for a viewer at the beginning, and for the viewers to disconnect at the end.
     waits: bool,
-    /// Simulated seconds in a second.
+    /// Simulated seconds per second of real time.
     rate: f64,
-    /// When serving began, and the simulated time then, ns.
+    /// The time at which serving began, and the simulated time then, ns.
     begun: (Instant, u64),
 }
 
 impl<'a> Serving<'a> {
-    /// Begins to serve an episode from the step at which it is, if that is asked for.
+    /// A server of the episode from its present step on; `None` without --live.
     pub fn begin(
         arguments: &LiveArguments,
         stage: &'a PreparedScenario,
@@ -47,7 +47,7 @@ impl<'a> Serving<'a> {
         Ok(Some(Self { encoder, server, interrupt, waits, rate, begun }))
     }
 
-    /// Waits until somebody watches, if that is asked for.
+    /// Waits for a viewer, with --live-wait.
     pub fn await_viewer(&mut self) {
         if self.waits {
             eprintln!("live: waiting for a viewer");
@@ -56,7 +56,7 @@ impl<'a> Serving<'a> {
         }
     }
 
-    /// Serves the step that the episode has just taken, when it is due.
+    /// Serves the last step of the episode, at its time.
     pub fn step(&mut self, episode: &Episode) {
         let messages = self.encoder.step(episode);
         let (begun, from) = self.begun;
@@ -66,43 +66,43 @@ impl<'a> Serving<'a> {
             if self.interrupt.is_set() {
                 break;
             }
-            std::thread::sleep(left.min(LOOK));
+            std::thread::sleep(left.min(POLL_INTERVAL));
         }
         self.server.send(messages);
     }
 
-    /// Serves the end.
+    /// Serves the end of the episode.
     pub fn end(&mut self, episode: &Episode, ending: Ending) {
         self.server.send(self.encoder.end(episode, ending));
     }
 
-    /// Goes on serving the last state, if viewers are waited for, and stops.
+    /// Stops the server; with --live-wait, serves the last state until the viewers disconnect.
     pub fn stop(self) {
         if self.waits && self.server.viewers() > 0 && !self.interrupt.is_set() {
             eprintln!(
-                "live: the episode is over; its last state is served until the last viewer has gone, or Ctrl-C"
+                "live: the episode is over; its last state is served until the last viewer disconnects, or until Ctrl-C"
             );
             self.wait_while(|serving| serving.server.viewers() > 0);
         } else if self.server.viewers() > 0 {
-            std::thread::sleep(FAREWELL);
+            std::thread::sleep(CLOSING_DELAY);
         }
         self.server.stop();
     }
 
-    /// Waits while something holds, or until Ctrl-C.
+    /// Waits while `holds` is true, or until Ctrl-C.
     fn wait_while(&self, holds: impl Fn(&Self) -> bool) {
-        let mut told = Instant::now();
+        let mut sent = Instant::now();
         while holds(self) && !self.interrupt.is_set() {
-            std::thread::sleep(LOOK);
-            if told.elapsed() >= TELL {
+            std::thread::sleep(POLL_INTERVAL);
+            if sent.elapsed() >= TIME_INTERVAL {
                 self.server.tell_time();
-                told = Instant::now();
+                sent = Instant::now();
             }
         }
     }
 }
 
-/// Simulated time of the last of some messages, ns.
+/// The simulated time of the last message, ns.
 fn time(messages: &[Message]) -> u64 {
     messages.last().map_or(0, |message| message.time)
 }

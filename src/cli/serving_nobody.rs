@@ -1,4 +1,4 @@
-//! What stands in for `serving` where the program is built without the feature `live`: nobody is ever served.
+//! The replacement of `serving` in a program without the feature `live`: it refuses `--live`.
 
 use super::interrupt::Interrupt;
 use super::live::LiveArguments;
@@ -9,11 +9,11 @@ use crate::scenario::PreparedScenario;
 use anyhow::anyhow;
 use std::convert::Infallible;
 
-/// There is none.
+/// A server that does not exist.
 pub(super) struct Serving(Infallible);
 
 impl Serving {
-    /// Refuses to serve.
+    /// An error with --live; `None` without.
     pub fn begin(
         arguments: &LiveArguments,
         _: &PreparedScenario,
@@ -23,7 +23,7 @@ impl Serving {
         match arguments.live {
             None => Ok(None),
             Some(_) => Err(input(anyhow!(
-                "--live: this program was built without its feature `live`; `cargo install --path . --features live` builds it with"
+                "--live: this program was built without the feature `live`; build it with `cargo install --path . --features live`"
             ))),
         }
     }

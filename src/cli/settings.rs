@@ -1,31 +1,31 @@
-//! The command line's side of the table of settings: an argument for each, with its words, range and default.
+//! The command-line arguments of the table of settings: one for each, with its words, range and default.
 
 use crate::scenario::{AVOID, Kind, PlantKind, SETTINGS, Scenario, Setting, Value};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use std::borrow::Cow;
 
-/// The old word for `--avoid nothing`.
+/// A flag that means `--avoid nothing`.
 const NO_OBSTACLES: &str = "no-obstacles";
 
-/// The settings that are given.
+/// The settings given on the command line.
 #[derive(Clone, Debug)]
 pub(super) struct SettingArguments {
     given: Vec<(&'static Setting, &'static str, Value)>,
 }
 
 impl SettingArguments {
-    /// Sets all that are given.
+    /// Applies the given settings to a scenario.
     pub fn apply(&self, scenario: &mut Scenario) {
         self.given.iter().for_each(|(setting, _, value)| setting.set(scenario, value));
     }
 
-    /// What is given for a setting.
+    /// The value given for a setting.
     pub fn given(&self, setting: &Setting) -> Option<&Value> {
         self.given.iter().find(|(other, ..)| other.key == setting.key).map(|(_, _, value)| value)
     }
 
-    /// The first argument that says something of what the plant does not have: its name, and the setting.
+    /// The first argument that does not apply on the plant: its flag and its setting.
     pub fn idle(&self, plant: PlantKind) -> Option<(&'static str, &'static Setting)> {
         let idle = self.given.iter().find(|(setting, ..)| !setting.applies.is_on(plant, true));
         idle.map(|(setting, flag, _)| (*flag, *setting))
@@ -38,7 +38,7 @@ impl Args for SettingArguments {
             .long(NO_OBSTACLES)
             .action(ArgAction::SetTrue)
             .conflicts_with("avoid")
-            .help("Leave obstacles out of the robot's MPC, as the paper does: --avoid nothing");
+            .help("Leave obstacles out of the robot's MPC, as the paper does; the same as --avoid nothing");
         let defaults = Scenario::defaults();
         command.args(SETTINGS.iter().map(|setting| argument(setting, &defaults))).arg(no_obstacles)
     }
@@ -84,18 +84,18 @@ fn argument(setting: &'static Setting, defaults: &Scenario) -> Arg {
     }
 }
 
-/// One of several words.
+/// A parser that accepts one of several words.
 pub(super) fn named(words: impl IntoIterator<Item = (&'static str, &'static str)>) -> PossibleValuesParser {
     PossibleValuesParser::new(words.into_iter().map(|(word, about)| PossibleValue::new(word).help(about)))
 }
 
-/// One of these plants.
+/// A parser that accepts the name of one of `plants`.
 pub(super) fn plants(plants: &[PlantKind]) -> impl TypedValueParser<Value = PlantKind> + use<> {
     named(plants.iter().map(|plant| plant.word()))
-        .try_map(|name| PlantKind::named(&name).ok_or("there is no such plant"))
+        .try_map(|name| PlantKind::named(&name).ok_or("unknown plant"))
 }
 
-/// The parser of the number of a setting, for commands that take it alone.
+/// A parser of a setting's number, for commands without the other settings.
 pub(super) fn number(setting: &'static Setting) -> impl Fn(&str) -> Result<f64, String> + Clone {
     |text| match setting.parse(text)? {
         Value::Number(number) => Ok(number),

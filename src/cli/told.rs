@@ -16,13 +16,13 @@ use crate::scenario::{PreparedScenario, RobotSetup};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// An episode that is over, with all that is told of it.
+/// The report of a finished episode.
 pub(super) struct Told<'a> {
     pub stage: &'a PreparedScenario,
     pub episode: &'a Episode<'a>,
-    /// The step that it went on from; none if it was run from its beginning.
+    /// The step at which the episode was resumed; `None` if it ran from its beginning.
     pub resumed: Option<u64>,
-    /// Its ticks, from there on.
+    /// The ticks of the steps from there on.
     pub ticks: Vec<Tick>,
 }
 
@@ -43,7 +43,7 @@ impl Told<'_> {
         self.settings().method
     }
 
-    /// The robot, and how it was asked to carry.
+    /// The robot and its setup; `None` on the planning level alone.
     fn carrier(&self) -> Option<(&Robot, &RobotSetup)> {
         self.stage.robot().zip(self.stage.scenario().plant.carrier())
     }
@@ -57,24 +57,24 @@ impl Told<'_> {
         crossings.iter().map(|c| self.stage.world().openings[c.opening].name.as_str()).collect()
     }
 
-    /// The options at the first step that is told: name, openings, and the rest.
+    /// The options at the first reported step: name, openings, and quantities.
     fn options(&self) -> impl Iterator<Item = (&str, Vec<&str>, &OptionTick)> {
         let options = self.ticks.first().into_iter().flat_map(|tick| tick.options.iter().enumerate());
         options.map(|(o, option)| (self.option_name(o), self.openings(o), option))
     }
 
-    /// Ticks at which the executed option changed, with the option before.
+    /// The ticks at which the executed option changed, each with the option before.
     fn changes(&self) -> impl Iterator<Item = (usize, &Tick)> {
         self.ticks.windows(2).filter(|w| w[0].executed != w[1].executed).map(|w| (w[0].executed, &w[1]))
     }
 
-    /// The tick of a step, if it is among those that are told.
+    /// The tick of a step; `None` for steps before the report begins and after the end.
     fn tick(&self, step: u64) -> Option<&Tick> {
         let first = self.ticks.first()?.step;
         self.ticks.get(usize::try_from(step.checked_sub(first)?).ok()?)
     }
 
-    /// The human's preference changes that came about, in their order.
+    /// The human's preference changes that were applied, by step.
     fn preference_changes(&self) -> Vec<PreferenceChange> {
         let mut standing = PreferenceChange::in_force(&self.stage.scenario().changes);
         standing.retain(|change| change.step < self.summary().steps);
@@ -100,7 +100,7 @@ impl Told<'_> {
         let mut text = format!("{} ({})\n", world.name, world.file);
         let method = self.method().name();
         let from =
-            self.resumed.map_or("the start".to_owned(), |step| format!("step {step}, where it went on"));
+            self.resumed.map_or("the start".to_owned(), |step| format!("step {step}, where the run resumed"));
         let Perception { alpha, gamma } = self.stage.scenario().human;
         text += &format!(
             "human: alpha {alpha:.4}, gamma {gamma:.4}; method {method}, eta {eta}, phi(0) {initial_stubbornness}\n\nOptions at {from}\n"
@@ -118,7 +118,7 @@ impl Told<'_> {
             ]);
         }
         text += &table_text(&options);
-        text += "\nWhat happened\n";
+        text += "\nEvents\n";
         for event in self.events() {
             let _ = writeln!(text, "  {event}");
         }
@@ -126,7 +126,7 @@ impl Told<'_> {
         let HumanSummary { stubbornness, discomfort, subjective_cost, .. } = summary.human;
         let _ = writeln!(
             text,
-            "  to the human: final phi {stubbornness:.3}, discomfort g {discomfort:.2}; {:.0} % of the steps off the option preferred; accumulated \
+            "  human: final phi {stubbornness:.3}, discomfort g {discomfort:.2}; {:.0} % of the steps off the preferred option; accumulated \
              subjective cost {subjective_cost:.2}",
             100.0 * summary.human.share_off_preference(summary.steps)
         );
@@ -164,7 +164,7 @@ impl Told<'_> {
                 "  base at least {:.3} m clear of obstacles{}",
                 control.least_clearance,
                 if control.overlapping_steps > 0 {
-                    ": it overlaps one; this plant does not stop it"
+                    ": it overlaps one, which this plant allows"
                 } else {
                     ""
                 }
@@ -192,12 +192,12 @@ impl Told<'_> {
         text
     }
 
-    /// What is to be doubted: of the scenario, and of how it went.
+    /// Warnings about the scenario and about the episode.
     fn warnings(&self) -> Vec<String> {
         let rms = self.summary().control.map(|control| control.error_rms(self.summary().steps));
         let off = rms.filter(|rms| *rms >= GRASP_WARNING_RMS_M).map(|rms| {
             format!(
-                "the grasp is {:.1} cm (rms) off where it should be, {:.0} cm or more: the robot does not keep up",
+                "the grasp is off by {:.1} cm (rms), {:.0} cm or more: the robot does not keep up",
                 100.0 * rms,
                 100.0 * GRASP_WARNING_RMS_M
             )
@@ -205,8 +205,8 @@ impl Told<'_> {
         self.stage.slow_drive().map(|slow| slow.to_string()).into_iter().chain(off).collect()
     }
 
-    /// What happened, in lines. Preference changes and the transition are told although they came before the
-    /// step that the episode went on from.
+    /// The events, one line each. In a resumed episode, earlier preference changes and the transition are
+    /// included.
     fn events(&self) -> Vec<String> {
         let (summary, options) = (self.summary(), self.stage.options());
         if summary.steps == 0 {
@@ -280,15 +280,15 @@ impl Told<'_> {
         told
     }
 
-    /// All preference changes that the scenario has, by their steps; which came about, and what the human
-    /// preferred from there on, where that is known: not before the step that the episode went on from.
+    /// All preference changes of the scenario, by step: whether each was applied, and the option preferred from
+    /// then on, which is not known for steps before the resumed one.
     fn changes_as_json(&self) -> Vec<Value> {
-        let came_about = self.preference_changes();
+        let applied = self.preference_changes();
         let mut given = self.stage.scenario().changes.clone();
         given.sort_by_key(|change| change.step);
         let is_last = |i: usize| given.get(i + 1).is_none_or(|next| next.step != given[i].step);
         let told = given.iter().enumerate().map(|(i, change)| {
-            let is_applied = is_last(i) && came_about.contains(change);
+            let is_applied = is_last(i) && applied.contains(change);
             let tick = self.tick(change.step).filter(|_| is_applied);
             json!({
                 "step": change.step,

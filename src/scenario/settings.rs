@@ -1,8 +1,8 @@
 //! The table of an episode's settings: every key, range, word and sentence of help is declared here, once.
 //!
 //! The command line, study files, columns of results, baselines and the check of a scenario derive from
-//! [`SETTINGS`]. What is not in the table is what a scenario is made of: seed, world, human, preference
-//! changes, belief, plant and robot.
+//! [`SETTINGS`]. The table does not have the other parts of a scenario: seed, world, human, preference changes,
+//! belief, plant and robot.
 
 use super::{PlantKind, Scenario};
 use crate::control::{Avoid, CandidateSet, PoseCriterion};
@@ -17,17 +17,17 @@ pub struct Setting {
     pub key: &'static str,
     /// Its name on the command line, without the dashes.
     pub flag: &'static str,
-    /// Where it stands in a scenario's text.
+    /// Its key in a scenario's text, with the tables around it.
     pub path: &'static str,
-    /// What it is, in a sentence.
+    /// Its help text, with its unit.
     pub about: &'static str,
-    /// What it is a setting of.
+    /// The teams to which it applies.
     pub applies: Applies,
-    /// Its values, and where a scenario keeps them.
+    /// Its values, and its field in a scenario.
     pub kind: Kind,
 }
 
-/// What a setting says something of.
+/// The teams to which a setting applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Applies {
     /// Every team.
@@ -40,30 +40,30 @@ pub enum Applies {
     Bodies,
 }
 
-/// The values of a setting, and where a scenario keeps them.
+/// The values of a setting, and its field in a scenario.
 #[derive(Debug)]
 pub enum Kind {
     /// A number in a range.
     Number(Range, Field<f64>),
-    /// A whole number from 1 to this.
+    /// A whole number from 1 to a limit.
     Count(u64, Field<Option<u64>>),
-    /// Yes or no.
+    /// True or false.
     Flag(Field<bool>),
     /// One of several words.
     Word(fn() -> Vec<Word>, Field<String>),
-    /// A text of this form, if it is accepted.
+    /// A text: the form to name in errors, and a check.
     Text(fn() -> String, fn(&str) -> bool, Field<String>),
 }
 
-/// A place in a scenario: what is there, if the scenario has such a thing, and how to put another value
-/// there.
+/// A field of a scenario: a getter, which returns `None` if the scenario does not have the field, and a
+/// setter.
 #[derive(Debug)]
 pub struct Field<T> {
     get: fn(&Scenario) -> Option<T>,
     set: fn(&mut Scenario, T),
 }
 
-/// A word for a value, and what it means.
+/// A word for a value, and its meaning.
 pub type Word = (&'static str, &'static str);
 
 /// The value of a setting.
@@ -79,7 +79,7 @@ pub enum Value {
     Text(String),
 }
 
-/// Numbers from `least`, or above it, to `most`.
+/// A range of numbers from `least`, or above it, to `most`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
     least: f64,
@@ -87,14 +87,12 @@ pub struct Range {
     most: f64,
 }
 
-/// alpha and gamma as they are given: around 1, and never far from it. Those that are drawn may be anywhere
-/// in the belief.
+/// The range of alpha and gamma on the command line. Values drawn from a belief are not limited to it.
 pub const PERCEPTION: Range = Range::above(0.0, 10.0);
 const POSITIVE: Range = Range::above(0.0, 1e6);
 const NOT_NEGATIVE: Range = Range::between(0.0, 1e6);
 
-/// The [`Field`] at a place: of the scenario, of its robot or of its physics. Words name the values of a
-/// type.
+/// The [`Field`] of a place in a scenario or in its robot, optionally with words for the values of an enum.
 macro_rules! field {
     (scenario $s:ident => $place:expr) => {
         Field { get: |$s| Some($place), set: |$s, value| $place = value }
@@ -118,24 +116,24 @@ pub const RISK_WEIGHT: Setting = Setting {
     key: "risk_weight_m",
     flag: "risk-weight",
     path: "settings.predictor.risk_weight_m",
-    about: "Weight of risk against distance, c_r, in metres",
+    about: "Weight c_r of risk against distance, in metres",
     applies: Applies::Always,
     kind: Kind::Number(
         NOT_NEGATIVE,
         Field {
             get: |s| Some(s.settings.predictor.risk_weight()),
-            // fails outside of the range alone
+            // fails only outside the range
             set: |s, value| drop(s.settings.predictor.set_risk_weight(value)),
         },
     ),
 };
 
-/// The posture that the robot starts from.
+/// The robot's posture at the start.
 pub const POSTURE: Setting = Setting {
     key: "posture",
     flag: "posture",
     path: "plant.posture",
-    about: "Posture to start from, by its name in the robot file [default: the first]",
+    about: "Posture at the start, by its name in the robot file [default: the first]",
     applies: Applies::Robot,
     kind: Kind::Text(
         || "the name of a posture".to_owned(),
@@ -149,12 +147,12 @@ pub const POSTURE: Setting = Setting {
     ),
 };
 
-/// What is kept out of obstacles in eq. (7).
+/// The parts of the robot that eq. (7) keeps out of obstacles.
 pub const AVOID: Setting = Setting {
     key: "avoid",
     flag: "avoid",
     path: "control.avoid",
-    about: "What the robot's MPC keeps out of obstacles",
+    about: "Parts of the robot that its MPC keeps out of obstacles",
     applies: Applies::Robot,
     kind: Kind::Word(|| words(AVOIDED), field!(robot r => r.control.avoid, AVOIDED)),
 };
@@ -164,7 +162,7 @@ pub const SWAY: Setting = Setting {
     key: "sway_m",
     flag: "sway",
     path: "physics.human.sway_lateral_m",
-    about: "How far the human's hand sways to either side with the gait, in metres; half as far up and down",
+    about: "Amplitude of the human hand's lateral sway with the gait, in metres; half of it vertically",
     applies: Applies::Bodies,
     kind: Kind::Number(
         Range::between(0.0, 0.1),
@@ -184,7 +182,7 @@ pub const INITIAL_STUBBORNNESS: Setting = Setting {
     key: "initial_stubbornness",
     flag: "initial-stubbornness",
     path: "settings.coordination.initial_stubbornness",
-    about: "Stubbornness at the start, phi(0)",
+    about: "Stubbornness phi(0) at the start",
     applies: Applies::Always,
     kind: Kind::Number(
         Range::above(0.0, 1.0),
@@ -209,7 +207,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "human_model",
         flag: "human",
         path: "human_model",
-        about: "How the human decides: preference, boltzmann(RATIONALITY) or scripted(STEP:OPTION,...)",
+        about: "Model of the human: preference, boltzmann(RATIONALITY) or scripted(STEP:OPTION,...)",
         applies: Applies::Always,
         kind: Kind::Text(
             || format!("one of {}", MODELS.map(|model| model.form).join(", ")),
@@ -224,7 +222,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "period_s",
         flag: "period",
         path: "settings.period_s",
-        about: "Control period, in seconds: one planning step",
+        about: "Control period, in seconds; one planning step each",
         applies: Applies::Always,
         kind: Kind::Number(Range::between(0.01, 60.0), field!(scenario s => s.settings.period)),
     },
@@ -240,7 +238,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "yaw_rate_rad_per_s",
         flag: "yaw-rate",
         path: "settings.yaw_rate_rad_per_s",
-        about: "The fastest the human turns, in radians per second",
+        about: "Largest yaw rate of the human, in radians per second",
         applies: Applies::Always,
         kind: Kind::Number(Range::above(0.0, 1000.0), field!(scenario s => s.settings.yaw_rate)),
     },
@@ -248,7 +246,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "max_steps",
         flag: "max-steps",
         path: "settings.tick_limit",
-        about: "Give up after this many steps [default: ten times what the longest option takes]",
+        about: "Largest number of steps [default: ten times the steps of the longest option]",
         applies: Applies::Always,
         kind: Kind::Count(1_000_000_000, field!(scenario s => s.settings.tick_limit)),
     },
@@ -257,7 +255,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "state_weight",
         flag: "state-weight",
         path: "control.state_weight",
-        about: "Weight of the grasp's error in eq. (7): Q is this times the identity",
+        about: "Weight of the grasp error in eq. (7): Q is this number times the identity",
         applies: Applies::Robot,
         kind: Kind::Number(POSITIVE, field!(robot r => r.control.state_weight)),
     },
@@ -265,7 +263,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "input_weight",
         flag: "input-weight",
         path: "control.input_weight",
-        about: "Weight of the inputs in eq. (7): R is this times the identity",
+        about: "Weight of the inputs in eq. (7): R is this number times the identity",
         applies: Applies::Robot,
         kind: Kind::Number(POSITIVE, field!(robot r => r.control.input_weight)),
     },
@@ -276,7 +274,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "eta",
         flag: "eta",
         path: "settings.coordination.eta",
-        about: "Tolerance of the human: the larger, the slower stubbornness grows (paper: 5, 10.5, 15)",
+        about: "Tolerance eta of the human: the larger, the more slowly stubbornness grows (paper: 5, 10.5, 15)",
         applies: Applies::Always,
         kind: Kind::Number(POSITIVE, field!(scenario s => s.settings.coordination.eta)),
     },
@@ -284,7 +282,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "method",
         flag: "method",
         path: "settings.method",
-        about: "Who decides the way",
+        about: "Method: who leads, and on which option",
         applies: Applies::Always,
         kind: Kind::Word(
             || Method::all().map(|method| (method.name(), method.about())).collect(),
@@ -299,7 +297,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "pose_criterion",
         flag: "pose-criterion",
         path: "control.criterion",
-        about: "What pose optimisation chooses by",
+        about: "Criterion of pose optimisation",
         applies: Applies::Candidates,
         kind: Kind::Word(|| words(CRITERIA), field!(robot r => r.control.criterion, CRITERIA)),
     },
@@ -307,7 +305,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "pose_weight",
         flag: "pose-weight",
         path: "control.pose_weight",
-        about: "Weight of a change of configuration in eq. (8), kappa",
+        about: "Weight kappa of a change of configuration in eq. (8)",
         applies: Applies::Robot,
         kind: Kind::Number(NOT_NEGATIVE, field!(robot r => r.control.pose_weight)),
     },
@@ -315,7 +313,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "direction_concentration",
         flag: "direction-concentration",
         path: "control.direction_concentration",
-        about: "How sharply a walking direction tells options apart: concentration of a von Mises distribution",
+        about: "Concentration of the von Mises distribution of the walking direction on an option",
         applies: Applies::Robot,
         kind: Kind::Number(NOT_NEGATIVE, field!(robot r => r.control.direction_concentration)),
     },
@@ -323,13 +321,13 @@ pub const SETTINGS: &[Setting] = &[
         key: "prepare_while_leading",
         flag: "prepare-while-leading",
         path: "control.prepare_while_leading",
-        about: "Optimise the pose also while the robot leads, for its own way; the paper does so only while it follows",
+        about: "Optimise the pose also while the robot leads, for its own path; the paper does so only while it follows",
         applies: Applies::Candidates,
         kind: Kind::Flag(field!(robot r => r.control.prepare_while_leading)),
     },
 ];
 
-/// A word for every value of an enum, with what it means.
+/// A word for every value of an enum, with its meaning.
 type Words<T> = [(T, &'static str, &'static str)];
 
 const POSES: &Words<CandidateSet> = &[
@@ -340,7 +338,7 @@ const POSES: &Words<CandidateSet> = &[
 const CRITERIA: &Words<PoseCriterion> = &[
     (PoseCriterion::Expected, "expected", "Eq. (8): costs of all options, weighted by P_o"),
     (PoseCriterion::Uniform, "uniform", "Costs of all options, equally weighted"),
-    (PoseCriterion::Tracked, "tracked", "The cost of the option that the robot takes the human to be on"),
+    (PoseCriterion::Tracked, "tracked", "The cost of the option on which the robot estimates the human"),
     (
         PoseCriterion::Manipulability,
         "manipulability",
@@ -366,14 +364,14 @@ fn put<T: Copy>(place: &mut T, all: &Words<T>, word: &str) {
     *place = found.map_or(*place, |(value, ..)| *value);
 }
 
-/// "one of" these words.
+/// The text "one of" and the words.
 pub fn one_of(words: &[Word]) -> String {
     let words: Vec<_> = words.iter().map(|(word, _)| format!("\"{word}\"")).collect();
     format!("one of {}", words.join(", "))
 }
 
 impl Setting {
-    /// Its value in a scenario; `None` where the scenario has no such thing.
+    /// Its value in a scenario; `None` if the scenario does not have the setting.
     pub fn get(&self, scenario: &Scenario) -> Option<Value> {
         match &self.kind {
             Kind::Number(_, field) => (field.get)(scenario).map(Value::Number),
@@ -383,7 +381,8 @@ impl Setting {
         }
     }
 
-    /// Sets it in a scenario that has such a thing, to a value that it [accepts](Setting::accepts).
+    /// Sets it in a scenario to a value that it [accepts](Setting::accepts). No effect if the scenario does not
+    /// have the setting.
     pub fn set(&self, scenario: &mut Scenario, value: &Value) {
         match (&self.kind, value) {
             (Kind::Number(_, field), Value::Number(value)) => (field.set)(scenario, *value),
@@ -396,7 +395,7 @@ impl Setting {
         }
     }
 
-    /// Whether it may have this value.
+    /// Whether the value is allowed.
     pub fn accepts(&self, value: &Value) -> bool {
         match (&self.kind, value) {
             (Kind::Number(range, _), Value::Number(value)) => range.contains(*value),
@@ -408,12 +407,12 @@ impl Setting {
         }
     }
 
-    /// The words that are its values, if its values are words.
+    /// Its words; `None` if its values are not words.
     pub fn words(&self) -> Option<Vec<Word>> {
         if let Kind::Word(words, _) = &self.kind { Some(words()) } else { None }
     }
 
-    /// What its values are, in words.
+    /// A description of the allowed values, for errors.
     pub fn expected(&self) -> String {
         match &self.kind {
             Kind::Number(range, _) => range.to_string(),
@@ -424,10 +423,10 @@ impl Setting {
         }
     }
 
-    /// The value that a text says, as it is shown.
+    /// The value in a text, as [`Value`] is displayed.
     ///
     /// # Errors
-    /// What it must be, if the text is no value that it accepts.
+    /// A description of the allowed values, if the text is none of them.
     pub fn parse(&self, text: &str) -> Result<Value, String> {
         let value = match &self.kind {
             Kind::Number(..) => text.parse().ok().map(Value::Number),
@@ -438,7 +437,7 @@ impl Setting {
         value.filter(|value| self.accepts(value)).ok_or_else(|| format!("must be {}", self.expected()))
     }
 
-    /// The number in a scenario that is out of range, if it is.
+    /// The value in a scenario, if it is a number out of range.
     pub(super) fn number_out_of_range(&self, scenario: &Scenario) -> Option<f64> {
         match self.get(scenario).filter(|value| !self.accepts(value))? {
             Value::Number(value) => Some(value),
@@ -449,7 +448,7 @@ impl Setting {
 }
 
 impl Applies {
-    /// Whether a team on that plant has it, `chooses` being whether its robot, if any, chooses among
+    /// Whether it applies to a team on that plant. `chooses`: whether the team's robot, if any, chooses among
     /// configurations.
     pub fn is_on(self, plant: PlantKind, chooses: bool) -> bool {
         match self {
@@ -460,7 +459,7 @@ impl Applies {
         }
     }
 
-    /// What it is, for errors.
+    /// What the setting needs, for errors.
     pub fn what(self) -> &'static str {
         match self {
             Self::Always => "a team",
@@ -479,7 +478,7 @@ impl Range {
         Self { least, is_open: true, most }
     }
 
-    /// Whether the number is in it; NaN is not.
+    /// Whether the number is in the range; NaN is not.
     pub fn contains(&self, value: f64) -> bool {
         value <= self.most && if self.is_open { value > self.least } else { value >= self.least }
     }

@@ -127,7 +127,7 @@ fn a_replay_tells_of_another_arithmetic() {
     let at = silent.windows(10).position(|w| w == b"arithmetic").expect("a stamp");
     silent[at] = b'A';
     let (code, said) = replayed(&silent);
-    assert!(code == Some(0) && said.contains("does not say with which arithmetic"), "{said}");
+    assert!(code == Some(0) && said.contains("does not name its arithmetic"), "{said}");
 }
 
 /// A snapshot goes on, with a note: to an end as good as any, but not to the same bits.

@@ -220,7 +220,7 @@ fn the_help_says_which_methods_ignore_preference_changes() {
     for part in [
         "--change <STEP:ALPHA,GAMMA>",
         "--preference-changes <N>",
-        "nor after the start with --method without-model",
+        "nor with --method without-model after the start",
     ] {
         assert!(help.contains(part), "{part:?} is missing from:\n{help}");
     }

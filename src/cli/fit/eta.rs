@@ -20,15 +20,19 @@ use std::path::PathBuf;
 
 /// Fit the tolerance eta of participants to the steps at which they asked to stop following the robot
 ///
-/// Switches are CSV with the columns participant, world, option and step: one row for every option that a participant saw the robot walk,
-/// and the step (of 0.2 s and 0.1 m) at which they asked to switch, empty if they never did. Instead of an option, a column `method` may say
-/// `mutual`: the robot chose its way as in `cocarry run`. A column `trial` tells repetitions apart. `world` is a world file, relative to the file of switches,
-/// or a built-in world.
+/// Switches are CSV with the columns participant, world, option and step: one row for every option that a
+/// participant watched the robot walk,
+/// and the step (of 0.2 s and 0.1 m) at which the participant asked to switch, empty if never. Instead of an
+/// option, a column `method` may have the value `mutual`: the robot chose its option as in `cocarry run`. A
+/// column `trial` distinguishes repetitions. `world` is a world file, relative to the file of switches, or a
+/// built-in world.
 ///
-/// Since g(k) is the same for everyone, a switch at step k says that g(k - 1) / ln(1 / phi(0)) <= eta < g(k) / ln(1 / phi(0)), and none
-/// that eta is at least the last of these. A participant's eta lies in all of these intervals; where somebody's contradict each other, eta is
-/// taken to scatter log-normally between everyone's episodes. Intervals of medians are 95 % intervals; where the switches do not determine
-/// one, the output says why instead.
+/// g(k) is the same for everyone. A switch at step k therefore implies
+/// g(k - 1) / ln(1 / phi(0)) <= eta < g(k) / ln(1 / phi(0)). Without a switch, eta is at least the last of
+/// these bounds (censored). A participant's eta lies in the intersection of these intervals. If the intervals
+/// of any participant contradict each other, eta is modelled as log-normally distributed between episodes,
+/// for everyone. Intervals of medians are 95 % intervals. If the switches do not determine an interval, the
+/// output says why.
 #[derive(Args, Debug)]
 pub(in crate::cli) struct Arguments {
     /// Switches (CSV)
@@ -38,10 +42,10 @@ pub(in crate::cli) struct Arguments {
     json: bool,
     #[command(flatten)]
     model: ModelArguments,
-    /// Stubbornness at the start, in (0, 1)
+    /// Stubbornness phi(0) at the start, between 0 and 1
     #[arg(long, value_name = "PHI", default_value_t = coordination::Settings::default().initial_stubbornness, value_parser = number(&INITIAL_STUBBORNNESS), allow_negative_numbers = true)]
     initial_stubbornness: f64,
-    /// Draw every participant's episodes and eta into this file
+    /// Draw every participant's episodes and eta into this SVG file
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
     #[command(flatten)]
@@ -53,7 +57,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let phi = arguments.initial_stubbornness;
     if phi >= 1.0 {
         return Err(input(anyhow!(
-            "--initial-stubbornness {phi}: it must be less than 1; who starts at 1 switches at the first discomfort whatever eta"
+            "--initial-stubbornness {phi}: it must be less than 1; with 1, every eta switches at the first discomfort"
         )));
     }
     let file = SwitchFile::read(&arguments.switches).map_err(input)?;
@@ -137,23 +141,23 @@ fn text(fit: &EtaFit) -> String {
         let lines: Vec<String> = fit.unexplained_lines.iter().map(u64::to_string).collect();
         let _ = writeln!(
             text,
-            "Left out, since there was no discomfort yet at that step and no eta explains it: line {}.",
+            "Left out: no eta explains a switch before any discomfort; line {}.",
             lines.join(", ")
         );
     }
-    text += "bounded: all episodes agree, eta lies in the interval. censored: never switched.";
+    text += "bounded: all episodes agree, and eta lies in the interval. censored: never switched.";
     text += match fit.is_scattered {
         true => {
-            " scattered: somebody's episodes contradict each other, so\neta is taken to scatter between episodes: a median, with its 95 % interval.\n"
+            " scattered: episodes of a participant\ncontradict each other, and eta varies between episodes: a median, with its 95 % interval.\n"
         }
         false => {
-            " Nobody's episodes contradict each other: eta\nis taken to stay the same from episode to episode.\n"
+            " No participant's episodes contradict\neach other: eta is the same in every episode.\n"
         }
     };
     text + "All: the log-normal distribution of everyone's eta.\n"
 }
 
-/// Why the interval of all is not there, if it is not.
+/// The reason why the interval of all participants is missing, if it is.
 fn no_interval(fit: &EtaFit) -> Option<String> {
     fit.no_interval
         .map(|reason| format!("the median's 95 % interval is not determined: participants: {reason}"))

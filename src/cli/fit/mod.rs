@@ -1,4 +1,4 @@
-//! `cocarry fit`: estimates model parameters from what participants answered.
+//! `cocarry fit`: estimates model parameters from the answers of participants.
 
 mod eta;
 mod risk_weight;
@@ -8,7 +8,7 @@ use super::output::Failure;
 use clap::Subcommand;
 use std::process::ExitCode;
 
-/// Fit a parameter of the model to what participants answered
+/// Fit a parameter of the model to the answers of participants
 #[derive(Debug, Subcommand)]
 pub(super) enum Parameter {
     RiskWeight(risk_weight::Arguments),

@@ -19,11 +19,12 @@ use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Fit the weight c_r of risk to the percentages with which participants say that they would choose each option
+/// Fit the risk weight c_r to the percentages with which participants would choose each option
 ///
-/// Answers are CSV with the columns participant, world, option and percent: one row for every option of every world that a participant
-/// was asked about, 0 percent included. `world` is a world file, relative to the file of answers, or a built-in world; `option` is an option's name
-/// there. Other columns are ignored, and so are lines that begin with #.
+/// Answers are CSV with the columns participant, world, option and percent: one row for every option of every
+/// world that a participant was asked about, including 0 percent. `world` is a world file, relative to the
+/// file of answers, or a built-in world; `option` is the name of an option there. Other columns, and lines
+/// that begin with #, are ignored.
 #[derive(Args, Debug)]
 pub(in crate::cli) struct Arguments {
     /// Answers (CSV)
@@ -32,19 +33,21 @@ pub(in crate::cli) struct Arguments {
     common: Common,
     #[command(flatten)]
     belief: BeliefArguments,
-    /// Hold the answers of this world out of the fit, and say how well it predicts them; may be given several times
+    /// Hold the answers of this world out of the fit, and report how well the fit predicts them; may be given
+    /// several times
     #[arg(long, value_name = "WORLD")]
     validate: Vec<String>,
-    /// Scale the percentages of every answer to sum to 100. Without it, only sums from 99 to 101 are (rounding), others are refused
+    /// Scale the percentages of every answer to sum to 100 [default: only sums from 99 to 101 are scaled, for
+    /// rounding; others are refused]
     #[arg(long)]
     normalise: bool,
-    /// Resamples of the participants for the 95 % bootstrap interval
+    /// Number of resamples of the participants for the 95 % bootstrap interval
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u64).range(40..=1_000_000))]
     resamples: u64,
     /// Seed of the resamples
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Draw answers and fit into this file
+    /// Draw answers and fit into this SVG file
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
     #[command(flatten)]
@@ -122,10 +125,10 @@ fn text(answers: &Answers, settings: &RiskWeightSettings, fit: &RiskWeightFit) -
     let [low, high] = fit.nearly_as_good;
     let _ = writeln!(
         text,
-        "From {low:.2} to {high:.2} m, the rms error is at most {CELL_ERROR} percentage points above the least."
+        "From {low:.2} to {high:.2} m, the rms error is at most {CELL_ERROR} percentage points above the smallest."
     );
     if n == 1 {
-        text += "A single participant: no interval, since there is nobody to resample.\n";
+        text += "No interval: the bootstrap needs two participants or more.\n";
     } else {
         let _ = writeln!(
             text,
@@ -170,7 +173,7 @@ fn notes(name: &str, estimate: &Estimate, settings: &RiskWeightSettings) -> Stri
         let [low, high] = settings.range;
         let _ = writeln!(
             text,
-            "By {name}, c_r lies at an end of what was tried ({low} to {high} m): the answers do not bound it."
+            "By {name}, c_r lies at an end of the searched range ({low} to {high} m): the answers do not bound it."
         );
     }
     if !estimate.other_optima.is_empty() {

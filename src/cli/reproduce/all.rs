@@ -1,4 +1,5 @@
-//! `cocarry reproduce all --report FOLDER`: every claim, table and picture of the paper, ours beside the paper's, as a report.
+//! `cocarry reproduce all --report FOLDER`: a report with every claim, table and picture of the paper beside
+//! ours.
 
 use super::super::output::{Failure, Progress, input, print, print_json, write_file};
 use super::super::robot::load_robot;
@@ -24,18 +25,18 @@ pub(in super::super) struct Arguments {
     /// Humans in each of the 16 cells of Table II with bodies [default: 20]
     #[arg(long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
     humans: Option<u64>,
-    /// Random worlds in which locked cycles are looked for [default: 10000]
+    /// Random worlds in the search for locked cycles [default: 10000]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     worlds: Option<u64>,
-    /// Seed of all that is random
+    /// Seed of everything random
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Replace a report that is in the folder already; other files stay
+    /// Replace an existing report in the folder; other files stay
     #[arg(long)]
     overwrite: bool,
 }
 
-/// The page, which is written last: where it is, the report is whole.
+/// The page. It is written last: where it exists, the report is complete.
 const PAGE: &str = "report.html";
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -88,7 +89,7 @@ fn sections(plan: &Plan) -> Result<Vec<Section>, ReportError> {
         .collect()
 }
 
-/// Makes sure, before the work, that the report may be written and can be.
+/// A check, before the work, that the report can be written and replaces nothing without --overwrite.
 fn prepare(folder: &Path, overwrite: bool) -> Result<(), Failure> {
     let name = folder.display();
     if folder.as_os_str().is_empty() {
@@ -107,19 +108,19 @@ fn prepare(folder: &Path, overwrite: bool) -> Result<(), Failure> {
         }
     }
     std::fs::create_dir_all(folder).map_err(cannot)?;
-    // whether files can be made in it is only known from one
+    // only writing a file shows whether the folder is writable
     let probe = folder.join(format!("{PAGE}.partial"));
     std::fs::write(&probe, "").and_then(|()| std::fs::remove_file(&probe)).map_err(cannot)
 }
 
-/// Writes all files, each whole, the page last; their names.
+/// Writes all files, the page last, each complete or not at all. Returns their names.
 fn write(report: &Report, folder: &Path, made: &str) -> Result<Vec<String>, Failure> {
     let figures = folder.join("figures");
     let made_folder = std::fs::create_dir_all(&figures);
     made_folder
         .with_context(|| format!("{}: cannot be written", figures.display()))
         .map_err(Failure::Output)?;
-    // no page of another run beside files of this one
+    // the page of another run must not stand beside the files of this one
     let page = folder.join(PAGE);
     if page.exists() {
         let removed = std::fs::remove_file(&page);
@@ -143,7 +144,7 @@ fn write(report: &Report, folder: &Path, made: &str) -> Result<Vec<String>, Fail
     Ok(names)
 }
 
-/// What was found and written, as JSON.
+/// The findings and the files written, as JSON.
 fn told(report: &Report, plan: &Plan, folder: &Path, files: &[String]) -> Value {
     let claims = report.sections.iter().map(|section| {
         let finding = &section.finding;

@@ -1,4 +1,5 @@
-//! `cocarry reproduce contacts`: how often a team with bodies touches the sides of an opening, against the paper's risk of it.
+//! `cocarry reproduce contacts`: how often a team with bodies touches the sides of an opening, against the
+//! paper's risk S.
 
 use super::super::output::{Failure, Progress, input, print, print_json, table, table_text};
 use super::super::robot::{SwayArguments, sway_of};
@@ -12,7 +13,7 @@ use serde_json::json;
 pub(in super::super) struct Arguments {
     #[command(flatten)]
     common: Common,
-    /// Walks through each opening from each of three angles, each with another gait
+    /// Walks through each opening from each of three angles, each with its own gait
     #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     walks: u64,
     /// Seed of the first gait; the others follow it
@@ -70,8 +71,8 @@ fn text(rows: &[Row], sway: f64) -> String {
     let other: usize = rows.iter().map(|r| r.other).sum();
     let mut text = format!(
         "Contacts with the sides of one opening, walked through by a team with bodies whose human sways by {sway} m\n{}\
-         contact: share of walks in which anything touched a side, and who did first; at so many degrees: the team came from so far off the opening's axis;\n\
-         clear: the nearest anything came to a side in the walks without contact, mean.\n",
+         contact: share of walks in which a body touched a side, and how often each body did first; at ... deg: start at that angle to the opening's axis;\n\
+         clear: smallest clearance from a side in the walks without contact, mean.\n",
         table_text(&shown),
     );
     if other > 0 {

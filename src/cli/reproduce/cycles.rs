@@ -1,4 +1,4 @@
-//! `cocarry reproduce cycles`: random worlds and humans, by a team that is a point, or by one with bodies.
+//! `cocarry reproduce cycles`: random worlds and humans, with the team as a point or with bodies.
 
 use super::super::output::{Failure, OverwriteArguments, Progress, input, print, print_json, write_file};
 use super::super::robot::{SwayArguments, sway_of};
@@ -18,13 +18,13 @@ use std::path::{Path, PathBuf};
 pub(in super::super) struct Arguments {
     #[command(flatten)]
     common: Common,
-    /// How many random worlds [default: 10000; with --plant rapier 200]
+    /// Number of random worlds [default: 10000; 200 with --plant rapier]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     worlds: Option<u64>,
     /// Seed of the first world; the others follow it
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// What walks: `point`, as in the paper, or `rapier`: a team with bodies, in fields with room for it
+    /// Team: `point`, as in the paper, or `rapier`, with bodies, in worlds with room for them
     #[arg(long, default_value = "point", value_parser = plants(&[PlantKind::Point, PlantKind::Rapier]))]
     plant: PlantKind,
     #[command(flatten)]
@@ -38,9 +38,9 @@ pub(in super::super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.keep {
-        // before the work, which would be lost
+        // before the work, which would otherwise be lost
         std::fs::create_dir_all(folder)
-            .with_context(|| format!("{}: cannot be made", folder.display()))
+            .with_context(|| format!("{}: cannot be created", folder.display()))
             .map_err(Failure::Output)?;
         let kept = std::fs::read_dir(folder).into_iter().flatten().flatten();
         let mut kept = kept.filter(|entry| entry.file_name().to_string_lossy().starts_with("cycle-"));
@@ -50,7 +50,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let is_point = arguments.plant == PlantKind::Point;
     if is_point && arguments.sway.sway.is_some() {
-        return Err(input(anyhow!("--sway is for --plant rapier")));
+        return Err(input(anyhow!("--sway needs --plant rapier")));
     }
     let plant = if is_point { Plant::Point } else { arguments.sway.plant()? };
     let default = if is_point { WORLDS } else { WORLDS_WITH_BODIES };
@@ -93,7 +93,7 @@ fn keep(outputs: &Outputs, folder: &Path, index: u64, arguments: &str, world: &s
     write_file(outputs, &folder.join(format!("cycle-{index}.toml")), &(head + world))
 }
 
-/// `sway`: the hand's, m, where the team has bodies.
+/// The text of the findings. `sway`: the sway of the hand, m, if the team has bodies.
 fn text(findings: &Findings, sway: Option<f64>) -> String {
     let Findings { episodes, with_choice, with_changes, most_changes, arrived, longest_detour, .. } =
         findings;

@@ -1,5 +1,4 @@
-//! `cocarry reproduce h2`: Table II and the Environment 4 example, by a team that is a point or by one with
-//! bodies.
+//! `cocarry reproduce h2`: Table II and the Environment 4 example, with the team as a point or with bodies.
 
 use super::super::output::{
     Failure, OverwriteArguments, Progress, input, print, print_json, table_with_notes, write_file,
@@ -24,16 +23,15 @@ pub(in super::super) struct Arguments {
     /// Seed of the twenty random humans
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// What walks: `point`, as in the paper, or `rapier`: the same humans once more with bodies, beside the
-    /// point
+    /// Team: `point`, as in the paper, or `rapier`, the same humans with bodies beside the point
     #[arg(long, default_value = "point", value_parser = plants(&[PlantKind::Point, PlantKind::Rapier]))]
     plant: PlantKind,
-    /// Humans in each cell, with --plant rapier [default: 20]
+    /// Humans per cell, with --plant rapier [default: 20]
     #[arg(long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
     humans: Option<u64>,
     #[command(flatten)]
     sway: SwayArguments,
-    /// Draw the Environment 4 example (trajectories, stubbornness) into this file
+    /// Draw the Environment 4 example (trajectories, stubbornness) into this SVG file
     #[arg(long, value_name = "FILE", conflicts_with_all = ["humans", "sway"])]
     svg: Option<PathBuf>,
     #[command(flatten)]
@@ -45,7 +43,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         return run_with_bodies(arguments);
     }
     if arguments.humans.is_some() || arguments.sway.sway.is_some() {
-        return Err(input(anyhow!("--humans and --sway are for --plant rapier")));
+        return Err(input(anyhow!("--humans and --sway need --plant rapier")));
     }
     let outputs = arguments.overwrite.outputs([], &arguments.svg)?;
     let settings = Settings::default();
@@ -90,7 +88,7 @@ fn example_json(run: &ExampleRun) -> Value {
 
 fn run_with_bodies(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.svg.is_some() {
-        return Err(input(anyhow::anyhow!("--svg draws the example of --plant point")));
+        return Err(input(anyhow::anyhow!("--svg needs --plant point: it draws the Environment 4 example")));
     }
     let plant = arguments.sway.plant()?;
     let humans = arguments.humans.map_or(h2::SAMPLES, |n| n as usize);

@@ -1,4 +1,4 @@
-//! `cocarry reproduce h3`: Table III beside the paper's, and what the paper does not measure.
+//! `cocarry reproduce h3`: Table III beside the paper's, and further measurements.
 
 use super::super::output::{
     Failure, OverwriteArguments, Progress, input, print, print_json, table_with_notes, warn, write_file,
@@ -19,22 +19,24 @@ use std::path::{Path, PathBuf};
 pub(in super::super) struct Arguments {
     #[command(flatten)]
     common: Common,
-    /// What the controller acts on: `kinematic`, as in the paper, or `rapier`, where the team has bodies
+    /// Plant: `kinematic`, as in the paper, or `rapier`, with bodies
     #[arg(long, default_value = "kinematic", value_parser = plants(&[PlantKind::Kinematic, PlantKind::Rapier]))]
     plant: PlantKind,
-    /// Random humans in each of the 16 cells [default: 100; 20 with --plant rapier, where an episode takes fifty times as long]
+    /// Random humans in each of the 16 cells [default: 100; 20 with --plant rapier, where an episode takes fifty
+    /// times as long]
     #[arg(long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
     episodes: Option<u64>,
     /// Seed of the humans
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Robot file (TOML), or a URDF with a robot file of the same name beside it [default: the built-in carrier]
+    /// Robot file (TOML), or a URDF with a robot file of the same name beside it [default: the built-in robot]
     #[arg(long, value_name = "FILE")]
     robot: Option<PathBuf>,
-    /// Write the humans of all cells into this CSV file: perception at the start, changes, and the generator's stream and the seed they come from
+    /// Write the humans of all cells into this CSV file: perception at the start, preference changes, and the
+    /// seed and stream of the generator that drew them
     #[arg(long, value_name = "FILE")]
     humans: Option<PathBuf>,
-    /// Draw all cost ratios into this file
+    /// Draw all cost ratios into this SVG file
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
     #[command(flatten)]
@@ -86,7 +88,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&tables.map(|table| table_with_notes(&table)).collect::<Vec<_>>().join("\n"))
 }
 
-/// A row each; changes as `cocarry run --change` takes them, with spaces between.
+/// The humans as CSV, one row each. Preference changes have the form of `cocarry run --change`, separated by
+/// spaces.
 fn humans_as_csv(humans: &[Human], seed: u64) -> Result<Vec<u8>, anyhow::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record([

@@ -1,4 +1,4 @@
-//! `cocarry reproduce`: the paper's claims and tables, the paper's figures beside ours.
+//! `cocarry reproduce`: the paper's claims and tables, with the paper's figures beside ours.
 
 mod all;
 mod common;
@@ -17,20 +17,20 @@ use clap::{Args, Subcommand};
 use serde_json::json;
 use std::process::ExitCode;
 
-/// Reproduce a table or a claim of the paper, its figures beside ours
+/// Reproduce a table or a claim of the paper, with its figures beside ours
 #[derive(Debug, Subcommand)]
 pub(super) enum Claim {
     /// Table I: how humans choose between the options of four environments
     H1(H1),
     /// Table II: objective cost with and without the mode transition, and the Environment 4 example
     H2(h2::Arguments),
-    /// Table III: control cost with and without pose optimisation, when the human leads and changes their mind
+    /// Table III: control cost with and without pose optimisation, for a leading human with preference changes
     H3(h3::Arguments),
-    /// How dangerous an opening of the paper's risk S = d_r / w is: how often a team with bodies touches its sides
+    /// Contacts: how often a team with bodies touches the sides of an opening, by the paper's risk S = d_r / w
     Contacts(contacts::Arguments),
     /// "No locked cycles" (Sec. IV-B): random worlds and humans, each episode run to its end
     Cycles(cycles::Arguments),
-    /// All of it as a report with tables and pictures: H1, H2, H3, locked cycles, and Table II with bodies
+    /// A report of all claims with tables and pictures: H1, H2, H3, locked cycles, and Table II with bodies
     All(all::Arguments),
 }
 
