@@ -1,13 +1,15 @@
-//! A human and a mobile manipulator carry an object together through openings between obstacles; which of them should choose the way?
+//! A simulator of a human and a mobile manipulator that carry an object together through openings between
+//! obstacles, and prefer different paths.
 //!
-//! `cocarry` simulates the framework of A. J. Mahmud, W. Li and X. Wang, *Mutual Adaptation in Human-Robot Co-Transportation with Human
-//! Preference Uncertainty*, and reproduces its tables. Equation numbers in this documentation are that paper's. The command-line program of
-//! the same name does all that the library does; see its `--help` and the README.
+//! `cocarry` implements the framework of A. J. Mahmud, W. Li and X. Wang, *Mutual Adaptation in Human-Robot
+//! Co-Transportation with Human Preference Uncertainty*, and reproduces its tables. Equation numbers in this
+//! documentation are that paper's. The command-line program of the same name gives access to all functions of
+//! the library; see its `--help` and the README.
 //!
 //! # Bring your own partner
 //!
-//! A lab puts in its own [`policy::RobotPolicy`], [`human::Human`] or plant ([`team::Team`]) without touching this crate: see
-//! `examples/own_policy.rs` and `examples/own_human.rs`.
+//! Your own [`policy::RobotPolicy`], [`human::Human`] or plant ([`team::Team`]) needs no change of this
+//! crate: see `examples/own_policy.rs` and `examples/own_human.rs`.
 //!
 //! # Floors
 //!
@@ -18,17 +20,17 @@
 //! report         all results as one page
 //! study          many episodes from one file: every combination, every seed; merged, summarised
 //! fit            parameters from observed answers and switches
-//! regression     expected figures of episodes, held against new runs
-//! paper          the paper's figures and claims, one file a claim
+//! regression     recorded figures of episodes, compared with new runs
+//! paper          the paper's figures and claims, one file per claim
 //! statistics     means, intervals, tests; tables of results; work on all threads
 //! drawing        maps and curves as SVG
-//! recording      an episode as an MCAP file, and back; live viewing
-//! quantities     every figure of a control period and of an episode: key, unit, description, getter; events in sentences
-//! scenario       everything that defines an episode, as text; snapshots; from either the episode again
-//! episode        THE LOOP: observe, evaluate, predict, ask the human, ask the policy, execute, control, walk
+//! recording      episodes as MCAP files: writing, reading, replay, recovery; live viewing
+//! quantities     every figure of a control period and an episode: key, unit, getter; events as sentences
+//! scenario       the complete definition of an episode, as text; snapshots; episodes from both
+//! episode        THE LOOP: observe, evaluate, predict, ask the human, ask the policy, execute, control, move
 //! team           the plants: point, kinematic, physical; the robot's controller; how a team walks and turns
-//! policy         the robot's policies: who leads, on which option, by which motion
-//! human          the human's models: which option, whether to take over, where the hand goes
+//! policy         robot policies: who leads, on which option, with which motion
+//! human          human models: which option, whether to take over, where the hand goes
 //! arithmetic     the conformance stamp: a digest of fixed results
 //! simulation     exact kinematics, or bodies with dynamics and contacts
 //! control        MPC, pose optimisation, the human's intent
@@ -44,10 +46,10 @@
 //!
 //! # Features
 //!
-//! Up to `scenario` the library has no C code, no clock and no randomness of the operating system, and builds
-//! for WebAssembly. The floors above it are features: `drawing`; `recording`, with `quantities`; `studies`,
-//! with `quantities` too, which are `statistics`, `paper`, `regression`, `fit`, `study` and `report`; `cli`,
-//! the default, which has all of them and the program. `live` adds live viewing to `recording`.
+//! Up to `scenario` the library has no C code, no clock and no randomness from the operating system, and
+//! builds for WebAssembly. Features add the floors above it: `drawing`; `recording` (with `quantities`);
+//! `studies` (`quantities`, `statistics`, `paper`, `regression`, `fit`, `study` and `report`); and `cli`, the
+//! default, which has all of them and the program. `live` adds live viewing to `recording`.
 //!
 //! # Notation
 //!

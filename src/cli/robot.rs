@@ -22,8 +22,8 @@ pub(super) struct RobotArguments {
 }
 
 impl RobotArguments {
-    /// The plant with its robot, whose files are read and checked. The settings are checked against the plant,
-    /// but not applied.
+    /// The plant with its robot, whose files are read and checked. The settings are checked against the
+    /// plant, but not applied.
     pub fn plant(&self, settings: &SettingArguments) -> Result<Plant, Failure> {
         let robot = self.robot.as_ref().map(|_| ("robot", &POSTURE));
         let idle = robot.filter(|_| self.plant == PlantKind::Point).or_else(|| settings.idle(self.plant));

@@ -24,10 +24,10 @@ pub(super) struct ScenarioArguments {
     /// The human's perception of risk: Prelec's gamma [default: drawn from the belief]
     #[arg(long, value_parser = perception, allow_negative_numbers = true)]
     gamma: Option<f64>,
-    /// Preference change: ALPHA and GAMMA apply from step STEP on (the first step is 0), as in 40:0.6,0.9. May
-    /// be given several times; of two at the same step, the last one given applies. The robot's belief stays
-    /// the same. A change has no effect on the path while the robot leads, nor with --method without-model
-    /// after the start
+    /// Preference change: ALPHA and GAMMA apply from step STEP on (the first step is 0), as in 40:0.6,0.9.
+    /// May be given several times; of two at the same step, the last one given applies. The robot's belief
+    /// stays the same. A change has no effect on the path while the robot leads, nor with --method
+    /// without-model after the start
     #[arg(long, value_name = "STEP:ALPHA,GAMMA", value_parser = change, conflicts_with = "preference_changes")]
     change: Vec<PreferenceChange>,
     /// Number of preference changes drawn from the seed: 0 to 8, or once-or-twice (a fair coin, as in Table

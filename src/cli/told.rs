@@ -280,8 +280,8 @@ impl Told<'_> {
         told
     }
 
-    /// All preference changes of the scenario, by step: whether each was applied, and the option preferred from
-    /// then on, which is not known for steps before the resumed one.
+    /// All preference changes of the scenario, by step: whether each was applied, and the option preferred
+    /// from then on, which is not known for steps before the resumed one.
     fn changes_as_json(&self) -> Vec<Value> {
         let applied = self.preference_changes();
         let mut given = self.stage.scenario().changes.clone();

@@ -1,4 +1,5 @@
-//! The paper's risk S = d_r / w against what happens: how often a team with bodies touches the sides of an opening.
+//! The paper's risk S = d_r / w against what happens: how often a team with bodies touches the sides of an
+//! opening.
 
 use super::{BuiltInError, prepared, run};
 use crate::episode::{Outcome, Settings};
@@ -129,7 +130,8 @@ enum End {
     Other,
 }
 
-/// A wall with one opening of this width (m) at the origin, which the team comes to and leaves at this angle (rad) off its axis.
+/// A wall with one opening of this width (m) at the origin, which the team comes to and leaves at this angle
+/// (rad) off its axis.
 fn world(width: f64, angle: f64) -> String {
     let (x, y) = (WAY * math::cos(angle).max(0.6), WAY * math::sin(angle));
     let middle = width / 2.0 + 5.0;

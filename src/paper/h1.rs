@@ -1,4 +1,5 @@
-//! H1, Table I: the choice distribution of the model against the participants' answers and the paper's model output.
+//! H1, Table I: the choice distribution of the model against the participants' answers and the paper's model
+//! output.
 
 use super::{BuiltInError, ENVIRONMENTS};
 use crate::episode::prospects;
@@ -52,7 +53,8 @@ pub fn differences(rows: &[Row]) -> (f64, f64) {
     (off.iter().sum::<f64>() / off.len() as f64, off.iter().copied().fold(0.0, f64::max))
 }
 
-/// How far the human column of one environment is from what models say, as mean absolute difference over its options, percentage points.
+/// How far the human column of one environment is from what models say, as mean absolute difference over its
+/// options, percentage points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
     /// Environment, 1 to 4.
@@ -61,7 +63,8 @@ pub struct Fit {
     pub ours: f64,
     /// From the paper's model.
     pub paper: f64,
-    /// From the option that is nearest to the answers, taken by everyone: what no fixed (alpha, gamma) does better than.
+    /// From the option that is nearest to the answers, taken by everyone: what no fixed (alpha, gamma) does
+    /// better than.
     pub fixed: f64,
     /// Pairs of options that the humans like differently well.
     pub pairs: usize,

@@ -1,8 +1,9 @@
-//! H3, Table III: control cost of following a human who changes their mind, with and without pose optimisation, and with what the paper argues
-//! against without measuring it.
+//! H3, Table III: control cost of following a human who changes their mind, with and without pose
+//! optimisation, and with what the paper argues against without measuring it.
 //!
-//! The human leads from the start. (alpha, gamma) is drawn from a setting's sub-range, and redrawn once or twice at random steps of the first
-//! half; the robot only knows the full ranges. Every method meets the same humans: all comparisons are paired.
+//! The human leads from the start. (alpha, gamma) is drawn from a setting's sub-range, and redrawn once or
+//! twice at random steps of the first half; the robot only knows the full ranges. Every method meets the same
+//! humans: all comparisons are paired.
 
 use super::{BuiltInError, ENVIRONMENTS, Environment, SETTINGS};
 use super::{Way, prepared, way};
@@ -58,7 +59,8 @@ impl PoseMethod {
         Self::WithPoObstacles,
     ];
 
-    /// Those that there are on the physical plant: there, obstacles are always kept off, and the base follows its way.
+    /// Those that there are on the physical plant: there, obstacles are always kept off, and the base follows
+    /// its way.
     const PHYSICAL: [Self; 5] =
         [Self::WithoutPo, Self::WithPo, Self::Manipulability, Self::UniformWeights, Self::TrackedOption];
 
@@ -137,9 +139,11 @@ pub struct Row {
     pub ours_std: f64,
     /// Mean over the method's baseline's mean.
     pub ratio: f64,
-    /// C less that of the baseline with the same human; corrected for all comparisons from this start. None for the baselines.
+    /// C less that of the baseline with the same human; corrected for all comparisons from this start. None
+    /// for the baselines.
     pub against_baseline: Option<Paired>,
-    /// Different sequences of options that the humans walk, as far as they are compared: first and last option, and how often they change.
+    /// Different sequences of options that the humans walk, as far as they are compared: first and last
+    /// option, and how often they change.
     pub ways: usize,
     /// Episodes run.
     pub episodes: usize,
@@ -155,9 +159,11 @@ pub struct Row {
     pub fallback_steps: u64,
     /// Episodes in which the base overlapped an obstacle.
     pub overlapping_episodes: usize,
-    /// Episodes in which the object was lost: the grasp was off, or on the physical plant a grip yielded, by more than 10 cm.
+    /// Episodes in which the object was lost: the grasp was off, or on the physical plant a grip yielded, by
+    /// more than 10 cm.
     pub lost_object: usize,
-    /// Episodes that did not arrive. On the kinematic plant, the team goes on when the object is lost: the paper simulates none.
+    /// Episodes that did not arrive. On the kinematic plant, the team goes on when the object is lost: the
+    /// paper simulates none.
     pub not_arrived: usize,
 }
 
@@ -260,9 +266,9 @@ impl Study<'_> {
     }
 }
 
-/// A human whose perception changes on the way, and what they are drawn from: ChaCha8 with the study's seed ([`SeedableRng::seed_from_u64`]) and
-/// the stream 2^32 (16 environment + s) + episode, s from 0 for S1. Drawn are alpha and gamma of the start, then the changes
-/// ([`PreferenceChanges::draw`]).
+/// A human whose perception changes on the way, and what they are drawn from: ChaCha8 with the study's seed
+/// ([`SeedableRng::seed_from_u64`]) and the stream 2^32 (16 environment + s) + episode, s from 0 for S1.
+/// Drawn are alpha and gamma of the start, then the changes ([`PreferenceChanges::draw`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Human {
     /// Environment, 1 to 4.
@@ -307,8 +313,8 @@ fn follow(mut episode: Episode) -> End {
     }
 }
 
-/// One method's row; `all` are the episodes of all methods of the cell, `n` each. Where bodies sway (`is_noisy`), humans who all walk the same
-/// way differ by noise alone.
+/// One method's row; `all` are the episodes of all methods of the cell, `n` each. Where bodies sway
+/// (`is_noisy`), humans who all walk the same way differ by noise alone.
 fn row(
     environment: &Environment,
     setting: usize,

@@ -1,7 +1,8 @@
-//! The paper's claims, one file each: what it says, our run, side by side. Here are its figures, and the four environments built to match.
+//! The paper's claims, one file each: what it says, our run, side by side. Here are its figures, and the four
+//! environments built to match.
 //!
-//! Source: A. J. Mahmud, W. Li, X. Wang, "Mutual Adaptation in Human-Robot Co-Transportation with Human Preference Uncertainty"; the table
-//! is named at each figure.
+//! Source: A. J. Mahmud, W. Li, X. Wang, "Mutual Adaptation in Human-Robot Co-Transportation with Human
+//! Preference Uncertainty"; the table is named at each figure.
 
 pub mod contacts;
 pub mod cycles;
@@ -58,11 +59,12 @@ pub const SETTINGS: [HumanSetting; 4] = [
 /// Table II's rows: without the model, then with eta = 5, 10.5 and 15.
 pub const COLUMNS: [Option<f64>; 4] = [None, Some(5.0), Some(10.5), Some(15.0)];
 
-/// A human who behaves as the one in the Environment 4 example (Sec. V-B): starts out preferring option 4. The paper does not give the
-/// parameters.
+/// A human who behaves as the one in the Environment 4 example (Sec. V-B): starts out preferring option 4.
+/// The paper does not give the parameters.
 pub const EXAMPLE_HUMAN: Perception = Perception { alpha: 0.747, gamma: 0.765 };
 
-/// Sec. V-B, Environment 4 example: for eta, the step at which stubbornness exceeds 1 (not given for eta = 5) and the option ended on.
+/// Sec. V-B, Environment 4 example: for eta, the step at which stubbornness exceeds 1 (not given for eta = 5)
+/// and the option ended on.
 pub const EXAMPLE: [(f64, Option<u64>, &str); 3] =
     [(5.0, None, "4"), (10.5, Some(42), "3"), (15.0, Some(66), "3")];
 
@@ -164,7 +166,8 @@ fn run(stage: &PreparedScenario, mut on_tick: impl FnMut(&Tick)) -> Result<Summa
     Ok(episode.summary().clone())
 }
 
-/// The route that an episode took, to tell humans who make the same choices: first and last option, and how often it changed.
+/// The route that an episode took, to tell humans who make the same choices: first and last option, and how
+/// often it changed.
 type Way = [u64; 3];
 
 fn way(summary: &Summary) -> Way {

@@ -39,7 +39,7 @@ impl View<'_> {
     }
 }
 
-/// How the episode ended, what it cost whom, and what went wrong.
+/// The quantities of an episode: outcome, costs, forces, losses and collisions.
 #[rustfmt::skip]
 pub const EPISODE: &[Quantity] = quantities! {
     "outcome", Text, "arrived, out-of-time, no-way, collided, stuck, dropped, object-lost or non-finite; in recordings also interrupted (by the user)", |v| v.summary().outcome.name();

@@ -1,4 +1,4 @@
-//! What happens in an episode, in sentences: those of `/log` in recordings and of what `cocarry run` prints.
+//! The events of an episode as sentences, for `/log` in recordings and for `cocarry run`.
 
 use super::View;
 use crate::coordination::Mode;
@@ -8,29 +8,29 @@ use crate::options::OptionSet;
 use crate::preference::Perception;
 use crate::simulation::{BodyKind, Contact};
 
-/// How bad an event is.
+/// The severity of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
-    /// As intended.
+    /// A normal event.
     Info,
-    /// To be looked at.
+    /// An event to check.
     Warning,
-    /// It ends the episode.
+    /// An event that ends the episode.
     Error,
 }
 
-/// Something that happened.
+/// An event of an episode.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event {
-    /// k of the step in which it happened.
+    /// The step k in which it happened.
     pub step: u64,
-    /// Where the team was, m, world frame; `None` where it is not known, or not what the event is about.
+    /// The position of the team, m, world frame; `None` where it is unknown or not relevant.
     pub position: Option<Point>,
-    /// How bad it is.
+    /// Its severity.
     pub severity: Severity,
-    /// What it is about: episode, human, preference, mode, option, contact or end.
+    /// Its subject: episode, human, preference, mode, option, contact or end.
     pub about: &'static str,
-    /// What happened, without time and position.
+    /// A sentence without time and position.
     pub sentence: String,
 }
 
@@ -48,8 +48,8 @@ impl Event {
         Self { step, position: None, severity, about, sentence }
     }
 
-    /// What was decided in a step, with the step before it, if there is one, and the preference change with
-    /// which it began.
+    /// The decisions of a step. `before` is the step before it, `change` the preference change with which it
+    /// began, if any.
     pub fn decided(
         before: Option<&Tick>,
         tick: &Tick,
@@ -91,7 +91,7 @@ impl Event {
         events
     }
 
-    /// A preference change, with its step, if that is known.
+    /// A preference change. `tick` is its step, if known.
     pub fn preference_change(change: &PreferenceChange, tick: Option<&Tick>, options: &OptionSet) -> Self {
         let Perception { alpha, gamma } = change.perception;
         let sentence = format!("the human's preferences change: alpha {alpha:.4}, gamma {gamma:.4}");
@@ -104,7 +104,7 @@ impl Event {
         }
     }
 
-    /// The transition of the mode, with phi in that step, if that is known.
+    /// The mode transition, with phi in that step, if known.
     pub fn transition(transition: &Transition, stubbornness: Option<f64>) -> Self {
         let phi = stubbornness.map_or(String::new(), |phi| format!(" ({phi:.3})"));
         let sentence = format!("stubbornness passes 1{phi}, the human takes the lead");

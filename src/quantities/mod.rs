@@ -41,7 +41,7 @@ use crate::episode::Episode;
 use crate::scenario::PreparedScenario;
 use serde_json::{Map, Value, json};
 
-/// Values by their keys, in the order of their table. A missing value, as one that is not finite, is null.
+/// Values by their keys, in the order of their table. Missing and non-finite values are null.
 pub type Record = Vec<(&'static str, Value)>;
 
 /// A record as a JSON object.
@@ -49,7 +49,7 @@ pub fn json(record: Record) -> Value {
     record.into_iter().collect()
 }
 
-/// A value as in a cell of a table: nothing where it is missing.
+/// A value as a table cell; empty if it is missing.
 pub fn cell(value: &Value) -> String {
     match value {
         Value::Null => String::new(),
@@ -61,10 +61,10 @@ pub fn cell(value: &Value) -> String {
     }
 }
 
-/// An episode under way or over, with what its indices stand for.
+/// An episode with its prepared scenario, which gives names to its indices.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
-    /// What the episode was prepared from.
+    /// The prepared scenario.
     pub stage: &'a PreparedScenario,
     /// The episode. Quantities of a control period are those of the last step taken.
     pub episode: &'a Episode<'a>,
@@ -81,20 +81,20 @@ impl View<'_> {
     }
 }
 
-/// A figure: its public name, what it is, and how it is read.
+/// A figure: its public name, kind, description and getter.
 #[derive(Clone, Copy, Debug)]
 pub struct Quantity<Getter = fn(&View) -> Value> {
     /// Public name, which ends in the unit: `length_m`.
     pub key: &'static str,
-    /// What kind of value it has.
+    /// The kind of its value.
     pub kind: Kind,
-    /// What it is: symbol, meaning, and when it is missing.
+    /// Its symbol, its meaning, and when it is missing.
     pub description: &'static str,
-    /// Reads its value.
+    /// Its getter.
     pub get: Getter,
 }
 
-/// What kind of value a quantity has.
+/// The kind of a quantity's value.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
     /// A real number, with its unit; "" if it has none.
@@ -103,11 +103,11 @@ pub enum Kind {
     Count,
     /// A word or a sentence.
     Text,
-    /// Yes or no.
+    /// True or false.
     Flag,
     /// A list of numbers.
     Numbers,
-    /// A record, with the JSON Schema of it.
+    /// A record, with its JSON Schema.
     Record(fn() -> Value),
     /// A list of records, with the JSON Schema of one.
     List(fn() -> Value),
@@ -126,7 +126,7 @@ const JOULES: Kind = Kind::Number("J");
 const SQUARED_JERK: Kind = Kind::Number("m^2/s^5");
 
 impl<Getter> Quantity<Getter> {
-    /// The JSON Schema of its value: one plain type, which is all that Foxglove reads.
+    /// The JSON Schema of its value: one plain type, since Foxglove reads no others.
     fn schema(&self) -> Value {
         let mut schema = match self.kind {
             Kind::Number(_) => json!({ "type": "number" }),
@@ -152,7 +152,7 @@ fn read<V>(quantities: &[Of<V>], of: &V) -> Record {
     quantities.iter().map(|quantity| (quantity.key, (quantity.get)(of))).collect()
 }
 
-/// The JSON Schema of a record of these quantities. None of them is required: a missing value is left out.
+/// The JSON Schema of a record of these quantities. No property is required: missing values are left out.
 pub fn schema<'a, Getter: 'a>(quantities: impl IntoIterator<Item = &'a Quantity<Getter>>) -> Value {
     let property = |quantity: &Quantity<Getter>| (quantity.key.to_owned(), quantity.schema());
     let properties: Map<String, Value> = quantities.into_iter().map(property).collect();

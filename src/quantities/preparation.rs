@@ -1,4 +1,5 @@
-//! What the controller decided a step from: references, and the candidates of eq. (8). In recordings only.
+//! The inputs of the controller's decision in a step: references, and the candidates of eq. (8). They are in
+//! recordings only.
 
 use super::{Kind, METRES, PLAIN, Quantity, RADIANS, View, json, quantities, read, schema};
 use crate::control::{Considered, Reference};
@@ -6,7 +7,7 @@ use crate::robot::Configuration;
 use Kind::{List, Numbers, Text};
 use serde_json::Value;
 
-/// What the robot prepared. Missing without a robot.
+/// The references and candidates of a step. Missing without a robot.
 #[rustfmt::skip]
 pub const PREPARATION: &[Quantity] = quantities! {
     "references", List(|| schema(REFERENCE)), "what eq. (7) and (8) track: all options while the human leads, else the one executed", |v| references(v);
@@ -45,7 +46,7 @@ const CONFIGURATION: &[OfConfiguration] = quantities! {
     "joints", Numbers, "positions of the joints, in the order of /joints, rad (prismatic: m)", |v| v.configuration.joints.as_slice()[..v.joints].to_vec();
 };
 
-/// Of a candidate's configuration, as JSON, and of what was found of it.
+/// The quantities of a candidate: its configuration, as JSON, and its evaluation.
 type OfCandidate = Quantity<fn(&(Value, Considered)) -> Value>;
 
 #[rustfmt::skip]

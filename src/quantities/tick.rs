@@ -54,20 +54,20 @@ impl View<'_> {
     }
 }
 
-/// All that is told of a control period in one row: every quantity but what the robot prepared.
+/// The quantities of a control period in one row: all except those of the controller's preparation.
 pub const TICK: [&[Quantity]; 8] = [STEP, TIME, COORDINATION, COST, CONTROL, INTERACTION, OPTIONS, JOINTS];
 
-/// Which step it is.
+/// The number of the step.
 pub const STEP: &[Quantity] = quantities! {
     "step", Count, "k, from 0", |v| v.tick().step;
 };
 
-/// Its time, which messages of recordings are stamped with.
+/// The time of the step; messages of recordings have it as their time stamp.
 pub const TIME: &[Quantity] = quantities! {
     "time_s", SECONDS, "simulated time at the beginning of the step", |v| v.tick().time;
 };
 
-/// Where the team is, who leads, and what was chosen.
+/// Position of the team, leader and chosen options.
 #[rustfmt::skip]
 pub const COORDINATION: &[Quantity] = quantities! {
     "x_m", METRES, "position of the team at the beginning of the step, world x", |v| v.tick().position.x;
@@ -84,7 +84,7 @@ pub const COORDINATION: &[Quantity] = quantities! {
     "reverses_for", Text, "the option for which the team reverses, to where there is room to turn onto it; mostly missing", |v| v.tick().reverses_for.map(|o| v.option(o));
 };
 
-/// Costs and work, of this step and accumulated up to and with it.
+/// Costs and work, of this step and accumulated up to its end.
 #[rustfmt::skip]
 pub const COST: &[Quantity] = quantities! {
     "objective_cost_m", METRES, "J of the option executed", |v| v.tick().objective_cost;
@@ -98,7 +98,7 @@ pub const COST: &[Quantity] = quantities! {
     "human_work_j", JOULES, "work that the human did on the object so far; missing without physics", |v| v.work_so_far().map(|w| w[1]);
 };
 
-/// What the controller decided, and how well it was followed. Missing without a robot.
+/// The controller's decision and its tracking error. Missing without a robot.
 #[rustfmt::skip]
 pub const CONTROL: &[Quantity] = quantities! {
     "grasp_goal_x_m", METRES, "s: where the grasp should be at the beginning of the step, world x", |v| v.robot_tick().map(|r| r.grasp_goal.position.x);
@@ -168,17 +168,17 @@ pub const INTERACTION: &[Quantity] = quantities! {
     "contacts", Count, "pairs of parts that touched in the step", |v| v.seen().map(|s| s.contacts.len());
 };
 
-/// The options, a record of [`OPTION`] each.
+/// The options, one record of [`OPTION`] each.
 pub const OPTIONS: &[Quantity] = quantities! {
     "options", List(|| schema(OPTION)), "every option as it is from where the team is at the beginning of the step", |v| options(v);
 };
 
-/// One option, as it is from a position.
+/// An option, evaluated from a position.
 #[derive(Clone, Copy, Debug)]
 pub struct OptionView<'a> {
     /// Its name.
     pub name: &'a str,
-    /// What is left of it, and what it costs.
+    /// Its remaining length and risk, and its costs.
     pub option: &'a OptionTick,
 }
 
@@ -191,7 +191,7 @@ impl OptionView<'_> {
 
 type OfOption = Quantity<fn(&OptionView) -> Value>;
 
-/// What is told of an option.
+/// The quantities of an option.
 #[rustfmt::skip]
 pub const OPTION: &[OfOption] = quantities! {
     "name", Text, "name of the option", |v| v.name;
@@ -208,7 +208,7 @@ fn options(view: &View) -> Vec<Value> {
     options.map(|(o, option)| json(OptionView { name: view.option(o), option }.read())).collect()
 }
 
-/// The joints of the arm, a record each; none without a robot.
+/// The joints of the arm, one record each; none without a robot.
 pub const JOINTS: &[Quantity] = quantities! {
     "joints", List(|| schema(REVOLUTE.iter().chain(PRISMATIC))), "the joints of the arm, from the base on", |v| joints(v);
 };
@@ -222,14 +222,14 @@ pub(super) struct JointView<'a> {
 
 type OfJoint = Quantity<fn(&JointView) -> Value>;
 
-/// What is told of a joint that turns.
+/// The quantities of a revolute joint.
 pub(super) const REVOLUTE: &[OfJoint] = quantities! {
     "name", Text, "name of the joint", |v| v.joint.name.as_str();
     "position_rad", RADIANS, "position of a revolute joint at the beginning of the step", |v| v.position;
     "rate_rad_per_s", RADIANS_PER_SECOND, "u of a revolute joint", |v| v.rate;
 };
 
-/// What is told of a joint that slides.
+/// The quantities of a prismatic joint.
 pub(super) const PRISMATIC: &[OfJoint] = quantities! {
     "name", Text, "name of the joint", |v| v.joint.name.as_str();
     "position_m", METRES, "position of a prismatic joint at the beginning of the step", |v| v.position;

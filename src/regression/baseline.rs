@@ -6,12 +6,12 @@ use crate::quantities::cell;
 use std::path::Path;
 use toml_edit::{Document, DocumentMut, Item, Table};
 
-/// A file of runs.
+/// A baseline file.
 #[derive(Clone, Debug)]
 pub struct Baseline {
-    /// The file as it was named by the caller.
+    /// The name of the file, as given by the caller.
     pub file: String,
-    /// The format of its figures; that of files that do not say is 1.
+    /// The format of its figures; 1 if the file does not name it.
     pub format: i64,
     /// The runs, in the order of the file.
     pub runs: Vec<Run>,
@@ -24,41 +24,41 @@ pub struct Baseline {
 pub struct Run {
     /// Its name: as given, or its keys and values.
     pub name: String,
-    /// Line of its `[[run]]`.
+    /// The line of its `[[run]]`.
     pub line: usize,
-    /// Its keys and values, and the line of each, but for `name` and `recorded`.
+    /// Its keys, values and lines, without `name` and `recorded`.
     pub arguments: Vec<(String, Value, usize)>,
-    /// What was recorded of it.
+    /// The recorded figures.
     pub recorded: Option<Vec<(String, Figure)>>,
 }
 
 /// The value of an argument.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Value {
-    /// A flag that is set, or not.
+    /// A flag.
     Flag(bool),
-    /// Anything else, as it would stand on a command line.
+    /// Any other value, as on a command line.
     Text(String),
-    /// Several of such, of an argument that may be given several times.
+    /// Several values, for an argument that may be given several times.
     List(Vec<String>),
 }
 
 /// What a baseline is, in errors.
 const KIND: &str = "file of runs";
 
-/// What a file may hold at its top.
+/// The keys at the top of a file.
 const TOP: [&str; 3] = ["format", "tolerance", "run"];
 
 impl Baseline {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`BaselineError`], with line, key and value. Whether a run's arguments are good is not looked at.
+    /// [`BaselineError`], with line, key and value. The arguments of the runs are not checked.
     pub fn load(path: &Path) -> Result<Self, BaselineError> {
         Self::parse(path.display().to_string(), located::read(path)?)
     }
 
-    /// Reads a file's text; `file` is what errors call it.
+    /// Reads a file's text. Errors call it `file`.
     ///
     /// # Errors
     /// As [`Baseline::load`].
@@ -72,7 +72,7 @@ impl Baseline {
         let format = document.get("format").map_or(Ok(1), |item| {
             let format = item.as_integer().filter(|format| (1..=FORMAT).contains(format));
             let expected =
-                format!("a whole number from 1 to {FORMAT}, the latest format that this version knows");
+                format!("a whole number from 1 to {FORMAT}, the format of this version");
             format.ok_or_else(|| source.wrong(item, "the file", "format", &expected))
         })?;
         source.is_current = format == FORMAT;
@@ -94,13 +94,14 @@ impl Baseline {
         Ok(Self { file, format, runs: read, text, tolerances })
     }
 
-    /// By how much a figure may move.
+    /// The tolerance of a figure.
     pub fn tolerance(&self, figure: &str) -> Tolerance {
         let of = |name: &str| self.tolerances.iter().find(|t| t.0 == name).map(|t| t.1);
         of(figure).or_else(|| of("")).unwrap_or_default()
     }
 
-    /// The file's text with these figures, one set for every run, instead of those recorded; all else, comments included, stays as it is.
+    /// The file's text with new figures, one set for every run. The rest of the text stays as it is,
+    /// including comments.
     ///
     /// # Errors
     /// [`BaselineError`]: none for a text that was read before.
@@ -114,7 +115,7 @@ impl Baseline {
             let old = run.get("recorded").and_then(Item::as_table);
             let mut table = Table::new();
             if let Some(old) = old {
-                // keeps its place among the tables, and what stands around it
+                // keeps its position among the tables, and the comments around it
                 *table.decor_mut() = old.decor().clone();
                 if let Some(position) = old.position() {
                     table.set_position(Some(position));

@@ -1,4 +1,4 @@
-//! What can be wrong with a file of runs, each case with its file, line, run and key.
+//! Errors of baseline files, each with its file, line, run and key.
 
 use super::FORMAT;
 use crate::located::FileError;
@@ -10,27 +10,27 @@ pub enum BaselineError {
     /// The file cannot be read, or is not TOML.
     #[error(transparent)]
     File(#[from] FileError),
-    /// There are no runs.
+    /// The file has no runs.
     #[error("{file}: no runs; write each as a table [[run]], with the keys of `cocarry run`'s arguments")]
     NoRuns {
         /// The file.
         file: String,
     },
-    /// A key that does not belong.
-    #[error("{file}:{line}: {place}: unknown key `{key}`; expected {expected}")]
+    /// A key is unknown.
+    #[error("{file}:{line}: {place}: unknown key `{key}`; expected one of: {expected}")]
     Key {
         /// The file.
         file: String,
         /// Line of the key.
         line: usize,
-        /// The table that it stands in.
+        /// The table with the key.
         place: String,
         /// The key.
         key: String,
         /// The keys allowed.
         expected: String,
     },
-    /// A value that does not belong.
+    /// A value is not allowed.
     #[error("{file}:{line}: {place}: {key} = {value}; it must be {expected}")]
     Value {
         /// The file.
@@ -46,8 +46,8 @@ pub enum BaselineError {
         /// The values allowed.
         expected: String,
     },
-    /// Two runs of one name.
-    #[error("{file}:{line}: run `{name}` is there twice; tell them apart by `name`")]
+    /// Two runs have the same name.
+    #[error("{file}:{line}: duplicate run `{name}`; give each run its own `name`")]
     Duplicate {
         /// The file.
         file: String,
@@ -56,7 +56,7 @@ pub enum BaselineError {
         /// The name.
         name: String,
     },
-    /// A run of which nothing has been recorded.
+    /// A run has no recorded figures.
     #[error("{file}:{line}: run `{name}` has no figures yet; record them: cocarry regress record {file}")]
     NotRecorded {
         /// The file.
@@ -66,9 +66,9 @@ pub enum BaselineError {
         /// Its name.
         name: String,
     },
-    /// Figures of an earlier format.
+    /// The figures have an earlier format.
     #[error(
-        "{file}: its figures are of format {found}, which did not have all that format {FORMAT} compares (since 2: the openings walked; since 3: all figures, under the names of `cocarry run --json`); record them anew: cocarry regress record {file}"
+        "{file}: its figures have format {found}, which lacks some of format {FORMAT} (2 added the openings walked; 3 has all figures, with the keys of `cocarry run --json`); record them again: cocarry regress record {file}"
     )]
     Older {
         /// The file.

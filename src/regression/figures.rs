@@ -9,18 +9,18 @@ use crate::scenario::PreparedScenario;
 /// A figure of a run: a word, a whole number or a number.
 pub type Figure = serde_json::Value;
 
-/// The path that a team walked, in words and as a number: on which side, which the names of options do not
-/// say.
+/// The keys of the figures of the route, which show the side on which the team passed.
 const WALKED: [&str; 2] = ["openings", "mean_offset_m"];
 
 /// The names of all figures, in the order in which they are recorded: the quantities of an [`EPISODE`], then
-/// `openings`, each with its middle, in the order in which the team went through them, and `mean_offset_m`,
-/// how far to the left of the straight line from start to target. What a run does not have is left out.
+/// `openings`, each with its middle, in the order in which the team passed them, and `mean_offset_m`, the
+/// mean distance to the left of the straight line from start to target. A figure that a run does not have is
+/// left out.
 pub fn figure_names() -> Vec<&'static str> {
     EPISODE.iter().map(|quantity| quantity.key).chain(WALKED).collect()
 }
 
-/// Whether `now` is the figure `before` still: words must be the same, numbers may differ by the tolerance.
+/// Whether a figure has not moved: words must be equal, numbers may differ by the tolerance.
 pub fn is_near(before: &Figure, now: &Figure, tolerance: Tolerance) -> bool {
     match (before.as_f64(), now.as_f64()) {
         (Some(before), Some(now)) => {
@@ -30,7 +30,7 @@ pub fn is_near(before: &Figure, now: &Figure, tolerance: Tolerance) -> bool {
     }
 }
 
-/// The way that a team went: on which side, which the names of options do not say.
+/// The route of a team: the openings that it passed, and its offset from the straight line.
 #[derive(Clone, Debug)]
 pub struct Way {
     position: Point,
@@ -41,12 +41,12 @@ pub struct Way {
 }
 
 impl Way {
-    /// At the start.
+    /// The route before the first step.
     pub fn new(stage: &PreparedScenario) -> Self {
         Self { position: stage.world().start, crossings: Vec::new(), offsets: 0.0, steps: 0 }
     }
 
-    /// One step on.
+    /// Adds a step to a new position.
     pub fn step(&mut self, stage: &PreparedScenario, to: Point) {
         let world = stage.world();
         self.crossings.extend(stage.options().crossing(self.position, to));
@@ -68,7 +68,7 @@ impl Way {
     }
 }
 
-/// The figures of an episode that is over.
+/// The figures of a finished episode.
 pub fn figures(view: &View, way: &Way) -> Figures {
     let mean_offset = way.offsets / way.steps.max(1) as f64;
     let walked = WALKED.into_iter().zip([way.openings(view.stage).into(), mean_offset.into()]);

@@ -17,22 +17,22 @@ use crate::scenario::{Scenario, ScenarioError};
 /// The figures of a run, in the order of [`figure_names`].
 pub type Figures = Record;
 
-/// A figure that is not what was recorded.
+/// A figure that moved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moved {
     /// The run's name.
     pub run: String,
     /// The figure.
     pub figure: String,
-    /// What was recorded; none if nothing was.
+    /// The recorded value; `None` if there was none.
     pub recorded: Option<Figure>,
-    /// What it is now; none if the run has no such figure any more.
+    /// The new value; `None` if the run no longer has the figure.
     pub now: Option<Figure>,
-    /// By how much it may move.
+    /// Its tolerance.
     pub tolerance: Tolerance,
 }
 
-/// Runs all episodes to their ends, results in order.
+/// Runs all episodes to their ends. The results are in the order of the scenarios.
 pub fn run_all(scenarios: Vec<Scenario>, on_done: OnDone) -> Vec<Result<Figures, ScenarioError>> {
     in_parallel(scenarios.len(), on_done, |i| {
         let stage = scenarios[i].clone().prepare()?;
@@ -45,7 +45,8 @@ pub fn run_all(scenarios: Vec<Scenario>, on_done: OnDone) -> Vec<Result<Figures,
     })
 }
 
-/// What moved in a run by more than it may, in the order of the figures now; then what is no longer there.
+/// The figures of a run that moved by more than their tolerance, in the order of the new figures; then those
+/// that disappeared.
 pub fn moved(baseline: &Baseline, run: &Run, now: &Figures) -> Vec<Moved> {
     let recorded = run.recorded.as_deref().unwrap_or_default();
     let moved = |figure: &str, recorded: Option<&Figure>, now: Option<&Figure>| Moved {

@@ -4,11 +4,11 @@ use super::{SETTINGS, Scenario, ScenarioError};
 use crate::episode::PreferenceChange;
 use crate::preference::Perception;
 
-/// What alpha and gamma may be where they are drawn.
+/// The values allowed for alpha and gamma in a scenario.
 const PERCEPTION: &str = "a number greater than 0";
 
 impl Scenario {
-    /// Checks every number that is not checked where it is read.
+    /// Checks every number that parsing does not check.
     ///
     /// # Errors
     /// [`ScenarioError::Number`] or [`ScenarioError::Physics`], which names the key and the value.

@@ -1,4 +1,4 @@
-//! What can be wrong with a scenario, each case with its key and value.
+//! Errors of scenarios, each with its key and value.
 
 use crate::human::ModelError;
 use crate::options::OptionError;
@@ -11,7 +11,7 @@ use thiserror::Error;
 /// Why a scenario was refused.
 #[derive(Debug, Error)]
 pub enum ScenarioError {
-    /// The text is not the TOML that a scenario is made of.
+    /// The text is not TOML, or not that of a scenario.
     #[error("not a valid scenario")]
     Syntax(#[source] Box<toml::de::Error>),
     /// The scenario cannot be written as TOML.
@@ -20,7 +20,7 @@ pub enum ScenarioError {
     /// A number is out of its range.
     #[error("scenario: {key} = {value}; it must be {expected}")]
     Number {
-        /// The key, with those of the tables around it, or the change of mind.
+        /// The key, with those of the tables around it, or the preference change.
         key: String,
         /// The value found.
         value: f64,
@@ -34,30 +34,30 @@ pub enum ScenarioError {
         posture: String,
         /// The robot file.
         file: String,
-        /// The names it has.
+        /// The names of its postures.
         known: String,
     },
     /// The world's text is not a valid world.
     #[error(transparent)]
     World(#[from] WorldError),
-    /// The world's options.
+    /// The world's options are not valid.
     #[error(transparent)]
     Options(#[from] OptionError),
     /// The robot's texts are not a valid robot.
     #[error(transparent)]
     Robot(#[from] RobotError),
-    /// The human's model.
+    /// The human model is not valid.
     #[error("scenario: human_model = {model:?}")]
     HumanModel {
         /// The model found.
         model: String,
-        /// What is wrong with it.
+        /// The reason.
         source: ModelError,
     },
-    /// A state to go on from does not belong to the scenario.
+    /// A saved state does not belong to the scenario.
     #[error(transparent)]
     State(#[from] NotRestored),
-    /// The physical plant cannot be set up so.
+    /// The physical plant cannot be set up.
     #[error(transparent)]
     Physics(#[from] PhysicsError),
 }

@@ -42,7 +42,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::{Deserialize, Serialize};
 
-/// alpha and gamma of a human, as far as they are given; the rest is drawn.
+/// The given values of a human's alpha and gamma; missing ones are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GivenPerception {
     /// alpha.
@@ -52,43 +52,42 @@ pub struct GivenPerception {
 }
 
 impl GivenPerception {
-    /// What is given, the rest as drawn.
+    /// The given values, completed by those drawn.
     pub fn or(self, drawn: Perception) -> Perception {
         Perception { alpha: self.alpha.unwrap_or(drawn.alpha), gamma: self.gamma.unwrap_or(drawn.gamma) }
     }
 
-    /// Whether nothing is left to draw.
+    /// Whether both values are given.
     pub fn is_complete(self) -> bool {
         self.alpha.is_some() && self.gamma.is_some()
     }
 }
 
-/// The human of a seed, drawn from a belief but for what is given: whoever asks for the same seed of the same
-/// belief meets the same human.
+/// The human of a seed: given values, completed by values drawn from a belief. The same seed and belief
+/// always give the same human.
 pub fn drawn_human(belief: &Belief, given: GivenPerception, seed: u64) -> Perception {
     given.or(belief.sample(&mut ChaCha8Rng::seed_from_u64(seed)))
 }
 
-/// One episode, settled: whoever has it needs nothing else to run the same episode to the same bits.
+/// The complete definition of one episode: the same scenario gives the same episode, bit for bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
-    /// Settles the gait; and from it the human was drawn, where one was.
+    /// The seed of the gait, and of the human if the human was drawn.
     pub seed: u64,
     /// The world.
     pub world: WorldText,
     /// The human, as given or drawn.
     pub human: Perception,
-    /// How the human decides.
+    /// The human model.
     #[serde(default, skip_serializing_if = "ModelName::is_default")]
     pub human_model: ModelName,
-    /// When the human changes their mind, and to what; as given or drawn. Of several at the same step, the
-    /// last stands.
+    /// The human's preference changes, given or drawn. Of several at the same step, the last one applies.
     #[serde(rename = "change", default, skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<PreferenceChange>,
-    /// What the robot believes, who leads, how fast they walk, when the episode ends at the latest.
+    /// Settings of the episode: belief, method, speed, step limit.
     pub settings: episode::Settings,
-    /// What the controller acts on.
+    /// The plant.
     pub plant: Plant,
 }
 
@@ -96,7 +95,7 @@ pub struct Scenario {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WorldText {
-    /// What errors call it.
+    /// Its name in errors.
     pub file: String,
     /// Its text.
     pub text: String,
@@ -109,8 +108,7 @@ impl From<World> for WorldText {
 }
 
 impl Scenario {
-    /// The episode that `cocarry run` begins in that world where nothing else is said: seed 0, its human, and
-    /// all defaults.
+    /// The default episode of `cocarry run` in a world: seed 0, its human, and all defaults.
     pub fn new(world: WorldText, plant: Plant) -> Self {
         let settings = episode::Settings::default();
         let human = drawn_human(settings.predictor.belief(), GivenPerception::default(), 0);
@@ -133,18 +131,18 @@ impl Scenario {
     /// Reads a scenario's text (TOML) and checks its numbers.
     ///
     /// # Errors
-    /// [`ScenarioError`], which names the line, or the key and the value. What is wrong with world, robot and
-    /// posture shows when the scenario is prepared.
+    /// [`ScenarioError`], which names the line, or the key and the value. World, robot and posture are
+    /// checked by [`Scenario::prepare`].
     pub fn parse(text: &str) -> Result<Self, ScenarioError> {
         let scenario: Self = toml::from_str(text).map_err(|e| ScenarioError::Syntax(Box::new(e)))?;
         scenario.check()?;
         Ok(scenario)
     }
 
-    /// The scenario as text (TOML), every number to the last bit.
+    /// The scenario as text (TOML); numbers are exact to the last bit.
     ///
     /// # Errors
-    /// [`ScenarioError::Unwritable`], for what TOML has no form for.
+    /// [`ScenarioError::Unwritable`], if TOML cannot represent a value.
     pub fn text(&self) -> Result<String, ScenarioError> {
         toml::to_string_pretty(self).map_err(|e| ScenarioError::Unwritable(Box::new(e)))
     }

@@ -1,4 +1,4 @@
-//! The plants, and the robot on them.
+//! The plants and their robots.
 
 use super::Word;
 use crate::control;
@@ -6,11 +6,11 @@ use crate::robot::{Robot, RobotTexts};
 use crate::simulation::PhysicsSettings;
 use serde::{Deserialize, Serialize};
 
-/// What the controller acts on, with what it needs.
+/// A plant, which the controller moves, with its settings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Plant {
-    /// The planning level alone: no robot.
+    /// The planning level alone, without a robot.
     Point,
     /// The robot moves exactly as its inputs say.
     Kinematic {
@@ -21,16 +21,16 @@ pub enum Plant {
     Rapier {
         /// The robot.
         carrier: RobotSetup,
-        /// How the bodies are stepped, and how the human moves.
+        /// Settings of the physics and of the human's motion.
         physics: PhysicsSettings,
     },
 }
 
-/// Who carries, from which posture, controlled how.
+/// A robot with its posture at the start and its controller.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RobotSetup {
-    /// The posture to start from, by its name in the robot file.
+    /// The posture at the start, by its name in the robot file.
     pub posture: String,
     /// The controller.
     pub control: control::Settings,
@@ -53,7 +53,7 @@ impl PlantKind {
     /// All plants.
     pub const ALL: [Self; 3] = [Self::Point, Self::Kinematic, Self::Rapier];
 
-    /// Its name, as in files and on the command line, and what it is.
+    /// Its name, as in files and on the command line, and its description.
     pub fn word(self) -> Word {
         match self {
             Self::Point => {
@@ -87,7 +87,7 @@ impl RobotSetup {
 }
 
 impl Plant {
-    /// A plant with that robot, if it has one, and default physics.
+    /// The plant of a kind, with default physics. The planning level ignores the robot.
     pub fn new(kind: PlantKind, carrier: RobotSetup) -> Self {
         match kind {
             PlantKind::Point => Self::Point,
@@ -96,7 +96,7 @@ impl Plant {
         }
     }
 
-    /// Which of the plants.
+    /// Its kind.
     pub fn kind(&self) -> PlantKind {
         match self {
             Self::Point => PlantKind::Point,
@@ -110,7 +110,7 @@ impl Plant {
         self.kind().name()
     }
 
-    /// Who carries; none on the planning level alone.
+    /// The robot; `None` on the planning level alone.
     pub fn carrier(&self) -> Option<&RobotSetup> {
         match self {
             Self::Point => None,
@@ -118,7 +118,7 @@ impl Plant {
         }
     }
 
-    /// The physical plant's settings; none on the others.
+    /// The physical plant's settings; `None` on the others.
     pub fn physics(&self) -> Option<&PhysicsSettings> {
         match self {
             Self::Point | Self::Kinematic { .. } => None,
@@ -126,7 +126,7 @@ impl Plant {
         }
     }
 
-    /// [`Plant::carrier`], to be changed.
+    /// [`Plant::carrier`], mutable.
     pub fn carrier_mut(&mut self) -> Option<&mut RobotSetup> {
         match self {
             Self::Point => None,
@@ -134,7 +134,7 @@ impl Plant {
         }
     }
 
-    /// [`Plant::physics`], to be changed.
+    /// [`Plant::physics`], mutable.
     pub fn physics_mut(&mut self) -> Option<&mut PhysicsSettings> {
         match self {
             Self::Point | Self::Kinematic { .. } => None,

@@ -1,4 +1,4 @@
-//! Preference changes drawn from a seed: when the human changes, and to which alpha and gamma.
+//! Preference changes drawn from a seed: their steps, and the new alpha and gamma.
 
 use super::{GivenPerception, drawn_human};
 use crate::episode::{PreferenceChange, Settings, prospects};
@@ -8,40 +8,39 @@ use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-/// The stream of a seed's generator that changes are drawn from: humans, and gaits, are drawn from the first,
-/// 0.
+/// The stream of a seed's generator that preference changes are drawn from. Humans and gaits use stream 0.
 const STREAM: u64 = 1;
 
-/// How often a human draws another (alpha, gamma) on the way.
+/// The number of preference changes of a human.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PreferenceChanges {
-    /// So often, at most [`PreferenceChanges::MOST`].
+    /// A fixed number, at most [`PreferenceChanges::MOST`].
     Times(u8),
     /// Once or twice: a fair coin decides, as in Table III.
     OnceOrTwice,
 }
 
-/// What is no number of preference changes.
+/// The error for a text that is no number of preference changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("must be {}", PreferenceChanges::expected())]
 pub struct NotPreferenceChanges;
 
 impl PreferenceChanges {
-    /// A human who keeps their mind.
+    /// No preference changes.
     pub const NONE: Self = Self::Times(0);
-    /// The most that may be asked for.
+    /// The largest number allowed.
     pub const MOST: u8 = 8;
-    /// The word for a fair coin.
+    /// The word for [`PreferenceChanges::OnceOrTwice`].
     pub const ONCE_OR_TWICE: &str = "once-or-twice";
 
-    /// What may be asked for, in words.
+    /// A description of the allowed values, for errors.
     pub fn expected() -> String {
         format!("a whole number from 0 to {}, or \"{}\"", Self::MOST, Self::ONCE_OR_TWICE)
     }
 
-    /// Draws the changes of a human who sets out as `first`: steps uniformly from 1 to half of what the
-    /// option that they prefer at the start takes, (alpha, gamma) from `belief`. In the order in which they
-    /// are drawn, which need not be that of the steps.
+    /// Draws the changes of a human whose first perception is `first`: steps uniformly from 1 to half of the
+    /// steps that the option preferred at the start takes, (alpha, gamma) from `belief`. The changes are in
+    /// the order in which they are drawn, not by step.
     pub fn draw<R: Rng + ?Sized>(
         self,
         belief: &Belief,
@@ -70,9 +69,8 @@ impl PreferenceChanges {
     }
 }
 
-/// The changes of mind of a seed's human, each to a perception that is drawn but for what is given: whoever
-/// asks for the same seed and the same belief in the same world meets the same human, whoever leads and
-/// whatever carries.
+/// The preference changes of a seed's human. Given values of alpha and gamma stay; the others are drawn. The
+/// same seed, belief and world give the same changes for every method and plant.
 pub fn drawn_changes(
     count: PreferenceChanges,
     belief: &Belief,

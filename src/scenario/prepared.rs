@@ -1,4 +1,4 @@
-//! A prepared scenario: everything that its episode borrows.
+//! Prepared scenarios, which own everything that their episodes borrow.
 
 use super::{Scenario, ScenarioError};
 use crate::control::RobotObstacles;
@@ -9,7 +9,7 @@ use crate::robot::{Robot, SlowDrive};
 use crate::world::World;
 use std::sync::Arc;
 
-/// What is built from a scenario: it owns what its episode borrows.
+/// A scenario with its world, options and robot: it owns what its episode borrows.
 #[derive(Clone, Debug)]
 pub struct PreparedScenario {
     scenario: Scenario,
@@ -17,7 +17,7 @@ pub struct PreparedScenario {
     robot: Option<Arc<Robot>>,
 }
 
-/// What is built from a world and c_r.
+/// A world with the options and obstacles built from it and c_r.
 #[derive(Debug)]
 struct Scene {
     world: World,
@@ -26,7 +26,7 @@ struct Scene {
 }
 
 impl Scenario {
-    /// Builds what the episode needs.
+    /// Builds the world, options and robot that the episode needs.
     ///
     /// # Errors
     /// [`ScenarioError`]: a number is out of its range, or world, options, human model, robot or posture are
@@ -35,7 +35,7 @@ impl Scenario {
         self.prepare_beside(None)
     }
 
-    /// Shares with the other stage what is made of the same.
+    /// As [`Scenario::prepare`], but shares equal worlds and robots with `other`.
     fn prepare_beside(self, other: Option<&PreparedScenario>) -> Result<PreparedScenario, ScenarioError> {
         self.check()?;
         let scene = match other.filter(|other| self.has_scene_of(&other.scenario)) {
@@ -83,8 +83,8 @@ impl PreparedScenario {
         &self.scenario
     }
 
-    /// The stage of another scenario. What both are made of is shared: the world and its options, the robot;
-    /// the rest is built.
+    /// Another scenario, prepared. It shares an equal world with its options, and an equal robot, with this
+    /// one.
     ///
     /// # Errors
     /// As [`Scenario::prepare`].
@@ -102,17 +102,17 @@ impl PreparedScenario {
         &self.scene.options
     }
 
-    /// The robot; none on the planning level alone. Its meshes are as the URDF names them.
+    /// The robot; `None` on the planning level alone. Its meshes are as the URDF names them.
     pub fn robot(&self) -> Option<&Robot> {
         self.robot.as_deref()
     }
 
-    /// The robot's drive, if it is slower than the team is to walk.
+    /// The robot's drive, if it is slower than the walking speed.
     pub fn slow_drive(&self) -> Option<SlowDrive> {
         self.robot()?.slow_drive(self.scenario.settings.speed)
     }
 
-    /// The robot as the episode takes it; none on the planning level alone.
+    /// The robot in the form that an episode needs; `None` on the planning level alone.
     pub fn manipulator(&self) -> Option<Manipulator<'_>> {
         let (robot, carrier) = self.robot.as_deref().zip(self.scenario.plant.carrier())?;
         let posture = robot.posture(&carrier.posture)?.joints;
@@ -122,7 +122,7 @@ impl PreparedScenario {
     /// The episode, before its first step.
     ///
     /// # Errors
-    /// [`ScenarioError::Physics`]: the team does not fit where it is to start.
+    /// [`ScenarioError::Physics`]: the team does not fit at the start.
     pub fn episode(&self) -> Result<Episode<'_>, ScenarioError> {
         let Self { scenario, scene, .. } = self;
         let episode = Episode::new(&scene.options, &scenario.settings, scenario.human);

@@ -1,8 +1,8 @@
 //! The table of an episode's settings: every key, range, word and sentence of help is declared here, once.
 //!
 //! The command line, study files, columns of results, baselines and the check of a scenario derive from
-//! [`SETTINGS`]. The table does not have the other parts of a scenario: seed, world, human, preference changes,
-//! belief, plant and robot.
+//! [`SETTINGS`]. The table does not have the other parts of a scenario: seed, world, human, preference
+//! changes, belief, plant and robot.
 
 use super::{PlantKind, Scenario};
 use crate::control::{Avoid, CandidateSet, PoseCriterion};
@@ -381,8 +381,8 @@ impl Setting {
         }
     }
 
-    /// Sets it in a scenario to a value that it [accepts](Setting::accepts). No effect if the scenario does not
-    /// have the setting.
+    /// Sets it in a scenario to a value that it [accepts](Setting::accepts). No effect if the scenario does
+    /// not have the setting.
     pub fn set(&self, scenario: &mut Scenario, value: &Value) {
         match (&self.kind, value) {
             (Kind::Number(_, field), Value::Number(value)) => (field.set)(scenario, *value),

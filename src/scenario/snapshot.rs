@@ -1,9 +1,10 @@
-//! A snapshot: an episode under way as one file, which resumes in another process to the same bits.
+//! Snapshots: a running episode as one file, which resumes in another process with the same bits.
 //!
-//! A snapshot file is `cocarry snapshot`, the version of the format (4 bytes), the version of the program (its length, 1 byte, and its text),
-//! the length of the contents (8 bytes), the contents (CBOR), and the CRC-32 of all that (4 bytes); numbers are little-endian. The checksum
-//! finds what is cut or damaged. It is no seal: who writes a file by hand, checksum and all, is trusted not to contradict themselves
-//! within the physics.
+//! A snapshot file is `cocarry snapshot`, the version of the format (4 bytes), the version of the program
+//! (its length, 1 byte, and its text), the length of the contents (8 bytes), the contents (CBOR), and the
+//! CRC-32 of all that (4 bytes). Numbers are little-endian. The checksum detects truncated and damaged files.
+//! It does not protect against intent: a file written by hand with a correct checksum is trusted to be
+//! consistent within the physics.
 
 use super::{PreparedScenario, Scenario, ScenarioError};
 use crate::arithmetic;
@@ -14,21 +15,22 @@ use std::path::Path;
 use thiserror::Error;
 
 const MAGIC: &[u8] = b"cocarry snapshot";
-/// To be raised whenever what is written changes.
+/// The version of the format. Raise it whenever the contents change.
 const FORMAT: u32 = 6;
-/// Files larger than this (bytes) are not read: a snapshot has about 100 kB.
+/// The largest file that is read, bytes. A snapshot has about 100 kB.
 const LARGEST: u64 = 1 << 28;
 
-/// An episode after so many steps, with all that settles it.
+/// The state of an episode, with its scenario.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Snapshot {
-    /// What the episode was begun with.
+    /// The scenario of the episode.
     pub scenario: Scenario,
-    /// What it has come to.
+    /// The state of the episode.
     pub state: State,
-    /// The [stamp](arithmetic::stamp) of the arithmetic that it came to that with. With another, the episode goes on with other last bits.
+    /// The [stamp](arithmetic::stamp) of the arithmetic that computed the state. With another arithmetic, the
+    /// episode resumes with other last bits.
     pub arithmetic: String,
-    /// The version of the program that wrote it. With another, the episode may go on with other bits.
+    /// The version of the program that wrote it. Another version may not resume bit-identically.
     #[serde(skip)]
     pub written_by: String,
 }
@@ -44,7 +46,7 @@ pub enum SnapshotError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// The file is something else.
+    /// The file is not a snapshot.
     #[error("{file}: not a snapshot")]
     Foreign {
         /// The file.
@@ -62,14 +64,14 @@ pub enum SnapshotError {
         /// The version of the program that wrote it.
         written_by: String,
     },
-    /// The file ends too early, or goes on after its end.
-    #[error("{file}: a damaged snapshot: it has {found} bytes where {expected} belong")]
+    /// The file is shorter or longer than a complete snapshot.
+    #[error("{file}: a damaged snapshot: it has {found} bytes; expected {expected}")]
     Length {
         /// The file.
         file: String,
         /// Bytes found.
         found: u64,
-        /// Bytes that there should be, at least.
+        /// Bytes expected, at least.
         expected: u64,
     },
     /// The file is too large to be a snapshot.
@@ -78,39 +80,39 @@ pub enum SnapshotError {
         /// The file.
         file: String,
     },
-    /// The contents are not those that the checksum belongs to.
-    #[error("{file}: a damaged snapshot: its contents do not agree with its checksum")]
+    /// The checksum does not match the contents.
+    #[error("{file}: a damaged snapshot: its checksum does not match its contents")]
     Checksum {
         /// The file.
         file: String,
     },
-    /// The contents are not those of a snapshot, although the checksum is theirs.
+    /// The checksum matches, but the contents are not those of a snapshot.
     #[error("{file}: not a valid snapshot, written by cocarry {written_by}")]
     Contents {
         /// The file.
         file: String,
         /// The version of the program that wrote it.
         written_by: String,
-        /// What was expected.
+        /// The reason.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
-    /// The snapshot cannot be written down.
-    #[error("the snapshot cannot be written down")]
+    /// The snapshot cannot be encoded.
+    #[error("the snapshot cannot be encoded")]
     Unwritable(#[source] Box<dyn std::error::Error + Send + Sync>),
 }
 
 impl PreparedScenario {
-    /// The snapshot of an episode of this stage.
+    /// A snapshot of an episode of this prepared scenario.
     pub fn snapshot(&self, episode: &Episode) -> Snapshot {
         let written_by = env!("CARGO_PKG_VERSION").to_owned();
         let arithmetic = arithmetic::stamp().to_owned();
         Snapshot { scenario: self.scenario().clone(), state: episode.state(), arithmetic, written_by }
     }
 
-    /// The episode that had come to `state`: it goes on with the same bits.
+    /// The episode in the saved `state`. It continues with the same bits.
     ///
     /// # Errors
-    /// [`ScenarioError::State`]: the state is not one of this scenario.
+    /// [`ScenarioError::State`]: the state does not belong to this scenario.
     pub fn resume(&self, state: State) -> Result<Episode<'_>, ScenarioError> {
         Ok(self.episode()?.resume(state)?)
     }
@@ -150,7 +152,7 @@ impl Snapshot {
         }
     }
 
-    /// Reads a file's contents; `file` is what errors call it.
+    /// Reads a file's contents. Errors call it `file`.
     ///
     /// # Errors
     /// As [`Snapshot::load`].
@@ -186,7 +188,7 @@ impl Snapshot {
     }
 }
 
-/// A file's contents, taken from the front.
+/// A reader of a file's contents from the front.
 struct Fields<'a> {
     file: &'a str,
     all: &'a [u8],

@@ -288,7 +288,7 @@ fn wrong_files_are_named_by_line() {
     refused(&spoil("eta = 5", "method = \"democratic\""), &[":11:", "democratic", "mutual"]);
     refused(&spoil("eta = 5", "sway = 0.1"), &[":10:", "--sway", "--plant point"]);
     refused(&spoil("environment-1", "environment-9"), &[":10:", "environment-9", "no such world"]);
-    refused(&spoil("seed = 2", "seed = 2\nname = \"a\""), &[":10:", "run `a` is there twice"]);
+    refused(&spoil("seed = 2", "seed = 2\nname = \"a\""), &[":10:", "duplicate run `a`"]);
     refused(&spoil("# kept", "[tolerance]\nrelative = -1"), &[":2:", "relative = -1", "at least 0"]);
     refused(&spoil("# kept", "[tolerance.cost]\nrelative = 1"), &[":1:", "unknown key `cost`", "walked_m"]);
     refused(&spoil("# kept", "[tolerance.steps]\nrel = 1"), &[":2:", "unknown key `rel`", "absolute"]);

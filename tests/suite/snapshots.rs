@@ -321,7 +321,7 @@ fn what_cannot_be_gone_on_with_is_named() {
     resume(&[], "not a snapshot");
     resume(b"name = \"a world\"\n", "not a snapshot");
     resume(&bytes[..7], "damaged snapshot: it has 7 bytes");
-    resume(&bytes[..bytes.len() - 1], "bytes where");
+    resume(&bytes[..bytes.len() - 1], "bytes; expected");
     let mut flipped = bytes.clone();
     flipped[bytes.len() / 2] ^= 4;
     resume(&flipped, "checksum");

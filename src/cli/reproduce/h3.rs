@@ -22,14 +22,15 @@ pub(in super::super) struct Arguments {
     /// Plant: `kinematic`, as in the paper, or `rapier`, with bodies
     #[arg(long, default_value = "kinematic", value_parser = plants(&[PlantKind::Kinematic, PlantKind::Rapier]))]
     plant: PlantKind,
-    /// Random humans in each of the 16 cells [default: 100; 20 with --plant rapier, where an episode takes fifty
-    /// times as long]
+    /// Random humans in each of the 16 cells [default: 100; 20 with --plant rapier, where an episode takes
+    /// fifty times as long]
     #[arg(long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
     episodes: Option<u64>,
     /// Seed of the humans
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Robot file (TOML), or a URDF with a robot file of the same name beside it [default: the built-in robot]
+    /// Robot file (TOML), or a URDF with a robot file of the same name beside it [default: the built-in
+    /// robot]
     #[arg(long, value_name = "FILE")]
     robot: Option<PathBuf>,
     /// Write the humans of all cells into this CSV file: perception at the start, preference changes, and the

@@ -24,9 +24,11 @@ pub(super) enum Claim {
     H1(H1),
     /// Table II: objective cost with and without the mode transition, and the Environment 4 example
     H2(h2::Arguments),
-    /// Table III: control cost with and without pose optimisation, for a leading human with preference changes
+    /// Table III: control cost with and without pose optimisation, for a leading human with preference
+    /// changes
     H3(h3::Arguments),
-    /// Contacts: how often a team with bodies touches the sides of an opening, by the paper's risk S = d_r / w
+    /// Contacts: how often a team with bodies touches the sides of an opening, by the paper's risk S = d_r /
+    /// w
     Contacts(contacts::Arguments),
     /// "No locked cycles" (Sec. IV-B): random worlds and humans, each episode run to its end
     Cycles(cycles::Arguments),
