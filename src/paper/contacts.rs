@@ -1,5 +1,5 @@
-//! The paper's risk S = d_r / w against what happens: how often a team with bodies touches the sides of an
-//! opening.
+//! Contacts with the sides of an opening: how often a team with bodies touches them, by the paper's risk
+//! S = d_r / w.
 
 use super::{BuiltInError, prepared, run};
 use crate::episode::{Outcome, Settings};
@@ -13,23 +13,23 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::Serialize;
 
-/// Risks of the openings that are walked through.
+/// The risks S of the openings.
 pub const RISKS: [f64; 9] = [0.4, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.93, 0.96];
-/// Where the team comes from, as seen from the opening: degrees off its axis.
+/// The angles of the walks to the opening's axis, degrees.
 pub const ANGLES: [f64; 3] = [0.0, 30.0, 60.0];
 /// d_r, m.
 const ROBOT_WIDTH: f64 = 0.5;
-/// How far before and behind the opening A and B are, m.
-const WAY: f64 = 4.0;
+/// The distance of A and B from the opening, m.
+const APPROACH_M: f64 = 4.0;
 
-/// What is run.
+/// The study of contacts.
 #[derive(Clone, Copy, Debug)]
 pub struct Study<'a> {
     /// The physical plant, with the human's sway.
     pub plant: &'a Plant,
-    /// The loop's settings; the human leads whatever they say.
+    /// The episode's settings; the method is replaced by human-led.
     pub settings: &'a Settings,
-    /// Walks through each opening from each side: as many gaits.
+    /// Walks through each opening from each angle, each with its own gait.
     pub walks: usize,
     /// Seed of the gaits.
     pub seed: u64,
@@ -42,17 +42,17 @@ pub struct Row {
     pub risk: f64,
     /// w, m.
     pub width: f64,
-    /// How many walks.
+    /// Number of walks.
     pub walks: usize,
-    /// Those that arrived without touching anything.
+    /// Walks that arrived without contact.
     pub free: usize,
-    /// Those in which the robot, the object or the human touched a side first.
+    /// Walks in which the robot, the object or the human touched a side first.
     pub touched: [usize; 3],
-    /// Those that ended otherwise.
+    /// Walks with another outcome.
     pub other: usize,
-    /// Walks that touched, by the angle that the team came from, in the order of [`ANGLES`].
+    /// Walks with contact by angle, in the order of [`ANGLES`].
     pub touched_by_angle: [usize; ANGLES.len()],
-    /// The nearest that anything of the team came to a side in a walk that was free, m, mean over these.
+    /// Smallest clearance of the team from a side, m, mean over the walks without contact.
     pub clearance: f64,
 }
 
@@ -62,7 +62,7 @@ impl Study<'_> {
         RISKS.len() * ANGLES.len() * self.walks
     }
 
-    /// A row a risk.
+    /// The table, one row for each of [`RISKS`].
     ///
     /// # Errors
     /// If the physical plant cannot be set up.
@@ -123,17 +123,17 @@ impl Study<'_> {
     }
 }
 
-/// How a walk ended: with the nearest distance, m, or with who touched.
+/// The end of a walk: its smallest clearance, m, or the body that touched a side.
 enum End {
     Free(f64),
     Touched(BodyKind),
     Other,
 }
 
-/// A wall with one opening of this width (m) at the origin, which the team comes to and leaves at this angle
-/// (rad) off its axis.
+/// A world file with a wall and one opening of this width (m) at the origin. The team walks at this angle
+/// (rad) to the opening's axis.
 fn world(width: f64, angle: f64) -> String {
-    let (x, y) = (WAY * math::cos(angle).max(0.6), WAY * math::sin(angle));
+    let (x, y) = (APPROACH_M * math::cos(angle).max(0.6), APPROACH_M * math::sin(angle));
     let middle = width / 2.0 + 5.0;
     format!(
         "name = \"One opening\"\nrobot_width_m = {ROBOT_WIDTH:?}\nstart_m = [{:?}, {:?}]\ntarget_m = [{x:?}, {:?}]\n\

@@ -1,7 +1,6 @@
 //! Sec. IV-B.2 claims without proof that eq. (6) causes no locked cycles (infinite oscillation between
-//! options). Random worlds and humans, each episode run until the team stands at the target or ten times the
-//! longest option has passed: by a team that is a point, and by one with bodies, which must not touch
-//! anything either.
+//! options). This study runs random worlds and humans, each episode until the team arrives or takes ten times
+//! the steps of the longest option. The team is a point, or has bodies, which must not touch anything either.
 
 use super::{prepared, run};
 use crate::coordination;
@@ -17,40 +16,40 @@ use rand_chacha::rand_core::SeedableRng;
 use serde::Serialize;
 use std::ops::Range;
 
-/// Default number of worlds of a team that is a point.
+/// Default number of worlds for a team that is a point.
 pub const WORLDS: usize = 10_000;
-/// Default number of worlds of a team with bodies.
+/// Default number of worlds for a team with bodies.
 pub const WORLDS_WITH_BODIES: usize = 200;
 
-/// What is run.
+/// The search for locked cycles.
 #[derive(Clone, Copy, Debug)]
 pub struct Search<'a> {
     /// The plant.
     pub plant: &'a Plant,
-    /// The loop's settings, but for eta.
+    /// The episode's settings; eta is replaced.
     pub settings: &'a Settings,
-    /// How many worlds.
+    /// Number of worlds.
     pub worlds: usize,
-    /// Seed of the first world, its human, eta and gait; the others follow it.
+    /// Seed of the first world, its human, eta and gait; the other worlds have the seeds that follow.
     pub seed: u64,
 }
 
-/// What came of the random worlds.
+/// The results of the search.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Findings {
     /// Episodes run.
     pub episodes: usize,
-    /// Of them, those in worlds with two options or more.
+    /// Episodes in worlds with two options or more.
     pub with_choice: usize,
-    /// Of them, those in which the executed option changed at least once.
+    /// Episodes in which the executed option changed at least once.
     pub with_changes: usize,
-    /// The most changes of the executed option in one episode.
+    /// Largest number of changes of the executed option in one episode.
     pub most_changes: u32,
-    /// Those that arrived without touching anything.
+    /// Episodes that arrived without contact.
     pub arrived: usize,
-    /// Those in which the robot, the object or the human touched an obstacle.
+    /// Episodes in which the robot, the object or the human touched an obstacle.
     pub touched: [usize; 3],
-    /// The most steps that an episode that arrived took, as a multiple of its cheapest option's.
+    /// Largest number of steps of an episode that arrived, as a multiple of the steps of its cheapest option.
     pub longest_detour: f64,
     /// Episodes that did not arrive: on the planning level, counterexamples.
     pub lost: Vec<Lost>,
@@ -69,11 +68,11 @@ pub struct Lost {
     pub gamma: f64,
     /// eta.
     pub eta: f64,
-    /// How it ended, as in [`Outcome::name`].
+    /// Its outcome, as in [`Outcome::name`].
     pub outcome: &'static str,
-    /// What touched what.
+    /// The contact, if any.
     pub contact: Option<Contact>,
-    /// How far from the target that was, m.
+    /// Distance of the contact from the target, m.
     pub from_target: Option<f64>,
 }
 
@@ -91,7 +90,7 @@ impl Search<'_> {
     /// transition.
     ///
     /// # Errors
-    /// [`ScenarioError`], if the settings are out of their range.
+    /// [`ScenarioError`], if a setting is out of its range.
     pub fn run(&self, on_done: OnDone) -> Result<Findings, ScenarioError> {
         let trials = in_parallel(self.worlds, on_done, |i| self.trial(self.seed.wrapping_add(i as u64)));
         let trials = trials.into_iter().collect::<Result<Vec<_>, _>>()?;
@@ -120,8 +119,7 @@ impl Search<'_> {
             _ => roomy_world,
         };
         loop {
-            // start or target built over, or closed in, or no room for the team at the start or the target:
-            // draw again
+            // draw again if the start or target is inside an obstacle, enclosed, or without room for the team
             let world = WorldText { file: "random world".to_owned(), text: random_world(&mut rng) };
             let stage = match prepared(world, &settings, self.plant) {
                 Err(ScenarioError::World(_) | ScenarioError::Options(_)) => continue,
@@ -164,27 +162,27 @@ impl Trial {
     }
 }
 
-/// A human and their eta, from 1 to 30: as many sensitive as tolerant ones.
+/// A random human and eta, from 1 to 30: sensitive and tolerant humans are equally frequent.
 fn random_human(settings: &Settings, rng: &mut ChaCha8Rng) -> (Perception, f64) {
     let human = settings.predictor.belief().sample(rng);
     (human, math::exp(rng.random_range(0.0..math::ln(30f64))))
 }
 
-/// A random world file: a walled field with boxes, cylinders and polygons strewn over it, start on the left,
-/// target on the right, nothing declared.
+/// A random world file: a walled field with boxes, cylinders and polygons, start on the left, target on the
+/// right, without declared openings and options.
 pub fn random_world(rng: &mut ChaCha8Rng) -> String {
     random_field(rng, 0.6, 0.0, usize::MAX)
 }
 
-/// The same with room for a team with bodies, which is 2 to 3 m long: start and target twice as far from the
-/// walls at the sides, 2 m more behind them, and eight obstacles at most.
+/// A random world file with room for a team with bodies, which is 2 to 3 m long: start and target are twice
+/// as far from the walls at the sides, with 2 m more behind them, and there are at most eight obstacles.
 pub fn roomy_world(rng: &mut ChaCha8Rng) -> String {
     random_field(rng, 1.2, 2.0, 8)
 }
 
 /// A random world file of 3 to 20 mixed obstacles: rotated boxes, some of them long and thin as walls are,
-/// cylinders and irregular convex polygons, on a field that every other world has no walls around; start and
-/// target anywhere but near to each other.
+/// cylinders and irregular convex polygons. Every other world has no walls around the field. Start and target
+/// are anywhere, but not near each other.
 pub fn mixed_world(rng: &mut ChaCha8Rng) -> String {
     let size: [f64; 2] = [rng.random_range(8.0..16.0), rng.random_range(5.0..12.0)];
     let mut place = || [0, 1].map(|i| rng.random_range(0.4..size[i] - 0.4));
@@ -211,8 +209,8 @@ pub fn mixed_world(rng: &mut ChaCha8Rng) -> String {
     text
 }
 
-/// Start and target `beside` (m) off the walls at the sides at least, `room` (m) more behind them, and so
-/// many obstacles at most.
+/// A random world file. Start and target are at least `beside` (m) from the walls at the sides, with `room`
+/// (m) more behind them. There are at most `most` obstacles.
 fn random_field(rng: &mut ChaCha8Rng, beside: f64, room: f64, most: usize) -> String {
     let width: f64 = rng.random_range(8.0..16.0);
     let depth: f64 = rng.random_range(5.0..12.0);
@@ -233,7 +231,7 @@ fn head([start_x, start_y]: [f64; 2], [target_x, target_y]: [f64; 2]) -> String 
     )
 }
 
-/// Walls around a field, with `room` (m) between it and those in the west and the east.
+/// Walls around a field, with `room` (m) between the field and the walls in the west and the east.
 fn walls([width, depth]: [f64; 2], room: f64) -> String {
     let long = width + 2.0 * room;
     let walls = [
@@ -276,7 +274,7 @@ fn rotated_box(rng: &mut ChaCha8Rng, [x, y]: [f64; 2], size: [Range<f64>; 2]) ->
     format!("shape = \"box\"\ncenter_m = [{x:.3}, {y:.3}]\nsize_m = [{sx:.3}, {sy:.3}]\nyaw_deg = {yaw:.2}")
 }
 
-/// Corners on an ellipse, in a random turn, each in a sector of its own.
+/// Corners on an ellipse with a random rotation, one in each sector.
 fn irregular_polygon(rng: &mut ChaCha8Rng, [x, y]: [f64; 2]) -> String {
     let corners = rng.random_range(3..9);
     let radii = [0, 1].map(|_| rng.random_range(0.3..1.2));

@@ -1,4 +1,4 @@
-//! H1, Table I: the choice distribution of the model against the participants' answers and the paper's model
+//! H1, Table I: the model's choice distribution beside the participants' answers and the paper's model
 //! output.
 
 use super::{BuiltInError, ENVIRONMENTS};
@@ -53,26 +53,25 @@ pub fn differences(rows: &[Row]) -> (f64, f64) {
     (off.iter().sum::<f64>() / off.len() as f64, off.iter().copied().fold(0.0, f64::max))
 }
 
-/// How far the human column of one environment is from what models say, as mean absolute difference over its
-/// options, percentage points.
+/// The fit of the models to the human column of one environment: mean absolute differences over its options,
+/// percentage points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
     /// Environment, 1 to 4.
     pub environment: u32,
-    /// From our figures.
+    /// Between the answers and our figures.
     pub ours: f64,
-    /// From the paper's model.
+    /// Between the answers and the paper's model.
     pub paper: f64,
-    /// From the option that is nearest to the answers, taken by everyone: what no fixed (alpha, gamma) does
-    /// better than.
+    /// Between the answers and the best single choice by everyone: no fixed (alpha, gamma) is better.
     pub fixed: f64,
-    /// Pairs of options that the humans like differently well.
+    /// Pairs of options with different answers.
     pub pairs: usize,
-    /// Of them, those that our figures put in the same order.
+    /// Pairs of these that our figures put in the same order.
     pub ranked: usize,
 }
 
-/// How well each environment's answers are represented.
+/// The fit of the models to each environment's answers.
 pub fn fits(rows: &[Row]) -> Vec<Fit> {
     let environments = rows.chunk_by(|a, b| a.environment == b.environment);
     environments
@@ -114,7 +113,7 @@ mod tests {
             ours_percent,
         };
         let fits = fits(&[row(60.0, 50.0, 55.0), row(30.0, 50.0, 20.0), row(10.0, 0.0, 25.0)]);
-        // everyone on the first option: (40 + 30 + 10) / 3
+        // everyone chooses the first option: (40 + 30 + 10) / 3
         let expected =
             Fit { environment: 7, ours: 10.0, paper: 40.0 / 3.0, fixed: 80.0 / 3.0, pairs: 3, ranked: 2 };
         assert_eq!(fits, [expected]);

@@ -1,5 +1,5 @@
 //! H2, Table II: accumulated objective cost with and without the mode transition, and the Environment 4
-//! example; by a team that is a point, as in the paper, and by one with bodies.
+//! example. The team is a point, as in the paper, or has bodies.
 
 use super::{BuiltInError, COLUMNS, ENVIRONMENTS, EXAMPLE, EXAMPLE_ENVIRONMENT, EXAMPLE_HUMAN, Environment};
 use super::{Way, prepared, run, way};
@@ -16,9 +16,9 @@ use rand_chacha::rand_core::SeedableRng;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// The expectation is taken over a grid of this many midpoints in alpha, and as many in gamma.
+/// The number of grid midpoints in alpha, and in gamma, for the expectation.
 pub const GRID: usize = 40;
-/// Random humans, as in the paper.
+/// The number of random humans, as in the paper.
 pub const SAMPLES: usize = 20;
 /// Units of work of [`table`], for a progress bar.
 pub const EPISODES: usize = ENVIRONMENTS.len() * COLUMNS.len() * (GRID * GRID + SAMPLES);
@@ -40,8 +40,8 @@ pub struct Row {
     pub sample_mean: f64,
     /// Their standard deviation, m.
     pub sample_std: f64,
-    /// The same twenty humans' cost less that without the model, m; corrected for the comparisons of the
-    /// table. None without the model.
+    /// The cost minus that without the model, of the same twenty humans, m; corrected for the comparisons of
+    /// the table. `None` without the model.
     pub sample_against_without: Option<Paired>,
     /// Step of the mode transition; it does not depend on the human.
     pub transition_step: Option<u64>,
@@ -112,7 +112,7 @@ fn method(eta: Option<f64>) -> Method {
     if eta.is_some() { Method::MUTUAL } else { Method::WITHOUT_MODEL }
 }
 
-/// A human in a column of Table II.
+/// The episode of a human in a column of Table II.
 fn with_eta(
     stage: &PreparedScenario,
     eta: Option<f64>,
@@ -132,8 +132,8 @@ fn with_eta(
     stage.prepare(Scenario { human, settings, ..base.clone() })
 }
 
-/// The part of an episode that is the same for all humans, since a robot that leads knows nothing of this
-/// one: the episode just before the step at which the human takes over, and that step.
+/// The part of an episode that is the same for all humans, since a leading robot does not know this human:
+/// the episode just before the step at which the human takes over, and that step.
 fn led_by_robot(stage: &PreparedScenario) -> Result<(Episode<'_>, Option<u64>), ScenarioError> {
     let mut episode = stage.episode()?;
     if stage.scenario().settings.method == Method::WITHOUT_MODEL {
@@ -156,7 +156,7 @@ fn finish(mut episode: Episode) -> Summary {
     episode.summary().clone()
 }
 
-/// Midpoints of equal shares of probability; where the belief is made of samples, those.
+/// The humans of the expectation: midpoints of equal shares of probability, or the belief's samples.
 fn humans_on_grid(belief: &Belief) -> Vec<Perception> {
     let middle = |i: usize| (i as f64 + 0.5) / GRID as f64;
     match belief {
@@ -181,18 +181,18 @@ fn humans_at_random(belief: &Belief, seed: u64, n: usize) -> Vec<Perception> {
 pub struct ExampleRun {
     /// eta; none without the model.
     pub eta: Option<f64>,
-    /// What the paper reports, in its environment: step of the transition, and the option ended on.
+    /// The paper's result, in its environment: step of the transition, and last option.
     pub paper: Option<(Option<u64>, &'static str)>,
-    /// How it went.
+    /// The summary of the episode.
     pub summary: Summary,
-    /// Name of the option ended on.
+    /// Name of the last option.
     pub ended_on: String,
     /// Every step.
     pub ticks: Vec<Tick>,
 }
 
-/// The human of the Environment 4 example of Sec. V-B in an environment: eta 5, 10.5 and 15, and without the
-/// model.
+/// The runs of the Environment 4 example of Sec. V-B in an environment: with eta 5, 10.5 and 15, and without
+/// the model.
 ///
 /// # Errors
 /// If the built-in world is not valid.
@@ -216,21 +216,21 @@ pub fn example(
     Ok((stage.world().clone(), runs))
 }
 
-/// Table II by a team with bodies: the same humans on the planning level, where the team is a point, and on a
-/// plant with a robot.
+/// Table II for a team with bodies: the same humans on the planning level, where the team is a point, and on
+/// the physical plant.
 #[derive(Clone, Copy, Debug)]
 pub struct WithBodies<'a> {
     /// The physical plant.
     pub plant: &'a Plant,
-    /// The loop's settings, but for method and eta.
+    /// The episode's settings; method and eta are replaced.
     pub settings: &'a Settings,
-    /// Humans in each cell.
+    /// Humans per cell.
     pub humans: usize,
     /// Seed of the humans and of their gaits.
     pub seed: u64,
 }
 
-/// Costs that differ by no more than this are alike: a team with bodies starts gently.
+/// The relative difference up to which costs are alike: a team with bodies accelerates gently.
 const ALIKE: f64 = 0.05;
 
 /// One cell of Table II with bodies.
@@ -246,17 +246,17 @@ pub struct BodiesRow {
     pub humans: usize,
     /// Episodes that arrived, without any contact with an obstacle.
     pub arrived: usize,
-    /// How the others ended, in the order of the humans.
+    /// Outcomes of the other episodes, in the order of the humans.
     pub lost: Vec<&'static str>,
-    /// Mean accumulated objective cost of a team without bodies, m: of the humans who arrive with bodies, as
-    /// all that follows.
+    /// Mean accumulated objective cost of the point team, m. This figure and those below are of the humans
+    /// who arrive with bodies.
     pub point_mean: f64,
     /// The same with bodies, m.
     pub physical_mean: f64,
-    /// The cost with bodies less that without the model, of the humans who arrive both times, m; corrected
-    /// for the comparisons of the table. None without the model.
+    /// The cost with bodies minus that without the model, of the humans who arrive both times, m; corrected
+    /// for the comparisons of the table. `None` without the model.
     pub against_without: Option<Paired>,
-    /// Mean of the ratios of the two, human by human.
+    /// Mean ratio of the cost with bodies to that of the point, per human.
     pub mean_ratio: f64,
     /// The ratio that is farthest from 1.
     pub farthest_ratio: f64,
@@ -275,13 +275,13 @@ pub struct BodiesRow {
     pub deflection: f64,
 }
 
-/// Units of work of [`WithBodies::table`] with so many humans, for a progress bar.
+/// Units of work of [`WithBodies::table`] for a number of humans, for a progress bar.
 pub fn units(humans: usize) -> usize {
     ENVIRONMENTS.len() * COLUMNS.len() * humans
 }
 
 impl WithBodies<'_> {
-    /// Every cell, in the order of Table II.
+    /// The cells, in the order of Table II.
     ///
     /// # Errors
     /// If a built-in world is not valid, or the physical plant cannot be set up in it.
@@ -315,15 +315,15 @@ impl WithBodies<'_> {
     }
 }
 
-/// What an episode that arrived has cost, and the way it went.
+/// The cost and the route of an episode that arrived.
 type Cost = Option<(f64, Way)>;
 
 fn cost(physical: &Summary) -> Cost {
     (physical.outcome == Outcome::Arrived).then(|| (physical.accumulated_cost, way(physical)))
 }
 
-/// The comparison of the humans who arrive both times. Where all of them go the same ways, they differ by the
-/// noise of the gait alone.
+/// The comparison of the humans who arrive both times. If all of them take the same routes, they differ by
+/// gait noise only.
 fn against(costs: &[Cost], without: &[Cost]) -> Option<Paired> {
     let both: Vec<_> = costs.iter().zip(without).filter_map(|(a, b)| Some(((*a)?, (*b)?))).collect();
     let ways: BTreeSet<(Way, Way)> = both.iter().map(|(a, b)| (a.1, b.1)).collect();

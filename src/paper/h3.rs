@@ -1,5 +1,5 @@
-//! H3, Table III: control cost of following a human who changes their mind, with and without pose
-//! optimisation, and with what the paper argues against without measuring it.
+//! H3, Table III: control cost of following a human with preference changes, with and without pose
+//! optimisation, and with the alternatives that the paper rejects without measuring them.
 //!
 //! The human leads from the start. (alpha, gamma) is drawn from a setting's sub-range, and redrawn once or
 //! twice at random steps of the first half; the robot only knows the full ranges. Every method meets the same
@@ -21,16 +21,16 @@ use rand_chacha::rand_core::SeedableRng;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// Random experiments a cell, as in the paper.
+/// Random episodes per cell, as in the paper.
 pub const EPISODES: usize = 100;
 
-/// A way of choosing the configuration, by the name that rows carry.
+/// A method of choosing the configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PoseMethod {
-    /// The paper's baseline: the arm is left as the inputs of eq. (7) move it.
+    /// The paper's baseline: no pose optimisation, only the inputs of eq. (7).
     WithoutPo,
-    /// Eq. (8) over 15 arm configurations: the paper's.
+    /// The paper's method: eq. (8) over 15 arm configurations.
     WithPo,
     /// Eq. (8) over 15 configurations of base and arm.
     WithPoWholeBody,
@@ -47,7 +47,7 @@ pub enum PoseMethod {
 }
 
 impl PoseMethod {
-    /// All, the paper's two first.
+    /// All methods, the paper's two first.
     pub const ALL: [Self; 8] = [
         Self::WithoutPo,
         Self::WithPo,
@@ -59,12 +59,12 @@ impl PoseMethod {
         Self::WithPoObstacles,
     ];
 
-    /// Those that there are on the physical plant: there, obstacles are always kept off, and the base follows
-    /// its way.
+    /// The methods on the physical plant, where the robot always avoids obstacles and the base follows the
+    /// path.
     const PHYSICAL: [Self; 5] =
         [Self::WithoutPo, Self::WithPo, Self::Manipulability, Self::UniformWeights, Self::TrackedOption];
 
-    /// Those that are compared on a plant.
+    /// The methods compared on a plant.
     pub fn on(plant: PlantKind) -> &'static [Self] {
         if plant == PlantKind::Rapier { &Self::PHYSICAL } else { &Self::ALL }
     }
@@ -74,7 +74,7 @@ impl PoseMethod {
         self.entry().0
     }
 
-    /// The name, what eq. (8) chooses among and by, and what is kept out of obstacles.
+    /// The name, the candidates and criterion of eq. (8), and the parts of the robot that avoid obstacles.
     fn entry(self) -> (&'static str, CandidateSet, PoseCriterion, Avoid) {
         use {Avoid as A, CandidateSet as C, PoseCriterion as P};
         match self {
@@ -89,7 +89,7 @@ impl PoseMethod {
         }
     }
 
-    /// What the method is compared with.
+    /// The baseline of the method.
     pub fn baseline(self) -> Self {
         match self {
             Self::WithPoObstacles | Self::WithoutPoObstacles => Self::WithoutPoObstacles,
@@ -97,7 +97,7 @@ impl PoseMethod {
         }
     }
 
-    /// The controller on that plant: the physical one always keeps off obstacles.
+    /// The controller on a plant. On the physical plant it always avoids obstacles.
     fn control(self, plant: PlantKind, settings: &control::Settings) -> control::Settings {
         let (_, candidates, criterion, avoid) = self.entry();
         let avoid = if plant == PlantKind::Rapier { Avoid::Robot } else { avoid };
@@ -105,18 +105,19 @@ impl PoseMethod {
     }
 }
 
-/// What is run.
+/// The study of Table III.
 #[derive(Clone, Copy, Debug)]
 pub struct Study<'a> {
-    /// The plant, kinematic as in the paper or physical, and the controller but for what the methods vary.
+    /// The plant, kinematic as in the paper or physical, with the controller settings that the methods do not
+    /// replace.
     pub plant: &'a Plant,
-    /// The postures to start from, by their names.
+    /// The postures at the start, by name.
     pub starts: &'a [&'a str],
-    /// Random experiments a cell.
+    /// Random episodes per cell.
     pub episodes: usize,
     /// Seed of the humans.
     pub seed: u64,
-    /// The loop's settings; the human leads whatever they say.
+    /// The episode's settings; the method is replaced by human-led.
     pub settings: &'a Settings,
 }
 
@@ -127,27 +128,27 @@ pub struct Row {
     pub environment: u32,
     /// S1 to S4.
     pub setting: &'static str,
-    /// How the configuration is chosen.
+    /// The method of choosing the configuration.
     pub method: PoseMethod,
-    /// The posture that episodes start from.
+    /// The posture at the start.
     pub start: String,
-    /// The paper's mean; none for what the paper does not report.
+    /// The paper's mean; `None` for methods that the paper does not report.
     pub paper_mean: Option<f64>,
-    /// Mean control cost C of the episodes that arrived, and whose baseline's did.
+    /// Mean control cost C of the episodes that arrived both with this method and with its baseline.
     pub ours_mean: f64,
     /// Standard deviation of C over the humans.
     pub ours_std: f64,
-    /// Mean over the method's baseline's mean.
+    /// The ratio of the mean to the baseline's mean.
     pub ratio: f64,
-    /// C less that of the baseline with the same human; corrected for all comparisons from this start. None
-    /// for the baselines.
+    /// C minus that of the baseline with the same human; corrected for all comparisons from this start.
+    /// `None` for the baselines.
     pub against_baseline: Option<Paired>,
-    /// Different sequences of options that the humans walk, as far as they are compared: first and last
-    /// option, and how often they change.
+    /// The number of different routes of the compared humans: first and last option, and number of option
+    /// changes.
     pub ways: usize,
     /// Episodes run.
     pub episodes: usize,
-    /// Episodes that cost less than the baseline's with the same human.
+    /// Episodes that cost less than the baseline with the same human.
     pub wins: usize,
     /// Mean parts of C: tracking, effort, pose.
     pub parts: [f64; 3],
@@ -162,8 +163,8 @@ pub struct Row {
     /// Episodes in which the object was lost: the grasp was off, or on the physical plant a grip yielded, by
     /// more than 10 cm.
     pub lost_object: usize,
-    /// Episodes that did not arrive. On the kinematic plant, the team goes on when the object is lost: the
-    /// paper simulates none.
+    /// Episodes that did not arrive. On the kinematic plant, the episode continues when the object is lost,
+    /// since the paper simulates no object.
     pub not_arrived: usize,
 }
 
@@ -194,7 +195,7 @@ impl Study<'_> {
         let stage = prepared(environment.world()?, &settings, self.plant)?;
         let humans = self.humans_of(environment, stage.options())?;
         let is_physical = self.plant.kind() == PlantKind::Rapier;
-        // every episode of the environment, the last index varying fastest
+        // all episodes of the environment; the last index varies fastest
         let (starts, methods, n) = (self.starts, PoseMethod::on(self.plant.kind()), self.episodes);
         let cells = SETTINGS.len() * starts.len() * methods.len();
         let ends = in_parallel(cells * n, on_done, |i| {
@@ -266,28 +267,28 @@ impl Study<'_> {
     }
 }
 
-/// A human whose perception changes on the way, and what they are drawn from: ChaCha8 with the study's seed
-/// ([`SeedableRng::seed_from_u64`]) and the stream 2^32 (16 environment + s) + episode, s from 0 for S1.
-/// Drawn are alpha and gamma of the start, then the changes ([`PreferenceChanges::draw`]).
+/// A human with preference changes. The generator is ChaCha8 with the study's seed
+/// ([`SeedableRng::seed_from_u64`]) and the stream 2^32 (16 environment + s) + episode, s from 0 for S1. It
+/// draws alpha and gamma at the start, then the changes ([`PreferenceChanges::draw`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Human {
     /// Environment, 1 to 4.
     pub environment: u32,
     /// S1 to S4.
     pub setting: &'static str,
-    /// Which of the cell's episodes, from 0.
+    /// The episode within the cell, from 0.
     pub episode: usize,
     /// The generator's stream.
     pub stream: u64,
-    /// The seed of the gait, on the physical plant: the study's plus the episode.
+    /// The seed of the gait on the physical plant: the study's seed plus the episode.
     pub gait_seed: u64,
     /// Perception at the start.
     pub first: Perception,
-    /// Changes of mind.
+    /// Preference changes.
     pub changes: Vec<PreferenceChange>,
 }
 
-/// How one episode ended.
+/// The results of one episode.
 struct End {
     control: ControlSummary,
     steps: u64,
@@ -326,7 +327,7 @@ fn row(
     let ends = |m: usize| &all[m * n..(m + 1) * n];
     let this = methods[method];
     let baseline = methods.iter().position(|m| *m == this.baseline()).unwrap_or(0);
-    // what is cut short costs less: pairs of which either did not arrive do not count
+    // an episode that ends early costs less, so only pairs of which both arrived count
     let both = |i: usize| ends(method)[i].arrived && ends(baseline)[i].arrived;
     let costs = |m: usize| (0..n).filter(|&i| both(i)).map(|i| ends(m)[i].control.cost()).collect::<Vec<_>>();
     let (ours, theirs) = (costs(method), costs(baseline));

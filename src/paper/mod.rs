@@ -1,5 +1,5 @@
-//! The paper's claims, one file each: what it says, our run, side by side. Here are its figures, and the four
-//! environments built to match.
+//! The paper's claims, one file each, with our results beside the paper's. This file has the paper's figures
+//! and the four environments that were calibrated to them.
 //!
 //! Source: A. J. Mahmud, W. Li, X. Wang, "Mutual Adaptation in Human-Robot Co-Transportation with Human
 //! Preference Uncertainty"; the table is named at each figure.
@@ -22,7 +22,7 @@ use thiserror::Error;
 pub struct Environment {
     /// 1 to 4.
     pub number: u32,
-    /// Its world by name, as the command line takes it.
+    /// The name of its world on the command line.
     pub name: &'static str,
     toml: &'static str,
     /// Table I: mean answer of twenty participants, percent, options in the order of the figure's caption.
@@ -37,7 +37,7 @@ pub struct Environment {
     pub control_cost_without: [f64; 4],
 }
 
-/// A row of humans in Table III: alpha and gamma are uniform within half a range of a centre.
+/// A setting of humans in Table III: alpha and gamma are uniform within a half-range of a centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HumanSetting {
     /// S1 to S4.
@@ -59,12 +59,12 @@ pub const SETTINGS: [HumanSetting; 4] = [
 /// Table II's rows: without the model, then with eta = 5, 10.5 and 15.
 pub const COLUMNS: [Option<f64>; 4] = [None, Some(5.0), Some(10.5), Some(15.0)];
 
-/// A human who behaves as the one in the Environment 4 example (Sec. V-B): starts out preferring option 4.
-/// The paper does not give the parameters.
+/// The human of the Environment 4 example (Sec. V-B), who prefers option 4 at the start. The paper does not
+/// give the parameters.
 pub const EXAMPLE_HUMAN: Perception = Perception { alpha: 0.747, gamma: 0.765 };
 
-/// Sec. V-B, Environment 4 example: for eta, the step at which stubbornness exceeds 1 (not given for eta = 5)
-/// and the option ended on.
+/// Sec. V-B, Environment 4 example: eta, the step at which stubbornness exceeds 1 (not given for eta = 5),
+/// and the last option.
 pub const EXAMPLE: [(f64, Option<u64>, &str); 3] =
     [(5.0, None, "4"), (10.5, Some(42), "3"), (15.0, Some(66), "3")];
 
@@ -120,7 +120,7 @@ impl Environment {
     /// The world of this environment.
     ///
     /// # Errors
-    /// None in a build that passes its tests: the file is part of the program.
+    /// Never in a build that passes its tests: the file is part of the program.
     pub fn world(&self) -> Result<World, WorldError> {
         World::parse(self.name, self.toml)
     }
@@ -131,7 +131,7 @@ pub fn environment(name: &str) -> Option<&'static Environment> {
     ENVIRONMENTS.iter().find(|e| e.name == name)
 }
 
-/// A built-in world that is not valid: a fault of the program.
+/// An error in a built-in world: a fault of the program.
 #[derive(Debug, Error)]
 pub enum BuiltInError {
     /// Its file.
@@ -148,7 +148,7 @@ pub enum BuiltInError {
     Scenario(#[from] ScenarioError),
 }
 
-/// A team in a world, to be prepared for one human after the other.
+/// The prepared scenario of a team in a world, which the scenarios of its humans share.
 fn prepared(
     world: impl Into<WorldText>,
     settings: &Settings,
@@ -157,7 +157,7 @@ fn prepared(
     Scenario { settings: settings.clone(), ..Scenario::new(world.into(), plant.clone()) }.prepare()
 }
 
-/// Runs the episode of a scenario to its end; `on_tick` sees every step.
+/// Runs the episode of a scenario to its end, and calls `on_tick` after every step.
 fn run(stage: &PreparedScenario, mut on_tick: impl FnMut(&Tick)) -> Result<Summary, ScenarioError> {
     let mut episode = stage.episode()?;
     while episode.step().is_none() {
@@ -166,8 +166,8 @@ fn run(stage: &PreparedScenario, mut on_tick: impl FnMut(&Tick)) -> Result<Summa
     Ok(episode.summary().clone())
 }
 
-/// The route that an episode took, to tell humans who make the same choices: first and last option, and how
-/// often it changed.
+/// The route of an episode, which shows whether humans make the same choices: first option, last option and
+/// number of option changes.
 type Way = [u64; 3];
 
 fn way(summary: &Summary) -> Way {
