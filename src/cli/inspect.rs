@@ -1,4 +1,4 @@
-//! `cocarry inspect`: shows what is in a recording, as text, JSON, CSV or a picture.
+//! `cocarry inspect`: shows the contents of a recording as text, JSON, CSV or a picture.
 
 use super::output::{
     Failure, OverwriteArguments, input, plain, print, print_json, table, table_text, unwritten, write_file,
@@ -15,28 +15,28 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Show what is in a recording
+/// Show the contents of a recording
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
-    /// The recording
+    /// Recording (MCAP)
     file: PathBuf,
     /// Print one JSON object instead of text
     #[arg(long, conflicts_with = "csv")]
     json: bool,
-    /// Print every message on this channel as CSV instead, one line a message: /options, /joints, ...
+    /// Print the messages on this channel as CSV instead, one line per message: /options, /joints, ...
     #[arg(long, value_name = "CHANNEL")]
     csv: Option<String>,
-    /// Write the CSV into this file
+    /// Write the CSV into this file [default: standard output]
     #[arg(long, value_name = "FILE", requires = "csv")]
     output: Option<PathBuf>,
-    /// Draw trajectory and stubbornness into this file
+    /// Draw trajectory and stubbornness into this SVG file
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArguments,
 }
 
-/// The most steps that a picture is drawn of.
+/// The largest number of steps in a picture.
 const MOST_STEPS: usize = 1_000_000;
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
@@ -86,7 +86,7 @@ fn as_text(file: &Path, contents: &Contents) -> String {
     }
     text += &table_text(&channels);
     match &contents.outcome {
-        None => text += "\nThere is no outcome: the recording was cut\n",
+        None => text += "\nNo outcome: the recording is incomplete\n",
         Some(outcome) => {
             text += "\nOutcome\n";
             for (key, value) in outcome.as_object().into_iter().flatten() {
@@ -121,7 +121,7 @@ fn as_json(contents: &Contents) -> Value {
     })
 }
 
-/// What stops a table half way.
+/// The error that stops a table.
 enum Stop {
     Read(ReadError),
     Write(csv::Error),
@@ -213,7 +213,7 @@ fn picture(file: &Path) -> Result<String, Failure> {
         }
         let number = |key: &str| value[key].as_f64().ok_or_else(damaged);
         if track.positions.len() == MOST_STEPS {
-            return Err(lacks(&format!("has more than {MOST_STEPS} steps: too many to be drawn")));
+            return Err(lacks(&format!("has more than {MOST_STEPS} steps, too many to draw")));
         }
         track.positions.push(Point::new(number("x_m")?, number("y_m")?));
         track.stubbornness.push(number("stubbornness")?);

@@ -1,4 +1,4 @@
-//! Output of commands: text, tables, whole files, and a progress bar that is silent in a pipe.
+//! Output of commands: text, tables, files, and a progress bar that is hidden in a pipe.
 
 use crate::coordination::OptionTick;
 use crate::output_file::{OutputError, Outputs};
@@ -12,20 +12,20 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Why a command stopped, which decides the exit code.
+/// The reason why a command stopped, which gives the exit code.
 pub(super) enum Failure {
-    /// What the user gave is wrong.
+    /// The input is wrong.
     Input(Error),
-    /// What was to be written could not be.
+    /// An output could not be written.
     Output(Error),
 }
 
-/// An error about what the user gave.
+/// An error in the input.
 pub(super) fn input(error: impl Into<Error>) -> Failure {
     Failure::Input(error.into())
 }
 
-/// Prints text that ends with its own line end.
+/// Prints text, which ends with a newline.
 pub(super) fn print(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     out.write_all(text.as_bytes())
@@ -39,7 +39,7 @@ pub(super) fn print_json(value: &serde_json::Value) -> Result<(), Failure> {
     print(&format!("{value:#}\n"))
 }
 
-/// A value as in a cell: null is nothing, text is bare.
+/// A value as a table cell: null is empty, text has no quotes.
 pub(super) fn plain(value: &serde_json::Value) -> String {
     match value {
         serde_json::Value::Null => String::new(),
@@ -61,14 +61,14 @@ pub(super) fn unwritten(error: OutputError) -> Failure {
 /// Whether files that exist may be replaced.
 #[derive(Args, Clone, Copy, Debug)]
 pub(super) struct OverwriteArguments {
-    /// Replace output files that exist already. Inputs, links and special files are never replaced
+    /// Replace existing output files. Inputs, links and special files are never replaced
     #[arg(long)]
     pub overwrite: bool,
 }
 
 impl OverwriteArguments {
     /// The rule for the output files of a command that reads `inputs`. The files are checked before the work,
-    /// which a refusal afterwards would lose.
+    /// since an error afterwards would lose its results.
     pub fn outputs<'a>(
         self,
         inputs: impl IntoIterator<Item = &'a Path>,
@@ -79,7 +79,10 @@ impl OverwriteArguments {
         for file in files {
             outputs.check(file).map_err(unwritten)?;
             if names.contains(&file) {
-                return Err(input(anyhow!("{}: is to be written twice; choose two names", file.display())));
+                return Err(input(anyhow!(
+                    "{}: duplicate output file; choose different names",
+                    file.display()
+                )));
             }
             names.push(file);
         }
@@ -92,8 +95,8 @@ pub(super) fn write_file(outputs: &Outputs, path: &Path, contents: impl AsRef<[u
     outputs.write(path, contents).map_err(unwritten)
 }
 
-/// Headings of a table of options. J~ is the robot's expectation: the subjective cost's mean over its belief, in cost units (eq. (2) adds
-/// m^alpha and m).
+/// The headings of a table of options. J~ is the mean subjective cost over the robot's belief, in cost units
+/// (eq. (2) adds m^alpha and m).
 pub(super) const OPTION_HEADINGS: [&str; 7] =
     ["option", "openings", "D (m)", "risk S", "cost J (m)", "belief's mean J~", "P (%)"];
 
@@ -108,7 +111,7 @@ pub(super) fn option_json(
     told
 }
 
-/// Prints a warning, which stops nothing.
+/// Prints a warning. The command continues.
 pub(super) fn warn(warning: &impl std::fmt::Display) {
     eprintln!("warning: {warning}");
 }
@@ -128,13 +131,13 @@ pub(super) fn table<const N: usize>(headings: [&str; N], left: usize) -> Table {
     table
 }
 
-/// A table as text, indented by nothing, ended by a line end.
+/// A table as text, without indentation, ended by a newline.
 pub(super) fn table_text(table: &Table) -> String {
     let text = table.to_string();
     text.lines().map(|line| line.trim_end().to_owned() + "\n").collect()
 }
 
-/// A table of an experiment as text: its title, what people read in it, its notes.
+/// A table of results as text: title, columns for people, notes.
 pub(super) fn table_with_notes(of: &crate::table::Table) -> String {
     let (headings, rows) = of.shown();
     let mut shown = Table::new();
@@ -154,7 +157,7 @@ pub(super) fn table_with_notes(of: &crate::table::Table) -> String {
     format!("{}\n{}{notes}", of.title, table_text(&shown))
 }
 
-/// A progress bar, for people: it appears once the work has taken two seconds, and never where standard error is no terminal.
+/// A progress bar. It appears after two seconds of work, and only if standard error is a terminal.
 pub(super) struct Progress {
     bar: ProgressBar,
     begun: Instant,
@@ -162,7 +165,7 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    /// For `total` units of work.
+    /// A bar for `total` units of work.
     pub fn new(total: usize, what: &str) -> Self {
         let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}  {per_sec}  {eta} left")
             .unwrap_or_else(|_| ProgressStyle::default_bar());
@@ -172,7 +175,7 @@ impl Progress {
         Self { bar, begun: Instant::now(), is_shown: AtomicBool::new(false) }
     }
 
-    /// One unit is done.
+    /// Counts one finished unit of work.
     pub fn step(&self) {
         self.bar.inc(1);
         if self.begun.elapsed() >= Duration::from_secs(2) && !self.is_shown.swap(true, Ordering::Relaxed) {
@@ -180,7 +183,7 @@ impl Progress {
         }
     }
 
-    /// All is done: the bar goes away.
+    /// Removes the bar at the end of the work.
     pub fn finish(self) {
         self.bar.finish_and_clear();
     }

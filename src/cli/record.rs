@@ -1,4 +1,4 @@
-//! `--record`: writes the recording of a run, finished also where the user stops it.
+//! `--record`: writes the recording of a run, and finishes it also when the user stops the run.
 
 use super::output::{Failure, unwritten};
 use crate::episode::Episode;
@@ -7,25 +7,25 @@ use crate::scenario::PreparedScenario;
 use clap::Args;
 use std::path::PathBuf;
 
-/// Where to record to.
+/// The file to record into.
 #[derive(Args, Debug)]
 pub(super) struct RecordArguments {
-    /// Record the episode into this MCAP file, to watch in Foxglove and to be read by `cocarry inspect`. A recording holds an episode from its
-    /// start: not with --resume
+    /// Record the episode into this MCAP file, for Foxglove and `cocarry inspect`. Not with --resume, since a
+    /// recording holds a whole episode
     #[arg(long, value_name = "FILE", conflicts_with = "resume")]
     pub record: Option<PathBuf>,
 }
 
-/// A recording under way, or none.
+/// The recording of a run, if any.
 pub(super) struct Recording<'a>(Option<(PathBuf, FileRecorder<'a>)>);
 
 impl RecordArguments {
-    /// Whether there will be a file to finish.
+    /// Whether --record is given.
     pub fn is_asked_for(&self) -> bool {
         self.record.is_some()
     }
 
-    /// Begins to record an episode that has not begun, if that is asked for.
+    /// Begins the recording before the first step, with --record.
     pub fn begin<'a>(
         &self,
         stage: &'a PreparedScenario,
@@ -39,12 +39,12 @@ impl RecordArguments {
 }
 
 impl Recording<'_> {
-    /// Writes the step that the episode has just taken.
+    /// Writes the last step of the episode.
     pub fn step(&mut self, episode: &Episode) -> Result<(), Failure> {
         self.0.as_mut().map_or(Ok(()), |(_, recorder)| recorder.step(episode).map_err(output))
     }
 
-    /// Finishes the file; its name, if there is one.
+    /// Finishes the file. Returns its name, if there is one.
     pub fn finish(self, episode: &Episode, ending: Ending) -> Result<Option<PathBuf>, Failure> {
         let Some((file, recorder)) = self.0 else { return Ok(None) };
         recorder.finish(episode, ending).map_err(output)?;

@@ -1,4 +1,4 @@
-//! `cocarry recover`: makes a valid recording of what is whole in a damaged one.
+//! `cocarry recover`: saves the intact messages of a damaged recording as a valid one.
 
 use super::output::{Failure, OverwriteArguments, input, print};
 use super::record::output;
@@ -8,20 +8,20 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Save what is whole in a recording that was cut or damaged
+/// Save the intact messages of an incomplete or damaged recording
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
-    /// The recording, mostly called .mcap.partial
+    /// Recording (MCAP), usually named NAME.mcap.partial
     file: PathBuf,
-    /// Where to save it
+    /// Write the recovered recording into this file
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
     overwrite: OverwriteArguments,
 }
 
-/// Faults that are told one by one.
-const TOLD: usize = 10;
+/// The largest number of faults that are listed.
+const LISTED_FAULTS: usize = 10;
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let OverwriteArguments { overwrite } = arguments.overwrite;
@@ -38,13 +38,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         saved.until as f64 / 1e9
     );
     if saved.lost.is_empty() {
-        text += "nothing is lost: the recording is whole\n";
+        text += "nothing is lost: the recording is complete\n";
     }
-    for fault in saved.lost.iter().take(TOLD) {
+    for fault in saved.lost.iter().take(LISTED_FAULTS) {
         let _ = writeln!(text, "lost: {fault}");
     }
-    if saved.lost.len() > TOLD {
-        let _ = writeln!(text, "lost: {} more", saved.lost.len() - TOLD);
+    if saved.lost.len() > LISTED_FAULTS {
+        let _ = writeln!(text, "lost: {} more", saved.lost.len() - LISTED_FAULTS);
     }
     print(&text)?;
     Ok(ExitCode::SUCCESS)

@@ -30,7 +30,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     match &replayed.verdict {
         Verdict::Identical => print(&format!("{file}: identical: {so_far}\n{other}"))?,
         Verdict::IdenticalUntilCut => {
-            print(&format!("{file}: identical until its end: {so_far}; the recording is incomplete\n{other}"))?;
+            print(&format!(
+                "{file}: identical until its end: {so_far}; the recording is incomplete\n{other}"
+            ))?;
         }
         Verdict::Different(difference) => {
             let at = replayed.step.map_or("before the first tick".to_owned(), |k| format!("in tick {k}"));

@@ -32,10 +32,12 @@ pub(super) struct Arguments {
     /// Print one JSON object instead of text
     #[arg(long)]
     json: bool,
-    /// Write every tick to this file: .csv, or .jsonl for JSON lines (with --resume, those from there on)
+    /// Write every tick into this file: .csv, or .jsonl for JSON lines. With --resume, ticks start at the
+    /// resumed step
     #[arg(long, value_name = "FILE", value_parser = tick_log::file)]
     ticks: Option<tick_log::File>,
-    /// Draw trajectory and stubbornness into this file (with --resume, likewise)
+    /// Draw trajectory and stubbornness into this SVG file. With --resume, the picture starts at the resumed
+    /// step
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
     #[command(flatten)]
@@ -47,7 +49,7 @@ pub(super) struct Arguments {
 }
 
 impl Arguments {
-    /// The rule for the output files, none of which is what the episode is read from.
+    /// The rule for the output files, which must not be inputs of the episode.
     fn outputs(&self, scenario: &Scenario, saves: &Saves) -> Result<Outputs, Failure> {
         let robot = scenario.plant.carrier().map(|carrier| &carrier.robot);
         let robot = robot.into_iter().flat_map(|robot| [&robot.file, &robot.urdf_file]);
@@ -60,7 +62,7 @@ impl Arguments {
     }
 }
 
-/// What runs when no command is given.
+/// The episode that runs without a command.
 pub(super) fn example() -> Result<ExitCode, Failure> {
     use clap::Parser;
     #[derive(Parser)]

@@ -1,4 +1,4 @@
-//! The arguments of snapshots: which steps to save, and what to resume.
+//! The arguments of snapshots: the steps to save, and the snapshot to resume.
 
 use super::output::{Failure, input, write_file};
 use super::scenario::ScenarioArguments;
@@ -10,21 +10,22 @@ use anyhow::{Error, anyhow};
 use clap::{Args, Command, Id};
 use std::path::PathBuf;
 
-/// The arguments that define a scenario: a snapshot has its own.
+/// The arguments that define a scenario. They conflict with --resume, since a snapshot has its own scenario.
 fn settled() -> impl Iterator<Item = Id> {
     let command = ScenarioArguments::augment_args(Command::new(""));
     command.get_arguments().map(|argument| argument.get_id().clone()).collect::<Vec<_>>().into_iter()
 }
 
-/// Where an episode is cut, and gone on with.
+/// The snapshots of a run: to write, and to resume.
 #[derive(Args, Debug)]
 pub(super) struct SnapshotArguments {
-    /// Save the episode after so many steps: `--resume FILE` goes on from there. May be given several times; ends with 2 if the episode does
-    /// not come so far
+    /// Save the episode into FILE after TICK steps, as in --save-at 60 half.snapshot; --resume FILE continues
+    /// from there. May be given several times. Exits with 2 if the episode ends earlier
     #[arg(long, num_args = 2, value_names = ["TICK", "FILE"])]
     save_at: Vec<String>,
-    /// Go on with an episode that was saved, to the end and to the same bits. World, human, team and robot are in the file. What is told
-    /// of single ticks begins there; sums are of the whole episode
+    /// Resume the episode saved in this file, with the same bits as without interruption. The file has the
+    /// world, human, team and robot. Per-tick output starts at the resumed step; totals cover the whole
+    /// episode
     #[arg(long, value_name = "FILE", conflicts_with_all = settled())]
     pub resume: Option<PathBuf>,
 }
@@ -39,21 +40,21 @@ struct Save {
 }
 
 impl SnapshotArguments {
-    /// The snapshot to go on from.
+    /// The snapshot to resume, if any.
     pub fn load(&self) -> Result<Option<Snapshot>, Failure> {
         let Some(file) = &self.resume else { return Ok(None) };
         let snapshot = Snapshot::load(file).map_err(input)?;
         let (theirs, ours) = (&snapshot.written_by, env!("CARGO_PKG_VERSION"));
         if theirs != ours {
             eprintln!(
-                "note: {} was written by cocarry {theirs}; with {ours} the episode may go on differently",
+                "warning: {} was written by cocarry {theirs}; with {ours} the episode may not resume bit-identically",
                 file.display()
             );
         }
         let (theirs, ours) = (&snapshot.arithmetic, arithmetic::stamp());
         if theirs != ours {
             eprintln!(
-                "note: {} was saved with arithmetic {}, this program has {ours}: the last bits of the episode will not be those that it would have had there",
+                "warning: {} was saved with arithmetic {}, this program has {ours}: the episode does not resume bit-identically",
                 file.display(),
                 theirs.escape_debug()
             );
@@ -61,7 +62,7 @@ impl SnapshotArguments {
         Ok(Some(snapshot))
     }
 
-    /// The error about a scenario, which is the snapshot's where there is one.
+    /// An error of the scenario, with the name of the snapshot if it comes from one.
     pub fn refused(&self, error: ScenarioError) -> Failure {
         match &self.resume {
             None => input(error),
@@ -69,7 +70,7 @@ impl SnapshotArguments {
         }
     }
 
-    /// The snapshots to write of an episode that begins, or goes on after `resumed` steps.
+    /// The snapshots to write of an episode from its start, or from `resumed` steps on.
     pub fn saves(&self, resumed: Option<u64>) -> Result<Saves, Failure> {
         let save = |pair: &[String]| {
             let [tick, file] = pair else { return Err(anyhow!("--save-at takes TICK and FILE")) };
@@ -77,7 +78,9 @@ impl SnapshotArguments {
                 return Err(anyhow!("--save-at {tick} {file}: TICK must be a whole number of steps"));
             };
             match resumed.filter(|&from| tick < from) {
-                Some(from) => Err(anyhow!("--save-at {tick} {file}: the snapshot is of step {from} already")),
+                Some(from) => Err(anyhow!(
+                    "--save-at {tick} {file}: the episode resumes at step {from}; TICK must be at least {from}"
+                )),
                 None => Ok(Save { tick, file: file.into(), is_written: false }),
             }
         };
@@ -86,12 +89,12 @@ impl SnapshotArguments {
 }
 
 impl Saves {
-    /// The files to be written.
+    /// The files to write.
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
         self.0.iter().map(|save| &save.file)
     }
 
-    /// Writes what is due.
+    /// Writes the snapshots of the present step.
     pub fn write(
         &mut self,
         outputs: &Outputs,
@@ -107,7 +110,7 @@ impl Saves {
         Ok(())
     }
 
-    /// The episode is over after so many steps: what was not due is not written.
+    /// The check, after the last step, that all snapshots were written.
     pub fn finish(&self, steps: u64) -> Result<(), Failure> {
         match self.0.iter().find(|save| !save.is_written) {
             None => Ok(()),

@@ -1,4 +1,4 @@
-//! `cocarry sweep`: runs a study, merges shards of one, and prints its summary.
+//! `cocarry sweep`: runs a study, merges the shards of a study, and prints summaries.
 
 use super::output::{Failure, Progress, input, print, print_json, table, table_text, unwritten, warn};
 use super::reproduce::Common;
@@ -12,31 +12,33 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Run a study: every combination of worlds, methods, humans, plants and seeds, one row of results for each episode
+/// Run a study: every combination of worlds, methods, humans, plants and seeds, one row of results per
+/// episode
 ///
-/// The rows go to a file beside the results, NAME.partial, which gets its name when it is whole. A sweep that was stopped, by Ctrl-C or a
-/// power cut, goes on where it was when it is started again.
+/// The rows go to NAME.partial beside the results, which is renamed when it is complete. A sweep that was
+/// stopped, by Ctrl-C or a power cut, resumes where it stopped when it is started again.
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
     /// Study file (TOML)
     #[arg(required_unless_present_any = ["merge", "summary"], conflicts_with_all = ["merge", "summary"])]
     study: Option<PathBuf>,
-    /// Write the results to this file [default: the study's name with .csv, or .SHARD-of-N.csv, in the present folder]
+    /// Write the results into this file [default: the study's name with .csv, or .I-of-N.csv for a shard, in
+    /// the current directory]
     #[arg(long, value_name = "FILE", conflicts_with_all = ["merge", "summary"])]
     out: Option<PathBuf>,
-    /// Run only this part of the episodes, such as 3/16: for job arrays; --merge puts the parts together
+    /// Run only shard I of N, such as 3/16, for job arrays; --merge joins the shards
     #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with_all = ["merge", "summary"])]
     shard: Option<Shard>,
-    /// Run no more than so many seeds of every run in the study
+    /// Largest number of seeds of every run in the study [default: all]
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000), conflicts_with_all = ["merge", "summary"])]
     seeds: Option<u64>,
-    /// Replace results that are there already, and rows of another study that was not finished
+    /// Replace existing results, and unfinished rows of another study
     #[arg(long, conflicts_with = "summary")]
     overwrite: bool,
-    /// Put the results of all shards together in OUT: the same file, to the byte, as without shards
+    /// Merge the results of all shards into OUT: the same file, byte for byte, as without shards
     #[arg(long, num_args = 2.., value_names = ["OUT", "SHARD"], conflicts_with = "summary")]
     merge: Option<Vec<PathBuf>>,
-    /// Print the tables for a file of results, without running anything
+    /// Print the tables of a file of results, without running episodes
     #[arg(long, value_name = "FILE")]
     summary: Option<PathBuf>,
     #[command(flatten)]
@@ -69,11 +71,11 @@ fn sweep(arguments: &Arguments, file: &Path) -> Result<(), Failure> {
     bar.finish();
     let mut told = format!("{}: {episodes} episodes of {} combinations", out.display(), study.combinations());
     if kept > 0 {
-        let _ = write!(told, ", {kept} of them from before");
+        let _ = write!(told, ", {kept} of them from the earlier run");
     }
     match (arguments.shard, episodes) {
         (Some(Shard { number, of }), 0) => {
-            // a study with fewer episodes than shards
+            // the study has fewer episodes than shards
             eprintln!("note: shard {number}/{of} has no episode");
             Ok(())
         }
@@ -81,7 +83,7 @@ fn sweep(arguments: &Arguments, file: &Path) -> Result<(), Failure> {
     }
 }
 
-/// The file of results of a study, where none is given.
+/// The default file of results of a study.
 fn results_of(study: &Path, shard: Option<Shard>) -> PathBuf {
     let mut name = study.file_stem().unwrap_or(study.as_os_str()).to_owned();
     if let Some(Shard { number, of }) = shard {
@@ -106,7 +108,7 @@ fn shard(text: &str) -> Result<Shard, String> {
         .ok_or_else(|| "must be I/N, the I-th of N parts, with 1 <= I <= N <= 1000000".to_owned())
 }
 
-/// Prints what the results say.
+/// Prints the tables of a file of results.
 fn tell(file: &Path, told: &str, as_json: bool) -> Result<(), Failure> {
     let summary = Summary::load(file).map_err(failure)?;
     if as_json {
@@ -119,18 +121,18 @@ fn tell(file: &Path, told: &str, as_json: bool) -> Result<(), Failure> {
     print(&text)
 }
 
-/// The world, the method and what is varied.
+/// The columns of the tables: world, method and varied inputs.
 fn headings(summary: &Summary) -> Vec<String> {
     let always = ["world", "method"].into_iter().filter(|key| !summary.varied.iter().any(|v| v == key));
-    // what is varied comes with the columns that say the same in other words: the ranges of humans and beliefs
+    // the ranges of humans and beliefs repeat their names
     let varied = summary.varied.iter().map(String::as_str);
     let named =
         varied.filter(|key| !["humans_alpha", "humans_gamma", "belief_alpha", "belief_gamma"].contains(key));
     always.chain(named).map(str::to_owned).collect()
 }
 
-/// What a group's table shows beside mean, deviation and interval of the costs: means of what the episodes
-/// were to the human.
+/// The outcomes of the human whose means a group's table shows beside mean, deviation and interval of the
+/// costs.
 const HUMAN_OUTCOMES: [(&str, &str); 5] = [
     ("accumulated_subjective_cost", "J^"),
     ("final_stubbornness", "phi"),

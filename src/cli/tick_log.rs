@@ -1,4 +1,4 @@
-//! Tables of ticks: CSV or JSON lines, one line a tick, every key with its unit.
+//! Tables of ticks: CSV or JSON lines, one line per tick, every key with its unit.
 
 use super::output::{Failure, plain, write_file};
 use crate::output_file::Outputs;
@@ -7,7 +7,7 @@ use anyhow::{Context, Error};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// A file to log ticks to; its ending says how.
+/// A file of ticks. Its extension gives the format.
 #[derive(Clone, Debug)]
 pub(super) struct File {
     pub path: PathBuf,
@@ -20,7 +20,7 @@ enum Format {
     JsonLines,
 }
 
-/// Reads the argument.
+/// Parses the argument.
 pub(super) fn file(text: &str) -> Result<File, String> {
     let path = PathBuf::from(text);
     let format = match path.extension().and_then(|e| e.to_str()) {
@@ -32,7 +32,7 @@ pub(super) fn file(text: &str) -> Result<File, String> {
 }
 
 impl File {
-    /// Before the first tick.
+    /// An empty log, before the first tick.
     pub fn begin(&self) -> TickLog<'_> {
         let lines = match self.format {
             Format::Csv => {
@@ -56,7 +56,7 @@ enum Lines {
 }
 
 impl TickLog<'_> {
-    /// Adds the last step taken.
+    /// Adds the last step.
     pub fn step(&mut self, view: &View) -> Result<(), Failure> {
         let record: Record = TICK.into_iter().flat_map(|table| view.read(table)).collect();
         match &mut self.lines {
@@ -86,7 +86,7 @@ impl TickLog<'_> {
     }
 }
 
-/// Columns and cells of a row; those of a list are called `key[name]`.
+/// Columns and cells of a row. Columns of list elements are named `key[name]`.
 fn cells(record: &Record) -> Vec<(String, String)> {
     let mut cells = Vec::new();
     for (key, value) in record {

@@ -163,11 +163,7 @@ impl Told<'_> {
                 text,
                 "  base at least {:.3} m clear of obstacles{}",
                 control.least_clearance,
-                if control.overlapping_steps > 0 {
-                    ": it overlaps one, which this plant allows"
-                } else {
-                    ""
-                }
+                if control.overlapping_steps > 0 { ": it overlaps one, which this plant allows" } else { "" }
             );
         }
         if let Some(interaction) = &self.summary().interaction {

@@ -17,7 +17,8 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Show what a world offers: obstacles, openings with width and risk, options with length, risk, cost and probability
+/// Show the obstacles of a world, its openings with width and risk, and its options with length, risk, cost
+/// and probability
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
     /// World file (TOML), or a built-in world: environment-1 to environment-4
@@ -27,14 +28,14 @@ pub(super) struct Arguments {
     /// Print one JSON object instead of tables
     #[arg(long)]
     json: bool,
-    /// Draw the map into this file
+    /// Draw the map into this SVG file
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArguments,
 }
 
-/// An option as it is from the start.
+/// An option, evaluated at the start.
 struct Offer {
     name: String,
     openings: Vec<String>,
@@ -123,11 +124,10 @@ fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
     text += &unused_openings(world, set);
     let origin = match (world.listed_options.is_empty(), set.is_cut) {
         (false, _) => String::new(),
-        (true, false) => " (all there are: the file lists none)".to_owned(),
-        (true, true) => format!(
-            " (the {} cheapest; there are more: raise option_limit in the file to see them)",
-            offers.len()
-        ),
+        (true, false) => " (all options: the file lists none)".to_owned(),
+        (true, true) => {
+            format!(" (the {} cheapest; increase option_limit in the file for more)", offers.len())
+        }
     };
     text += &format!("\nOptions{origin}\n");
     let mut options = table(OPTION_HEADINGS, 2);
@@ -145,7 +145,7 @@ fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
     text + &table_text(&options)
 }
 
-/// A line for openings that lead from a region to itself, and one for others that no option goes through.
+/// A line for openings that lead from a region to itself, and one for the others that no option uses.
 fn unused_openings(world: &World, set: &OptionSet) -> String {
     let line = |one: &str, many: &str, leads_nowhere_new: bool, what_to_do: &str| {
         let names: Vec<&str> = (0..world.openings.len())
@@ -162,7 +162,7 @@ fn unused_openings(world: &World, set: &OptionSet) -> String {
         "leads nowhere new",
         "lead nowhere new",
         true,
-        ": there is a way around through no opening; list [[option]]s in the file to use what is named here",
+        ": a path without openings leads around; list [[option]]s in the file to use them",
     ) + &line("is on none of these options", "are on none of these options", false, "")
 }
 

@@ -71,8 +71,7 @@ impl Baseline {
         }
         let format = document.get("format").map_or(Ok(1), |item| {
             let format = item.as_integer().filter(|format| (1..=FORMAT).contains(format));
-            let expected =
-                format!("a whole number from 1 to {FORMAT}, the format of this version");
+            let expected = format!("a whole number from 1 to {FORMAT}, the format of this version");
             format.ok_or_else(|| source.wrong(item, "the file", "format", &expected))
         })?;
         source.is_current = format == FORMAT;

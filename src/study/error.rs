@@ -1,4 +1,4 @@
-//! What can be wrong with a study file or with the files of a sweep, each case with its file, place and value.
+//! Errors of study files and of the files of a sweep, each with its file, place and value.
 
 use crate::located::{FileError, Place};
 use crate::output_file::OutputError;
@@ -15,66 +15,66 @@ pub enum SweepError {
     /// A file cannot be written, or may not be.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// A value is not one that the key takes.
+    /// A value is not allowed for its key.
     #[error("{place} = {value}; it must be {expected}")]
     Value {
         /// Where, and the key.
         place: Place,
         /// The value, as written.
         value: String,
-        /// What would be right.
+        /// The values allowed.
         expected: String,
     },
-    /// A key that a study has not.
-    #[error("{place}: there is no such key here; there are: {known}")]
+    /// A key is unknown.
+    #[error("{place}: unknown key; expected one of: {known}")]
     Key {
         /// Where, and the key.
         place: Place,
-        /// The keys that exist.
+        /// The keys allowed.
         known: String,
     },
-    /// A key that must be there is missing.
+    /// A required key is missing.
     #[error("{place}: {key} is missing; it must be {expected}")]
     Missing {
         /// Where.
         place: Place,
         /// The key.
         key: &'static str,
-        /// What would be right.
+        /// The values allowed.
         expected: String,
     },
-    /// A value is listed twice, or a name given twice.
-    #[error("{place} = {value} stands there twice")]
+    /// A value or a name is duplicate.
+    #[error("{place}: duplicate {value}")]
     Twice {
-        /// Where the second stands, and the key.
+        /// The place of the second, with its key.
         place: Place,
         /// The value.
         value: String,
     },
-    /// A key says something of a plant that no episode is run on.
-    #[error("{place} says something of {what}, but no plant of this run has one")]
+    /// A key applies to no plant of its run.
+    #[error("{place}: needs {what}, which no plant of this run has")]
     Idle {
         /// Where, and the key.
         place: Place,
-        /// What it is about.
+        /// What the key needs.
         what: &'static str,
     },
     /// Two runs have an episode in common.
-    #[error("{place}: seed {seed} of the same combination is run before already: {inputs}")]
+    #[error("{place}: seed {seed} of this combination is already covered by an earlier [[run]]: {inputs}")]
     Repeated {
-        /// Where the second run stands.
+        /// The place of the second run.
         place: Place,
-        /// A seed that both have.
+        /// A seed of both runs.
         seed: u64,
         /// The combination.
         inputs: String,
     },
-    /// More combinations than can be held.
+    /// A run has too many combinations.
     #[error("{place}: more than {most} combinations; use more seeds and fewer values")]
     TooMany {
         /// The run.
         place: Place,
-        /// The most that there may be.
+        /// The largest number allowed.
         most: usize,
     },
     /// A world that the study names is not valid.
@@ -93,7 +93,7 @@ pub enum SweepError {
         /// What is wrong with it.
         source: Box<RobotError>,
     },
-    /// A combination that is no valid scenario.
+    /// A combination is not a valid scenario.
     #[error("{file}: {inputs}")]
     Scenario {
         /// The study file.
@@ -103,9 +103,9 @@ pub enum SweepError {
         /// What is wrong with it.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
-    /// Rows of another study are there.
+    /// The file has rows of another study.
     #[error(
-        "{file}: line {line} is of study {found}, this is study {expected}: a file, an option or the program has changed; --overwrite begins anew"
+        "{file}: line {line} is of study {found}, this is study {expected}: a file, an option or the program has changed; --overwrite starts again"
     )]
     OtherStudy {
         /// The file.
@@ -119,21 +119,21 @@ pub enum SweepError {
     },
     /// Rows were calculated with another arithmetic.
     #[error(
-        "{file}: calculated with arithmetic {found}, {other} has {expected}: the last bits of results differ between the two; run all rows on machines and a version with the same arithmetic (--overwrite begins anew)"
+        "{file}: calculated with arithmetic {found}, {other} has {expected}: the last bits of their results differ; run all rows on machines and a version with the same arithmetic (--overwrite starts again)"
     )]
     OtherArithmetic {
         /// The file, or the line in it.
         file: String,
         /// Its stamp.
         found: String,
-        /// What it is compared with.
+        /// The file or program that it is compared with.
         other: String,
-        /// The stamp of that.
+        /// Its stamp.
         expected: String,
     },
-    /// A file that no sweep of this version wrote.
+    /// The file is not from a sweep of this version.
     #[error(
-        "{file}: not the results of a sweep by this version: its columns are others (column {column}: {found}; here {expected})"
+        "{file}: not the results of a sweep of this version: column {column} is {found}; expected {expected}"
     )]
     Columns {
         /// The file.
@@ -145,25 +145,25 @@ pub enum SweepError {
         /// Its name here.
         expected: String,
     },
-    /// A line that does not belong where it stands.
+    /// A line is not the expected one.
     #[error("{file}: line {line} is {found}; it must be {expected}")]
     Line {
         /// The file.
         file: String,
         /// Line, counted from 1.
         line: u64,
-        /// What stands there.
+        /// The line found.
         found: String,
-        /// What belongs there.
+        /// The line expected.
         expected: String,
     },
-    /// There is nothing to merge or to sum up.
-    #[error("{file}: no episodes in it")]
+    /// There are no rows to merge or to summarise.
+    #[error("{file}: has no episodes")]
     Empty {
         /// The file, or the files.
         file: String,
     },
-    /// A shard is of another study than the first.
+    /// A shard belongs to another study than the first shard.
     #[error(
         "{file}: study {found} of {found_episodes} episodes; {first} is of study {expected} of {expected_episodes}"
     )]
@@ -182,7 +182,7 @@ pub enum SweepError {
         expected_episodes: u64,
     },
     /// Two shards have an episode in common.
-    #[error("{file}: begins with episode {episode}, which {other} has too")]
+    #[error("{file}: duplicate episode {episode}, which {other} has too")]
     Overlap {
         /// The file.
         file: String,
@@ -191,7 +191,7 @@ pub enum SweepError {
         /// The other file.
         other: String,
     },
-    /// Episodes that no shard has.
+    /// Some episodes are in no shard.
     #[error("episodes {first} to {last} of {episodes} are in none of the files{hint}")]
     Gap {
         /// The first missing.
@@ -200,13 +200,13 @@ pub enum SweepError {
         last: u64,
         /// All of the study.
         episodes: u64,
-        /// Which shards these are, where that can be told.
+        /// The missing shards, where they can be determined.
         hint: String,
     },
 }
 
 impl SweepError {
-    /// Whether it is about writing, not about what was given.
+    /// Whether the error is about writing, not about the input.
     pub fn is_about_writing(&self) -> bool {
         matches!(self, Self::Output(error) if !error.is_refusal())
     }

@@ -16,20 +16,20 @@ use crate::world::World;
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
 
-/// What the paper's ranges are called where a study names none.
+/// The name of the paper's ranges, the default humans of a study.
 const PAPER: &str = "paper";
-/// What the built-in robot is called.
+/// The name of the built-in robot.
 const BUILT_IN: &str = "built-in";
-/// The most seeds of a run.
+/// The largest number of seeds of a run.
 const MOST_SEEDS: u64 = 1_000_000_000;
 
-/// The keys of a run beside those of [`SETTINGS`]; a study has them too.
+/// The keys of a run besides those of [`SETTINGS`]; a study has them too.
 const RUN_KEYS: [&str; 7] =
     ["worlds", "plants", "humans", "preference_changes", "beliefs", "seeds", "robots"];
-/// The keys of a study alone.
+/// The keys of a study only.
 const STUDY_KEYS: [&str; 5] = ["name", "note", "human", "belief", "run"];
 
-/// What a study file asks for.
+/// The contents of a study file.
 #[derive(Debug, Default)]
 pub(super) struct Contents {
     pub worlds: Vec<(String, WorldText)>,
@@ -39,13 +39,13 @@ pub(super) struct Contents {
     pub runs: Vec<(Run, Place)>,
 }
 
-/// A run while it is read.
+/// A run that is being read.
 #[derive(Clone)]
 struct Draft {
     axes: Axes,
     /// The values given for each of [`SETTINGS`], with their places.
     given: Vec<Vec<(Value, Place)>>,
-    /// How often humans are to change their mind, with the places.
+    /// The numbers of preference changes, with their places.
     changes: Vec<(PreferenceChanges, Place)>,
     seeds: Seeds,
 }
@@ -68,7 +68,7 @@ pub(super) fn read(
     let standard = Belief::default();
     for (entry, place) in source.tables(table, "human")? {
         source.only(entry, &["name", "alpha", "gamma"])?;
-        let name = source.text(entry, "name", "a text, by which runs name these humans", &place)?;
+        let name = source.text(entry, "name", "a name for these humans", &place)?;
         let humans = Humans {
             alpha: range(source, entry, "alpha", &place)?,
             gamma: range(source, entry, "gamma", &place)?,
@@ -77,7 +77,7 @@ pub(super) fn read(
     }
     for (entry, place) in source.tables(table, "belief")? {
         source.only(entry, &["name", "alpha", "gamma"])?;
-        let name = source.text(entry, "name", "a text, by which runs name this belief", &place)?;
+        let name = source.text(entry, "name", "a name for this belief", &place)?;
         let belief = Belief::Independent {
             alpha: marginal(source, entry, "alpha", &place)?,
             gamma: marginal(source, entry, "gamma", &place)?,
@@ -118,7 +118,7 @@ pub(super) fn read(
 }
 
 impl Contents {
-    /// Takes over the keys that stand in the table.
+    /// Reads the keys of a table into a run.
     fn keys(
         &mut self,
         source: Source,
@@ -152,14 +152,14 @@ impl Contents {
         }
         if let Some(value) = get(table, "seeds") {
             let expected = format!(
-                "how many, a whole number from 1 to {MOST_SEEDS}, or from which to which, {{ first = 100, last = 199 }}"
+                "the number of seeds, from 1 to {MOST_SEEDS}, or a range such as {{ first = 100, last = 199 }}"
             );
             run.seeds = Seeds::read(value.get_ref()).ok_or_else(|| source.wrong("seeds", value, expected))?;
         }
         Ok(())
     }
 
-    /// The world's place, loaded if it is new.
+    /// The index of a world, which is loaded if it is new.
     fn world(&mut self, folder: &Path, (name, place): (String, Place)) -> Result<usize, SweepError> {
         if let Some(known) = self.worlds.iter().position(|(other, _)| *other == name) {
             return Ok(known);
@@ -168,7 +168,7 @@ impl Contents {
         let built_in = paper::environment(&name).filter(|_| !path.exists());
         let world = built_in.map_or_else(|| World::load(&path), |environment| environment.world());
         let world = world.map_err(|source| SweepError::World { place, source: Box::new(source) })?;
-        // as the study names it, wherever it is run from
+        // named as in the study, independent of the current directory
         self.worlds.push((name.clone(), WorldText { file: name, text: world.text }));
         Ok(self.worlds.len() - 1)
     }
@@ -182,7 +182,7 @@ impl Contents {
         let postures = robot.postures.iter().map(|p| p.name.clone()).collect();
         let mut texts = robot.texts;
         if name != BUILT_IN {
-            // as the study names them, wherever it is run from
+            // named as in the study, independent of the current directory
             texts.file.clone_from(&name);
             if let Ok(relative) = Path::new(&texts.urdf_file).strip_prefix(folder) {
                 texts.urdf_file = relative.display().to_string();
@@ -192,7 +192,7 @@ impl Contents {
         Ok(self.robots.len() - 1)
     }
 
-    /// Adds the run, its cells made.
+    /// Builds the cells of a run, and adds it.
     fn finish(
         &mut self,
         source: Source,
@@ -236,7 +236,7 @@ impl Contents {
         Ok(())
     }
 
-    /// Who is to change their mind must have something to change it to.
+    /// The check that humans with preference changes have a parameter to draw again.
     fn changes(&self, run: &mut Draft) -> Result<(), SweepError> {
         let one = run.axes.humans.iter().map(|&at| &self.humans[at]).find(|(_, humans)| humans.are_one());
         let asked = run.changes.iter().find(|(changes, _)| *changes != PreferenceChanges::NONE);
@@ -244,9 +244,7 @@ impl Contents {
             return Err(SweepError::Value {
                 place: place.clone(),
                 value: changes.to_string(),
-                expected: format!(
-                    "0 where humans are `{name}`, of whom alpha and gamma are given: there is nothing to draw again"
-                ),
+                expected: format!("0 for the humans `{name}`, whose alpha and gamma are fixed numbers"),
             });
         }
         if !run.changes.is_empty() {
@@ -255,7 +253,7 @@ impl Contents {
         Ok(())
     }
 
-    /// Every robot of the run must have every posture of the run.
+    /// The check that every robot of the run has every posture of the run.
     fn postures(&self, run: &Draft) -> Result<(), SweepError> {
         for (name, place) in &run.given[posture()] {
             let name = name.to_string();
@@ -270,7 +268,7 @@ impl Contents {
     }
 }
 
-/// The key of the values of a setting: that of words is a plural.
+/// The key of a setting in a study; plural for methods and postures.
 fn list_key(setting: &Setting) -> &'static str {
     match setting.key {
         "method" => "methods",
@@ -279,12 +277,12 @@ fn list_key(setting: &Setting) -> &'static str {
     }
 }
 
-/// The place of the posture among [`SETTINGS`].
+/// The index of the posture in [`SETTINGS`].
 fn posture() -> usize {
     SETTINGS.iter().position(|setting| setting.key == POSTURE.key).unwrap_or_default()
 }
 
-/// The value of a setting, as written.
+/// The value of a setting in a study file.
 fn value(setting: &Setting, written: &DeValue) -> Option<Value> {
     let value = match setting.kind {
         Kind::Number(..) => number(written).map(Value::Number),
@@ -295,7 +293,7 @@ fn value(setting: &Setting, written: &DeValue) -> Option<Value> {
     value.filter(|value| setting.accepts(value))
 }
 
-/// Refuses keys that the run's plants have no use for, where they stand in the run itself.
+/// An error for the first key of the run itself that applies to none of its plants.
 fn has_use(source: Source, table: &DeTable, run: &Draft) -> Result<(), SweepError> {
     let is_idle = |applies: Applies| !run.axes.plants.iter().any(|plant| applies.is_on(*plant, true));
     for (key, _) in table {
@@ -309,7 +307,7 @@ fn has_use(source: Source, table: &DeTable, run: &Draft) -> Result<(), SweepErro
     Ok(())
 }
 
-/// How often humans change their mind, as written.
+/// The number of preference changes in a study file.
 fn changes(value: &DeValue) -> Option<PreferenceChanges> {
     let word = value.as_str().filter(|word| *word == PreferenceChanges::ONCE_OR_TWICE);
     word.map(str::to_owned).or(whole(value).map(|times| times.to_string()))?.parse().ok()
@@ -321,7 +319,7 @@ fn replace<T>(values: &mut Vec<T>, read: Option<Vec<(T, Place)>>) {
     }
 }
 
-/// Values that the study itself has named.
+/// Values that are names defined in the study.
 fn pick<T>(
     source: Source,
     table: &DeTable,
@@ -348,7 +346,7 @@ fn add<T>(all: &mut Vec<(String, T)>, name: String, item: T, place: Place) -> Re
 
 const DISTRIBUTION: &str =
     "\"uniform(LOWER,UPPER)\" or \"normal(MEAN,STD,LOWER,UPPER)\" with 0 < LOWER < UPPER";
-/// One parameter of humans.
+/// The source of one parameter of humans.
 fn range(source: Source, table: &DeTable, key: &'static str, place: &Place) -> Result<Range, SweepError> {
     let expected = format!("{DISTRIBUTION}, or {PERCEPTION}");
     match get(table, key) {

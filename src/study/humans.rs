@@ -43,7 +43,8 @@ impl Humans {
         self.given().is_complete()
     }
 
-    /// What humans are drawn from. A parameter that is fixed is drawn all the same, so that the other one is the same human's.
+    /// What humans are drawn from. A parameter that is fixed is drawn all the same, so that the other one is
+    /// the same human's.
     fn belief(&self) -> Belief {
         match Belief::default() {
             Belief::Independent { alpha, gamma } => Belief::Independent {

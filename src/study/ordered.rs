@@ -26,8 +26,8 @@ struct Shared<W> {
     changed: Condvar,
 }
 
-/// `work` of every number on all threads of the current pool. `write` gets the results in order, whole, on any of the threads, one after the
-/// other: several at once where they have waited, and how many.
+/// `work` of every number on all threads of the current pool. `write` gets the results in order, whole, on
+/// any of the threads, one after the other: several at once where they have waited, and how many.
 ///
 /// # Errors
 /// The first error of `write`, which ends the work.

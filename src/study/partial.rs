@@ -1,8 +1,9 @@
 //! A study's file of results under way: written beside its name, resumed after interruption. Until then its
 //! rows stand in a file beside it, which may be cut short at any time and is gone on with.
 //!
-//! The partial file is the final one as far as it has come: rows are appended in order, each batch in one write, so a process that is killed
-//! leaves whole rows, and at worst one that is cut, which is taken off. Since every row names its study, nothing else has to be kept beside.
+//! The partial file is the final one as far as it has come: rows are appended in order, each batch in one
+//! write, so a process that is killed leaves whole rows, and at worst one that is cut, which is taken off.
+//! Since every row names its study, nothing else has to be kept beside.
 
 use super::ordered::in_order;
 use super::results::{self, Identity};
@@ -43,11 +44,12 @@ pub struct Sweep<'a> {
 }
 
 impl<'a> Sweep<'a> {
-    /// Opens the partial file of `path`, and keeps the rows that it has already. With `overwrite`, what is there under that name is replaced in
-    /// the end, and rows of another study are not kept.
+    /// Opens the partial file of `path`, and keeps the rows that it has already. With `overwrite`, what is
+    /// there under that name is replaced in the end, and rows of another study are not kept.
     ///
     /// # Errors
-    /// [`SweepError`]: the results are there already, or rows of another study, or another process is writing them.
+    /// [`SweepError`]: the results are there already, or rows of another study, or another process is writing
+    /// them.
     pub fn open(
         study: &'a Study,
         path: &Path,

@@ -9,7 +9,7 @@ use toml::de::{DeTable, DeValue};
 /// A value as written.
 pub(super) type Value<'a> = Spanned<DeValue<'a>>;
 
-/// A file's name and text, to say where something stands in it.
+/// A file's name and text, which give the places in it.
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
     pub file: &'a str,
@@ -35,7 +35,7 @@ impl<'a> Source<'a> {
         SweepError::Value { place, value: self.written(value), expected: expected.into() }
     }
 
-    /// A value as it stands in the file, cut where it is long.
+    /// A value as written in the file, shortened if it is long.
     pub fn written(self, value: &Value) -> String {
         let text = self.text.get(value.span()).unwrap_or_default().trim();
         match text.char_indices().nth(60) {
@@ -44,7 +44,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Refuses keys that are not known.
+    /// An error for the first key that is not in `known`.
     pub fn only(self, table: &DeTable, known: &[&str]) -> Result<(), SweepError> {
         match table.iter().find(|(key, _)| !known.contains(&key.get_ref().as_ref())) {
             None => Ok(()),
@@ -55,7 +55,8 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The values of a key, which may be one or a list: `read` takes each or refuses it, which is told as `expected`. None without the key.
+    /// The values of a key, a single one or a list; `None` without the key. `read` returns `None` for a value
+    /// that is not allowed; the error then has `expected`.
     pub fn list<T: PartialEq>(
         self,
         table: &DeTable,
@@ -67,7 +68,7 @@ impl<'a> Source<'a> {
         let one = std::slice::from_ref(value);
         let values = value.get_ref().as_array().map_or(one, |array| &array[..]);
         if values.is_empty() {
-            return Err(self.wrong(key, value, format!("{expected}, or a list of such, not an empty one")));
+            return Err(self.wrong(key, value, format!("{expected}, or a list of them that is not empty")));
         }
         let mut read_values: Vec<(T, Place)> = Vec::with_capacity(values.len());
         for value in values {
@@ -88,7 +89,7 @@ impl<'a> Source<'a> {
         key: &str,
     ) -> Result<Vec<(&'t DeTable<'a>, Place)>, SweepError> {
         let Some(value) = get(table, key) else { return Ok(Vec::new()) };
-        let wrong = |value| self.wrong(key, value, format!("one table [[{key}]] or several"));
+        let wrong = |value| self.wrong(key, value, format!("one or more tables [[{key}]]"));
         let Some(array) = value.get_ref().as_array() else { return Err(wrong(value)) };
         let one = |value: &'t Value<'a>| match value.get_ref().as_table() {
             Some(table) => Ok((table, self.place(value.span(), format!("[[{key}]]")))),
@@ -97,7 +98,7 @@ impl<'a> Source<'a> {
         array.iter().map(one).collect()
     }
 
-    /// A text that must be there.
+    /// The text of a required key.
     pub fn text(
         self,
         table: &DeTable,

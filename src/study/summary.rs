@@ -8,7 +8,8 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The columns that are summed up: costs first, which are compared too, then what the episode was to the human.
+/// The columns that are summed up: costs first, which are compared too, then what the episode was to the
+/// human.
 const OUTCOMES: [&str; 7] = [
     "accumulated_objective_cost_m",
     "accumulated_control_cost",
@@ -38,7 +39,8 @@ pub struct Summary {
     pub varied: Vec<String>,
     /// One for every combination, in the order in which they appear.
     pub groups: Vec<Group>,
-    /// One for every two combinations that differ in the method alone, or in the choice of the pose alone, and every cost.
+    /// One for every two combinations that differ in the method alone, or in the choice of the pose alone,
+    /// and every cost.
     pub comparisons: Vec<Comparison>,
 }
 
@@ -67,7 +69,8 @@ pub struct Comparison {
     pub second: String,
     /// What they have in common, as far as it is varied.
     pub inputs: BTreeMap<String, String>,
-    /// The cost of the first less that of the second, with the same seed; corrected for all comparisons of the summary that are tested.
+    /// The cost of the first less that of the second, with the same seed; corrected for all comparisons of
+    /// the summary that are tested.
     pub difference: Paired,
     /// Share of the pairs in which the first costs less.
     pub share_lower: f64,

@@ -130,7 +130,7 @@ fn a_replay_tells_of_another_arithmetic() {
     assert!(code == Some(0) && said.contains("does not name its arithmetic"), "{said}");
 }
 
-/// A snapshot goes on, with a note: to an end as good as any, but not to the same bits.
+/// A snapshot of another arithmetic resumes with a warning, though not with the same bits.
 #[test]
 fn a_resumed_run_tells_of_another_arithmetic() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -145,7 +145,7 @@ fn a_resumed_run_tells_of_another_arithmetic() {
     std::fs::write(&file, bytes).expect("a snapshot");
     let there = cocarry(&["run", "--resume", name]);
     assert!(there.status.success() && there.stdout == here.stdout);
-    for part in ["note: ", "s.snapshot", &other(), stamp()] {
+    for part in ["warning: ", "s.snapshot", &other(), stamp()] {
         assert!(stderr(&there).contains(part), "{}", stderr(&there));
     }
 }

@@ -222,7 +222,7 @@ fn the_planning_level_alone_knows_no_robot() {
     assert!(told["accumulated_control_cost"].is_null() && told["robot"].is_null());
     let output = cocarry(&["run", "--plant", "point", "--pose", "arm"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("--pose says something of a robot, but --plant point has none"));
+    assert!(stderr(&output).contains("--pose needs a robot, which --plant point does not have"));
 }
 
 #[test]

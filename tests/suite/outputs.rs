@@ -100,7 +100,7 @@ fn no_output_replaces_what_is_there_unasked() {
     }
     let merged = "sweep --merge 1.csv 1.csv 2.csv --overwrite";
     bench.refused(merged, "1.csv: is an input of this command");
-    bench.refused("run world.toml --plant point --svg x --save-at 3 x", "x: is to be written twice");
+    bench.refused("run world.toml --plant point --svg x --save-at 3 x", "x: duplicate output file");
 }
 
 #[test]

@@ -110,8 +110,16 @@ fn the_report_has_every_table_and_figure_as_files_and_on_the_page() {
         assert!(page.contains(&format!("href=\"{name}.csv\"")), "{name}");
         assert_eq!(told["tables"][name].as_array().unwrap().len(), rows(name).len(), "{name}");
     }
-    for part in ["H1", "H2", "H3", "locked cycles", "Errors in the paper", "This run", "seed 0", env!("CARGO_PKG_VERSION")]
-    {
+    for part in [
+        "H1",
+        "H2",
+        "H3",
+        "locked cycles",
+        "Errors in the paper",
+        "This run",
+        "seed 0",
+        env!("CARGO_PKG_VERSION"),
+    ] {
         assert!(page.contains(part) && markdown.contains(part), "{part}");
     }
     assert_eq!(told["claims"].as_array().unwrap().len(), 6);

@@ -150,9 +150,7 @@ fn text(fit: &EtaFit) -> String {
         true => {
             " scattered: episodes of a participant\ncontradict each other, and eta varies between episodes: a median, with its 95 % interval.\n"
         }
-        false => {
-            " No participant's episodes contradict\neach other: eta is the same in every episode.\n"
-        }
+        false => " No participant's episodes contradict\neach other: eta is the same in every episode.\n",
     };
     text + "All: the log-normal distribution of everyone's eta.\n"
 }

@@ -1,4 +1,4 @@
-//! The worlds that participants' answers name.
+//! The worlds named in participants' answers.
 
 use crate::cli::model::load_world_near;
 use crate::cli::output::Failure;
@@ -6,8 +6,8 @@ use crate::options::OptionSet;
 use anyhow::Context;
 use std::path::Path;
 
-/// The options of the worlds that `file` names, each with the line that does so first. Where a world lists no options, they are those of
-/// `cocarry world` with that `risk_weight` (m).
+/// The options of the worlds that `file` names, each with the first line that names it. A world that lists no
+/// options has those of `cocarry world` with `risk_weight` (m).
 pub(super) fn options(
     file: &Path,
     worlds: Vec<(String, u64)>,

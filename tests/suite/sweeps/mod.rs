@@ -209,7 +209,7 @@ fn the_number_of_threads_and_of_shards_makes_no_difference() {
     assert!(bench.read("one.csv") == bench.read("merged.csv"));
     bench.refused(&["--merge", "merged.csv", &a, &b], 2, &["merged.csv: exists already", "--overwrite"]);
     bench.refused(&["--merge", "new.csv", &a, &b, &c, &e], 2, &["episodes 19 to 37 of 96", "shard 2/5"]);
-    bench.refused(&["--merge", "new.csv", &a, &b, &b], 2, &["study.1-of-5.csv: begins with episode 0"]);
+    bench.refused(&["--merge", "new.csv", &a, &b, &b], 2, &["study.1-of-5.csv: duplicate episode 0"]);
     bench.good(&["study.toml", "--seeds", "5", "--shard", "2/5", "--out", "foreign.csv"]);
     bench.refused(
         &["--merge", "new.csv", &a, &b, &c, "foreign.csv", &e],
@@ -288,7 +288,7 @@ fn rows_that_are_there_are_kept_and_a_row_that_was_cut_is_run_again() {
     for (cut, kept) in [(0, 0), (5, 0), (ten, 10), (ten + 40, 10), (ten + 1, 10), (whole.len(), 96)] {
         std::fs::write(bench.path("study.csv.partial"), &whole[..cut]).expect("a partial file");
         let told = stdout(&bench.good(&["study.toml", "--overwrite"]));
-        let says = format!("{kept} of them from before");
+        let says = format!("{kept} of them from the earlier run");
         assert_eq!(told.contains(&says), kept > 0, "cut at {cut}: {told}");
         assert!(bench.read("study.csv") == whole, "cut at {cut}");
     }

@@ -20,18 +20,14 @@ fn spoil(from: &str, to: &str, said: &[&str]) {
 fn what_is_wrong_in_a_study_is_named() {
     let worlds = "worlds = [\"environment-1\", \"environment-4\"]";
     spoil("seeds = 6", "seeds = = 6", &["study.toml: not a valid study file", "line 8"]);
-    spoil("seeds = 6", "seed = 6", &["study.toml:8: seed: there is no such key", "seeds"]);
+    spoil("seeds = 6", "seed = 6", &["study.toml:8: seed: unknown key", "seeds"]);
     spoil("seeds = 6", "seeds = 0", &["study.toml:8: seeds = 0", "from 1 to 1000000000"]);
     spoil("seeds = 6", "seeds = { first = 7, last = 6 }", &["study.toml:8: seeds = { first = 7, last = 6 }"]);
     spoil("seeds = 6", "seeds = [1, 2]", &["study.toml:8: seeds = [1, 2]", "first = 100"]);
     spoil(worlds, "", &["study.toml:1: study: worlds is missing"]);
     spoil(worlds, "worlds = []", &["study.toml:3: worlds = []", "environment-1"]);
     spoil(worlds, "worlds = \"environment-5\"", &["study.toml:3: worlds: environment-5: cannot be read"]);
-    spoil(
-        "\"environment-4\"]",
-        "\"environment-1\"]",
-        &["study.toml:3: worlds = \"environment-1\" stands there twice"],
-    );
+    spoil("\"environment-4\"]", "\"environment-1\"]", &["study.toml:3: worlds: duplicate \"environment-1\""]);
     spoil("[5, 10.5]", "[5,\n -1]", &["study.toml:7: eta = -1", "greater than 0 and at most 1000000"]);
     spoil("[5, 10.5]", "[5, \"ten\"]", &["study.toml:6: eta = \"ten\"", "a number"]);
     spoil("[5, 10.5]", "nan", &["study.toml:6: eta = nan"]);
@@ -64,15 +60,15 @@ fn what_is_wrong_in_a_study_is_named() {
     spoil(
         "plants = \"point\"",
         "preference_changes = [2, 2]",
-        &["study.toml:4: preference_changes = 2 stands there twice"],
+        &["study.toml:4: preference_changes: duplicate 2"],
     );
     spoil(
         "plants = \"point\"",
         "preference_changes = [0, 2]",
-        &["study.toml:4: preference_changes = 2", "`same`", "nothing to draw again"],
+        &["study.toml:4: preference_changes = 2", "`same`", "fixed numbers"],
     );
     spoil("\"same\"]", "\"other\"]", &["study.toml:7: humans = \"other\"", "\"all\", \"same\""]);
-    spoil("name = \"same\"", "name = \"all\"", &["study.toml:15: name = \"all\" stands there twice"]);
+    spoil("name = \"same\"", "name = \"all\"", &["study.toml:15: name: duplicate \"all\""]);
     spoil("name = \"same\"\n", "", &["study.toml:15: [[human]]: name is missing"]);
     spoil("alpha = 0.747", "alpha = 0", &["study.toml:17: alpha = 0", "uniform(LOWER,UPPER)"]);
     spoil(
@@ -80,7 +76,7 @@ fn what_is_wrong_in_a_study_is_named() {
         "alpha = \"uniform(1,0)\"",
         &["study.toml:17: alpha = \"uniform(1,0)\"", "LOWER < UPPER"],
     );
-    spoil("gamma = 0.765", "colour = 1", &["study.toml:18: colour: there is no such key", "gamma"]);
+    spoil("gamma = 0.765", "colour = 1", &["study.toml:18: colour: unknown key", "gamma"]);
     spoil("gamma = 0.765", "", &["[[human]]: gamma is missing"]);
     spoil("\"normal(0.75,0.05,0.55,0.95)\"", "0.7", &["study.toml:22: alpha = 0.7", "normal(MEAN"]);
     spoil("[[belief]]", "[belief]", &["study.toml:20: belief", "[[belief]]"]);
@@ -91,8 +87,11 @@ fn what_is_wrong_in_a_study_is_named() {
 fn what_is_wrong_in_a_run_is_named() {
     let run =
         |text: &str, said: &[&str]| Bench::new(&format!("{STUDY}{text}")).refused(&["study.toml"], 2, said);
-    run("[[run]]\nname = \"x\"\n", &["study.toml:25: name: there is no such key", "worlds"]);
-    run("[[run]]\n[[run]]\neta = 5\n", &["study.toml:25: [[run]]: seed 0", "run before already", "eta 5"]);
+    run("[[run]]\nname = \"x\"\n", &["study.toml:25: name: unknown key", "worlds"]);
+    run(
+        "[[run]]\n[[run]]\neta = 5\n",
+        &["study.toml:25: [[run]]: seed 0", "already covered by an earlier [[run]]", "eta 5"],
+    );
     let many: Vec<String> = (1..400).map(|i| i.to_string()).collect();
     let many = many.join(", ");
     run(
