@@ -1,4 +1,4 @@
-//! Text files, and the places in them that errors name.
+//! Text files and the places in them, for errors.
 
 use serde::de::DeserializeOwned;
 use std::io::Read;
@@ -8,15 +8,15 @@ use thiserror::Error;
 use toml::Spanned;
 use toml::de::DeTable;
 
-/// The largest text file that is read, B.
+/// The size of the largest text file that is read, bytes.
 const LARGEST: u64 = 64 << 20;
 
-/// Where in a file something stands.
+/// A place in a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// The file as it was named by the caller.
+    /// The name of the file, as given by the caller.
     pub file: String,
-    /// Line, counted from 1; `None` where lines are not known, as in a URDF.
+    /// The line, counted from 1; `None` where it is unknown, as in a URDF.
     pub line: Option<usize>,
     /// The item, such as ``obstacle `pillar` ``.
     pub item: String,
@@ -31,7 +31,7 @@ impl std::fmt::Display for Place {
     }
 }
 
-/// A file that cannot be read, or is not what it should be.
+/// The error of a file that cannot be read, or is not valid.
 #[derive(Debug, Error)]
 pub enum FileError {
     /// The file cannot be read.
@@ -39,17 +39,17 @@ pub enum FileError {
     Read {
         /// The file.
         file: String,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// The file is not written in its language.
+    /// The file has a syntax error.
     #[error("{file}: not a valid {kind}")]
     Syntax {
         /// The file.
         file: String,
-        /// What it should be.
+        /// The kind of file expected.
         kind: &'static str,
-        /// Line, column, and what was expected there.
+        /// Line, column, and the text expected there.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
 }
@@ -69,14 +69,14 @@ pub fn read(path: &Path) -> Result<String, FileError> {
 /// A file's name and text.
 #[derive(Clone, Copy, Debug)]
 pub struct Source<'a> {
-    /// What errors call it.
+    /// Its name in errors.
     pub file: &'a str,
     /// Its text.
     pub text: &'a str,
 }
 
 impl<'a> Source<'a> {
-    /// The values of a TOML file; `kind` is what it should be, as in `world file`.
+    /// The values of a TOML file. `kind` is the kind of file expected, such as `world file`.
     ///
     /// # Errors
     /// [`FileError::Syntax`], which names line and column.
@@ -115,7 +115,7 @@ impl<'a> Source<'a> {
         self.place_at(spanned.span(), item)
     }
 
-    /// The place of `item`, which stands at these bytes.
+    /// The place of `item`, which is at these bytes.
     pub fn place_at(self, span: Range<usize>, item: impl Into<String>) -> Place {
         Place { file: self.file.to_owned(), line: Some(self.line(span.start)), item: item.into() }
     }

@@ -1,53 +1,54 @@
-//! Files that appear under their names whole or not at all, and replace others only when told to.
+//! Output files, which appear under their names complete or not at all, and replace others only with
+//! `overwrite`.
 //!
 //! A file is written under another name in the same folder, and renamed when it is finished.
 //! [`OutputFile::create`] takes a new name of its own and removes the file after a failure.
-//! [`OutputFile::resumable`] takes `NAME.partial`, which a killed process leaves to be resumed or recovered. Its
-//! writer holds a lock on it, so that a name has one writer.
+//! [`OutputFile::resumable`] takes `NAME.partial`, which remains after a crash and can be resumed or
+//! recovered. Its writer holds a lock on it, so that a name has one writer.
 
 use std::fs::{File, Metadata, OpenOptions, TryLockError};
 use std::io::{BufWriter, Error, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// Why a file cannot be written.
+/// The error of a file that cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
-    /// There is a file of that name.
+    /// The file exists.
     #[error("{}: exists already; choose another name, or give --overwrite", file.display())]
     Exists {
         /// The file.
         file: PathBuf,
     },
-    /// There is what another process left of a file of that name.
+    /// An unfinished file of that name exists.
     #[error(
-        "{}: exists already: what is left of a file that was not finished; recover or remove it, choose another name, or give --overwrite",
+        "{}: exists already and is unfinished; recover or remove it, choose another name, or give --overwrite",
         file.display()
     )]
     LeftOver {
         /// The unfinished file.
         file: PathBuf,
     },
-    /// There is something of that name that is no file.
+    /// The name belongs to something other than a file.
     #[error("{}: is a {kind}, which is never replaced; choose another name", file.display())]
     NotAFile {
-        /// What was to be written.
+        /// The output file.
         file: PathBuf,
-        /// What there is.
+        /// What has the name, such as a directory.
         kind: &'static str,
     },
-    /// What the command reads would be replaced.
+    /// The file is an input of the command.
     #[error("{}: is an input of this command, which is never replaced; choose another name", file.display())]
     Input {
         /// The file.
         file: PathBuf,
     },
-    /// Another process is writing it.
+    /// Another process is writing the file.
     #[error("{}: another process is writing it", file.display())]
     Busy {
         /// The file.
         file: PathBuf,
     },
-    /// The system refuses to write.
+    /// The system cannot write the file.
     #[error("{}: cannot be written", file.display())]
     Write {
         /// The file.
@@ -55,12 +56,12 @@ pub enum OutputError {
         /// What the system said.
         source: Error,
     },
-    /// The finished file cannot get its name.
+    /// The complete file cannot be renamed.
     #[error("{}: is complete, but cannot be renamed to {}", partial.display(), file.display())]
     Rename {
-        /// The file as it is called.
+        /// Its present name.
         partial: PathBuf,
-        /// The file as it should be called.
+        /// Its final name.
         file: PathBuf,
         /// What the system said.
         source: Error,
@@ -68,13 +69,13 @@ pub enum OutputError {
 }
 
 impl OutputError {
-    /// Whether the name is wrong, not the system's answer.
+    /// Whether the name was refused, before the system was asked.
     pub fn is_refusal(&self) -> bool {
         !matches!(self, Self::Write { .. } | Self::Rename { .. })
     }
 }
 
-/// Which files a command may replace.
+/// The rule for the output files of a command.
 #[derive(Clone, Debug, Default)]
 pub struct Outputs {
     overwrite: bool,
@@ -82,12 +83,12 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Existing files are replaced if told to `overwrite`, but for `inputs`.
+    /// A rule that replaces existing files with `overwrite`, but never `inputs`.
     pub fn new(overwrite: bool, inputs: impl IntoIterator<Item = PathBuf>) -> Self {
         Self { overwrite, inputs: inputs.into_iter().collect() }
     }
 
-    /// Whether a file of that name may be written. To be asked before the work.
+    /// The check that a file may be written. Call it before the work.
     ///
     /// # Errors
     /// [`OutputError`] for which [`OutputError::is_refusal`].
@@ -103,7 +104,7 @@ impl Outputs {
     /// Writes a whole file.
     ///
     /// # Errors
-    /// [`OutputError`]: a file of that name is as it was before.
+    /// [`OutputError`]; an existing file is then unchanged.
     pub fn write(&self, file: &Path, contents: impl AsRef<[u8]>) -> Result<(), OutputError> {
         let mut output = self.create(file)?;
         let written = output.write_all(contents.as_ref());
@@ -121,19 +122,19 @@ impl Outputs {
     }
 }
 
-/// A file being written.
+/// An output file that is being written.
 #[derive(Debug)]
 pub struct OutputFile {
     file: PathBuf,
     partial: PathBuf,
     overwrite: bool,
-    /// Whether the partial file is removed where this is dropped unfinished.
+    /// Whether an unfinished partial file is removed on drop.
     is_removed: bool,
     writer: BufWriter<File>,
 }
 
 impl OutputFile {
-    /// Begins a file under a name that nobody else has; unfinished, it is removed.
+    /// Begins a file under a unique name. If it is not finished, it is removed.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -158,7 +159,7 @@ impl OutputFile {
         Err(write(ErrorKind::AlreadyExists.into()))
     }
 
-    /// Opens or creates `NAME.partial` and locks it. Its contents stay; their length (B) is returned too.
+    /// Opens or creates `NAME.partial` and locks it. Its contents stay; their length (bytes) is returned too.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -176,7 +177,8 @@ impl OutputFile {
                 Err(TryLockError::WouldBlock) => return Err(OutputError::Busy { file: partial }),
                 Err(TryLockError::Error(source)) => return Err(write(source)),
             }
-            // whoever had the lock may have given the file its name just now: then this is not the partial file
+            // the previous holder of the lock may just have renamed the file: then this is not the partial
+            // file
             let metadata = opened.metadata().map_err(write)?;
             let is_partial = partial.symlink_metadata().is_ok_and(|named| is_one(&named, &metadata));
             if is_partial {
@@ -194,7 +196,7 @@ impl OutputFile {
     /// As [`OutputFile::resumable`], from the beginning.
     ///
     /// # Errors
-    /// [`OutputError`]: also if there is something already, without `overwrite`.
+    /// [`OutputError`], also if the file exists and `overwrite` is not given.
     pub fn anew(file: &Path, overwrite: bool) -> Result<Self, OutputError> {
         let (mut output, length) = Self::resumable(file, overwrite)?;
         if length > 0 && !overwrite {
@@ -213,17 +215,17 @@ impl OutputFile {
         replaced.map_or(Ok(()), |replaced| self.as_file().set_permissions(replaced.permissions()))
     }
 
-    /// How the file is called until it is finished.
+    /// The name of the file until it is finished.
     pub fn partial(&self) -> &Path {
         &self.partial
     }
 
-    /// The file under that name.
+    /// The partial file.
     pub fn as_file(&self) -> &File {
         self.writer.get_ref()
     }
 
-    /// Cuts the file off after so many bytes, and goes on there.
+    /// Truncates the file to a length (bytes), and continues there.
     ///
     /// # Errors
     /// The system's.
@@ -233,15 +235,15 @@ impl OutputFile {
         self.writer.seek(SeekFrom::Start(length)).map(drop)
     }
 
-    /// From here on, what is written stays under its other name where the file is not finished.
+    /// From now on the partial file stays if it is not finished.
     pub fn keep(&mut self) {
         self.is_removed = false;
     }
 
-    /// Gives the file its name.
+    /// Renames the complete file.
     ///
     /// # Errors
-    /// [`OutputError`]: also if another file has got the name meanwhile, and is not to be replaced.
+    /// [`OutputError`], also if another file has the name meanwhile and may not be replaced.
     pub fn finish(mut self) -> Result<(), OutputError> {
         let synced = self.writer.flush().and_then(|()| self.as_file().sync_all());
         synced.map_err(|source| OutputError::Write { file: self.partial.clone(), source })?;
@@ -255,7 +257,7 @@ impl OutputFile {
                 Err(OutputError::Exists { file: self.file.clone() })
             }
             Err(source) => {
-                // it is whole: nobody wants it removed
+                // the file is complete and must stay
                 self.is_removed = false;
                 Err(OutputError::Rename { partial: self.partial.clone(), file: self.file.clone(), source })
             }
@@ -286,7 +288,7 @@ impl Seek for OutputFile {
 impl Drop for OutputFile {
     fn drop(&mut self) {
         if self.is_removed {
-            // if it cannot be removed, the error that led here is the one to report
+            // if the removal fails, the first error is the one to report
             let _ = std::fs::remove_file(&self.partial);
         }
     }
@@ -298,9 +300,9 @@ fn partial_name(file: &Path) -> PathBuf {
     PathBuf::from(partial)
 }
 
-/// The file that has the name, if it may be replaced.
+/// The existing file of that name, if it may be replaced.
 fn existing(file: &Path, overwrite: bool) -> Result<Option<Metadata>, OutputError> {
-    // what else the system has against the name it says where the file is made
+    // other problems with the name are reported when the file is created
     let Ok(found) = file.symlink_metadata() else { return Ok(None) };
     let kind = match found.file_type() {
         kind if kind.is_symlink() => "symbolic link",
@@ -315,10 +317,10 @@ fn existing(file: &Path, overwrite: bool) -> Result<Option<Metadata>, OutputErro
     }
 }
 
-/// Refuses a name whose partial file somebody is writing.
+/// An error if another process is writing the partial file of that name.
 fn unlocked(file: &Path) -> Result<(), OutputError> {
     let partial = partial_name(file);
-    // a FIFO would wait for its other end
+    // opening a FIFO would block
     let is_file = partial.symlink_metadata().is_ok_and(|found| found.is_file());
     let other = is_file.then(|| File::open(&partial).ok()).flatten();
     match other.map(|other| other.try_lock_shared()) {
@@ -327,12 +329,12 @@ fn unlocked(file: &Path) -> Result<(), OutputError> {
     }
 }
 
-/// Gives a file a name that nobody has.
+/// Renames a file to a name that does not exist.
 fn link(partial: &Path, file: &Path) -> Result<(), Error> {
     match std::fs::hard_link(partial, file) {
         Ok(()) => std::fs::remove_file(partial),
         Err(error) if error.kind() == ErrorKind::AlreadyExists => Err(error),
-        // not every file system has links
+        // not every file system supports links
         Err(_) => std::fs::rename(partial, file),
     }
 }

@@ -169,7 +169,7 @@ fn groups(summary: &Summary) -> String {
         shown.add_row(cells);
     }
     format!(
-        "{}Of the episodes that arrived. J: accumulated objective cost; C: control cost; std: standard deviation; 95 %: interval of the mean over humans, none where all humans make the same choices.\nMeans for the human: J^: accumulated subjective cost; phi, g: stubbornness and discomfort in the last step; off: share of the steps off the preferred option; switches: changes of the preferred option.\n",
+        "{}Of the episodes that arrived. J: accumulated objective cost; C: control cost; std: standard deviation; 95 %: interval of the mean over humans; none where all humans make the same choices.\nMeans for the human: J^: accumulated subjective cost; phi, g: stubbornness and discomfort in the last step; off: share of the steps off the preferred option; switches: changes of the preferred option.\n",
         table_text(&shown)
     )
 }
@@ -188,7 +188,7 @@ fn estimate(estimate: Option<&Estimate>) -> [String; 3] {
 }
 
 fn comparisons(summary: &Summary) -> String {
-    // methods that a cost does not depend on differ nowhere
+    // comparisons without any difference are left out
     let shown: Vec<&Comparison> = summary
         .comparisons
         .iter()
@@ -226,7 +226,7 @@ fn comparisons(summary: &Summary) -> String {
         rows.add_row(cells);
     }
     format!(
-        "\nPaired by seed\n{}Two of a kind, all else equal, over the seeds with which both arrived. d: mean of the differences over their standard deviation; p: paired t-test, corrected by Holm's method for the {tested} comparisons tested. No interval and no test where the outcome does not vary between humans: all make the same choices, and what differs between seeds, if anything, is the gait's noise. What differs in no pair is left out.\n",
+        "\nPaired by seed\n{}First minus second, all other inputs equal, over the seeds with which both arrived. d: mean of the differences over their standard deviation; p: paired t-test, corrected by Holm's method for the {tested} comparisons tested. There is no interval and no test where all humans make the same choices: seeds then differ by gait noise only. Comparisons without any difference are left out.\n",
         table_text(&rows)
     )
 }

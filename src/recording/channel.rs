@@ -6,41 +6,41 @@ use foxglove::messages::{FrameTransforms, JointStates, Log, SceneUpdate};
 use foxglove::{Encode, Schema};
 use serde_json::Value;
 
-/// What a message tells of. The table in [the module's documentation](super) says what is in each.
+/// A channel of a recording. [The module's documentation](super) describes the contents of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Channel {
-    /// Where links, object and human are.
+    /// Poses of links, object and human.
     Transforms,
-    /// The scene that stays: obstacles, openings, start, target.
+    /// The fixed scene: obstacles, openings, start, target.
     World,
     /// Shapes of robot, object and human.
     Team,
     /// Options as lines.
     Ways,
-    /// The path executed.
+    /// The path walked, and the path ahead.
     Path,
     /// Joints and wheels.
     Joints,
-    /// What happened.
+    /// Events.
     Log,
     /// D, S, J, J~ and P of every option.
     Options,
-    /// phi, g, mode, choices.
+    /// phi, g, mode and choices.
     Coordination,
-    /// What the controller decided, and how well it was followed.
+    /// The controller's decision and its tracking error.
     Control,
-    /// What the controller decided from: references, and the candidates of eq. (8).
+    /// The controller's inputs: references, and the candidates of eq. (8).
     Preparation,
     /// Forces.
     Interaction,
     /// Running totals.
     Cost,
-    /// How it ended.
+    /// The outcome.
     Outcome,
 }
 
 impl Channel {
-    /// All, in the order in which files define them.
+    /// All channels, in the order in which files define them.
     pub const ALL: [Self; 14] = [
         Self::Transforms,
         Self::World,
@@ -63,7 +63,7 @@ impl Channel {
         Self::ALL.into_iter().find(|c| c.topic() == topic)
     }
 
-    /// Its name.
+    /// Its topic.
     pub fn topic(self) -> &'static str {
         match self {
             Self::Transforms => "/tf",
@@ -99,7 +99,7 @@ impl Channel {
         })
     }
 
-    /// How its messages are encoded: `protobuf` or `json`.
+    /// The encoding of its messages: `protobuf` or `json`.
     pub fn encoding(self) -> &'static str {
         match schema::quantities(self) {
             [] => "protobuf",
@@ -111,20 +111,20 @@ impl Channel {
 /// An encoded message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Message {
-    /// What it tells of.
+    /// Its channel.
     pub channel: Channel,
     /// Simulated time, ns.
     pub time: u64,
-    /// Encoded as the channel says.
+    /// The data, in the channel's encoding.
     pub data: Vec<u8>,
 }
 
 impl Message {
-    /// A message of one of Foxglove's types.
+    /// A message of a Foxglove type.
     pub(super) fn of(channel: Channel, time: u64, message: &impl Encode) -> Self {
         let mut data = Vec::with_capacity(message.encoded_len().unwrap_or(0));
         let encoded = message.encode(&mut data);
-        debug_assert!(encoded.is_ok(), "a vector has room for everything");
+        debug_assert!(encoded.is_ok(), "writing to a vector does not fail");
         Self { channel, time, data }
     }
 

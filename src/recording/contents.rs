@@ -1,4 +1,4 @@
-//! A summary of what is in a recording.
+//! Summaries of the contents of recordings.
 
 use super::decode::LONGEST;
 use super::provenance::{METADATA, RECOVERED};
@@ -7,36 +7,36 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io::Read;
 
-/// The most attachments and metadata records that are listed.
+/// The largest number of attachments and metadata records that are listed.
 const MOST: usize = 1000;
 
-/// What is in a recording.
+/// The contents of a recording.
 #[derive(Clone, Debug, Default)]
 pub struct Contents {
-    /// Where it comes from.
+    /// Its provenance.
     pub provenance: BTreeMap<String, String>,
-    /// What was lost, where it was recovered from a cut one.
+    /// The losses of a recovered recording; `None` if it was not recovered.
     pub recovered: Option<BTreeMap<String, String>>,
-    /// Name, media type and length (B) of the attachments.
+    /// Name, media type and length (bytes) of the attachments.
     pub attachments: Vec<(String, String, usize)>,
     /// The channels, by topic.
     pub channels: BTreeMap<String, ChannelContents>,
-    /// The message on `/outcome`; `None` where the recording was cut.
+    /// The message on `/outcome`; `None` in an incomplete recording.
     pub outcome: Option<Value>,
     /// The last message on `/cost`.
     pub cost: Option<Value>,
 }
 
-/// What is on a channel.
+/// The contents of a channel.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ChannelContents {
-    /// Name of its schema.
+    /// The name of its schema.
     pub schema: String,
-    /// How messages are encoded.
+    /// The encoding of its messages.
     pub encoding: String,
-    /// How many there are.
+    /// The number of messages.
     pub messages: u64,
-    /// Time of the first and the last, ns.
+    /// The times of the first and the last message, ns.
     pub span: Option<[u64; 2]>,
 }
 
@@ -92,8 +92,7 @@ impl Contents {
                 }
             }
             if listed > MOST {
-                let what =
-                    format!("has more than {MOST} attachments and metadata records; so many are not listed");
+                let what = format!("has more than {MOST} attachments and metadata records, too many to list");
                 return Err(ReadError::Lacks { file, what });
             }
         }
@@ -101,7 +100,7 @@ impl Contents {
         Ok(contents)
     }
 
-    /// From the first message to the last, ns; `None` without messages.
+    /// The times of the first and the last message of all channels, ns; `None` without messages.
     pub fn span(&self) -> Option<[u64; 2]> {
         let spans = self.channels.values().filter_map(|c| c.span);
         spans.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])

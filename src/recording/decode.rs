@@ -1,14 +1,16 @@
-//! Encoded messages, decoded by field name: as JSON, or flat as the cells of a table.
+//! Decoded messages: fields by name as JSON, or flat as the cells of a table.
 
 use super::schema::Definition;
 use foxglove::Decode;
 use foxglove::messages::{FrameTransforms, JointStates, Log, SceneUpdate};
 use serde_json::Value;
 
-/// The longest message that is decoded, B: decoded, it is many times as long.
+/// The length of the longest message that is decoded, bytes. A decoded message takes many times as much
+/// memory.
 pub(super) const LONGEST: usize = 256 << 10;
 
-/// A message's fields; `None` where it is not what its channel says, longer than 256 kB, or of a type that is not written here.
+/// The fields of a message; `None` if it does not match its channel, is longer than 256 kB, or has an unknown
+/// type.
 pub fn decode(channel: &Definition, data: &[u8]) -> Option<Value> {
     if data.len() > LONGEST {
         return None;
@@ -29,15 +31,15 @@ fn value<T: Decode + serde::Serialize>(data: &[u8]) -> Option<Value> {
     serde_json::to_value(T::decode(data).ok()?).ok()
 }
 
-/// The single values in a message with their paths, as in `grip.force_n.x`; an element of a list is called by its name where it has one, as in
-/// `options[left].length_m`, else by its place, from 0.
+/// The single values in a message with their paths, such as `grip.force_n.x`. An element of a list is named
+/// by its own name, as in `options[left].length_m`, or by its index from 0 if it has none.
 pub fn flatten(message: &Value) -> Vec<(String, &Value)> {
     let mut cells = Vec::new();
     flatten_into(String::new(), message, None, &mut cells);
     cells
 }
 
-/// `called` is the field that the path is already called by.
+/// `called` is the field whose value is already in the path.
 fn flatten_into<'v>(
     path: String,
     value: &'v Value,

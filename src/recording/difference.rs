@@ -1,27 +1,27 @@
-//! Where a recorded message and the one replayed first differ.
+//! The first difference between a recorded and a replayed message.
 
 use super::channel::Message;
 use super::decode::{decode, flatten};
 use super::schema::Definition;
 use super::{Channel, Recorded};
 
-/// Where a recording differs from what it should be.
+/// The first difference of a recording from its replay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
     /// Simulated time of the message, ns.
     pub time: u64,
     /// Its topic.
     pub topic: String,
-    /// The field, by its path; or what else differs.
+    /// The path of the field, or a description of the difference.
     pub field: String,
-    /// What is recorded.
+    /// The recorded value.
     pub recorded: String,
-    /// What should be.
+    /// The replayed value.
     pub expected: String,
 }
 
 impl Difference {
-    /// The first difference between two messages; `None` where there is none. `None` for one of them stands for its missing.
+    /// The first difference between two messages; `None` if they are equal. A missing message is `None`.
     pub fn between(recorded: Option<&Recorded>, expected: Option<&Message>) -> Option<Self> {
         let differs = |time, topic: &str, field: &str, recorded: String, expected: String| {
             Some(Self { time, topic: topic.to_owned(), field: field.to_owned(), recorded, expected })
@@ -83,7 +83,7 @@ fn words(definition: &Definition) -> String {
     }
 }
 
-/// The first field that differs, and both its values.
+/// The first field that differs, and its two values.
 fn field(recorded: &Recorded, channel: Channel, data: &[u8]) -> (String, String, String) {
     let known = Definition::of(channel);
     let (Some(ours), Some(theirs)) = (decode(&known, data), decode(recorded.channel, recorded.data)) else {

@@ -1,4 +1,4 @@
-//! The messages of an episode, step by step: for a file, a viewer, or a comparison with a recording.
+//! The messages of an episode, step by step, for files, viewers and replays.
 
 use super::channel::{Channel, Message};
 use super::events::Events;
@@ -8,17 +8,17 @@ use crate::geometry::Point;
 use crate::quantities::{Record, View};
 use crate::scenario::PreparedScenario;
 
-/// How a recording ends.
+/// The end of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
-    /// With its episode.
+    /// The episode is over.
     Over(Outcome),
-    /// Before its episode: the user stopped it.
+    /// The user interrupted the episode.
     Interrupted,
 }
 
 impl Ending {
-    /// Name, as in `/outcome`.
+    /// Its name, as in `/outcome`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Over(outcome) => outcome.name(),
@@ -27,7 +27,7 @@ impl Ending {
     }
 }
 
-/// Tells of an episode. Same episode, same bytes.
+/// An encoder of an episode's messages. Equal episodes give equal bytes.
 #[derive(Clone, Debug)]
 pub struct Encoder<'a> {
     stage: &'a PreparedScenario,
@@ -38,7 +38,7 @@ pub struct Encoder<'a> {
 }
 
 impl<'a> Encoder<'a> {
-    /// Before the first step.
+    /// An encoder before the first step.
     pub fn new(stage: &'a PreparedScenario) -> Self {
         Self {
             ways: scene::Ways::new(stage.options()),
@@ -49,7 +49,7 @@ impl<'a> Encoder<'a> {
         }
     }
 
-    /// What an episode is told of on.
+    /// The channels of an episode.
     pub fn channels(&self, episode: &Episode) -> Vec<Channel> {
         let is_used = |channel: &Channel| match channel {
             Channel::Transforms
@@ -63,7 +63,7 @@ impl<'a> Encoder<'a> {
         Channel::ALL.into_iter().filter(is_used).collect()
     }
 
-    /// What there is before the first step, or before the next one of an episode under way: scene and state.
+    /// The messages before the first step, or before the next step of a resumed episode: scene and state.
     pub fn begin(&mut self, episode: &Episode) -> &[Message] {
         self.messages.clear();
         let (world, robot) = (self.stage.world(), self.stage.robot());
@@ -78,7 +78,7 @@ impl<'a> Encoder<'a> {
         &self.messages
     }
 
-    /// A step taken: decisions at its beginning, motion and forces at its end.
+    /// The messages of a step: decisions at its beginning, motion and forces at its end.
     pub fn step(&mut self, episode: &Episode) -> &[Message] {
         self.messages.clear();
         let tick = episode.tick();
@@ -110,7 +110,7 @@ impl<'a> Encoder<'a> {
         &self.messages
     }
 
-    /// The end.
+    /// The messages of the end.
     pub fn end(&mut self, episode: &Episode, ending: Ending) -> &[Message] {
         self.messages.clear();
         let time = self.time(episode.summary().steps);
@@ -123,7 +123,7 @@ impl<'a> Encoder<'a> {
         &self.messages
     }
 
-    /// Simulated time at the beginning of a step, ns.
+    /// The simulated time at the beginning of a step, ns.
     fn time(&self, step: u64) -> u64 {
         (step as f64 * self.stage.scenario().settings.period * 1e9).round() as u64
     }
@@ -133,13 +133,13 @@ impl<'a> Encoder<'a> {
         self.messages.push(Message::json(channel, time, record));
     }
 
-    /// The quantities of a channel.
+    /// Adds the message with a channel's quantities.
     fn record(&self, channel: Channel, episode: &Episode) -> Record {
         let view = View { stage: self.stage, episode };
         schema::quantities(channel).iter().flat_map(|table| view.read(table)).collect()
     }
 
-    /// Where everything is, if there is more than a point.
+    /// Adds the poses and joints, unless the team is a point.
     fn state(&mut self, episode: &Episode, time: u64) {
         let Some(robot) = self.stage.robot() else { return };
         let transforms = motion::transforms(episode, Some(robot), time);
@@ -148,7 +148,7 @@ impl<'a> Encoder<'a> {
         self.messages.push(Message::of(Channel::Joints, time, &joints));
     }
 
-    /// The walked line goes on; on a straight stretch its last point moves.
+    /// Extends the walked line. On a straight part its last point moves.
     fn walk(&mut self, to: Point) {
         if let [.., a, b] = self.walked[..]
             && scene::is_between(a, b, to)

@@ -1,25 +1,25 @@
-//! What can go wrong with recordings, each case with the file, the place and what would be right.
+//! Errors of recordings, each with the file, the place and the expected value.
 
 use crate::output_file::OutputError;
 use crate::scenario::ScenarioError;
 use thiserror::Error;
 
-/// A recording that cannot be written.
+/// The error of a recording that cannot be written.
 #[derive(Debug, Error)]
 pub enum RecordingError {
-    /// The file cannot be made, or not get its name.
+    /// The file cannot be created or renamed.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// What the run is made of cannot be written down.
-    #[error("{file}: would not say what it is made of")]
+    /// The scenario cannot be written into the recording.
+    #[error("{file}: the scenario cannot be written")]
     Scenario {
         /// The file.
         file: String,
-        /// Why.
+        /// The reason.
         source: ScenarioError,
     },
-    /// Writing went wrong.
-    #[error("{file}: cannot be written on; what was written until then can be read by `cocarry recover`")]
+    /// Writing failed.
+    #[error("{file}: cannot be written on; `cocarry recover` saves what was written before")]
     Write {
         /// The file.
         file: String,
@@ -29,7 +29,7 @@ pub enum RecordingError {
 }
 
 impl RecordingError {
-    /// The same error about a file of which nothing is left.
+    /// The same error, for a file that was removed.
     pub(super) fn begun(self) -> Self {
         match self {
             Self::Write { file, source } => OutputError::Write { file: file.into(), source }.into(),
@@ -38,10 +38,10 @@ impl RecordingError {
     }
 }
 
-/// A recording that cannot be read.
+/// The error of a recording that cannot be read.
 #[derive(Debug, Error)]
 pub enum ReadError {
-    /// The system cannot read it.
+    /// The system cannot read the file.
     #[error("{file}: cannot be read")]
     Read {
         /// The file.
@@ -49,49 +49,49 @@ pub enum ReadError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// It does not begin as MCAP files do.
+    /// The file does not begin like an MCAP file.
     #[error("{file}: is no MCAP file: it must begin with the bytes 89 4d 43 41 50 30 0d 0a")]
     NotMcap {
         /// The file.
         file: String,
     },
-    /// It ends too early.
-    #[error("{file}: is cut at byte {offset}, in {what}; `cocarry recover` saves what is there")]
+    /// The file ends too early.
+    #[error("{file}: is cut at byte {offset}, in {what}; `cocarry recover` saves the complete messages")]
     Cut {
         /// The file.
         file: String,
-        /// Where it ends.
+        /// The offset of its end.
         offset: u64,
-        /// In what.
+        /// The part that is incomplete.
         what: &'static str,
     },
-    /// A record or chunk longer than any that is written.
+    /// A record or chunk is longer than the limit.
     #[error("{file}: {what} at byte {offset} would be {length} bytes long; at most {limit} are read")]
     TooLong {
         /// The file.
         file: String,
-        /// Where it begins.
+        /// The offset of its beginning.
         offset: u64,
-        /// What is too long.
+        /// The part that is too long.
         what: &'static str,
-        /// How long it says that it is.
+        /// Its length according to the file, bytes.
         length: u64,
-        /// How long it may be.
+        /// The limit, bytes.
         limit: u64,
     },
-    /// Something in it is not as it should be.
+    /// A record is damaged.
     #[error("{file}: {what} at byte {offset}: {why}")]
     Damaged {
         /// The file.
         file: String,
-        /// Where the record begins.
+        /// The offset of the record.
         offset: u64,
-        /// What is damaged.
+        /// The damaged record.
         what: &'static str,
-        /// What is wrong and what would be right.
+        /// The fault, and the expected value.
         why: String,
     },
-    /// What it says that it was made of is no scenario.
+    /// Its attachment scenario.toml is not a valid scenario.
     #[error("{file}: its attachment scenario.toml")]
     Scenario {
         /// The file.
@@ -99,18 +99,18 @@ pub enum ReadError {
         /// Why.
         source: ScenarioError,
     },
-    /// It lacks something that is asked for.
+    /// The recording lacks a requested part.
     #[error("{file}: {what}")]
     Lacks {
         /// The file.
         file: String,
-        /// What it lacks, and what it has.
+        /// The part that is missing, and those that exist.
         what: String,
     },
 }
 
 impl ReadError {
-    /// What is wrong and where, without the file's name.
+    /// The fault and its place, without the file's name.
     pub(super) fn place(&self) -> String {
         let file = match self {
             Self::Read { file, .. }
@@ -124,7 +124,7 @@ impl ReadError {
         self.to_string().replacen(&format!("{file}: "), "", 1)
     }
 
-    /// Whether reading may go on behind what is wrong: the rest of the file is framed.
+    /// Whether reading may continue after the fault, since the rest of the file is framed.
     pub fn is_local(&self) -> bool {
         matches!(self, Self::Damaged { .. })
     }

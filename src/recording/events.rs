@@ -8,7 +8,7 @@ use crate::quantities::{Event, Severity, View};
 use crate::simulation::{Contact, Part};
 use foxglove::messages::{Log, log::Level};
 
-/// What earlier steps were, as far as the log depends on it.
+/// The state of earlier steps that the log depends on.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Events {
     before: Option<Tick>,
@@ -31,7 +31,7 @@ fn log(event: Event, time: u64) -> Log {
 }
 
 impl Events {
-    /// What was decided in the last step.
+    /// The decisions of the last step.
     pub fn decided(&mut self, episode: &Episode, options: &OptionSet, time: u64) -> Vec<Log> {
         let (tick, change) = (episode.tick(), episode.change());
         let events = Event::decided(self.before.as_ref(), tick, change, options);
@@ -39,7 +39,7 @@ impl Events {
         events.into_iter().map(|event| log(event, time)).collect()
     }
 
-    /// What began to touch during a step.
+    /// The contacts that began during a step.
     pub fn touched(&mut self, step: u64, contacts: &[Contact], time: u64) -> Vec<Log> {
         let new = contacts.iter().filter(|c| !self.touching.contains(&c.between));
         let logs = new.map(|contact| log(Event::contact(step, contact), time)).collect();
@@ -47,7 +47,7 @@ impl Events {
         logs
     }
 
-    /// How the episode ended.
+    /// The end of the episode.
     pub fn ended(view: &View, ending: Ending, time: u64) -> Vec<Log> {
         let outcome = match ending {
             Ending::Over(outcome) => Some(outcome),

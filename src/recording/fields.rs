@@ -1,8 +1,8 @@
-//! The fields of an MCAP record, each checked against what is left of it.
+//! The fields of an MCAP record, each checked against the remaining length.
 
 use std::collections::BTreeMap;
 
-/// What is left of a record.
+/// The unread part of a record.
 pub(super) struct Fields<'a>(pub &'a [u8]);
 
 impl<'a> Fields<'a> {
@@ -32,13 +32,13 @@ impl<'a> Fields<'a> {
         Some(u64::from_le_bytes(self.array()?))
     }
 
-    /// Bytes behind their number, of four bytes.
+    /// Bytes after their length, a number of four bytes.
     pub fn block(&mut self) -> Option<&'a [u8]> {
         let count = self.u32()?;
         self.bytes(usize::try_from(count).ok()?)
     }
 
-    /// Bytes behind their number, of eight bytes.
+    /// Bytes after their length, a number of eight bytes.
     pub fn long_block(&mut self) -> Option<&'a [u8]> {
         let count = self.u64()?;
         self.bytes(usize::try_from(count).ok()?)

@@ -1,6 +1,7 @@
-//! An MCAP file being written. The only file that knows the mcap crate.
+//! The writer of MCAP files. Only this file uses the mcap crate.
 //!
-//! Chunks are put together in memory and written in one go, so that what a crash leaves is whole up to the last of them.
+//! Chunks are built in memory and each is written in one call, so that after a crash the file is intact up to
+//! its last chunk.
 
 use super::records::Attachment;
 use super::schema::Definition;
@@ -9,12 +10,12 @@ use mcap::{McapError, WriteOptions, Writer};
 use std::collections::BTreeMap;
 use std::io::{Error, Seek, Write};
 
-/// What files say that they were written by: the same for all, so that equal runs give equal bytes.
+/// The name of the writing library in files: the same for all versions, so that equal runs give equal bytes.
 const LIBRARY: &str = "cocarry";
 
 /// An MCAP file that is being written.
 pub(super) struct MessageFile<W: Write + Seek> {
-    /// Gone after an error: the crate's writer would go on to write a summary behind what is broken.
+    /// `None` after an error: the crate's writer would otherwise add a summary after the damage.
     writer: Option<Writer<W>>,
     sequences: BTreeMap<u16, u32>,
 }
@@ -24,14 +25,14 @@ impl<W: Write + Seek> MessageFile<W> {
         let options = WriteOptions::new()
             .library(LIBRARY)
             .compression_threads(0)
-            // `flush` closes chunks long before, by simulated time
+            // `flush` closes chunks long before that, by simulated time
             .chunk_size(Some(1 << 20))
             .disable_seeking(true);
         let writer = options.create(to).map_err(error)?;
         Ok(Self { writer: Some(writer), sequences: BTreeMap::new() })
     }
 
-    /// Makes a channel known; returns its number.
+    /// Defines a channel. Returns its number.
     pub fn define(&mut self, definition: &Definition) -> Result<u16, Error> {
         self.with(|writer| {
             let schema = match &definition.schema {
@@ -67,7 +68,7 @@ impl<W: Write + Seek> MessageFile<W> {
         self.with(|writer| writer.attach(&attachment))
     }
 
-    /// Hands all to the system: a crash loses nothing of it.
+    /// Hands all messages to the system. A crash of the program does not lose them.
     pub fn flush(&mut self) -> Result<(), Error> {
         self.with(Writer::flush)
     }
@@ -83,7 +84,7 @@ impl<W: Write + Seek> MessageFile<W> {
     fn with<T>(&mut self, act: impl FnOnce(&mut Writer<W>) -> Result<T, McapError>) -> Result<T, Error> {
         let done = act(self.writer.as_mut().ok_or_else(gone)?);
         done.map_err(|fault| {
-            // dropped unfinished, it would write on
+            // the crate's writer would write the summary on drop
             self.writer.take().map(Writer::into_inner);
             error(fault)
         })

@@ -1,7 +1,7 @@
 //! A live server: the messages of a running episode for viewers over WebSocket.
 //!
-//! The only file that knows Foxglove's server. The server has threads of its own; they only wait for viewers and send what is queued, so that an
-//! episode does not depend on who watches.
+//! Only this file uses Foxglove's server. The server has its own threads, which only wait for viewers and
+//! send queued messages: viewers do not influence the episode.
 
 use super::{Channel, Message};
 use foxglove::websocket::{Capability, ChannelView, Client, ServerListener};
@@ -13,21 +13,22 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
 use std::time::Duration;
 use thiserror::Error;
 
-/// The most messages that wait for a slow viewer, who then loses the oldest. A simulated second has about 50 messages.
+/// The length of the message queue of a viewer. A slow viewer loses the oldest messages. A simulated second
+/// has about 50 messages.
 const BACKLOG: usize = 4096;
-/// How long the end waits for viewers who do not answer.
+/// The time to wait for viewers that do not answer when the server stops.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Nobody can be served.
+/// The error of a server that cannot start.
 #[derive(Debug, Error)]
 pub enum LiveError {
-    /// Somebody else serves there.
-    #[error("{address}: another program listens there; choose another port, or 0 for any that is free")]
+    /// The port is in use.
+    #[error("{address}: another program listens there; choose another port, or 0 for a free one")]
     InUse {
         /// Where.
         address: SocketAddr,
     },
-    /// It is no address of this computer, or the port is reserved.
+    /// The address does not belong to this computer, or the port is reserved.
     #[error("{address}: cannot be listened at")]
     Listen {
         /// Where.
@@ -37,17 +38,18 @@ pub enum LiveError {
     },
 }
 
-/// Serves an episode's messages. A viewer gets, on every topic that it subscribes to, first what was said there last, then all that is said from then on.
+/// A server of an episode's messages. On every topic, a late subscriber first receives the latest message,
+/// then all later ones.
 pub struct LiveServer {
     topics: Arc<Topics>,
     server: WebSocketServerHandle,
     address: SocketAddr,
     time: u64,
-    /// The server's channels live as long as this.
+    /// The context, which keeps the server's channels alive.
     _context: Arc<Context>,
 }
 
-/// What is served: by channel, shared with the server's threads.
+/// The latest messages by channel, shared with the server's threads.
 struct Topics(Mutex<BTreeMap<Channel, Topic>>);
 
 struct Topic {
@@ -57,10 +59,10 @@ struct Topic {
 }
 
 impl LiveServer {
-    /// Serves these channels at an address of this computer; port 0 is any that is free.
+    /// A server of these channels at an address of this computer. Port 0 selects a free port.
     ///
     /// # Errors
-    /// [`LiveError`]: that address cannot be had.
+    /// [`LiveError`]: the address is not available.
     pub fn start(address: SocketAddr, channels: &[Channel]) -> Result<Self, LiveError> {
         let listen = |error| match error {
             FoxgloveError::Bind(error) if error.kind() == ErrorKind::AddrInUse => {
@@ -96,25 +98,25 @@ impl LiveServer {
         Ok(Self { topics, server, address, time: 0, _context: context })
     }
 
-    /// Where it serves.
+    /// The address of the server.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// How many are connected.
+    /// The number of connected viewers.
     pub fn viewers(&self) -> usize {
         self.server.client_count()
     }
 
-    /// Whether anyone subscribes to anything.
+    /// Whether any viewer has subscribed to a topic.
     pub fn is_watched(&self) -> bool {
         self.topics.lock().values().any(|topic| !topic.viewers.is_empty())
     }
 
-    /// Says these messages, the last of which tells what time it is. Never waits for a viewer.
+    /// Sends messages. The time of the last one is the present time. Never waits for a viewer.
     pub fn send(&mut self, messages: &[Message]) {
         self.time = messages.last().map_or(self.time, |message| message.time);
-        // before the messages, which viewers file under what their clock says
+        // the time comes first, since viewers file messages under the time of their clock
         self.tell_time();
         let mut topics = self.topics.lock();
         for message in messages {
@@ -124,21 +126,21 @@ impl LiveServer {
         }
     }
 
-    /// Says again what time it is, for viewers who came meanwhile: their clock is the simulation's.
+    /// Sends the time again, for new viewers: their clock is the simulation's.
     pub fn tell_time(&self) {
         self.server.broadcast_time(self.time);
     }
 
-    /// Says goodbye to all viewers. What they have not been sent by then, they do not get.
+    /// Closes all connections. Viewers do not receive messages that are still queued.
     pub fn stop(self) {
         let stopping = self.server.stop();
         let (say, stopped) = mpsc::channel();
-        // one who has stalled takes no goodbye: that must not keep the program
+        // a stalled viewer does not close its connection: the program must not wait for it
         std::thread::spawn(move || {
             stopping.wait_blocking();
             say.send(())
         });
-        // either they have gone, or patience has
+        // the viewers have disconnected, or the time is over
         let _ = stopped.recv_timeout(PATIENCE);
     }
 }
@@ -150,7 +152,7 @@ impl Topics {
 }
 
 impl Topic {
-    /// Tells one viewer what was said last.
+    /// Sends the latest message to one viewer.
     fn tell(&self, viewer: SinkId) {
         if let Some(Message { time, data, .. }) = &self.last {
             self.channel.log_with_meta_to_sink(data, PartialMetadata::with_log_time(*time), Some(viewer));
@@ -158,7 +160,8 @@ impl Topic {
     }
 }
 
-/// Under the same lock as [`LiveServer::send`]: nothing is said twice, or left out, while somebody subscribes.
+/// The messages are under the same lock as in [`LiveServer::send`]: no message is sent twice or lost during a
+/// subscription.
 impl ServerListener for Topics {
     fn on_subscribe(&self, client: Client, view: ChannelView) {
         let channel = Channel::of_topic(view.topic());

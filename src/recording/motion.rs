@@ -9,20 +9,20 @@ use foxglove::messages::{
 };
 use nalgebra::{Rotation3, UnitQuaternion};
 
-/// The frame that all others are in.
+/// The root frame.
 pub(super) const WORLD: &str = "world";
 pub(super) const OBJECT: &str = "object";
 pub(super) const HAND: &str = "human/hand";
 pub(super) const TORSO: &str = "human/torso";
-/// s: the human on the kinematic plant.
+/// The frame of the human on the kinematic plant: s.
 pub(super) const HUMAN: &str = "human";
 
-/// The frame of a robot's link. Links may be called as anything else is.
+/// The frame of a robot's link. Its prefix distinguishes it from other frames.
 pub(super) fn link_frame(link: &str) -> String {
     format!("robot/{link}")
 }
 
-/// Simulated time (ns) as messages have it.
+/// Simulated time (ns) in the form of messages.
 pub(super) fn timestamp(time: u64) -> Option<Timestamp> {
     Timestamp::new_checked(u32::try_from(time / 1_000_000_000).ok()?, (time % 1_000_000_000) as u32)
 }
@@ -36,7 +36,7 @@ pub(super) fn quaternion(rotation: &Rotation3<f64>) -> Option<Quaternion> {
     Some(Quaternion { x: q.i, y: q.j, z: q.k, w: q.w })
 }
 
-/// Where everything is; empty where there is only a point.
+/// The poses of all frames; empty for a team that is a point.
 pub(super) fn transforms(episode: &Episode, robot: Option<&Robot>, time: u64) -> FrameTransforms {
     let transform = |frame: String, pose: &Pose| FrameTransform {
         timestamp: timestamp(time),
@@ -67,7 +67,8 @@ pub(super) fn transforms(episode: &Episode, robot: Option<&Robot>, time: u64) ->
     FrameTransforms { transforms }
 }
 
-/// Joints in the order of the robot's, then the wheels. On the kinematic plant, rates are those commanded last.
+/// The joints in the order of the robot's, then the wheels. On the kinematic plant, rates are the last
+/// commanded ones.
 pub(super) fn joints(episode: &Episode, robot: &Robot, time: u64) -> JointStates {
     let seen = episode.observation();
     let positions = episode.configuration().map(|q| q.joints);
@@ -77,7 +78,7 @@ pub(super) fn joints(episode: &Episode, robot: &Robot, time: u64) -> JointStates
         position: positions.map(|p| p[j]),
         velocity: seen.map(|s| s.joint_rates[j]).or(commanded.map(|u| u[2 + j])),
         acceleration: None,
-        // nothing was exerted before the first step
+        // there are no efforts before the first step
         effort: seen.filter(|s| s.time > 0.0).map(|s| s.joint_efforts[j]),
     });
     let wheels = robot.wheel_links.iter().enumerate().map(|(w, &link)| JointState {

@@ -1,4 +1,4 @@
-//! Where a recording comes from: its scenario, versions and conformance.
+//! The provenance of a recording: its scenario, versions and arithmetic.
 
 use super::records::Attachment;
 use super::{Entry, ReadError, Reader};
@@ -7,26 +7,27 @@ use crate::scenario::{Plant, Scenario, ScenarioError};
 use std::collections::BTreeMap;
 use std::io::Read;
 
-/// The name of the metadata record that says where a recording comes from.
+/// The name of the metadata record with the provenance.
 pub const METADATA: &str = "cocarry";
-/// The name of the metadata record that says what [`recover`](super::recover()) had to leave out.
+/// The name of the metadata record with the losses of [`recover`](super::recover()).
 pub const RECOVERED: &str = "recovered";
-/// The fact that says which arithmetic a recording was made with: a [stamp](arithmetic::stamp).
+/// The key of the [stamp](arithmetic::stamp) of a recording's arithmetic.
 pub(super) const ARITHMETIC: &str = "arithmetic";
-/// The name of the attachment that is the scenario's text.
+/// The name of the attachment with the scenario's text.
 pub const SCENARIO: &str = "scenario.toml";
 
-/// Where a recording comes from: enough to run it again. No wall clock, host or path, so that equal runs give equal bytes.
+/// The provenance of a recording: everything that a replay needs. It has no wall clock, host or path, so that
+/// equal runs give equal bytes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Provenance {
-    /// Short facts by name.
+    /// Short facts by key.
     pub metadata: BTreeMap<String, String>,
-    /// Texts that the run was made from.
+    /// The input texts of the run.
     pub attachments: Vec<Attachment>,
 }
 
 impl Provenance {
-    /// What a recording of that scenario says. Files are named without their folders.
+    /// The provenance of a recording of a scenario. Files are named without their folders.
     ///
     /// # Errors
     /// [`ScenarioError::Unwritable`].
@@ -55,16 +56,16 @@ impl Provenance {
     }
 }
 
-/// Leaves the last part of a path.
+/// The last part of a path.
 fn strip(path: &mut String) {
     let name = path.rsplit(['/', '\\']).next().unwrap_or_default();
     *path = name.to_owned();
 }
 
-/// Reads on until the scenario that a recording was made of.
+/// The scenario of a recording. Reads up to its attachment.
 ///
 /// # Errors
-/// [`ReadError`]: also if there is none before the first message.
+/// [`ReadError`], also if there is no scenario before the first message.
 pub fn scenario<R: Read>(reader: &mut Reader<R>) -> Result<Scenario, ReadError> {
     let file = reader.name().to_owned();
     let lacks = |what: &str| ReadError::Lacks { file: file.clone(), what: what.to_owned() };
@@ -80,5 +81,5 @@ pub fn scenario<R: Read>(reader: &mut Reader<R>) -> Result<Scenario, ReadError> 
             _ => {}
         }
     }
-    Err(lacks("has no attachment scenario.toml, which says what the run is made of"))
+    Err(lacks("has no attachment scenario.toml, which defines the run"))
 }

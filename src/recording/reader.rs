@@ -1,7 +1,7 @@
 //! The contents of an MCAP file, entry by entry. Memory is bounded, whatever the file says of itself.
 //!
-//! It is not read with the mcap crate because that neither says where in a file something is wrong nor bounds what a length field makes it
-//! allocate.
+//! It is not read with the mcap crate because that neither says where in a file something is wrong nor bounds
+//! what a length field makes it allocate.
 
 use super::fields::Fields;
 use super::records::{
@@ -69,7 +69,8 @@ pub struct Reader<R> {
     /// Bytes read so far.
     offset: u64,
     record: Vec<u8>,
-    /// The chunk under way, unpacked: where it begins in the file, what is in it, and how much of that is read.
+    /// The chunk under way, unpacked: where it begins in the file, what is in it, and how much of that is
+    /// read.
     chunk_offset: u64,
     chunk: Vec<u8>,
     read: usize,
@@ -149,7 +150,8 @@ impl<R: Read> Reader<R> {
         &self.name
     }
 
-    /// The next entry; `None` at the end. After an error for which [`ReadError::is_local`], reading may go on behind it.
+    /// The next entry; `None` at the end. After an error for which [`ReadError::is_local`], reading may go on
+    /// behind it.
     ///
     /// # Errors
     /// [`ReadError`], which names the file, the place and what would be right.
@@ -382,7 +384,8 @@ impl<R: Read> Reader<R> {
         Ok(())
     }
 
-    /// Reads so many bytes, or up to the end; how many they are. Memory grows with what there is, not with what is asked for.
+    /// Reads so many bytes, or up to the end; how many they are. Memory grows with what there is, not with
+    /// what is asked for.
     fn fill(&mut self, count: u64) -> Result<usize, ReadError> {
         self.record.clear();
         let read = self.input.by_ref().take(count).read_to_end(&mut self.record);

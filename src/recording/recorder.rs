@@ -25,7 +25,8 @@ pub struct Recorder<'a, W: Write + Seek> {
 }
 
 impl<'a, W: Write + Seek> Recorder<'a, W> {
-    /// Writes provenance, scene and start of an episode that has not begun; `name` is what errors call the file.
+    /// Writes provenance, scene and start of an episode that has not begun; `name` is what errors call the
+    /// file.
     ///
     /// # Errors
     /// [`RecordingError`]: it cannot be written, or the scenario cannot.

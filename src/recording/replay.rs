@@ -14,7 +14,8 @@ pub struct Replay {
     pub until: u64,
     /// k of the last step that was run again; `None` before the first.
     pub step: Option<u64>,
-    /// The [stamp](crate::arithmetic::stamp) of the arithmetic that it was recorded with; `None` if it says none, as earlier versions' do.
+    /// The [stamp](crate::arithmetic::stamp) of the arithmetic that it was recorded with; `None` if it says
+    /// none, as earlier versions' do.
     pub arithmetic: Option<String>,
     /// How it goes on.
     pub verdict: Verdict,
@@ -31,7 +32,8 @@ pub enum Verdict {
     Different(Difference),
 }
 
-/// Runs a recording's scenario again and compares every message with those recorded, up to the first that differs.
+/// Runs a recording's scenario again and compares every message with those recorded, up to the first that
+/// differs.
 ///
 /// `first` and `second` are the same file, each from its beginning.
 ///

@@ -1,6 +1,7 @@
 //! What a viewer draws of world, robot and episode.
 //!
-//! Every message of a channel says all of what that channel shows, so that one who jumps in time needs the last message only.
+//! Every message of a channel says all of what that channel shows, so that one who jumps in time needs the
+//! last message only.
 
 use super::motion::{HAND, HUMAN, OBJECT, TORSO, WORLD, link_frame, quaternion, timestamp, vector};
 use crate::episode::Tick;
@@ -154,7 +155,8 @@ fn opening(opening: &Opening, robot_width: f64, above: f64, time: u64) -> SceneE
     }
 }
 
-/// The shapes of the robot; of the object and the human as bodies where there are such (`physics`), else of the human as a pose.
+/// The shapes of the robot; of the object and the human as bodies where there are such (`physics`), else of
+/// the human as a pose.
 pub(super) fn team(robot: &Robot, world: &World, physics: bool, time: u64) -> SceneUpdate {
     let mut entities: Vec<SceneEntity> = robot.links.iter().filter_map(|l| link(l, time)).collect();
     let here = Pose::identity();

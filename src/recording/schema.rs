@@ -1,7 +1,7 @@
 //! What the channels are defined as: the quantities of each JSON channel, and its JSON Schema.
 //!
-//! Foxglove reads one plain type a field and refuses lists of types: a field without a value is left out of the message, and the schema does
-//! not require it.
+//! Foxglove reads one plain type a field and refuses lists of types: a field without a value is left out of
+//! the message, and the schema does not require it.
 
 use super::channel::Channel;
 use crate::quantities::{

@@ -9,7 +9,8 @@ use std::io::Read;
 /// The most columns that a table may have.
 const MOST: usize = 4096;
 
-/// The columns that messages on a topic have, in the order in which they first occur; then those that its schema knows and no message has.
+/// The columns that messages on a topic have, in the order in which they first occur; then those that its
+/// schema knows and no message has.
 ///
 /// # Errors
 /// [`ReadError`]: also if there is no such topic, or its messages cannot be decoded.
@@ -77,7 +78,8 @@ fn declared_fields(definition: &Definition) -> Vec<String> {
     found
 }
 
-/// Hands on every message on a topic as its time (ns) and its cells in the order of `columns`; a cell is `None` where the message has none.
+/// Hands on every message on a topic as its time (ns) and its cells in the order of `columns`; a cell is
+/// `None` where the message has none.
 ///
 /// # Errors
 /// [`ReadError`], or what `row` gives back.
