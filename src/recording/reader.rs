@@ -1,7 +1,7 @@
-//! The contents of an MCAP file, entry by entry. Memory is bounded, whatever the file says of itself.
+//! A reader of MCAP files, entry by entry, in bounded memory whatever the file's length fields say.
 //!
-//! It is not read with the mcap crate because that neither says where in a file something is wrong nor bounds
-//! what a length field makes it allocate.
+//! The mcap crate is not used, because its errors do not name the offset of a fault, and length fields do not
+//! limit its allocations.
 
 use super::fields::Fields;
 use super::records::{
@@ -14,46 +14,46 @@ use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-/// Something in a file.
+/// An entry of a file.
 #[derive(Debug)]
 pub enum Entry<'r> {
-    /// Named facts.
+    /// A metadata record.
     Metadata {
-        /// What they are about.
+        /// Its name.
         name: String,
-        /// The facts.
+        /// Its keys and values.
         entries: BTreeMap<String, String>,
     },
-    /// A file inside the file.
+    /// An attachment.
     Attachment(Attachment),
-    /// A channel that messages may follow on.
+    /// The definition of a channel.
     Channel {
         /// Its number in this file.
         id: u16,
-        /// What it is.
+        /// The channel.
         definition: &'r Definition,
     },
     /// A message.
     Message(Recorded<'r>),
 }
 
-/// A message as a file has it.
+/// A message in a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Recorded<'r> {
     /// The number of its channel in this file.
     pub id: u16,
     /// Its channel.
     pub channel: &'r Definition,
-    /// Where its chunk begins in the file, B; where itself begins, if it is in none.
+    /// The offset in the file of its chunk, or of itself if it is in no chunk, bytes.
     pub chunk: u64,
     /// Time, ns.
     pub time: u64,
-    /// Encoded as the channel says.
+    /// The data, in the channel's encoding.
     pub data: &'r [u8],
 }
 
 impl<'r> Entry<'r> {
-    /// The message, if it is one.
+    /// The message; `None` for other entries.
     pub fn message(self) -> Option<Recorded<'r>> {
         match self {
             Self::Message(message) => Some(message),
@@ -62,22 +62,21 @@ impl<'r> Entry<'r> {
     }
 }
 
-/// Reads a file from its beginning to its end.
+/// A reader of a file from its beginning to its end.
 pub struct Reader<R> {
     name: String,
     input: R,
     /// Bytes read so far.
     offset: u64,
     record: Vec<u8>,
-    /// The chunk under way, unpacked: where it begins in the file, what is in it, and how much of that is
-    /// read.
+    /// The present chunk, unpacked: its offset in the file, its bytes, and the number of bytes read.
     chunk_offset: u64,
     chunk: Vec<u8>,
     read: usize,
     schemas: BTreeMap<u16, SchemaText>,
     channels: BTreeMap<u16, Definition>,
     definitions: usize,
-    /// Of the data, then of the summary: as the file has checksums of both.
+    /// The checksum of the data, then of the summary; the file has both.
     checksum: crc32fast::Hasher,
     stage: Stage,
 }
@@ -89,14 +88,14 @@ enum Stage {
     Over,
 }
 
-/// What a record turned out to be, without borrowing.
+/// The kind of a record that was read, without borrowing from the reader.
 enum Found {
     Metadata(String, BTreeMap<String, String>),
     Attachment(Attachment),
     Channel(u16),
-    /// Number of the channel, time, and where in its bytes the message's data begins.
+    /// The number of the channel, the time, and the offset of the message's data in the record.
     Message(u16, u64, usize),
-    /// Nothing to tell of.
+    /// A record that is no entry.
     Nothing,
 }
 
@@ -115,7 +114,7 @@ impl Reader<BufReader<File>> {
 }
 
 impl<R: Read> Reader<R> {
-    /// Begins to read; `name` is what errors call the file.
+    /// A reader at the beginning of a file. Errors call the file `name`.
     ///
     /// # Errors
     /// [`ReadError`]: it cannot be read, or is no MCAP file.
@@ -145,7 +144,7 @@ impl<R: Read> Reader<R> {
         Ok(reader)
     }
 
-    /// What errors call the file.
+    /// The name of the file in errors.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -154,7 +153,7 @@ impl<R: Read> Reader<R> {
     /// behind it.
     ///
     /// # Errors
-    /// [`ReadError`], which names the file, the place and what would be right.
+    /// [`ReadError`], which names the file, the place and the expected value.
     #[allow(clippy::should_implement_trait, reason = "entries borrow from the reader")]
     pub fn next(&mut self) -> Result<Option<Entry<'_>>, ReadError> {
         let Some((found, in_chunk)) = self.advance()? else { return Ok(None) };
@@ -172,7 +171,7 @@ impl<R: Read> Reader<R> {
         })
     }
 
-    /// Up to the next record that is an entry, and whether that is in a chunk; `None` at the end.
+    /// Reads up to the next entry. Returns it, and whether it is in a chunk; `None` at the end.
     fn advance(&mut self) -> Result<Option<(Found, bool)>, ReadError> {
         loop {
             let in_chunk = self.read < self.chunk.len();
@@ -229,7 +228,7 @@ impl<R: Read> Reader<R> {
         found
     }
 
-    /// A record of the file itself: what is only there, or what may be in a chunk too.
+    /// Reads a record outside chunks: one that is only allowed there, or one that may be in a chunk too.
     fn in_file(&mut self, opcode: u8, offset: u64, head: &[u8], body: &[u8]) -> Result<Found, ReadError> {
         match opcode {
             op::DATA_END => {
@@ -254,7 +253,7 @@ impl<R: Read> Reader<R> {
                 }
                 Ok(Found::Nothing)
             }
-            // the summary repeats what was said
+            // the summary repeats earlier records
             _ if self.stage == Stage::Summary => {
                 self.checksum.update(head);
                 self.checksum.update(body);
@@ -275,7 +274,8 @@ impl<R: Read> Reader<R> {
         if saved == 0 || saved == checksum {
             return Ok(());
         }
-        let why = format!("{what} checksum is {checksum:08x}; by the file it should be {saved:08x}");
+        let why =
+            format!("{what} checksum is {checksum:08x}; according to the file it should be {saved:08x}");
         Err(self.damaged(op, offset, why))
     }
 
@@ -303,7 +303,7 @@ impl<R: Read> Reader<R> {
             }
         };
         if unpacked.len() as u64 != size {
-            let why = format!("{} bytes are in it; by its header it should be {size}", unpacked.len());
+            let why = format!("it has {} bytes; according to its header it should be {size}", unpacked.len());
             return Err(self.damaged(op::CHUNK, offset, why));
         }
         self.check("its", op::CHUNK, offset, checksum, crc32fast::hash(&unpacked))?;
@@ -311,7 +311,7 @@ impl<R: Read> Reader<R> {
         Ok(())
     }
 
-    /// A record that may be in a chunk; `begin` is where its bytes begin in what holds them.
+    /// Reads a record that may be in a chunk. `begin` is its offset in the chunk or in the file.
     fn parse(&mut self, opcode: u8, offset: u64, body: &[u8], begin: usize) -> Result<Found, ReadError> {
         let mut fields = Fields(body);
         let found = match opcode {
@@ -369,7 +369,7 @@ impl<R: Read> Reader<R> {
         Ok(Some(Found::Channel(id)))
     }
 
-    /// Makes sure that definitions do not pile up.
+    /// The check that the definitions stay within their limit.
     fn keep(&mut self, opcode: u8, offset: u64, length: usize) -> Result<(), ReadError> {
         self.definitions += length;
         if self.definitions > DEFINITIONS {
@@ -384,8 +384,8 @@ impl<R: Read> Reader<R> {
         Ok(())
     }
 
-    /// Reads so many bytes, or up to the end; how many they are. Memory grows with what there is, not with
-    /// what is asked for.
+    /// Reads a number of bytes, or fewer at the end of the file. Returns how many. Memory grows with the
+    /// bytes that exist, not with those requested.
     fn fill(&mut self, count: u64) -> Result<usize, ReadError> {
         self.record.clear();
         let read = self.input.by_ref().take(count).read_to_end(&mut self.record);
@@ -403,6 +403,6 @@ impl<R: Read> Reader<R> {
     }
 
     fn short(&self, opcode: u8, offset: u64) -> ReadError {
-        self.damaged(opcode, offset, "its fields are longer than it, or not UTF-8".to_owned())
+        self.damaged(opcode, offset, "its fields exceed its length, or are not UTF-8".to_owned())
     }
 }

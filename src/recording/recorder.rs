@@ -1,4 +1,4 @@
-//! A recording of a running episode.
+//! Recorders of running episodes.
 
 use super::channel::{Channel, Message};
 use super::encoder::{Encoder, Ending};
@@ -14,19 +14,19 @@ use std::path::Path;
 
 const SECOND: u64 = 1_000_000_000;
 
-/// Writes an episode as MCAP. All up to the last whole second of simulated time is in the system's hands.
+/// A recorder of an episode as MCAP. It hands the file to the system at every whole simulated second.
 pub struct Recorder<'a, W: Write + Seek> {
     encoder: Encoder<'a>,
     file: MessageFile<W>,
     name: String,
     channels: BTreeMap<Channel, u16>,
-    /// Whole simulated seconds that are written.
+    /// The number of whole simulated seconds written.
     seconds: u64,
 }
 
 impl<'a, W: Write + Seek> Recorder<'a, W> {
-    /// Writes provenance, scene and start of an episode that has not begun; `name` is what errors call the
-    /// file.
+    /// A recorder before the first step, with provenance, scene and start written. Errors call the file
+    /// `name`.
     ///
     /// # Errors
     /// [`RecordingError`]: it cannot be written, or the scenario cannot.
@@ -42,7 +42,7 @@ impl<'a, W: Write + Seek> Recorder<'a, W> {
         let written = MessageFile::new(to).and_then(|mut file| {
             file.metadata(METADATA, &provenance.metadata)?;
             provenance.attachments.iter().try_for_each(|attachment| file.attach(attachment))?;
-            // all in the first chunk: what follows can be read without the file's end
+            // these are in the first chunk, so that a reader does not need the end of the file
             let mut channels = BTreeMap::new();
             for channel in encoder.channels(episode) {
                 channels.insert(channel, file.define(&Definition::of(channel))?);
@@ -56,7 +56,7 @@ impl<'a, W: Write + Seek> Recorder<'a, W> {
         Ok(Self { encoder, file, name: name.to_owned(), channels, seconds: 0 })
     }
 
-    /// Writes the step that the episode has just taken.
+    /// Writes the last step of the episode.
     ///
     /// # Errors
     /// [`RecordingError::Write`].
@@ -72,7 +72,7 @@ impl<'a, W: Write + Seek> Recorder<'a, W> {
         written.map_err(|source| RecordingError::Write { file: self.name.clone(), source })
     }
 
-    /// Writes the end, and gives back what was written to.
+    /// Writes the end, and returns the writer.
     ///
     /// # Errors
     /// [`RecordingError::Write`].
@@ -94,11 +94,11 @@ fn write<W: Write + Seek>(
     })
 }
 
-/// A [`Recorder`] into a file, which is called `<name>.partial` until it is finished.
+/// A [`Recorder`] into a file, whose name is `<name>.partial` until it is finished.
 pub struct FileRecorder<'a>(Recorder<'a, OutputFile>);
 
 impl<'a> FileRecorder<'a> {
-    /// As [`Recorder::new`]. An existing file is only replaced if told to `overwrite`.
+    /// As [`Recorder::new`]. An existing file is only replaced with `overwrite`.
     ///
     /// # Errors
     /// [`RecordingError`]: the file exists or cannot be written.
@@ -113,7 +113,7 @@ impl<'a> FileRecorder<'a> {
         let partial = to.partial().to_owned();
         let recorder = Recorder::new(to, &partial.display().to_string(), stage, episode);
         Ok(Self(recorder.map_err(|error| {
-            // without its first chunk it is of no use; if it cannot be removed, the first error matters
+            // without its first chunk the file is useless; if the removal fails, the first error is reported
             let _ = std::fs::remove_file(&partial);
             error.begun()
         })?))
@@ -127,7 +127,7 @@ impl<'a> FileRecorder<'a> {
         self.0.step(episode)
     }
 
-    /// Writes the end, and gives the file its name.
+    /// Writes the end, and renames the file.
     ///
     /// # Errors
     /// [`RecordingError`]: it cannot be written, or renamed.

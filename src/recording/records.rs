@@ -1,22 +1,23 @@
-//! The records of an MCAP file: their numbers, how long they may be, and the fields of those that are read.
+//! The records of MCAP files: opcodes, length limits, and the fields of records that are read.
 
 use super::fields::Fields;
 
-/// A file inside a recording.
+/// A file in a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Attachment {
     /// File name.
     pub name: String,
-    /// As in `text/plain`.
+    /// The media type, such as `text/plain`.
     pub media_type: String,
     /// Contents.
     pub data: Vec<u8>,
 }
 
 pub(super) const MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', b'0', b'\r', b'\n'];
-/// The longest record, and the longest chunk when unpacked, B. A simulated second takes 0.1 MB.
+/// The length of the longest record, and of the longest unpacked chunk, bytes. A simulated second takes 0.1
+/// MB.
 pub(super) const LONGEST: u64 = 32 << 20;
-/// The most that all definitions of channels may take, B.
+/// The largest total length of all definitions of channels, bytes.
 pub(super) const DEFINITIONS: usize = 16 << 20;
 
 pub(super) mod op {
@@ -31,7 +32,7 @@ pub(super) mod op {
     pub const DATA_END: u8 = 0x0f;
 }
 
-/// What errors call a record.
+/// The name of a record in errors.
 pub(super) fn record_name(opcode: u8) -> &'static str {
     match opcode {
         op::HEADER => "the header",
@@ -47,13 +48,13 @@ pub(super) fn record_name(opcode: u8) -> &'static str {
     }
 }
 
-/// Length unpacked, checksum, compression, and the packed bytes.
+/// A chunk: unpacked length, checksum, compression and packed bytes.
 pub(super) fn chunk_fields<'a>(fields: &mut Fields<'a>) -> Option<(u64, u32, &'a str, &'a [u8])> {
     fields.bytes(16)?;
     Some((fields.u64()?, fields.u32()?, fields.text()?, fields.long_block()?))
 }
 
-/// Channel and time.
+/// The head of a message: channel and time.
 pub(super) fn message_header(fields: &mut Fields) -> Option<(u16, u64)> {
     let id = fields.u16()?;
     fields.u32()?;
@@ -62,7 +63,7 @@ pub(super) fn message_header(fields: &mut Fields) -> Option<(u16, u64)> {
     Some((id, time))
 }
 
-/// Name, media type and contents.
+/// An attachment: name, media type and contents.
 pub(super) fn attachment(fields: &mut Fields) -> Option<Attachment> {
     fields.bytes(16)?;
     let (name, media_type) = (fields.text()?.to_owned(), fields.text()?.to_owned());

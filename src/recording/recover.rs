@@ -1,4 +1,4 @@
-//! What is whole in a cut or damaged recording, as a valid one.
+//! Recovery of incomplete and damaged recordings.
 
 use super::file::MessageFile;
 use super::provenance::RECOVERED;
@@ -8,35 +8,35 @@ use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
 
-/// What was saved of a recording.
+/// The result of a recovery.
 #[derive(Debug, Default)]
 pub struct Recovered {
-    /// Messages saved.
+    /// The number of messages saved.
     pub messages: u64,
-    /// Time of the last of them, ns.
+    /// The time of the last message saved, ns.
     pub until: u64,
-    /// What was wrong, in the order of the file; empty for a recording that is whole.
+    /// The faults, in the order of the file; empty for a complete recording.
     pub lost: Vec<ReadError>,
 }
 
-/// The most faults that are remembered; behind so many there is nothing to be saved.
+/// The number of faults after which the recovery stops reading.
 const MOST_FAULTS: usize = 1000;
 
-/// Why there is no recovered file.
+/// The error of a recovery.
 #[derive(Debug, thiserror::Error)]
 pub enum RecoverError {
-    /// There is nothing to save.
+    /// There are no messages to save.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// It cannot be written.
+    /// The recovered file cannot be written.
     #[error(transparent)]
     Write(#[from] RecordingError),
 }
 
-/// Writes everything that is whole in a recording into a new file, and says there what was lost.
+/// Writes all intact messages of a recording into a new file, with the losses as metadata.
 ///
 /// # Errors
-/// [`RecoverError`]: there is nothing to save, or no place to save it.
+/// [`RecoverError`]: there are no messages to save, or the file cannot be written.
 pub fn recover<R: Read>(
     reader: &mut Reader<R>,
     to: &Path,
@@ -44,13 +44,13 @@ pub fn recover<R: Read>(
 ) -> Result<Recovered, RecoverError> {
     let output = OutputFile::create(to, overwrite).map_err(RecordingError::from)?;
     let name = to.display().to_string();
-    // what was to be recovered is still there
+    // the damaged recording still exists
     let (recovered, written) = save(reader, output, &name).map_err(RecordingError::begun)?;
     written.finish().map_err(RecordingError::from)?;
     Ok(recovered)
 }
 
-/// Writes what is whole; what was written to, unfinished in name only.
+/// Writes the intact messages. Returns the complete writer, not yet renamed.
 fn save<R: Read>(
     reader: &mut Reader<R>,
     output: OutputFile,
@@ -82,7 +82,7 @@ fn save<R: Read>(
             }),
             Entry::Message(message) => {
                 (recovered.messages, recovered.until) = (recovered.messages + 1, message.time);
-                // the same chunks, so that a recording that is whole comes out as it is
+                // the same chunks, so that a complete recording is copied unchanged
                 let flushed = if chunk.is_some_and(|c| c != message.chunk) { file.flush() } else { Ok(()) };
                 chunk = Some(message.chunk);
                 let id = ids.get(&message.id).copied().unwrap_or(message.id);

@@ -1,44 +1,44 @@
-//! A recording's scenario run again, compared message by message.
+//! Replays: the scenario of a recording is run again and compared message by message.
 
 use super::encoder::{Encoder, Ending};
 use super::provenance::{ARITHMETIC, METADATA, RECOVERED, scenario};
 use super::{Channel, Difference, Entry, Message, ReadError, Reader, decode};
 use std::io::Read;
 
-/// What came of running a recording again.
+/// The result of a replay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Replay {
-    /// Messages that are the same, from the first on.
+    /// The number of equal messages before the first difference.
     pub same: u64,
-    /// Time up to which they are, ns.
+    /// The time of the last equal message, ns.
     pub until: u64,
-    /// k of the last step that was run again; `None` before the first.
+    /// The last step k that was run again; `None` before the first.
     pub step: Option<u64>,
     /// The [stamp](crate::arithmetic::stamp) of the arithmetic that it was recorded with; `None` if it says
     /// none, as earlier versions' do.
     pub arithmetic: Option<String>,
-    /// How it goes on.
+    /// The verdict.
     pub verdict: Verdict,
 }
 
-/// Whether a recording is what its scenario gives.
+/// The verdict of a replay.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
-    /// To the last message.
+    /// All messages are equal.
     Identical,
-    /// As far as it goes: it was recovered from a recording that was cut.
+    /// All messages are equal, but the recording was recovered from an incomplete one.
     IdenticalUntilCut,
-    /// It is not.
+    /// A message differs.
     Different(Difference),
 }
 
-/// Runs a recording's scenario again and compares every message with those recorded, up to the first that
-/// differs.
+/// Runs a recording's scenario again and compares its messages with those recorded, up to the first
+/// difference.
 ///
 /// `first` and `second` are the same file, each from its beginning.
 ///
 /// # Errors
-/// [`ReadError`]: also if what the recording is made of is no valid scenario.
+/// [`ReadError`], also if the recording's scenario is not valid.
 pub fn replay<R: Read>(mut first: Reader<R>, second: Reader<R>) -> Result<Replay, ReadError> {
     let file = first.name().to_owned();
     let invalid = |source| ReadError::Scenario { file: file.clone(), source };
@@ -69,7 +69,7 @@ pub fn replay<R: Read>(mut first: Reader<R>, second: Reader<R>) -> Result<Replay
     Ok(recorded.replay)
 }
 
-/// The steps after which the user stopped the run, if so.
+/// The number of steps after which the user interrupted the run, if any.
 fn stopped_after<R: Read>(reader: &mut Reader<R>) -> Result<Option<u64>, ReadError> {
     let mut stopped = None;
     while let Some(entry) = reader.next()? {
@@ -88,7 +88,7 @@ impl Default for Replay {
     }
 }
 
-/// A recording as far as it has been compared.
+/// The state of a comparison with a recording.
 struct Compared<R> {
     reader: Reader<R>,
     replay: Replay,
@@ -96,7 +96,7 @@ struct Compared<R> {
 }
 
 impl<R: Read> Compared<R> {
-    /// Whether the recording goes on otherwise than with these messages.
+    /// Compares the next messages. Returns whether the recording differs.
     fn differs(&mut self, expected: &[Message]) -> Result<bool, ReadError> {
         for message in expected {
             if self.differs_from(Some(message))? {
@@ -106,7 +106,7 @@ impl<R: Read> Compared<R> {
         Ok(false)
     }
 
-    /// Makes sure that nothing follows.
+    /// The check that the recording has no further messages.
     fn end(&mut self) -> Result<(), ReadError> {
         self.differs_from(None).map(drop)
     }

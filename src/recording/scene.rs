@@ -1,7 +1,7 @@
-//! What a viewer draws of world, robot and episode.
+//! The scene of a recording: the shapes of world, robot and episode that a viewer draws.
 //!
-//! Every message of a channel says all of what that channel shows, so that one who jumps in time needs the
-//! last message only.
+//! Every message of a channel has the channel's complete scene, so that a viewer who jumps in time only needs
+//! the latest message.
 
 use super::motion::{HAND, HUMAN, OBJECT, TORSO, WORLD, link_frame, quaternion, timestamp, vector};
 use crate::episode::Tick;
@@ -16,9 +16,9 @@ use foxglove::messages::{
 };
 use nalgebra::{Rotation3, Vector3};
 
-/// Arcs are drawn as chords within this (m).
+/// The largest distance of an arc from its chords, m.
 const SAGITTA: f64 = 0.01;
-/// P_o is drawn in steps of this.
+/// The resolution of P_o in the drawing.
 const PROBABILITY_STEP: f64 = 0.02;
 
 const OBSTACLE: [f32; 4] = [0.55, 0.55, 0.58, 1.0];
@@ -27,7 +27,7 @@ const OBJECT_COLOR: [f32; 4] = [0.72, 0.5, 0.26, 1.0];
 const HUMAN_COLOR: [f32; 4] = [0.2, 0.45, 0.8, 1.0];
 const WALKED: [f32; 4] = [0.85, 0.1, 0.1, 1.0];
 const AHEAD: [f32; 4] = [0.85, 0.1, 0.1, 0.45];
-/// Options, in turn.
+/// The colours of the options, in turn.
 const OPTION_COLORS: [[f32; 3]; 6] = [
     [0.0, 0.45, 0.7],
     [0.9, 0.6, 0.0],
@@ -81,7 +81,7 @@ fn text(words: &str, point: Point, z: f64) -> TextPrimitive {
     }
 }
 
-/// Obstacles, openings coloured by their risk, start and target.
+/// The world: obstacles, openings coloured by their risk, start and target.
 pub(super) fn world(world: &World, time: u64) -> SceneUpdate {
     let obstacles = world.obstacles.iter().map(|o| obstacle(o, time));
     let top = world.obstacles.iter().map(|o| o.height).fold(0.0, f64::max);
@@ -127,7 +127,7 @@ fn obstacle(obstacle: &Obstacle, time: u64) -> SceneEntity {
     drawn
 }
 
-/// A convex outline from the floor up, every triangle counter-clockwise seen from outside.
+/// A convex outline extruded from the floor. Every triangle is counter-clockwise seen from outside.
 fn prism(corners: &[Point], height: f64) -> TriangleListPrimitive {
     let n = corners.len();
     let vertex = |i: usize, z: f64| Point3 { x: corners[i % n].x, y: corners[i % n].y, z };
@@ -143,7 +143,7 @@ fn prism(corners: &[Point], height: f64) -> TriangleListPrimitive {
     }
 }
 
-/// What is said of it stands above all obstacles, which would hide it.
+/// An opening. Its label is above all obstacles, which would hide it.
 fn opening(opening: &Opening, robot_width: f64, above: f64, time: u64) -> SceneEntity {
     let risk = opening.risk(robot_width);
     let (high, low) = (risk as f32, 1.0 - risk as f32);
@@ -155,8 +155,8 @@ fn opening(opening: &Opening, robot_width: f64, above: f64, time: u64) -> SceneE
     }
 }
 
-/// The shapes of the robot; of the object and the human as bodies where there are such (`physics`), else of
-/// the human as a pose.
+/// The shapes of the team: the robot; with bodies (`physics`) the object and the human; otherwise the human
+/// as a pose.
 pub(super) fn team(robot: &Robot, world: &World, physics: bool, time: u64) -> SceneUpdate {
     let mut entities: Vec<SceneEntity> = robot.links.iter().filter_map(|l| link(l, time)).collect();
     let here = Pose::identity();
@@ -176,7 +176,7 @@ pub(super) fn team(robot: &Robot, world: &World, physics: bool, time: u64) -> Sc
     SceneUpdate { deletions: Vec::new(), entities }
 }
 
-/// A link's visual shapes, or those that it touches with where the former are meshes, or none.
+/// A link's visual shapes, or its collision shapes if the visual ones are meshes, or none.
 fn link(link: &Link, time: u64) -> Option<SceneEntity> {
     let plain = |g: &&Geometry| !matches!(g.shape, Shape::Mesh { .. });
     let shapes = if link.visuals.iter().any(|g| plain(&g)) { &link.visuals } else { &link.collisions };
@@ -214,14 +214,14 @@ fn cylinder(at: &Pose, (radius, length): (f64, f64), rgba: [f32; 4]) -> Cylinder
     }
 }
 
-/// A cylinder between two balls, along z.
+/// A capsule along z: a cylinder between two balls.
 fn capsule(drawn: &mut SceneEntity, at: &Pose, (radius, length): (f64, f64), rgba: [f32; 4]) {
     drawn.cylinders.push(cylinder(at, (radius, length), rgba));
     let end = |z: f64| sphere(&(at * Pose::translation(0.0, 0.0, z)), radius, rgba);
     drawn.spheres.extend([end(-length / 2.0), end(length / 2.0)]);
 }
 
-/// The options from the start, as wide and as opaque as they are probable.
+/// The options from the start. Width and opacity show their probability.
 #[derive(Clone, Debug)]
 pub(super) struct Ways {
     lines: Vec<(String, Vec<Point>)>,
@@ -238,9 +238,9 @@ impl Ways {
         Self { lines: drawn.collect(), shown: Vec::new() }
     }
 
-    /// The lines, if they look different from those before.
+    /// The lines; `None` if they look the same as before.
     pub fn update(&mut self, tick: &Tick, time: u64) -> Option<SceneUpdate> {
-        // what was not evaluated is drawn as improbable
+        // options without P_o are drawn as improbable
         let level = |p: f64| (p.max(0.0) / PROBABILITY_STEP).round() as u32;
         let levels: Vec<u32> = tick.options.iter().map(|o| level(o.probability)).collect();
         if levels == self.shown {
@@ -251,7 +251,7 @@ impl Ways {
             let probability = (f64::from(*level) * PROBABILITY_STEP).min(1.0);
             let [r, g, b] = OPTION_COLORS[o % OPTION_COLORS.len()];
             let rgba = [r, g, b, 0.25 + 0.75 * probability as f32];
-            // one above the other, where they run together
+            // options on the same path are drawn one above the other
             let z = 0.03 + 0.005 * o as f64;
             let line = line(points, z, 0.02 + 0.18 * probability, rgba);
             SceneEntity { lines: vec![line], ..entity(WORLD, format!("option/{name}"), time) }
@@ -260,7 +260,7 @@ impl Ways {
     }
 }
 
-/// Where the team walked, and where the way under way leads.
+/// The path walked, and the path ahead.
 pub(super) fn path(walked: &[Point], ahead: &Path, time: u64) -> SceneUpdate {
     let ahead = ahead.polyline(SAGITTA);
     let drawn = [("walked", walked, 0.06, WALKED), ("ahead", &ahead, 0.03, AHEAD)];

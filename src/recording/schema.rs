@@ -1,7 +1,7 @@
-//! What the channels are defined as: the quantities of each JSON channel, and its JSON Schema.
+//! The definitions of the channels: the quantities of each JSON channel, and its JSON Schema.
 //!
-//! Foxglove reads one plain type a field and refuses lists of types: a field without a value is left out of
-//! the message, and the schema does not require it.
+//! Foxglove reads one plain type per field and refuses lists of types. A field without a value is therefore
+//! left out of the message, and the schema does not require it.
 
 use super::channel::Channel;
 use crate::quantities::{
@@ -10,20 +10,20 @@ use crate::quantities::{
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// A channel as a file defines it.
+/// The definition of a channel in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Definition {
     /// Topic.
     pub topic: String,
-    /// How messages are encoded.
+    /// The encoding of its messages.
     pub encoding: String,
-    /// What is in them; `None` where the file does not say.
+    /// The schema of its messages; `None` if the file has none.
     pub schema: Option<SchemaText>,
-    /// What else the file says of it.
+    /// Its metadata.
     pub metadata: BTreeMap<String, String>,
 }
 
-/// A schema as a file defines it.
+/// The definition of a schema in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SchemaText {
     /// Name.
@@ -35,7 +35,7 @@ pub struct SchemaText {
 }
 
 impl Definition {
-    /// What this crate defines a channel as.
+    /// The definition of a channel by this crate.
     pub fn of(channel: Channel) -> Self {
         let schema = channel.schema();
         Self {

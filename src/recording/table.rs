@@ -1,4 +1,4 @@
-//! The messages on a topic, as rows of a table.
+//! Tables of the messages on a topic.
 
 use super::decode::{decode, flatten};
 use super::{Definition, Entry, ReadError, Reader};
@@ -6,14 +6,14 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io::Read;
 
-/// The most columns that a table may have.
+/// The largest number of columns of a table.
 const MOST: usize = 4096;
 
-/// The columns that messages on a topic have, in the order in which they first occur; then those that its
-/// schema knows and no message has.
+/// The columns of the messages on a topic, in the order in which they first occur; then those of its schema
+/// that no message has.
 ///
 /// # Errors
-/// [`ReadError`]: also if there is no such topic, or its messages cannot be decoded.
+/// [`ReadError`], also if the topic does not exist or its messages cannot be decoded.
 pub fn columns<R: Read>(reader: &mut Reader<R>, topic: &str) -> Result<Vec<String>, ReadError> {
     let mut columns = Vec::new();
     let mut known = BTreeMap::new();
@@ -33,7 +33,7 @@ pub fn columns<R: Read>(reader: &mut Reader<R>, topic: &str) -> Result<Vec<Strin
         };
         for (path, _) in flatten(&value) {
             if known.len() == MOST && !known.contains_key(&path) {
-                let what = format!("`{topic}` has more than {MOST} fields: too many for a table");
+                let what = format!("`{topic}` has more than {MOST} fields, too many for a table");
                 return Err(ReadError::Lacks { file, what });
             }
             known.entry(path).or_insert_with_key(|path| {
@@ -46,7 +46,7 @@ pub fn columns<R: Read>(reader: &mut Reader<R>, topic: &str) -> Result<Vec<Strin
     if columns.is_empty() {
         let what = match topics.contains(&format!("`{topic}`")) {
             true => format!("there are no messages on `{topic}`"),
-            false if topics.is_empty() => format!("has no channel `{topic}`; it has none at all"),
+            false if topics.is_empty() => format!("has no channel `{topic}`; it has no channels"),
             false => format!("has no channel `{topic}`; it has {}", topics.join(", ")),
         };
         return Err(ReadError::Lacks { file, what });
@@ -56,7 +56,7 @@ pub fn columns<R: Read>(reader: &mut Reader<R>, topic: &str) -> Result<Vec<Strin
     Ok(columns)
 }
 
-/// The single values that a JSON Schema knows, by their paths, but for those in lists.
+/// The paths of the single values in a JSON Schema, without those in lists.
 fn declared_fields(definition: &Definition) -> Vec<String> {
     fn descend(path: &str, schema: &Value, found: &mut Vec<String>) {
         match &schema["properties"] {
@@ -78,11 +78,11 @@ fn declared_fields(definition: &Definition) -> Vec<String> {
     found
 }
 
-/// Hands on every message on a topic as its time (ns) and its cells in the order of `columns`; a cell is
-/// `None` where the message has none.
+/// Calls `row` for every message on a topic, with its time (ns) and its cells in the order of `columns`. A
+/// missing cell is `None`.
 ///
 /// # Errors
-/// [`ReadError`], or what `row` gives back.
+/// [`ReadError`], or the error of `row`.
 pub fn rows<R: Read, E: From<ReadError>>(
     reader: &mut Reader<R>,
     topic: &str,
@@ -109,7 +109,7 @@ pub fn rows<R: Read, E: From<ReadError>>(
 
 fn undecodable(file: &str, topic: &str, time: u64) -> ReadError {
     let what = format!(
-        "the message on `{topic}` at {} s cannot be decoded: it is not what its schema says, or too long",
+        "the message on `{topic}` at {} s cannot be decoded: it does not match its schema, or is too long",
         time as f64 / 1e9
     );
     ReadError::Lacks { file: file.to_owned(), what }

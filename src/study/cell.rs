@@ -2,11 +2,11 @@
 
 use crate::scenario::{POSE, PlantKind, PreferenceChanges, SETTINGS, Scenario, Value};
 
-/// The most combinations that a run may have.
+/// The largest number of combinations of a run.
 pub const LARGEST_RUN: usize = 100_000;
 
-/// All that an episode is settled by but the seed. Worlds, humans, beliefs and robots by their place in the
-/// study.
+/// The inputs of an episode except the seed. Worlds, humans, beliefs and robots are indices into the study's
+/// lists.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Cell {
     pub world: usize,
@@ -14,13 +14,13 @@ pub(super) struct Cell {
     pub belief: usize,
     pub humans: usize,
     pub changes: PreferenceChanges,
-    /// On the plants that have one.
+    /// The robot, on plants that have one.
     pub robot: usize,
-    /// One for each of [`SETTINGS`]; none where the plant has no use for it, or there is no default.
+    /// One value for each of [`SETTINGS`]; `None` if the plant ignores the setting, or it has no default.
     pub values: Vec<Option<Value>>,
 }
 
-/// The values of every key of a run.
+/// The lists of values of a run, by key.
 #[derive(Clone, Debug)]
 pub(super) struct Axes {
     pub worlds: Vec<usize>,
@@ -29,12 +29,12 @@ pub(super) struct Axes {
     pub humans: Vec<usize>,
     pub changes: Vec<PreferenceChanges>,
     pub robots: Vec<usize>,
-    /// Those of each of [`SETTINGS`].
+    /// The values of each of [`SETTINGS`].
     pub values: Vec<Vec<Option<Value>>>,
 }
 
 impl Default for Axes {
-    /// What `cocarry run` does where nothing is said; no world.
+    /// The defaults of `cocarry run`, without a world.
     fn default() -> Self {
         let defaults = Scenario::defaults();
         Self {
@@ -50,8 +50,8 @@ impl Default for Axes {
 }
 
 impl Axes {
-    /// Every combination, the last key varying fastest; none if there are more than [`LARGEST_RUN`]. Settings
-    /// that a plant ignores are not varied for it, nor are those of pose optimisation without candidates.
+    /// All combinations; the last key varies fastest. `None` if there are more than [`LARGEST_RUN`]. Settings
+    /// that a plant ignores are not varied for it, nor those of pose optimisation without candidates.
     pub fn cells(&self) -> Option<Vec<Cell>> {
         let always = |_: &Cell| true;
         let has_robot = |cell: &Cell| cell.plant != PlantKind::Point;
@@ -82,7 +82,8 @@ impl Axes {
     }
 }
 
-/// Every cell of which it is true with every value instead of itself. None if they become too many.
+/// Replaces every cell for which the condition holds by copies with each of the values. `None` if there are
+/// too many cells.
 fn vary<T>(
     cells: &mut Vec<Cell>,
     values: &[T],

@@ -1,20 +1,20 @@
-//! The ranges that a study's humans are drawn from, by name.
+//! The distributions of a study's humans, by name.
 
 use crate::episode::{PreferenceChange, Settings};
 use crate::options::OptionSet;
 use crate::preference::{Belief, Marginal, Perception};
 use crate::scenario::{GivenPerception, PreferenceChanges, drawn_changes, drawn_human};
 
-/// Where one parameter of a human comes from.
+/// The source of one parameter of a human.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Range {
-    /// Drawn.
+    /// Drawn from a distribution.
     Drawn(Marginal),
-    /// The same for all.
+    /// The same for all humans.
     Fixed(f64),
 }
 
-/// Humans of a kind.
+/// A population of humans.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Humans {
     pub alpha: Range,
@@ -22,12 +22,12 @@ pub(super) struct Humans {
 }
 
 impl Humans {
-    /// The human of a seed: the one that `cocarry run --seed` draws from these ranges as the robot's belief.
+    /// The human of a seed: the same as `cocarry run --seed` draws with these ranges as the robot's belief.
     pub fn draw(&self, seed: u64) -> Perception {
         drawn_human(&self.belief(), self.given(), seed)
     }
 
-    /// That human's changes of mind: those that `cocarry run --seed --preference-changes` draws likewise.
+    /// That human's preference changes: the same as `cocarry run --seed --preference-changes` draws.
     pub fn draw_changes(
         &self,
         count: PreferenceChanges,
@@ -38,13 +38,13 @@ impl Humans {
         drawn_changes(count, &self.belief(), self.given(), seed, options, settings)
     }
 
-    /// Whether all of them are the same human, who has nothing to draw again.
+    /// Whether all of them are the same human, without a parameter to draw.
     pub fn are_one(&self) -> bool {
         self.given().is_complete()
     }
 
-    /// What humans are drawn from. A parameter that is fixed is drawn all the same, so that the other one is
-    /// the same human's.
+    /// The distribution of the humans. A fixed parameter is drawn as well, so that it does not change the
+    /// draw of the other one.
     fn belief(&self) -> Belief {
         match Belief::default() {
             Belief::Independent { alpha, gamma } => Belief::Independent {

@@ -1,4 +1,4 @@
-//! Merging of a study's shards into the file that one machine would have written, to the byte.
+//! The merge of a study's shards into the file that one machine would write, byte for byte.
 
 use super::partial::Shard;
 use super::results::{Identity, Rows};
@@ -8,16 +8,16 @@ use std::io::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// The most shards that are tried to tell which one is missing.
+/// The largest number of shards tried in order to name the missing one.
 const MOST_SHARDS: u64 = 10_000;
 
-/// A shard's file.
+/// The file of a shard.
 struct Part {
     rows: Rows,
     first: Identity,
 }
 
-/// Writes the results of all shards into one file, whole or not at all. Returns the number of episodes.
+/// Writes the results of all shards into one file, complete or not at all. Returns the number of episodes.
 ///
 /// # Errors
 /// [`SweepError`], which names the file that does not belong to the others, or the episodes that are missing.
@@ -29,14 +29,14 @@ pub fn merge(path: &Path, shards: &[PathBuf], overwrite: bool) -> Result<u64, Sw
         return Err(SweepError::Empty { file: files.join(", ") });
     };
     parts.sort_by_key(|part| part.first.episode);
-    // an unfinished sweep of that name is not to be lost
+    // an unfinished sweep of that name must not be lost
     let mut file = OutputFile::anew(path, overwrite)?;
     write(&mut file, parts, &study)?;
     file.finish()?;
     Ok(study.episodes)
 }
 
-/// Opens all files; those without a row have nothing to say.
+/// Opens all files. Files without rows are left out.
 fn parts(shards: &[PathBuf]) -> Result<Vec<Part>, SweepError> {
     let mut parts: Vec<Part> = Vec::new();
     for path in shards {
@@ -72,7 +72,7 @@ fn check_study(file: &str, found: &Identity, first: &str, expected: &Identity) -
     })
 }
 
-/// Writes the rows of all parts, which are in order.
+/// Writes the rows of all parts. The parts are in order.
 fn write(out: &mut OutputFile, parts: Vec<Part>, study: &Identity) -> Result<(), SweepError> {
     let partial = out.partial().to_owned();
     let unwritable = |source| OutputError::Write { file: partial.clone(), source };
@@ -107,7 +107,7 @@ fn write(out: &mut OutputFile, parts: Vec<Part>, study: &Identity) -> Result<(),
     first_gap(&covered, study.episodes)
 }
 
-/// The episodes between the ranges, or before or behind all of them.
+/// The missing episodes: between the ranges, or before or after all of them.
 fn first_gap(covered: &[Range<u64>], episodes: u64) -> Result<(), SweepError> {
     let ends = [0].into_iter().chain(covered.iter().map(|range| range.end));
     let begins = covered.iter().map(|range| range.start).chain([episodes]);
@@ -120,18 +120,18 @@ fn first_gap(covered: &[Range<u64>], episodes: u64) -> Result<(), SweepError> {
     }
 }
 
-/// Which shards are missing, if all ranges are shards of one number of shards.
+/// The missing shards, if all ranges belong to the same number of shards.
 fn missing_shards(covered: &[Range<u64>], episodes: u64) -> Option<String> {
     let of = (covered.len() as u64 + 1..=MOST_SHARDS.min(episodes)).find(|&of| {
         covered.iter().all(|range| {
-            // rounding moves a shard's begin by less than one shard
+            // rounding moves the beginning of a shard by less than one shard
             let near = (u128::from(range.start) * u128::from(of) / u128::from(episodes)) as u64;
             (near..=near + 2).any(|number| Shard { number, of }.episodes(episodes) == *range)
         })
     })?;
     let missing = (1..=of).filter(|&number| !covered.contains(&Shard { number, of }.episodes(episodes)));
     let missing: Vec<_> = missing.map(|number| format!("{number}/{of}")).collect();
-    Some(format!(": missing, it seems, shard {}", missing.join(", ")))
+    Some(format!(": probably shard {}", missing.join(", ")))
 }
 
 #[cfg(test)]

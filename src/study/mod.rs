@@ -1,9 +1,9 @@
 //! The study engine: one row of results for every episode of a study, in the study's order.
 //!
-//! A study is a product of lists of values, or several such products. Seeds vary slowest: a sweep that is
-//! under way has all combinations of the seeds it has come to, and the combinations of one seed, which is one
-//! human, stand together. Every row carries the number of its episode, how many the study has, and the
-//! study's digest, so that any part of the results says what it is a part of.
+//! A study is a product of lists of values, or several such products. Rows are ordered by seed: an unfinished
+//! sweep already has all combinations of its seeds, and the combinations of one seed, which is one human, are
+//! next to each other. Every row has the number of its episode, the number of episodes of the study, and the
+//! study's digest, which identify any part of the results.
 
 mod cell;
 mod error;
@@ -35,15 +35,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// A study, read and checked: what its episodes are, by their numbers.
+/// A study, read and checked: its episodes by number.
 #[derive(Debug)]
 pub struct Study {
     file: String,
     contents: Contents,
     cells: Vec<Cell>,
-    /// The default settings with each of the beliefs.
+    /// The default settings with each belief.
     bases: Vec<Settings>,
-    /// One for every world, c_r and robot; which, for each cell.
+    /// A prepared scenario for every world, c_r and robot, and the index for each cell.
     stages: Vec<PreparedScenario>,
     stage_of: Vec<usize>,
     /// Drives that are slower than their team is to walk, each once.
@@ -53,7 +53,7 @@ pub struct Study {
     digest: String,
 }
 
-/// Seeds for which the same cells are run.
+/// A range of seeds with the same cells.
 #[derive(Debug)]
 struct Block {
     /// The number of its first episode.
@@ -66,7 +66,7 @@ struct Block {
 impl Study {
     /// Reads a study file, and the worlds and robots that it names.
     ///
-    /// `seeds`: no more than so many of every run, if given.
+    /// `seeds`: the largest number of seeds of every run, if given.
     ///
     /// # Errors
     /// [`SweepError`], which names the file, the line, the key and the value.
@@ -76,8 +76,7 @@ impl Study {
         Self::parse(&file, &located::read(path)?, folder, seeds)
     }
 
-    /// Reads the text of a study file; `file` is what errors call it, and the files that it names lie
-    /// relative to `folder`.
+    /// Reads the text of a study file. Errors call it `file`. Files that it names are relative to `folder`.
     ///
     /// # Errors
     /// As [`Study::load`].
@@ -105,7 +104,7 @@ impl Study {
         Ok(study)
     }
 
-    /// Episodes of the whole study.
+    /// The number of episodes of the whole study.
     pub fn episodes(&self) -> u64 {
         self.episodes
     }
@@ -118,13 +117,13 @@ impl Study {
         worlds.chain(robots).map(move |name| folder.join(name))
     }
 
-    /// Combinations of values; each is run with all its seeds.
+    /// The number of combinations of values. Each is run with all its seeds.
     pub fn combinations(&self) -> usize {
         self.cells.len()
     }
 
-    /// Tells this study from others: it depends on all that the results depend on, and on the version of the
-    /// program.
+    /// The digest that identifies the study. It covers everything that the results depend on, and the version
+    /// of the program.
     pub fn digest(&self) -> &str {
         &self.digest
     }
@@ -140,7 +139,7 @@ impl Study {
         &self.slow_drives
     }
 
-    /// The scenario of a cell that has its stage, with all that is drawn.
+    /// The scenario of a cell with everything that is drawn.
     fn drawn(&self, cell: usize, seed: u64) -> Scenario {
         let scenario = self.scenario_of(cell, seed);
         let options = self.stages[self.stage_of[cell]].options();
@@ -166,7 +165,7 @@ impl Study {
         None
     }
 
-    /// The scenario but for changes of mind, which are drawn for a world's options.
+    /// The scenario without preference changes, which need a world's options.
     fn scenario_of(&self, cell: usize, seed: u64) -> Scenario {
         let (contents, cell) = (&self.contents, &self.cells[cell]);
         let robot = contents.robots.get(cell.robot).map(|(_, texts, _)| texts.clone()).unwrap_or_default();
@@ -190,13 +189,13 @@ impl Study {
         for belief in 0..self.contents.beliefs.len() {
             let made = Predictor::new(self.contents.beliefs[belief].1.clone(), RISK_WEIGHT);
             let predictor = made.map_err(|source| self.refused(0, source))?;
-            // nobody looks at single ticks here
+            // single ticks are not needed here
             self.bases.push(Settings { predictor, predict_while_human_leads: false, ..Settings::default() });
         }
         Ok(())
     }
 
-    /// Prepares one stage for every world, c_r and robot; and sees that every cell is a valid scenario on it.
+    /// Prepares a scenario for every world, c_r and robot, and checks every cell on it.
     fn prepare(&mut self) -> Result<(), SweepError> {
         let mut known: BTreeMap<(usize, u64, Option<usize>), usize> = BTreeMap::new();
         for i in 0..self.cells.len() {
@@ -223,9 +222,9 @@ impl Study {
         Ok(())
     }
 
-    /// 64 bits (FNV-1a) of all that the results depend on, as text: accidents are told apart, not forgeries.
-    /// Of each world, robot and plant one scenario is taken whole; beside these, a combination is its
-    /// settings.
+    /// A 64-bit hash (FNV-1a) of everything that the results depend on, as text. It detects accidental
+    /// mix-ups, not forgeries. It covers one complete scenario of each world, robot and plant, and the
+    /// settings of each combination.
     fn hash(&self) -> Result<String, SweepError> {
         let mut hash = 0xcbf2_9ce4_8422_2325_u64;
         let mut add = |text: &str| {
@@ -254,7 +253,7 @@ impl Study {
         SweepError::Scenario { file, inputs, source: Box::new(source) }
     }
 
-    /// An episode that is run twice would count twice.
+    /// The check that no episode is in two runs, where it would count twice.
     fn refuse_repetition(&self) -> Result<(), SweepError> {
         let mut known: BTreeMap<Vec<String>, Vec<Seeds>> = BTreeMap::new();
         let mut cell = 0;
@@ -281,7 +280,7 @@ impl Block {
     }
 }
 
-/// The seeds of all runs, cut where a run's begin or end.
+/// The seeds of all runs, split where a run begins or ends.
 fn blocks(contents: &Contents) -> Vec<Block> {
     let runs = || contents.runs.iter().map(|(run, _)| run);
     let mut cuts: Vec<u64> = runs().flat_map(|r| [r.seeds.first, r.seeds.last.saturating_add(1)]).collect();

@@ -1,14 +1,14 @@
-//! Work done in parallel and delivered in order, within a bounded window.
+//! Parallel work whose results are delivered in order, within a bounded window.
 
 use std::collections::BTreeMap;
 use std::io;
 use std::ops::Range;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// How far ahead of the first result that is not there yet others may be.
+/// The size of the window: how far results may be ahead of the first missing one.
 const WINDOW: u64 = 1024;
 
-/// What the threads share.
+/// The shared state of the threads.
 struct State<W> {
     /// The next number to work on.
     next: u64,
@@ -26,11 +26,11 @@ struct Shared<W> {
     changed: Condvar,
 }
 
-/// `work` of every number on all threads of the current pool. `write` gets the results in order, whole, on
-/// any of the threads, one after the other: several at once where they have waited, and how many.
+/// Runs `work` for every number on all threads of the current pool. `write` receives the results in order, on
+/// any thread, one call at a time: the bytes of one or more complete results, and their number.
 ///
 /// # Errors
-/// The first error of `write`, which ends the work.
+/// The first error of `write`. It ends the work.
 pub(super) fn in_order<W: FnMut(&[u8], u64) -> io::Result<()> + Send>(
     numbers: Range<u64>,
     work: impl Fn(u64) -> Vec<u8> + Sync,
@@ -60,7 +60,7 @@ impl<W> Shared<W> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A number to work on, as soon as the window reaches to it.
+    /// The next number to work on. Waits until the window reaches it.
     fn take(&self, end: u64) -> Option<u64> {
         let mut state = self.lock();
         while !state.is_over && state.next < end && state.next >= state.due + WINDOW {
@@ -73,7 +73,7 @@ impl<W> Shared<W> {
 }
 
 impl<W: FnMut(&[u8], u64) -> io::Result<()>> Shared<W> {
-    /// Takes a result, and writes what is due.
+    /// Stores a result, and writes the results that are next in order.
     fn give(&self, number: u64, result: Vec<u8>) {
         let mut state = self.lock();
         let State { due, waiting, write, failed, is_over, .. } = &mut *state;
@@ -94,7 +94,7 @@ impl<W: FnMut(&[u8], u64) -> io::Result<()>> Shared<W> {
     }
 }
 
-/// Others would wait for ever for the result of a thread that panicked.
+/// Ends the work if a thread panics: the other threads would otherwise wait for its result for ever.
 struct EndOnPanic<'a, W>(&'a Shared<W>);
 
 impl<W> Drop for EndOnPanic<'_, W> {

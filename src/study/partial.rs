@@ -1,9 +1,9 @@
-//! A study's file of results under way: written beside its name, resumed after interruption. Until then its
-//! rows stand in a file beside it, which may be cut short at any time and is gone on with.
+//! Running sweeps, whose rows are in a partial file beside the results until the sweep is complete. The
+//! partial file may end anywhere; the sweep resumes from it.
 //!
-//! The partial file is the final one as far as it has come: rows are appended in order, each batch in one
-//! write, so a process that is killed leaves whole rows, and at worst one that is cut, which is taken off.
-//! Since every row names its study, nothing else has to be kept beside.
+//! The partial file is the beginning of the final one: rows are appended in order, each batch in one write. A
+//! killed process leaves complete rows, and at worst one incomplete row, which is removed. Every row names
+//! its study, so no other file is needed.
 
 use super::ordered::in_order;
 use super::results::{self, Identity};
@@ -17,24 +17,25 @@ use std::io::{BufRead, BufReader, Write};
 use std::ops::Range;
 use std::path::Path;
 
-/// A part of a study, for one of several computers: an unbroken range of its episodes.
+/// A shard of a study, for one of several computers: a contiguous range of its episodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// Which, from 1.
+    /// Its number, from 1.
     pub number: u64,
-    /// Of how many.
+    /// The number of shards.
     pub of: u64,
 }
 
 impl Shard {
-    /// The episodes of the shard in a study of so many: all shards together have every one, and none twice.
+    /// The shard's episodes in a study with a number of episodes. The shards together have every episode
+    /// once.
     pub fn episodes(self, all: u64) -> Range<u64> {
         let end = |number: u64| (u128::from(all) * u128::from(number) / u128::from(self.of.max(1))) as u64;
         end(self.number.saturating_sub(1))..end(self.number)
     }
 }
 
-/// A sweep that is about to be run, or to be gone on with.
+/// A sweep that is ready to run or to resume.
 #[derive(Debug)]
 pub struct Sweep<'a> {
     study: &'a Study,
@@ -44,8 +45,8 @@ pub struct Sweep<'a> {
 }
 
 impl<'a> Sweep<'a> {
-    /// Opens the partial file of `path`, and keeps the rows that it has already. With `overwrite`, what is
-    /// there under that name is replaced in the end, and rows of another study are not kept.
+    /// Opens the partial file of `path`, and keeps its rows. With `overwrite`, an existing file of results is
+    /// replaced at the end, and rows of another study are dropped.
     ///
     /// # Errors
     /// [`SweepError`]: the results are there already, or rows of another study, or another process is writing
@@ -74,20 +75,20 @@ impl<'a> Sweep<'a> {
         Ok(Self { study, file, episodes, kept })
     }
 
-    /// Episodes whose rows were there already.
+    /// The number of episodes whose rows existed already.
     pub fn kept(&self) -> u64 {
         self.kept
     }
 
-    /// Episodes of the sweep, or of its shard.
+    /// The number of episodes of the sweep, or of its shard.
     pub fn episodes(&self) -> u64 {
         self.episodes.end - self.episodes.start
     }
 
-    /// Runs what is left, on all threads of the current pool, and gives the file its name.
+    /// Runs the remaining episodes on all threads of the current pool, and renames the file.
     ///
     /// # Errors
-    /// [`SweepError::Output`]: the rows that could be written stay in the partial file.
+    /// [`SweepError::Output`]; the rows written so far stay in the partial file.
     pub fn run(self, on_done: OnDone) -> Result<(), SweepError> {
         let Self { study, mut file, episodes, kept } = self;
         let left = episodes.start + kept..episodes.end;
@@ -104,7 +105,7 @@ impl<'a> Sweep<'a> {
     }
 }
 
-/// How much of the file can be kept, and the rows in it.
+/// The number of bytes of the file that can be kept, and the number of rows in them.
 fn rows_kept(
     study: &Study,
     file: &File,
@@ -119,7 +120,7 @@ fn rows_kept(
         let read = reader.read_until(b'\n', &mut line);
         read.map_err(|source| FileError::Read { file: name.to_owned(), source })?;
         if line.last() != Some(&b'\n') {
-            // the end of the file, or of a row that was cut short
+            // the end of the file, or an incomplete row
             if bytes == 0 && !row::header().starts_with(&line) {
                 results::check_header(&line, name)?;
             }
@@ -136,7 +137,7 @@ fn rows_kept(
     }
 }
 
-/// The row must be that of the episode which is due.
+/// The check that a row belongs to the next episode.
 fn check_row(
     study: &Study,
     line: &[u8],

@@ -1,4 +1,4 @@
-//! A file of results: which episodes of which study its lines are.
+//! Files of results: the episode and study of each row.
 
 use super::{SweepError, row};
 use crate::located::FileError;
@@ -7,19 +7,19 @@ use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
-/// What a row is the result of.
+/// The identity of a row: its episode and its study.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Identity {
     pub episode: u64,
-    /// Of how many.
+    /// The number of episodes of the study.
     pub episodes: u64,
     pub study: String,
-    /// The stamp of the arithmetic that it was calculated with.
+    /// The stamp of the arithmetic that calculated the row.
     pub arithmetic: String,
 }
 
 impl Identity {
-    /// Reads the beginning of a row.
+    /// Parses the beginning of a row.
     pub fn of_line(line: &[u8], file: &str, number: u64) -> Result<Self, SweepError> {
         let text = String::from_utf8_lossy(line);
         let mut fields = text.splitn(IDENTITY.len() + 1, ',');
@@ -36,14 +36,14 @@ impl Identity {
                 line: number,
                 found: format!("`{}`", text.trim_end().chars().take(60).collect::<String>()),
                 expected:
-                    "a row of results: the number of an episode, how many there are, the study's digest, and the arithmetic's stamp"
+                    "a row of results: the number of an episode, the number of episodes, the study's digest, and the arithmetic's stamp"
                         .to_owned(),
             }),
         }
     }
 }
 
-/// The header must be the one that this version writes.
+/// The check that the header is that of this version.
 pub(super) fn check_header(line: &[u8], file: &str) -> Result<(), SweepError> {
     let text = String::from_utf8_lossy(line);
     let mut found = text.trim_end().split(',');
@@ -65,13 +65,13 @@ pub(super) fn check_header(line: &[u8], file: &str) -> Result<(), SweepError> {
     Ok(())
 }
 
-/// The rows of a file, one line after the other.
+/// A reader of a file's rows.
 pub(super) struct Rows {
     pub file: String,
     reader: BufReader<File>,
-    /// Of the line read last, counted from 1.
+    /// The number of the line read last, counted from 1.
     pub number: u64,
-    /// The line read last, with its end.
+    /// The line read last, with its newline.
     pub line: Vec<u8>,
 }
 
@@ -86,7 +86,7 @@ impl Rows {
         Ok(rows)
     }
 
-    /// Reads the next row; none at the end of the file.
+    /// Reads the next row; `None` at the end of the file.
     pub fn next(&mut self) -> Result<Option<Identity>, SweepError> {
         self.advance()?;
         match self.line.is_empty() {
@@ -105,7 +105,7 @@ impl Rows {
                 file: self.file.clone(),
                 line: self.number,
                 found: "cut short".to_owned(),
-                expected: "whole: run its sweep again, which goes on from there".to_owned(),
+                expected: "complete: run its sweep again, which resumes there".to_owned(),
             });
         }
         Ok(())

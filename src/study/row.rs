@@ -1,4 +1,4 @@
-//! A row of results: a column for every input and every figure of an episode, with its unit.
+//! Rows of results: a column for every input and every figure of an episode, with its unit.
 
 use super::{Cell, Study};
 use crate::arithmetic;
@@ -7,10 +7,10 @@ use crate::preference::Perception;
 use crate::quantities::{EPISODE, View, cell};
 use crate::scenario::{PlantKind, PreparedScenario, SETTINGS, Scenario, ScenarioError, Value};
 
-/// A column: its name, and its value for a cell; none where it does not apply.
+/// A column: its name, and its value for a cell, which is `None` where the column does not apply.
 type InputColumn = (&'static str, fn(&Inputs) -> Option<String>);
 
-/// What tells rows and studies apart.
+/// The columns that identify rows and studies.
 pub(super) const IDENTITY: [&str; 4] = ["episode", "episodes", "study", "arithmetic"];
 
 /// A combination of values.
@@ -19,7 +19,7 @@ struct Inputs<'a> {
     cell: &'a Cell,
 }
 
-/// The inputs but for the seed, what is drawn from it, and the settings.
+/// The columns of the inputs, without the seed, the values drawn from it, and the settings.
 const INPUTS: &[InputColumn] = &[
     ("world", |r| Some(r.study.contents.worlds[r.cell.world].0.clone())),
     ("plant", |r| word(r.cell.plant.name())),
@@ -35,15 +35,15 @@ const INPUTS: &[InputColumn] = &[
     }),
 ];
 
-/// Columns of the seed and of what is drawn from it; those of [`EPISODE`] follow.
+/// The columns of the seed and of the values drawn from it; those of [`EPISODE`] follow.
 const DRAWN: [&str; 4] = ["seed", "alpha", "gamma", "preference_changes"];
 
-/// Names of all columns, in their order.
+/// The names of all columns, in order.
 pub(super) fn columns() -> Vec<&'static str> {
     IDENTITY.into_iter().chain(input_columns()).chain(DRAWN).chain(EPISODE.iter().map(|q| q.key)).collect()
 }
 
-/// Names of the columns that settle a combination.
+/// The names of the columns that define a combination.
 pub(super) fn input_columns() -> impl Iterator<Item = &'static str> {
     INPUTS.iter().map(|(name, _)| *name).chain(SETTINGS.iter().map(|setting| setting.key))
 }
@@ -61,24 +61,24 @@ pub(super) fn inputs(study: &Study, cell: usize) -> Vec<String> {
     values.map(Option::unwrap_or_default).collect()
 }
 
-/// A cell, for errors.
+/// A text for a cell in errors.
 pub(super) fn inputs_in_words(study: &Study, cell: usize) -> String {
     let values = inputs(study, cell);
     let pairs = input_columns().zip(&values).filter(|(_, value)| !value.is_empty());
     pairs.map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(", ")
 }
 
-/// The line of a file of results with all fields; none of them breaks it.
+/// The line of a file of results with these fields. No field contains a newline.
 fn line(fields: impl Iterator<Item = String>) -> Vec<u8> {
     let mut writer = csv::WriterBuilder::new().buffer_capacity(1024).from_writer(Vec::with_capacity(1024));
     let fields = fields.map(|field| field.replace(['\n', '\r'], " "));
-    // a vector takes all that is written to it
+    // writing to a vector does not fail
     writer.write_record(fields).and_then(|()| Ok(writer.flush()?)).unwrap_or_default();
     writer.into_inner().unwrap_or_default()
 }
 
 impl Study {
-    /// Runs an episode to its end: its line of results. Empty beyond the last episode.
+    /// Runs an episode to its end, and returns its line of results. The line is empty after the last episode.
     pub(super) fn run(&self, episode: u64) -> Vec<u8> {
         let Some((cell, seed)) = self.place(episode) else { return Vec::new() };
         let basis = &self.stages[self.stage_of[cell]];
@@ -92,8 +92,8 @@ impl Study {
     }
 }
 
-/// The seed and what is drawn from it: preference changes as `cocarry run --change` takes them, with spaces
-/// between, by their steps.
+/// The seed and the values drawn from it. Preference changes have the form of `cocarry run --change`,
+/// separated by spaces, by step.
 fn drawn(scenario: &Scenario) -> [String; DRAWN.len()] {
     let mut changes = scenario.changes.clone();
     changes.sort_by_key(|change| change.step);
@@ -102,7 +102,7 @@ fn drawn(scenario: &Scenario) -> [String; DRAWN.len()] {
     [scenario.seed.to_string(), alpha.to_string(), gamma.to_string(), changes]
 }
 
-/// The figures of an episode, run to its end.
+/// The figures of a finished episode.
 fn carry_out(stage: &PreparedScenario) -> Result<Vec<String>, ScenarioError> {
     let mut episode = stage.episode()?;
     while episode.step().is_none() {}
@@ -110,7 +110,7 @@ fn carry_out(stage: &PreparedScenario) -> Result<Vec<String>, ScenarioError> {
     Ok(figures.iter().map(|(_, value)| cell(value)).collect())
 }
 
-/// Those of an episode that could not begin.
+/// The figures of an episode that could not begin.
 fn not_begun(why: &str) -> Vec<String> {
     let value = |key| match key {
         "outcome" => "not-begun",
@@ -153,7 +153,7 @@ pub(super) fn arrived() -> &'static str {
     Outcome::Arrived.name()
 }
 
-/// The plant on which the same choices may cost differently, by noise.
+/// The plant on which noise may change the cost of equal choices.
 pub(super) fn with_bodies() -> &'static str {
     PlantKind::Rapier.name()
 }

@@ -1,4 +1,4 @@
-//! The combinations of a `[[run]]`, and its seeds.
+//! Runs of a study: combinations and seeds.
 
 use super::cell::Cell;
 
@@ -9,7 +9,7 @@ pub(super) struct Seeds {
     pub last: u64,
 }
 
-/// Combinations, each of which is run with all seeds.
+/// Combinations with their seeds. Each combination is run with all seeds.
 #[derive(Debug)]
 pub(super) struct Run {
     pub cells: Vec<Cell>,

@@ -1,5 +1,5 @@
-//! Means, deviations and intervals of a study's results, and paired comparisons over the same seeds. One
-//! pass; what is held grows with the combinations, not with the rows.
+//! Means, deviations and intervals of a study's results, and paired comparisons over the same seeds, in one
+//! pass. Memory grows with the number of combinations, not of rows.
 
 use super::results::Rows;
 use super::{SweepError, row};
@@ -8,8 +8,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The columns that are summed up: costs first, which are compared too, then what the episode was to the
-/// human.
+/// The columns that are summarised: costs, which are compared too, then outcomes for the human.
 const OUTCOMES: [&str; 7] = [
     "accumulated_objective_cost_m",
     "accumulated_control_cost",
@@ -19,73 +18,73 @@ const OUTCOMES: [&str; 7] = [
     "share_off_preference",
     "preferred_option_switches",
 ];
-/// How many of them are compared.
+/// The number of columns that are compared.
 const COSTS: usize = 2;
-/// What tells humans apart who choose differently.
+/// The columns of the human's choices: different values mean different choices.
 const CHOICES: [&str; 4] = ["preferred_at_start", "first_option", "last_option", "option_change_count"];
-/// What is compared, all other inputs being equal: columns that belong together.
+/// The inputs that are compared, all others being equal: groups of columns that belong together.
 const COMPARED: [&[&str]; 2] = [&["method"], &["pose", "pose_criterion", "prepare_while_leading"]];
 
-/// The results of a study, summed up.
+/// The summary of a study's results.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// The study's digest.
     pub study: String,
-    /// Rows read.
+    /// The number of rows read.
     pub rows: u64,
-    /// Episodes of the whole study.
+    /// The number of episodes of the whole study.
     pub episodes: u64,
-    /// Inputs that are not the same in all rows.
+    /// The inputs that vary between rows.
     pub varied: Vec<String>,
-    /// One for every combination, in the order in which they appear.
+    /// One group for every combination, in the order in which they appear.
     pub groups: Vec<Group>,
-    /// One for every two combinations that differ in the method alone, or in the choice of the pose alone,
-    /// and every cost.
+    /// One comparison for every cost and every two combinations that differ only in the method, or only in the
+    /// choice of the pose.
     pub comparisons: Vec<Comparison>,
 }
 
 /// The episodes of one combination.
 #[derive(Clone, Debug, Serialize)]
 pub struct Group {
-    /// The inputs by column; empty where not applicable.
+    /// The inputs by column; empty where they do not apply.
     pub inputs: BTreeMap<String, String>,
     /// Episodes.
     pub n: u64,
-    /// Those that arrived. Costs are of these.
+    /// Episodes that arrived. The costs are of these.
     pub arrived: u64,
-    /// Costs, and what the episodes were to the human, by their columns; none where nothing has that outcome.
+    /// Costs and outcomes for the human, by column; `None` where the episodes have no such outcome.
     #[serde(flatten)]
     pub outcomes: BTreeMap<&'static str, Option<Estimate>>,
 }
 
-/// Two combinations that differ in one thing, over the seeds with which both arrived.
+/// The comparison of two combinations that differ in one input, over the seeds with which both arrived.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
-    /// The cost that is compared, by its column.
+    /// The column of the compared cost.
     pub cost: &'static str,
-    /// One of the two, by what they differ in.
+    /// The first combination, by the compared input.
     pub first: String,
-    /// The other.
+    /// The second combination.
     pub second: String,
-    /// What they have in common, as far as it is varied.
+    /// Their common inputs, as far as they vary in the study.
     pub inputs: BTreeMap<String, String>,
-    /// The cost of the first less that of the second, with the same seed; corrected for all comparisons of
-    /// the summary that are tested.
+    /// The cost of the first minus that of the second, with the same seed; corrected for all tested
+    /// comparisons of the summary.
     pub difference: Paired,
-    /// Share of the pairs in which the first costs less.
+    /// The share of the pairs in which the first costs less.
     pub share_lower: f64,
 }
 
-/// A combination while rows are read.
+/// The state of a combination while rows are read.
 struct Cell {
     inputs: Vec<String>,
     n: u64,
     arrived: u64,
     outcomes: [Moments; OUTCOMES.len()],
     choices: Choices,
-    /// Whether episodes with the same choices may differ by noise: where bodies sway.
+    /// Whether episodes with equal choices may differ by noise, since bodies sway.
     is_noisy: bool,
-    /// The number of its class for each thing compared: those of a class differ in nothing else.
+    /// Its class for each compared input: combinations of a class differ in this input only.
     classes: [usize; COMPARED.len()],
 }
 
@@ -118,17 +117,17 @@ struct Differences {
     choices: Choices,
 }
 
-/// What is compared, two cells and a cost.
+/// A compared input, two cells and a cost.
 type Pair = (usize, usize, usize, usize);
 
 impl Cell {
-    /// Whether its costs are those of humans who differ by more than noise.
+    /// Whether the humans differ by more than noise.
     fn is_sample(&self) -> bool {
         self.choices.differ || !self.is_noisy
     }
 }
 
-/// Where in a row what is looked at stands.
+/// The indices of the columns that are read.
 struct Places {
     seed: usize,
     outcome: usize,
@@ -142,15 +141,15 @@ struct Reader {
     cells: Vec<Cell>,
     known: BTreeMap<Vec<String>, usize>,
     classes: BTreeMap<(usize, Vec<String>), usize>,
-    /// By what is compared, the two cells, and the cost.
+    /// The pairs, by compared input, two cells, and cost.
     pairs: BTreeMap<Pair, Differences>,
-    /// The seed under way, and what its episodes that arrived have cost.
+    /// The present seed, and the costs of its episodes that arrived.
     seed: Option<String>,
     ends: Vec<End>,
 }
 
 impl Summary {
-    /// Reads a file of results: of a whole study, a shard, or one that is under way.
+    /// Reads a file of results: of a whole study, a shard, or an unfinished sweep.
     ///
     /// # Errors
     /// [`SweepError`], which names the file and the line.
@@ -264,7 +263,7 @@ impl Reader {
         self.cells.len() - 1
     }
 
-    /// Compares the episodes of the seed that is over.
+    /// Compares the episodes of a finished seed.
     fn end_of_seed(&mut self) {
         let ends = std::mem::take(&mut self.ends);
         for what in 0..COMPARED.len() {

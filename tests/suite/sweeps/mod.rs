@@ -415,7 +415,7 @@ fn comparisons_are_corrected_and_only_made_where_humans_differ() {
     assert_eq!(alike, 4);
     let said = stdout(&bench.good(&["--summary", "study.csv"]));
     let said_of = format!("Holm's method for the {} comparisons tested", tested.len());
-    assert!(said.contains(&said_of) && said.contains("all make the same choices"), "{said}");
+    assert!(said.contains(&said_of) && said.contains("all humans make the same choices"), "{said}");
 }
 
 /// With bodies, humans who all go the same way still cost differently, by the noise of their gait: that is no
