@@ -34,6 +34,9 @@ const REVERSING_SPEED: f64 = 0.35;
 const OUT_OF_PLACE_M: [f64; 2] = [0.02, 0.08];
 /// The leader slows when the object lags by the first and stops at the second, m.
 const LAG_M: [f64; 2] = [0.01, 0.08];
+/// A robot that leads slows when the human's grip yields by the first and stops at the second, m: the human
+/// resists.
+const RESISTANCE_M: [f64; 2] = [0.03, 0.06];
 
 impl Travel {
     /// Target speed of the team, m/s; negative when reversing.
@@ -183,6 +186,7 @@ impl Physical {
     fn set_goal(&mut self, step: &Step, walk: &Walk) {
         let share = |[slower, least]: [f64; 2], value: f64| (least - value) / (least - slower);
         let out_of_place = (self.grasp_goal().position - on_floor(&self.state.seen.grasp)).norm();
+        let resistance = self.state.seen.hand_grip.deflection;
         let State { team_path, path_position, path_speed, goal, .. } = &mut self.state;
         let turn = wrap_angle(team_path.pose(step.path, *path_position).yaw - goal.yaw).abs();
         let turning = share(TURNING_LAG_RAD, turn).clamp(0.1, 1.0);
@@ -191,8 +195,14 @@ impl Physical {
             Travel::Backward => step.from - *path_position,
         };
         let waiting = share(LAG_M, ahead).clamp(0.0, 1.0);
-        *path_speed = step.travel.speed_after(*path_speed, turning * waiting, walk);
-        *path_position += *path_speed * walk.period;
+        let yielding = match step.mode {
+            Mode::RobotLed => share(RESISTANCE_M, resistance).clamp(0.0, 1.0),
+            Mode::HumanLed => 1.0,
+        };
+        *path_speed = step.travel.speed_after(*path_speed, turning * waiting * yielding, walk);
+        // who feels resistance gives up the lead over the object
+        let given_up = (1.0 - yielding) * (*path_position - step.from);
+        *path_position += *path_speed * walk.period - given_up;
         let following = share(OUT_OF_PLACE_M, out_of_place).clamp(0.2, 1.0);
         let gently = Walk { yaw_rate: walk.yaw_rate * following, ..*walk };
         *goal = moved_toward(goal, &team_path.pose(step.path, *path_position), &gently);

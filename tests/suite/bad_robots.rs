@@ -49,16 +49,16 @@ fn a_urdf_without_a_robot_file() {
 
 #[test]
 fn xacros() {
-    let hint = ["robot.urdf.xacro: is a xacro", "xacro ", "robot.urdf.xacro > ", "robot.urdf`"];
+    let hint = ["robot.urdf.xacro: a xacro, not a URDF", "xacro ", "robot.urdf.xacro > ", "robot.urdf`"];
     check(Files::new().load("robot.urdf.xacro"), &hint);
     let named = Files::new().with(TOML, "urdf = \"carrier.urdf\"", "urdf = \"robot.urdf.xacro\"");
     named.says(&hint);
     let property = "<robot name=\"carrier\"><xacro:property name=\"r\" value=\"0.06\"/>";
-    urdf("<robot name=\"carrier\">", property, &["is a xacro", "carrier.urdf > ", "carrier.expanded.urdf"]);
+    urdf("<robot name=\"carrier\">", property, &["a xacro, not a URDF", "carrier.urdf > ", "carrier.expanded.urdf"]);
     urdf(
         "<box size=\"0.09 0.13 0.07\"/></geometry>\n      <material",
         "<box size=\"${w} 0.13 0.07\"/></geometry>\n      <material",
-        &["is a xacro"],
+        &["a xacro, not a URDF"],
     );
 }
 
@@ -148,7 +148,10 @@ fn joints_that_are_held() {
         toml("# The arm in the", &format!("[hold]\n{entry}\n# The arm in the"), said);
     };
     hold("elbow = { angle_deg = 1 }", &[":11: hold `elbow`: unknown moving joint", "`elbow_flex_joint`"]);
-    hold("left_finger_joint = { position_m = 0.01 }", &["no moving joint between", "`left_finger_joint`"]);
+    hold(
+        "left_finger_joint = { position_m = 0.01 }",
+        &["unknown moving joint between", "`left_finger_joint`"],
+    );
     let beyond = ["hold `elbow_flex_joint`", "angle_deg = 150", "from -128.97", "to 128.97"];
     hold("elbow_flex_joint = { angle_deg = 150 }", &beyond);
     hold("elbow_flex_joint = { angle_deg = nan }", &["angle_deg = NaN"]);

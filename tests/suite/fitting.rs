@@ -420,7 +420,7 @@ fn pictures_of_fits_are_written() {
     let folder = tempfile::tempdir().unwrap();
     let switches = File::new("switches.csv", "participant,world,option,step\na,environment-4,1,40\n");
     let cases = [
-        (vec!["fit", "risk-weight", TABLE_1, "--normalise"], "prefer it"),
+        (vec!["fit", "risk-weight", TABLE_1, "--normalise"], "recommended"),
         (vec!["fit", "eta", switches.path()], "participant"),
     ];
     for (arguments, said) in cases {

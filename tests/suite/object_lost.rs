@@ -80,9 +80,9 @@ impl Human for Stubborn {
     }
 }
 
-/// The hand is the softer of the two grips: 1200 N/m, so that 0.1 m is 120 N.
+/// The robot's end is the one that is not where it should be; the hand, the softer grip with 1200 N/m, feels it.
 #[test]
-fn a_robot_that_backs_away_from_a_human_who_resists_pulls_the_object_out_of_their_hand() {
+fn a_robot_that_backs_away_from_a_human_who_resists_loses_the_object() {
     let world = paper::ENVIRONMENTS[0].world().expect("a built-in world");
     let (robot, settings) = (Robot::built_in().expect("the robot"), Settings::default());
     let options = OptionSet::new(&world, 10.0).expect("its options");
@@ -102,7 +102,7 @@ fn a_robot_that_backs_away_from_a_human_who_resists_pulls_the_object_out_of_thei
     let summary = episode.summary();
     assert_eq!(summary.outcome, Outcome::ObjectLost);
     let loss = summary.loss.expect("a loss");
-    assert_eq!(loss.by, BodyKind::Human);
+    assert_eq!(loss.by, BodyKind::Robot);
     assert!(loss.distance > LOSS_DISTANCE_M && loss.distance < 0.25, "{} m", loss.distance);
     assert!(loss.step < 10 && loss.step + 1 == summary.steps, "step {}", loss.step);
     let force = episode.tick().robot.and_then(|robot| robot.physics).expect("bodies").peak_force;

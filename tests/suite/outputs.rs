@@ -76,7 +76,7 @@ const OUTPUTS: [(&str, &str, &[&str]); 12] = [
     ("recover in.mcap --output ", "out.mcap", &["in.mcap"]),
     ("sweep study.toml --out ", "out.csv", &["study.toml", "world.toml"]),
     ("fit eta switches.csv --svg ", "out.svg", &["switches.csv"]),
-    ("fit risk-weight answers.csv --normalise --resamples 0 --svg ", "out.svg", &["answers.csv"]),
+    ("fit risk-weight answers.csv --normalise --resamples 40 --svg ", "out.svg", &["answers.csv"]),
 ];
 
 #[test]

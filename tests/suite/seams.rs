@@ -156,7 +156,8 @@ fn a_human_of_ones_own_resists_and_takes_over() {
     assert_eq!(summary.transition.map(|t| t.step), Some(4));
 }
 
-/// With bodies, who resists keeps the hand where it is: the robot pulls at it, and the team goes on once the human leads.
+/// With bodies, a human who resists keeps the hand where it is. The robot feels it and stops; the team goes on
+/// once the human leads.
 #[test]
 fn with_bodies_a_hand_that_resists_is_pulled_at() {
     let stage =
@@ -169,12 +170,13 @@ fn with_bodies_a_hand_that_resists_is_pulled_at() {
         hands.push(physics.hand.position);
         forces.push(physics.hand_force);
     }
+    let summary = episode.summary();
+    assert_eq!(summary.outcome, Outcome::Arrived, "{:?}; forces {forces:?}", summary.loss);
     let moved = |from: usize, to: usize| (hands[to] - hands[from]).norm();
     assert!(moved(1, 3) < 0.02, "while resisting: {} m", moved(1, 3));
     assert!(moved(8, 12) > 0.1, "while leading: {} m", moved(8, 12));
     let most = forces[1..=3].iter().fold(0.0_f64, |most, force| most.max(*force));
     assert!(most > 5.0, "{most} N");
-    assert_eq!(episode.summary().outcome, Outcome::Arrived);
 }
 
 /// A plant of one's own: a team that walks at half speed.
