@@ -17,7 +17,7 @@ use std::process::ExitCode;
 
 /// Show the contents of a recording
 #[derive(Args, Debug)]
-pub(super) struct Arguments {
+pub(super) struct InspectArguments {
     /// Recording (MCAP)
     file: PathBuf,
     /// Print one JSON object instead of text
@@ -39,7 +39,7 @@ pub(super) struct Arguments {
 /// The largest number of steps in a picture.
 const MOST_STEPS: usize = 1_000_000;
 
-pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+pub(super) fn run(arguments: &InspectArguments) -> Result<ExitCode, Failure> {
     let files = arguments.svg.iter().chain(&arguments.output);
     let outputs = arguments.overwrite.outputs([arguments.file.as_path()], files)?;
     if let Some(file) = &arguments.svg {

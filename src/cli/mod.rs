@@ -47,21 +47,21 @@ use std::process::ExitCode;
         cocarry run --plant rapier --record run.mcap      a recording, to watch in Foxglove\n  \
         cocarry inspect run.mcap                          contents of a recording"
 )]
-struct Arguments {
+struct ProgramArguments {
     #[command(subcommand)]
     command: Option<Command>,
 }
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Run(Box<run::Arguments>),
-    World(world::Arguments),
-    Sweep(sweep::Arguments),
+    Run(Box<run::RunArguments>),
+    World(world::WorldArguments),
+    Sweep(sweep::SweepArguments),
     #[command(subcommand)]
     Reproduce(reproduce::Claim),
-    Inspect(inspect::Arguments),
-    Recover(recover::Arguments),
-    Replay(replay::Arguments),
+    Inspect(inspect::InspectArguments),
+    Recover(recover::RecoverArguments),
+    Replay(replay::ReplayArguments),
     #[command(subcommand)]
     Fit(fit::Parameter),
     #[command(subcommand)]
@@ -70,7 +70,7 @@ enum Command {
 
 /// The program: parses the process's arguments, runs the command and prints errors.
 pub fn main() -> ExitCode {
-    let done = match Arguments::parse().command {
+    let done = match ProgramArguments::parse().command {
         None => run::example(),
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::World(arguments)) => world::run(&arguments),
@@ -104,12 +104,12 @@ mod tests {
 
     #[test]
     fn golden_the_command_line_is_consistent() {
-        super::Arguments::command().debug_assert();
+        super::ProgramArguments::command().debug_assert();
     }
 
     #[test]
     fn a_snapshot_takes_no_argument_that_settles_a_scenario() {
-        let mut command = super::Arguments::command();
+        let mut command = super::ProgramArguments::command();
         command.build();
         let run = command.find_subcommand("run").unwrap();
         let resume = run.get_arguments().find(|a| a.get_id() == "resume").unwrap();

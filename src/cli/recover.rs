@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 /// Save the intact messages of an incomplete or damaged recording
 #[derive(Args, Debug)]
-pub(super) struct Arguments {
+pub(super) struct RecoverArguments {
     /// Recording (MCAP), usually named NAME.mcap.partial
     file: PathBuf,
     /// Write the recovered recording into this file
@@ -23,7 +23,7 @@ pub(super) struct Arguments {
 /// The largest number of faults that are listed.
 const LISTED_FAULTS: usize = 10;
 
-pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+pub(super) fn run(arguments: &RecoverArguments) -> Result<ExitCode, Failure> {
     let OverwriteArguments { overwrite } = arguments.overwrite;
     arguments.overwrite.outputs([arguments.file.as_path()], [&arguments.output])?;
     let mut reader = Reader::open(&arguments.file).map_err(input)?;

@@ -20,13 +20,13 @@ use std::process::ExitCode;
 #[derive(Debug, Subcommand)]
 pub(super) enum Action {
     /// Run all runs, and write their figures into the file; the rest of the file stays as it is
-    Record(Arguments),
+    Record(RegressArguments),
     /// Run all runs, and list the figures that differ from those recorded; exit code 1 if there are any
-    Check(Arguments),
+    Check(RegressArguments),
 }
 
 #[derive(Args, Debug)]
-pub(super) struct Arguments {
+pub(super) struct RegressArguments {
     /// Runs (TOML): tables [[run]] with the keys of `cocarry run`'s arguments, and [tolerance]
     file: PathBuf,
     #[command(flatten)]
@@ -36,7 +36,7 @@ pub(super) struct Arguments {
 /// The arguments of a run, without the name of the program.
 #[derive(Parser, Debug)]
 #[command(no_binary_name = true)]
-struct RunArguments {
+struct BaselineRunArguments {
     #[command(flatten)]
     scenario: ScenarioArguments,
 }
@@ -91,7 +91,7 @@ fn place(file: &str, line: usize, name: &str) -> String {
 
 /// The scenario of a run: its keys are parsed as the arguments of `cocarry run`.
 fn scenario(file: &str, folder: &Path, run: &Run) -> Result<Scenario, Failure> {
-    let command = RunArguments::command();
+    let command = BaselineRunArguments::command();
     let mut line_of_words = Vec::new();
     for (key, value, line) in &run.arguments {
         let long = key.replace('_', "-");
@@ -134,7 +134,7 @@ fn scenario(file: &str, folder: &Path, run: &Run) -> Result<Scenario, Failure> {
         line_of_words.extend(words.into_iter().map(|word: String| (word, *line)));
     }
     let words = line_of_words.iter().map(|(word, _)| word.as_str());
-    let arguments = RunArguments::try_parse_from(words).map_err(|error| {
+    let arguments = BaselineRunArguments::try_parse_from(words).map_err(|error| {
         let named = error.get(ContextKind::InvalidArg).map(ToString::to_string).unwrap_or_default();
         let option = named.split([' ', '=']).next().unwrap_or_default();
         let is_named = |word: &str| !option.is_empty() && word.split('=').next() == Some(option);

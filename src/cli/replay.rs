@@ -9,12 +9,12 @@ use std::process::ExitCode;
 
 /// Run the scenario of a recording again, and compare every message
 #[derive(Args, Debug)]
-pub(super) struct Arguments {
+pub(super) struct ReplayArguments {
     /// Recording (MCAP)
     file: PathBuf,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+pub(super) fn run(arguments: &ReplayArguments) -> Result<ExitCode, Failure> {
     let open = || Reader::open(&arguments.file).map_err(input);
     let replayed = replay(open()?, open()?).map_err(input)?;
     let file = arguments.file.display();

@@ -24,7 +24,7 @@ use std::process::ExitCode;
 
 /// Run one episode: a human and a robot carry an object from A to B
 #[derive(Args, Debug)]
-pub(super) struct Arguments {
+pub(super) struct RunArguments {
     #[command(flatten)]
     scenario: ScenarioArguments,
     #[command(flatten)]
@@ -48,7 +48,7 @@ pub(super) struct Arguments {
     live: LiveArguments,
 }
 
-impl Arguments {
+impl RunArguments {
     /// The rule for the output files, which must not be inputs of the episode.
     fn outputs(&self, scenario: &Scenario, saves: &Saves) -> Result<Outputs, Failure> {
         let robot = scenario.plant.carrier().map(|carrier| &carrier.robot);
@@ -68,7 +68,7 @@ pub(super) fn example() -> Result<ExitCode, Failure> {
     #[derive(Parser)]
     struct Defaults {
         #[command(flatten)]
-        arguments: Arguments,
+        arguments: RunArguments,
     }
     let Perception { alpha, gamma } = EXAMPLE_HUMAN;
     let line = format!("run environment-4 --alpha {alpha} --gamma {gamma}");
@@ -76,7 +76,7 @@ pub(super) fn example() -> Result<ExitCode, Failure> {
     run(&Defaults::parse_from(line.split(' ')).arguments)
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+pub(super) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let (scenario, state) = match arguments.snapshots.load()? {
         None => (arguments.scenario.scenario()?, None),
         Some(Snapshot { scenario, state, .. }) => (scenario, Some(state)),

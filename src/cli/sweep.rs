@@ -18,7 +18,7 @@ use std::process::ExitCode;
 /// The rows go to NAME.partial beside the results, which is renamed when it is complete. A sweep that was
 /// stopped, by Ctrl-C or a power cut, resumes where it stopped when it is started again.
 #[derive(Args, Debug)]
-pub(super) struct Arguments {
+pub(super) struct SweepArguments {
     /// Study file (TOML)
     #[arg(required_unless_present_any = ["merge", "summary"], conflicts_with_all = ["merge", "summary"])]
     study: Option<PathBuf>,
@@ -45,7 +45,7 @@ pub(super) struct Arguments {
     common: Common,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+pub(super) fn run(arguments: &SweepArguments) -> Result<ExitCode, Failure> {
     if let Some(file) = &arguments.summary {
         tell(file, &file.display().to_string(), arguments.common.json)?;
     } else if let Some([out, shards @ ..]) = arguments.merge.as_deref() {
@@ -58,7 +58,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn sweep(arguments: &Arguments, file: &Path) -> Result<(), Failure> {
+fn sweep(arguments: &SweepArguments, file: &Path) -> Result<(), Failure> {
     let study = Study::load(file, arguments.seeds).map_err(failure)?;
     study.slow_drives().iter().for_each(warn);
     let out = arguments.out.clone().unwrap_or_else(|| results_of(file, arguments.shard));

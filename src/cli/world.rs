@@ -20,7 +20,7 @@ use std::process::ExitCode;
 /// Show the obstacles of a world, its openings with width and risk, and its options with length, risk, cost
 /// and probability
 #[derive(Args, Debug)]
-pub(super) struct Arguments {
+pub(super) struct WorldArguments {
     /// World file (TOML), or a built-in world: environment-1 to environment-4
     world: PathBuf,
     #[command(flatten)]
@@ -42,7 +42,7 @@ struct Offer {
     option: OptionTick,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+pub(super) fn run(arguments: &WorldArguments) -> Result<ExitCode, Failure> {
     let inputs = [Some(&arguments.world), arguments.model.belief.belief_samples.as_ref()];
     let inputs = inputs.into_iter().flatten().map(PathBuf::as_path);
     let outputs = arguments.overwrite.outputs(inputs, &arguments.svg)?;

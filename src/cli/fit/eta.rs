@@ -34,7 +34,7 @@ use std::path::PathBuf;
 /// for everyone. Intervals of medians are 95 % intervals. If the switches do not determine an interval, the
 /// output says why.
 #[derive(Args, Debug)]
-pub(in crate::cli) struct Arguments {
+pub(in crate::cli) struct EtaArguments {
     /// Switches (CSV)
     switches: PathBuf,
     /// Print one JSON object instead of tables
@@ -52,7 +52,7 @@ pub(in crate::cli) struct Arguments {
     overwrite: OverwriteArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &EtaArguments) -> Result<(), Failure> {
     let outputs = arguments.overwrite.outputs([arguments.switches.as_path()], &arguments.svg)?;
     let phi = arguments.initial_stubbornness;
     if phi >= 1.0 {

@@ -11,8 +11,8 @@ use std::process::ExitCode;
 /// Fit a parameter of the model to the answers of participants
 #[derive(Debug, Subcommand)]
 pub(super) enum Parameter {
-    RiskWeight(risk_weight::Arguments),
-    Eta(eta::Arguments),
+    RiskWeight(risk_weight::RiskWeightArguments),
+    Eta(eta::EtaArguments),
 }
 
 pub(super) fn run(parameter: &Parameter) -> Result<ExitCode, Failure> {

@@ -26,7 +26,7 @@ use std::path::PathBuf;
 /// file of answers, or a built-in world; `option` is the name of an option there. Other columns, and lines
 /// that begin with #, are ignored.
 #[derive(Args, Debug)]
-pub(in crate::cli) struct Arguments {
+pub(in crate::cli) struct RiskWeightArguments {
     /// Answers (CSV)
     answers: PathBuf,
     #[command(flatten)]
@@ -54,7 +54,7 @@ pub(in crate::cli) struct Arguments {
     overwrite: OverwriteArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &RiskWeightArguments) -> Result<(), Failure> {
     let outputs = arguments.overwrite.outputs([arguments.answers.as_path()], &arguments.svg)?;
     let file = AnswerFile::read(&arguments.answers).map_err(input)?;
     let worlds = options(&arguments.answers, file.worlds(), RISK_WEIGHT)?;

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 #[derive(Args, Debug)]
-pub(in super::super) struct Arguments {
+pub(in super::super) struct AllArguments {
     #[command(flatten)]
     common: Common,
     /// Write the report into this folder: report.html, report.md, a CSV file for each table, figures/*.svg
@@ -39,7 +39,7 @@ pub(in super::super) struct Arguments {
 /// The page. It is written last: where it exists, the report is complete.
 const PAGE: &str = "report.html";
 
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &AllArguments) -> Result<(), Failure> {
     let folder = &arguments.report;
     prepare(folder, arguments.overwrite)?;
     let robot = load_robot(None)?;

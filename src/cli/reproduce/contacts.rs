@@ -10,7 +10,7 @@ use clap::Args;
 use serde_json::json;
 
 #[derive(Args, Debug)]
-pub(in super::super) struct Arguments {
+pub(in super::super) struct ContactsArguments {
     #[command(flatten)]
     common: Common,
     /// Walks through each opening from each of three angles, each with its own gait
@@ -23,7 +23,7 @@ pub(in super::super) struct Arguments {
     sway: SwayArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     let plant = arguments.sway.plant()?;
     let settings = Settings::default();
     let study =

@@ -15,7 +15,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
-pub(in super::super) struct Arguments {
+pub(in super::super) struct CyclesArguments {
     #[command(flatten)]
     common: Common,
     /// Number of random worlds [default: 10000; 200 with --plant rapier]
@@ -36,7 +36,7 @@ pub(in super::super) struct Arguments {
     overwrite: OverwriteArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &CyclesArguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.keep {
         // before the work, which would otherwise be lost
         std::fs::create_dir_all(folder)

@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 
 #[derive(Args, Debug)]
-pub(in super::super) struct Arguments {
+pub(in super::super) struct H2Arguments {
     #[command(flatten)]
     common: Common,
     /// Seed of the twenty random humans
@@ -38,7 +38,7 @@ pub(in super::super) struct Arguments {
     overwrite: OverwriteArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &H2Arguments) -> Result<(), Failure> {
     if arguments.plant == PlantKind::Rapier {
         return run_with_bodies(arguments);
     }
@@ -86,7 +86,7 @@ fn example_json(run: &ExampleRun) -> Value {
     })
 }
 
-fn run_with_bodies(arguments: &Arguments) -> Result<(), Failure> {
+fn run_with_bodies(arguments: &H2Arguments) -> Result<(), Failure> {
     if arguments.svg.is_some() {
         return Err(input(anyhow::anyhow!("--svg needs --plant point: it draws the Environment 4 example")));
     }

@@ -16,7 +16,7 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
-pub(in super::super) struct Arguments {
+pub(in super::super) struct H3Arguments {
     #[command(flatten)]
     common: Common,
     /// Plant: `kinematic`, as in the paper, or `rapier`, with bodies
@@ -44,7 +44,7 @@ pub(in super::super) struct Arguments {
     overwrite: OverwriteArguments,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &H3Arguments) -> Result<(), Failure> {
     let files = arguments.humans.iter().chain(&arguments.svg);
     let robot = load_robot(arguments.robot.as_deref())?;
     let inputs = [&robot.texts.file, &robot.texts.urdf_file].map(Path::new);

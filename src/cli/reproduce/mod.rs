@@ -21,23 +21,23 @@ use std::process::ExitCode;
 #[derive(Debug, Subcommand)]
 pub(super) enum Claim {
     /// Table I: how humans choose between the options of four environments
-    H1(H1),
+    H1(H1Arguments),
     /// Table II: objective cost with and without the mode transition, and the Environment 4 example
-    H2(h2::Arguments),
+    H2(h2::H2Arguments),
     /// Table III: control cost with and without pose optimisation, for a leading human with preference
     /// changes
-    H3(h3::Arguments),
+    H3(h3::H3Arguments),
     /// Contacts: how often a team with bodies touches the sides of an opening, by the paper's risk S = d_r /
     /// w
-    Contacts(contacts::Arguments),
+    Contacts(contacts::ContactsArguments),
     /// "No locked cycles" (Sec. IV-B): random worlds and humans, each episode run to its end
-    Cycles(cycles::Arguments),
+    Cycles(cycles::CyclesArguments),
     /// A report of all claims with tables and pictures: H1, H2, H3, locked cycles, and Table II with bodies
-    All(all::Arguments),
+    All(all::AllArguments),
 }
 
 #[derive(Args, Debug)]
-pub(super) struct H1 {
+pub(super) struct H1Arguments {
     #[command(flatten)]
     common: Common,
 }
@@ -54,7 +54,7 @@ pub(super) fn run(claim: &Claim) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn run_h1(arguments: &H1) -> Result<(), Failure> {
+fn run_h1(arguments: &H1Arguments) -> Result<(), Failure> {
     let settings = Settings::default();
     let rows = h1::table(&settings.predictor).map_err(input)?;
     let (mean, worst) = h1::differences(&rows);
