@@ -1,5 +1,6 @@
 //! The command-line program.
 
+mod episode_report;
 mod fit;
 mod inspect;
 mod interrupt;
@@ -20,7 +21,6 @@ mod settings;
 mod snapshots;
 mod sweep;
 mod tick_log;
-mod told;
 mod world;
 
 use clap::{Parser, Subcommand};

@@ -1,5 +1,6 @@
 //! `cocarry run`: runs one episode and reports, tabulates, draws or records it.
 
+use super::episode_report::EpisodeReport;
 use super::interrupt::Interrupt;
 use super::live::LiveArguments;
 use super::output::{Failure, OverwriteArguments, Progress, print, print_json, warn, write_file};
@@ -8,7 +9,6 @@ use super::scenario::ScenarioArguments;
 use super::serving::Serving;
 use super::snapshots::{Saves, SnapshotArguments};
 use super::tick_log;
-use super::told::Told;
 use crate::drawing;
 use crate::episode::{Outcome, State, Summary};
 use crate::output_file::Outputs;
@@ -127,18 +127,18 @@ pub(super) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
         serving.into_iter().for_each(Serving::stop);
         return Ok(ExitCode::from(130));
     }
-    let told = Told { stage: &stage, episode: &episode, resumed, ticks };
+    let report = EpisodeReport { stage: &stage, episode: &episode, resumed, ticks };
     log.map_or(Ok(()), |log| log.finish(&outputs))?;
     if let Some(path) = &arguments.svg {
-        let svg = drawing::adaptation(stage.world(), &[told.track()], stage.scenario().settings.period)
+        let svg = drawing::adaptation(stage.world(), &[report.track()], stage.scenario().settings.period)
             .with_context(|| path.display().to_string())
             .map_err(Failure::Output)?;
         write_file(&outputs, path, &svg)?;
     }
     if arguments.json {
-        print_json(&told.as_json())?;
+        print_json(&report.as_json())?;
     } else {
-        print(&told.as_text())?;
+        print(&report.as_text())?;
     }
     serving.into_iter().for_each(Serving::stop);
     saves.finish(steps)?;

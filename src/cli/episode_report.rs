@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 
 /// The report of a finished episode.
-pub(super) struct Told<'a> {
+pub(super) struct EpisodeReport<'a> {
     pub stage: &'a PreparedScenario,
     pub episode: &'a Episode<'a>,
     /// The step at which the episode was resumed; `None` if it ran from its beginning.
@@ -26,7 +26,7 @@ pub(super) struct Told<'a> {
     pub ticks: Vec<Tick>,
 }
 
-impl Told<'_> {
+impl EpisodeReport<'_> {
     fn view(&self) -> View<'_> {
         View { stage: self.stage, episode: self.episode }
     }
@@ -239,7 +239,7 @@ impl Told<'_> {
 
     pub fn as_json(&self) -> Value {
         let (world, scenario, settings) = (self.stage.world(), self.stage.scenario(), self.settings());
-        let mut told = json!({
+        let mut report = json!({
             "world": world.name,
             "file": world.file,
             "human": { "alpha": scenario.human.alpha, "gamma": scenario.human.gamma },
@@ -268,12 +268,12 @@ impl Told<'_> {
             "warnings": self.warnings(),
         });
         for (key, value) in self.view().read(EPISODE) {
-            told[key] = value;
+            report[key] = value;
         }
         if let Some(step) = self.resumed {
-            told["resumed_at_step"] = json!(step);
+            report["resumed_at_step"] = json!(step);
         }
-        told
+        report
     }
 
     /// All preference changes of the scenario, by step: whether each was applied, and the option preferred
@@ -283,7 +283,7 @@ impl Told<'_> {
         let mut given = self.stage.scenario().changes.clone();
         given.sort_by_key(|change| change.step);
         let is_last = |i: usize| given.get(i + 1).is_none_or(|next| next.step != given[i].step);
-        let told = given.iter().enumerate().map(|(i, change)| {
+        let changes = given.iter().enumerate().map(|(i, change)| {
             let is_applied = is_last(i) && applied.contains(change);
             let tick = self.tick(change.step).filter(|_| is_applied);
             json!({
@@ -295,7 +295,7 @@ impl Told<'_> {
                 "preferred": tick.map(|tick| self.option_name(tick.preferred)),
             })
         });
-        told.collect()
+        changes.collect()
     }
 }
 
