@@ -15,7 +15,7 @@ mod reproduce;
 mod robot;
 mod run;
 mod scenario;
-#[cfg_attr(not(feature = "live"), path = "serving_nobody.rs")]
+#[cfg_attr(not(feature = "live"), path = "serving_unavailable.rs")]
 mod serving;
 mod settings;
 mod snapshots;
