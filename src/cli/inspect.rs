@@ -159,7 +159,7 @@ fn write_table<R: std::io::Read>(
     name: &str,
 ) -> Result<(), Failure> {
     let failed = |error: csv::Error| {
-        // as an error of the system where it is one: a reader that went away is not told so
+        // as a system error where it is one: a broken pipe is not an error
         let error = match error.into_kind() {
             csv::ErrorKind::Io(error) => anyhow!(error),
             other => anyhow!("{other:?}"),

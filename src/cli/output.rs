@@ -106,9 +106,9 @@ pub(super) fn option_json(
     openings: &[impl AsRef<str>],
     option: &OptionTick,
 ) -> serde_json::Value {
-    let mut told = quantities::json(OptionView { name, option }.read());
-    told["openings"] = openings.iter().map(AsRef::as_ref).collect();
-    told
+    let mut fields = quantities::json(OptionView { name, option }.read());
+    fields["openings"] = openings.iter().map(AsRef::as_ref).collect();
+    fields
 }
 
 /// Prints a warning. The command continues.

@@ -47,11 +47,11 @@ pub(super) struct SweepArguments {
 
 pub(super) fn run(arguments: &SweepArguments) -> Result<ExitCode, Failure> {
     if let Some(file) = &arguments.summary {
-        tell(file, &file.display().to_string(), arguments.common.json)?;
+        print_summary(file, &file.display().to_string(), arguments.common.json)?;
     } else if let Some([out, shards @ ..]) = arguments.merge.as_deref() {
         let episodes = merge(out, shards, arguments.overwrite).map_err(failure)?;
-        let told = format!("{}: {episodes} episodes of {} files", out.display(), shards.len());
-        tell(out, &told, arguments.common.json)?;
+        let title = format!("{}: {episodes} episodes of {} files", out.display(), shards.len());
+        print_summary(out, &title, arguments.common.json)?;
     } else if let Some(study) = &arguments.study {
         sweep(arguments, study)?;
     }
@@ -69,9 +69,10 @@ fn sweep(arguments: &SweepArguments, file: &Path) -> Result<(), Failure> {
     let bar = Progress::new((episodes - kept) as usize, "episodes");
     arguments.common.on_threads(|| sweep.run(&|| bar.step()))?.map_err(failure)?;
     bar.finish();
-    let mut told = format!("{}: {episodes} episodes of {} combinations", out.display(), study.combinations());
+    let mut title =
+        format!("{}: {episodes} episodes of {} combinations", out.display(), study.combinations());
     if kept > 0 {
-        let _ = write!(told, ", {kept} of them from the earlier run");
+        let _ = write!(title, ", {kept} of them from the earlier run");
     }
     match (arguments.shard, episodes) {
         (Some(Shard { number, of }), 0) => {
@@ -79,7 +80,7 @@ fn sweep(arguments: &SweepArguments, file: &Path) -> Result<(), Failure> {
             eprintln!("note: shard {number}/{of} has no episode");
             Ok(())
         }
-        _ => tell(&out, &told, arguments.common.json),
+        _ => print_summary(&out, &title, arguments.common.json),
     }
 }
 
@@ -109,13 +110,13 @@ fn shard(text: &str) -> Result<Shard, String> {
 }
 
 /// Prints the tables of a file of results.
-fn tell(file: &Path, told: &str, as_json: bool) -> Result<(), Failure> {
+fn print_summary(file: &Path, title: &str, as_json: bool) -> Result<(), Failure> {
     let summary = Summary::load(file).map_err(failure)?;
     if as_json {
         let value = serde_json::to_value(&summary).map_err(|e| Failure::Output(Error::from(e)))?;
         return print_json(&json!({ "file": file.display().to_string(), "summary": value }));
     }
-    let mut text = format!("{told}\n\n");
+    let mut text = format!("{title}\n\n");
     text += &groups(&summary);
     text += &comparisons(&summary);
     print(&text)

@@ -61,7 +61,7 @@ pub(super) fn run(arguments: &AllArguments) -> Result<(), Failure> {
     );
     let files = write(&report, folder, &made)?;
     if arguments.common.json {
-        return print_json(&told(&report, &plan, folder, &files));
+        return print_json(&report_json(&report, &plan, folder, &files));
     }
     let mut text = String::new();
     for section in &report.sections {
@@ -145,7 +145,7 @@ fn write(report: &Report, folder: &Path, made: &str) -> Result<Vec<String>, Fail
 }
 
 /// The findings and the files written, as JSON.
-fn told(report: &Report, plan: &Plan, folder: &Path, files: &[String]) -> Value {
+fn report_json(report: &Report, plan: &Plan, folder: &Path, files: &[String]) -> Value {
     let claims = report.sections.iter().map(|section| {
         let finding = &section.finding;
         json!({ "claim": finding.claim, "verdict": finding.verdict, "figures": finding.figures })
