@@ -37,7 +37,7 @@ pub struct Study<'a> {
 
 /// All walks through openings of one risk.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct ContactRow {
     /// S = d_r / w.
     pub risk: f64,
     /// w, m.
@@ -66,12 +66,12 @@ impl Study<'_> {
     ///
     /// # Errors
     /// If the physical plant cannot be set up.
-    pub fn table(&self, on_done: OnDone) -> Result<Vec<Row>, BuiltInError> {
+    pub fn table(&self, on_done: OnDone) -> Result<Vec<ContactRow>, BuiltInError> {
         RISKS.iter().map(|risk| self.row(*risk, on_done)).collect()
     }
 
-    fn row(&self, risk: f64, on_done: OnDone) -> Result<Row, BuiltInError> {
-        let mut row = Row {
+    fn row(&self, risk: f64, on_done: OnDone) -> Result<ContactRow, BuiltInError> {
+        let mut row = ContactRow {
             risk,
             width: ROBOT_WIDTH / risk,
             walks: ANGLES.len() * self.walks,

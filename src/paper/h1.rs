@@ -9,7 +9,7 @@ use serde::Serialize;
 
 /// One cell of Table I.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct ChoiceRow {
     /// Environment, 1 to 4.
     pub environment: u32,
     /// Option, by name.
@@ -26,7 +26,7 @@ pub struct Row {
 ///
 /// # Errors
 /// If a built-in world is not valid.
-pub fn table(predictor: &Predictor) -> Result<Vec<Row>, BuiltInError> {
+pub fn table(predictor: &Predictor) -> Result<Vec<ChoiceRow>, BuiltInError> {
     let mut rows = Vec::new();
     let mut predictor = predictor.clone();
     let mut choice = ChoiceDistribution::default();
@@ -35,7 +35,7 @@ pub fn table(predictor: &Predictor) -> Result<Vec<Row>, BuiltInError> {
         let prospects = prospects(&set, &set.begin());
         predictor.predict(&prospects, &mut choice);
         for (o, option) in set.options().iter().enumerate() {
-            rows.push(Row {
+            rows.push(ChoiceRow {
                 environment: environment.number,
                 option: option.name.clone(),
                 human_percent: environment.human_percent[o],
@@ -48,7 +48,7 @@ pub fn table(predictor: &Predictor) -> Result<Vec<Row>, BuiltInError> {
 }
 
 /// Mean and largest absolute difference between our figures and the paper's model output, percentage points.
-pub fn differences(rows: &[Row]) -> (f64, f64) {
+pub fn differences(rows: &[ChoiceRow]) -> (f64, f64) {
     let off: Vec<f64> = rows.iter().map(|r| (r.ours_percent - r.paper_percent).abs()).collect();
     (off.iter().sum::<f64>() / off.len() as f64, off.iter().copied().fold(0.0, f64::max))
 }
@@ -72,19 +72,19 @@ pub struct Fit {
 }
 
 /// The fit of the models to each environment's answers.
-pub fn fits(rows: &[Row]) -> Vec<Fit> {
+pub fn fits(rows: &[ChoiceRow]) -> Vec<Fit> {
     let environments = rows.chunk_by(|a, b| a.environment == b.environment);
     environments
         .map(|rows| {
-            let off = |model: &dyn Fn(usize, &Row) -> f64| {
+            let off = |model: &dyn Fn(usize, &ChoiceRow) -> f64| {
                 let sum: f64 =
                     rows.iter().enumerate().map(|(i, r)| (model(i, r) - r.human_percent).abs()).sum();
                 sum / rows.len() as f64
             };
             let everyone = |option: usize| off(&|i, _| if i == option { 100.0 } else { 0.0 });
             let all = || rows.iter().enumerate().flat_map(|(i, a)| rows[i + 1..].iter().map(move |b| (a, b)));
-            let differ = |(a, b): &(&Row, &Row)| a.human_percent != b.human_percent;
-            let same = |(a, b): &(&Row, &Row)| {
+            let differ = |(a, b): &(&ChoiceRow, &ChoiceRow)| a.human_percent != b.human_percent;
+            let same = |(a, b): &(&ChoiceRow, &ChoiceRow)| {
                 (a.human_percent - b.human_percent) * (a.ours_percent - b.ours_percent) > 0.0
             };
             Fit {
@@ -105,7 +105,7 @@ mod tests {
 
     #[test]
     fn closed_form_fits_of_an_environment() {
-        let row = |human_percent, paper_percent, ours_percent| Row {
+        let row = |human_percent, paper_percent, ours_percent| ChoiceRow {
             environment: 7,
             option: String::new(),
             human_percent,

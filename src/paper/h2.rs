@@ -25,7 +25,7 @@ pub const EPISODES: usize = ENVIRONMENTS.len() * COLUMNS.len() * (GRID * GRID + 
 
 /// One cell of Table II.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct CostRow {
     /// Environment, 1 to 4.
     pub environment: u32,
     /// `mutual`, or `without-model`.
@@ -53,7 +53,7 @@ pub struct Row {
 ///
 /// # Errors
 /// If a built-in world is not valid.
-pub fn table(settings: &Settings, seed: u64, on_done: OnDone) -> Result<Vec<Row>, BuiltInError> {
+pub fn table(settings: &Settings, seed: u64, on_done: OnDone) -> Result<Vec<CostRow>, BuiltInError> {
     let grid = humans_on_grid(settings.predictor.belief());
     let sample = humans_at_random(settings.predictor.belief(), seed, SAMPLES);
     let mut rows = Vec::new();
@@ -80,7 +80,7 @@ fn cell(
     stage: &PreparedScenario,
     [grid, sample]: [&[Perception]; 2],
     on_done: OnDone,
-) -> Result<(Row, Vec<f64>), ScenarioError> {
+) -> Result<(CostRow, Vec<f64>), ScenarioError> {
     let eta = COLUMNS[column];
     let stage = with_eta(stage, eta, EXAMPLE_HUMAN)?;
     let (led, transition_step) = led_by_robot(&stage)?;
@@ -92,7 +92,7 @@ fn cell(
     let (on_grid, lost_on_grid) = costs(grid);
     let (at_random, lost_at_random) = costs(sample);
     let (sample_mean, sample_std) = mean_and_std(&at_random);
-    let row = Row {
+    let row = CostRow {
         environment: environment.number,
         method: method(eta),
         eta,

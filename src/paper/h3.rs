@@ -123,7 +123,7 @@ pub struct Study<'a> {
 
 /// One method in one cell of Table III, from one start.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct PoseRow {
     /// Environment, 1 to 4.
     pub environment: u32,
     /// S1 to S4.
@@ -178,7 +178,7 @@ impl Study<'_> {
     ///
     /// # Errors
     /// If a built-in world is not valid.
-    pub fn table(&self, on_done: OnDone) -> Result<Vec<Row>, BuiltInError> {
+    pub fn table(&self, on_done: OnDone) -> Result<Vec<PoseRow>, BuiltInError> {
         let mut rows = Vec::new();
         for environment in &ENVIRONMENTS {
             rows.extend(self.environment(environment, on_done)?);
@@ -190,7 +190,7 @@ impl Study<'_> {
         Ok(rows)
     }
 
-    fn environment(&self, environment: &Environment, on_done: OnDone) -> Result<Vec<Row>, BuiltInError> {
+    fn environment(&self, environment: &Environment, on_done: OnDone) -> Result<Vec<PoseRow>, BuiltInError> {
         let settings = Settings { method: Method::HUMAN_LED, ..self.settings.clone() };
         let stage = prepared(environment.world()?, &settings, self.plant)?;
         let humans = self.humans_of(environment, stage.options())?;
@@ -323,7 +323,7 @@ fn row(
     (methods, method): (&[PoseMethod], usize),
     all: &[End],
     (n, is_noisy): (usize, bool),
-) -> Row {
+) -> PoseRow {
     let ends = |m: usize| &all[m * n..(m + 1) * n];
     let this = methods[method];
     let baseline = methods.iter().position(|m| *m == this.baseline()).unwrap_or(0);
@@ -340,7 +340,7 @@ fn row(
     let steps: u64 = ends(method).iter().map(|e| e.steps).sum();
     let squared: f64 = ends(method).iter().map(|e| e.control.squared_error).sum();
     let constrained: u64 = ends(method).iter().map(|e| e.control.constrained_steps).sum();
-    Row {
+    PoseRow {
         environment: environment.number,
         setting: SETTINGS[setting].name,
         method: this,

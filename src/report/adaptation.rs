@@ -3,7 +3,7 @@
 use super::pairs::{SIGNIFICANCE_LEVEL, compared, difference, explained, is_significant, rounded};
 use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
 use crate::drawing::{Curve, CurvePanel, DrawingError, Track, adaptation, curves};
-use crate::paper::h2::{self, ExampleRun, Row};
+use crate::paper::h2::{self, CostRow, ExampleRun};
 use crate::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
 use crate::parallel::OnDone;
 use crate::policy::Method;
@@ -15,7 +15,7 @@ use crate::world::World;
 pub(super) const PART: Part = Part { name: "Table II", episodes: |_| h2::EPISODES, run };
 
 /// Table II: accumulated objective costs.
-pub fn table_2(rows: &[Row]) -> Table {
+pub fn table_2(rows: &[CostRow]) -> Table {
     let baselines = with_baseline(rows);
     let columns = Columns::of(&baselines)
         .numbered("environment", "environment", |(r, _)| r.environment)
@@ -56,7 +56,7 @@ pub(super) fn method(eta: Option<f64>) -> String {
 }
 
 /// Every row with the mean of its environment's row without the model, which comes first.
-fn with_baseline(rows: &[Row]) -> Vec<(&Row, f64)> {
+fn with_baseline(rows: &[CostRow]) -> Vec<(&CostRow, f64)> {
     let mut without = f64::NAN;
     rows.iter()
         .map(|row| {
@@ -169,8 +169,8 @@ fn growth(runs: &[ExampleRun]) -> Vec<CurvePanel> {
     ]
 }
 
-fn finding(rows: &[Row]) -> Finding {
-    let pairs: Vec<(&Row, f64)> =
+fn finding(rows: &[CostRow]) -> Finding {
+    let pairs: Vec<(&CostRow, f64)> =
         with_baseline(rows).into_iter().filter(|(row, _)| row.eta.is_some()).collect();
     let reductions: Vec<f64> =
         pairs.iter().map(|(row, without)| 100.0 * (1.0 - row.ours_mean / without)).collect();
@@ -204,7 +204,7 @@ fn finding(rows: &[Row]) -> Finding {
 
 /// The result of the paper's own protocol, a sample of random humans, for the cells with the model; and the
 /// number of cells in which it shows a lower cost.
-fn sampled(pairs: &[(&Row, f64)]) -> (String, usize) {
+fn sampled(pairs: &[(&CostRow, f64)]) -> (String, usize) {
     let all: Vec<_> = pairs.iter().filter_map(|(row, _)| Some((row, row.sample_against_without?))).collect();
     let is_lower = |paired: &Paired| paired.difference.mean < 0.0;
     let lower = all.iter().filter(|(_, paired)| is_lower(paired)).count();

@@ -3,7 +3,7 @@
 use super::adaptation::method;
 use super::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant};
 use super::part::{Block, Finding, Part, Plan, ReportError, Section, holds};
-use crate::paper::h2::{self, BodiesRow as Row, WithBodies};
+use crate::paper::h2::{self, BodiesRow, WithBodies};
 use crate::parallel::OnDone;
 use crate::scenario::{Plant, PlantKind, RobotSetup};
 use crate::table::{Cell, Columns, Table};
@@ -13,7 +13,7 @@ pub(super) const PART: Part =
     Part { name: "Table II with bodies", episodes: |plan| 2 * h2::units(plan.humans), run };
 
 /// Table II's episodes with bodies, compared with those without.
-pub fn table_2_with_bodies(rows: &[Row], humans: usize, sway: f64) -> Table {
+pub fn table_2_with_bodies(rows: &[BodiesRow], humans: usize, sway: f64) -> Table {
     let columns = Columns::of(rows)
         .numbered("environment", "environment", |r| r.environment)
         .text("method", "method", |r| method(r.eta))
@@ -84,7 +84,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     })
 }
 
-fn finding(rows: &[Row]) -> Finding {
+fn finding(rows: &[BodiesRow]) -> Finding {
     let mut without = f64::NAN;
     let (mut cells, mut cheaper) = (0, 0);
     for row in rows {
@@ -98,7 +98,7 @@ fn finding(rows: &[Row]) -> Finding {
     }
     let against = || rows.iter().filter_map(|r| r.against_without);
     let shown = against().filter(|p| p.difference.mean < 0.0 && is_significant(p)).count();
-    let sum = |of: fn(&Row) -> usize| rows.iter().map(of).sum::<usize>();
+    let sum = |of: fn(&BodiesRow) -> usize| rows.iter().map(of).sum::<usize>();
     let ratio = rows.iter().map(|r| r.mean_ratio).sum::<f64>() / rows.len() as f64;
     Finding {
         claim: "H2, where the team has bodies (not in the paper)",

@@ -5,7 +5,7 @@ use crate::drawing::{Curve, CurvePanel, RegionPanel, curves, preference_regions,
 use crate::episode::prospects;
 use crate::options::OptionSet;
 use crate::paper::ENVIRONMENTS;
-use crate::paper::h1::{self, Fit, Row};
+use crate::paper::h1::{self, ChoiceRow, Fit};
 use crate::preference::{ChoiceDistribution, Predictor, Regions, perceived_distance, perceived_risk};
 use crate::table::{Columns, Table};
 
@@ -19,7 +19,7 @@ const GAMMAS: [f64; 6] = [0.5, 0.65, 0.8, 0.95, 1.1, 1.0];
 const LONGEST_DISTANCE_M: f64 = 45.0;
 
 /// Table I: humans, the paper's model, the project's model.
-pub fn table_1(rows: &[Row]) -> Table {
+pub fn table_1(rows: &[ChoiceRow]) -> Table {
     let (mean, worst) = h1::differences(rows);
     Columns::of(rows)
         .numbered("environment", "environment", |r| r.environment)
@@ -102,7 +102,7 @@ fn run(plan: &Plan, _: crate::parallel::OnDone) -> Result<Section, ReportError> 
     Ok(Section { title: "H1: how humans choose".to_owned(), finding: finding(&rows, &fits), blocks })
 }
 
-fn finding(rows: &[Row], fits: &[Fit]) -> Finding {
+fn finding(rows: &[ChoiceRow], fits: &[Fit]) -> Finding {
     let better = fits.iter().filter(|f| f.ours < f.fixed).count();
     let mean = |of: fn(&Fit) -> f64| fits.iter().map(of).sum::<f64>() / fits.len() as f64;
     let [ranked, pairs] = [fits.iter().map(|f| f.ranked).sum::<usize>(), fits.iter().map(|f| f.pairs).sum()];

@@ -3,7 +3,7 @@
 use super::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant, rounded};
 use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::drawing::{DrawingError, RatioPanel, RatioRow, cost_ratios};
-use crate::paper::h3::{self, PoseMethod, Row, Study};
+use crate::paper::h3::{self, PoseMethod, PoseRow, Study};
 use crate::paper::{ENVIRONMENTS, SETTINGS};
 use crate::parallel::OnDone;
 use crate::scenario::{Plant, PlantKind, RobotSetup};
@@ -20,7 +20,7 @@ pub(super) const PART: Part = Part {
 #[derive(Clone, Copy, Debug)]
 pub struct Compared<'a> {
     /// Rows of all starts.
-    pub rows: &'a [Row],
+    pub rows: &'a [PoseRow],
     /// The start.
     pub start: &'a str,
     /// The methods that were run.
@@ -39,7 +39,7 @@ const METHODS: [(PoseMethod, &str, &str); 6] = [
 ];
 
 impl<'a> Compared<'a> {
-    fn of(self, method: PoseMethod) -> impl Iterator<Item = &'a Row> {
+    fn of(self, method: PoseMethod) -> impl Iterator<Item = &'a PoseRow> {
         self.rows.iter().filter(move |r| r.start == self.start && r.method == method)
     }
 
@@ -56,7 +56,7 @@ impl<'a> Compared<'a> {
     }
 
     /// Every cell without and with pose optimisation.
-    fn pairs(self) -> Vec<[&'a Row; 2]> {
+    fn pairs(self) -> Vec<[&'a PoseRow; 2]> {
         let with = self.of(PoseMethod::WithPo);
         self.of(PoseMethod::WithoutPo).zip(with).map(|(without, with)| [without, with]).collect()
     }
@@ -75,7 +75,7 @@ fn saving(with: f64, without: f64) -> String {
 
 /// The paper's table beside the project's.
 pub fn table_3(shown: Compared) -> Table {
-    let paper = |row: &Row| row.paper_mean.unwrap_or(f64::NAN);
+    let paper = |row: &PoseRow| row.paper_mean.unwrap_or(f64::NAN);
     let pairs = shown.pairs();
     let columns = Columns::of(&pairs)
         .numbered("environment", "environment", |[_, with]| with.environment)
@@ -177,7 +177,7 @@ pub fn table_3_ratios(compared: Compared) -> Table {
 /// The composition of C, with and without pose optimisation.
 fn parts_table(compared: Compared) -> Table {
     let pairs = compared.pairs();
-    let rows: Vec<&Row> = pairs.iter().flatten().copied().collect();
+    let rows: Vec<&PoseRow> = pairs.iter().flatten().copied().collect();
     figures(Columns::of(&rows))
         .table(
             &format!("table-3-parts-{}", compared.start),
@@ -188,8 +188,8 @@ fn parts_table(compared: Compared) -> Table {
 }
 
 /// Every row of every method and start, for programs.
-fn all_rows(rows: &[Row]) -> Table {
-    let rows: Vec<&Row> = rows.iter().collect();
+fn all_rows(rows: &[PoseRow]) -> Table {
+    let rows: Vec<&PoseRow> = rows.iter().collect();
     let mut table = figures(Columns::of(&rows))
         .data("paper_mean", |r| r.paper_mean)
         .data("ratio", |r| r.ratio)
@@ -210,7 +210,7 @@ fn all_rows(rows: &[Row]) -> Table {
     table
 }
 
-fn figures<'a>(columns: Columns<'a, &'a Row>) -> Columns<'a, &'a Row> {
+fn figures<'a>(columns: Columns<'a, &'a PoseRow>) -> Columns<'a, &'a PoseRow> {
     columns
         .numbered("environment", "environment", |r| r.environment)
         .text("setting", "setting", |r| r.setting)
@@ -236,7 +236,7 @@ fn figures<'a>(columns: Columns<'a, &'a Row>) -> Columns<'a, &'a Row> {
 ///
 /// # Errors
 /// If a ratio is not a number, as where no episode arrived.
-pub fn ratio_picture(rows: &[Row], starts: &[&str]) -> Result<String, DrawingError> {
+pub fn ratio_picture(rows: &[PoseRow], starts: &[&str]) -> Result<String, DrawingError> {
     let paper = RatioRow {
         label: "paper, with PO".to_owned(),
         ratios: ENVIRONMENTS
@@ -296,9 +296,9 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
 
 /// The finding on `compared`, which has every start, the robot's first one first.
 fn finding(compared: &[Compared]) -> Finding {
-    let pairs: Vec<[&Row; 2]> = compared.iter().take(1).flat_map(|c| c.pairs()).collect();
-    let cheaper = |pairs: &[[&Row; 2]]| pairs.iter().filter(|[_, with]| with.ratio < 1.0).count();
-    let sum = |of: fn(&Row) -> usize| pairs.iter().map(|[_, with]| of(with)).sum::<usize>();
+    let pairs: Vec<[&PoseRow; 2]> = compared.iter().take(1).flat_map(|c| c.pairs()).collect();
+    let cheaper = |pairs: &[[&PoseRow; 2]]| pairs.iter().filter(|[_, with]| with.ratio < 1.0).count();
+    let sum = |of: fn(&PoseRow) -> usize| pairs.iter().map(|[_, with]| of(with)).sum::<usize>();
     let tested: Vec<_> = pairs.iter().filter_map(|[_, with]| with.against_baseline?.p_holm).collect();
     let shown = pairs.iter().filter_map(|[_, with]| with.against_baseline.as_ref());
     let shown = shown.filter(|paired| paired.difference.mean < 0.0 && is_significant(paired)).count();
@@ -352,8 +352,8 @@ fn account(compared: &[Compared]) -> String {
     let Some(first) = compared.first() else { return String::new() };
     let ratio = |c: &Compared, method| format!("{:.3}", c.mean_ratio(method));
     let share = |c: &Compared, method| {
-        let rows: Vec<&Row> = c.of(method).collect();
-        let of = |count: fn(&Row) -> usize| rows.iter().map(|r| count(r)).sum::<usize>();
+        let rows: Vec<&PoseRow> = c.of(method).collect();
+        let of = |count: fn(&PoseRow) -> usize| rows.iter().map(|r| count(r)).sum::<usize>();
         format!("{:.0} %", 100.0 * of(|r| r.overlapping_episodes) as f64 / of(|r| r.episodes) as f64)
     };
     let elsewhere = |method| -> String {

@@ -25,7 +25,7 @@ fn paper_table_1() {
     assert!(worst <= 2.5, "largest difference {worst} percentage points");
     assert!(mean <= 1.0, "mean difference {mean} percentage points");
     for environment in rows.chunks(4) {
-        let ranking = |value: fn(&h1::Row) -> f64| {
+        let ranking = |value: fn(&h1::ChoiceRow) -> f64| {
             let mut order: Vec<usize> = (0..4).collect();
             order.sort_by(|&a, &b| value(&environment[b]).total_cmp(&value(&environment[a])));
             order

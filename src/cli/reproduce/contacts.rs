@@ -5,7 +5,7 @@ use super::super::output::{Failure, Progress, input, print, print_json, table, t
 use super::super::robot::{SwayArguments, sway_of};
 use super::common::Common;
 use crate::episode::Settings;
-use crate::paper::contacts::{ANGLES, Row, Study};
+use crate::paper::contacts::{ANGLES, ContactRow, Study};
 use clap::Args;
 use serde_json::json;
 
@@ -45,7 +45,7 @@ pub(super) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
     print(&text(&rows, sway))
 }
 
-fn text(rows: &[Row], sway: f64) -> String {
+fn text(rows: &[ContactRow], sway: f64) -> String {
     let angles = ANGLES.map(|angle| format!("at {angle} deg"));
     let mut shown =
         table(["risk S", "width (m)", "walks", "contact", "robot", "object", "human", "clear (cm)"], 0);

@@ -7,7 +7,7 @@ use super::super::robot::load_robot;
 use super::super::settings::plants;
 use super::common::Common;
 use crate::episode::Settings;
-use crate::paper::h3::{EPISODES, Human, PoseMethod, Row, Study, units};
+use crate::paper::h3::{EPISODES, Human, PoseMethod, PoseRow, Study, units};
 use crate::report::{Compared, ratio_picture, table_3, table_3_ratios};
 use crate::scenario::{Plant, PlantKind, RobotSetup};
 use anyhow::Context;
@@ -71,7 +71,7 @@ pub(super) fn run(arguments: &H3Arguments) -> Result<(), Failure> {
         write_file(&outputs, path, &svg)?;
     }
     if arguments.common.json {
-        let (table, other): (Vec<&Row>, Vec<&Row>) = rows.iter().partition(|r| r.start == starts[0]);
+        let (table, other): (Vec<&PoseRow>, Vec<&PoseRow>) = rows.iter().partition(|r| r.start == starts[0]);
         return print_json(&json!({
             "table": "III",
             "robot": robot.name,
