@@ -2,7 +2,7 @@
 //! example. The team is a point, as in the paper, or has bodies.
 
 use super::{BuiltInError, COLUMNS, ENVIRONMENTS, EXAMPLE, EXAMPLE_ENVIRONMENT, EXAMPLE_HUMAN, Environment};
-use super::{Way, prepared, run, way};
+use super::{Route, prepared, route, run};
 use crate::coordination::{self, Mode};
 use crate::episode::{Episode, Outcome, Settings, Summary, Tick};
 use crate::parallel::{OnDone, in_parallel};
@@ -316,20 +316,20 @@ impl WithBodies<'_> {
 }
 
 /// The cost and the route of an episode that arrived.
-type Cost = Option<(f64, Way)>;
+type Cost = Option<(f64, Route)>;
 
 fn cost(physical: &Summary) -> Cost {
-    (physical.outcome == Outcome::Arrived).then(|| (physical.accumulated_cost, way(physical)))
+    (physical.outcome == Outcome::Arrived).then(|| (physical.accumulated_cost, route(physical)))
 }
 
 /// The comparison of the humans who arrive both times. If all of them take the same routes, they differ by
 /// gait noise only.
 fn against(costs: &[Cost], without: &[Cost]) -> Option<Paired> {
     let both: Vec<_> = costs.iter().zip(without).filter_map(|(a, b)| Some(((*a)?, (*b)?))).collect();
-    let ways: BTreeSet<(Way, Way)> = both.iter().map(|(a, b)| (a.1, b.1)).collect();
+    let routes: BTreeSet<(Route, Route)> = both.iter().map(|(a, b)| (a.1, b.1)).collect();
     let [first, second]: [Vec<f64>; 2] =
         [both.iter().map(|(a, _)| a.0).collect(), both.iter().map(|(_, b)| b.0).collect()];
-    Paired::of_lists(&first, &second, ways.len() > 1)
+    Paired::of_lists(&first, &second, routes.len() > 1)
 }
 
 fn row(environment: &Environment, eta: Option<f64>, ends: &[(Summary, Summary)]) -> BodiesRow {

@@ -6,7 +6,7 @@
 //! humans: all comparisons are paired.
 
 use super::{BuiltInError, ENVIRONMENTS, Environment, SETTINGS};
-use super::{Way, prepared, way};
+use super::{Route, prepared, route};
 use crate::control::{Avoid, CandidateSet, PoseCriterion};
 use crate::episode::{ControlSummary, Episode, LOSS_DISTANCE_M, Outcome, PreferenceChange, Settings};
 use crate::options::OptionSet;
@@ -294,7 +294,7 @@ struct End {
     steps: u64,
     lost_object: bool,
     arrived: bool,
-    way: Way,
+    route: Route,
 }
 
 fn follow(mut episode: Episode) -> End {
@@ -310,12 +310,12 @@ fn follow(mut episode: Episode) -> End {
         steps: summary.steps,
         lost_object: summary.loss.is_some() || control.largest_error > LOSS_DISTANCE_M,
         arrived: outcome == Outcome::Arrived,
-        way: way(summary),
+        route: route(summary),
     }
 }
 
 /// One method's row; `all` are the episodes of all methods of the cell, `n` each. Where bodies sway
-/// (`is_noisy`), humans who all walk the same way differ by noise alone.
+/// (`is_noisy`), humans who all take the same route differ by noise only.
 fn row(
     environment: &Environment,
     setting: usize,
@@ -332,8 +332,8 @@ fn row(
     let costs = |m: usize| (0..n).filter(|&i| both(i)).map(|i| ends(m)[i].control.cost()).collect::<Vec<_>>();
     let (ours, theirs) = (costs(method), costs(baseline));
     let (ours_mean, ours_std) = mean_and_std(&ours);
-    let ways: BTreeSet<_> =
-        (0..n).filter(|&i| both(i)).map(|i| (ends(method)[i].way, ends(baseline)[i].way)).collect();
+    let routes: BTreeSet<_> =
+        (0..n).filter(|&i| both(i)).map(|i| (ends(method)[i].route, ends(baseline)[i].route)).collect();
     let mean = |part: fn(&ControlSummary) -> f64| {
         ends(method).iter().map(|e| part(&e.control)).sum::<f64>() / n as f64
     };
@@ -354,9 +354,9 @@ fn row(
         ours_std,
         ratio: ours_mean / mean_and_std(&theirs).0,
         against_baseline: (method != baseline)
-            .then(|| Paired::of_lists(&ours, &theirs, ways.len() > 1 || !is_noisy))
+            .then(|| Paired::of_lists(&ours, &theirs, routes.len() > 1 || !is_noisy))
             .flatten(),
-        ways: ways.len(),
+        ways: routes.len(),
         episodes: n,
         wins: ours.iter().zip(&theirs).filter(|(a, b)| a < b).count(),
         parts: [mean(|c| c.tracking), mean(|c| c.effort), mean(|c| c.pose)],

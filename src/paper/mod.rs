@@ -168,8 +168,8 @@ fn run(stage: &PreparedScenario, mut on_tick: impl FnMut(&Tick)) -> Result<Summa
 
 /// The route of an episode, which shows whether humans make the same choices: first option, last option and
 /// number of option changes.
-type Way = [u64; 3];
+type Route = [u64; 3];
 
-fn way(summary: &Summary) -> Way {
+fn route(summary: &Summary) -> Route {
     [summary.first_option as u64, summary.last_option as u64, summary.option_changes.into()]
 }

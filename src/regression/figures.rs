@@ -32,7 +32,7 @@ pub fn is_near(before: &Figure, now: &Figure, tolerance: Tolerance) -> bool {
 
 /// The route of a team: the openings that it passed, and its offset from the straight line.
 #[derive(Clone, Debug)]
-pub struct Way {
+pub struct Route {
     position: Point,
     crossings: Vec<Crossing>,
     /// Sum over the steps of the distance to the left of the straight line from start to target, m.
@@ -40,7 +40,7 @@ pub struct Way {
     steps: u64,
 }
 
-impl Way {
+impl Route {
     /// The route before the first step.
     pub fn new(stage: &PreparedScenario) -> Self {
         Self { position: stage.world().start, crossings: Vec::new(), offsets: 0.0, steps: 0 }
@@ -69,9 +69,9 @@ impl Way {
 }
 
 /// The figures of a finished episode.
-pub fn figures(view: &View, way: &Way) -> Figures {
-    let mean_offset = way.offsets / way.steps.max(1) as f64;
-    let walked = WALKED.into_iter().zip([way.openings(view.stage).into(), mean_offset.into()]);
+pub fn figures(view: &View, route: &Route) -> Figures {
+    let mean_offset = route.offsets / route.steps.max(1) as f64;
+    let walked = WALKED.into_iter().zip([route.openings(view.stage).into(), mean_offset.into()]);
     view.read(EPISODE).into_iter().chain(walked).filter(|(_, figure)| !figure.is_null()).collect()
 }
 

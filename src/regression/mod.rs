@@ -7,7 +7,7 @@ mod tolerance;
 
 pub use baseline::{Baseline, Run, Value};
 pub use error::BaselineError;
-pub use figures::{Figure, Way, figure_names, figures, is_near};
+pub use figures::{Figure, Route, figure_names, figures, is_near};
 pub use tolerance::{FORMAT, Tolerance};
 
 use crate::parallel::{OnDone, in_parallel};
@@ -37,11 +37,11 @@ pub fn run_all(scenarios: Vec<Scenario>, on_done: OnDone) -> Vec<Result<Figures,
     in_parallel(scenarios.len(), on_done, |i| {
         let stage = scenarios[i].clone().prepare()?;
         let mut episode = stage.episode()?;
-        let mut way = Way::new(&stage);
+        let mut route = Route::new(&stage);
         while episode.step().is_none() {
-            way.step(&stage, episode.position());
+            route.step(&stage, episode.position());
         }
-        Ok(figures(&View { stage: &stage, episode: &episode }, &way))
+        Ok(figures(&View { stage: &stage, episode: &episode }, &route))
     })
 }
 
