@@ -84,15 +84,15 @@ impl Study<'_> {
         for (angle, touched) in ANGLES.iter().zip(&mut row.touched_by_angle) {
             for end in self.walks(risk, *angle, on_done)? {
                 match end {
-                    End::Free(clearance) => {
+                    WalkEnd::Free(clearance) => {
                         row.free += 1;
                         row.clearance += clearance;
                     }
-                    End::Touched(kind) => {
+                    WalkEnd::Touched(kind) => {
                         *touched += 1;
                         row.touched[kind as usize] += 1;
                     }
-                    End::Other => row.other += 1,
+                    WalkEnd::Other => row.other += 1,
                 }
             }
         }
@@ -100,7 +100,7 @@ impl Study<'_> {
         Ok(row)
     }
 
-    fn walks(&self, risk: f64, angle: f64, on_done: OnDone) -> Result<Vec<End>, BuiltInError> {
+    fn walks(&self, risk: f64, angle: f64, on_done: OnDone) -> Result<Vec<WalkEnd>, BuiltInError> {
         let world = World::parse("opening", &world(ROBOT_WIDTH / risk, angle.to_radians()))?;
         let settings = Settings { method: Method::WITHOUT_MODEL, ..self.settings.clone() };
         let human = settings.predictor.belief().sample(&mut ChaCha8Rng::seed_from_u64(self.seed));
@@ -114,9 +114,9 @@ impl Study<'_> {
                 clearance = physics.map_or(clearance, |p| clearance.min(p.obstacle_distance));
             })?;
             Ok(match (&summary.collision, summary.outcome) {
-                (Some(contact), _) => End::Touched(contact.between[0].kind),
-                (None, Outcome::Arrived) => End::Free(clearance),
-                _ => End::Other,
+                (Some(contact), _) => WalkEnd::Touched(contact.between[0].kind),
+                (None, Outcome::Arrived) => WalkEnd::Free(clearance),
+                _ => WalkEnd::Other,
             })
         });
         Ok(ends.into_iter().collect::<Result<Vec<_>, ScenarioError>>()?)
@@ -124,7 +124,7 @@ impl Study<'_> {
 }
 
 /// The end of a walk: its smallest clearance, m, or the body that touched a side.
-enum End {
+enum WalkEnd {
     Free(f64),
     Touched(BodyKind),
     Other,

@@ -289,7 +289,7 @@ pub struct Human {
 }
 
 /// The results of one episode.
-struct End {
+struct EpisodeResult {
     control: ControlSummary,
     steps: u64,
     lost_object: bool,
@@ -297,7 +297,7 @@ struct End {
     route: Route,
 }
 
-fn follow(mut episode: Episode) -> End {
+fn follow(mut episode: Episode) -> EpisodeResult {
     let outcome = loop {
         if let Some(outcome) = episode.step() {
             break outcome;
@@ -305,7 +305,7 @@ fn follow(mut episode: Episode) -> End {
     };
     let summary = episode.summary();
     let control = summary.control.unwrap_or_default();
-    End {
+    EpisodeResult {
         control,
         steps: summary.steps,
         lost_object: summary.loss.is_some() || control.largest_error > LOSS_DISTANCE_M,
@@ -321,7 +321,7 @@ fn row(
     setting: usize,
     start: &str,
     (methods, method): (&[PoseMethod], usize),
-    all: &[End],
+    all: &[EpisodeResult],
     (n, is_noisy): (usize, bool),
 ) -> PoseRow {
     let ends = |m: usize| &all[m * n..(m + 1) * n];

@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn results_are_written_in_order_whoever_is_slow() {
+    fn results_are_written_in_order_for_any_slow_thread() {
         for threads in [1, 4] {
             let mut written = Vec::new();
             let slow = |n: u64| {
@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_runs_further_ahead_than_the_window() {
+    fn no_thread_runs_further_ahead_than_the_window() {
         let (furthest, first_is_done) = (Mutex::new(0), Mutex::new(false));
         let work = |n: u64| {
             if n == 0 {
