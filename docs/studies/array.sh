@@ -6,7 +6,7 @@
 #   cocarry sweep --merge h2.csv h2.*-of-16.csv                        # once all have ended
 #
 # The first argument is the number of shards of the whole study; it stays the same when only some tasks are submitted again. Every task
-# runs its share of the episodes and writes one file. A task that was stopped goes on where it was when it is queued again. Further
+# runs its shard of the episodes and writes one file. A task that was stopped resumes when it is queued again. Further
 # arguments go to `cocarry sweep`.
 #SBATCH --job-name=cocarry
 #SBATCH --cpus-per-task=4
