@@ -41,7 +41,7 @@
 //! robot          a TOML file and a URDF -> drive, arm, grasp; forward kinematics and B(q)
 //! geometry       points, poses, outlines, paths
 //! math, saved, located, output_file
-//!                transcendental functions, the same bits everywhere; saved states; places in text files; files written whole
+//!                transcendental functions with the same bits everywhere; saved states; text files; output files
 //! ```
 //!
 //! # Features
