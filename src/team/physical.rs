@@ -152,8 +152,24 @@ impl Physical {
     /// from its own intention while it leads, else from the hand, which it sees move at `speed` (m/s).
     fn path_position(&self, path_ahead: &PathAhead, speed: f64) -> (f64, f64) {
         match path_ahead.mode {
-            Mode::RobotLed => (self.state.path_position, self.state.path_speed),
+            Mode::RobotLed => {
+                let State { path_position, path_speed, .. } = self.state;
+                let yielding = self.yielding(path_ahead.mode);
+                (path_position - (1.0 - yielding) * (path_position - path_ahead.along), path_speed * yielding)
+            }
             Mode::HumanLed => (path_ahead.along + path_ahead.lead, speed),
+        }
+    }
+
+    /// The share of its speed with which a robot that leads goes on where the human's grip yields: 1 unless the
+    /// human resists.
+    fn yielding(&self, mode: Mode) -> f64 {
+        let [slower, stop] = RESISTANCE_M;
+        match mode {
+            Mode::RobotLed => {
+                ((stop - self.state.seen.hand_grip.deflection) / (stop - slower)).clamp(0.0, 1.0)
+            }
+            Mode::HumanLed => 1.0,
         }
     }
 
@@ -186,7 +202,7 @@ impl Physical {
     fn set_goal(&mut self, step: &Step, walk: &Walk) {
         let share = |[slower, least]: [f64; 2], value: f64| (least - value) / (least - slower);
         let out_of_place = (self.grasp_goal().position - on_floor(&self.state.seen.grasp)).norm();
-        let resistance = self.state.seen.hand_grip.deflection;
+        let yielding = self.yielding(step.mode);
         let State { team_path, path_position, path_speed, goal, .. } = &mut self.state;
         let turn = wrap_angle(team_path.pose(step.path, *path_position).yaw - goal.yaw).abs();
         let turning = share(TURNING_LAG_RAD, turn).clamp(0.1, 1.0);
@@ -195,10 +211,6 @@ impl Physical {
             Travel::Backward => step.from - *path_position,
         };
         let waiting = share(LAG_M, ahead).clamp(0.0, 1.0);
-        let yielding = match step.mode {
-            Mode::RobotLed => share(RESISTANCE_M, resistance).clamp(0.0, 1.0),
-            Mode::HumanLed => 1.0,
-        };
         *path_speed = step.travel.speed_after(*path_speed, turning * waiting * yielding, walk);
         // who feels resistance gives up the lead over the object
         let given_up = (1.0 - yielding) * (*path_position - step.from);
@@ -275,9 +287,10 @@ impl Bodies for Physical {
     fn reference(&self, path_ahead: &PathAhead, speed: f64, walk: &Walk, grasp: &Pose) -> Reference {
         let (position, mut path_speed) = self.path_position(path_ahead, speed);
         let mut ahead = position - path_ahead.along;
+        let yielding = self.yielding(path_ahead.mode);
         let mut at = if path_ahead.mode == Mode::RobotLed { self.state.goal } else { self.held_by_hand() };
         let grasps = (1..=HORIZON).map(|_| {
-            path_speed = path_ahead.travel.speed_after(path_speed, 1.0, walk);
+            path_speed = path_ahead.travel.speed_after(path_speed, yielding, walk);
             ahead += path_speed * walk.period;
             at = moved_toward(&at, &self.pose(path_ahead, ahead), walk);
             self.state.team_path.end(&at, -1.0)
@@ -292,6 +305,7 @@ impl Bodies for Physical {
         robot: &Robot,
         walk: &Walk,
     ) -> Option<Rims> {
+        let yielding = self.yielding(path_ahead.mode);
         let (position, speed) = self.path_position(path_ahead, speed);
         let State { team_path, seen, .. } = &self.state;
         // from the grasp's position for the object's target, back to beyond the base
@@ -300,7 +314,7 @@ impl Bodies for Physical {
         self.walked.extend(behind.map(|behind| team_path.point(path_ahead.path, position - behind)));
         let follower = Follower {
             way: &self.walked,
-            speeds: [speed.min(walk.speed), path_ahead.travel.speed(walk)],
+            speeds: [speed.min(walk.speed), path_ahead.travel.speed(walk) * yielding],
             acceleration: TEAM_ACCELERATION,
             distance: self.distance,
         };

@@ -54,7 +54,11 @@ fn xacros() {
     let named = Files::new().with(TOML, "urdf = \"carrier.urdf\"", "urdf = \"robot.urdf.xacro\"");
     named.says(&hint);
     let property = "<robot name=\"carrier\"><xacro:property name=\"r\" value=\"0.06\"/>";
-    urdf("<robot name=\"carrier\">", property, &["a xacro, not a URDF", "carrier.urdf > ", "carrier.expanded.urdf"]);
+    urdf(
+        "<robot name=\"carrier\">",
+        property,
+        &["a xacro, not a URDF", "carrier.urdf > ", "carrier.expanded.urdf"],
+    );
     urdf(
         "<box size=\"0.09 0.13 0.07\"/></geometry>\n      <material",
         "<box size=\"${w} 0.13 0.07\"/></geometry>\n      <material",
