@@ -77,7 +77,14 @@ fn argument(setting: &'static Setting, defaults: &Scenario) -> Arg {
         Some(value) => Cow::Owned(format!(" [default: {value}]")),
         None => Cow::Borrowed(""),
     };
-    let argument = argument.help(format!("{}{default}", setting.about)).allow_negative_numbers(true);
+    let value = match setting.kind {
+        Kind::Number(..) => "NUMBER",
+        Kind::Count(..) => "COUNT",
+        Kind::Text(..) => "TEXT",
+        Kind::Word(..) | Kind::Flag(_) => "WORD",
+    };
+    let argument = argument.value_name(value).allow_negative_numbers(true);
+    let argument = argument.help(format!("{}{default}", setting.about));
     match setting.words() {
         None => argument.value_parser(|text: &str| setting.parse(text)),
         Some(words) => argument.value_parser(named(words).map(Value::Text)),
