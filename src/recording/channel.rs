@@ -1,7 +1,9 @@
 //! The channels of a recording: topic, schema and encoding of each.
 
-use super::schema;
-use crate::quantities::{Record, json};
+use crate::quantities::{
+    CONTROL, COORDINATION, COST, EPISODE, INTERACTION, JOINTS, OPTIONS, PREPARATION, Quantity, Record, STEP,
+    json, schema,
+};
 use foxglove::messages::{FrameTransforms, JointStates, Log, SceneUpdate};
 use foxglove::{Encode, Schema};
 use serde_json::Value;
@@ -94,14 +96,37 @@ impl Channel {
         };
         known.unwrap_or_else(|| {
             let name = self.topic().trim_start_matches('/');
-            let text = schema::json_schema(self).to_string();
+            let text = self.json_schema().to_string();
             Schema::new(format!("cocarry.{name}"), "jsonschema", text.into_bytes())
         })
     }
 
+    /// The quantities in its messages; none for the channels of Foxglove's types.
+    pub(super) fn quantities(self) -> &'static [&'static [Quantity]] {
+        match self {
+            Self::Options => &[STEP, OPTIONS],
+            Self::Coordination => &[STEP, COORDINATION],
+            Self::Control => &[STEP, CONTROL, JOINTS],
+            Self::Preparation => &[STEP, PREPARATION],
+            Self::Interaction => &[STEP, INTERACTION],
+            Self::Cost => &[STEP, COST],
+            Self::Outcome => &[EPISODE],
+            _ => &[],
+        }
+    }
+
+    /// The JSON Schema of its messages. Foxglove reads one plain type a field and refuses lists of types: a
+    /// field without a value is left out of the message, and the schema does not require it.
+    fn json_schema(self) -> Value {
+        let mut schema = schema(self.quantities().iter().copied().flatten());
+        schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
+        schema["title"] = self.topic().trim_start_matches('/').into();
+        schema
+    }
+
     /// The encoding of its messages: `protobuf` or `json`.
     pub fn encoding(self) -> &'static str {
-        match schema::quantities(self) {
+        match self.quantities() {
             [] => "protobuf",
             _ => "json",
         }

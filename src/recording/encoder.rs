@@ -1,31 +1,13 @@
 //! The messages of an episode, step by step, for files, viewers and replays.
 
 use super::channel::{Channel, Message};
+use super::ending::Ending;
 use super::events::Events;
-use super::{motion, scene, schema};
-use crate::episode::{Episode, Outcome};
+use super::{motion, scene};
+use crate::episode::Episode;
 use crate::geometry::Point;
 use crate::quantities::{Record, View};
 use crate::scenario::PreparedScenario;
-
-/// The end of a recording.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ending {
-    /// The episode is over.
-    Over(Outcome),
-    /// The user interrupted the episode.
-    Interrupted,
-}
-
-impl Ending {
-    /// Its name, as in `/outcome`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Over(outcome) => outcome.name(),
-            Self::Interrupted => "interrupted",
-        }
-    }
-}
 
 /// An encoder of an episode's messages. Equal episodes give equal bytes.
 #[derive(Clone, Debug)]
@@ -136,7 +118,7 @@ impl<'a> Encoder<'a> {
     /// Adds the message with a channel's quantities.
     fn record(&self, channel: Channel, episode: &Episode) -> Record {
         let view = View { stage: self.stage, episode };
-        schema::quantities(channel).iter().flat_map(|table| view.read(table)).collect()
+        channel.quantities().iter().flat_map(|table| view.read(table)).collect()
     }
 
     /// Adds the poses and joints, unless the team is a point.

@@ -1,6 +1,6 @@
 //! The messages of `/log`.
 
-use super::encoder::Ending;
+use super::ending::Ending;
 use super::motion::timestamp;
 use crate::episode::{Episode, Tick};
 use crate::options::OptionSet;

@@ -70,6 +70,7 @@ mod contents;
 mod decode;
 mod difference;
 mod encoder;
+mod ending;
 mod error;
 mod events;
 mod fields;
@@ -91,7 +92,8 @@ pub use channel::{Channel, Message};
 pub use contents::{ChannelContents, Contents};
 pub use decode::{decode, flatten};
 pub use difference::Difference;
-pub use encoder::{Encoder, Ending};
+pub use encoder::Encoder;
+pub use ending::Ending;
 pub use error::{ReadError, RecordingError};
 #[cfg(feature = "live")]
 pub use live::{LiveError, LiveServer};

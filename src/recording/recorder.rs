@@ -1,7 +1,8 @@
 //! Recorders of running episodes.
 
 use super::channel::{Channel, Message};
-use super::encoder::{Encoder, Ending};
+use super::encoder::Encoder;
+use super::ending::Ending;
 use super::file::MessageFile;
 use super::provenance::{METADATA, Provenance};
 use super::{Definition, RecordingError};

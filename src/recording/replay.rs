@@ -1,6 +1,7 @@
 //! Replays: the scenario of a recording is run again and compared message by message.
 
-use super::encoder::{Encoder, Ending};
+use super::encoder::Encoder;
+use super::ending::Ending;
 use super::provenance::{ARITHMETIC, METADATA, RECOVERED, scenario};
 use super::{Channel, Difference, Entry, Message, ReadError, Reader, decode};
 use std::io::Read;

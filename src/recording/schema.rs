@@ -1,13 +1,6 @@
-//! The definitions of the channels: the quantities of each JSON channel, and its JSON Schema.
-//!
-//! Foxglove reads one plain type per field and refuses lists of types. A field without a value is therefore
-//! left out of the message, and the schema does not require it.
+//! The definition of a channel as a file has it.
 
 use super::channel::Channel;
-use crate::quantities::{
-    CONTROL, COORDINATION, COST, EPISODE, INTERACTION, JOINTS, OPTIONS, PREPARATION, Quantity, STEP, schema,
-};
-use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// The definition of a channel in a file.
@@ -49,26 +42,4 @@ impl Definition {
             metadata: BTreeMap::new(),
         }
     }
-}
-
-/// The quantities in the messages of a JSON channel; none for the others.
-pub(super) fn quantities(channel: Channel) -> &'static [&'static [Quantity]] {
-    match channel {
-        Channel::Options => &[STEP, OPTIONS],
-        Channel::Coordination => &[STEP, COORDINATION],
-        Channel::Control => &[STEP, CONTROL, JOINTS],
-        Channel::Preparation => &[STEP, PREPARATION],
-        Channel::Interaction => &[STEP, INTERACTION],
-        Channel::Cost => &[STEP, COST],
-        Channel::Outcome => &[EPISODE],
-        _ => &[],
-    }
-}
-
-/// The JSON Schema of the messages of a JSON channel.
-pub(super) fn json_schema(channel: Channel) -> Value {
-    let mut schema = schema(quantities(channel).iter().copied().flatten());
-    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
-    schema["title"] = channel.topic().trim_start_matches('/').into();
-    schema
 }

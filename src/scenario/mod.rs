@@ -23,6 +23,7 @@ mod preference_changes;
 mod prepared;
 mod settings;
 mod snapshot;
+mod word;
 
 pub use error::ScenarioError;
 pub use plant::{Plant, PlantKind, RobotSetup};
@@ -30,9 +31,10 @@ pub use preference_changes::{NotPreferenceChanges, PreferenceChanges, drawn_chan
 pub use prepared::PreparedScenario;
 pub use settings::{
     AVOID, Applies, Field, INITIAL_STUBBORNNESS, Kind, PERCEPTION, POSE, POSTURE, RISK_WEIGHT, Range,
-    SETTINGS, SWAY, Setting, Value, Word, one_of,
+    SETTINGS, SWAY, Setting, Value, one_of,
 };
 pub use snapshot::{Snapshot, SnapshotError};
+pub use word::Word;
 
 use crate::episode::{self, PreferenceChange};
 use crate::human::ModelName;

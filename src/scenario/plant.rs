@@ -1,6 +1,6 @@
 //! The plants and their robots.
 
-use super::Word;
+use super::word::Word;
 use crate::control;
 use crate::robot::{Robot, RobotTexts};
 use crate::simulation::PhysicsSettings;

@@ -4,6 +4,7 @@
 //! [`SETTINGS`]. The table does not have the other parts of a scenario: seed, world, human, preference
 //! changes, belief, plant and robot.
 
+use super::word::Word;
 use super::{PlantKind, Scenario};
 use crate::control::{Avoid, CandidateSet, PoseCriterion};
 use crate::human::{MODELS, ModelName};
@@ -62,9 +63,6 @@ pub struct Field<T> {
     get: fn(&Scenario) -> Option<T>,
     set: fn(&mut Scenario, T),
 }
-
-/// A word for a value, and its meaning.
-pub type Word = (&'static str, &'static str);
 
 /// The value of a setting.
 #[derive(Clone, Debug, PartialEq)]
