@@ -23,6 +23,7 @@ pub use merge::merge;
 pub use partial::{Shard, Sweep};
 pub use summary::{Comparison, Group, Summary};
 
+use crate::arithmetic;
 use crate::episode::Settings;
 use crate::located;
 use crate::preference::{Predictor, RISK_WEIGHT};
@@ -241,7 +242,7 @@ impl Study {
                     let text = self.scenario_of(cell, seeds.first).text();
                     add(&text.map_err(|source| self.refused(cell, source))?);
                 }
-                row::inputs(self, cell).iter().for_each(|input| add(input));
+                self.inputs(cell).iter().for_each(|input| add(input));
                 cell += 1;
             }
         }
@@ -249,8 +250,22 @@ impl Study {
     }
 
     fn refused(&self, cell: usize, source: impl std::error::Error + Send + Sync + 'static) -> SweepError {
-        let (file, inputs) = (self.file.clone(), row::inputs_in_words(self, cell));
+        let (file, inputs) = (self.file.clone(), row::in_words(&self.inputs(cell)));
         SweepError::Scenario { file, inputs, source: Box::new(source) }
+    }
+
+    /// The values of a cell's input columns.
+    fn inputs(&self, cell: usize) -> Vec<String> {
+        row::inputs(&self.contents, &self.cells[cell])
+    }
+
+    /// Runs an episode to its end, and returns its line of results. The line is empty after the last episode.
+    fn run(&self, episode: u64) -> Vec<u8> {
+        let Some((cell, seed)) = self.place(episode) else { return Vec::new() };
+        let (episodes, digest) = (self.episodes.to_string(), self.digest.clone());
+        let identity = [episode.to_string(), episodes, digest, arithmetic::stamp().to_owned()];
+        let basis = &self.stages[self.stage_of[cell]];
+        row::of(identity, self.inputs(cell), self.drawn(cell, seed), basis)
     }
 
     /// The check that no episode is in two runs, where it would count twice.
@@ -259,11 +274,11 @@ impl Study {
         let mut cell = 0;
         for (run, place) in &self.contents.runs {
             for _ in &run.cells {
-                let before = known.entry(row::inputs(self, cell)).or_default();
+                let before = known.entry(self.inputs(cell)).or_default();
                 let common = before.iter().find(|b| b.first <= run.seeds.last && run.seeds.first <= b.last);
                 if let Some(other) = common {
                     let (place, seed) = (place.clone(), other.first.max(run.seeds.first));
-                    let inputs = row::inputs_in_words(self, cell);
+                    let inputs = row::in_words(&self.inputs(cell));
                     return Err(SweepError::Repeated { place, seed, inputs });
                 }
                 before.push(run.seeds);

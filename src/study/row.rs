@@ -1,7 +1,7 @@
 //! Rows of results: a column for every input and every figure of an episode, with its unit.
 
-use super::{Cell, Study};
-use crate::arithmetic;
+use super::cell::Cell;
+use super::file::Contents;
 use crate::episode::Outcome;
 use crate::preference::Perception;
 use crate::quantities::{EPISODE, View, cell};
@@ -15,24 +15,22 @@ pub(super) const IDENTITY: [&str; 4] = ["episode", "episodes", "study", "arithme
 
 /// A combination of values.
 struct Inputs<'a> {
-    study: &'a Study,
+    contents: &'a Contents,
     cell: &'a Cell,
 }
 
 /// The columns of the inputs, without the seed, the values drawn from it, and the settings.
 const INPUTS: &[InputColumn] = &[
-    ("world", |r| Some(r.study.contents.worlds[r.cell.world].0.clone())),
+    ("world", |r| Some(r.contents.worlds[r.cell.world].0.clone())),
     ("plant", |r| word(r.cell.plant.name())),
-    ("humans", |r| Some(r.study.contents.humans[r.cell.humans].0.clone())),
-    ("humans_alpha", |r| some(r.study.contents.humans[r.cell.humans].1.alpha)),
-    ("humans_gamma", |r| some(r.study.contents.humans[r.cell.humans].1.gamma)),
+    ("humans", |r| Some(r.contents.humans[r.cell.humans].0.clone())),
+    ("humans_alpha", |r| some(r.contents.humans[r.cell.humans].1.alpha)),
+    ("humans_gamma", |r| some(r.contents.humans[r.cell.humans].1.gamma)),
     ("preference_changes_drawn", |r| some(r.cell.changes)),
-    ("belief", |r| Some(r.study.contents.beliefs[r.cell.belief].0.clone())),
+    ("belief", |r| Some(r.contents.beliefs[r.cell.belief].0.clone())),
     ("belief_alpha", |r| r.belief()[0].clone()),
     ("belief_gamma", |r| r.belief()[1].clone()),
-    ("robot", |r| {
-        (r.cell.plant != PlantKind::Point).then(|| r.study.contents.robots[r.cell.robot].0.clone())
-    }),
+    ("robot", |r| (r.cell.plant != PlantKind::Point).then(|| r.contents.robots[r.cell.robot].0.clone())),
 ];
 
 /// The columns of the seed and of the values drawn from it; those of [`EPISODE`] follow.
@@ -54,17 +52,16 @@ pub(super) fn header() -> Vec<u8> {
 }
 
 /// The values of a cell's input columns.
-pub(super) fn inputs(study: &Study, cell: usize) -> Vec<String> {
-    let inputs = Inputs { study, cell: &study.cells[cell] };
-    let settings = inputs.cell.values.iter().map(|value| value.as_ref().map(Value::to_string));
+pub(super) fn inputs(contents: &Contents, cell: &Cell) -> Vec<String> {
+    let inputs = Inputs { contents, cell };
+    let settings = cell.values.iter().map(|value| value.as_ref().map(Value::to_string));
     let values = INPUTS.iter().map(|(_, value)| value(&inputs)).chain(settings);
     values.map(Option::unwrap_or_default).collect()
 }
 
-/// A text for a cell in errors.
-pub(super) fn inputs_in_words(study: &Study, cell: usize) -> String {
-    let values = inputs(study, cell);
-    let pairs = input_columns().zip(&values).filter(|(_, value)| !value.is_empty());
+/// A cell's inputs as a text for errors.
+pub(super) fn in_words(inputs: &[String]) -> String {
+    let pairs = input_columns().zip(inputs).filter(|(_, value)| !value.is_empty());
     pairs.map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(", ")
 }
 
@@ -77,19 +74,18 @@ fn line(fields: impl Iterator<Item = String>) -> Vec<u8> {
     writer.into_inner().unwrap_or_default()
 }
 
-impl Study {
-    /// Runs an episode to its end, and returns its line of results. The line is empty after the last episode.
-    pub(super) fn run(&self, episode: u64) -> Vec<u8> {
-        let Some((cell, seed)) = self.place(episode) else { return Vec::new() };
-        let basis = &self.stages[self.stage_of[cell]];
-        let scenario = self.drawn(cell, seed);
-        let drawn = drawn(&scenario);
-        let results = basis.prepare(scenario).and_then(|stage| carry_out(&stage));
-        let results = results.unwrap_or_else(|error| not_begun(&words(&error)));
-        let (digest, arithmetic) = (self.digest.clone(), arithmetic::stamp().to_owned());
-        let identity = [episode.to_string(), self.episodes.to_string(), digest, arithmetic];
-        line(identity.into_iter().chain(inputs(self, cell)).chain(drawn).chain(results))
-    }
+/// Runs an episode to its end, and returns its line of results. `basis` has the world, the options and the
+/// robot of the scenario.
+pub(super) fn of(
+    identity: [String; IDENTITY.len()],
+    inputs: Vec<String>,
+    scenario: Scenario,
+    basis: &PreparedScenario,
+) -> Vec<u8> {
+    let drawn = drawn(&scenario);
+    let results = basis.prepare(scenario).and_then(|stage| carry_out(&stage));
+    let results = results.unwrap_or_else(|error| not_begun(&words(&error)));
+    line(identity.into_iter().chain(inputs).chain(drawn).chain(results))
 }
 
 /// The seed and the values drawn from it. Preference changes have the form of `cocarry run --change`,
@@ -141,7 +137,7 @@ fn word(word: &str) -> Option<String> {
 
 impl Inputs<'_> {
     fn belief(&self) -> [Option<String>; 2] {
-        match &self.study.contents.beliefs[self.cell.belief].1 {
+        match &self.contents.beliefs[self.cell.belief].1 {
             crate::preference::Belief::Independent { alpha, gamma } => [some(alpha), some(gamma)],
             crate::preference::Belief::Samples(_) => [None, None],
         }
