@@ -47,7 +47,7 @@
 //! # Features
 //!
 //! Up to `scenario` the library has no C code, no clock and no randomness from the operating system, and
-//! builds for WebAssembly. Features add the floors above it: `drawing`; `recording` (with `quantities`);
+//! is meant for WebAssembly too. Features add the floors above it: `drawing`; `recording` (with `quantities`);
 //! `studies` (`quantities`, `statistics`, `paper`, `regression`, `fit`, `study` and `report`); and `cli`, the
 //! default, which has all of them and the program. `live` adds live viewing to `recording`.
 //!
