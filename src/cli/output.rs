@@ -5,7 +5,7 @@ use crate::output_file::{OutputError, Outputs};
 use crate::quantities::{self, OptionView};
 use anyhow::{Context, Error, anyhow};
 use clap::Args;
-use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_HORIZONTAL_ONLY};
+use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets::UTF8_HORIZONTAL_ONLY};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -117,16 +117,18 @@ pub(super) fn warn(warning: &impl std::fmt::Display) {
 }
 
 /// A table with the given headings. The first `left` columns are text, the others numbers.
-pub(super) fn table<const N: usize>(headings: [&str; N], left: usize) -> Table {
+pub(super) fn table(headings: impl IntoIterator<Item = impl Into<Cell>>, left: usize) -> Table {
+    table_of(headings, |column| column < left)
+}
+
+fn table_of(headings: impl IntoIterator<Item = impl Into<Cell>>, is_text: impl Fn(usize) -> bool) -> Table {
     let mut table = Table::new();
     table
         .load_style(UTF8_HORIZONTAL_ONLY)
         .set_content_arrangement(ContentArrangement::Disabled)
-        .set_header(headings);
-    for column in left..N {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
+        .set_header(headings.into_iter().map(Into::into).collect::<Vec<Cell>>());
+    for (_, column) in table.column_iter_mut().enumerate().filter(|(i, _)| !is_text(*i)) {
+        column.set_cell_alignment(CellAlignment::Right);
     }
     table
 }
@@ -140,16 +142,7 @@ pub(super) fn table_text(table: &Table) -> String {
 /// A table of results as text: title, columns for people, notes.
 pub(super) fn table_with_notes(of: &crate::table::Table) -> String {
     let (headings, rows) = of.shown();
-    let mut shown = Table::new();
-    shown
-        .load_style(UTF8_HORIZONTAL_ONLY)
-        .set_content_arrangement(ContentArrangement::Disabled)
-        .set_header(headings.iter().map(|h| h.0));
-    for (column, _) in headings.iter().enumerate().filter(|(_, heading)| !heading.1) {
-        if let Some(column) = shown.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
+    let mut shown = table_of(headings.iter().map(|heading| heading.0), |column| headings[column].1);
     rows.into_iter().for_each(|row| {
         shown.add_row(row);
     });

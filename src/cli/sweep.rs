@@ -132,8 +132,7 @@ fn headings(summary: &Summary) -> Vec<String> {
     always.chain(named).map(str::to_owned).collect()
 }
 
-/// The outcomes of the human whose means a group's table shows beside mean, deviation and interval of the
-/// costs.
+/// The columns of what the episodes were to the human.
 const HUMAN_OUTCOMES: [(&str, &str); 5] = [
     ("accumulated_subjective_cost", "J^"),
     ("final_stubbornness", "phi"),
@@ -142,36 +141,39 @@ const HUMAN_OUTCOMES: [(&str, &str); 5] = [
     ("preferred_option_switches", "switches"),
 ];
 
+/// Two tables of the groups: costs, and means for the human.
 fn groups(summary: &Summary) -> String {
     let keys = headings(summary);
     let outcome = |group: &Group, key: &str| group.outcomes.get(key).cloned().flatten();
-    let with_control = summary.groups.iter().any(|g| outcome(g, "accumulated_control_cost").is_some());
-    let mut titles = keys.clone();
-    let costs = ["J (m)", "std", "95 %"].map(str::to_owned);
-    titles.extend(["n".to_owned(), "arrived".to_owned()]);
-    titles.extend(costs);
-    if with_control {
-        titles.extend(["C", "std", "95 %"].map(str::to_owned));
-    }
-    titles.extend(HUMAN_OUTCOMES.map(|(_, title)| title.to_owned()));
-    let mut shown = table_of(&titles, keys.len());
+    let names = |group: &Group| -> Vec<String> {
+        keys.iter().map(|key| group.inputs.get(key).cloned().unwrap_or_default()).collect()
+    };
+    let has_control = summary.groups.iter().any(|g| outcome(g, "accumulated_control_cost").is_some());
+    let titles = |more: &[&str]| {
+        keys.iter().cloned().chain(more.iter().map(|title| (*title).to_owned())).collect::<Vec<_>>()
+    };
+    let controlled: &[&str] = if has_control { &["C", "std", "95 %"] } else { &[] };
+    let mut costs =
+        table(titles(&[&["n", "arrived", "J (m)", "std", "95 %"], controlled].concat()), keys.len());
+    let mut human = table(titles(&HUMAN_OUTCOMES.map(|(_, title)| title)), keys.len());
     for group in &summary.groups {
-        let mut cells: Vec<String> =
-            keys.iter().map(|key| group.inputs.get(key).cloned().unwrap_or_default()).collect();
+        let mut cells = names(group);
         cells.extend([group.n.to_string(), group.arrived.to_string()]);
         cells.extend(estimate(outcome(group, "accumulated_objective_cost_m").as_ref()));
-        if with_control {
+        if has_control {
             cells.extend(estimate(outcome(group, "accumulated_control_cost").as_ref()));
         }
-        cells.extend(HUMAN_OUTCOMES.map(|(key, _)| {
+        costs.add_row(cells);
+        let mean = |(key, _): (&str, &str)| {
             let factor = if key == "share_off_preference" { 100.0 } else { 1.0 };
             outcome(group, key).map_or("-".to_owned(), |found| format!("{:.2}", factor * found.mean))
-        }));
-        shown.add_row(cells);
+        };
+        human.add_row(names(group).into_iter().chain(HUMAN_OUTCOMES.map(mean)));
     }
     format!(
-        "{}Of the episodes that arrived. J: accumulated objective cost; C: control cost; std: standard deviation; 95 %: interval of the mean over humans; none where all humans make the same choices.\nMeans for the human: J^: accumulated subjective cost; phi, g: stubbornness and discomfort in the last step; off: share of the steps off the preferred option; switches: changes of the preferred option.\n",
-        table_text(&shown)
+        "{}Of the episodes that arrived. J: accumulated objective cost; C: control cost; std: standard deviation; 95 %: interval of the mean over humans, none where all humans make the same choices.\n\nMeans for the human\n{}J^: accumulated subjective cost; phi, g: stubbornness and discomfort in the last step; off: share of the steps off the preferred option; switches: changes of the preferred option.\n",
+        table_text(&costs),
+        table_text(&human)
     )
 }
 
@@ -208,7 +210,7 @@ fn comparisons(summary: &Summary) -> String {
     let mut titles = keys.clone();
     let figures = ["cost", "compared", "pairs", "difference", "95 %", "d", "p (Holm)", "lower in"];
     titles.extend(figures.map(str::to_owned));
-    let mut rows = table_of(&titles, keys.len() + 2);
+    let mut rows = table(&titles, keys.len() + 2);
     for c in shown {
         let mut cells: Vec<String> =
             keys.iter().map(|key| c.inputs.get(key).cloned().unwrap_or_default()).collect();
@@ -230,16 +232,4 @@ fn comparisons(summary: &Summary) -> String {
         "\nPaired by seed\n{}First minus second, all other inputs equal, over the seeds with which both arrived. d: mean of the differences over their standard deviation; p: paired t-test, corrected by Holm's method for the {tested} comparisons tested. There is no interval and no test where all humans make the same choices: seeds then differ by gait noise only. Comparisons without any difference are left out.\n",
         table_text(&rows)
     )
-}
-
-/// A table whose first `left` columns are text.
-fn table_of(titles: &[String], left: usize) -> comfy_table::Table {
-    let mut shown = table::<0>([], 0);
-    shown.set_header(titles);
-    for column in left..titles.len() {
-        if let Some(column) = shown.column_mut(column) {
-            column.set_cell_alignment(comfy_table::CellAlignment::Right);
-        }
-    }
-    shown
 }

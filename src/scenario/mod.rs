@@ -31,10 +31,10 @@ pub use preference_changes::{NotPreferenceChanges, PreferenceChanges, drawn_chan
 pub use prepared::PreparedScenario;
 pub use settings::{
     AVOID, Applies, Field, INITIAL_STUBBORNNESS, Kind, PERCEPTION, POSE, POSTURE, RISK_WEIGHT, Range,
-    SETTINGS, SWAY, Setting, Value, one_of,
+    SETTINGS, SWAY, Setting, Value,
 };
 pub use snapshot::{Snapshot, SnapshotError};
-pub use word::Word;
+pub use word::{Word, one_of};
 
 use crate::episode::{self, PreferenceChange};
 use crate::human::ModelName;

@@ -4,9 +4,8 @@
 //! [`SETTINGS`]. The table does not have the other parts of a scenario: seed, world, human, preference
 //! changes, belief, plant and robot.
 
-use super::word::Word;
+use super::word::{AVOIDED, CRITERIA, POSES, Word, one_of, put, word, words};
 use super::{PlantKind, Scenario};
-use crate::control::{Avoid, CandidateSet, PoseCriterion};
 use crate::human::{MODELS, ModelName};
 use crate::policy::Method;
 use std::fmt;
@@ -324,49 +323,6 @@ pub const SETTINGS: &[Setting] = &[
         kind: Kind::Flag(field!(robot r => r.control.prepare_while_leading)),
     },
 ];
-
-/// A word for every value of an enum, with its meaning.
-type Words<T> = [(T, &'static str, &'static str)];
-
-const POSES: &Words<CandidateSet> = &[
-    (CandidateSet::None, "none", "No pose optimisation"),
-    (CandidateSet::Arm, "arm", "Fifteen configurations of the arm"),
-    (CandidateSet::WholeBody, "whole-body", "Fifteen configurations of base and arm"),
-];
-const CRITERIA: &Words<PoseCriterion> = &[
-    (PoseCriterion::Expected, "expected", "Eq. (8): costs of all options, weighted by P_o"),
-    (PoseCriterion::Uniform, "uniform", "Costs of all options, equally weighted"),
-    (PoseCriterion::Tracked, "tracked", "The cost of the option on which the robot estimates the human"),
-    (
-        PoseCriterion::Manipulability,
-        "manipulability",
-        "Yoshikawa's manipulability of the arm instead of costs",
-    ),
-];
-const AVOIDED: &Words<Avoid> = &[
-    (Avoid::Nothing, "nothing", "Nothing, as in the paper"),
-    (Avoid::Base, "base", "The base"),
-    (Avoid::Robot, "robot", "Base and arm"),
-];
-
-fn words<T>(all: &Words<T>) -> Vec<Word> {
-    all.iter().map(|(_, word, about)| (*word, *about)).collect()
-}
-
-fn word<T: PartialEq>(all: &Words<T>, value: T) -> Option<String> {
-    all.iter().find(|(other, ..)| *other == value).map(|(_, word, _)| (*word).to_owned())
-}
-
-fn put<T: Copy>(place: &mut T, all: &Words<T>, word: &str) {
-    let found = all.iter().find(|(_, other, _)| *other == word);
-    *place = found.map_or(*place, |(value, ..)| *value);
-}
-
-/// The text "one of" and the words.
-pub fn one_of(words: &[Word]) -> String {
-    let words: Vec<_> = words.iter().map(|(word, _)| format!("\"{word}\"")).collect();
-    format!("one of {}", words.join(", "))
-}
 
 impl Setting {
     /// Its value in a scenario; `None` if the scenario does not have the setting.

@@ -164,11 +164,8 @@ impl Physical {
     /// The share of its speed with which a robot that leads goes on where the human's grip yields: 1 unless the
     /// human resists.
     fn yielding(&self, mode: Mode) -> f64 {
-        let [slower, stop] = RESISTANCE_M;
         match mode {
-            Mode::RobotLed => {
-                ((stop - self.state.seen.hand_grip.deflection) / (stop - slower)).clamp(0.0, 1.0)
-            }
+            Mode::RobotLed => share(RESISTANCE_M, self.state.seen.hand_grip.deflection, 0.0),
             Mode::HumanLed => 1.0,
         }
     }
@@ -200,22 +197,21 @@ impl Physical {
 
     /// Advances the leader's position on the path by one period, and with it the object's target.
     fn set_goal(&mut self, step: &Step, walk: &Walk) {
-        let share = |[slower, least]: [f64; 2], value: f64| (least - value) / (least - slower);
         let out_of_place = (self.grasp_goal().position - on_floor(&self.state.seen.grasp)).norm();
         let yielding = self.yielding(step.mode);
         let State { team_path, path_position, path_speed, goal, .. } = &mut self.state;
         let turn = wrap_angle(team_path.pose(step.path, *path_position).yaw - goal.yaw).abs();
-        let turning = share(TURNING_LAG_RAD, turn).clamp(0.1, 1.0);
+        let turning = share(TURNING_LAG_RAD, turn, 0.1);
         let ahead = match step.travel {
             Travel::Forward => *path_position - step.from,
             Travel::Backward => step.from - *path_position,
         };
-        let waiting = share(LAG_M, ahead).clamp(0.0, 1.0);
+        let waiting = share(LAG_M, ahead, 0.0);
         *path_speed = step.travel.speed_after(*path_speed, turning * waiting * yielding, walk);
         // who feels resistance gives up the lead over the object
         let given_up = (1.0 - yielding) * (*path_position - step.from);
         *path_position += *path_speed * walk.period - given_up;
-        let following = share(OUT_OF_PLACE_M, out_of_place).clamp(0.2, 1.0);
+        let following = share(OUT_OF_PLACE_M, out_of_place, 0.2);
         let gently = Walk { yaw_rate: walk.yaw_rate * following, ..*walk };
         *goal = moved_toward(goal, &team_path.pose(step.path, *path_position), &gently);
     }
@@ -392,6 +388,12 @@ impl std::fmt::Debug for Physical {
             .field("seen", seen)
             .finish_non_exhaustive()
     }
+}
+
+/// The share of a speed that remains at a value: 1 up to the first limit, 0 at the second, but no less than
+/// `least`.
+fn share([slower, stop]: [f64; 2], value: f64, least: f64) -> f64 {
+    ((stop - value) / (stop - slower)).clamp(least, 1.0)
 }
 
 /// One step of the object's pose from `at` toward `goal`, as fast as it can be carried there.
