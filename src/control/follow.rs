@@ -12,13 +12,15 @@ use crate::robot::{Drive, InputJacobian, pose_difference};
 use nalgebra::Rotation3;
 
 /// Look-ahead distance along the path, m.
-const LOOK_AHEAD_M: f64 = 0.5;
+const LOOK_AHEAD_M: f64 = 0.65;
 /// Gain of the spacing between base and grasp, 1/s.
 const SPACING_GAIN: f64 = 1.0;
 /// Largest acceleration of the rims, m/s^2.
 const RIM_ACCELERATION: f64 = 1.2;
 /// Gain of the turn on the spot toward a path in another direction, 1/s.
 const TURN_GAIN: f64 = 3.0;
+/// Largest rate at which the base turns, rad/s. The arm holds the grasp up to a metre away, in place.
+const TURN_RATE_LIMIT: f64 = 1.3;
 /// Weight of the squared deviation (m/s) from the rim speeds that follow the path.
 const GUIDE_PRICE: f64 = 1e4;
 
@@ -30,7 +32,8 @@ pub struct Follower<'w> {
     pub speeds: [f64; 2],
     /// Acceleration from the present to the target speed, m/s^2.
     pub acceleration: f64,
-    /// Wanted distance of the base behind the grasp along the path, m.
+    /// Wanted distance of the base from the grasp, m. It is measured straight: in a bend, a distance along the
+    /// path would fold the arm.
     pub distance: f64,
 }
 
@@ -38,7 +41,7 @@ impl Follower<'_> {
     /// Distance between points, m.
     pub const STEP: f64 = 0.05;
 
-    /// Rim speeds by pure pursuit (Coulter 1992) of a point 0.5 m ahead on the path, at the speed that keeps
+    /// Rim speeds by pure pursuit (Coulter 1992) of a point 0.65 m ahead on the path, at the speed that keeps
     /// the distance, within the limits of the rims. `rims` are the present rim speeds, m/s.
     pub fn rims(&self, drive: &Drive, base: &PlanarPose, rims: [f64; 2], period: f64) -> Rims {
         let (mut at, mut last) = (*base, rims);
@@ -51,7 +54,7 @@ impl Follower<'_> {
             // when reversing, look behind
             let side = if pace < 0.0 { -1.0 } else { 1.0 };
             let goal = (self.point((along + side * LOOK_AHEAD_M).max(0.0)) - at.position) * side;
-            let behind = (self.way.len() - 1) as f64 * Self::STEP + ahead - along;
+            let behind = (self.end() - at.position).norm() + ahead;
             ahead += pace * period;
             let bearing = wrap_angle(angle_of(goal) - at.yaw);
             let wanted = side * (pace + SPACING_GAIN * (behind - self.distance));
@@ -62,6 +65,7 @@ impl Follower<'_> {
             } else {
                 TURN_GAIN * bearing
             };
+            let turn = turn.clamp(-TURN_RATE_LIMIT, TURN_RATE_LIMIT);
             let rims = [-0.5, 0.5].map(|end| side * speed + end * turn * drive.track);
             let fastest = rims[0].abs().max(rims[1].abs());
             let scale = if fastest > drive.rim_speed_limit { drive.rim_speed_limit / fastest } else { 1.0 };
@@ -90,8 +94,12 @@ impl Follower<'_> {
         let i = (along / Self::STEP).floor() as usize;
         match self.way.get(i..i + 2) {
             Some([a, b]) => a + (b - a) * (along / Self::STEP - i as f64),
-            _ => self.way.last().copied().unwrap_or_default(),
+            _ => self.end(),
         }
+    }
+
+    fn end(&self) -> Point {
+        self.way.last().copied().unwrap_or_default()
     }
 }
 

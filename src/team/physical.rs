@@ -37,6 +37,13 @@ const LAG_M: [f64; 2] = [0.01, 0.08];
 /// A robot that leads slows when the human's grip yields by the first and stops at the second, m: the human
 /// resists.
 const RESISTANCE_M: [f64; 2] = [0.03, 0.06];
+/// Rate at which the object turns on a bend, rad/s: a team slows before it, as far as a share of its speed.
+/// Behind the object the base has to go round the same bend, and the arm has to make up for both.
+const BEND_RATE: f64 = 0.4;
+const BEND_LEAST_SHARE: f64 = 0.2;
+/// Distance (m) between the places where the object's turning is looked at, and their number.
+const BEND_STEP_M: f64 = 0.1;
+const BEND_STEPS: u32 = 4;
 
 impl Travel {
     /// Target speed of the team, m/s; negative when reversing.
@@ -45,6 +52,18 @@ impl Travel {
             Self::Forward => walk.speed,
             Self::Backward => -REVERSING_SPEED,
         }
+    }
+
+    /// The share of its speed that a team keeps before a bend, from the object's pose at distances (m) ahead.
+    /// A reversing team is slow enough.
+    fn share_on_bend(self, walk: &Walk, pose: impl Fn(f64) -> PlanarPose) -> f64 {
+        if self == Self::Backward {
+            return 1.0;
+        }
+        let yaw = |i: u32| pose(BEND_STEP_M * f64::from(i)).yaw;
+        let turns = (0..BEND_STEPS).map(|i| wrap_angle(yaw(i + 1) - yaw(i)).abs());
+        let rate = turns.fold(0.0, f64::max) / BEND_STEP_M * walk.speed;
+        (BEND_RATE / rate).clamp(BEND_LEAST_SHARE, 1.0)
     }
 
     /// Speed after one period of a team that has the speed `speed`, at most this `share` of the target speed,
@@ -207,7 +226,8 @@ impl Physical {
             Travel::Backward => step.from - *path_position,
         };
         let waiting = share(LAG_M, ahead, 0.0);
-        *path_speed = step.travel.speed_after(*path_speed, turning * waiting * yielding, walk);
+        let on_bend = step.travel.share_on_bend(walk, |s| team_path.pose(step.path, *path_position + s));
+        *path_speed = step.travel.speed_after(*path_speed, turning * waiting * yielding * on_bend, walk);
         // who feels resistance gives up the lead over the object
         let given_up = (1.0 - yielding) * (*path_position - step.from);
         *path_position += *path_speed * walk.period - given_up;
@@ -286,7 +306,8 @@ impl Bodies for Physical {
         let yielding = self.yielding(path_ahead.mode);
         let mut at = if path_ahead.mode == Mode::RobotLed { self.state.goal } else { self.held_by_hand() };
         let grasps = (1..=HORIZON).map(|_| {
-            path_speed = path_ahead.travel.speed_after(path_speed, yielding, walk);
+            let on_bend = path_ahead.travel.share_on_bend(walk, |s| self.pose(path_ahead, ahead + s));
+            path_speed = path_ahead.travel.speed_after(path_speed, yielding * on_bend, walk);
             ahead += path_speed * walk.period;
             at = moved_toward(&at, &self.pose(path_ahead, ahead), walk);
             self.state.team_path.end(&at, -1.0)
@@ -303,6 +324,8 @@ impl Bodies for Physical {
     ) -> Option<Rims> {
         let yielding = self.yielding(path_ahead.mode);
         let (position, speed) = self.path_position(path_ahead, speed);
+        let from_here = |s| self.pose(path_ahead, position - path_ahead.along + s);
+        let share = yielding * path_ahead.travel.share_on_bend(walk, from_here);
         let State { team_path, seen, .. } = &self.state;
         // from the grasp's position for the object's target, back to beyond the base
         self.walked.clear();
@@ -310,7 +333,7 @@ impl Bodies for Physical {
         self.walked.extend(behind.map(|behind| team_path.point(path_ahead.path, position - behind)));
         let follower = Follower {
             way: &self.walked,
-            speeds: [speed.min(walk.speed), path_ahead.travel.speed(walk) * yielding],
+            speeds: [speed.min(walk.speed), path_ahead.travel.speed(walk) * share],
             acceleration: TEAM_ACCELERATION,
             distance: self.distance,
         };
