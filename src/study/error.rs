@@ -69,7 +69,7 @@ pub enum SweepError {
         /// The combination.
         inputs: String,
     },
-    /// A run has too many combinations.
+    /// A study has too many combinations.
     #[error("{place}: more than {most} combinations; use more seeds and fewer values")]
     TooMany {
         /// The run.

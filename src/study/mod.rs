@@ -25,7 +25,7 @@ pub use summary::{Comparison, Group, Summary};
 
 use crate::arithmetic;
 use crate::episode::Settings;
-use crate::located;
+use crate::located::{self, LARGEST_SETTINGS};
 use crate::preference::{Predictor, RISK_WEIGHT};
 use crate::robot::SlowDrive;
 use crate::scenario::{Plant, PlantKind, PreparedScenario, RobotSetup, SETTINGS, Scenario};
@@ -74,7 +74,7 @@ impl Study {
     pub fn load(path: &Path, seeds: Option<u64>) -> Result<Self, SweepError> {
         let file = path.display().to_string();
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::parse(&file, &located::read(path)?, folder, seeds)
+        Self::parse(&file, &located::read_at_most(LARGEST_SETTINGS, path)?, folder, seeds)
     }
 
     /// Reads the text of a study file. Errors call it `file`. Files that it names are relative to `folder`.
