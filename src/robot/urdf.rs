@@ -16,8 +16,9 @@ use std::path::Path;
 const LARGEST_NUMBER: f64 = 1e6;
 /// The deepest nesting of elements; the parser recurses once per level.
 const LARGEST_DEPTH: usize = 64;
-/// The largest number of elements.
+/// The largest number of elements, and of elements, texts and comments.
 const MOST_ELEMENTS: usize = 50_000;
+const MOST_PIECES: usize = 500_000;
 /// The largest total length of namespaces and their prefixes, bytes; the parser copies them into every element
 /// after them.
 const LONGEST_NAMESPACES: usize = 4096;
@@ -89,11 +90,13 @@ impl Urdf<'_> {
         let check = |field: &str, found: usize, most: usize| {
             robot.number(field, found as f64, found <= most, &format!("at most {most}"))
         };
-        let (mut depth, mut elements, mut namespaces) = (0, 0, 0);
+        let (mut depth, mut elements, mut namespaces, mut pieces) = (0, 0, 0, 0);
         let mut parser = xml::Parser::new();
         parser.feed_str(text);
         // the parser proper reports errors
         for event in parser.map_while(Result::ok) {
+            pieces += 1;
+            check("number of its elements, texts and comments", pieces, MOST_PIECES)?;
             match event {
                 xml::Event::ElementStart(tag) => {
                     (depth, elements) = (depth + 1, elements + 1);

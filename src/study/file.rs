@@ -226,7 +226,8 @@ impl Contents {
                 *values = given;
             }
         }
-        let too_many = SweepError::TooMany { place: place.clone(), most: LARGEST_RUN };
+        let (most, what) = (LARGEST_RUN, "combinations");
+        let too_many = SweepError::TooMany { place: place.clone(), most, what };
         let before: usize = self.runs.iter().map(|(run, _)| run.cells.len()).sum();
         let fits = |cells: &Vec<Cell>| before + cells.len() <= LARGEST_RUN;
         let mut cells: Vec<Cell> = run.axes.cells().filter(fits).ok_or(too_many)?;

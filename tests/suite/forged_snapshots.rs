@@ -93,7 +93,7 @@ fn forged(bytes: &[u8], rng: &mut ChaCha8Rng) -> (Vec<u8>, String) {
     let mut groups = std::collections::BTreeMap::<String, Vec<usize>>::new();
     each(&mut contents, "", &mut |path, value| {
         if matches!(value, Value::Float(_) | Value::Integer(_) | Value::Bool(_)) {
-            let group: String = path.split(|c: char| c == '[' || c == ']').step_by(2).collect();
+            let group: String = path.split(['[', ']']).step_by(2).collect();
             groups.entry(group).or_default().push(count);
         }
         count += 1;

@@ -96,7 +96,8 @@ fn a_recording_has_a_robot_of_bounded_depth() {
     let folder = tempfile::tempdir().unwrap();
     let mut scenario = example(rapier());
     let Plant::Rapier { carrier, .. } = &mut scenario.plant else { panic!("the physical plant") };
-    carrier.robot.urdf = "<a b=\"/>\">".repeat(10_000) + &"</a>".repeat(10_000);
+    let deep = "<a b=\"/>\">".repeat(20_000) + &"</a>".repeat(20_000);
+    carrier.robot.urdf = format!("<robot name=\"r\"><link name=\"l\"><visual>{deep}</visual></link></robot>");
     let file = [MAGIC, &attachment("scenario.toml", scenario.text().unwrap().as_bytes())].concat();
     std::fs::write(folder.path().join("deep.mcap"), file).unwrap();
     let said = refused(1000, folder.path(), "replay deep.mcap");
@@ -211,6 +212,10 @@ fn a_study_has_a_bounded_number_of_combinations() {
     std::fs::write(folder.path().join("s.toml"), format!("{head}{}", "[[run]]\n".repeat(1001))).unwrap();
     let said = refused(2000, folder.path(), "sweep s.toml");
     assert!(said.contains("s.toml:4: run") && said.contains("at most 1000 tables [[run]]"), "{said}");
+    std::fs::write(folder.path().join("s.toml"), format!("{head}risk_weight_m = [{}]\n", list(1001)))
+        .unwrap();
+    let said = refused(2000, folder.path(), "sweep s.toml");
+    assert!(said.contains("more than 1000 combinations of a world, a risk weight and a robot"), "{said}");
     std::fs::write(folder.path().join("s.toml"), format!("{head}eta = [{}]\n", list(10_001))).unwrap();
     let said = refused(2000, folder.path(), "sweep s.toml");
     assert!(said.contains("s.toml:4: eta") && said.contains("at most 10000"), "{said}");
