@@ -123,9 +123,17 @@ pub(super) fn option_json(
     fields
 }
 
+/// The largest number of characters of a line on standard error: TOML's errors repeat the line of the file.
+const LONGEST_LINE: usize = 4000;
+
 /// Prints a message for people, such as an error, on standard error.
 pub(super) fn tell(message: &str) {
-    eprintln!("{}", visible(message));
+    for line in visible(message).lines() {
+        match line.char_indices().nth(LONGEST_LINE) {
+            None => eprintln!("{line}"),
+            Some((end, _)) => eprintln!("{}…", &line[..end]),
+        }
+    }
 }
 
 /// Prints a warning. The command continues.
