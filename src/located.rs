@@ -1,15 +1,20 @@
-//! Text files and the places in them, for errors.
+//! Input files, bounded in size, and the places in text files, for errors.
 
 use serde::de::DeserializeOwned;
-use std::io::Read;
+use std::fs::File;
+use std::io::{Error, ErrorKind, Read};
 use std::ops::Range;
 use std::path::Path;
 use thiserror::Error;
 use toml::Spanned;
 use toml::de::DeTable;
 
-/// The size of the largest text file that is read, bytes.
-const LARGEST: u64 = 64 << 20;
+/// The size of the largest text file that is read, bytes: answers, samples, URDFs.
+const LARGEST: u64 = 16 << 20;
+/// The same for a file of settings: studies, baselines, robots.
+pub const LARGEST_SETTINGS: u64 = 1 << 20;
+/// The same for a world.
+pub const LARGEST_WORLD: u64 = 4 << 20;
 
 /// A place in a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,15 +59,38 @@ pub enum FileError {
     },
 }
 
-/// Reads a text file of at most 64 MiB.
+/// Opens an input file. Only regular files are inputs: a FIFO or a terminal would wait for its writer, and a
+/// device may never end.
 ///
 /// # Errors
-/// [`FileError::Read`], also if it is larger or not UTF-8.
+/// The system's, or that the file is not a regular file.
+pub fn open(path: &Path) -> Result<File, Error> {
+    // before the file is opened, since opening a FIFO waits too
+    let kind = std::fs::metadata(path)?.file_type();
+    match kind.is_dir() {
+        _ if kind.is_file() => File::open(path),
+        true => Err(Error::new(ErrorKind::IsADirectory, "is a directory; expected a file")),
+        false => Err(Error::new(ErrorKind::InvalidInput, "is a special file; expected a regular file")),
+    }
+}
+
+/// Reads a text file of at most 16 MiB.
+///
+/// # Errors
+/// [`FileError::Read`], also if it is larger, not a regular file, or not UTF-8.
 pub fn read(path: &Path) -> Result<String, FileError> {
+    read_at_most(LARGEST, path)
+}
+
+/// As [`read`], with another limit (bytes).
+///
+/// # Errors
+/// As [`read`].
+pub fn read_at_most(limit: u64, path: &Path) -> Result<String, FileError> {
     let mut text = String::new();
-    let read = std::fs::File::open(path).and_then(|file| file.take(LARGEST + 1).read_to_string(&mut text));
-    let too_large = || std::io::Error::other(format!("larger than {LARGEST} bytes"));
-    let read = read.and_then(|length| if length as u64 > LARGEST { Err(too_large()) } else { Ok(text) });
+    let read = open(path).and_then(|file| file.take(limit + 1).read_to_string(&mut text));
+    let too_large = || Error::other(format!("larger than {limit} bytes"));
+    let read = read.and_then(|length| if length as u64 > limit { Err(too_large()) } else { Ok(text) });
     read.map_err(|source| FileError::Read { file: path.display().to_string(), source })
 }
 
@@ -136,8 +164,8 @@ mod tests {
     fn a_file_that_is_too_large_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("large.toml");
-        std::fs::File::create(&path).unwrap().set_len(LARGEST + 1).unwrap();
+        File::create(&path).unwrap().set_len(LARGEST + 1).unwrap();
         let FileError::Read { source, .. } = read(&path).unwrap_err() else { panic!("another error") };
-        assert_eq!(source.to_string(), "larger than 67108864 bytes");
+        assert_eq!(source.to_string(), "larger than 16777216 bytes");
     }
 }

@@ -106,10 +106,18 @@ impl Outputs {
     /// # Errors
     /// [`OutputError`]; an existing file is then unchanged.
     pub fn write(&self, file: &Path, contents: impl AsRef<[u8]>) -> Result<(), OutputError> {
+        self.begin(file, contents)?.finish()
+    }
+
+    /// Writes a whole file, which appears under its name only with [`OutputFile::finish`].
+    ///
+    /// # Errors
+    /// As [`Outputs::write`].
+    pub fn begin(&self, file: &Path, contents: impl AsRef<[u8]>) -> Result<OutputFile, OutputError> {
         let mut output = self.create(file)?;
-        let written = output.write_all(contents.as_ref());
+        let written = output.write_all(contents.as_ref()).and_then(|()| output.flush());
         written.map_err(|source| OutputError::Write { file: file.to_owned(), source })?;
-        output.finish()
+        Ok(output)
     }
 
     /// As [`OutputFile::create`].

@@ -1,7 +1,8 @@
 //! `cocarry inspect`: shows the contents of a recording as text, JSON, CSV or a picture.
 
 use super::output::{
-    Failure, OverwriteArguments, input, plain, print, print_json, table, table_text, unwritten, write_file,
+    Failure, OverwriteArguments, input, plain, print, print_json, table, table_text, unwritten, visible,
+    write_file,
 };
 use crate::drawing::{self, Track};
 use crate::geometry::Point;
@@ -11,6 +12,7 @@ use crate::world::World;
 use anyhow::{Context, anyhow};
 use clap::Args;
 use serde_json::{Value, json};
+use std::borrow::Cow;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -167,10 +169,11 @@ fn write_table<R: std::io::Read>(
         Failure::Output(error.context(name.to_owned()))
     };
     let mut writer = csv::Writer::from_writer(to);
-    let heading = std::iter::once("time_s").chain(columns.iter().map(String::as_str));
-    writer.write_record(heading).map_err(failed)?;
+    let heading = std::iter::once("time_s".into()).chain(columns.iter().map(|column| visible(column)));
+    writer.write_record(heading.map(Cow::into_owned)).map_err(failed)?;
     let written = rows(reader, topic, columns, |time, cells| {
-        let cells = cells.iter().map(|cell| cell.map_or_else(String::new, plain));
+        let cells =
+            cells.iter().map(|cell| cell.map_or_else(String::new, |cell| visible(&plain(cell)).into()));
         let row = std::iter::once(seconds(time).to_string()).chain(cells);
         writer.write_record(row).map_err(Stop::Write)
     });

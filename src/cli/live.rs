@@ -8,7 +8,8 @@ use std::net::SocketAddr;
 pub(super) struct LiveArguments {
     /// Serve the messages that --record writes over WebSocket while the episode runs, for Foxglove [default
     /// address: 127.0.0.1:8765, for programs on this computer]; 0.0.0.0:8765 serves every computer that can
-    /// reach this one. Needs the cargo feature `live`
+    /// reach this one. Whoever reaches the address can watch, also web pages in a browser there, whatever site
+    /// they are from; viewers cannot change anything. Needs the cargo feature `live`
     #[arg(
         long,
         value_name = "ADDRESS:PORT",

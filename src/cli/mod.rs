@@ -91,7 +91,7 @@ pub fn main() -> ExitCode {
             };
             // a broken pipe is not an error: the reader has closed it
             if !output::is_broken_pipe(&error) {
-                eprintln!("error: {error:#}");
+                output::tell(&format!("error: {error:#}"));
             }
             ExitCode::from(code)
         }

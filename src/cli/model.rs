@@ -3,6 +3,7 @@
 use super::output::{Failure, input};
 use super::settings::number;
 use crate::episode::PreferenceChange;
+use crate::located;
 use crate::paper;
 use crate::preference::{self, Belief, Marginal, Perception, Predictor, WeightedSample};
 use crate::scenario::{PERCEPTION, RISK_WEIGHT};
@@ -60,7 +61,8 @@ impl BeliefArguments {
 
 fn samples(file: &Path) -> anyhow::Result<Belief> {
     let name = || file.display().to_string();
-    let mut reader = csv::Reader::from_path(file).with_context(name)?;
+    let text = located::read(file)?;
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
     let samples = reader
         .deserialize()
         .map(|row: Result<SampleRow, csv::Error>| {

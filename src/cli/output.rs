@@ -7,6 +7,7 @@ use anyhow::{Context, Error, anyhow};
 use clap::Args;
 use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets::UTF8_HORIZONTAL_ONLY};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::borrow::Cow;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,10 +26,21 @@ pub(super) fn input(error: impl Into<Error>) -> Failure {
     Failure::Input(error.into())
 }
 
+/// Text without control characters, which a terminal would obey: names in it come from files. Each is written
+/// as JSON writes it. Newlines and tabs stay.
+pub(super) fn visible(text: &str) -> Cow<'_, str> {
+    let is_obeyed = |c: char| c.is_control() && !matches!(c, '\n' | '\t');
+    if !text.contains(is_obeyed) {
+        return Cow::Borrowed(text);
+    }
+    let shown = |c: char| if is_obeyed(c) { format!("\\u{:04x}", u32::from(c)) } else { c.into() };
+    Cow::Owned(text.chars().map(shown).collect())
+}
+
 /// Prints text, which ends with a newline.
 pub(super) fn print(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    out.write_all(text.as_bytes())
+    out.write_all(visible(text).as_bytes())
         .and_then(|()| out.flush())
         .context("standard output")
         .map_err(Failure::Output)
@@ -111,9 +123,22 @@ pub(super) fn option_json(
     fields
 }
 
+/// The largest number of characters of a line on standard error: TOML's errors repeat the line of the file.
+const LONGEST_LINE: usize = 4000;
+
+/// Prints a message for people, such as an error, on standard error.
+pub(super) fn tell(message: &str) {
+    for line in visible(message).lines() {
+        match line.char_indices().nth(LONGEST_LINE) {
+            None => eprintln!("{line}"),
+            Some((end, _)) => eprintln!("{}…", &line[..end]),
+        }
+    }
+}
+
 /// Prints a warning. The command continues.
 pub(super) fn warn(warning: &impl std::fmt::Display) {
-    eprintln!("warning: {warning}");
+    tell(&format!("warning: {warning}"));
 }
 
 /// A table with the given headings. The first `left` columns are text, the others numbers.

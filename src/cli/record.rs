@@ -20,11 +20,6 @@ pub(super) struct RecordArguments {
 pub(super) struct Recording<'a>(Option<(PathBuf, FileRecorder<'a>)>);
 
 impl RecordArguments {
-    /// Whether --record is given.
-    pub fn is_asked_for(&self) -> bool {
-        self.record.is_some()
-    }
-
     /// Begins the recording before the first step, with --record.
     pub fn begin<'a>(
         &self,

@@ -1,6 +1,6 @@
 //! `cocarry regress`: records the figures of a baseline's runs, or checks them against those recorded.
 
-use super::output::{Failure, Progress, input, print, print_json, table, table_text, write_file};
+use super::output::{Failure, Progress, input, print, print_json, table, table_text, unwritten, write_file};
 use super::reproduce::Common;
 use super::scenario::ScenarioArguments;
 use crate::output_file::Outputs;
@@ -58,6 +58,16 @@ pub(super) fn run(action: &Action) -> Result<ExitCode, Failure> {
     if is_check && baseline.format < FORMAT {
         return Err(input(BaselineError::Older { file: baseline.file, found: baseline.format }));
     }
+    // the file is what `record` is about; the worlds and robots are inputs
+    let read = scenarios.iter().flat_map(|scenario| {
+        let robot = scenario.plant.carrier().map(|carrier| &carrier.robot);
+        let robot = robot.into_iter().flat_map(|robot| [&robot.file, &robot.urdf_file]);
+        std::iter::once(&scenario.world.file).chain(robot).map(PathBuf::from)
+    });
+    let outputs = Outputs::new(true, read);
+    if !is_check {
+        outputs.check(&arguments.file).map_err(unwritten)?;
+    }
     let bar = Progress::new(scenarios.len(), "runs");
     let results = arguments.common.on_threads(|| run_all(scenarios, &|| bar.step()))?;
     bar.finish();
@@ -70,8 +80,7 @@ pub(super) fn run(action: &Action) -> Result<ExitCode, Failure> {
     let pairs = baseline.runs.iter().zip(&figures).filter(was_recorded);
     let found: Vec<Moved> = pairs.flat_map(|(run, now)| moved(&baseline, run, now)).collect();
     if !is_check {
-        // the file is what the command is about
-        write_file(&Outputs::new(true, []), &arguments.file, baseline.recorded(&figures).map_err(input)?)?;
+        write_file(&outputs, &arguments.file, baseline.recorded(&figures).map_err(input)?)?;
     }
     let compared = figures.iter().map(Vec::len).sum();
     match arguments.common.json {

@@ -3,7 +3,7 @@
 use super::episode_report::EpisodeReport;
 use super::interrupt::Interrupt;
 use super::live::LiveArguments;
-use super::output::{Failure, OverwriteArguments, Progress, print, print_json, warn, write_file};
+use super::output::{Failure, OverwriteArguments, Progress, print, print_json, tell, warn, write_file};
 use super::record::RecordArguments;
 use super::scenario::ScenarioArguments;
 use super::serving::Serving;
@@ -77,6 +77,10 @@ pub(super) fn example() -> Result<ExitCode, Failure> {
 }
 
 pub(super) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
+    arguments.snapshots.guard(|| carry_out(arguments))
+}
+
+fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let (scenario, state) = match arguments.snapshots.load()? {
         None => (arguments.scenario.scenario()?, None),
         Some(Snapshot { scenario, state, .. }) => (scenario, Some(state)),
@@ -96,8 +100,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let mut log = arguments.ticks.as_ref().map(tick_log::File::begin);
     let bar = Progress::new(episode.expected_steps() as usize, "episode");
     saves.write(&outputs, &stage, &episode)?;
-    let is_to_be_finished = arguments.recording.is_asked_for() || arguments.live.live.is_some();
-    let interrupt = Interrupt::caught_if(is_to_be_finished)?;
+    let interrupt = Interrupt::caught()?;
     let mut serving = Serving::begin(&arguments.live, &stage, &episode, &interrupt)?;
     let mut recording = arguments.recording.begin(&stage, &episode, arguments.overwrite.overwrite)?;
     serving.iter_mut().for_each(Serving::await_viewer);
@@ -121,12 +124,6 @@ pub(super) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     if let Some(serving) = &mut serving {
         serving.end(&episode, ending);
     }
-    if is_interrupted {
-        let place = recorded.map_or(String::new(), |file| format!(", which are in {}", file.display()));
-        eprintln!("interrupted after {steps} steps{place}");
-        serving.into_iter().for_each(Serving::stop);
-        return Ok(ExitCode::from(130));
-    }
     let report = EpisodeReport { stage: &stage, episode: &episode, resumed, ticks };
     log.map_or(Ok(()), |log| log.finish(&outputs))?;
     if let Some(path) = &arguments.svg {
@@ -134,6 +131,16 @@ pub(super) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
             .with_context(|| path.display().to_string())
             .map_err(Failure::Output)?;
         write_file(&outputs, path, &svg)?;
+    }
+    if is_interrupted {
+        let ticks = arguments.ticks.iter().map(|file| &file.path);
+        let files: Vec<_> =
+            recorded.iter().chain(ticks).chain(&arguments.svg).map(|f| f.display().to_string()).collect();
+        let place =
+            if files.is_empty() { String::new() } else { format!(", which are in {}", files.join(", ")) };
+        tell(&format!("interrupted after {steps} steps{place}"));
+        serving.into_iter().for_each(Serving::stop);
+        return Ok(ExitCode::from(130));
     }
     if arguments.json {
         print_json(&report.as_json())?;

@@ -1,6 +1,6 @@
 //! The arguments of snapshots: the steps to save, and the snapshot to resume.
 
-use super::output::{Failure, input, write_file};
+use super::output::{Failure, input, warn, write_file};
 use super::scenario::ScenarioArguments;
 use crate::arithmetic;
 use crate::episode::Episode;
@@ -8,7 +8,9 @@ use crate::output_file::Outputs;
 use crate::scenario::{PreparedScenario, ScenarioError, Snapshot};
 use anyhow::{Error, anyhow};
 use clap::{Args, Command, Id};
+use std::panic::AssertUnwindSafe;
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 /// The arguments that define a scenario. They conflict with --resume, since a snapshot has its own scenario.
 fn settled() -> impl Iterator<Item = Id> {
@@ -46,20 +48,36 @@ impl SnapshotArguments {
         let snapshot = Snapshot::load(file).map_err(input)?;
         let (theirs, ours) = (&snapshot.written_by, env!("CARGO_PKG_VERSION"));
         if theirs != ours {
-            eprintln!(
-                "warning: {} was written by cocarry {theirs}; with {ours} the episode may not resume bit-identically",
+            warn(&format!(
+                "{} was written by cocarry {theirs}; with {ours} the episode may not resume bit-identically",
                 file.display()
-            );
+            ));
         }
         let (theirs, ours) = (&snapshot.arithmetic, arithmetic::stamp());
         if theirs != ours {
-            eprintln!(
-                "warning: {} was saved with arithmetic {}, this program has {ours}: the episode does not resume bit-identically",
-                file.display(),
-                theirs.escape_debug()
-            );
+            warn(&format!(
+                "{} was saved with arithmetic {theirs}, this program has {ours}: the episode does not resume bit-identically",
+                file.display()
+            ));
         }
         Ok(Some(snapshot))
+    }
+
+    /// Runs `act`, the whole command. With --resume, a panic in it is bad input: the physics engine panics on a
+    /// state of its own that is not consistent.
+    pub fn guard(&self, act: impl FnOnce() -> Result<ExitCode, Failure>) -> Result<ExitCode, Failure> {
+        let Some(file) = &self.resume else { return act() };
+        let usual = std::panic::take_hook();
+        // the error says it
+        std::panic::set_hook(Box::new(|_| {}));
+        let done = std::panic::catch_unwind(AssertUnwindSafe(act));
+        std::panic::set_hook(usual);
+        done.unwrap_or_else(|panic| {
+            let words = panic.downcast_ref::<String>().map(String::as_str);
+            let words = words.or(panic.downcast_ref::<&str>().copied()).unwrap_or("no reason is given");
+            let file = file.display();
+            Err(input(anyhow!("{file}: the state in it is not consistent: the simulation fails: {words}")))
+        })
     }
 
     /// An error of the scenario, with the name of the snapshot if it comes from one.

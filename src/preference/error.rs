@@ -1,12 +1,13 @@
 //! Errors in the parameters of the preference model, each with its numbers.
 
+use super::perception::LARGEST_PERCEPTION;
 use thiserror::Error;
 
 /// An invalid belief or risk weight. Options never cause an error: see [`Prospect`](super::Prospect).
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PreferenceError {
-    /// The bounds of a marginal are not `0 < lower < upper < infinity`.
-    #[error("bounds [{lower}, {upper}] must satisfy 0 < lower < upper and be finite")]
+    /// The bounds of a marginal are not `0 < lower < upper <= 10`.
+    #[error("bounds [{lower}, {upper}] must satisfy 0 < lower < upper <= {LARGEST_PERCEPTION}")]
     Bounds {
         /// Lower bound given.
         lower: f64,
@@ -46,9 +47,9 @@ pub enum PreferenceError {
     /// A set of samples without a sample.
     #[error("a belief needs at least one sample")]
     NoSamples,
-    /// A sample whose parameters are not positive and finite or whose weight is not.
+    /// A sample whose parameters are not positive and at most 10, or whose weight is not positive and finite.
     #[error(
-        "sample {index} (alpha {alpha}, gamma {gamma}, weight {weight}): all three must be positive and finite"
+        "sample {index} (alpha {alpha}, gamma {gamma}, weight {weight}): all three must be positive and finite, alpha and gamma at most {LARGEST_PERCEPTION}"
     )]
     Sample {
         /// Position in the list given, from 0.

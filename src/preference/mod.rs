@@ -39,7 +39,8 @@ pub use choice::ChoiceDistribution;
 pub use error::PreferenceError;
 pub use marginal::Marginal;
 pub use perception::{
-    Perception, Prospect, human_choice, objective_cost, perceived_distance, perceived_risk, subjective_cost,
+    LARGEST_PERCEPTION, Perception, Prospect, human_choice, objective_cost, perceived_distance,
+    perceived_risk, subjective_cost,
 };
 pub use predictor::{Predictor, RISK_WEIGHT};
 pub use regions::{Region, Regions};

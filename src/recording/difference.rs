@@ -86,11 +86,12 @@ fn words(definition: &Definition) -> String {
 /// The first field that differs, and its two values.
 fn field(recorded: &Recorded, channel: Channel, data: &[u8]) -> (String, String, String) {
     let known = Definition::of(channel);
-    let (Some(ours), Some(theirs)) = (decode(&known, data), decode(recorded.channel, recorded.data)) else {
+    let (ours, theirs) = (decode(&known, data), decode(recorded.channel, recorded.data));
+    let [ours, theirs] = [&ours, &theirs].map(|message| message.as_ref().and_then(flatten));
+    let (Some(ours), Some(theirs)) = (ours, theirs) else {
         let bytes = |data: &[u8]| format!("{} bytes, checksum {:08x}", data.len(), crc32fast::hash(data));
         return ("message (not decodable)".to_owned(), bytes(recorded.data), bytes(data));
     };
-    let (ours, theirs) = (flatten(&ours), flatten(&theirs));
     let missing = || "nothing".to_owned();
     for (path, value) in &ours {
         let other = theirs.iter().find(|(p, _)| p == path).map(|(_, v)| *v);

@@ -63,7 +63,7 @@ pub enum ReadError {
         /// The offset of its end.
         offset: u64,
         /// The part that is incomplete.
-        what: &'static str,
+        what: String,
     },
     /// A record or chunk is longer than the limit.
     #[error("{file}: {what} at byte {offset} would be {length} bytes long; at most {limit} are read")]

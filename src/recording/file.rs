@@ -1,4 +1,4 @@
-//! The writer of MCAP files. Only this file uses the mcap crate.
+//! The writer of MCAP files.
 //!
 //! Chunks are built in memory and each is written in one call, so that after a crash the file is intact up to
 //! its last chunk.

@@ -40,6 +40,9 @@ pub enum LiveError {
 
 /// A server of an episode's messages. On every topic, a late subscriber first receives the latest message,
 /// then all later ones.
+///
+/// Whoever can reach the address may read the messages, and so may every web page that is open in a browser
+/// there: Foxglove's server does not check the origin of a connection. Viewers cannot change anything.
 pub struct LiveServer {
     topics: Arc<Topics>,
     server: WebSocketServerHandle,

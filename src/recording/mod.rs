@@ -73,7 +73,6 @@ mod encoder;
 mod ending;
 mod error;
 mod events;
-mod fields;
 mod file;
 #[cfg(feature = "live")]
 mod live;

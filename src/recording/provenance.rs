@@ -11,6 +11,8 @@ use std::io::Read;
 pub const METADATA: &str = "cocarry";
 /// The name of the metadata record with the losses of [`recover`](super::recover()).
 pub const RECOVERED: &str = "recovered";
+/// The size of the largest scenario that is read, bytes: a world and a robot.
+const LARGEST: usize = 24 << 20;
 /// The key of the [stamp](arithmetic::stamp) of a recording's arithmetic.
 pub(super) const ARITHMETIC: &str = "arithmetic";
 /// The name of the attachment with the scenario's text.
@@ -72,6 +74,11 @@ pub fn scenario<R: Read>(reader: &mut Reader<R>) -> Result<Scenario, ReadError> 
     while let Some(entry) = reader.next()? {
         match entry {
             Entry::Attachment(attachment) if attachment.name == SCENARIO => {
+                if attachment.data.len() > LARGEST {
+                    return Err(lacks(&format!(
+                        "its attachment scenario.toml is larger than {LARGEST} bytes"
+                    )));
+                }
                 let text = String::from_utf8(attachment.data);
                 let text = text.map_err(|_| lacks("its attachment scenario.toml is not UTF-8"))?;
                 return Scenario::parse(&text)

@@ -1,18 +1,34 @@
 //! A reader of MCAP files, entry by entry, in bounded memory whatever the file's length fields say.
 //!
-//! The mcap crate is not used, because its errors do not name the offset of a fault, and length fields do not
-//! limit its allocations.
+//! The mcap crate frames and parses the records. This file gives its errors their place, unpacks a chunk only
+//! as a whole and with the right checksum, and sets limits: a record, or a chunk's contents, has at most 32
+//! MiB; all definitions have at most 16 MiB; all chunks together unpack to at most 100 times the bytes of the
+//! file so far and 1 MiB.
 
-use super::fields::Fields;
-use super::records::{
-    DEFINITIONS, LONGEST, MAGIC, attachment, chunk_fields, message_header, op, record_name,
-};
+use super::ReadError;
+use super::records::{Attachment, has_attachment_fields, record_name};
 use super::schema::{Definition, SchemaText};
-use super::{Attachment, ReadError};
+use crate::located;
+use mcap::records::{Record, op};
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use mcap::{MAGIC, McapError, parse_record};
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, ErrorKind, Read};
 use std::path::Path;
+
+/// The length of the longest record, and of the longest unpacked chunk, bytes. A simulated second takes 0.1
+/// MB.
+const LONGEST: u64 = 32 << 20;
+/// The largest total length of all definitions of channels, bytes.
+const DEFINITIONS: usize = 16 << 20;
+/// The largest length of all unpacked chunks: bytes for each byte of the file so far, and further bytes.
+/// Recordings unpack to 3 to 4 times their length.
+const EXPANSION: (u64, u64) = (100, 1 << 20);
+/// The number of bytes that are read from the file at once.
+const PIECE: usize = 64 << 10;
+/// The bytes before a record's contents: its opcode and its length.
+const HEAD: usize = 9;
 
 /// An entry of a file.
 #[derive(Debug)]
@@ -66,37 +82,48 @@ impl<'r> Entry<'r> {
 pub struct Reader<R> {
     name: String,
     input: R,
+    records: LinearReader,
     /// Bytes read so far.
+    read: u64,
+    /// The offset of the record that is read next, and whether the last one was the footer.
     offset: u64,
-    record: Vec<u8>,
-    /// The present chunk, unpacked: its offset in the file, its bytes, and the number of bytes read.
-    chunk_offset: u64,
-    chunk: Vec<u8>,
-    read: usize,
+    is_behind_footer: bool,
+    block: Block,
+    /// Bytes of all chunks so far, unpacked.
+    unpacked: u64,
     schemas: BTreeMap<u16, SchemaText>,
     channels: BTreeMap<u16, Definition>,
     definitions: usize,
-    /// The checksum of the data, then of the summary; the file has both.
-    checksum: crc32fast::Hasher,
     stage: Stage,
+}
+
+/// Records in memory: those of a chunk, or a single one.
+#[derive(Default)]
+struct Block {
+    /// Its offset in the file.
+    offset: u64,
+    is_chunk: bool,
+    bytes: Vec<u8>,
+    /// The number of bytes that were parsed.
+    parsed: usize,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Stage {
     Data,
+    /// It repeats earlier records.
     Summary,
     Over,
 }
 
-/// The kind of a record that was read, without borrowing from the reader.
+/// An entry that was parsed, without borrowing from the reader.
 enum Found {
     Metadata(String, BTreeMap<String, String>),
     Attachment(Attachment),
     Channel(u16),
-    /// The number of the channel, the time, and the offset of the message's data in the record.
+    /// The number of the channel, the time, and the length of the data, which end the parsed part of the
+    /// block.
     Message(u16, u64, usize),
-    /// A record that is no entry.
-    Nothing,
 }
 
 impl Reader<BufReader<File>> {
@@ -106,7 +133,7 @@ impl Reader<BufReader<File>> {
     /// [`ReadError`]: it cannot be read, or is no MCAP file.
     pub fn open(file: &Path) -> Result<Self, ReadError> {
         let name = file.display().to_string();
-        match File::open(file) {
+        match located::open(file) {
             Ok(opened) => Self::new(BufReader::new(opened), &name),
             Err(source) => Err(ReadError::Read { file: name, source }),
         }
@@ -119,28 +146,37 @@ impl<R: Read> Reader<R> {
     /// # Errors
     /// [`ReadError`]: it cannot be read, or is no MCAP file.
     pub fn new(input: R, name: &str) -> Result<Self, ReadError> {
+        let options = LinearReaderOptions::default()
+            .with_emit_chunks(true)
+            .with_record_length_limit(LONGEST as usize)
+            .with_validate_data_section_crc(true)
+            .with_validate_summary_section_crc(true)
+            .with_check_finishes_after_end_magic(true);
         let mut reader = Self {
             name: name.to_owned(),
             input,
-            offset: 0,
-            record: Vec::new(),
-            chunk_offset: 0,
-            chunk: Vec::new(),
+            records: LinearReader::new_with_options(options),
             read: 0,
+            offset: MAGIC.len() as u64,
+            is_behind_footer: false,
+            block: Block::default(),
+            unpacked: 0,
             schemas: BTreeMap::new(),
             channels: BTreeMap::new(),
             definitions: 0,
-            checksum: crc32fast::Hasher::new(),
             stage: Stage::Data,
         };
-        let count = reader.fill(MAGIC.len() as u64)?;
-        if reader.record != MAGIC[..count] || count == 0 {
+        let mut first = Vec::new();
+        let read = reader.input.by_ref().take(MAGIC.len() as u64).read_to_end(&mut first);
+        reader.read = read.map_err(|source| ReadError::Read { file: name.to_owned(), source })? as u64;
+        if first.is_empty() || !MAGIC.starts_with(&first) {
             return Err(ReadError::NotMcap { file: reader.name });
         }
-        if count < MAGIC.len() {
-            return Err(reader.cut("the first bytes"));
+        if first.len() < MAGIC.len() {
+            return Err(reader.cut());
         }
-        reader.checksum.update(&MAGIC);
+        reader.records.insert(first.len()).copy_from_slice(&first);
+        reader.records.notify_read(first.len());
         Ok(reader)
     }
 
@@ -156,226 +192,152 @@ impl<R: Read> Reader<R> {
     /// [`ReadError`], which names the file, the place and the expected value.
     #[allow(clippy::should_implement_trait, reason = "entries borrow from the reader")]
     pub fn next(&mut self) -> Result<Option<Entry<'_>>, ReadError> {
-        let Some((found, in_chunk)) = self.advance()? else { return Ok(None) };
+        let found = loop {
+            if self.block.parsed < self.block.bytes.len() {
+                if let Some(found) = self.next_in_block()? {
+                    break found;
+                }
+            } else if !self.next_block()? {
+                return Ok(None);
+            }
+        };
         Ok(match found {
             Found::Metadata(name, entries) => Some(Entry::Metadata { name, entries }),
             Found::Attachment(attachment) => Some(Entry::Attachment(attachment)),
             Found::Channel(id) => self.channels.get(&id).map(|definition| Entry::Channel { id, definition }),
-            Found::Message(id, time, begin) => {
-                let data = if in_chunk { &self.chunk[begin..self.read] } else { &self.record[begin..] };
-                let chunk = if in_chunk { self.chunk_offset } else { self.offset - begin as u64 };
+            Found::Message(id, time, length) => {
+                let Block { offset: chunk, bytes, parsed, .. } = &self.block;
+                let data = &bytes[parsed - length..*parsed];
                 let channel = self.channels.get(&id);
-                channel.map(|channel| Entry::Message(Recorded { id, channel, chunk, time, data }))
+                channel.map(|channel| Entry::Message(Recorded { id, channel, chunk: *chunk, time, data }))
             }
-            Found::Nothing => None,
         })
     }
 
-    /// Reads up to the next entry. Returns it, and whether it is in a chunk; `None` at the end.
-    fn advance(&mut self) -> Result<Option<(Found, bool)>, ReadError> {
-        loop {
-            let in_chunk = self.read < self.chunk.len();
-            let found = match (in_chunk, self.stage) {
-                (true, _) => self.next_in_chunk()?,
-                (false, Stage::Over) => return Ok(None),
-                (false, _) => self.next_in_file()?,
-            };
-            if !matches!(found, Found::Nothing) {
-                return Ok(Some((found, in_chunk)));
+    /// Reads the next chunk or single record that has entries into the block; `false` at the end.
+    fn next_block(&mut self) -> Result<bool, ReadError> {
+        while self.stage != Stage::Over {
+            match self.records.next_event() {
+                None => self.stage = Stage::Over,
+                Some(Ok(LinearReadEvent::ReadRequest(count))) => {
+                    let read = match self.input.read(self.records.insert(count.min(PIECE))) {
+                        Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+                        read => read,
+                    };
+                    let read = read.map_err(|source| ReadError::Read { file: self.name.clone(), source })?;
+                    self.records.notify_read(read);
+                    self.read += read as u64;
+                }
+                Some(Ok(LinearReadEvent::Record { opcode, data })) => {
+                    let offset = self.offset;
+                    self.offset += (HEAD + data.len()) as u64;
+                    self.is_behind_footer = opcode == op::FOOTER;
+                    self.block = Block { offset, parsed: 0, ..std::mem::take(&mut self.block) };
+                    self.block.bytes.clear();
+                    match opcode {
+                        op::DATA_END => self.stage = Stage::Summary,
+                        _ if self.stage == Stage::Summary => {}
+                        op::CHUNK => {
+                            let allowed = EXPANSION.0.saturating_mul(self.offset).saturating_add(EXPANSION.1);
+                            self.block.is_chunk = true;
+                            let left = allowed.saturating_sub(self.unpacked);
+                            let unpacked = unpack(data, left, &self.name, offset)?;
+                            self.unpacked += unpacked.len() as u64;
+                            self.block.bytes = unpacked;
+                            return Ok(true);
+                        }
+                        op::SCHEMA | op::CHANNEL | op::MESSAGE | op::ATTACHMENT | op::METADATA => {
+                            self.block.is_chunk = false;
+                            self.block.bytes.push(opcode);
+                            self.block.bytes.extend((data.len() as u64).to_le_bytes());
+                            self.block.bytes.extend(data);
+                            return Ok(true);
+                        }
+                        _ => {}
+                    }
+                }
+                // the crate's reader does not go on after an error
+                Some(Err(error)) => {
+                    self.stage = Stage::Over;
+                    return Err(self.framing(&error));
+                }
             }
         }
+        Ok(false)
     }
 
-    fn next_in_chunk(&mut self) -> Result<Found, ReadError> {
-        let begin = self.read;
-        let offset = self.chunk_offset;
-        let mut fields = Fields(&self.chunk[begin..]);
-        let framed = fields.byte().zip(fields.long_block());
-        let Some((opcode, body)) = framed else {
-            self.read = self.chunk.len();
+    /// Parses the next record of the block; `None` if it is no entry.
+    fn next_in_block(&mut self) -> Result<Option<Found>, ReadError> {
+        let begin = self.block.parsed;
+        let framed = self.block.bytes[begin..].split_at_checked(HEAD).and_then(|(head, rest)| {
+            let length = u64::from_le_bytes(head[1..].try_into().ok()?);
+            Some((head[0], rest.get(..usize::try_from(length).ok()?)?.len()))
+        });
+        let Some((opcode, length)) = framed else {
+            self.block.parsed = self.block.bytes.len();
             let why = format!("{begin} bytes into it, a record is longer than what is left of it");
-            return Err(self.damaged(op::CHUNK, offset, why));
+            return Err(self.damaged(op::CHUNK, why));
         };
-        let start = begin + 9;
-        self.read = start + body.len();
-        let chunk = std::mem::take(&mut self.chunk);
-        let found = self.parse(opcode, offset, &chunk[start..self.read], start);
-        self.chunk = chunk;
+        self.block.parsed += HEAD + length;
+        let bytes = std::mem::take(&mut self.block.bytes);
+        let found = self.parse(opcode, &bytes[begin + HEAD..self.block.parsed]);
+        self.block.bytes = bytes;
         found
     }
 
-    fn next_in_file(&mut self) -> Result<Found, ReadError> {
-        let offset = self.offset;
-        let count = self.fill(9)?;
-        if count < 9 {
-            return Err(self.cut(if count == 0 { "front of a record" } else { "a record" }));
+    fn parse(&mut self, opcode: u8, body: &[u8]) -> Result<Option<Found>, ReadError> {
+        if self.block.is_chunk && !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
+            let why = "it is in a chunk, where only schemas, channels and messages may be";
+            return Err(self.damaged(opcode, why.to_owned()));
         }
-        let mut fields = Fields(&self.record);
-        let (Some(opcode), Some(length)) = (fields.byte(), fields.u64()) else {
-            return Err(self.cut("a record"));
-        };
-        let head = self.record.clone();
-        let what = record_name(opcode);
-        if length > LONGEST {
-            return Err(ReadError::TooLong { file: self.name.clone(), offset, what, length, limit: LONGEST });
+        // the crate's parser panics on a short attachment
+        if opcode == op::ATTACHMENT && !has_attachment_fields(body) {
+            return Err(self.damaged(opcode, SHORT.to_owned()));
         }
-        if (self.fill(length)? as u64) < length {
-            return Err(self.cut(what));
-        }
-        let record = std::mem::take(&mut self.record);
-        let found = self.in_file(opcode, offset, &head, &record);
-        self.record = record;
-        found
-    }
-
-    /// Reads a record outside chunks: one that is only allowed there, or one that may be in a chunk too.
-    fn in_file(&mut self, opcode: u8, offset: u64, head: &[u8], body: &[u8]) -> Result<Found, ReadError> {
-        match opcode {
-            op::DATA_END => {
-                let checksum = std::mem::take(&mut self.checksum).finalize();
-                self.stage = Stage::Summary;
-                let saved = Fields(body).u32().ok_or_else(|| self.short(opcode, offset))?;
-                self.check("the data's", opcode, offset, saved, checksum).map(|()| Found::Nothing)
+        let record = parse_record(opcode, body).map_err(|error| self.damaged(opcode, words(&error)))?;
+        Ok(match record {
+            Record::Schema { header, data } => {
+                self.keep(opcode, header.name.len() + header.encoding.len() + data.len())?;
+                let (name, encoding, data) = (header.name, header.encoding, data.into_owned());
+                self.schemas.insert(header.id, SchemaText { name, encoding, data });
+                None
             }
-            op::FOOTER => {
-                self.checksum.update(head);
-                self.checksum.update(body.get(..16).ok_or_else(|| self.short(opcode, offset))?);
-                let checksum = std::mem::take(&mut self.checksum).finalize();
-                let saved = Fields(&body[16..]).u32().ok_or_else(|| self.short(opcode, offset))?;
-                self.stage = Stage::Over;
-                self.check("the summary's", opcode, offset, saved, checksum)?;
-                if self.fill(MAGIC.len() as u64)? < MAGIC.len() {
-                    return Err(self.cut("the last bytes"));
+            Record::Channel(channel) => {
+                let (id, topic) = (channel.schema_id, channel.topic);
+                let schema = self.schemas.get(&id).filter(|_| id != 0).cloned();
+                if id != 0 && schema.is_none() {
+                    let why = format!("channel `{topic}` is of schema {id}, which was not defined before it");
+                    return Err(self.damaged(opcode, why));
                 }
-                if self.record != MAGIC || self.fill(1)? > 0 {
-                    let why = "it must be followed by the bytes that the file begins with, and nothing else";
-                    return Err(self.damaged(opcode, offset, why.to_owned()));
-                }
-                Ok(Found::Nothing)
+                self.keep(opcode, body.len() + schema.as_ref().map_or(0, |schema| schema.data.len()))?;
+                let (encoding, metadata) = (channel.message_encoding, channel.metadata);
+                self.channels.insert(channel.id, Definition { topic, encoding, schema, metadata });
+                Some(Found::Channel(channel.id))
             }
-            // the summary repeats earlier records
-            _ if self.stage == Stage::Summary => {
-                self.checksum.update(head);
-                self.checksum.update(body);
-                Ok(Found::Nothing)
-            }
-            _ => {
-                self.checksum.update(head);
-                self.checksum.update(body);
-                match opcode {
-                    op::CHUNK => self.unpack(offset, body).map(|()| Found::Nothing),
-                    _ => self.parse(opcode, offset, body, 0),
-                }
-            }
-        }
-    }
-
-    fn check(&self, what: &str, op: u8, offset: u64, saved: u32, checksum: u32) -> Result<(), ReadError> {
-        if saved == 0 || saved == checksum {
-            return Ok(());
-        }
-        let why =
-            format!("{what} checksum is {checksum:08x}; according to the file it should be {saved:08x}");
-        Err(self.damaged(op, offset, why))
-    }
-
-    fn unpack(&mut self, offset: u64, body: &[u8]) -> Result<(), ReadError> {
-        let mut fields = Fields(body);
-        let Some((size, checksum, compression, packed)) = chunk_fields(&mut fields) else {
-            return Err(self.short(op::CHUNK, offset));
-        };
-        if size > LONGEST {
-            return Err(ReadError::TooLong {
-                file: self.name.clone(),
-                offset,
-                what: "the contents of a chunk",
-                length: size,
-                limit: LONGEST,
-            });
-        }
-        let unpacked = match compression {
-            "" => packed.to_vec(),
-            "zstd" => zstd::bulk::decompress(packed, size as usize)
-                .map_err(|e| self.damaged(op::CHUNK, offset, format!("it cannot be unpacked: {e}")))?,
-            other => {
-                let why = format!("its compression is `{other}`; only zstd and none are read");
-                return Err(self.damaged(op::CHUNK, offset, why));
-            }
-        };
-        if unpacked.len() as u64 != size {
-            let why = format!("it has {} bytes; according to its header it should be {size}", unpacked.len());
-            return Err(self.damaged(op::CHUNK, offset, why));
-        }
-        self.check("its", op::CHUNK, offset, checksum, crc32fast::hash(&unpacked))?;
-        (self.chunk, self.read, self.chunk_offset) = (unpacked, 0, offset);
-        Ok(())
-    }
-
-    /// Reads a record that may be in a chunk. `begin` is its offset in the chunk or in the file.
-    fn parse(&mut self, opcode: u8, offset: u64, body: &[u8], begin: usize) -> Result<Found, ReadError> {
-        let mut fields = Fields(body);
-        let found = match opcode {
-            op::SCHEMA => self.define_schema(&mut fields, offset)?,
-            op::CHANNEL => self.define_channel(&mut fields, offset)?,
-            op::MESSAGE => {
-                let header = message_header(&mut fields);
-                if let Some((id, _)) = header
-                    && !self.channels.contains_key(&id)
-                {
+            Record::Message { header, data } => {
+                let id = header.channel_id;
+                if !self.channels.contains_key(&id) {
                     let why = format!("it is on channel {id}, which was not defined before it");
-                    return Err(self.damaged(opcode, offset, why));
+                    return Err(self.damaged(opcode, why));
                 }
-                header.map(|(id, time)| Found::Message(id, time, begin + body.len() - fields.0.len()))
+                Some(Found::Message(id, header.log_time, data.len()))
             }
-            op::METADATA => {
-                let name = fields.text();
-                name.zip(fields.map()).map(|(name, entries)| Found::Metadata(name.to_owned(), entries))
+            Record::Metadata(metadata) => Some(Found::Metadata(metadata.name, metadata.metadata)),
+            Record::Attachment { header, data, .. } => {
+                let (name, media_type, data) = (header.name, header.media_type, data.into_owned());
+                Some(Found::Attachment(Attachment { name, media_type, data }))
             }
-            op::ATTACHMENT => {
-                let found = attachment(&mut fields);
-                let checksum = crc32fast::hash(&body[..body.len() - fields.0.len()]);
-                if let Some(saved) = fields.u32() {
-                    self.check("its", opcode, offset, saved, checksum)?;
-                }
-                found.map(Found::Attachment)
-            }
-            _ => Some(Found::Nothing),
-        };
-        found.ok_or_else(|| self.short(opcode, offset))
-    }
-
-    fn define_schema(&mut self, fields: &mut Fields, offset: u64) -> Result<Option<Found>, ReadError> {
-        let mut read = || Some((fields.u16()?, fields.text()?, fields.text()?, fields.block()?));
-        let Some((id, name, encoding, data)) = read() else { return Ok(None) };
-        self.keep(op::SCHEMA, offset, name.len() + encoding.len() + data.len())?;
-        let schema =
-            SchemaText { name: name.to_owned(), encoding: encoding.to_owned(), data: data.to_owned() };
-        self.schemas.insert(id, schema);
-        Ok(Some(Found::Nothing))
-    }
-
-    fn define_channel(&mut self, fields: &mut Fields, offset: u64) -> Result<Option<Found>, ReadError> {
-        let length = fields.0.len();
-        let mut read = || Some((fields.u16()?, fields.u16()?, fields.text()?, fields.text()?, fields.map()?));
-        let Some((id, schema, topic, encoding, metadata)) = read() else { return Ok(None) };
-        if schema != 0 && !self.schemas.contains_key(&schema) {
-            let why = format!("channel `{topic}` is of schema {schema}, which was not defined before it");
-            return Err(self.damaged(op::CHANNEL, offset, why));
-        }
-        let schema = self.schemas.get(&schema).cloned();
-        self.keep(op::CHANNEL, offset, length + schema.as_ref().map_or(0, |s| s.data.len()))?;
-        let (topic, encoding) = (topic.to_owned(), encoding.to_owned());
-        self.channels.insert(id, Definition { topic, encoding, schema, metadata });
-        Ok(Some(Found::Channel(id)))
+            _ => None,
+        })
     }
 
     /// The check that the definitions stay within their limit.
-    fn keep(&mut self, opcode: u8, offset: u64, length: usize) -> Result<(), ReadError> {
+    fn keep(&mut self, opcode: u8, length: usize) -> Result<(), ReadError> {
         self.definitions += length;
         if self.definitions > DEFINITIONS {
             return Err(ReadError::TooLong {
                 file: self.name.clone(),
-                offset,
+                offset: self.block.offset,
                 what: if opcode == op::SCHEMA { "all schemas up to that" } else { "all channels up to that" },
                 length: self.definitions as u64,
                 limit: DEFINITIONS as u64,
@@ -384,25 +346,93 @@ impl<R: Read> Reader<R> {
         Ok(())
     }
 
-    /// Reads a number of bytes, or fewer at the end of the file. Returns how many. Memory grows with the
-    /// bytes that exist, not with those requested.
-    fn fill(&mut self, count: u64) -> Result<usize, ReadError> {
-        self.record.clear();
-        let read = self.input.by_ref().take(count).read_to_end(&mut self.record);
-        let read = read.map_err(|source| ReadError::Read { file: self.name.clone(), source })?;
-        self.offset += read as u64;
-        Ok(read)
+    /// An error of the crate's reader, with its place.
+    fn framing(&self, error: &McapError) -> ReadError {
+        let (file, offset) = (self.name.clone(), self.offset);
+        let (opcode, why) = match error {
+            McapError::UnexpectedEof => return self.cut(),
+            McapError::RecordTooLarge { opcode, len } => {
+                let what = record_name(*opcode);
+                return ReadError::TooLong { file, offset, what, length: *len, limit: LONGEST };
+            }
+            McapError::BadMagic | McapError::BytesAfterEndMagic => {
+                let why = "the last record must be followed by the bytes that the file begins with, and nothing else";
+                (op::FOOTER, why.to_owned())
+            }
+            McapError::BadDataCrc { .. } => (op::DATA_END, format!("the data: {}", words(error))),
+            McapError::BadSummaryCrc { .. } => (op::FOOTER, format!("the summary: {}", words(error))),
+            other => (0, words(other)),
+        };
+        ReadError::Damaged { file, offset, what: record_name(opcode), why }
     }
 
-    fn cut(&self, what: &'static str) -> ReadError {
-        ReadError::Cut { file: self.name.clone(), offset: self.offset, what }
+    fn cut(&self) -> ReadError {
+        let what = match self.is_behind_footer {
+            true => "the last bytes".to_owned(),
+            false => format!("the record that begins at byte {}", self.offset.min(self.read)),
+        };
+        ReadError::Cut { file: self.name.clone(), offset: self.read, what }
     }
 
-    fn damaged(&self, opcode: u8, offset: u64, why: String) -> ReadError {
-        ReadError::Damaged { file: self.name.clone(), offset, what: record_name(opcode), why }
+    /// The error of a record in the block.
+    fn damaged(&self, opcode: u8, why: String) -> ReadError {
+        let (file, offset) = (self.name.clone(), self.block.offset);
+        ReadError::Damaged { file, offset, what: record_name(opcode), why }
     }
+}
 
-    fn short(&self, opcode: u8, offset: u64) -> ReadError {
-        self.damaged(opcode, offset, "its fields exceed its length, or are not UTF-8".to_owned())
+/// The records of a chunk with at most `allowed` bytes.
+fn unpack(body: &[u8], allowed: u64, file: &str, offset: u64) -> Result<Vec<u8>, ReadError> {
+    let damaged =
+        |why| ReadError::Damaged { file: file.to_owned(), offset, what: record_name(op::CHUNK), why };
+    let (header, packed) = match parse_record(op::CHUNK, body) {
+        Ok(Record::Chunk { header, data }) => (header, data),
+        Ok(_) => return Err(damaged(SHORT.to_owned())),
+        Err(error) => return Err(damaged(words(&error))),
+    };
+    let size = header.uncompressed_size;
+    let too_long =
+        |what, limit| Err(ReadError::TooLong { file: file.to_owned(), offset, what, length: size, limit });
+    if size > LONGEST {
+        return too_long("the contents of a chunk", LONGEST);
+    }
+    if size > allowed {
+        return too_long("the contents of a chunk, with all chunks before it in so short a file,", allowed);
+    }
+    let unpacked = match &*header.compression {
+        "" => packed.into_owned(),
+        "zstd" => zstd::bulk::decompress(&packed, size as usize)
+            .map_err(|error| damaged(format!("it cannot be unpacked: {error}")))?,
+        other => {
+            let other = other.escape_debug();
+            return Err(damaged(format!("its compression is `{other}`; only zstd and none are read")));
+        }
+    };
+    if unpacked.len() as u64 != size {
+        return Err(damaged(format!(
+            "it has {} bytes; according to its header it should be {size}",
+            unpacked.len()
+        )));
+    }
+    let (saved, calculated) = (header.uncompressed_crc, crc32fast::hash(&unpacked));
+    if saved != 0 && saved != calculated {
+        return Err(damaged(words(&McapError::BadChunkCrc { saved, calculated })));
+    }
+    Ok(unpacked)
+}
+
+const SHORT: &str = "its fields exceed its length, or are not UTF-8";
+
+/// What is wrong with a record.
+fn words(error: &McapError) -> String {
+    match error {
+        McapError::BadChunkCrc { saved, calculated }
+        | McapError::BadDataCrc { saved, calculated }
+        | McapError::BadSummaryCrc { saved, calculated }
+        | McapError::BadAttachmentCrc { saved, calculated } => {
+            format!("its checksum is {calculated:08x}; according to the file it should be {saved:08x}")
+        }
+        // the crate names offsets within the record
+        _ => SHORT.to_owned(),
     }
 }

@@ -1,22 +1,26 @@
 //! Tables of the messages on a topic.
 
-use super::decode::{decode, flatten};
+use super::decode::{LONGEST_PATHS, MOST_FIELDS, decode, flatten};
 use super::{Definition, Entry, ReadError, Reader};
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 
-/// The largest number of columns of a table.
-const MOST: usize = 4096;
+/// The largest number of cells of a table.
+const MOST_CELLS: usize = 20_000_000;
+/// The number of channels that an error lists.
+const LISTED: usize = 40;
 
 /// The columns of the messages on a topic, in the order in which they first occur; then those of its schema
 /// that no message has.
 ///
 /// # Errors
-/// [`ReadError`], also if the topic does not exist or its messages cannot be decoded.
+/// [`ReadError`], also if the topic does not exist, its messages cannot be decoded, or the table would be too
+/// large: it has at most 4096 columns, whose names have at most 1 MiB, and 20 million cells.
 pub fn columns<R: Read>(reader: &mut Reader<R>, topic: &str) -> Result<Vec<String>, ReadError> {
     let mut columns = Vec::new();
-    let mut known = BTreeMap::new();
+    let mut known = BTreeSet::new();
+    let (mut messages, mut bytes) = (0_usize, 0);
     let mut topics = Vec::new();
     let mut declared = Vec::new();
     let file = reader.name().to_owned();
@@ -31,15 +35,21 @@ pub fn columns<R: Read>(reader: &mut Reader<R>, topic: &str) -> Result<Vec<Strin
         let Some(value) = decode(message.channel, message.data) else {
             return Err(undecodable(&file, topic, message.time));
         };
-        for (path, _) in flatten(&value) {
-            if known.len() == MOST && !known.contains_key(&path) {
-                let what = format!("`{topic}` has more than {MOST} fields, too many for a table");
-                return Err(ReadError::Lacks { file, what });
-            }
-            known.entry(path).or_insert_with_key(|path| {
+        messages += 1;
+        let fields = flatten(&value).ok_or_else(|| too_large(&file, topic, "the paths in a message"))?;
+        for (path, _) in fields {
+            if !known.contains(&path) {
+                bytes += path.len();
                 columns.push(path.clone());
-                columns.len() - 1
-            });
+                known.insert(path);
+            }
+        }
+        if columns.len() > MOST_FIELDS || bytes > LONGEST_PATHS {
+            return Err(too_large(&file, topic, "the paths in its messages"));
+        }
+        if columns.len().saturating_mul(messages) > MOST_CELLS {
+            let what = format!("`{topic}` has more than {MOST_CELLS} cells, too many for a table");
+            return Err(ReadError::Lacks { file, what });
         }
     }
     topics.dedup();
@@ -47,35 +57,35 @@ pub fn columns<R: Read>(reader: &mut Reader<R>, topic: &str) -> Result<Vec<Strin
         let what = match topics.contains(&format!("`{topic}`")) {
             true => format!("there are no messages on `{topic}`"),
             false if topics.is_empty() => format!("has no channel `{topic}`; it has no channels"),
-            false => format!("has no channel `{topic}`; it has {}", topics.join(", ")),
+            false => {
+                format!("has no channel `{topic}`; it has {}", topics[..topics.len().min(LISTED)].join(", "))
+            }
         };
         return Err(ReadError::Lacks { file, what });
     }
-    declared.retain(|path| !known.contains_key(path));
-    columns.extend(declared.into_iter().take(MOST - columns.len()));
+    declared.retain(|path| !known.contains(path));
+    columns
+        .extend(declared.into_iter().take((MOST_CELLS / messages.max(1)).min(MOST_FIELDS) - columns.len()));
     Ok(columns)
 }
 
-/// The paths of the single values in a JSON Schema, without those in lists.
+/// The paths of the single values in a JSON Schema, without those in lists; none of a schema that is too large
+/// for a table.
 fn declared_fields(definition: &Definition) -> Vec<String> {
-    fn descend(path: &str, schema: &Value, found: &mut Vec<String>) {
+    /// The paths, built from a message with a value for every property.
+    fn example(schema: &Value) -> Value {
         match &schema["properties"] {
             Value::Object(properties) => {
-                for (key, property) in properties {
-                    let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-                    descend(&path, property, found);
-                }
+                properties.iter().map(|(key, property)| (key.clone(), example(property))).collect()
             }
-            _ if schema["type"] != "array" => found.push(path.to_owned()),
-            _ => {}
+            _ if schema["type"] == "array" => Value::Array(Vec::new()),
+            _ => Value::Null,
         }
     }
-    let mut found = Vec::new();
     let schema = definition.schema.as_ref().filter(|schema| schema.encoding == "jsonschema");
-    if let Some(schema) = schema.and_then(|schema| serde_json::from_slice::<Value>(&schema.data).ok()) {
-        descend("", &schema, &mut found);
-    }
-    found
+    let schema = schema.and_then(|schema| serde_json::from_slice::<Value>(&schema.data).ok());
+    let example = schema.as_ref().map(example).unwrap_or_default();
+    flatten(&example).into_iter().flatten().map(|(path, _)| path).filter(|path| !path.is_empty()).collect()
 }
 
 /// Calls `row` for every message on a topic, with its time (ns) and its cells in the order of `columns`. A
@@ -97,7 +107,7 @@ pub fn rows<R: Read, E: From<ReadError>>(
             return Err(undecodable(&file, topic, message.time).into());
         };
         let mut cells = vec![None; columns.len()];
-        for (path, value) in flatten(&value) {
+        for (path, value) in flatten(&value).into_iter().flatten() {
             if let Some(&i) = index.get(path.as_str()) {
                 cells[i] = Some(value);
             }
@@ -105,6 +115,13 @@ pub fn rows<R: Read, E: From<ReadError>>(
         row(message.time, &cells)?;
     }
     Ok(())
+}
+
+fn too_large(file: &str, topic: &str, what: &str) -> ReadError {
+    let what = format!(
+        "`{topic}` is too large for a table: {what} are more than {MOST_FIELDS}, or longer than {LONGEST_PATHS} bytes"
+    );
+    ReadError::Lacks { file: file.to_owned(), what }
 }
 
 fn undecodable(file: &str, topic: &str, time: u64) -> ReadError {

@@ -1,7 +1,7 @@
 //! A baseline file (TOML): its runs, tolerances and recorded figures.
 
 use super::{BaselineError, FORMAT, Figure, Figures, Tolerance, figure_names};
-use crate::located;
+use crate::located::{self, LARGEST_SETTINGS};
 use crate::quantities::cell;
 use std::path::Path;
 use toml_edit::{Document, DocumentMut, Item, Table};
@@ -55,7 +55,7 @@ impl Baseline {
     /// # Errors
     /// [`BaselineError`], with line, key and value. The arguments of the runs are not checked.
     pub fn load(path: &Path) -> Result<Self, BaselineError> {
-        Self::parse(path.display().to_string(), located::read(path)?)
+        Self::parse(path.display().to_string(), located::read_at_most(LARGEST_SETTINGS, path)?)
     }
 
     /// Reads a file's text. Errors call it `file`.

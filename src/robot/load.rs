@@ -7,7 +7,7 @@ use super::link::Link;
 use super::urdf::Urdf;
 use super::wheels::Wheels;
 use super::{Posture, Robot, posture};
-use crate::located::{self, Place, Source};
+use crate::located::{self, LARGEST_SETTINGS, Place, Source};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -49,7 +49,8 @@ impl RobotTexts {
         {
             return Err(RobotError::NoRobotFile { urdf: file, needed: robot_file.display().to_string() });
         }
-        let (name, text) = (robot_file.display().to_string(), located::read(&robot_file)?);
+        let (name, text) =
+            (robot_file.display().to_string(), located::read_at_most(LARGEST_SETTINGS, &robot_file)?);
         let source = Source { file: &name, text: &text };
         let entries: RobotFile = source.parse(KIND)?;
         let folder = robot_file.parent().unwrap_or(Path::new(""));

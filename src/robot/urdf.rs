@@ -1,4 +1,5 @@
-//! A URDF's links, parents before children, with every number checked. No other file uses `urdf_rs`.
+//! A URDF's links, parents before children, with every number checked. No other file uses `urdf_rs`, or `xml`,
+//! its first parser.
 
 use super::error::RobotError;
 use super::link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
@@ -15,6 +16,14 @@ use std::path::Path;
 const LARGEST_NUMBER: f64 = 1e6;
 /// The deepest nesting of elements; the parser recurses once per level.
 const LARGEST_DEPTH: usize = 64;
+/// The largest number of elements, and of elements, texts and comments.
+const MOST_ELEMENTS: usize = 50_000;
+const MOST_PIECES: usize = 500_000;
+/// The largest total length of namespaces and their prefixes, bytes; the parser copies them into every element
+/// after them.
+const LONGEST_NAMESPACES: usize = 4096;
+/// The namespace of namespaces.
+const XMLNS: &str = "http://www.w3.org/2000/xmlns/";
 
 /// A URDF being read: its name in errors, and the folder in which meshes are searched for. Without a folder,
 /// meshes are not searched for.
@@ -31,13 +40,7 @@ impl Urdf<'_> {
 
     /// The links of the URDF: parents before children, otherwise in the order of their joints.
     pub fn links(self, text: &str) -> Result<Vec<Link>, RobotError> {
-        let depth = depth(text);
-        Check { urdf: self, item: "robot".to_owned() }.number(
-            "depth of its elements",
-            depth as f64,
-            depth <= LARGEST_DEPTH,
-            "at most 64",
-        )?;
+        self.check_extent(text)?;
         let urdf = urdf_rs::read_from_string(text)
             .map_err(|error| Source { file: self.file, text }.invalid("URDF", error))?;
         if urdf.links.is_empty() {
@@ -79,6 +82,38 @@ impl Urdf<'_> {
                 })
             })
             .collect()
+    }
+
+    /// The check that the parser's stack and memory stay within bounds, by the events of the parser itself.
+    fn check_extent(self, text: &str) -> Result<(), RobotError> {
+        let robot = Check { urdf: self, item: "robot".to_owned() };
+        let check = |field: &str, found: usize, most: usize| {
+            robot.number(field, found as f64, found <= most, &format!("at most {most}"))
+        };
+        let (mut depth, mut elements, mut namespaces, mut pieces) = (0, 0, 0, 0);
+        let mut parser = xml::Parser::new();
+        parser.feed_str(text);
+        // the parser proper reports errors
+        for event in parser.map_while(Result::ok) {
+            pieces += 1;
+            check("number of its elements, texts and comments", pieces, MOST_PIECES)?;
+            match event {
+                xml::Event::ElementStart(tag) => {
+                    (depth, elements) = (depth + 1, elements + 1);
+                    let declared = tag.attributes.iter().filter(|((name, space), _)| {
+                        name == "xmlns" || space.as_deref().is_some_and(|space| space == XMLNS)
+                    });
+                    namespaces += declared.map(|((name, _), value)| name.len() + value.len()).sum::<usize>();
+                    check("depth of its elements", depth, LARGEST_DEPTH)?;
+                    check("number of its elements", elements, MOST_ELEMENTS)?;
+                    check("length of its namespaces", namespaces, LONGEST_NAMESPACES)?;
+                }
+                xml::Event::ElementEnd(_) if depth <= 1 => break,
+                xml::Event::ElementEnd(_) => depth -= 1,
+                _ => {}
+            }
+        }
+        Ok(())
     }
 
     fn all_differ<'n>(
@@ -128,25 +163,6 @@ impl Urdf<'_> {
             coupling: Coupling { joint: None, ratio: 1.0, offset: 0.0 },
         })
     }
-}
-
-/// The nesting depth of the elements of an XML text.
-fn depth(text: &str) -> usize {
-    let (mut depth, mut deepest) = (0usize, 0);
-    let mut rest = text;
-    while let Some(at) = rest.find('<') {
-        rest = &rest[at + 1..];
-        let end = if rest.starts_with("!--") { rest.find("-->") } else { rest.find('>') };
-        let tag = &rest[..end.unwrap_or(rest.len())];
-        if tag.starts_with('/') {
-            depth = depth.saturating_sub(1);
-        } else if !tag.starts_with(['!', '?']) && !tag.ends_with('/') {
-            depth += 1;
-            deepest = deepest.max(depth);
-        }
-        rest = &rest[tag.len()..];
-    }
-    deepest
 }
 
 /// The colours of materials. A colour given anywhere holds everywhere.

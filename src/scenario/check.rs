@@ -1,11 +1,8 @@
 //! The check of a scenario's numbers against the table of settings.
 
-use super::{SETTINGS, Scenario, ScenarioError};
+use super::{PERCEPTION, SETTINGS, Scenario, ScenarioError};
 use crate::episode::PreferenceChange;
 use crate::preference::Perception;
-
-/// The values allowed for alpha and gamma in a scenario.
-const PERCEPTION: &str = "a number greater than 0";
 
 impl Scenario {
     /// Checks every number that parsing does not check.
@@ -15,7 +12,7 @@ impl Scenario {
     pub fn check(&self) -> Result<(), ScenarioError> {
         let bad = |key: String, value, expected: String| Err(ScenarioError::Number { key, value, expected });
         if let Some((key, value)) = bad_perception(&self.human) {
-            return bad(format!("human.{key}"), value, PERCEPTION.to_owned());
+            return bad(format!("human.{key}"), value, PERCEPTION.to_string());
         }
         for setting in SETTINGS {
             if let Some(value) = setting.number_out_of_range(self) {
@@ -25,7 +22,7 @@ impl Scenario {
         for (i, PreferenceChange { step, perception }) in self.changes.iter().enumerate() {
             if let Some((key, value)) = bad_perception(perception) {
                 let key = format!("change {}, at step {step}: {key}", i + 1);
-                return bad(key, value, PERCEPTION.to_owned());
+                return bad(key, value, PERCEPTION.to_string());
             }
         }
         Ok(self.plant.physics().map_or(Ok(()), |physics| physics.check())?)
@@ -34,5 +31,5 @@ impl Scenario {
 
 fn bad_perception(perception: &Perception) -> Option<(&'static str, f64)> {
     let values = [("alpha", perception.alpha), ("gamma", perception.gamma)];
-    values.into_iter().find(|(_, value)| !(*value > 0.0 && value.is_finite()))
+    values.into_iter().find(|(_, value)| !PERCEPTION.contains(*value))
 }

@@ -8,6 +8,7 @@ use super::word::{AVOIDED, CRITERIA, POSES, Word, one_of, put, word, words};
 use super::{PlantKind, Scenario};
 use crate::human::{MODELS, ModelName};
 use crate::policy::Method;
+use crate::preference::LARGEST_PERCEPTION;
 use std::fmt;
 
 /// A setting of an episode.
@@ -84,8 +85,8 @@ pub struct Range {
     most: f64,
 }
 
-/// The range of alpha and gamma on the command line. Values drawn from a belief are not limited to it.
-pub const PERCEPTION: Range = Range::above(0.0, 10.0);
+/// The range of alpha and gamma.
+pub const PERCEPTION: Range = Range::above(0.0, LARGEST_PERCEPTION);
 const POSITIVE: Range = Range::above(0.0, 1e6);
 const NOT_NEGATIVE: Range = Range::between(0.0, 1e6);
 

@@ -3,12 +3,14 @@
 //! A snapshot file is `cocarry snapshot`, the version of the format (4 bytes), the version of the program
 //! (its length, 1 byte, and its text), the length of the contents (8 bytes), the contents (CBOR), and the
 //! CRC-32 of all that (4 bytes). Numbers are little-endian. The checksum detects truncated and damaged files.
-//! It does not protect against intent: a file written by hand with a correct checksum is trusted to be
-//! consistent within the physics.
+//! It does not protect against intent: of a file written by hand with a correct checksum, everything is
+//! checked but the state within the physics engine. If that is not consistent, the engine may panic in a later
+//! step; the program catches it.
 
 use super::{PreparedScenario, Scenario, ScenarioError};
 use crate::arithmetic;
 use crate::episode::{Episode, State};
+use crate::located;
 use serde::{Deserialize, Serialize};
 use std::io::Read;
 use std::path::Path;
@@ -119,6 +121,9 @@ impl PreparedScenario {
 }
 
 impl Snapshot {
+    /// The version of the format that is written and read.
+    pub const FORMAT: u32 = FORMAT;
+
     /// The snapshot as a file's contents.
     ///
     /// # Errors
@@ -144,7 +149,7 @@ impl Snapshot {
     pub fn load(path: &Path) -> Result<Self, SnapshotError> {
         let file = path.display().to_string();
         let mut bytes = Vec::new();
-        let read = std::fs::File::open(path).and_then(|f| f.take(LARGEST + 1).read_to_end(&mut bytes));
+        let read = located::open(path).and_then(|f| f.take(LARGEST + 1).read_to_end(&mut bytes));
         match read {
             Err(source) => Err(SnapshotError::Read { file, source }),
             Ok(_) if bytes.len() as u64 > LARGEST => Err(SnapshotError::TooLarge { file }),

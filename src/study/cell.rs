@@ -2,7 +2,7 @@
 
 use crate::scenario::{POSE, PlantKind, PreferenceChanges, SETTINGS, Scenario, Value};
 
-/// The largest number of combinations of a run.
+/// The largest number of combinations of a study.
 pub const LARGEST_RUN: usize = 100_000;
 
 /// The inputs of an episode except the seed. Worlds, humans, beliefs and robots are indices into the study's

@@ -69,13 +69,15 @@ pub enum SweepError {
         /// The combination.
         inputs: String,
     },
-    /// A run has too many combinations.
-    #[error("{place}: more than {most} combinations; use more seeds and fewer values")]
+    /// A study has too many combinations of these values.
+    #[error("{place}: more than {most} {what}; use more seeds and fewer values")]
     TooMany {
         /// The run.
         place: Place,
         /// The largest number allowed.
         most: usize,
+        /// The combinations.
+        what: &'static str,
     },
     /// A world that the study names is not valid.
     #[error("{place}")]

@@ -226,8 +226,11 @@ impl Contents {
                 *values = given;
             }
         }
-        let too_many = SweepError::TooMany { place: place.clone(), most: LARGEST_RUN };
-        let mut cells: Vec<Cell> = run.axes.cells().ok_or(too_many)?;
+        let (most, what) = (LARGEST_RUN, "combinations");
+        let too_many = SweepError::TooMany { place: place.clone(), most, what };
+        let before: usize = self.runs.iter().map(|(run, _)| run.cells.len()).sum();
+        let fits = |cells: &Vec<Cell>| before + cells.len() <= LARGEST_RUN;
+        let mut cells: Vec<Cell> = run.axes.cells().filter(fits).ok_or(too_many)?;
         for cell in cells.iter_mut().filter(|cell| cell.plant != PlantKind::Point) {
             let first = || self.robots[cell.robot].2.first().cloned().map(Value::Text);
             cell.values[posture()] = cell.values[posture()].take().or_else(first);

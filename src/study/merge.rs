@@ -1,7 +1,7 @@
 //! The merge of a study's shards into the file that one machine would write, byte for byte.
 
 use super::partial::Shard;
-use super::results::{Identity, Rows};
+use super::results::{Identity, Rows, check_values};
 use super::{SweepError, row};
 use crate::output_file::{OutputError, OutputFile, Outputs};
 use std::io::Write;
@@ -96,6 +96,7 @@ fn write(out: &mut OutputFile, parts: Vec<Part>, study: &Identity) -> Result<(),
                     expected: format!("episode {next}"),
                 });
             }
+            check_values(&part.rows.line, &part.rows.file, part.rows.number)?;
             out.write_all(&part.rows.line).map_err(unwritable)?;
             next += 1;
             row = part.rows.next()?;

@@ -25,7 +25,7 @@ pub use summary::{Comparison, Group, Summary};
 
 use crate::arithmetic;
 use crate::episode::Settings;
-use crate::located;
+use crate::located::{self, LARGEST_SETTINGS, Place};
 use crate::preference::{Predictor, RISK_WEIGHT};
 use crate::robot::SlowDrive;
 use crate::scenario::{Plant, PlantKind, PreparedScenario, RobotSetup, SETTINGS, Scenario};
@@ -35,6 +35,10 @@ use run::{Run, Seeds};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+
+/// The largest number of prepared scenarios of a study, each with its own world, c_r and robot. They take about
+/// 0.2 MB each.
+const MOST_SCENES: usize = 1000;
 
 /// A study, read and checked: its episodes by number.
 #[derive(Debug)]
@@ -74,7 +78,7 @@ impl Study {
     pub fn load(path: &Path, seeds: Option<u64>) -> Result<Self, SweepError> {
         let file = path.display().to_string();
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::parse(&file, &located::read(path)?, folder, seeds)
+        Self::parse(&file, &located::read_at_most(LARGEST_SETTINGS, path)?, folder, seeds)
     }
 
     /// Reads the text of a study file. Errors call it `file`. Files that it names are relative to `folder`.
@@ -207,6 +211,11 @@ impl Study {
             let key = (world, risk_weight, robot);
             let mut similar = known.range((world, risk_weight, None)..);
             let similar = similar.next().filter(|(key, _)| (key.0, key.1) == (world, risk_weight));
+            if known.len() == MOST_SCENES && !known.contains_key(&key) {
+                let (place, most) = (self.place_of(i), MOST_SCENES);
+                let what = "combinations of a world, a risk weight and a robot";
+                return Err(SweepError::TooMany { place, most, what });
+            }
             let made = match known.get(&key).or(similar.map(|(_, at)| at)) {
                 Some(&at) => self.stages[at].prepare(scenario),
                 None => scenario.prepare(),
@@ -247,6 +256,17 @@ impl Study {
             }
         }
         Ok(format!("{hash:016x}"))
+    }
+
+    /// The place of the run of a cell.
+    fn place_of(&self, cell: usize) -> Place {
+        let mut end = 0;
+        let run = self.contents.runs.iter().find(|(run, _)| {
+            end += run.cells.len();
+            cell < end
+        });
+        let whole = || Place { file: self.file.clone(), line: None, item: "study".to_owned() };
+        run.map_or_else(whole, |(_, place)| place.clone())
     }
 
     fn refused(&self, cell: usize, source: impl std::error::Error + Send + Sync + 'static) -> SweepError {

@@ -13,7 +13,7 @@ use crate::located::FileError;
 use crate::output_file::{OutputError, OutputFile};
 use crate::parallel::OnDone;
 use std::fs::File;
-use std::io::{BufRead, BufReader, Write};
+use std::io::{BufReader, Write};
 use std::ops::Range;
 use std::path::Path;
 
@@ -116,8 +116,7 @@ fn rows_kept(
     let mut line = Vec::new();
     let (mut bytes, mut kept) = (0, 0);
     loop {
-        line.clear();
-        let read = reader.read_until(b'\n', &mut line);
+        let read = results::read_line(&mut reader, &mut line);
         read.map_err(|source| FileError::Read { file: name.to_owned(), source })?;
         if line.last() != Some(&b'\n') {
             // the end of the file, or an incomplete row
@@ -168,7 +167,7 @@ fn check_row(
         let found = format!("episode {}", found.episode);
         return Err(SweepError::Line { file: file.to_owned(), line: number, found, expected });
     }
-    Ok(())
+    results::check_values(line, file, number)
 }
 
 #[cfg(test)]

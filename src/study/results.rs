@@ -1,10 +1,10 @@
 //! Files of results: the episode and study of each row.
 
 use super::{SweepError, row};
-use crate::located::FileError;
+use crate::located::{self, FileError};
 use row::IDENTITY;
 use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
 /// The identity of a row: its episode and its study.
@@ -43,6 +43,29 @@ impl Identity {
     }
 }
 
+/// The length of the longest line, bytes. A row has about 1 kB.
+const LONGEST_LINE: u64 = 64 << 10;
+
+/// Reads a line with its newline; nothing at the end of the file.
+pub(super) fn read_line(reader: &mut impl BufRead, line: &mut Vec<u8>) -> io::Result<()> {
+    line.clear();
+    reader.take(LONGEST_LINE + 1).read_until(b'\n', line)?;
+    match line.len() as u64 > LONGEST_LINE {
+        true => Err(io::Error::other(format!("a line is longer than {LONGEST_LINE} bytes"))),
+        false => Ok(()),
+    }
+}
+
+/// The check, for rows that are kept, that their values are those that the sweep wrote.
+pub(super) fn check_values(line: &[u8], file: &str, number: u64) -> Result<(), SweepError> {
+    row::wrong_checksum(line).map_or(Ok(()), |[found, expected]| {
+        let found = found.chars().take(60).collect::<String>();
+        let found = format!("a row with changed values, whose checksum is `{found}`");
+        let expected = format!("as its sweep wrote it, with checksum {expected}");
+        Err(SweepError::Line { file: file.to_owned(), line: number, found, expected })
+    })
+}
+
 /// The check that the header is that of this version.
 pub(super) fn check_header(line: &[u8], file: &str) -> Result<(), SweepError> {
     let text = String::from_utf8_lossy(line);
@@ -79,7 +102,7 @@ impl Rows {
     /// Opens the file and checks its header.
     pub fn open(path: &Path) -> Result<Self, SweepError> {
         let file = path.display().to_string();
-        let opened = File::open(path).map_err(|source| FileError::Read { file: file.clone(), source })?;
+        let opened = located::open(path).map_err(|source| FileError::Read { file: file.clone(), source })?;
         let mut rows = Self { file, reader: BufReader::new(opened), number: 0, line: Vec::new() };
         rows.advance()?;
         check_header(&rows.line, &rows.file)?;
@@ -96,9 +119,8 @@ impl Rows {
     }
 
     fn advance(&mut self) -> Result<(), SweepError> {
-        self.line.clear();
         self.number += 1;
-        let read = self.reader.read_until(b'\n', &mut self.line);
+        let read = read_line(&mut self.reader, &mut self.line);
         read.map_err(|source| FileError::Read { file: self.file.clone(), source })?;
         if self.line.last().is_some_and(|end| *end != b'\n') {
             return Err(SweepError::Line {

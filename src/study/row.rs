@@ -10,8 +10,10 @@ use crate::scenario::{PlantKind, PreparedScenario, SETTINGS, Scenario, ScenarioE
 /// A column: its name, and its value for a cell, which is `None` where the column does not apply.
 type InputColumn = (&'static str, fn(&Inputs) -> Option<String>);
 
-/// The columns that identify rows and studies.
-pub(super) const IDENTITY: [&str; 4] = ["episode", "episodes", "study", "arithmetic"];
+/// The columns that identify rows and studies, and the CRC-32 of the row without it.
+pub(super) const IDENTITY: [&str; 5] = ["episode", "episodes", "study", "arithmetic", "checksum"];
+/// The index of the checksum's column.
+const CHECKSUM: usize = IDENTITY.len() - 1;
 
 /// A combination of values.
 struct Inputs<'a> {
@@ -77,7 +79,7 @@ fn line(fields: impl Iterator<Item = String>) -> Vec<u8> {
 /// Runs an episode to its end, and returns its line of results. `basis` has the world, the options and the
 /// robot of the scenario.
 pub(super) fn of(
-    identity: [String; IDENTITY.len()],
+    identity: [String; CHECKSUM],
     inputs: Vec<String>,
     scenario: Scenario,
     basis: &PreparedScenario,
@@ -85,7 +87,27 @@ pub(super) fn of(
     let drawn = drawn(&scenario);
     let results = basis.prepare(scenario).and_then(|stage| carry_out(&stage));
     let results = results.unwrap_or_else(|error| not_begun(&words(&error)));
-    line(identity.into_iter().chain(inputs).chain(drawn).chain(results))
+    let line = line(identity.into_iter().chain([String::new()]).chain(inputs).chain(drawn).chain(results));
+    let ([begin, _, end], checksum) = split(&line).unwrap_or_default();
+    [begin, checksum.as_bytes(), end].concat()
+}
+
+/// The parts of a row before its checksum, the checksum, and those after it; then the checksum that its values
+/// have.
+fn split(line: &[u8]) -> Option<([&[u8]; 3], String)> {
+    let comma = |(i, byte): (usize, &u8)| (*byte == b',').then_some(i);
+    let mut commas = line.iter().enumerate().filter_map(comma).skip(CHECKSUM - 1);
+    let (begin, end) = (commas.next()? + 1, commas.next()?);
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&line[..begin]);
+    hasher.update(&line[end..]);
+    Some(([&line[..begin], &line[begin..end], &line[end..]], format!("{:08x}", hasher.finalize())))
+}
+
+/// The checksum of a row, and the one that its values have, if they differ.
+pub(super) fn wrong_checksum(line: &[u8]) -> Option<[String; 2]> {
+    let ([_, found, _], expected) = split(line)?;
+    (found != expected.as_bytes()).then(|| [String::from_utf8_lossy(found).into_owned(), expected])
 }
 
 /// The seed and the values drawn from it. Preference changes have the form of `cocarry run --change`,

@@ -1,6 +1,7 @@
 //! Means, deviations and intervals of a study's results, and paired comparisons over the same seeds, in one
 //! pass. Memory grows with the number of combinations, not of rows.
 
+use super::cell::LARGEST_RUN;
 use super::results::Rows;
 use super::{SweepError, row};
 use crate::statistics::{self, Estimate, Moments, Paired};
@@ -20,6 +21,8 @@ const OUTCOMES: [&str; 7] = [
 ];
 /// The number of columns that are compared.
 const COSTS: usize = 2;
+/// The largest number of comparisons.
+const MOST_PAIRS: usize = 1_000_000;
 /// The columns of the human's choices: different values mean different choices.
 const CHOICES: [&str; 4] = ["preferred_at_start", "first_option", "last_option", "option_change_count"];
 /// The inputs that are compared, all others being equal: groups of columns that belong together.
@@ -190,8 +193,10 @@ impl Summary {
             }
             count += 1;
             reader.add(&fields, inputs.clone(), &places);
+            reader.check(&rows)?;
         }
         reader.end_of_seed();
+        reader.check(&rows)?;
         let first = first.ok_or_else(|| SweepError::Empty { file: rows.file.clone() })?;
         Ok(reader.summary(first.study, count, first.episodes))
     }
@@ -263,6 +268,21 @@ impl Reader {
         self.cells.len() - 1
     }
 
+    /// The check that combinations and comparisons stay within their limits.
+    fn check(&self, rows: &Rows) -> Result<(), SweepError> {
+        match self.cells.len() > LARGEST_RUN || self.pairs.len() > MOST_PAIRS {
+            true => Err(SweepError::Line {
+                file: rows.file.clone(),
+                line: rows.number,
+                found: "too much for a summary".to_owned(),
+                expected: format!(
+                    "the last of at most {LARGEST_RUN} combinations and {MOST_PAIRS} comparisons"
+                ),
+            }),
+            false => Ok(()),
+        }
+    }
+
     /// Compares the episodes of a finished seed.
     fn end_of_seed(&mut self) {
         let ends = std::mem::take(&mut self.ends);
@@ -282,6 +302,10 @@ impl Reader {
     }
 
     fn compare(&mut self, what: usize, a: &End, b: &End) {
+        // then the check fails
+        if self.pairs.len() > MOST_PAIRS {
+            return;
+        }
         let (a, b) = if a.cell <= b.cell { (a, b) } else { (b, a) };
         let both = [&a.choices[..], &b.choices[..]].concat();
         for cost in 0..COSTS {

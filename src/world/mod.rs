@@ -24,7 +24,7 @@ pub use obstacle::Obstacle;
 pub use opening::{FREE_PASSAGE, Opening};
 
 use crate::geometry::{Bounds, Point};
-use crate::located::{self, Place, Source};
+use crate::located::{self, LARGEST_WORLD, Place, Source};
 use file::{OptionEntry, WorldFile};
 use obstacle::Check;
 use std::collections::BTreeSet;
@@ -84,7 +84,7 @@ impl World {
     /// # Errors
     /// [`WorldError`], which names the file, the line, the item and the numbers.
     pub fn load(path: &std::path::Path) -> Result<Self, WorldError> {
-        Self::parse(&path.display().to_string(), &located::read(path)?)
+        Self::parse(&path.display().to_string(), &located::read_at_most(LARGEST_WORLD, path)?)
     }
 
     /// Validates the text of a world file. Errors call it `file`.

@@ -293,7 +293,7 @@ fn an_option_limit_of_nothing() {
 
 #[test]
 fn numbers_on_the_command_line() {
-    let cases: [(&[&str], &str); 11] = [
+    let cases: [(&[&str], &str); 13] = [
         (&["run", "--alpha", "70"], "at most 10"),
         (&["world", "environment-1", "--risk-weight", "1e300"], "from 0 to 1000000"),
         (&["run", "--eta", "0"], "greater than 0"),
@@ -303,6 +303,8 @@ fn numbers_on_the_command_line() {
         (&["run", "--initial-stubbornness", "1.5"], "at most 1"),
         (&["run", "--seed", "first"], "--seed"),
         (&["run", "--belief-alpha", "uniform(0.9,0.5)"], "0.9"),
+        (&["run", "--belief-alpha", "uniform(1e-308,1e308)"], "0 < lower < upper <= 10"),
+        (&["run", "--belief-gamma", "normal(1,1,0.5,10.5)"], "0 < lower < upper <= 10"),
         (&["run", "--ticks", "ticks.txt"], ".csv or .jsonl"),
         (&["reproduce", "h2", "--threads", "0"], "--threads"),
     ];
@@ -321,6 +323,7 @@ fn samples_that_are_wrong_are_named_by_line() {
         ("alpha,gamma\n0.7,high\n", "line: 2"),
         ("alpha,delta\n0.7,0.8\n", "gamma"),
         ("alpha,gamma\n0.7,0.8\n0.7,-0.8\n", "-0.8"),
+        ("alpha,gamma\n0.7,0.8\n1e308,0.8\n", "alpha and gamma at most 10"),
         ("alpha,gamma\n", "samples.csv"),
     ];
     for (text, said) in cases {

@@ -81,7 +81,16 @@ fn files_that_are_not_what_they_should_be() {
     let page = "<html><body>404</body></html>".to_owned();
     Files { urdf: page, ..Files::new() }.says(&["carrier.urdf: robot: missing links"]);
     let deep = "<a>".repeat(100_000) + &"</a>".repeat(100_000);
-    Files { urdf: deep, ..Files::new() }.says(&["depth of its elements = 100000", "at most 64"]);
+    Files { urdf: deep, ..Files::new() }.says(&["depth of its elements = 65", "at most 64"]);
+    // quotes that hide the nesting from those who do not parse
+    let quoted = "<a b=\"/>\">".repeat(30_000) + &"</a>".repeat(30_000);
+    Files { urdf: quoted, ..Files::new() }.says(&["depth of its elements = 65", "at most 64"]);
+    let wide = format!("<robot name=\"r\">{}</robot>", "<link/>".repeat(50_000));
+    Files { urdf: wide, ..Files::new() }.says(&["number of its elements = 50001", "at most 50000"]);
+    // the parser copies all namespaces into every element
+    let spaces: String = (0..20_000).map(|i| format!(" xmlns:n{i}=\"n{i}\"")).collect();
+    let spaces = format!("<robot name=\"r\"{spaces}>{}</robot>", "<link/>".repeat(20_000));
+    Files { urdf: spaces, ..Files::new() }.says(&["length of its namespaces", "at most 4096"]);
 }
 
 #[test]

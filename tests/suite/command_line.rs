@@ -128,6 +128,45 @@ fn a_program_that_cannot_serve_says_how_to_get_one_that_can() {
     assert!(output.stdout.is_empty(), "before anything is run");
 }
 
+/// A name with what a terminal would obey: a title, a colour, and a control character of one byte and two.
+#[test]
+fn names_do_not_command_the_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let name = "w\u{1b}]0;title\u{7}\u{1b}[31m\u{9b}2J";
+    let world = format!(
+        "name = {}\nrobot_width_m = 0.5\nstart_m = [0, 0]\ntarget_m = [2, 0]\n",
+        serde_json::to_string(name).unwrap()
+    );
+    std::fs::write(path("w.toml"), &world).unwrap();
+    let opening = world.clone() + "[[opening]]\nname = \"o\\u001b[31m\"\nbetween = [\"a\", \"b\"]\n";
+    std::fs::write(path("bad.toml"), opening).unwrap();
+    std::fs::write(path("syntax.toml"), world + "x = \u{1b}[31m\n").unwrap();
+    let (w, bad, syntax, recording) = (path("w.toml"), path("bad.toml"), path("syntax.toml"), path("r.mcap"));
+    let record = ["run", &w, "--plant", "point", "--record", &recording];
+    for arguments in [
+        &record[..],
+        &["run", &w, "--plant", "point", "--json"],
+        &["world", &w],
+        &["world", &w, "--json"],
+        &["world", &bad],
+        &["world", &syntax],
+        &["inspect", &recording, "--csv", "/scene/world"],
+    ] {
+        let output = cocarry(arguments);
+        for text in [stdout(&output), stderr(&output)] {
+            let obeyed = text.chars().find(|c| c.is_control() && !"\n\t".contains(*c));
+            assert_eq!(obeyed, None, "{arguments:?}: {text:?}");
+        }
+        if arguments.contains(&"--json") {
+            let read: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+            assert!(read.to_string().contains("title"), "{read}");
+        }
+    }
+    let shown = stdout(&cocarry(&["world", &w]));
+    assert!(shown.contains("w\\u001b]0;title\\u0007\\u001b[31m\\u009b2J"), "{shown}");
+}
+
 #[test]
 fn a_belief_other_than_the_paper_changes_the_probabilities() {
     let probability = |arguments: &[&str]| {

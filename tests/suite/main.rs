@@ -13,6 +13,8 @@ mod detection;
 mod determinism;
 mod fitting;
 mod floors;
+mod forged_snapshots;
+mod limits;
 mod object_lost;
 mod outputs;
 mod paths;

@@ -7,6 +7,8 @@ use std::process::{Command, Output};
 
 const WORLD: &str = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [0, 0]\ntarget_m = [2, 0]\n";
 const STUDY: &str = "worlds = [\"world.toml\"]\nplants = [\"point\"]\nseeds = 2\n";
+const SAMPLES: &str = "alpha,gamma\n0.7,0.8\n";
+const NAMED: &str = "participant,world,option,step\np,environment.toml,1,20\n";
 const SWITCHES: &str = "participant,world,option,step\np,environment-4,1,20\n";
 
 /// A folder with a file of every kind that commands read.
@@ -15,7 +17,8 @@ struct Bench(tempfile::TempDir);
 impl Bench {
     fn new() -> Self {
         let bench = Self(tempfile::tempdir().unwrap());
-        for (name, text) in [("world.toml", WORLD), ("study.toml", STUDY), ("switches.csv", SWITCHES)] {
+        let texts = [("world.toml", WORLD), ("study.toml", STUDY), ("switches.csv", SWITCHES)];
+        for (name, text) in texts.into_iter().chain([("named.csv", NAMED), ("samples.csv", SAMPLES)]) {
             std::fs::write(bench.path(name), text).unwrap();
         }
         for (from, to) in [
@@ -64,7 +67,7 @@ impl Bench {
 }
 
 /// Commands up to the name of their output, and what they read.
-const OUTPUTS: [(&str, &str, &[&str]); 12] = [
+const OUTPUTS: [(&str, &str, &[&str]); 14] = [
     ("run world.toml --plant point --ticks ", "out.csv", &["world.toml"]),
     ("run --resume in.snapshot --ticks ", "out.jsonl", &["in.snapshot"]),
     ("run world.toml --plant point --svg ", "out.svg", &["world.toml"]),
@@ -76,6 +79,8 @@ const OUTPUTS: [(&str, &str, &[&str]); 12] = [
     ("recover in.mcap --output ", "out.mcap", &["in.mcap"]),
     ("sweep study.toml --out ", "out.csv", &["study.toml", "world.toml"]),
     ("fit eta switches.csv --svg ", "out.svg", &["switches.csv"]),
+    ("fit eta named.csv --svg ", "out.svg", &["named.csv", "environment.toml"]),
+    ("world environment.toml --belief-samples samples.csv --svg ", "out.svg", &["samples.csv"]),
     ("fit risk-weight answers.csv --normalise --resamples 40 --svg ", "out.svg", &["answers.csv"]),
 ];
 

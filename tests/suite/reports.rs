@@ -320,6 +320,26 @@ fn a_folder_that_holds_something_is_left_alone() {
     assert_eq!(std::fs::read_to_string(file).unwrap(), "mine");
 }
 
+/// One file cannot be replaced, so none is, and nothing else is left.
+#[test]
+fn a_report_that_cannot_be_written_whole_leaves_the_old_one() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir_all(folder.path().join("figures")).unwrap();
+    let old = ["figures/environment-1.svg", "report.html", "table-1.csv"];
+    old.iter().for_each(|name| std::fs::write(folder.path().join(name), "old").unwrap());
+    std::fs::create_dir(folder.path().join("report.md")).unwrap();
+    let output = small(folder.path(), &["--overwrite"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("report.md: is a directory"), "{}", stderr(&output));
+    assert_eq!(
+        files(folder.path()),
+        ["figures/environment-1.svg", "report.html", "report.md", "table-1.csv"]
+    );
+    for name in old {
+        assert_eq!(std::fs::read_to_string(folder.path().join(name)).unwrap(), "old", "{name}");
+    }
+}
+
 #[test]
 fn a_folder_that_cannot_be_written_is_told_before_the_work() {
     let folder = tempfile::tempdir().unwrap();

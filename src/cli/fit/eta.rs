@@ -1,6 +1,6 @@
 //! `cocarry fit eta`: estimates eta from the steps at which participants asked to switch.
 
-use super::worlds::options;
+use super::worlds::{inputs, options};
 use crate::cli::model::ModelArguments;
 use crate::cli::output::{
     Failure, OverwriteArguments, input, print, print_json, table, table_text, write_file,
@@ -52,7 +52,6 @@ pub(in crate::cli) struct EtaArguments {
 }
 
 pub(super) fn run(arguments: &EtaArguments) -> Result<(), Failure> {
-    let outputs = arguments.overwrite.outputs([arguments.switches.as_path()], &arguments.svg)?;
     let phi = arguments.initial_stubbornness;
     if phi >= 1.0 {
         return Err(input(anyhow!(
@@ -61,6 +60,8 @@ pub(super) fn run(arguments: &EtaArguments) -> Result<(), Failure> {
     }
     let file = SwitchFile::read(&arguments.switches).map_err(input)?;
     let worlds = options(&arguments.switches, file.worlds(), arguments.model.risk_weight)?;
+    let inputs = inputs(&arguments.switches, &worlds, &arguments.model.belief);
+    let outputs = arguments.overwrite.outputs(inputs.iter().map(PathBuf::as_path), &arguments.svg)?;
     let settings = Settings {
         predictor: arguments.model.predictor()?,
         coordination: coordination::Settings { initial_stubbornness: phi, ..Default::default() },

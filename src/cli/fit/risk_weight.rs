@@ -1,7 +1,7 @@
 //! `cocarry fit risk-weight`: estimates c_r from participants' percentages, by least squares and by
 //! likelihood.
 
-use super::worlds::options;
+use super::worlds::{inputs, options};
 use crate::cli::model::BeliefArguments;
 use crate::cli::output::{
     Failure, OverwriteArguments, Progress, input, print, print_json, table, table_text, write_file,
@@ -55,9 +55,10 @@ pub(in crate::cli) struct RiskWeightArguments {
 }
 
 pub(super) fn run(arguments: &RiskWeightArguments) -> Result<(), Failure> {
-    let outputs = arguments.overwrite.outputs([arguments.answers.as_path()], &arguments.svg)?;
     let file = AnswerFile::read(&arguments.answers).map_err(input)?;
     let worlds = options(&arguments.answers, file.worlds(), RISK_WEIGHT)?;
+    let inputs = inputs(&arguments.answers, &worlds, &arguments.belief);
+    let outputs = arguments.overwrite.outputs(inputs.iter().map(PathBuf::as_path), &arguments.svg)?;
     let situations = worlds.iter().map(|(world, set)| Situation::new(world.clone(), set)).collect();
     let answers = file.matched(situations, arguments.normalise).map_err(input)?;
     let predictor = arguments.belief.predictor(RISK_WEIGHT)?;

@@ -1,10 +1,17 @@
 //! The worlds named in participants' answers.
 
-use crate::cli::model::load_world_near;
+use crate::cli::model::{BeliefArguments, load_world_near};
 use crate::cli::output::Failure;
 use crate::options::OptionSet;
 use anyhow::Context;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// The files that a fit reads: the answers in `file`, their worlds, and the samples of the belief.
+pub(super) fn inputs(file: &Path, worlds: &[(String, OptionSet)], belief: &BeliefArguments) -> Vec<PathBuf> {
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let worlds = worlds.iter().flat_map(|(world, _)| [folder.join(world), PathBuf::from(world)]);
+    worlds.chain([file.to_owned()]).chain(belief.belief_samples.clone()).collect()
+}
 
 /// The options of the worlds that `file` names, each with the first line that names it. A world that lists no
 /// options has those of `cocarry world` with `risk_weight` (m).

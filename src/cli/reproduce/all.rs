@@ -1,10 +1,10 @@
 //! `cocarry reproduce all --report FOLDER`: a report with every claim, table and picture of the paper beside
 //! ours.
 
-use super::super::output::{Failure, Progress, input, print, print_json, write_file};
+use super::super::output::{Failure, Progress, input, print, print_json, unwritten};
 use super::super::robot::load_robot;
 use super::common::Common;
-use crate::output_file::Outputs;
+use crate::output_file::{OutputFile, Outputs};
 use crate::report::{PARTS, Plan, Report, ReportError, Section};
 use anyhow::{Context, anyhow};
 use clap::Args;
@@ -113,21 +113,14 @@ fn prepare(folder: &Path, overwrite: bool) -> Result<(), Failure> {
     std::fs::write(&probe, "").and_then(|()| std::fs::remove_file(&probe)).map_err(cannot)
 }
 
-/// Writes all files, the page last, each complete or not at all. Returns their names.
+/// Writes all files, each complete or not at all. Returns their names. An earlier report stays until all of
+/// this one is written; then it is replaced, its page last.
 fn write(report: &Report, folder: &Path, made: &str) -> Result<Vec<String>, Failure> {
     let figures = folder.join("figures");
     let made_folder = std::fs::create_dir_all(&figures);
     made_folder
         .with_context(|| format!("{}: cannot be written", figures.display()))
         .map_err(Failure::Output)?;
-    // the page of another run must not stand beside the files of this one
-    let page = folder.join(PAGE);
-    if page.exists() {
-        let removed = std::fs::remove_file(&page);
-        removed
-            .with_context(|| format!("{}: cannot be replaced", page.display()))
-            .map_err(Failure::Output)?;
-    }
     let pictures = report.figures().map(|f| (format!("figures/{}.svg", f.name), f.svg.clone().into_bytes()));
     let tables = report.tables().map(|t| (format!("{}.csv", t.name), t.csv()));
     let texts = [
@@ -137,10 +130,12 @@ fn write(report: &Report, folder: &Path, made: &str) -> Result<Vec<String>, Fail
     // the folder is this report's: that was asked before the work
     let outputs = Outputs::new(true, []);
     let mut names = Vec::new();
+    let mut written = Vec::new();
     for (name, contents) in pictures.chain(tables).chain(texts) {
-        write_file(&outputs, &folder.join(&name), contents)?;
+        written.push(outputs.begin(&folder.join(&name), contents).map_err(unwritten)?);
         names.push(name);
     }
+    written.into_iter().try_for_each(OutputFile::finish).map_err(unwritten)?;
     Ok(names)
 }
 

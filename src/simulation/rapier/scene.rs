@@ -6,6 +6,7 @@ use super::dimensions::{GRAVITY, HAND_RADIUS, TORSO_AHEAD, TORSO_HEIGHT, TORSO_R
 use super::grip::{GRIPPER, Grip, HAND};
 use super::human::Walker;
 use super::parts::{Group, Parts};
+use super::settings::MOST_ITERATIONS;
 use super::{BodyKind, Failure, PhysicsError, PhysicsSettings};
 use crate::geometry::{PlanarPose, Pose, direction};
 use crate::robot::{JointVector, Robot};
@@ -18,12 +19,18 @@ use rapier3d::parry::query::intersection_test;
 use rapier3d::prelude::{
     ColliderBuilder, MassProperties, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle, SharedShape,
 };
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
+
+/// Outer iterations of the solver; [`PhysicsSettings::solver_iterations`] are the inner ones.
+const SOLVER_ITERATIONS: usize = 1;
 
 /// The physical plant. It owns all its data and can be serialised between two periods.
 #[derive(Serialize, Deserialize)]
 pub struct PhysicalPlant {
+    #[serde(deserialize_with = "bounded_world")]
     pub(super) world: PhysicsWorld,
+    #[serde(deserialize_with = "checked_settings")]
     pub(super) settings: PhysicsSettings,
     pub(super) parts: Parts,
     pub(super) robot: Articulation,
@@ -40,6 +47,24 @@ pub struct PhysicalPlant {
     pub(super) steps: u64,
     pub(super) accumulator: Accumulator,
     pub(super) failure: Option<Failure>,
+}
+
+/// A world that was read back, whose steps take no more work than those of a plant can.
+fn bounded_world<'de, D: Deserializer<'de>>(from: D) -> Result<PhysicsWorld, D::Error> {
+    let world = PhysicsWorld::deserialize(from)?;
+    let parameters = &world.integration_parameters;
+    let is_bounded = parameters.num_solver_iterations == SOLVER_ITERATIONS
+        && parameters.num_internal_pgs_iterations <= MOST_ITERATIONS
+        && parameters.num_internal_stabilization_iterations <= MOST_ITERATIONS
+        && parameters.max_ccd_substeps == 0
+        && world.bodies.iter().all(|(_, body)| body.additional_solver_iterations() == 0);
+    is_bounded.then_some(world).ok_or_else(|| D::Error::custom("too many solver iterations"))
+}
+
+/// Settings that were read back, within their ranges.
+fn checked_settings<'de, D: Deserializer<'de>>(from: D) -> Result<PhysicsSettings, D::Error> {
+    let settings = PhysicsSettings::deserialize(from)?;
+    settings.check().map(|()| settings).map_err(D::Error::custom)
 }
 
 /// The components of a plant.
@@ -66,7 +91,7 @@ impl Scene<'_> {
         let mut world = PhysicsWorld::new();
         world.gravity = Vector::new(0.0, 0.0, -GRAVITY);
         let parameters = &mut world.integration_parameters;
-        parameters.num_solver_iterations = 1;
+        parameters.num_solver_iterations = SOLVER_ITERATIONS;
         parameters.num_internal_pgs_iterations = settings.solver_iterations;
         // no body is fast enough to pass through a wall in one step
         parameters.max_ccd_substeps = 0;

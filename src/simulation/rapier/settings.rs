@@ -3,6 +3,9 @@
 use super::PhysicsError;
 use serde::{Deserialize, Serialize};
 
+/// The largest number of solver iterations.
+pub(super) const MOST_ITERATIONS: usize = 1000;
+
 /// Settings of the solver and limits of robot and human.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -78,7 +81,7 @@ impl PhysicsSettings {
         let human = &self.human;
         let ranges = [
             ("rate_hz", self.rate_hz, 60.0, 10_000.0),
-            ("solver_iterations", self.solver_iterations as f64, 1.0, 1000.0),
+            ("solver_iterations", self.solver_iterations as f64, 1.0, MOST_ITERATIONS as f64),
             ("rim_acceleration_m_per_s2", self.rim_acceleration, 0.01, 1000.0),
             ("human.speed_limit_m_per_s", human.speed_limit, 0.01, 10.0),
             ("human.acceleration_limit_m_per_s2", human.acceleration_limit, 0.01, 100.0),

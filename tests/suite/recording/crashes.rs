@@ -119,6 +119,7 @@ fn under_way(folder: &Path, name: &str) -> (std::process::Child, String) {
     let world = long_world(folder);
     let mut child = Command::new(env!("CARGO_BIN_EXE_cocarry"))
         .args(["run", &world, "--plant", "rapier", "--sway", "0", "--record", &file])
+        .args(["--ticks", &format!("{file}.csv"), "--svg", &format!("{file}.svg")])
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
         .spawn()
@@ -187,16 +188,24 @@ fn what_a_crash_leaves_is_at_most_a_second_behind() {
 
 #[test]
 #[cfg(unix)]
-fn an_interrupted_run_finishes_its_recording() {
+fn an_interrupted_run_finishes_its_files() {
     let folder = tempfile::tempdir().unwrap();
-    let (child, file) = under_way(folder.path(), "r.mcap");
-    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
-    assert!(stderr(&output).contains("interrupted after"));
-    let told = json(&["inspect", &file, "--json"]);
-    assert_eq!(told["outcome"]["outcome"], "interrupted");
-    assert!(!Path::new(&format!("{file}.partial")).exists());
+    for signal in ["INT", "TERM", "HUP"] {
+        let (child, file) = under_way(folder.path(), &format!("{signal}.mcap"));
+        Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status().unwrap();
+        let output = child.wait_with_output().unwrap();
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(130), "{signal}: {said}");
+        let told = json(&["inspect", &file, "--json"]);
+        assert_eq!(told["outcome"]["outcome"], "interrupted");
+        assert!(!Path::new(&format!("{file}.partial")).exists());
+        let ticks = std::fs::read_to_string(format!("{file}.csv")).unwrap();
+        let steps = ticks.lines().count() - 1;
+        let files = format!("{file}, {file}.csv, {file}.svg");
+        assert!(said.contains(&format!("interrupted after {steps} steps, which are in {files}")), "{said}");
+        assert_eq!(told["outcome"]["steps"], steps);
+        assert!(std::fs::read_to_string(format!("{file}.svg")).unwrap().contains("</svg>"));
+    }
 }
 
 #[test]

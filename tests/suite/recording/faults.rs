@@ -1,8 +1,9 @@
 //! Truncated, damaged and hostile files: refused with the place, and nothing else.
 
 use super::{MAGIC, chunk, chunks, messages, rapier, record, short, short_on, unpacked};
+use crate::support::repository;
 use cocarry::recording::{Contents, Reader, columns, recover, replay};
-use cocarry::scenario::Plant;
+use cocarry::scenario::{Plant, Scenario};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -86,6 +87,22 @@ fn survives(bytes: &[u8], folder: &Path) {
     let saved = recover(&mut Reader::new(bytes, "m").unwrap(), &to, true).unwrap();
     let read = messages(&std::fs::read(&to).unwrap());
     assert_eq!(read.len() as u64, saved.messages);
+}
+
+/// The fuzz targets' seeds: what once fell.
+#[test]
+fn seeds_of_the_fuzz_targets_are_read_or_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let seeds = |target: &str| {
+        let seeds = std::fs::read_dir(repository("tests/fuzz/seeds").join(target)).unwrap();
+        seeds.map(|seed| std::fs::read(seed.unwrap().path()).unwrap()).collect::<Vec<_>>()
+    };
+    seeds("recording").iter().for_each(|bytes| survives(bytes, folder.path()));
+    for bytes in seeds("scenario") {
+        let scenario = Scenario::parse(std::str::from_utf8(&bytes).unwrap()).unwrap();
+        let said = scenario.prepare().map(drop).unwrap_err().to_string();
+        assert!(said.contains("depth of its elements = 65"), "{said}");
+    }
 }
 
 /// A file with something wrong in it.

@@ -332,6 +332,42 @@ fn rows_out_of_order_are_refused() {
     bench.refused(&["study.toml"], 2, &["study.csv.partial: line 4 is episode 3"]);
 }
 
+/// Every value of a kept row is that which the sweep wrote: on resuming, and in a merge.
+#[test]
+fn changed_values_in_kept_rows_are_refused() {
+    let bench = Bench::new(STUDY);
+    bench.good(&["study.toml", "--shard", "1/2", "--out", "1.csv"]);
+    bench.good(&["study.toml", "--shard", "2/2", "--out", "2.csv"]);
+    let (rows, text) = (bench.rows("1.csv"), String::from_utf8(bench.read("1.csv")).expect("UTF-8"));
+    let fields = |line: &str| -> Vec<String> {
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(line.as_bytes());
+        reader.records().next().expect("a line").expect("CSV").iter().map(str::to_owned).collect()
+    };
+    let header = fields(text.lines().next().expect("a header"));
+    for column in ["checksum", "world", "seed", "alpha", "outcome", "accumulated_objective_cost_m", "steps"] {
+        let at = header.iter().position(|name| *name == column).unwrap_or_else(|| panic!("{column}"));
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        let mut fields = fields(&lines[7]);
+        assert_eq!(fields[at], rows[6][column]);
+        let last = fields[at].pop().expect("a value");
+        fields[at].push(if last == '1' { '2' } else { '1' });
+        let mut line = csv::Writer::from_writer(Vec::new());
+        line.write_record(&fields).expect("memory");
+        lines[7] =
+            String::from_utf8(line.into_inner().expect("memory")).expect("UTF-8").trim_end().to_owned();
+        let changed = lines.join("\n") + "\n";
+        std::fs::write(bench.path("changed.csv"), &changed).expect("a file");
+        std::fs::write(bench.path("half.csv.partial"), &changed).expect("a file");
+        let words = ["line 8 is a row with changed values", "as its sweep wrote it"];
+        bench.refused(&["--merge", "all.csv", "changed.csv", "2.csv"], 2, &words);
+        assert!(!bench.path("all.csv").exists() && !bench.path("all.csv.partial").exists());
+        bench.refused(&["study.toml", "--shard", "1/2", "--out", "half.csv"], 2, &words);
+        assert!(bench.read("half.csv.partial") == changed.as_bytes(), "what is there stays");
+    }
+    bench.good(&["study.toml", "--shard", "1/2", "--out", "half.csv", "--overwrite"]);
+    assert!(bench.read("half.csv") == text.as_bytes());
+}
+
 /// The table against the definitions, from the rows.
 #[test]
 fn the_summary_is_that_of_the_rows() {
