@@ -1,11 +1,14 @@
 //! One planning tick (all options, P_o, expected costs, eq. 6) against a budget of 20 us and against planning
-//! anew in every tick.
+//! anew in every tick; and the options of worlds of 100 to 3,000 obstacles.
 
 use cocarry::episode::{Episode, Settings};
 use cocarry::options::OptionSet;
 use cocarry::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
 use cocarry::world::World;
 use criterion::{BatchSize, Criterion, criterion_group};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
@@ -90,10 +93,61 @@ fn report() {
     }
 }
 
+/// A world of cylinders and boxes near the points of a square grid, with gaps of about a metre.
+fn clutter(count: usize) -> World {
+    const PITCH_M: f64 = 2.0;
+    let mut rng = ChaCha8Rng::seed_from_u64(count as u64);
+    let columns = (count as f64).sqrt().ceil() as usize;
+    let side = PITCH_M * columns as f64;
+    let mut text = format!(
+        "name = \"clutter\"\nrobot_width_m = 0.5\nstart_m = [-1.0, {0:?}]\ntarget_m = [{0:?}, {0:?}]\n",
+        side / 2.0
+    );
+    for i in 0..count {
+        let mut near = |k: usize| PITCH_M * (k as f64 + 0.5 + rng.random_range(-0.2..0.2));
+        let center = [near(i % columns), near(i / columns)];
+        let size: [f64; 2] = [rng.random_range(0.2..0.4), rng.random_range(0.2..0.4)];
+        let shape = match i % 2 {
+            0 => format!("shape = \"cylinder\"\nradius_m = {:?}", size[0]),
+            _ => format!("shape = \"box\"\nsize_m = [{:?}, {:?}]", 2.0 * size[0], 2.0 * size[1]),
+        };
+        text += &format!("[[obstacle]]\nname = \"o{i}\"\n{shape}\ncenter_m = {center:?}\nheight_m = 1.0\n");
+    }
+    // the target is in the middle, where an obstacle may stand
+    (0..20)
+        .find_map(|step| {
+            let aside = format!("target_m = [{:?}, ", side / 2.0 + 0.1 * f64::from(step));
+            World::parse("clutter", &text.replace(&format!("target_m = [{:?}, ", side / 2.0), &aside)).ok()
+        })
+        .expect("a free target")
+}
+
+/// Time from the text of a world to its options, and how it grows.
+fn report_clutter() {
+    println!("\noptions of worlds of many obstacles");
+    let mut before: Option<(f64, f64)> = None;
+    for count in [100, 300, 1000, 3000] {
+        let begun = Instant::now();
+        let world = clutter(count);
+        let set = OptionSet::new(&world, 10.0).expect("options");
+        let time = begun.elapsed().as_secs_f64();
+        let growth = before.map_or(String::new(), |(n, t)| {
+            format!(", n^{:.1}", cocarry::math::ln(time / t) / cocarry::math::ln(count as f64 / n))
+        });
+        println!(
+            "  {count:5} obstacles, {:5} openings, {} options: {time:6.2} s{growth}",
+            world.openings.len(),
+            set.options().len(),
+        );
+        before = Some((count as f64, time));
+    }
+}
+
 criterion_group!(benches, planning);
 
 fn main() {
     benches();
     Criterion::default().configure_from_args().final_summary();
     report();
+    report_clutter();
 }

@@ -125,6 +125,9 @@ fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
     let origin = match (world.listed_options.is_empty(), set.is_cut) {
         (false, _) => String::new(),
         (true, false) => " (all options: the file lists none)".to_owned(),
+        (true, true) if set.is_search_cut => {
+            format!(" (the search was cut after {} of them: others may be cheaper)", offers.len())
+        }
         (true, true) => {
             format!(" (the {} cheapest; increase option_limit in the file for more)", offers.len())
         }

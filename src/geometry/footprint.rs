@@ -55,7 +55,8 @@ impl Bounds {
         self.max - self.min
     }
 
-    fn misses_segment(&self, a: Point, b: Point) -> bool {
+    /// Whether all of the segment `a b` lies beyond one of its sides.
+    pub(super) fn misses_segment(&self, a: Point, b: Point) -> bool {
         (a.x < self.min.x && b.x < self.min.x)
             || (a.x > self.max.x && b.x > self.max.x)
             || (a.y < self.min.y && b.y < self.min.y)

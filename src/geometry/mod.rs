@@ -6,6 +6,7 @@ use crate::math;
 
 mod bend;
 mod footprint;
+mod nearby;
 mod path;
 mod spatial;
 mod tandem;
@@ -14,6 +15,7 @@ mod widening;
 
 pub use bend::Bend;
 pub use footprint::{Bounds, Footprint};
+pub use nearby::Nearby;
 pub use path::{Path, Piece};
 pub use spatial::{PlanarPose, Pose, rotation_vector};
 pub use tandem::{Tandem, nearest};

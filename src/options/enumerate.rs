@@ -2,28 +2,25 @@
 //! region twice.
 
 use super::passage::{Crossing, Passage};
+use super::regions::on_routes;
 use super::roadmap::Roadmap;
 use super::sites::{START, TARGET, before, beyond, site};
 use super::stage::Stages;
-use std::cmp::Ordering;
+use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
+use std::rc::Rc;
 
 /// The number of partial sequences after which the search stops and reports that it is cut.
 const MOST_EXPANDED: usize = 200_000;
 
-/// What is searched: places, the passages between them, and the paths from one to the next.
-#[derive(Clone, Copy)]
-pub(super) struct Network<'a> {
-    pub roadmap: &'a Roadmap,
-    pub passages: &'a [Passage],
-    pub stages: &'a Stages,
-}
-
 /// The result of the search.
+#[derive(Default)]
 pub(super) struct Found {
     pub options: Vec<Vec<Crossing>>,
-    /// Whether more options exist.
+    /// Whether more options exist, or may exist.
     pub is_cut: bool,
+    /// Whether the search stopped after [`MOST_EXPANDED`] partial sequences.
+    pub is_search_cut: bool,
 }
 
 /// A partial sequence, ordered by a lower bound of the cost of its completions.
@@ -32,8 +29,17 @@ struct Partial {
     /// Length walked, m, and probability of safe passage so far.
     length: f64,
     safe: f64,
-    crossings: Vec<Crossing>,
+    last: Option<Rc<Step>>,
     arrived: bool,
+}
+
+/// The last crossing of a sequence.
+struct Step {
+    crossing: Crossing,
+    /// The crossing before it.
+    before: Option<Rc<Step>>,
+    /// The number of crossings up to this one.
+    count: usize,
 }
 
 /// Margin (m) subtracted from lower bounds, so that rounding does not lift them above the costs that they
@@ -43,40 +49,107 @@ const BOUND_ROUNDING_M: f64 = 1e-9;
 /// The `limit` cheapest options by D_o + c_r S_o, cheapest first. The search is best-first over regions from
 /// which the target can still be reached. Its lower bounds are the shortest and the safest path onward from
 /// each passage, with regions entered twice allowed. The search stops after [`MOST_EXPANDED`] partial
-/// sequences. If it has found no option by then, it takes the path of its bounds.
-pub(super) fn cheapest(set: Network, limit: usize, risk_weight: f64) -> Found {
-    let search = Search::new(set, risk_weight);
+/// sequences. If it has found no option by then, it takes the path of its bounds. The paths that it may use
+/// are added to `stages`.
+pub(super) fn cheapest(
+    roadmap: &Roadmap,
+    passages: &[Passage],
+    stages: &mut Stages,
+    limit: usize,
+    risk_weight: f64,
+) -> Found {
+    if stages.between(roadmap, START, TARGET).length().is_finite() {
+        return Found { options: vec![Vec::new()], ..Found::default() };
+    }
+    let layout = Layout::new(roadmap, passages.len());
+    layout.tabulate(roadmap, stages);
+    let search = Search::new(&layout, roadmap, passages, stages, risk_weight);
     let mut queue = BinaryHeap::new();
-    queue.push(Partial { bound: 0.0, length: 0.0, safe: 1.0, crossings: Vec::new(), arrived: false });
-    let mut found = Found { options: Vec::new(), is_cut: false };
+    queue.push(Partial { bound: 0.0, length: 0.0, safe: 1.0, last: None, arrived: false });
+    let mut found = Found::default();
     let mut looked_at = 0;
     while let Some(partial) = queue.pop() {
         looked_at += 1;
         let gives_up = looked_at > MOST_EXPANDED;
         if found.options.len() == limit && partial.arrived || gives_up && !found.options.is_empty() {
             found.is_cut = true;
+            found.is_search_cut = found.options.len() < limit;
             break;
         }
         if partial.arrived {
-            found.options.push(partial.crossings);
+            found.options.push(partial.crossings());
             continue;
         }
         if gives_up {
+            found.is_search_cut = true;
             queue.clear();
         }
         queue.extend(search.onward(&partial));
     }
+    found.is_cut |= found.is_search_cut;
     found
+}
+
+/// The regions that an option may enter, and the crossings between them.
+struct Layout {
+    /// The region of every site, numbered from 0.
+    regions: Vec<usize>,
+    /// The crossings from each region that an option may make.
+    out: Vec<Vec<Crossing>>,
+    /// The sites in each region from which an option may continue.
+    entries: Vec<Vec<usize>>,
+}
+
+impl Layout {
+    fn new(roadmap: &Roadmap, openings: usize) -> Self {
+        let components: Vec<usize> = (0..2 + 2 * openings).map(|s| roadmap.component(s)).collect();
+        let mut known = components.clone();
+        known.sort_unstable();
+        known.dedup();
+        let regions: Vec<usize> = components.iter().map(|c| known.partition_point(|k| k < c)).collect();
+        let sides = |opening: usize| [0, 1].map(|side| regions[site(opening, side)]);
+        let mut neighbors = vec![Vec::new(); known.len()];
+        for [a, b] in (0..openings).map(sides) {
+            neighbors[a].push(b);
+            neighbors[b].push(a);
+        }
+        let [start, target] = [regions[START], regions[TARGET]];
+        let is_on_route = on_routes(&neighbors, start, target);
+        let mut out = vec![Vec::new(); known.len()];
+        let mut entries = vec![Vec::new(); known.len()];
+        entries[start].push(START);
+        for opening in 0..openings {
+            for into in [0, 1] {
+                let crossing = Crossing { opening, into };
+                let (from, to) = (regions[before(crossing)], regions[beyond(crossing)]);
+                let is_useful = from != to && from != target && to != start;
+                if is_useful && is_on_route[from] && is_on_route[to] {
+                    out[from].push(crossing);
+                    entries[to].push(beyond(crossing));
+                }
+            }
+        }
+        Self { regions, out, entries }
+    }
+
+    /// Adds the paths within every region that an option may take to `stages`.
+    fn tabulate(&self, roadmap: &Roadmap, stages: &mut Stages) {
+        for (out, entries) in self.out.iter().zip(&self.entries) {
+            let mut exits: Vec<usize> = out.iter().map(|&crossing| before(crossing)).collect();
+            exits.sort_unstable();
+            stages.tabulate(roadmap, entries, &exits);
+        }
+        stages.tabulate(roadmap, &self.entries[self.regions[TARGET]], &[TARGET]);
+    }
 }
 
 /// The search's view of regions and passages.
 struct Search<'a> {
-    set: Network<'a>,
+    layout: &'a Layout,
+    roadmap: &'a Roadmap,
+    passages: &'a [Passage],
+    stages: &'a Stages,
     risk_weight: f64,
-    /// The region of every site, numbered from 0.
-    regions: Vec<usize>,
-    /// The crossings that lead from each region into another one.
-    out: Vec<Vec<Crossing>>,
     /// From every site to the target through any passages: length of the shortest path, m, and largest
     /// probability of safe passage.
     shortest: Vec<f64>,
@@ -84,55 +157,53 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(set: Network<'a>, risk_weight: f64) -> Self {
-        let sites = 2 + 2 * set.passages.len();
-        let components: Vec<usize> = (0..sites).map(|s| set.roadmap.component(s)).collect();
-        let mut known = components.clone();
-        known.sort_unstable();
-        known.dedup();
-        let regions: Vec<usize> = components.iter().map(|c| known.partition_point(|k| k < c)).collect();
-        let mut out = vec![Vec::new(); known.len()];
-        for opening in 0..set.passages.len() {
-            for into in [0, 1] {
-                let [before, after] = [1 - into, into].map(|side| regions[site(opening, side)]);
-                if before != after {
-                    out[before].push(Crossing { opening, into });
-                }
-            }
-        }
-        let length = |from: usize, to: usize| set.stages.between(from, to).length();
+    fn new(
+        layout: &'a Layout,
+        roadmap: &'a Roadmap,
+        passages: &'a [Passage],
+        stages: &'a Stages,
+        risk_weight: f64,
+    ) -> Self {
+        let length = |from: usize, to: usize| stages.between(roadmap, from, to).length();
         // the inverse of the probability of safe passage
-        let danger = |from: usize, to: usize| match to {
-            _ if regions[from] != regions[to] => f64::INFINITY,
+        let danger = |_: usize, to: usize| match to {
             TARGET => 1.0,
-            _ => 1.0 / (1.0 - set.passages[(to - 2) / 2].risk),
+            _ => 1.0 / (1.0 - passages[(to - 2) / 2].risk),
         };
-        let shortest = least_onward(sites, 0.0, length, |a, b| a + b);
-        let safest = least_onward(sites, 1.0, danger, |a, b| a * b).into_iter().map(f64::recip).collect();
-        Self { set, risk_weight, regions, out, shortest, safest }
+        let shortest = least_onward(layout, 0.0, length, |a, b| a + b);
+        let safest = least_onward(layout, 1.0, danger, |a, b| a * b).into_iter().map(f64::recip).collect();
+        Self { layout, roadmap, passages, stages, risk_weight, shortest, safest }
+    }
+
+    fn length(&self, from: usize, to: usize) -> f64 {
+        self.stages.between(self.roadmap, from, to).length()
     }
 
     /// The extensions of a sequence by one crossing or by the target.
     fn onward(&self, partial: &Partial) -> Vec<Partial> {
-        let set = self.set;
-        let leave = partial.crossings.last().map_or(START, |&c| beyond(c));
-        let to_target = set.stages.between(leave, TARGET).length();
-        if to_target.is_finite() {
-            let length = partial.length + to_target;
+        let leave = partial.last.as_ref().map_or(START, |step| beyond(step.crossing));
+        let here = self.layout.regions[leave];
+        if here == self.layout.regions[TARGET] {
+            let length = partial.length + self.length(leave, TARGET);
             let bound = length + self.risk_weight * (1.0 - partial.safe);
-            let crossings = partial.crossings.clone();
-            return vec![Partial { bound, length, safe: partial.safe, crossings, arrived: true }];
+            let arrived =
+                Partial { bound, length, safe: partial.safe, last: partial.last.clone(), arrived: true };
+            return if length.is_finite() { vec![arrived] } else { Vec::new() };
         }
-        let can_reach_target = self.can_reach_target(partial, self.regions[leave]);
+        let can_reach_target = self.can_reach_target(partial, here);
         let extended = |crossing: &Crossing| {
             let exit = beyond(*crossing);
-            let length = partial.length + set.stages.between(leave, before(*crossing)).length();
-            let safe = partial.safe * (1.0 - set.passages[crossing.opening].risk);
+            let length = partial.length + self.length(leave, before(*crossing));
+            let safe = partial.safe * (1.0 - self.passages[crossing.opening].risk);
             let bound = length + self.shortest[exit] + self.risk_weight * (1.0 - safe * self.safest[exit]);
-            let crossings = partial.crossings.iter().copied().chain([*crossing]).collect();
-            Partial { bound: bound - BOUND_ROUNDING_M, length, safe, crossings, arrived: false }
+            let last = Some(Rc::new(Step {
+                crossing: *crossing,
+                before: partial.last.clone(),
+                count: partial.count() + 1,
+            }));
+            Partial { bound: bound - BOUND_ROUNDING_M, length, safe, last, arrived: false }
         };
-        self.out[self.regions[leave]]
+        self.layout.out[here]
             .iter()
             .filter(|crossing| can_reach_target[self.after(**crossing)])
             .map(extended)
@@ -142,23 +213,23 @@ impl<'a> Search<'a> {
 
     /// The region that a crossing leads into.
     fn after(&self, crossing: Crossing) -> usize {
-        self.regions[beyond(crossing)]
+        self.layout.regions[beyond(crossing)]
     }
 
     /// For every region, whether the target can be reached from it through regions that the sequence has not
     /// entered. `here` is the last region entered.
     fn can_reach_target(&self, partial: &Partial, here: usize) -> Vec<bool> {
-        let target = self.regions[TARGET];
-        let mut closed = vec![false; self.out.len()];
-        for region in partial.crossings.iter().map(|c| self.after(c.back())).chain([here]) {
-            closed[region] = true;
-        }
-        let mut can_reach_target = vec![false; self.out.len()];
+        let target = self.layout.regions[TARGET];
+        let mut closed = vec![false; self.layout.out.len()];
+        closed[here] = true;
+        partial.steps().for_each(|step| closed[self.after(step.crossing.back())] = true);
+        let mut can_reach_target = vec![false; self.layout.out.len()];
         can_reach_target[target] = true;
         let mut queue = vec![target];
         while let Some(region) = queue.pop() {
-            for &crossing in &self.out[region] {
-                let next = self.after(crossing);
+            for &entry in &self.layout.entries[region] {
+                // a gap is entered from its other side
+                let next = self.layout.regions[entry ^ 1];
                 if !closed[next] && !can_reach_target[next] {
                     can_reach_target[next] = true;
                     queue.push(next);
@@ -170,41 +241,62 @@ impl<'a> Search<'a> {
 }
 
 /// The least cost of a path to the target from the start and from the gap of every crossing, indexed by the
-/// site beyond it. Any passages may be used and regions entered twice. Dijkstra's algorithm over all pairs:
-/// `cost` is the cost from such a place to another site, `join` combines the costs of consecutive paths, and
-/// `none` is the cost of an empty path.
+/// site beyond it. Regions may be entered twice. Dijkstra's algorithm: `cost` is the cost from such a place to
+/// another site, `join` combines the costs of consecutive paths, and `none` is the cost of an empty path.
 fn least_onward(
-    sites: usize,
+    layout: &Layout,
     none: f64,
     cost: impl Fn(usize, usize) -> f64,
     join: impl Fn(f64, f64) -> f64,
 ) -> Vec<f64> {
-    let mut least = vec![f64::INFINITY; sites];
-    let mut is_done = vec![false; sites];
+    let mut least = vec![f64::INFINITY; layout.regions.len()];
+    let mut is_done = vec![false; layout.regions.len()];
     least[TARGET] = none;
-    let nearest = |least: &[f64], is_done: &[bool]| {
-        (0..sites).filter(|&s| !is_done[s]).min_by(|&a, &b| least[a].total_cmp(&least[b]))
-    };
-    while let Some(place) = nearest(&least, &is_done).filter(|&s| least[s].is_finite()) {
-        is_done[place] = true;
+    // the order of floats that are not negative is that of their bits
+    let mut queue = BinaryHeap::from([Reverse((none.to_bits(), TARGET))]);
+    while let Some(Reverse((_, place))) = queue.pop() {
+        if std::mem::replace(&mut is_done[place], true) || place == START {
+            continue;
+        }
         // a gap is entered from its other side
         let to = if place == TARGET { TARGET } else { place ^ 1 };
-        for from in (0..sites).filter(|&from| place != START && from != TARGET) {
-            least[from] = least[from].min(join(cost(from, to), least[place]));
+        for &from in &layout.entries[layout.regions[to]] {
+            let onward = join(cost(from, to), least[place]);
+            if onward < least[from] {
+                least[from] = onward;
+                queue.push(Reverse((onward.to_bits(), from)));
+            }
         }
     }
     least
+}
+
+impl Partial {
+    /// Its crossings, the last one first.
+    fn steps(&self) -> impl Iterator<Item = &Step> {
+        std::iter::successors(self.last.as_deref(), |step| step.before.as_deref())
+    }
+
+    fn count(&self) -> usize {
+        self.last.as_ref().map_or(0, |step| step.count)
+    }
+
+    fn crossings(&self) -> Vec<Crossing> {
+        let mut crossings: Vec<Crossing> = self.steps().map(|step| step.crossing).collect();
+        crossings.reverse();
+        crossings
+    }
 }
 
 impl Ord for Partial {
     /// The heap's greatest element is the cheapest. Equal costs go to the shorter sequence, then to lower
     /// openings.
     fn cmp(&self, other: &Self) -> Ordering {
-        let key = |p: &Self| p.crossings.iter().map(|c| (c.opening, c.into)).collect::<Vec<_>>();
+        let key = |p: &Self| p.crossings().iter().map(|c| (c.opening, c.into)).collect::<Vec<_>>();
         other
             .bound
             .total_cmp(&self.bound)
-            .then_with(|| other.crossings.len().cmp(&self.crossings.len()))
+            .then_with(|| other.count().cmp(&self.count()))
             .then_with(|| key(other).cmp(&key(self)))
             .then_with(|| self.arrived.cmp(&other.arrived))
     }

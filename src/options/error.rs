@@ -21,6 +21,20 @@ pub enum OptionError {
         /// What blocks the path.
         reason: Blockage,
     },
+    /// Too many obstacles have an open view of each other.
+    #[error(
+        "{file}: {obstacles} obstacles are too many for so open a world: {lines} straight lines between their corners would have to be tried, and at most {most} are; use fewer obstacles, or fewer corners (a cylinder has none)"
+    )]
+    TooOpen {
+        /// The world file.
+        file: String,
+        /// The number of obstacles.
+        obstacles: usize,
+        /// The number of lines.
+        lines: u64,
+        /// The largest number of lines that are tried.
+        most: u64,
+    },
     /// A listed option is not walkable.
     #[error(
         "{file}:{line}: option `{option}`: no path leads from {from} to {to} with {clearance} m clear on either side and through no other opening"

@@ -10,6 +10,7 @@ mod error;
 mod passage;
 mod path_option;
 mod progress;
+mod regions;
 mod roadmap;
 mod sites;
 mod stage;
@@ -21,15 +22,16 @@ pub use path_option::PathOption;
 pub use progress::Progress;
 pub use trajectory::{nominal_trajectory, turned};
 
-use crate::geometry::{Path, Point};
-use crate::world::{ListedOption, World};
+use crate::geometry::{Bounds, Nearby, Path, Point};
+use crate::world::{ListedOption, Opening, World};
 use passage::{Exit, Passage};
 use path_option::After;
 use progress::Rest;
-use roadmap::{Roadmap, Space, Straight};
+use roadmap::{MOST_LINES, Roadmap, Space, Straight};
 use serde::{Deserialize, Serialize};
-use sites::{START, TARGET, before, beyond};
+use sites::{START, TARGET, before, beyond, site};
 use stage::Stages;
+use std::collections::BTreeSet;
 
 /// The length of the straight path before and after an opening, m. Human, object and robot in tandem are
 /// about 2.5 m long and must be aligned when they enter.
@@ -42,8 +44,11 @@ pub struct OptionSet {
     passages: Vec<Passage>,
     stages: Stages,
     options: Vec<PathOption>,
-    /// Whether more options exist than were enumerated.
+    /// Whether more options exist than were enumerated, or may exist: see [`OptionSet::is_search_cut`].
     pub is_cut: bool,
+    /// Whether the search was cut before it had found the cheapest options. Those that it found can be walked,
+    /// but others may be cheaper.
+    pub is_search_cut: bool,
     start: Point,
     target: Point,
 }
@@ -73,32 +78,41 @@ impl OptionSet {
     /// world's limit, with `risk_weight` c_r (m).
     ///
     /// # Errors
-    /// [`OptionError`]: the target cannot be reached, or a listed option cannot be walked.
+    /// [`OptionError`]: the target cannot be reached, a listed option cannot be walked, or the world is too
+    /// large to be searched.
     pub fn new(world: &World, risk_weight: f64) -> Result<Self, OptionError> {
         let clearance = world.robot_width / 2.0;
-        let closed = world.exactly_closed_gaps();
-        let barriers = world.openings.iter().map(|o| o.ends).chain(closed).collect();
+        let closed = world.closed_gaps();
+        let exactly = closed.iter().filter(|gap| gap.is_exactly_closed(world.robot_width));
+        let barriers = world.openings.iter().chain(exactly).map(|gap| gap.ends).collect();
+        let closed: Vec<[Point; 2]> = closed.iter().map(|gap| gap.ends).collect();
         let space = Space::new(world.obstacles.iter().map(|o| o.footprint.clone()), barriers, clearance);
         let passages = passages(world, &space);
         let straights = passages.iter().enumerate().flat_map(|(i, p)| [0, 1].map(|side| p.straight(i, side)));
         let ends = [world.start, world.target].map(Straight::from);
         let sites: Vec<Straight> = ends.into_iter().chain(straights).collect();
-        let roadmap = Roadmap::new(space, &sites);
-        let stages = Stages::new(&sites, &roadmap);
+        let roadmap = Roadmap::new(space, &sites, &closed).map_err(|lines| OptionError::TooOpen {
+            file: world.file.clone(),
+            obstacles: world.obstacles.len(),
+            lines,
+            most: MOST_LINES,
+        })?;
         let mut set = Self {
             roadmap,
             passages,
-            stages,
+            stages: Stages::default(),
             options: Vec::new(),
             is_cut: false,
+            is_search_cut: false,
             start: world.start,
             target: world.target,
         };
         if world.listed_options.is_empty() {
-            let network =
-                enumerate::Network { roadmap: &set.roadmap, passages: &set.passages, stages: &set.stages };
-            let found = enumerate::cheapest(network, world.option_limit, risk_weight);
+            let Self { roadmap, passages, stages, .. } = &mut set;
+            let found = enumerate::cheapest(roadmap, passages, stages, world.option_limit, risk_weight);
             set.is_cut = found.is_cut;
+            set.is_search_cut = found.is_search_cut;
+            set.tabulate(found.options.iter().flatten().map(|crossing| crossing.opening));
             set.options = found
                 .options
                 .into_iter()
@@ -109,6 +123,7 @@ impl OptionSet {
                 return Err(unreachable(world));
             }
         } else {
+            set.tabulate(world.listed_options.iter().flat_map(|listed| listed.openings.iter().copied()));
             set.options = world
                 .listed_options
                 .iter()
@@ -119,6 +134,13 @@ impl OptionSet {
                 .collect::<Result<_, _>>()?;
         }
         Ok(set)
+    }
+
+    /// Tabulates the paths between these openings, the start and the target.
+    fn tabulate(&mut self, openings: impl Iterator<Item = usize>) {
+        let sides: BTreeSet<usize> = openings.flat_map(|o| [0, 1].map(|side| site(o, side))).collect();
+        let with = |end: usize| sides.iter().copied().chain([end]).collect::<Vec<_>>();
+        self.stages.tabulate(&self.roadmap, &with(START), &with(TARGET));
     }
 
     /// The options, in file order or cheapest first. Never empty.
@@ -223,7 +245,7 @@ impl OptionSet {
         while let Some(crossing) = crossings.next() {
             let Some(joined) = self.roadmap.extend(path, at, before(crossing)) else { return false };
             let passage = &self.passages[crossing.opening];
-            let exit = self.stages.exit(beyond(crossing), crossings.peek().copied());
+            let exit = self.stages.exit(&self.roadmap, beyond(crossing), crossings.peek().copied());
             at = passage.at(crossing.into, exit);
             path.line(joined, passage.center);
             path.line(passage.center, at);
@@ -237,7 +259,7 @@ impl OptionSet {
         let Some(crossing) = progress.inside else { return (&progress.rests[option], None) };
         let rest = &progress.rests_outside[option];
         let next = rest.ahead(&self.options[option]).next();
-        let reach = self.stages.exit(beyond(crossing), next);
+        let reach = self.stages.exit(&self.roadmap, beyond(crossing), next);
         (rest, self.passages[crossing.opening].exit(progress.position, crossing.into, reach))
     }
 
@@ -256,7 +278,7 @@ impl OptionSet {
     fn length_beyond(&self, crossing: Crossing, rest: &Rest, option: usize) -> f64 {
         let next = rest.ahead(&self.options[option]).next();
         let after = next.map(|_| self.after(rest, option));
-        self.stages.after(beyond(crossing), next.zip(after)).length
+        self.stages.after(&self.roadmap, beyond(crossing), next.zip(after)).length
     }
 
     /// The remainder from the gap of the first crossing ahead, which must exist.
@@ -265,7 +287,7 @@ impl OptionSet {
         let place = rest.place;
         let mut next = option.crossings.get(place).copied().zip(option.after.get(place).copied());
         for &crossing in &rest.back {
-            next = Some((crossing, self.stages.after(beyond(crossing), next)));
+            next = Some((crossing, self.stages.after(&self.roadmap, beyond(crossing), next)));
         }
         next.map_or(After { exit: 0.0, length: 0.0 }, |(_, after)| after)
     }
@@ -295,7 +317,7 @@ impl OptionSet {
         let mut risk_left = vec![0.0; n + 1];
         for i in (0..n).rev() {
             let next = crossings.get(i + 1).map(|&next| (next, after[i + 1]));
-            after[i] = self.stages.after(beyond(crossings[i]), next);
+            after[i] = self.stages.after(&self.roadmap, beyond(crossings[i]), next);
             risk_left[i] = self.risk_with(risk_left[i + 1], crossings[i]);
         }
         PathOption { name, crossings, regions, after, risk_left }
@@ -328,7 +350,7 @@ impl OptionSet {
                     ways.clone()
                         .into_iter()
                         .map(|(length, mut way)| {
-                            let stage = self.stages.between(leave(&way), before(crossing));
+                            let stage = self.stages.between(&self.roadmap, leave(&way), before(crossing));
                             way.push(crossing);
                             (length + stage.length(), way)
                         })
@@ -343,7 +365,9 @@ impl OptionSet {
         }
         let arrived = ways
             .into_iter()
-            .map(|(length, way)| (length + self.stages.between(leave(&way), TARGET).length(), way))
+            .map(|(length, way)| {
+                (length + self.stages.between(&self.roadmap, leave(&way), TARGET).length(), way)
+            })
             .collect();
         shortest(arrived)
             .map(|(_, way)| way)
@@ -352,13 +376,17 @@ impl OptionSet {
 }
 
 fn passages(world: &World, space: &Space) -> Vec<Passage> {
+    let bounds = |o: &Opening| Bounds { min: o.ends[0].inf(&o.ends[1]), max: o.ends[0].sup(&o.ends[1]) };
+    let nearby = Nearby::new(world.openings.iter().map(bounds));
     world
         .openings
         .iter()
         .enumerate()
         .map(|(i, opening)| {
-            let others: Vec<[Point; 2]> =
-                world.openings.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, o)| o.ends).collect();
+            // half of the distance to another opening is left for the straight part
+            let near = Bounds { min: opening.center(), max: opening.center() }.grown(3.0 * ALIGNMENT);
+            let others = nearby.meeting(near).into_iter().filter(|j| *j != i);
+            let others: Vec<[Point; 2]> = others.map(|j| world.openings[j].ends).collect();
             Passage::new(opening, &others, space, world.robot_width, ALIGNMENT)
         })
         .collect()

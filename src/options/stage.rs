@@ -6,7 +6,7 @@
 
 use super::passage::Crossing;
 use super::path_option::After;
-use super::roadmap::{MOST_BACKWARD, Roadmap, Straight};
+use super::roadmap::{MOST_BACKWARD, Roadmap};
 use super::sites::{START, TARGET, before};
 
 /// Number of bisections in the search for where a path may leave a straight part.
@@ -36,52 +36,66 @@ impl Stage {
     }
 }
 
-/// The paths from every site to every other. A path from a straight part begins at its gap.
-#[derive(Clone, Debug)]
+/// Paths between sites, tabulated for those that options use. A path from a straight part begins at its gap.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Stages {
-    stages: Vec<Stage>,
-    sites: usize,
+    /// From every site: the sites that paths lead to, ascending, and these paths.
+    rows: Vec<Vec<(usize, Stage)>>,
 }
 
 impl Stages {
-    /// The paths between the sites of this roadmap.
-    pub fn new(sites: &[Straight], roadmap: &Roadmap) -> Self {
-        let n = sites.len();
-        let stage = |i: usize| stage(sites, roadmap, i / n, i % n);
-        Self { stages: (0..n * n).map(stage).collect(), sites: n }
+    /// Adds the paths from each of `from` to each of `to` to the table.
+    pub fn tabulate(&mut self, roadmap: &Roadmap, from: &[usize], to: &[usize]) {
+        for &from in from {
+            if self.rows.len() <= from {
+                self.rows.resize(from + 1, Vec::new());
+            }
+            for &to in to {
+                if let Err(place) = self.rows[from].binary_search_by_key(&to, |(to, _)| *to) {
+                    self.rows[from].insert(place, (to, stage(roadmap, from, to)));
+                }
+            }
+        }
     }
 
     /// The path from one site to another.
-    pub fn between(&self, from: usize, to: usize) -> Stage {
-        self.stages[from * self.sites + to]
+    pub fn between(&self, roadmap: &Roadmap, from: usize, to: usize) -> Stage {
+        let row = self.rows.get(from).map_or(&[][..], Vec::as_slice);
+        match row.binary_search_by_key(&to, |(to, _)| *to) {
+            Ok(place) => row[place].1,
+            Err(_) => stage(roadmap, from, to),
+        }
     }
 
     /// The distance (m) beyond a gap at which the path to the next crossing, or to the target, leaves the
     /// axis.
-    pub fn exit(&self, from: usize, next: Option<Crossing>) -> f64 {
-        self.between(from, next.map_or(TARGET, before)).exit
+    pub fn exit(&self, roadmap: &Roadmap, from: usize, next: Option<Crossing>) -> f64 {
+        self.between(roadmap, from, next.map_or(TARGET, before)).exit
     }
 
     /// The remainder of an option from the gap at `from` on. `next` is the next crossing with the remainder
     /// from its gap on; `None` if the target comes next.
-    pub fn after(&self, from: usize, next: Option<(Crossing, After)>) -> After {
+    pub fn after(&self, roadmap: &Roadmap, from: usize, next: Option<(Crossing, After)>) -> After {
         match next {
             None => {
-                let stage = self.between(from, TARGET);
+                let stage = self.between(roadmap, from, TARGET);
                 After { exit: stage.exit, length: stage.between }
             }
             Some((crossing, after)) => {
-                let stage = self.between(from, before(crossing));
+                let stage = self.between(roadmap, from, before(crossing));
                 After { exit: stage.exit, length: stage.between + (stage.entry + after.exit) + after.length }
             }
         }
     }
 }
 
-fn stage(sites: &[Straight], roadmap: &Roadmap, from: usize, to: usize) -> Stage {
-    let (first, second) = (&sites[from], &sites[to]);
+fn stage(roadmap: &Roadmap, from: usize, to: usize) -> Stage {
+    if from == TARGET || to == START {
+        return Stage::NONE;
+    }
+    let [first, second] = [from, to].map(|site| roadmap.straight(site));
     let leg = roadmap.between(from, to);
-    if leg.length.is_infinite() || from == TARGET || to == START {
+    if leg.length.is_infinite() {
         return Stage::NONE;
     }
     let whole = Stage { exit: first.reach, between: leg.length, entry: leg.depth };

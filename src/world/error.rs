@@ -131,6 +131,14 @@ pub enum WorldError {
         /// The gap's width, m.
         width: f64,
     },
+    /// A gap declared twice.
+    #[error("{place}: this is the same gap as opening `{other}`; declare it once")]
+    SameGap {
+        /// Where.
+        place: Place,
+        /// The opening declared before.
+        other: String,
+    },
     /// The start or the target is too close to an obstacle.
     #[error(
         "{place} = ({x}, {y}) is {distance:.4} m from obstacle `{obstacle}`; the team needs {needed} m (half of robot_width_m) around it{}",

@@ -27,6 +27,7 @@ use crate::geometry::{Bounds, Point};
 use crate::located::{self, LARGEST_WORLD, Place, Source};
 use file::{OptionEntry, WorldFile};
 use obstacle::Check;
+use opening::Gaps;
 use std::collections::BTreeSet;
 use toml::Spanned;
 use values::{Pair, Values};
@@ -104,7 +105,7 @@ impl World {
         let target = endpoint(source, "target_m", &entries.target_m, &obstacles, robot_width)?;
         let openings_detected = entries.openings.is_empty();
         let openings = if openings_detected {
-            opening::detect(&obstacles, robot_width)
+            Gaps::new(&obstacles).detect(robot_width)
         } else {
             declared_openings(source, &entries, &obstacles, robot_width)?
         };
@@ -137,15 +138,14 @@ impl World {
             .unwrap_or(Bounds { min: self.start, max: self.target })
     }
 
-    /// The end points of the gaps that are exactly as wide as the robot. They are impassable, too (Sec.
-    /// III-A).
-    pub(crate) fn exactly_closed_gaps(&self) -> Vec<[Point; 2]> {
-        opening::exactly_closed(&self.obstacles, self.robot_width)
+    /// Gaps that the robot cannot pass, in the order of their obstacles.
+    pub(crate) fn closed_gaps(&self) -> Vec<Opening> {
+        Gaps::new(&self.obstacles).impassable(self.robot_width)
     }
 
     /// Gaps that the robot cannot pass, widest first: the likely causes of an unreachable target.
     pub fn impassable_gaps(&self) -> Vec<Opening> {
-        let mut gaps = opening::impassable(&self.obstacles, self.robot_width);
+        let mut gaps = self.closed_gaps();
         gaps.sort_by(|a, b| b.width.total_cmp(&a.width));
         gaps
     }
@@ -201,6 +201,7 @@ fn declared_openings(
     robot_width: f64,
 ) -> Result<Vec<Opening>, WorldError> {
     let mut names = BTreeSet::new();
+    let gaps = Gaps::new(obstacles);
     let find = |name: &String, place: &Place| {
         obstacles.iter().position(|o| o.name == *name).ok_or_else(|| WorldError::Unknown {
             place: place.clone(),
@@ -209,7 +210,7 @@ fn declared_openings(
             known: join(obstacles.iter().map(|o| &o.name)),
         })
     };
-    entries
+    let openings: Vec<Opening> = entries
         .openings
         .iter()
         .map(|spanned| {
@@ -223,19 +224,26 @@ fn declared_openings(
             if between[0] == between[1] {
                 return Err(WorldError::SameObstacle { place, obstacle: first.clone() });
             }
-            let gap = opening::measure(obstacles, between);
+            let gap = gaps.measure(between);
             let width = gap.as_ref().map_or(0.0, |g| g.width);
             let (first, second) = (first.clone(), second.clone());
             let Some(gap) = gap.filter(|g| g.is_passable(robot_width)) else {
                 return Err(WorldError::Impassable { place, first, second, width, robot_width });
             };
-            if let Some((third, distance)) = opening::obstructed(obstacles, &gap) {
+            if let Some((third, distance)) = gaps.obstructed(&gap) {
                 let third = obstacles[third].name.clone();
                 return Err(WorldError::Obstructed { place, first, second, third, distance, width });
             }
             Ok(Opening { name: entry.name.clone(), ..gap })
         })
-        .collect()
+        .collect::<Result<_, _>>()?;
+    for (i, same) in opening::same_gaps(&openings).into_iter().enumerate() {
+        if let Some(&other) = same.first() {
+            let place = source.place(&entries.openings[i], format!("opening `{}`", openings[i].name));
+            return Err(WorldError::SameGap { place, other: openings[other].name.clone() });
+        }
+    }
+    Ok(openings)
 }
 
 fn listed_options(

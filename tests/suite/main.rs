@@ -9,6 +9,7 @@ mod carrying;
 mod changes;
 mod closed_loop;
 mod command_line;
+mod crowded_worlds;
 mod detection;
 mod determinism;
 mod fitting;

@@ -1,6 +1,6 @@
 //! The discs around obstacle corners and cylinders that taut strings bend around.
 
-use crate::geometry::{Bend, Footprint, Point, Vector, angle_of, cross, direction, left_of};
+use crate::geometry::{Bend, Bounds, Footprint, Point, Vector, angle_of, cross, direction, left_of};
 use std::f64::consts::TAU;
 
 /// Tolerance for comparing distances with the clearance, m. Paths touch discs exactly at the clearance.
@@ -41,6 +41,11 @@ impl Disc {
         }
     }
 
+    /// The smallest rectangle around it.
+    pub fn bounds(&self) -> Bounds {
+        Bounds { min: self.center, max: self.center }.grown(self.radius)
+    }
+
     /// Its circle, followed counter-clockwise where `turn` is 1 and clockwise where it is -1.
     pub fn bend(&self, turn: f64) -> Bend {
         Bend { center: self.center, radius: turn * self.radius }
@@ -55,11 +60,26 @@ impl Disc {
     pub fn is_taut(&self, angle: f64) -> bool {
         self.between.is_none_or(|[first, last]| {
             let d = direction(angle);
-            // a string that dips by CLEARANCE_TOLERANCE_M along a side meets the corner's circle this much
-            // too early
-            let early = (2.0 * CLEARANCE_TOLERANCE_M / self.radius).sqrt();
+            let early = self.early();
             cross(first, d) >= -early && cross(d, last) >= -early
         })
+    }
+
+    /// Whether the point `at` of the circle is certainly none that a taut string touches. This is quicker than
+    /// [`Disc::is_taut`] and leaves cases within rounding to it.
+    pub fn is_slack(&self, at: Point) -> bool {
+        const ROUNDING: f64 = 1e-9;
+        self.between.is_some_and(|[first, last]| {
+            let d = (at - self.center) / self.radius;
+            let early = self.early() + ROUNDING;
+            cross(first, d) < -early || cross(d, last) < -early
+        })
+    }
+
+    /// The sine of the angle by which a string that dips by [`CLEARANCE_TOLERANCE_M`] along a side meets the
+    /// corner's circle too early.
+    fn early(&self) -> f64 {
+        (2.0 * CLEARANCE_TOLERANCE_M / self.radius).sqrt()
     }
 
     /// `angle`, or the nearest angle at which a taut string may touch the disc.
@@ -72,6 +92,11 @@ impl Disc {
             _ => angle,
         }
     }
+}
+
+/// +1 on counter-clockwise rings, -1 on clockwise ones.
+pub(super) fn turn(ring: usize) -> f64 {
+    if ring.is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
 /// Whether the arc crosses or touches the segment `a b`.

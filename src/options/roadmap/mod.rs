@@ -7,7 +7,10 @@
 //! and cross no barrier. Dijkstra's algorithm from each site gives exact distances. A query from a free point
 //! adds only its own tangents.
 
+mod components;
 mod disc;
+mod reachable;
+mod sight;
 mod space;
 mod straight;
 
@@ -15,13 +18,19 @@ pub(super) use space::Space;
 pub(super) use straight::{MOST_BACKWARD, Straight};
 
 use crate::geometry::{Path, Piece, Point, Vector, angle_of, direction, left_of};
-use disc::{Disc, SAME_ANGLE_RAD};
+use components::Components;
+use disc::{Disc, SAME_ANGLE_RAD, turn};
 use petgraph::Direction;
 use petgraph::graph::{DiGraph, EdgeIndex, NodeIndex};
 use petgraph::visit::{EdgeRef, Reversed};
+use reachable::Reachable;
 use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
+use std::sync::OnceLock;
 use straight::Join;
+
+/// The largest number of lines between obstacles with an open view that are tried: less than a minute of work.
+pub(super) const MOST_LINES: u64 = 400_000_000;
 
 /// Lines shorter than this (m) are rounding.
 const LENGTH_TOLERANCE_M: f64 = 1e-10;
@@ -35,6 +44,7 @@ pub(super) struct Roadmap {
     /// `2 d + 1`.
     rings: Vec<Vec<Stop>>,
     graph: DiGraph<(), Way>,
+    components: Components,
     sites: Vec<Site>,
 }
 
@@ -110,6 +120,16 @@ struct Site {
     straight: Straight,
     /// Its far end, from which paths may continue.
     node: NodeIndex,
+    /// Where paths to it end.
+    goal: NodeIndex,
+    component: usize,
+    /// Computed when first asked for: most sites of a large world are on no option.
+    paths: OnceLock<PathsTo>,
+}
+
+/// The shortest paths to a site from every node of its component.
+#[derive(Clone, Debug)]
+struct PathsTo {
     /// Cost (m) of the path to the site from every node; infinite where there is none.
     from_node: Vec<f64>,
     /// That path.
@@ -119,7 +139,6 @@ struct Site {
     /// Rings from which the site can be reached, each with a lower bound of the distance from any of its
     /// stops, nearest first.
     rings: Vec<(usize, f64)>,
-    component: usize,
 }
 
 /// The first steps of a path from a point.
@@ -145,8 +164,12 @@ impl Found {
 }
 
 impl Roadmap {
-    /// The roadmap of `space`, with shortest paths to each of `sites`.
-    pub fn new(space: Space, sites: &[Straight]) -> Self {
+    /// The roadmap of `space`, with shortest paths to each of `sites`. `closed` are the gaps that are too
+    /// narrow for the team.
+    ///
+    /// # Errors
+    /// The number of lines to be tried, if that is more than [`MOST_LINES`].
+    pub fn new(space: Space, sites: &[Straight], closed: &[[Point; 2]]) -> Result<Self, u64> {
         let discs: Vec<Disc> = space
             .obstacles
             .iter()
@@ -166,36 +189,44 @@ impl Roadmap {
             rings[ring].push(Stop { angle, node, kind, open_to_next: false });
             node
         };
-        let portals: Vec<Point> = sites.iter().map(Straight::portal).collect();
-        for (i, &a) in portals.iter().enumerate() {
-            graph.add_edge(nodes[i], goals[i], Way::Join { from: a, join: sites[i].join_at_portal(a) });
-            for (j, &b) in portals.iter().enumerate().skip(i + 1) {
+        let reachable = Reachable::new(&space, &discs, sites, closed);
+        if reachable.lines() > MOST_LINES {
+            return Err(reachable.lines());
+        }
+        for (i, site) in sites.iter().enumerate() {
+            let a = site.portal();
+            graph.add_edge(nodes[i], goals[i], Way::Join { from: a, join: site.join_at_portal(a) });
+            let (others, near_discs) = reachable.from_site(i);
+            let mut blocker = 0;
+            for &j in others.iter().filter(|j| **j > i) {
+                let b = sites[j].portal();
                 if space.is_clear(a, b) {
                     let length = (b - a).norm();
                     graph.add_edge(nodes[i], nodes[j], Way::Line { from: a, to: b, length });
                     graph.add_edge(nodes[j], nodes[i], Way::Line { from: b, to: a, length });
                 }
             }
-            for (j, site) in sites.iter().enumerate().filter(|(j, _)| *j != i) {
-                if let Some(join) = site.join_from(a).filter(|join| space.can_join(a, join.to, site)) {
+            for &j in others.iter().filter(|j| **j != i) {
+                let other = &sites[j];
+                if let Some(join) = other.join_from(a).filter(|join| space.can_join(a, join.to, other)) {
                     graph.add_edge(nodes[i], goals[j], Way::Join { from: a, join });
                 }
             }
-            for ring in 0..2 * discs.len() {
-                if let Some((touch, length)) = tangent_from(&discs[ring / 2], ring, a, &space) {
+            for ring in near_discs.into_iter().flat_map(|disc| [2 * disc, 2 * disc + 1]) {
+                if let Some((touch, length)) = tangent_from(&discs[ring / 2], ring, a, &space, &mut blocker) {
                     // the reverse path follows the disc in the other direction
                     let arrive = stop(&mut graph, ring, touch, StopKind::Arrive);
                     let leave = stop(&mut graph, ring ^ 1, touch, StopKind::Leave);
                     graph.add_edge(nodes[i], arrive, Way::Line { from: a, to: touch, length });
                     graph.add_edge(leave, nodes[i], Way::Line { from: touch, to: a, length });
                 }
-                for along in sites[i].backward() {
+                for along in site.backward() {
                     let (disc, turn) = (&discs[ring / 2], turn(ring));
                     let out = -left_of(along) * turn;
                     let touch = disc.center + out * disc.radius;
-                    if let Some(join) = sites[i].join_along(touch, along)
+                    if let Some(join) = site.join_along(touch, along)
                         && disc.is_taut(angle_of(out))
-                        && space.can_join(touch, join.to, &sites[i])
+                        && space.can_join(touch, join.to, site)
                     {
                         let leave = stop(&mut graph, ring, touch, StopKind::Leave);
                         graph.add_edge(leave, goals[i], Way::Join { from: touch, join });
@@ -204,12 +235,19 @@ impl Roadmap {
             }
         }
         for from in 0..2 * discs.len() {
-            for to in (0..2 * discs.len()).filter(|to| to / 2 != from / 2) {
+            let others = reachable.from_ring(from, &discs[from / 2]);
+            let mut blocker = 0;
+            for to in others.into_iter().flat_map(|disc| [2 * disc, 2 * disc + 1]) {
+                if to / 2 == from / 2 {
+                    continue;
+                }
                 let ends = [&discs[from / 2], &discs[to / 2]];
                 if let Some([a, b]) = ends[0].bend(turn(from)).line_to(&ends[1].bend(turn(to)))
+                    && !ends[0].is_slack(a)
+                    && !ends[1].is_slack(b)
                     && ends[0].is_taut(angle_of(a - ends[0].center))
                     && ends[1].is_taut(angle_of(b - ends[1].center))
-                    && space.is_clear(a, b)
+                    && space.is_clear_trying(&mut blocker, a, b)
                 {
                     let leave = stop(&mut graph, from, a, StopKind::Leave);
                     let arrive = stop(&mut graph, to, b, StopKind::Arrive);
@@ -220,56 +258,69 @@ impl Roadmap {
         for (ring, stops) in rings.iter_mut().enumerate() {
             link(ring, &discs[ring / 2], stops, &space, &mut graph);
         }
-        let mut map = Self { space, discs, rings, graph, sites: Vec::new() };
-        let components = map.components();
-        map.sites = sites
-            .iter()
-            .zip(nodes.iter().zip(&goals))
-            .map(|(straight, (&node, &goal))| {
-                map.site(straight.clone(), node, goal, components[node.index()])
+        let components =
+            Components::new(&graph, rings.iter().map(|stops| stops.iter().map(|stop| stop.node)));
+        let sites = sites.iter().zip(nodes.iter().zip(&goals));
+        let sites = sites
+            .map(|(straight, (&node, &goal))| Site {
+                straight: straight.clone(),
+                node,
+                goal,
+                component: components.of(node),
+                paths: OnceLock::new(),
             })
             .collect();
-        map
+        Ok(Self { space, discs, rings, graph, components, sites })
     }
 
-    fn site(&self, straight: Straight, node: NodeIndex, goal: NodeIndex, component: usize) -> Site {
-        let mut from_node = vec![f64::INFINITY; self.graph.node_count()];
+    /// The shortest paths to a site.
+    fn paths_to(&self, site: usize) -> &PathsTo {
+        let Site { straight, goal, component, paths, .. } = &self.sites[site];
+        paths.get_or_init(|| self.shortest(straight, *goal, *component))
+    }
+
+    fn shortest(&self, straight: &Straight, goal: NodeIndex, component: usize) -> PathsTo {
+        let mut from_node = vec![f64::INFINITY; self.components.size(component)];
         let found = petgraph::algo::dijkstra(Reversed(&self.graph), goal, None, |edge| edge.weight().cost());
         for (n, distance) in found {
-            from_node[n.index()] = distance;
+            from_node[self.components.place(n)] = distance;
         }
         let here = Leg { length: 0.0, depth: straight.reach };
         let (onward, legs) = self.onward(goal, &from_node, here);
+        let nearest = |&ring: &usize| {
+            let stops = self.rings[ring].iter().filter(|stop| self.components.of(stop.node) == component);
+            let nearest =
+                stops.map(|s| from_node[self.components.place(s.node)]).fold(f64::INFINITY, f64::min);
+            (ring, nearest)
+        };
         let mut rings: Vec<(usize, f64)> = self
-            .rings
+            .components
+            .rings(component)
             .iter()
-            .enumerate()
-            .map(|(ring, stops)| {
-                let nearest = stops.iter().map(|s| from_node[s.node.index()]).fold(f64::INFINITY, f64::min);
-                (ring, nearest)
-            })
+            .map(nearest)
             .filter(|(_, nearest)| nearest.is_finite())
             .collect();
         rings.sort_by(|a, b| a.1.total_cmp(&b.1));
-        Site { straight, node, from_node, legs, onward, rings, component }
+        PathsTo { from_node, legs, onward, rings }
     }
 
     /// The first edge of a shortest path from every node. The result is a breadth-first tree over the edges
     /// of shortest paths, because following these edges freely may loop along cycles of length 0.
     fn onward(&self, goal: NodeIndex, from_node: &[f64], here: Leg) -> (Vec<Option<EdgeIndex>>, Vec<Leg>) {
-        let mut onward = vec![None; self.graph.node_count()];
-        let mut legs = vec![Leg::NONE; self.graph.node_count()];
-        legs[goal.index()] = here;
+        let place = |node: NodeIndex| self.components.place(node);
+        let mut onward = vec![None; from_node.len()];
+        let mut legs = vec![Leg::NONE; from_node.len()];
+        legs[place(goal)] = here;
         let mut queue = VecDeque::from([goal]);
         while let Some(to) = queue.pop_front() {
             for edge in self.graph.edges_directed(to, Direction::Incoming) {
                 let from = edge.source();
                 let way = edge.weight();
-                let shortest = from_node[to.index()] + way.cost() == from_node[from.index()];
-                if shortest && from != goal && onward[from.index()].is_none() {
-                    onward[from.index()] = Some(edge.id());
-                    let after = legs[to.index()];
-                    legs[from.index()] = match way {
+                let shortest = from_node[place(to)] + way.cost() == from_node[place(from)];
+                if shortest && from != goal && onward[place(from)].is_none() {
+                    onward[place(from)] = Some(edge.id());
+                    let after = legs[place(to)];
+                    legs[place(from)] = match way {
                         Way::Join { join, .. } => Leg { length: join.length, depth: join.depth },
                         _ => Leg { length: after.length + way.length(), ..after },
                     };
@@ -280,17 +331,14 @@ impl Roadmap {
         (onward, legs)
     }
 
-    fn components(&self) -> Vec<usize> {
-        let mut union = petgraph::unionfind::UnionFind::new(self.graph.node_count());
-        for edge in self.graph.edge_references() {
-            union.union(edge.source().index(), edge.target().index());
-        }
-        union.into_labeling()
-    }
-
     /// The connected part of free space that a site lies in; equal numbers mean the same part.
     pub fn component(&self, site: usize) -> usize {
         self.sites[site].component
+    }
+
+    /// The straight part of a site.
+    pub fn straight(&self, site: usize) -> &Straight {
+        &self.sites[site].straight
     }
 
     /// Whether the straight line from `a` to `b` crosses a barrier.
@@ -300,7 +348,11 @@ impl Roadmap {
 
     /// The path from one site to another; from a straight part it begins at the far end.
     pub fn between(&self, from: usize, to: usize) -> Leg {
-        self.sites[to].legs[self.sites[from].node.index()]
+        let from = &self.sites[from];
+        if from.component != self.sites[to].component {
+            return Leg::NONE;
+        }
+        self.paths_to(to).legs[self.components.place(from.node)]
     }
 
     /// The path from `p` to a site.
@@ -326,7 +378,6 @@ impl Roadmap {
     /// Adds the path from `p` to a site to `path`. Returns the end point on the site, `None` where there is
     /// no path.
     pub fn extend(&self, path: &mut Path, p: Point, site: usize) -> Option<Point> {
-        let goal = &self.sites[site];
         let mut node = match self.approach(p, site)?.approach {
             Approach::Straight(join) => {
                 // a point that is on the straight part up to rounding needs no line to it
@@ -343,7 +394,7 @@ impl Roadmap {
             }
         };
         loop {
-            let edge = goal.onward[node.index()]?;
+            let edge = self.paths_to(site).onward[self.components.place(node)]?;
             match self.graph[edge] {
                 Way::Line { from, to, .. } => path.line(from, to),
                 Way::Join { from, join } => {
@@ -360,27 +411,28 @@ impl Roadmap {
     }
 
     fn approach(&self, p: Point, site: usize) -> Option<Found> {
-        let goal = &self.sites[site];
-        let straight = &goal.straight;
+        let straight = &self.sites[site].straight;
         let direct = straight.best_join(p);
         let joined = |room: f64| direct.filter(|join| self.space.can_join_by(p, join.to, straight, room));
         if let Some(join) = joined(self.space.clearance) {
             return Some(Found::straight(join));
         }
-        self.approach_around(p, goal, self.space.clearance).or_else(|| {
+        self.approach_around(p, site, self.space.clearance).or_else(|| {
             // a team that is closer to an obstacle than the clearance may leave along it
-            let room = self.space.clearance_at(p).min(self.space.clearance);
+            let room = self.space.clearance_at(p);
             if let Some(join) = joined(room) {
                 return Some(Found::straight(join));
             }
-            self.approach_around(p, goal, room)
+            self.approach_around(p, site, room)
         })
     }
 
-    fn approach_around(&self, p: Point, goal: &Site, clearance: f64) -> Option<Found> {
+    fn approach_around(&self, p: Point, site: usize, clearance: f64) -> Option<Found> {
+        let Site { straight, component, .. } = &self.sites[site];
+        let goal = self.paths_to(site);
         // the far end of the straight part may be visible where the best joining point is not
-        let portal = goal.straight.join_at_portal(p);
-        let in_sight = goal.straight.reach > 0.0 && self.space.is_clear_by(p, portal.to, clearance);
+        let portal = straight.join_at_portal(p);
+        let in_sight = straight.reach > 0.0 && self.space.is_clear_by(p, portal.to, clearance);
         let mut best = in_sight.then(|| Found::straight(portal));
         for &(ring, nearest) in &goal.rings {
             let cheapest = best.map_or(f64::INFINITY, |found| found.cost);
@@ -401,9 +453,13 @@ impl Roadmap {
             }
             let from_angle = angle_of(touch - disc.center);
             let Some((next, sweep, known_open)) = self.next_stop(ring, from_angle) else { continue };
-            let Leg { length: onward, depth } = goal.legs[next.index()];
+            if self.components.of(next) != *component {
+                continue;
+            }
+            let place = self.components.place(next);
+            let Leg { length: onward, depth } = goal.legs[place];
             let to_next = to_touch + disc.radius * sweep.abs();
-            let cost = to_next + goal.from_node[next.index()];
+            let cost = to_next + goal.from_node[place];
             if cost < cheapest
                 && disc.is_taut(from_angle)
                 && self.space.is_clear_by(p, touch, clearance)
@@ -430,15 +486,16 @@ impl Roadmap {
     }
 }
 
-/// +1 on counter-clockwise rings, -1 on clockwise ones.
-fn turn(ring: usize) -> f64 {
-    if ring.is_multiple_of(2) { 1.0 } else { -1.0 }
-}
-
-fn tangent_from(disc: &Disc, ring: usize, p: Point, space: &Space) -> Option<(Point, f64)> {
+fn tangent_from(
+    disc: &Disc,
+    ring: usize,
+    p: Point,
+    space: &Space,
+    blocker: &mut usize,
+) -> Option<(Point, f64)> {
     let (touch, length) = disc.bend(turn(ring)).touch_from(p);
-    let taut = disc.is_taut(angle_of(touch - disc.center));
-    (taut && space.is_clear(p, touch)).then_some((touch, length))
+    let taut = !disc.is_slack(touch) && disc.is_taut(angle_of(touch - disc.center));
+    (taut && space.is_clear_trying(blocker, p, touch)).then_some((touch, length))
 }
 
 /// Links the stops of a ring in its direction of travel by the arcs that are clear.

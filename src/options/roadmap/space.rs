@@ -2,14 +2,20 @@
 
 use super::disc::{CLEARANCE_TOLERANCE_M, Disc, arc_crosses};
 use super::straight::Straight;
-use crate::geometry::{Bounds, Footprint, Point, segments_meet};
+use crate::geometry::{Bounds, Footprint, Nearby, Point, segments_meet};
 use std::f64::consts::PI;
+
+/// The distance (m) beyond what a query needs at which obstacles and barriers are looked up: more than any
+/// rounding.
+pub(super) const LOOKUP_MARGIN_M: f64 = 1e-6;
 
 /// Obstacles, which paths keep clear of, and barriers, which paths do not cross.
 #[derive(Clone, Debug)]
 pub(in crate::options) struct Space {
     pub(super) obstacles: Vec<(Footprint, Bounds)>,
-    barriers: Vec<[Point; 2]>,
+    pub(super) near_obstacles: Nearby,
+    pub(super) barriers: Vec<[Point; 2]>,
+    near_barriers: Nearby,
     pub(super) clearance: f64,
 }
 
@@ -19,13 +25,37 @@ impl Space {
         barriers: Vec<[Point; 2]>,
         clearance: f64,
     ) -> Self {
-        let obstacles = obstacles.map(|o| (o.clone(), o.bounds())).collect();
-        Self { obstacles, barriers, clearance }
+        let obstacles: Vec<_> = obstacles.map(|o| (o.clone(), o.bounds())).collect();
+        let near_obstacles = Nearby::new(obstacles.iter().map(|(_, bounds)| *bounds));
+        let near_barriers =
+            Nearby::new(barriers.iter().map(|[c, d]| Bounds { min: c.inf(d), max: c.sup(d) }));
+        Self { obstacles, near_obstacles, barriers, near_barriers, clearance }
     }
 
     /// Whether the team can walk straight from `a` to `b`.
     pub fn is_clear(&self, a: Point, b: Point) -> bool {
         self.is_clear_by(a, b, self.clearance)
+    }
+
+    /// As [`Space::is_clear`]. `blocker` is an obstacle to try first, and is set to the one that blocks: lines
+    /// in similar directions are often blocked by the same.
+    pub fn is_clear_trying(&self, blocker: &mut usize, a: Point, b: Point) -> bool {
+        let distance = self.clearance - CLEARANCE_TOLERANCE_M;
+        let blocks = |i: usize| {
+            let (obstacle, bounds) = &self.obstacles[i];
+            !obstacle.clears_segment(*bounds, a, b, distance)
+        };
+        if *blocker < self.obstacles.len() && blocks(*blocker) {
+            return false;
+        }
+        let is_blocked = self.near_obstacles.any_along(a, b, distance.max(0.0) + LOOKUP_MARGIN_M, |i| {
+            let found = blocks(i);
+            if found {
+                *blocker = i;
+            }
+            found
+        });
+        !is_blocked && !self.crosses_barrier(a, b)
     }
 
     /// Whether the straight line from `a` to `b` keeps the full clearance, without tolerance. Barriers may be
@@ -35,7 +65,10 @@ impl Space {
     }
 
     fn keeps(&self, a: Point, b: Point, distance: f64) -> bool {
-        self.obstacles.iter().all(|(o, bounds)| o.clears_segment(*bounds, a, b, distance))
+        !self.near_obstacles.any_along(a, b, distance.max(0.0) + LOOKUP_MARGIN_M, |i| {
+            let (obstacle, bounds) = &self.obstacles[i];
+            !obstacle.clears_segment(*bounds, a, b, distance)
+        })
     }
 
     /// As [`Space::is_clear`], with another clearance, m.
@@ -45,7 +78,15 @@ impl Space {
 
     /// Whether the straight line from `a` to `b` crosses a barrier.
     pub fn crosses_barrier(&self, a: Point, b: Point) -> bool {
-        self.barriers.iter().any(|[c, d]| segments_meet(a, b, *c, *d, CLEARANCE_TOLERANCE_M))
+        self.crosses_barrier_but(None, a, b)
+    }
+
+    /// Whether the straight line from `a` to `b` crosses a barrier other than `own`.
+    fn crosses_barrier_but(&self, own: Option<usize>, a: Point, b: Point) -> bool {
+        self.near_barriers.any_along(a, b, LOOKUP_MARGIN_M, |i| {
+            let [c, d] = self.barriers[i];
+            own != Some(i) && segments_meet(a, b, c, d, CLEARANCE_TOLERANCE_M)
+        })
     }
 
     /// Whether the team can walk straight from `p` onto a straight part. The part's own gap does not count as
@@ -56,41 +97,44 @@ impl Space {
 
     /// As [`Space::can_join`], with another clearance, m.
     pub fn can_join_by(&self, p: Point, to: Point, straight: &Straight, clearance: f64) -> bool {
-        let in_front = straight.depth(p) >= 0.0;
-        let mut others =
-            self.barriers.iter().enumerate().filter(|(i, _)| !(in_front && straight.barrier == Some(*i)));
-        self.keeps(p, to, clearance - CLEARANCE_TOLERANCE_M)
-            && !others.any(|(_, [c, d])| segments_meet(p, to, *c, *d, CLEARANCE_TOLERANCE_M))
+        let own = straight.barrier.filter(|_| straight.depth(p) >= 0.0);
+        self.keeps(p, to, clearance - CLEARANCE_TOLERANCE_M) && !self.crosses_barrier_but(own, p, to)
     }
 
-    /// Distance (m) from `p` to the nearest obstacle.
+    /// Distance (m) from `p` to the nearest obstacle, at most the clearance.
     pub fn clearance_at(&self, p: Point) -> f64 {
-        self.obstacles.iter().map(|(o, _)| o.distance_to_point(p)).fold(f64::INFINITY, f64::min)
+        let mut room = self.clearance;
+        let near = Bounds { min: p, max: p }.grown(self.clearance + LOOKUP_MARGIN_M);
+        self.near_obstacles.any_meeting(near, |i| {
+            room = room.min(self.obstacles[i].0.distance_to_point(p));
+            false
+        });
+        room
     }
 
     /// Whether an arc keeps clear. No distance changes faster than the arc length, so an arc is clear if its
     /// middle has more room than half its length. Other arcs are halved.
     pub fn is_arc_clear(&self, disc: &Disc, from_angle: f64, sweep: f64) -> bool {
-        let crosses_barrier = self.barriers.iter().any(|[a, b]| arc_crosses(disc, from_angle, sweep, *a, *b));
         // between two taut angles of a corner the arc is less than half a turn; a longer one leads through
         // the obstacle
         let through = disc.between.is_some() && sweep.abs() > PI;
-        if crosses_barrier || through || !disc.is_taut(from_angle) || !disc.is_taut(from_angle + sweep) {
+        if through || !disc.is_taut(from_angle) || !disc.is_taut(from_angle + sweep) {
+            return false;
+        }
+        let crosses = |i: usize| {
+            let [a, b] = self.barriers[i];
+            arc_crosses(disc, from_angle, sweep, a, b)
+        };
+        if self.near_barriers.any_meeting(disc.bounds().grown(LOOKUP_MARGIN_M), crosses) {
             return false;
         }
         let half = disc.radius * sweep.abs() / 2.0;
         let middle = disc.at(from_angle + sweep / 2.0);
-        self.obstacles
-            .iter()
-            .enumerate()
+        let near = Bounds { min: middle, max: middle }.grown(self.clearance + half + LOOKUP_MARGIN_M);
+        !self.near_obstacles.any_meeting(near, |i| {
             // a taut arc touches its own obstacle and does not enter it
-            .filter(|(i, _)| *i != disc.obstacle)
-            .map(|(_, obstacle)| obstacle)
-            .filter(|(_, bounds)| {
-                let near = bounds.grown(self.clearance + half);
-                near.min <= middle && middle <= near.max
-            })
-            .all(|(obstacle, _)| self.is_arc_clear_of(obstacle, disc, from_angle, sweep, 0))
+            i != disc.obstacle && !self.is_arc_clear_of(&self.obstacles[i].0, disc, from_angle, sweep, 0)
+        })
     }
 
     fn is_arc_clear_of(

@@ -29,7 +29,7 @@ fn random_space(rng: &mut ChaCha8Rng) -> Space {
 
 fn roadmap(space: Space, sites: &[Point]) -> Roadmap {
     let sites: Vec<Straight> = sites.iter().copied().map(Straight::from).collect();
-    Roadmap::new(space, &sites)
+    Roadmap::new(space, &sites, &[]).expect("few lines")
 }
 
 /// The shortest path along straight lines between the corners of polygons circumscribed about the discs.

@@ -1,0 +1,73 @@
+//! The pairs of sites and discs between which a clear line may lead. The others are too far apart for what
+//! stands between them.
+
+use super::disc::{Disc, turn};
+use super::sight::Sight;
+use super::space::{LOOKUP_MARGIN_M, Space};
+use super::straight::Straight;
+use crate::geometry::{Bounds, Nearby, Point};
+
+/// For every site and disc, the others that a clear line may lead to.
+pub(super) struct Reachable {
+    portals: Vec<Point>,
+    /// Bounds of the distance (m) to which clear lines lead: from every portal, and from every ring.
+    from_portals: Vec<f64>,
+    from_rings: Vec<f64>,
+    near_portals: Nearby,
+    near_discs: Nearby,
+    /// The squares around discs in which lines from them may end.
+    views: Nearby,
+    /// The longest straight part, m.
+    reach: f64,
+}
+
+impl Reachable {
+    pub fn new(space: &Space, discs: &[Disc], sites: &[Straight], closed: &[[Point; 2]]) -> Self {
+        let sight = Sight::new(space, closed);
+        let portals: Vec<Point> = sites.iter().map(Straight::portal).collect();
+        let from_portals = portals.iter().map(|&p| sight.limit(p, 0.0, 1.0)).collect();
+        let from_rings: Vec<f64> = (0..2 * discs.len())
+            .map(|ring| sight.limit(discs[ring / 2].center, discs[ring / 2].radius, turn(ring)))
+            .collect();
+        let reach = sites.iter().map(|site| site.reach).fold(0.0, f64::max);
+        let near_portals = Nearby::new(portals.iter().map(|&p| Bounds { min: p, max: p }));
+        let near_discs = Nearby::new(discs.iter().map(Disc::bounds));
+        let views = Nearby::new(discs.iter().enumerate().map(|(disc, d)| {
+            let farthest = from_rings[2 * disc].max(from_rings[2 * disc + 1]);
+            around(d.center, farthest + reach)
+        }));
+        Self { portals, from_portals, from_rings, near_portals, near_discs, views, reach }
+    }
+
+    /// The number of lines from discs and portals with an open view. All of them must be tried, so this is
+    /// nearly the whole work in a large world.
+    pub fn lines(&self) -> u64 {
+        let open = self.from_portals.iter().chain(&self.from_rings).filter(|limit| limit.is_infinite());
+        open.count() as u64 * (self.from_rings.len() + self.portals.len()) as u64
+    }
+
+    /// The sites to which lines from a site's far end may lead, and the discs to or from which lines that end
+    /// at the site may lead, ascending.
+    pub fn from_site(&self, site: usize) -> (Vec<usize>, Vec<usize>) {
+        let portal = self.portals[site];
+        let farthest = self.from_portals[site];
+        let mut discs = self.near_discs.meeting(around(portal, farthest));
+        discs.extend(self.views.meeting(around(portal, 0.0)));
+        discs.sort_unstable();
+        discs.dedup();
+        (self.near_portals.meeting(around(portal, farthest + self.reach)), discs)
+    }
+
+    /// The discs to which lines from a ring may lead, ascending.
+    pub fn from_ring(&self, ring: usize, disc: &Disc) -> Vec<usize> {
+        self.near_discs.meeting(around(disc.center, self.from_rings[ring]))
+    }
+}
+
+/// Farther than from anywhere to anywhere in a world, m.
+const ANYWHERE_M: f64 = 1e6;
+
+/// The square around a point, with sides of twice `radius` (m).
+fn around(p: Point, radius: f64) -> Bounds {
+    Bounds { min: p, max: p }.grown(radius.min(ANYWHERE_M) + LOOKUP_MARGIN_M)
+}
