@@ -12,7 +12,7 @@
 //! | `console` | the command behind `$` is run; the block must be its output |
 //! | anything else | nothing |
 //!
-//! `` `cocarry ...` `` within a sentence is parsed. Comments behind commands are checked by [`CLAIMS`]. A
+//! `` `cocarry ...` `` within a sentence is parsed. Comments above and behind commands are checked by [`CLAIMS`]. A
 //! picture whose file name a command of the page has written must be that file. With the environment variable
 //! [`UPDATE`], outputs, pictures and the pages of [`reference`] are written anew instead.
 
@@ -154,8 +154,8 @@ impl<'a> Workplace<'a> {
     /// Does what a block says. Its lines, as they should be.
     fn block(&self, kind: &str, body: &[&str]) -> Vec<String> {
         match kind {
-            "sh" => body.iter().for_each(|line| self.run_line(line)),
-            "sh no_run" => body.iter().for_each(|line| {
+            "sh" => commands(body).for_each(|(line, above)| self.run_line(line, above)),
+            "sh no_run" => commands(body).for_each(|(line, _)| {
                 let (arguments, _) = self.command(line);
                 self.parse(&arguments, &[]);
             }),
@@ -176,8 +176,8 @@ impl<'a> Workplace<'a> {
         body.iter().map(|line| (*line).to_owned()).collect()
     }
 
-    /// Runs a line of a shell block, and checks its comment.
-    fn run_line(&self, line: &str) {
+    /// Runs a line of a shell block, and checks the comments above and behind it.
+    fn run_line(&self, line: &str, above: &str) {
         if let Some(files) = line.strip_prefix("cp ") {
             let (from, to) = files.split_once(' ').unwrap();
             std::fs::copy(self.folder.path().join(from), self.folder.path().join(to)).unwrap();
@@ -189,7 +189,8 @@ impl<'a> Workplace<'a> {
             arguments.push("--json".to_owned());
         }
         let output = self.run(&arguments);
-        for (claim, holds) in CLAIMS.iter().filter(|(claim, _)| is_episode && comment.contains(claim)) {
+        let is_made = |claim: &str| is_episode && (above.contains(claim) || comment.contains(claim));
+        for (claim, holds) in CLAIMS.iter().filter(|(claim, _)| is_made(claim)) {
             let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
             assert!(holds(&told), "{}: {line}: not so: {claim}\n{told}", self.page);
         }
@@ -262,6 +263,14 @@ impl<'a> Workplace<'a> {
     }
 }
 
+/// The commands of a shell block, each with the comment in the line above it, if any.
+fn commands<'l>(body: &'l [&'l str]) -> impl Iterator<Item = (&'l str, &'l str)> {
+    let is_comment = |line: &str| line.starts_with('#');
+    let above = body.iter().map(move |line| if is_comment(line) { line } else { "" });
+    let above = [""].into_iter().chain(above);
+    body.iter().copied().zip(above).filter(move |(line, _)| !is_comment(line))
+}
+
 /// Lines of an output, without spaces at their ends.
 fn lines(output: &str) -> Vec<String> {
     output.trim_end().lines().map(|line| line.trim_end().to_owned()).collect()
@@ -308,6 +317,13 @@ fn the_test_command_of_the_readme_is_the_one_that_ci_runs() {
     let command = readme.lines().find(|line| line.starts_with("cargo test")).expect("a test command");
     let command = command.split('#').next().unwrap().trim();
     assert!(ci.lines().any(|line| line.trim() == command), "`{command}` is not in .ci/run");
+}
+
+#[test]
+fn the_citation_and_the_changelog_have_the_version_of_the_crate() {
+    let version = env!("CARGO_PKG_VERSION");
+    assert!(read("CITATION.cff").lines().any(|line| line == format!("version: {version}")));
+    assert!(read("CHANGELOG.md").contains(&format!("\n## {version} - ")));
 }
 
 #[test]
