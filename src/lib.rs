@@ -4,7 +4,8 @@
 //! `cocarry` implements the framework of A. J. Mahmud, W. Li and X. Wang, *Mutual Adaptation in Human-Robot
 //! Co-Transportation with Human Preference Uncertainty*, and reproduces its tables. Equation numbers in this
 //! documentation are that paper's. The command-line program of the same name gives access to all functions of
-//! the library; see its `--help` and the README.
+//! the library; see its `--help`. The book, in `book/src`, explains the model with its symbols, the files, and
+//! the results.
 //!
 //! # Bring your own partner
 //!

@@ -23,7 +23,7 @@ mod sweep;
 mod tick_log;
 mod world;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use output::Failure;
 use std::process::ExitCode;
 
@@ -68,6 +68,11 @@ enum Command {
     Regress(regress::Action),
 }
 
+/// The program's arguments, commands and help, for documentation.
+pub fn command() -> clap::Command {
+    ProgramArguments::command()
+}
+
 /// The program: parses the process's arguments, runs the command and prints errors.
 pub fn main() -> ExitCode {
     let done = match ProgramArguments::parse().command {
@@ -100,16 +105,14 @@ pub fn main() -> ExitCode {
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory;
-
     #[test]
     fn golden_the_command_line_is_consistent() {
-        super::ProgramArguments::command().debug_assert();
+        super::command().debug_assert();
     }
 
     #[test]
     fn a_snapshot_takes_no_argument_that_settles_a_scenario() {
-        let mut command = super::ProgramArguments::command();
+        let mut command = super::command();
         command.build();
         let run = command.find_subcommand("run").unwrap();
         let resume = run.get_arguments().find(|a| a.get_id() == "resume").unwrap();

@@ -2,8 +2,9 @@
 //!
 //! The median is estimated by integrating the likelihood over the spread. The prior is flat in the mean and
 //! in the logarithm of the spread. For exactly known values this gives Student's interval, and with censored
-//! values the interval has its nominal coverage (README, "Participants of your own"). The likelihood alone is
-//! largest at a spread of 0 wherever all sets overlap, and its usual intervals are too narrow for few draws.
+//! values the interval has its nominal coverage (`book/src/results.md`, "Coverage of the fits"). The
+//! likelihood alone is largest at a spread of 0 wherever all sets overlap, and its usual intervals are too
+//! narrow for few draws.
 
 use super::set::{Set, hull};
 use crate::math;

@@ -5,31 +5,8 @@
 //! handed to the system at every whole simulated second; after a crash, [`recover`] makes a valid file of it.
 //! With the cargo feature `live`, `LiveServer` serves the same messages to viewers while an episode runs.
 //!
-//! # Channels
-//!
-//! Times are simulated. Decisions have the time of the beginning of their step, motion and forces that of its
-//! end. Lengths are in m, angles in Foxglove's messages in rad, forces in N, torques in Nm. JSON fields are
-//! [quantities](crate::quantities): their names and the channel's JSON Schema have the unit, and missing
-//! values are left out. All frames are in `world` (z up, the floor at 0).
-//!
-//! | topic | schema | rate | what |
-//! | --- | --- | --- | --- |
-//! | `/tf` | foxglove.FrameTransforms | every step, and at 0 | `robot/<link>` for every link; with physics `object`, `human/hand`, `human/torso`, otherwise `human`: the reference pose of the grasp |
-//! | `/scene/world` | foxglove.SceneUpdate | once | obstacles, extruded; openings from green (no risk) to red; A and B |
-//! | `/scene/team` | foxglove.SceneUpdate | once | shapes of robot, object and human, in their frames |
-//! | `/scene/options` | foxglove.SceneUpdate | when P_o changes by 0.02 | every option from A to B; its width (2 to 20 cm) and opacity show P_o |
-//! | `/scene/path` | foxglove.SceneUpdate | every step | the path walked, and the path of the executed option |
-//! | `/joints` | foxglove.JointStates | every step, and at 0 | arm joints (rad or m, per s, Nm or N), then wheels (rad, rad/s) |
-//! | `/log` | foxglove.Log | at the event | [`Event`](crate::quantities::Event)s: start, preference change, mode transition, change of option, reversal, contact, loss of the object, end |
-//! | `/options` | JSON | every step | per option: D_o (m), S_o, J_o (m), J~_o, P_o, omega_o |
-//! | `/coordination` | JSON | every step | phi, its threshold, g, mode, option executed and preferred, position (m), heading (deg) |
-//! | `/control` | JSON | every step | tracking error (m, deg), cost terms, candidate of eq. (8), outcome of eq. (7), u (m/s, rad/s) |
-//! | `/preparation` | JSON | every step | references s_o(1..H) with their weights, q*, the candidates of eq. (8) with their totals |
-//! | `/interaction` | JSON | every step, with physics | mean wrenches of both grips on the object (N, Nm, world axes), peaks, work (J), distances (m) |
-//! | `/cost` | JSON | every step | running totals: accumulated J (m), C and its parts, work (J) |
-//! | `/outcome` | JSON | once, at the end | outcome and totals |
-//!
-//! A team that is a point has no `/tf`, `/scene/team`, `/joints`, `/control` and `/preparation`.
+//! Times are simulated. JSON fields are [quantities](crate::quantities), and missing values are left out. The
+//! channels are those of [`Channel`]; `book/src/recordings.md` has a table of all, with rates and contents.
 //!
 //! ```
 //! use cocarry::episode::Outcome;

@@ -6,7 +6,7 @@ use crate::paper::COLUMNS;
 use crate::simulation::PhysicsSettings;
 
 /// Choices that the paper leaves open, departures from the paper, and errors in it.
-const DEVIATIONS: &str = include_str!("../../docs/deviations.md");
+const DEVIATIONS: &str = include_str!("../../book/src/deviations.md");
 
 /// Title and findings.
 pub(super) fn opening(plan: &Plan, run: &[Part], sections: &[Section]) -> String {

@@ -1,6 +1,6 @@
 //! How often the intervals of `cocarry fit` hold what simulated studies were made from.
 //!
-//! The short tests here run with the suite; the whole table, which README.md quotes, is
+//! The short tests here run with the suite; the whole table, which the book quotes, is
 //! `cargo test --release --test reproduction coverage -- --ignored --nocapture`.
 
 use cocarry::fit::{
@@ -147,7 +147,7 @@ fn few_switches_determine_no_median() {
 }
 
 #[test]
-#[ignore = "takes minutes; prints the table of README.md"]
+#[ignore = "takes minutes; prints the table of the book"]
 fn coverage_of_the_median_eta() {
     let print = |design: &Design, studies: u64| {
         let [all, own] = coverage(design, studies);
@@ -249,7 +249,7 @@ fn diffuse_answers_spoil_least_squares_but_not_the_likelihood() {
 }
 
 #[test]
-#[ignore = "takes minutes; prints the figures of README.md"]
+#[ignore = "takes minutes; prints the figures of the book"]
 fn coverage_of_the_risk_weight() {
     for risk_weight in [5.0, 10.0, 20.0] {
         let [likelihood, squares] = held(risk_weight, 200);

@@ -1,4 +1,4 @@
-//! The paper's tables, within the tolerances that the README states.
+//! The paper's tables, within the tolerances that the book states.
 
 mod coverage;
 
@@ -137,7 +137,7 @@ fn paper_table_3() {
     let with_po = ratios(PoseMethod::WithPo);
     assert!(with_po.iter().all(|r| *r < 1.0), "{with_po:?}");
     assert!(mean(PoseMethod::WithPo) <= 0.80, "{}", mean(PoseMethod::WithPo));
-    // what the README says beyond the paper
+    // what the book says beyond the paper
     assert!(mean(PoseMethod::Manipulability) > mean(PoseMethod::WithPo) + 0.1);
     assert!((mean(PoseMethod::UniformWeights) - mean(PoseMethod::WithPo)).abs() < 0.01);
     assert!(mean(PoseMethod::WithPoObstacles) <= 0.80);

@@ -5,6 +5,7 @@ mod arithmetic;
 mod bad_input;
 mod bad_robots;
 mod bad_urdfs;
+mod book;
 mod carrying;
 mod changes;
 mod closed_loop;
@@ -22,7 +23,7 @@ mod paths;
 mod physical_carrying;
 mod physics;
 mod quantities;
-mod readme;
+
 mod recording;
 mod reference_recordings;
 mod regress;
@@ -36,5 +37,5 @@ mod snapshots;
 mod spoiled_robot;
 mod support;
 mod sweeps;
-mod tutorial;
+
 mod worlds;

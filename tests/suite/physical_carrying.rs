@@ -259,7 +259,7 @@ fn forces_do_not_chatter_while_walking() {
     assert!(noise > median && noise < 0.5, "{noise} N");
 }
 
-/// What the README says of 2,000 episodes, for one human in every cell.
+/// What the book says of 2,000 episodes, for one human in every cell.
 #[test]
 fn the_grasp_keeps_to_its_way_and_the_grips_hardly_yield() {
     let worlds =
