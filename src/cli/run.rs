@@ -57,7 +57,7 @@ impl RunArguments {
         let given = [self.snapshots.resume.as_ref(), self.scenario.belief_samples()];
         let inputs = named.chain(given.into_iter().flatten().map(PathBuf::as_path));
         let ticks = self.ticks.iter().map(|file| &file.path);
-        let files = ticks.chain(&self.svg).chain(&self.recording.record).chain(saves.files());
+        let files = ticks.chain(&self.svg).chain(self.recording.files()).chain(saves.files());
         self.overwrite.outputs(inputs, files)
     }
 }
@@ -117,7 +117,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let Summary { steps, outcome, .. } = *episode.summary();
     let is_interrupted = interrupt.is_set();
     let ending = if is_interrupted { Ending::Interrupted } else { Ending::Over(outcome) };
-    let recorded = recording.finish(&episode, ending)?;
+    let recorded = recording.finish(&episode, ending, arguments.scenario.robot(), &outputs)?;
     if let Some(serving) = &mut serving {
         serving.end(&episode, ending);
     }

@@ -23,6 +23,7 @@ mod readme;
 mod recording;
 mod reference_recordings;
 mod regress;
+mod render;
 mod reports;
 mod robots;
 mod scenarios;

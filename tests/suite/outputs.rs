@@ -64,7 +64,7 @@ impl Bench {
 }
 
 /// Commands up to the name of their output, and what they read.
-const OUTPUTS: [(&str, &str, &[&str]); 12] = [
+const OUTPUTS: [(&str, &str, &[&str]); 14] = [
     ("run world.toml --plant point --ticks ", "out.csv", &["world.toml"]),
     ("run --resume in.snapshot --ticks ", "out.jsonl", &["in.snapshot"]),
     ("run world.toml --plant point --svg ", "out.svg", &["world.toml"]),
@@ -73,6 +73,8 @@ const OUTPUTS: [(&str, &str, &[&str]); 12] = [
     ("world environment.toml --svg ", "out.svg", &["environment.toml"]),
     ("inspect in.mcap --csv /coordination --output ", "out.csv", &["in.mcap"]),
     ("inspect in.mcap --svg ", "out.svg", &["in.mcap"]),
+    ("run world.toml --plant point --render ", "out.html", &[]),
+    ("render in.mcap -o ", "out.html", &[]),
     ("recover in.mcap --output ", "out.mcap", &["in.mcap"]),
     ("sweep study.toml --out ", "out.csv", &["study.toml", "world.toml"]),
     ("fit eta switches.csv --svg ", "out.svg", &["switches.csv"]),
