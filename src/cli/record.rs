@@ -38,7 +38,12 @@ impl RecordArguments {
 
     /// The files to write.
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
-        self.record.iter().chain(self.render.as_ref().map(|target| &target.file))
+        self.record.iter().chain(self.rendered())
+    }
+
+    /// The file that is rendered into.
+    pub fn rendered(&self) -> Option<&PathBuf> {
+        self.render.as_ref().map(|target| &target.file)
     }
 
     /// Begins the recording before the first step.

@@ -73,7 +73,12 @@ pub(super) fn example() -> Result<ExitCode, Failure> {
     let Perception { alpha, gamma } = EXAMPLE_HUMAN;
     let line = format!("run environment-4 --alpha {alpha} --gamma {gamma}");
     print(&format!("$ cocarry {line}      (the default; see cocarry --help)\n\n"))?;
-    run(&Defaults::parse_from(line.split(' ')).arguments)
+    let code = run(&Defaults::parse_from(line.split(' ')).arguments)?;
+    print(&format!(
+        "\nTo watch this episode in a browser, write it into a page and open that:\n  \
+        cocarry {line} --render episode.html\n(in a clone of the project: cargo run --release -- {line} --render episode.html)\n"
+    ))?;
+    Ok(code)
 }
 
 pub(super) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
@@ -139,6 +144,9 @@ pub(super) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
         print_json(&report.as_json())?;
     } else {
         print(&report.as_text())?;
+        if let Some(file) = arguments.recording.rendered() {
+            print(&format!("wrote {}\n", file.display()))?;
+        }
     }
     serving.into_iter().for_each(Serving::stop);
     saves.finish(steps)?;

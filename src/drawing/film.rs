@@ -68,6 +68,44 @@ pub struct Moment {
     pub sentence: String,
 }
 
+/// The pictures of a moving one: all have the same size, with the same parts in the same places.
+pub struct Moving<'a> {
+    film: &'a Film<'a>,
+    layout: Layout,
+    width: f64,
+    bottom: f64,
+    /// Positions of the object, px.
+    walked: Vec<Point>,
+    labels: Group,
+    legend: Group,
+}
+
+impl Moving<'_> {
+    /// The picture at a moment (its index; of a larger one the last).
+    pub fn picture(&self, at: usize) -> String {
+        let Self { film, layout, .. } = self;
+        let at = at.min(film.moments.len() - 1);
+        let moment = &film.moments[at];
+        let (map, _) = film.ground(layout, Some(moment));
+        let map = map.add(stroke(&self.walked[..=at], INK, 2.4)).add(film.team(&layout.view, moment));
+        let caption = Point::new(MARGIN, 26.0);
+        let leads = if moment.human_leads { "The human leads" } else { "The robot leads" };
+        let leads = Text::new(format!("{leads}, {} s", number(moment.time, 1))).bold();
+        let told = Text::new(moment.sentence.as_str()).within(self.width - 2.0 * MARGIN, TEXT_SIZE);
+        let picture = document_of(self.width, self.bottom)
+            .add(film.clip(layout))
+            .add(leads.at(caption, TEXT_SIZE, Align::Left))
+            .add(told.at(caption + Vector::new(0.0, 24.0), TEXT_SIZE, Align::Left))
+            .add(map)
+            .add(layout.view.ends(film.world))
+            .add(self.labels.clone())
+            .add(layout.view.axes())
+            .add(film.chart(layout, &film.moments[..=at], Vec::new(), Some(moment)))
+            .add(self.legend.clone());
+        picture.to_string()
+    }
+}
+
 /// Where the parts of a picture are.
 struct Layout {
     view: MapView,
@@ -117,39 +155,20 @@ impl Film<'_> {
         Ok(picture.to_string())
     }
 
-    /// The picture at a moment, for a moving one: all have the same size and the same parts in the same
-    /// places.
+    /// The pictures of a moving one.
     ///
     /// # Errors
     /// As [`Film::strip`].
-    pub fn frame(&self, at: usize, width: f64) -> Result<String, DrawingError> {
+    pub fn moving(&self, width: f64) -> Result<Moving<'_>, DrawingError> {
         self.check()?;
         let layout = self.layout(width, TITLE_ROOM + CAPTION_ROOM);
-        let moment = self.moments.get(at).ok_or(DrawingError::NoPanels)?;
-        let so_far = &self.moments[..=at];
-        let (mut map, mut clutter) = self.ground(&layout, Some(moment));
-        // labels keep away from everywhere the team comes, so that they stand still
-        let all: Vec<Point> = self.moments.iter().map(|m| layout.view.px(m.object.position)).collect();
-        clutter.add(&all, 30.0, 3.0 * PATH_COST);
+        let (_, mut clutter) = self.ground(&layout, None);
+        // labels keep away from everywhere the team comes
+        let walked: Vec<Point> = self.moments.iter().map(|m| layout.view.px(m.object.position)).collect();
+        clutter.add(&walked, 30.0, 3.0 * PATH_COST);
         let labels = opening_labels(&layout.view, self.world, true, &mut clutter);
-        map = map.add(stroke(&all[..=at], INK, 2.4));
-        map = map.add(self.team(&layout.view, moment));
         let (legend, bottom) = self.legend().draw(Point::new(MARGIN, layout.bottom), width - 2.0 * MARGIN);
-        let caption = Point::new(MARGIN, 26.0);
-        let leads = if moment.human_leads { "The human leads" } else { "The robot leads" };
-        let leads = Text::new(format!("{leads}, {} s", number(moment.time, 1))).bold();
-        let told = Text::new(moment.sentence.as_str()).within(width - 2.0 * MARGIN, TEXT_SIZE);
-        let picture = document_of(width, bottom)
-            .add(self.clip(&layout))
-            .add(leads.at(caption, TEXT_SIZE, Align::Left))
-            .add(told.at(caption + Vector::new(0.0, 24.0), TEXT_SIZE, Align::Left))
-            .add(map)
-            .add(layout.view.ends(self.world))
-            .add(labels)
-            .add(layout.view.axes())
-            .add(self.chart(&layout, so_far, Vec::new(), Some(moment)))
-            .add(legend);
-        Ok(picture.to_string())
+        Ok(Moving { film: self, layout, width, bottom, walked, labels, legend })
     }
 
     fn check(&self) -> Result<(), DrawingError> {
@@ -319,14 +338,16 @@ impl Film<'_> {
         let line: Vec<Point> = moments.iter().map(|m| plot.at(m.time, m.stubbornness)).collect();
         group = group.add(stroke(&line, INK, 2.6));
         let words = Text::default().plain("threshold 1");
-        let at = Point::new(frame.min.x + GAP, one - 7.0);
-        group = group.add(words.at(at, TEXT_SIZE, Align::Left));
+        // phi comes from below at the left and stays above at the right
+        let at = Point::new(frame.max.x - 2.0 * GAP, one + 1.15 * TEXT_SIZE);
+        group = group.add(words.at(at, TEXT_SIZE, Align::Right));
         for (n, moment) in marks {
             let x = plot.x.at(moment.time);
             let foot = plot.at(moment.time, moment.stubbornness);
             group = group.add(disc(foot, 3.4).set("fill", INK));
             let at = Point::new(x, frame.max.y - 0.8 * TEXT_SIZE);
-            group = group.add(stroke(&[foot, at], INK, 0.8)).add(number_mark(n, at));
+            let inside = x.clamp(frame.min.x + 1.4 * GAP, frame.max.x - 1.4 * GAP);
+            group = group.add(stroke(&[foot, at], INK, 0.8)).add(number_mark(n, Point::new(inside, at.y)));
         }
         if let Some(moment) = cursor {
             let at = plot.at(moment.time, moment.stubbornness);

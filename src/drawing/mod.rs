@@ -24,7 +24,7 @@ mod track;
 pub use adaptation::adaptation;
 pub use answers::{AnswerPanel, AnswerRow, RiskWeightMark, answers};
 pub use curves::{Curve, CurvePanel, curves};
-pub use film::{Film, Moment, NARROWEST, WIDEST};
+pub use film::{Film, Moment, Moving, NARROWEST, WIDEST};
 pub use map::{MOST_LISTED, world_map};
 pub use ratios::{RatioPanel, RatioRow, cost_ratios};
 pub use regions::{RegionPanel, preference_regions};

@@ -97,7 +97,8 @@ pub fn moving_gif(playback: &Playback, width: Width) -> Result<Vec<u8>, RenderEr
     let moments = film.moments.len();
     let mut shown: Vec<usize> = (0..moments).step_by(moments.div_ceil(MOST_PICTURES).max(1)).collect();
     shown.extend((shown.last() != Some(&(moments - 1))).then_some(moments - 1));
-    let picture = |at: usize| raster(&film.frame(at, width.layout())?, width.pixels());
+    let moving = film.moving(width.layout())?;
+    let picture = |at: usize| raster(&moving.picture(at), width.pixels());
     let samples = shown.iter().step_by(shown.len().div_ceil(SAMPLES)).map(|&at| picture(at));
     let samples = samples.collect::<Result<Vec<Pixmap>, RenderError>>()?;
     let mut palette = Palette::of(&samples);
@@ -183,7 +184,15 @@ impl Palette {
             all.min_by_key(|(_, known)| distance(known, colour)).map_or(0, |(i, _)| i as u8)
         };
         let index = &mut self.index;
-        colours(picture).map(|c| *index.entry(c).or_insert_with(|| nearest(&c))).collect()
+        // most pixels have the colour of the one before
+        let mut last = ([0; 3], nearest(&[0; 3]));
+        let indexed = colours(picture).map(|colour| {
+            if colour != last.0 {
+                last = (colour, *index.entry(colour).or_insert_with(|| nearest(&colour)));
+            }
+            last.1
+        });
+        indexed.collect()
     }
 
     /// The part of a picture that differs from the one before, transparent where it does not.

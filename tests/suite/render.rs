@@ -197,7 +197,8 @@ fn what_cannot_be_rendered_is_refused() {
 
 /// The numbers of an attribute of SVG elements.
 fn attribute(svg: &str, name: &str) -> Vec<f64> {
-    let found = svg.split(&format!(" {name}=\"")).skip(1);
+    let begin = format!(" {name}=\"");
+    let found = svg.split(&begin).skip(1);
     found.filter_map(|rest| rest.split('"').next()?.parse().ok()).collect()
 }
 
