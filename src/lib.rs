@@ -24,6 +24,7 @@
 //! regression     recorded figures of episodes, compared with new runs
 //! paper          the paper's figures and claims, one file per claim
 //! statistics     means, intervals, tests; tables of results; work on all threads
+//! rendering      recordings as pages and pictures that open anywhere
 //! drawing        maps and curves as SVG
 //! recording      episodes as MCAP files: writing, reading, replay, recovery; live viewing
 //! quantities     every figure of a control period and an episode: key, unit, getter; events as sentences
@@ -49,6 +50,7 @@
 //!
 //! Up to `scenario` the library has no C code, no clock and no randomness from the operating system, and
 //! is meant for WebAssembly too. Features add the floors above it: `drawing`; `recording` (with `quantities`);
+//! `rendering`, which stands on both;
 //! `studies` (`quantities`, `statistics`, `paper`, `regression`, `fit`, `study` and `report`); and `cli`, the
 //! default, which has all of them and the program. `live` adds live viewing to `recording`.
 //!
@@ -127,6 +129,8 @@ pub mod quantities;
 pub mod recording;
 #[cfg(feature = "studies")]
 pub mod regression;
+#[cfg(feature = "rendering")]
+pub mod rendering;
 #[cfg(feature = "studies")]
 pub mod report;
 pub mod robot;

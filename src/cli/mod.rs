@@ -10,6 +10,7 @@ mod output;
 mod record;
 mod recover;
 mod regress;
+mod render;
 mod replay;
 mod reproduce;
 mod robot;
@@ -45,7 +46,8 @@ use std::process::ExitCode;
         cocarry reproduce h2                              Table II of the paper\n  \
         cocarry reproduce all --report report             all its tables and figures, as a page\n  \
         cocarry run --plant rapier --record run.mcap      a recording, to watch in Foxglove\n  \
-        cocarry inspect run.mcap                          contents of a recording"
+        cocarry inspect run.mcap                          contents of a recording\n  \
+        cocarry render run.mcap -o run.html               a 3-D player in one file, for any browser"
 )]
 struct ProgramArguments {
     #[command(subcommand)]
@@ -61,6 +63,7 @@ enum Command {
     Reproduce(reproduce::Claim),
     Inspect(inspect::InspectArguments),
     Recover(recover::RecoverArguments),
+    Render(render::RenderArguments),
     Replay(replay::ReplayArguments),
     #[command(subcommand)]
     Fit(fit::Parameter),
@@ -83,6 +86,7 @@ pub fn main() -> ExitCode {
         Some(Command::Reproduce(claim)) => reproduce::run(&claim),
         Some(Command::Inspect(arguments)) => inspect::run(&arguments),
         Some(Command::Recover(arguments)) => recover::run(&arguments),
+        Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Replay(arguments)) => replay::run(&arguments),
         Some(Command::Fit(parameter)) => fit::run(&parameter),
         Some(Command::Regress(action)) => regress::run(&action),
@@ -125,6 +129,7 @@ mod tests {
                 "save_at",
                 "resume",
                 "record",
+                "render",
                 "overwrite",
                 "live",
                 "live_rate",

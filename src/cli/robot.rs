@@ -18,7 +18,7 @@ pub(super) struct RobotArguments {
     /// Robot file (TOML), or a URDF with a robot file of the same name beside it [default: the built-in
     /// robot]
     #[arg(long, value_name = "FILE")]
-    robot: Option<PathBuf>,
+    pub robot: Option<PathBuf>,
 }
 
 impl RobotArguments {

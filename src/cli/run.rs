@@ -57,7 +57,7 @@ impl RunArguments {
         let given = [self.snapshots.resume.as_ref(), self.scenario.belief_samples()];
         let inputs = named.chain(given.into_iter().flatten().map(PathBuf::as_path));
         let ticks = self.ticks.iter().map(|file| &file.path);
-        let files = ticks.chain(&self.svg).chain(&self.recording.record).chain(saves.files());
+        let files = ticks.chain(&self.svg).chain(self.recording.files()).chain(saves.files());
         self.overwrite.outputs(inputs, files)
     }
 }
@@ -73,7 +73,12 @@ pub(super) fn example() -> Result<ExitCode, Failure> {
     let Perception { alpha, gamma } = EXAMPLE_HUMAN;
     let line = format!("run environment-4 --alpha {alpha} --gamma {gamma}");
     print(&format!("$ cocarry {line}      (the default; see cocarry --help)\n\n"))?;
-    run(&Defaults::parse_from(line.split(' ')).arguments)
+    let code = run(&Defaults::parse_from(line.split(' ')).arguments)?;
+    print(&format!(
+        "\nTo watch this episode in a browser, write it into a page and open that:\n  \
+        cocarry {line} --render episode.html\n(in a clone of the project: cargo run --release -- {line} --render episode.html)\n"
+    ))?;
+    Ok(code)
 }
 
 pub(super) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
@@ -120,7 +125,7 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let Summary { steps, outcome, .. } = *episode.summary();
     let is_interrupted = interrupt.is_set();
     let ending = if is_interrupted { Ending::Interrupted } else { Ending::Over(outcome) };
-    let recorded = recording.finish(&episode, ending)?;
+    let recorded = recording.finish(&episode, ending, arguments.scenario.robot(), &outputs)?;
     if let Some(serving) = &mut serving {
         serving.end(&episode, ending);
     }
@@ -146,6 +151,9 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
         print_json(&report.as_json())?;
     } else {
         print(&report.as_text())?;
+        if let Some(file) = arguments.recording.rendered() {
+            print(&format!("wrote {}\n", file.display()))?;
+        }
     }
     serving.into_iter().for_each(Serving::stop);
     saves.finish(steps)?;

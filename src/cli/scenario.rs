@@ -10,7 +10,7 @@ use crate::preference::RISK_WEIGHT;
 use crate::scenario::{GivenPerception, PreferenceChanges, Scenario, drawn_changes, drawn_human};
 use anyhow::anyhow;
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// World, human, team and plant.
 #[derive(Args, Debug)]
@@ -51,6 +51,11 @@ impl ScenarioArguments {
     /// The file of samples that the belief is read from.
     pub fn belief_samples(&self) -> Option<&PathBuf> {
         self.belief.belief_samples.as_ref()
+    }
+
+    /// The robot's file, if it is not the built-in robot.
+    pub fn robot(&self) -> Option<&Path> {
+        self.carrier.robot.as_deref()
     }
 
     /// The scenario of these arguments; reads its files.

@@ -46,6 +46,16 @@ impl MapView {
         Self { world, scale, corner }
     }
 
+    /// The largest view of an area with its upper left corner at `corner` and a size of at most `most` (px).
+    pub fn of(area: Bounds, corner: Point, most: Vector) -> Self {
+        Self { world: area, scale: most.component_div(&area.size()).min(), corner }
+    }
+
+    /// Scale, px per m.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
     /// A position of the world in the picture, px.
     pub fn px(&self, p: Point) -> Point {
         let from_corner = Vector::new(p.x - self.world.min.x, self.world.max.y - p.y);

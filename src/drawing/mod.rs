@@ -9,6 +9,7 @@
 mod adaptation;
 mod answers;
 mod curves;
+mod film;
 mod kit;
 mod map;
 mod map_view;
@@ -23,6 +24,7 @@ mod track;
 pub use adaptation::adaptation;
 pub use answers::{AnswerPanel, AnswerRow, RiskWeightMark, answers};
 pub use curves::{Curve, CurvePanel, curves};
+pub use film::{Film, Moment, Moving, NARROWEST, WIDEST};
 pub use map::{MOST_LISTED, world_map};
 pub use ratios::{RatioPanel, RatioRow, cost_ratios};
 pub use regions::{RegionPanel, preference_regions};
@@ -102,6 +104,27 @@ pub enum DrawingError {
         /// The number.
         value: f64,
     },
+}
+
+/// The colour of an option in every picture, as `#rrggbb`.
+pub fn option_colour(option: usize) -> String {
+    kit::LineStyle::of(option).colour()
+}
+
+/// The dash pattern of an option's line in every picture: lengths of dashes and gaps, px; empty is solid.
+pub fn option_dash(option: usize) -> &'static [f64] {
+    kit::LineStyle::of(option).dash()
+}
+
+/// The colour of a risk from 0 (light) to 1 (dark) in every picture, as `#rrggbb`.
+pub fn risk_colour(risk: f64) -> String {
+    kit::risk_colour(risk)
+}
+
+/// The width that pictures take a text to have, em: at least that in any of their fonts.
+pub fn text_width(text: &str, is_bold: bool) -> f64 {
+    let text = kit::Text::new(text);
+    if is_bold { text.bold().width(1.0) } else { text.width(1.0) }
 }
 
 /// Checks that every option's P_o is a probability.

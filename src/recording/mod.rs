@@ -54,6 +54,7 @@ mod file;
 #[cfg(feature = "live")]
 mod live;
 mod motion;
+mod playback;
 mod provenance;
 mod reader;
 mod recorder;
@@ -73,6 +74,7 @@ pub use ending::Ending;
 pub use error::{ReadError, RecordingError};
 #[cfg(feature = "live")]
 pub use live::{LiveError, LiveServer};
+pub use playback::{Frame, Happening, Playback};
 pub use provenance::{METADATA, Provenance, RECOVERED, SCENARIO, scenario};
 pub use reader::{Entry, Reader, Recorded};
 pub use recorder::{FileRecorder, Recorder};

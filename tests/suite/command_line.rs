@@ -11,6 +11,17 @@ fn without_arguments_a_good_default_runs() {
     {
         assert!(text.contains(part), "{part:?} is missing from:\n{text}");
     }
+    // it ends by saying how to see it, with a command that works
+    let (_, watch) = text.split_once("To watch this episode").expect("where to look");
+    let command = watch.lines().find_map(|line| line.trim().strip_prefix("cocarry ")).expect("a command");
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("episode.html");
+    let arguments: Vec<&str> = command.split(' ').collect();
+    let [arguments @ .., "episode.html"] = &arguments[..] else { panic!("{command}") };
+    let output = cocarry(&[arguments, &[page.to_str().unwrap()]].concat());
+    assert!(output.status.success(), "{command}: {}", stderr(&output));
+    assert!(stdout(&output).ends_with(&format!("wrote {}\n", page.display())));
+    assert!(page.exists());
 }
 
 #[test]

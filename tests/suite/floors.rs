@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The floors from the bottom; those in one row may not use each other.
-const FLOORS: [&[&str]; 22] = [
+const FLOORS: [&[&str]; 23] = [
     &["math", "saved", "located", "output_file"],
     &["geometry"],
     &["robot"],
@@ -23,6 +23,7 @@ const FLOORS: [&[&str]; 22] = [
     &["scenario"],
     &["quantities"],
     &["recording", "drawing"],
+    &["rendering"],
     &["statistics", "table", "parallel"],
     &["paper"],
     &["study", "fit", "regression"],

@@ -27,6 +27,7 @@ mod quantities;
 mod recording;
 mod reference_recordings;
 mod regress;
+mod render;
 mod reports;
 mod robots;
 mod scenarios;

@@ -76,6 +76,8 @@ const OUTPUTS: [(&str, &str, &[&str]); 14] = [
     ("world environment.toml --svg ", "out.svg", &["environment.toml"]),
     ("inspect in.mcap --csv /coordination --output ", "out.csv", &["in.mcap"]),
     ("inspect in.mcap --svg ", "out.svg", &["in.mcap"]),
+    ("run world.toml --plant point --render ", "out.html", &[]),
+    ("render in.mcap -o ", "out.html", &[]),
     ("recover in.mcap --output ", "out.mcap", &["in.mcap"]),
     ("sweep study.toml --out ", "out.csv", &["study.toml", "world.toml"]),
     ("fit eta switches.csv --svg ", "out.svg", &["switches.csv"]),

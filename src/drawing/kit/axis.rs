@@ -143,10 +143,11 @@ impl Axis {
     pub fn draw(&self, frame: Bounds, title: &Text) -> Group {
         let ticks = self.ticks();
         let widest = widest(&ticks);
-        // centred on the frame, but inside the picture
+        // centred on the frame, but inside the picture; frames beyond the usual width are in wider ones
+        let right = frame.max.x.max(WIDTH - MARGIN);
         let half = title.width(TITLE_SIZE) / 2.0;
         let middle = nalgebra::center(&frame.min, &frame.max);
-        let x = middle.x.min(WIDTH - MARGIN - half).max(MARGIN + half);
+        let x = middle.x.min(right - half).max(MARGIN + half);
         let size = TEXT_SIZE * if self.side == Side::Left { (NUMBERS_WIDTH / widest).min(1.0) } else { 1.0 };
         let (offset, align, at, angle) = match self.side {
             Side::Below => ([0.0, 23.0], Align::Middle, Point::new(x, frame.max.y + AXIS_ROOM - GAP), 0),

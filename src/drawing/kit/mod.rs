@@ -50,11 +50,16 @@ const GUIDE_WIDTH: f64 = 1.6;
 
 /// An empty white picture.
 pub(super) fn document(height: f64) -> Document {
-    let paper = Bounds { min: Point::origin(), max: Point::new(WIDTH, height) };
+    document_of(WIDTH, height)
+}
+
+/// An empty white picture of another width.
+pub(super) fn document_of(width: f64, height: f64) -> Document {
+    let paper = Bounds { min: Point::origin(), max: Point::new(width, height) };
     Document::new()
-        .set("width", px(WIDTH))
+        .set("width", px(width))
         .set("height", px(height))
-        .set("viewBox", format!("0 0 {} {}", px(WIDTH), px(height)))
+        .set("viewBox", format!("0 0 {} {}", px(width), px(height)))
         .set("font-family", text::FONTS)
         .add(rectangle(paper).set("fill", PAPER))
 }

@@ -58,6 +58,10 @@ impl LineStyle {
         hex(self.colour)
     }
 
+    pub fn dash(self) -> &'static [f64] {
+        self.dash
+    }
+
     /// The colour mixed with white, for areas under letters.
     pub fn tint(self) -> String {
         hex(self.colour.map(|c| 255 - (255 - c) / 4))

@@ -3,7 +3,7 @@
 /// Gravity, m/s^2.
 pub(super) const GRAVITY: f64 = 9.81;
 /// Distance of the middle of the torso ahead of the hand, m.
-pub(super) const TORSO_AHEAD: f64 = 0.35;
+pub const TORSO_AHEAD: f64 = 0.35;
 /// Radius of the human's torso, an upright capsule, m.
 pub const TORSO_RADIUS: f64 = 0.2;
 /// Total height of the human's torso, m.

@@ -22,7 +22,7 @@ mod scene;
 mod settings;
 mod touch;
 
-pub use dimensions::{HAND_RADIUS, TORSO_HEIGHT, TORSO_RADIUS};
+pub use dimensions::{HAND_RADIUS, TORSO_AHEAD, TORSO_HEIGHT, TORSO_RADIUS};
 pub use error::PhysicsError;
 pub use human::HumanCommand;
 pub use observation::{BodyKind, Clearance, Clearances, Contact, Failure, Forces, Observation, Part, Wrench};
@@ -35,7 +35,6 @@ use crate::geometry::{PlanarPose, Point, Pose};
 use crate::math;
 use crate::robot::{InputVector, JointVector, Robot};
 use crate::world::World;
-use dimensions::TORSO_AHEAD;
 use human::SensedObject;
 use rapier3d::prelude::{PhysicsPipeline, PhysicsWorld, RigidBodyHandle};
 use scene::Scene;

@@ -1,0 +1,404 @@
+//! Pictures of an episode: the filmstrip, which shows the team at several instants on one map with phi beside
+//! it; and the pictures of a moving one.
+
+use super::kit::{
+    AXIS_ROOM, Align, BAND, Clutter, GAP, INK, LEFT_ROOM, Legend, LineStyle, MARGIN, PAPER, Plot, TEXT_SIZE,
+    TITLE_ROOM, Text, disc, document_of, frame_title, guide, level, line_sample, number, polygon, rectangle,
+    stroke, upright,
+};
+use super::map_view::MapView;
+use super::opening_labels::{PATH_COST, clutter, opening_labels};
+use super::{DrawingError, MOST_LISTED, Track, option_colour};
+use crate::geometry::{Bounds, PlanarPose, Point, Vector, direction, left_of};
+use crate::options::OptionSet;
+use crate::world::World;
+use svg::node::element::{ClipPath, Definitions, Group};
+
+/// The narrowest and the widest layout of a picture of an episode, px. Type is 16.5 px high: at least 7 pt
+/// where the narrowest is printed 3.5 in wide.
+pub const NARROWEST: f64 = 577.0;
+/// See [`NARROWEST`].
+pub const WIDEST: f64 = 1154.0;
+/// From this width on the chart is beside the map, px.
+const BESIDE: f64 = 760.0;
+
+/// Largest distance of a drawn arc from its chords, m.
+const SAGITTA: f64 = 0.01;
+/// Height of the sentence above a moving picture, px.
+const CAPTION_ROOM: f64 = 30.0;
+/// Greys of robot, object and human: they differ in print, too.
+const ROBOT: &str = "#d4d9df";
+const OBJECT: &str = "#b9823f";
+const HUMAN: &str = "#2f5f9e";
+const HEAD: &str = "#3b2a20";
+
+/// An episode to draw.
+#[derive(Clone, Debug)]
+pub struct Film<'a> {
+    /// The world.
+    pub world: &'a World,
+    /// Its options.
+    pub options: &'a OptionSet,
+    /// Radius of the robot's base, m.
+    pub base_radius: f64,
+    /// The states of the team in time order; at least one.
+    pub moments: Vec<Moment>,
+}
+
+/// The team at a time, seen from above.
+#[derive(Clone, Debug)]
+pub struct Moment {
+    /// Simulated time, s.
+    pub time: f64,
+    /// Position of the robot's base.
+    pub base: Point,
+    /// Where the robot holds the object.
+    pub grasp: Point,
+    /// Middle and heading of the object.
+    pub object: PlanarPose,
+    /// Middle and heading of the human's torso.
+    pub human: PlanarPose,
+    /// phi.
+    pub stubbornness: f64,
+    /// Whether the human leads.
+    pub human_leads: bool,
+    /// P_o of every option, in the order of the options; NaN where it is not known.
+    pub probabilities: Vec<f64>,
+    /// The newest event, as a sentence; may be empty.
+    pub sentence: String,
+}
+
+/// The pictures of a moving one: all have the same size, with the same parts in the same places.
+pub struct Moving<'a> {
+    film: &'a Film<'a>,
+    layout: Layout,
+    width: f64,
+    bottom: f64,
+    /// Positions of the object, px.
+    walked: Vec<Point>,
+    labels: Group,
+    legend: Group,
+}
+
+impl Moving<'_> {
+    /// The picture at a moment (its index; of a larger one the last).
+    pub fn picture(&self, at: usize) -> String {
+        let Self { film, layout, .. } = self;
+        let at = at.min(film.moments.len() - 1);
+        let moment = &film.moments[at];
+        let (map, _) = film.ground(layout, Some(moment));
+        let map = map.add(stroke(&self.walked[..=at], INK, 2.4)).add(film.team(&layout.view, moment));
+        let caption = Point::new(MARGIN, 26.0);
+        let leads = if moment.human_leads { "The human leads" } else { "The robot leads" };
+        let leads = Text::new(format!("{leads}, {} s", number(moment.time, 1))).bold();
+        let told = Text::new(moment.sentence.as_str()).within(self.width - 2.0 * MARGIN, TEXT_SIZE);
+        let picture = document_of(self.width, self.bottom)
+            .add(film.clip(layout))
+            .add(leads.at(caption, TEXT_SIZE, Align::Left))
+            .add(told.at(caption + Vector::new(0.0, 24.0), TEXT_SIZE, Align::Left))
+            .add(map)
+            .add(layout.view.ends(film.world))
+            .add(self.labels.clone())
+            .add(layout.view.axes())
+            .add(film.chart(layout, &film.moments[..=at], Vec::new(), Some(moment)))
+            .add(self.legend.clone());
+        picture.to_string()
+    }
+}
+
+/// Where the parts of a picture are.
+struct Layout {
+    view: MapView,
+    chart: Bounds,
+    /// The y at which map and chart end, with their axes.
+    bottom: f64,
+}
+
+impl Film<'_> {
+    /// The team at `instants` times on one map, with phi beside it: the first and the last time, the
+    /// transition if there is one, and others at equal distances. `width` is the layout's, px, from
+    /// [`NARROWEST`] to [`WIDEST`].
+    ///
+    /// # Errors
+    /// [`DrawingError`]: there is nothing to draw, or a number cannot be drawn.
+    pub fn strip(&self, instants: usize, width: f64) -> Result<String, DrawingError> {
+        self.check()?;
+        let layout = self.layout(width, TITLE_ROOM);
+        let shown = self.instants(instants);
+        let (mut map, mut clutter) = self.ground(&layout, None);
+        let walked: Vec<Point> = self.moments.iter().map(|m| layout.view.px(m.object.position)).collect();
+        clutter.add(&walked, 2.0, PATH_COST);
+        map = map.add(stroke(&walked, INK, 2.0));
+        let mut numbers = Group::new();
+        for (i, &at) in shown.iter().enumerate() {
+            let moment = &self.moments[at];
+            map = map.add(self.team(&layout.view, moment));
+            let outline = self.outline(&layout.view, moment);
+            outline.iter().for_each(|area| clutter.take(*area));
+            numbers = numbers.add(self.instant_number(i + 1, &layout, moment, &mut clutter));
+        }
+        let labels = opening_labels(&layout.view, self.world, false, &mut clutter);
+        let marks = shown.iter().enumerate().map(|(i, &at)| (i + 1, &self.moments[at]));
+        let chart = self.chart(&layout, &self.moments, marks.collect(), None);
+        let (legend, bottom) = self.legend().draw(Point::new(MARGIN, layout.bottom), width - 2.0 * MARGIN);
+        let frame = layout.view.frame();
+        let picture = document_of(width, bottom)
+            .add(self.clip(&layout))
+            .add(frame_title(&self.world.name, frame.min.x, frame))
+            .add(map)
+            .add(layout.view.ends(self.world))
+            .add(numbers)
+            .add(labels)
+            .add(layout.view.axes())
+            .add(chart)
+            .add(legend);
+        Ok(picture.to_string())
+    }
+
+    /// The pictures of a moving one.
+    ///
+    /// # Errors
+    /// As [`Film::strip`].
+    pub fn moving(&self, width: f64) -> Result<Moving<'_>, DrawingError> {
+        self.check()?;
+        let layout = self.layout(width, TITLE_ROOM + CAPTION_ROOM);
+        let (_, mut clutter) = self.ground(&layout, None);
+        // labels keep away from everywhere the team comes
+        let walked: Vec<Point> = self.moments.iter().map(|m| layout.view.px(m.object.position)).collect();
+        clutter.add(&walked, 30.0, 3.0 * PATH_COST);
+        let labels = opening_labels(&layout.view, self.world, true, &mut clutter);
+        let (legend, bottom) = self.legend().draw(Point::new(MARGIN, layout.bottom), width - 2.0 * MARGIN);
+        Ok(Moving { film: self, layout, width, bottom, walked, labels, legend })
+    }
+
+    fn check(&self) -> Result<(), DrawingError> {
+        if self.moments.is_empty() {
+            return Err(DrawingError::NoPanels);
+        }
+        let of = |number: fn(&Moment) -> Point| self.moments.iter().map(number).collect();
+        let track = |positions| Track { label: "episode".to_owned(), positions, ..Track::default() };
+        for positions in
+            [of(|m| m.object.position), of(|m| m.base), of(|m| m.human.position), of(|m| m.grasp)]
+        {
+            track(positions).check()?;
+        }
+        let stubbornness = self.moments.iter().map(|m| m.stubbornness).collect();
+        Track { stubbornness, ..track(Vec::new()) }.check()
+    }
+
+    /// The map as large as fits with a chart beside or below it.
+    fn layout(&self, width: f64, top: f64) -> Layout {
+        let begin = self.options.begin();
+        let paths = (0..self.options.options().len()).filter_map(|o| self.options.path(&begin, o));
+        let paths = paths.flat_map(|path| path.polyline(SAGITTA));
+        let ends = self.world.openings.iter().flat_map(|opening| opening.ends);
+        let bodies = self.moments.iter().flat_map(|m| [m.base, m.human.position]);
+        let points: Vec<Point> =
+            paths.chain(ends).chain(bodies).chain([self.world.start, self.world.target]).collect();
+        let content = Bounds::around(points).unwrap_or(self.world.bounds()).grown(0.9);
+        let is_beside = width >= BESIDE;
+        let right = width - MARGIN;
+        let room = if is_beside { 0.56 * width } else { right };
+        let most = Vector::new(room - LEFT_ROOM, if is_beside { 0.5 * width } else { 0.95 * width });
+        let view = MapView::of(content, Point::new(LEFT_ROOM, top), most);
+        let frame = view.frame();
+        if is_beside {
+            let min = Point::new(frame.max.x + LEFT_ROOM + GAP, top);
+            let tallest = frame.max.y.min(top + 0.8 * (right - min.x)).max(top + 150.0);
+            let chart = Bounds { min, max: Point::new(right, tallest) };
+            return Layout { view, chart, bottom: frame.max.y.max(tallest) + AXIS_ROOM };
+        }
+        let spare = Vector::new((most.x - frame.size().x) / 2.0, 0.0);
+        let min = Point::new(LEFT_ROOM, frame.max.y + AXIS_ROOM + TITLE_ROOM);
+        let chart = Bounds { min, max: Point::new(right, min.y + 170.0) };
+        Layout { view: view.moved_to(frame.min + spare), chart, bottom: chart.max.y + AXIS_ROOM }
+    }
+
+    /// What lies outside the map's frame is not drawn.
+    fn clip(&self, layout: &Layout) -> Definitions {
+        let frame = layout.view.frame();
+        Definitions::new().add(ClipPath::new().set("id", "map").add(rectangle(frame)))
+    }
+
+    /// Obstacles, options and openings, and what they cover. At a moment the options are as wide as their
+    /// P_o.
+    fn ground(&self, layout: &Layout, moment: Option<&Moment>) -> (Group, Clutter) {
+        let view = &layout.view;
+        let mut clutter = clutter(view, self.world);
+        let begin = self.options.begin();
+        let count = self.options.options().len();
+        let widths: Vec<f64> = match moment {
+            Some(moment) => {
+                let known = moment.probabilities.iter().map(|p| if p.is_nan() { 0.0 } else { *p });
+                known.map(|p| 1.2 + 13.0 * p).collect()
+            }
+            None => vec![1.8; count],
+        };
+        let mut order: Vec<usize> = (0..count.min(MOST_LISTED)).collect();
+        order.sort_by(|&a, &b| widths[b].total_cmp(&widths[a]).then(a.cmp(&b)));
+        let mut group = Group::new().set("clip-path", "url(#map)").add(view.obstacles(self.world));
+        for option in order {
+            let Some(path) = self.options.path(&begin, option) else { continue };
+            let points: Vec<Point> = path.polyline(SAGITTA).into_iter().map(|p| view.px(p)).collect();
+            clutter.add(&points, widths[option], PATH_COST / 2.0);
+            let line = match moment {
+                Some(_) => Group::new().add(stroke(&points, &option_colour(option), widths[option])),
+                None => LineStyle::of(option).draw(&points, widths[option]),
+            };
+            group = group.add(line);
+        }
+        (group.add(view.openings(self.world, true)), clutter)
+    }
+
+    /// The team from above: base and arm, object, and the human with arms, shoulders and head.
+    fn team(&self, view: &MapView, moment: &Moment) -> Group {
+        let outlined = |group: Group, points: Vec<Point>, fill: &str| {
+            let points: Vec<Point> = points.into_iter().map(|p| view.px(p)).collect();
+            group.add(polygon(&points).set("fill", fill).set("stroke", INK).set("stroke-width", 1))
+        };
+        let round = |center: Point, yaw: f64, [along, across]: [f64; 2]| {
+            let (ahead, aside) = (direction(yaw), left_of(direction(yaw)));
+            let turn = (0..24).map(|i| direction(f64::from(i) * std::f64::consts::TAU / 24.0));
+            turn.map(|t| center + ahead * (along * t.x) + aside * (across * t.y)).collect::<Vec<_>>()
+        };
+        let PlanarPose { position, yaw } = moment.object;
+        let [length, breadth] = [self.world.object.size[0], self.world.object.size[1].max(0.12)];
+        let (ahead, aside) = (direction(yaw) * (length / 2.0), left_of(direction(yaw)) * (breadth / 2.0));
+        let object = [ahead + aside, aside - ahead, -ahead - aside, ahead - aside].map(|v| position + v);
+        let human = moment.human;
+        let shoulder = |side: f64| human.position + left_of(direction(human.yaw)) * (0.19 * side);
+        let front = position + ahead;
+        let line = |from: Point, to: Point, colour: &str, width| {
+            stroke(&[view.px(from), view.px(to)], colour, width).set("stroke-linecap", "round")
+        };
+        let width = (0.1 * view.scale()).max(2.2);
+        let mut group = Group::new().set("class", "team");
+        group = outlined(group, round(moment.base, 0.0, [self.base_radius; 2]), ROBOT);
+        group = group.add(line(moment.base, moment.grasp, INK, width + 1.6));
+        group = group.add(line(moment.base, moment.grasp, ROBOT, width));
+        for side in [1.0, -1.0] {
+            let hand = front + left_of(direction(yaw)) * (breadth / 2.0 * side);
+            group = group.add(line(shoulder(side), hand, INK, width + 1.2));
+            group = group.add(line(shoulder(side), hand, HUMAN, width - 0.2));
+        }
+        group = outlined(group, object.to_vec(), OBJECT);
+        group = outlined(group, round(human.position, human.yaw, [0.14, 0.25]), HUMAN);
+        outlined(group, round(human.position + direction(human.yaw) * 0.03, 0.0, [0.1; 2]), HEAD)
+    }
+
+    /// The areas that the team covers, px.
+    fn outline(&self, view: &MapView, moment: &Moment) -> Vec<Bounds> {
+        let bodies =
+            [(moment.base, self.base_radius), (moment.human.position, 0.3), (moment.object.position, 0.4)];
+        let area = |(center, radius): (Point, f64)| {
+            let at = view.px(center);
+            Bounds { min: at, max: at }.grown(radius * view.scale())
+        };
+        bodies.map(area).to_vec()
+    }
+
+    /// The number of an instant beside the team, with its time.
+    fn instant_number(&self, n: usize, layout: &Layout, moment: &Moment, clutter: &mut Clutter) -> Group {
+        let center = layout.view.px(moment.object.position);
+        let words = Text::new(n.to_string()).bold();
+        let half = Vector::new(words.width(TEXT_SIZE) / 2.0 + 5.0, 0.62 * TEXT_SIZE);
+        let around = (0..16).flat_map(|spoke| [26.0, 36.0, 48.0, 62.0].map(|out| (f64::from(spoke), out)));
+        let places = around.map(|(spoke, out)| {
+            let middle = center + direction(spoke * std::f64::consts::TAU / 16.0) * out;
+            (Bounds { min: middle - half, max: middle + half }, out)
+        });
+        let cost = |(area, out): &(Bounds, f64)| clutter.cost(*area) + 0.6 * out;
+        let Some((area, _)) = places.min_by(|a, b| cost(a).total_cmp(&cost(b))) else { return Group::new() };
+        clutter.take(area);
+        let middle = nalgebra::center(&area.min, &area.max);
+        number_mark(n, middle)
+    }
+
+    /// phi over time with its threshold, and numbered instants or a cursor.
+    fn chart(
+        &self,
+        layout: &Layout,
+        moments: &[Moment],
+        marks: Vec<(usize, &Moment)>,
+        cursor: Option<&Moment>,
+    ) -> Group {
+        let frame = layout.chart;
+        let last = self.moments.last().map_or(1.0, |m| m.time).max(1e-3);
+        let top = self.moments.iter().map(|m| m.stubbornness).fold(1.0, f64::max).min(2.0) * 1.22;
+        let plot = Plot::linear(frame, [[0.0, last], [0.0, top]]);
+        let mut group = Group::new().set("class", "chart");
+        let led: Vec<f64> = moments.iter().filter(|m| m.human_leads).map(|m| m.time).collect();
+        if let (Some(from), Some(to)) = (led.first(), led.last()) {
+            let min = Point::new(plot.x.at(*from), frame.min.y);
+            let area = Bounds { min, max: Point::new(plot.x.at(*to), frame.max.y) };
+            group = group.add(rectangle(area).set("fill", BAND));
+        }
+        let one = plot.y.at(1.0);
+        group = group.add(guide(level(one, frame)));
+        let line: Vec<Point> = moments.iter().map(|m| plot.at(m.time, m.stubbornness)).collect();
+        group = group.add(stroke(&line, INK, 2.6));
+        let words = Text::default().plain("threshold 1");
+        // phi comes from below at the left and stays above at the right
+        let at = Point::new(frame.max.x - 2.0 * GAP, one + 1.15 * TEXT_SIZE);
+        group = group.add(words.at(at, TEXT_SIZE, Align::Right));
+        for (n, moment) in marks {
+            let x = plot.x.at(moment.time);
+            let foot = plot.at(moment.time, moment.stubbornness);
+            group = group.add(disc(foot, 3.4).set("fill", INK));
+            let at = Point::new(x, frame.max.y - 0.8 * TEXT_SIZE);
+            let inside = x.clamp(frame.min.x + 1.4 * GAP, frame.max.x - 1.4 * GAP);
+            group = group.add(stroke(&[foot, at], INK, 0.8)).add(number_mark(n, Point::new(inside, at.y)));
+        }
+        if let Some(moment) = cursor {
+            let at = plot.at(moment.time, moment.stubbornness);
+            group = group.add(stroke(&upright(at.x, frame), INK, 1.2)).add(disc(at, 5.0).set("fill", INK));
+        }
+        let phi = Text::new("stubbornness ").italic("\u{3c6}");
+        group.add(plot.axes(&Text::new("time (s)"), &phi))
+    }
+
+    /// The options by their styles, and what is grey in the chart.
+    fn legend(&self) -> Legend {
+        let options = self.options.options().iter().enumerate().take(MOST_LISTED);
+        let legend = options.fold(Legend::of_lines(), |legend, (o, option)| {
+            legend.entry(line_sample(LineStyle::of(o), 3.0), format!("option {}", option.name))
+        });
+        let grey = Group::new().add(stroke(&[Point::new(-20.0, 0.0), Point::new(20.0, 0.0)], BAND, 14.0));
+        legend.entry(grey, "the human leads")
+    }
+
+    /// The moments of `count` instants.
+    fn instants(&self, count: usize) -> Vec<usize> {
+        let (first, last) = (self.moments[0].time, self.moments[self.moments.len() - 1].time);
+        let nearest = |time: f64| {
+            let off = |m: &Moment| (m.time - time).abs();
+            let all = self.moments.iter().enumerate();
+            all.min_by(|a, b| off(a.1).total_cmp(&off(b.1))).map_or(0, |(i, _)| i)
+        };
+        let count = count.max(2);
+        let time = |i: usize| first + (last - first) * i as f64 / (count - 1) as f64;
+        let mut shown: Vec<usize> = (0..count).map(|i| nearest(time(i))).collect();
+        let begins = |pair: &[Moment]| !pair[0].human_leads && pair[1].human_leads;
+        let transition = self.moments.windows(2).position(begins).map(|i| i + 1);
+        if let (Some(transition), true) = (transition, count > 2) {
+            // it takes the place of the inner instant that is nearest
+            let inner = 1..count - 1;
+            if let Some(i) = inner.min_by_key(|&i| shown[i].abs_diff(transition)) {
+                shown[i] = transition;
+            }
+        }
+        shown.dedup();
+        shown
+    }
+}
+
+/// A number in a disc.
+fn number_mark(n: usize, middle: Point) -> Group {
+    let words = Text::new(n.to_string()).bold();
+    let radius = 0.5 * words.width(TEXT_SIZE).max(0.75 * TEXT_SIZE) + 4.0;
+    let baseline = middle + Vector::new(0.0, 0.36 * TEXT_SIZE);
+    Group::new()
+        .set("class", "instant")
+        .add(disc(middle, radius).set("fill", PAPER).set("stroke", INK).set("stroke-width", 1.2))
+        .add(words.at(baseline, TEXT_SIZE, Align::Middle))
+}

@@ -1,0 +1,226 @@
+//! An episode read back from its recording, for pictures and the player: the scenario, the poses over time,
+//! the JSON messages of every step, and the events as the recording words them.
+
+use super::motion::{HAND, HUMAN, OBJECT, TORSO, link_frame};
+use super::{Channel, ReadError, Reader, decode, scenario};
+use crate::geometry::{Point, Pose, Vector, angle_of, direction};
+use crate::scenario::PreparedScenario;
+use crate::simulation::{TORSO_AHEAD, TORSO_HEIGHT};
+use nalgebra::{Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::io::Read;
+
+/// The largest number of steps that are read: an hour and a half of control periods of 0.2 s.
+const MOST_STEPS: usize = 30_000;
+
+/// An episode as its recording tells it.
+#[derive(Clone, Debug)]
+pub struct Playback {
+    /// The scenario, with its world, options and robot.
+    pub prepared: PreparedScenario,
+    /// The poses of the bodies, in time order: at 0 and at the end of every step. At least one.
+    pub frames: Vec<Frame>,
+    /// The path ahead of the team, with its times (ns).
+    pub ahead: Vec<(u64, Vec<Point>)>,
+    /// The events, in time order.
+    pub events: Vec<Happening>,
+    /// How the episode ended; `None` where the recording ends before the episode did.
+    pub outcome: Option<String>,
+    messages: BTreeMap<Channel, Vec<(u64, Value)>>,
+}
+
+/// The poses of the bodies at a time. On the planning level the human and the object are where they would be
+/// around the point that is the team; on the kinematic plant they are at the grasp.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// Simulated time, ns.
+    pub time: u64,
+    /// The links, in the order of the robot's; empty on the planning level.
+    pub links: Vec<Pose>,
+    /// Middle of the carried object.
+    pub object: Pose,
+    /// The human's hand.
+    pub hand: Pose,
+    /// Middle of the human's torso.
+    pub torso: Pose,
+}
+
+/// An event of the recording.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Happening {
+    /// Simulated time, ns.
+    pub time: u64,
+    /// Its subject: episode, human, preference, mode, option, contact or end.
+    pub about: String,
+    /// What happened, as one sentence.
+    pub sentence: String,
+}
+
+impl Playback {
+    /// Reads a recording to its end.
+    ///
+    /// # Errors
+    /// [`ReadError`]: also where the scenario cannot be prepared, a message cannot be decoded, there are no
+    /// steps or too many.
+    pub fn read<R: Read>(reader: &mut Reader<R>) -> Result<Self, ReadError> {
+        let file = reader.name().to_owned();
+        let lacks = |what: String| ReadError::Lacks { file: file.clone(), what };
+        let prepared = scenario(reader)?.prepare();
+        let prepared = prepared.map_err(|source| ReadError::Scenario { file: file.clone(), source })?;
+        let mut transforms = Vec::new();
+        let mut ahead = Vec::new();
+        let mut events = Vec::new();
+        let mut outcome = None;
+        let mut messages: BTreeMap<Channel, Vec<(u64, Value)>> = BTreeMap::new();
+        while let Some(entry) = reader.next()? {
+            let Some(message) = entry.message() else { continue };
+            let Some(channel) = Channel::of_topic(&message.channel.topic) else { continue };
+            let time = message.time;
+            match channel {
+                Channel::World
+                | Channel::Team
+                | Channel::Ways
+                | Channel::Joints
+                | Channel::Control
+                | Channel::Preparation => continue,
+                // a path that is too long to decode is not drawn
+                Channel::Path => {
+                    ahead.extend(
+                        decode(message.channel, message.data).and_then(|v| Some((time, path_ahead(&v)?))),
+                    );
+                    continue;
+                }
+                _ => {}
+            }
+            let damaged = || {
+                let at = time as f64 / 1e9;
+                lacks(format!("the message on {} at {at} s is damaged", channel.topic()))
+            };
+            let value = decode(message.channel, message.data).ok_or_else(damaged)?;
+            match channel {
+                Channel::Transforms => transforms.push((time, poses(&value).ok_or_else(damaged)?)),
+                Channel::Log => events.push(Happening {
+                    time,
+                    about: value["name"].as_str().unwrap_or_default().to_owned(),
+                    sentence: value["message"].as_str().ok_or_else(damaged)?.to_owned(),
+                }),
+                Channel::Outcome => outcome = value["outcome"].as_str().map(str::to_owned),
+                _ => {
+                    let channel = messages.entry(channel).or_default();
+                    if channel.len() == MOST_STEPS || transforms.len() > MOST_STEPS {
+                        return Err(lacks(format!("has more than {MOST_STEPS} steps, too many to draw")));
+                    }
+                    channel.push((time, value));
+                }
+            }
+        }
+        let mut playback = Self { prepared, frames: Vec::new(), ahead, events, outcome, messages };
+        playback.frames = match playback.prepared.robot() {
+            None => playback.frames_of_a_point(),
+            Some(_) => transforms.iter().filter_map(|(time, poses)| playback.frame(*time, poses)).collect(),
+        };
+        match playback.frames.is_empty() || playback.messages(Channel::Coordination).is_empty() {
+            true => Err(lacks("has no complete step, so there is nothing to draw".to_owned())),
+            false => Ok(playback),
+        }
+    }
+
+    /// The messages of a step's channel with their times (ns), in time order; none for the channels that
+    /// hold scenes, poses and events.
+    pub fn messages(&self, channel: Channel) -> &[(u64, Value)] {
+        self.messages.get(&channel).map_or(&[], Vec::as_slice)
+    }
+
+    /// The numbers with this key on a channel, by message; NaN where one is missing.
+    pub fn column(&self, channel: Channel, key: &str) -> Vec<f64> {
+        let number = |(_, value): &(u64, Value)| value[key].as_f64().unwrap_or(f64::NAN);
+        self.messages(channel).iter().map(number).collect()
+    }
+
+    /// The times (s) of a channel's messages.
+    pub fn times(&self, channel: Channel) -> Vec<f64> {
+        self.messages(channel).iter().map(|(time, _)| *time as f64 / 1e9).collect()
+    }
+
+    /// The frame of a recorded set of poses; `None` where one is missing.
+    fn frame(&self, time: u64, poses: &BTreeMap<String, Pose>) -> Option<Frame> {
+        let robot = self.prepared.robot()?;
+        let links = robot.links.iter().map(|link| poses.get(&link_frame(&link.name)).copied());
+        let links: Vec<Pose> = links.collect::<Option<_>>()?;
+        if let Some((&object, (&hand, &torso))) = poses.get(OBJECT).zip(poses.get(HAND).zip(poses.get(TORSO)))
+        {
+            return Some(Frame { time, links, object, hand, torso });
+        }
+        // on the kinematic plant the human's pose is given as that of the grasp
+        let length = self.prepared.world().object.size[0];
+        let object = links[robot.grasp_link] * Translation3::new(length / 2.0, 0.0, 0.0);
+        let hand = poses.get(HUMAN)? * Translation3::new(length, 0.0, 0.0);
+        Some(Frame { time, links, object, hand, torso: torso_ahead_of(&hand) })
+    }
+
+    /// The frames of a team that is a point: the object around it, level, at a usual height.
+    fn frames_of_a_point(&self) -> Vec<Frame> {
+        const CARRYING_HEIGHT_M: f64 = 0.7;
+        let length = self.prepared.world().object.size[0];
+        let steps = self.messages(Channel::Coordination);
+        let frame = |time, x: f64, y: f64, yaw: f64| {
+            let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw);
+            let object = Pose::from_parts(Translation3::new(x, y, CARRYING_HEIGHT_M), turned);
+            let hand = object * Translation3::new(length / 2.0, 0.0, 0.0);
+            Frame { time, links: Vec::new(), object, hand, torso: torso_ahead_of(&hand) }
+        };
+        let mut frames: Vec<Frame> = steps
+            .iter()
+            .filter_map(|(time, step)| {
+                let yaw = step["heading_deg"].as_f64()?.to_radians();
+                Some(frame(*time, step["x_m"].as_f64()?, step["y_m"].as_f64()?, yaw))
+            })
+            .collect();
+        // the last step's end is known where the team arrived
+        let arrived = self.outcome.as_deref() == Some("arrived");
+        let end = self.messages(Channel::Cost).last().filter(|_| arrived).map(|(time, _)| *time);
+        if let (Some(end), Some(last)) = (end, frames.last()) {
+            let target = self.prepared.world().target;
+            let yaw = heading(&last.object);
+            frames.push(frame(end, target.x, target.y, yaw));
+        }
+        frames
+    }
+}
+
+/// The torso of a human whose hand is here: upright, ahead of it.
+fn torso_ahead_of(hand: &Pose) -> Pose {
+    let yaw = heading(hand);
+    let ahead = direction(yaw) * TORSO_AHEAD;
+    let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw);
+    let at = hand.translation.vector + Vector3::new(ahead.x, ahead.y, 0.0);
+    Pose::from_parts(Translation3::new(at.x, at.y, TORSO_HEIGHT / 2.0), turned)
+}
+
+/// The direction of a pose's x axis in the plane, rad.
+fn heading(pose: &Pose) -> f64 {
+    let turned = pose.rotation.matrix();
+    angle_of(Vector::new(turned[(0, 0)], turned[(1, 0)]))
+}
+
+/// The path ahead in a `/scene/path` message.
+fn path_ahead(message: &Value) -> Option<Vec<Point>> {
+    let ahead = message["entities"].as_array()?.iter().find(|entity| entity["id"] == "ahead")?;
+    let points = ahead["lines"][0]["points"].as_array()?;
+    points.iter().map(|p| Some(Point::new(p["x"].as_f64()?, p["y"].as_f64()?))).collect()
+}
+
+/// The poses of a `/tf` message by their frames.
+fn poses(message: &Value) -> Option<BTreeMap<String, Pose>> {
+    let transform = |t: &Value| {
+        let number = |part: &str, key: &str| t[part][key].as_f64();
+        let vector = |part| Some((number(part, "x")?, number(part, "y")?, number(part, "z")?));
+        let (x, y, z) = vector("translation")?;
+        let (i, j, k) = vector("rotation")?;
+        let turned = UnitQuaternion::try_new(Quaternion::new(number("rotation", "w")?, i, j, k), 1e-6)?;
+        let pose = Pose::from_parts(Translation3::new(x, y, z), turned.to_rotation_matrix());
+        Some((t["child_frame_id"].as_str()?.to_owned(), pose))
+    };
+    message["transforms"].as_array()?.iter().map(transform).collect()
+}

@@ -1,0 +1,89 @@
+//! An episode in the form in which pictures draw it, from its recording.
+
+use crate::drawing::{Film, Moment};
+use crate::geometry::{PlanarPose, Point, Pose, Vector, angle_of};
+use crate::recording::{Channel, Frame, Playback};
+
+/// The base of a team that is a point is drawn with this radius, at this distance behind the object, m.
+const STAND_IN: [f64; 2] = [0.25, 0.45];
+
+/// The film of an episode: a moment at the beginning of every step, and at the end.
+pub fn film(playback: &Playback) -> Film<'_> {
+    let prepared = &playback.prepared;
+    let steps = Steps::of(playback);
+    Film {
+        world: prepared.world(),
+        options: prepared.options(),
+        base_radius: prepared.robot().map_or(STAND_IN[0], |robot| robot.drive.base_radius),
+        moments: playback.frames.iter().map(|frame| steps.moment(playback, frame)).collect(),
+    }
+}
+
+/// The figures of the steps.
+struct Steps {
+    times: Vec<f64>,
+    stubbornness: Vec<f64>,
+    human_leads: Vec<bool>,
+    probabilities: Vec<Vec<f64>>,
+}
+
+impl Steps {
+    fn of(playback: &Playback) -> Self {
+        let decided = playback.messages(Channel::Coordination).iter();
+        let options = playback.prepared.options().options();
+        let mut known = vec![f64::NAN; options.len()];
+        let probabilities = playback.messages(Channel::Options).iter().map(|(_, step)| {
+            // where P_o is not evaluated, it stays what it was
+            for (option, known) in options.iter().zip(&mut known) {
+                let found = step["options"].as_array().into_iter().flatten();
+                let found =
+                    found.filter(|o| o["name"] == *option.name).find_map(|o| o["probability"].as_f64());
+                *known = found.unwrap_or(*known);
+            }
+            known.clone()
+        });
+        Self {
+            times: playback.times(Channel::Coordination),
+            stubbornness: playback.column(Channel::Coordination, "stubbornness"),
+            human_leads: decided.map(|(_, step)| step["mode"] == "human-led").collect(),
+            probabilities: probabilities.collect(),
+        }
+    }
+
+    fn moment(&self, playback: &Playback, frame: &Frame) -> Moment {
+        let time = frame.time as f64 / 1e9;
+        let begun = self.times.partition_point(|begin| *begin <= time + 1e-6);
+        let step = begun.saturating_sub(1);
+        let object = planar(&frame.object);
+        let half = playback.prepared.world().object.size[0] / 2.0;
+        let ahead = crate::geometry::direction(object.yaw);
+        let (base, grasp) = match playback.prepared.robot() {
+            Some(robot) => {
+                let [base, grasp] =
+                    [robot.base_link, robot.grasp_link].map(|link| planar(&frame.links[link]));
+                (base.position, grasp.position)
+            }
+            None => (object.position - ahead * (half + STAND_IN[1]), object.position - ahead * half),
+        };
+        let happened = playback.events.iter().rev().find(|event| event.time <= frame.time);
+        let together = playback.events.iter().filter(|e| happened.is_some_and(|last| last.time == e.time));
+        let sentences: Vec<&str> = together.map(|event| event.sentence.as_str()).collect();
+        Moment {
+            time,
+            base,
+            grasp,
+            object,
+            human: planar(&frame.torso),
+            stubbornness: self.stubbornness[step],
+            human_leads: self.human_leads[step],
+            probabilities: self.probabilities.get(step).cloned().unwrap_or_default(),
+            sentence: sentences.join("; "),
+        }
+    }
+}
+
+fn planar(pose: &Pose) -> PlanarPose {
+    let (at, turned) = (pose.translation.vector, pose.rotation.matrix());
+    let yaw = angle_of(Vector::new(turned[(0, 0)], turned[(1, 0)]));
+    PlanarPose { position: Point::new(at.x, at.y), yaw }
+}

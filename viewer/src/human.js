@@ -1,0 +1,179 @@
+// The human as a figure: it walks with feet that stay where they are put, and its arms reach the object.
+import {
+  CapsuleGeometry, CylinderGeometry, Group, Mesh, MeshLambertMaterial, Quaternion, SphereGeometry, Vector3,
+} from "three";
+import { read } from "./episode.js";
+
+// Lengths in m. The body is as tall as the recording's (1.7 m).
+const HIP = 0.87, HIP_HALF = 0.095, THIGH = 0.43, SHIN = 0.42, ANKLE = 0.075;
+const SHOULDER = 1.36, SHOULDER_HALF = 0.175, UPPER = 0.33, FORE = 0.34;
+// A stride is two steps. A foot is on the floor for this part of it.
+const STRIDE = 0.96, STANCE = 0.62;
+// Turning on the spot takes steps, too: metres of walking per radian.
+const TURNING = 0.25;
+
+const SKIN = "#d9a583", SHIRT = "#2f6db5", TROUSERS = "#333c4d", SHOES = "#1d2026", HAIR = "#3b2a20";
+const up = new Vector3(0, 0, 1);
+
+export class Human {
+  constructor(episode) {
+    this.episode = episode;
+    this.group = new Group();
+    const colours = Object.entries({ SKIN, SHIRT, TROUSERS, SHOES, HAIR });
+    const material = Object.fromEntries(colours.map(([name, color]) => [name, new MeshLambertMaterial({ color })]));
+    const add = (geometry, colour) => {
+      const mesh = new Mesh(geometry, material[colour]);
+      mesh.castShadow = mesh.receiveShadow = true;
+      this.group.add(mesh);
+      return mesh;
+    };
+    const limb = (from, to, colour) => {
+      const bone = add(new CylinderGeometry(to, from, 1, 14), colour);
+      const joint = add(new SphereGeometry(from, 14, 10), colour);
+      const end = add(new SphereGeometry(to, 14, 10), colour);
+      return (a, b) => {
+        bone.position.addVectors(a, b).multiplyScalar(0.5);
+        bone.scale.y = a.distanceTo(b);
+        bone.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), new Vector3().subVectors(b, a).normalize());
+        joint.position.copy(a);
+        end.position.copy(b);
+      };
+    };
+    this.pelvis = add(new CapsuleGeometry(0.1, 0.13, 6, 14), "TROUSERS");
+    this.waist = limb(0.122, 0.13, "SHIRT");
+    this.chest = add(new CapsuleGeometry(0.115, 0.17, 6, 16), "SHIRT");
+    this.yoke = limb(0.075, 0.075, "SHIRT");
+    this.neck = limb(0.055, 0.05, "SKIN");
+    this.head = add(new SphereGeometry(0.105, 22, 16), "SKIN");
+    this.hair = add(new SphereGeometry(0.112, 22, 12, 0, 2 * Math.PI, 0, 1.65), "HAIR");
+    this.nose = add(new SphereGeometry(0.018, 8, 6), "SKIN");
+    this.sides = [1, -1].map((side) => ({
+      side,
+      upper: limb(0.066, 0.052, "SHIRT"),
+      fore: limb(0.043, 0.035, "SKIN"),
+      hand: add(new SphereGeometry(0.048, 12, 8), "SKIN"),
+      thigh: limb(0.088, 0.064, "TROUSERS"),
+      shin: limb(0.062, 0.047, "TROUSERS"),
+      shoe: add(new CapsuleGeometry(0.045, 0.15, 4, 10), "SHOES"),
+    }));
+    this.measure();
+  }
+
+  // The distance walked at every frame, which sets the phase of the gait.
+  measure() {
+    const { torso, time_s: times } = this.episode.frames;
+    this.walked = [0];
+    const a = new Vector3(), b = new Vector3(), p = new Quaternion(), q = new Quaternion();
+    for (let i = 1; i < times.length; i++) {
+      read(torso, i - 1, a, p);
+      read(torso, i, b, q);
+      this.walked.push(this.walked[i - 1] + a.distanceTo(b) + TURNING * p.angleTo(q));
+    }
+  }
+
+  // Position on the floor and heading of the body after a distance walked.
+  body(distance) {
+    const { torso } = this.episode.frames, { walked } = this;
+    const limited = Math.min(Math.max(distance, 0), walked[walked.length - 1]);
+    let i = walked.findIndex((w) => w > limited);
+    if (i < 1) i = limited > 0 ? walked.length - 1 : 1;
+    i = Math.min(i, walked.length - 1);
+    const before = Math.max(0, i - 1);
+    const span = walked[i] - walked[before];
+    const part = span > 0 ? (limited - walked[before]) / span : 0;
+    const a = new Vector3(), b = new Vector3(), p = new Quaternion(), q = new Quaternion();
+    read(torso, before, a, p);
+    read(torso, i, b, q);
+    return { at: a.lerp(b, part).setZ(0), turned: p.slerp(q, part) };
+  }
+
+  // Where a foot is: planted, or on its way to the next foothold.
+  foot(side, distance) {
+    const phase = distance / STRIDE - (side > 0 ? 0 : 0.5);
+    const hold = (n) => {
+      const { at, turned } = this.body((n + (side > 0 ? 0 : 0.5)) * STRIDE);
+      return { at: at.add(new Vector3(0, side * HIP_HALF, 0).applyQuaternion(turned)), turned };
+    };
+    const n = Math.round(phase);
+    const off = phase - n;
+    const planted = hold(n);
+    if (Math.abs(off) <= STANCE / 2) {
+      // the heel rises before the foot leaves the floor
+      const heel = Math.max(0, (off - 0.12) / (STANCE / 2 - 0.12));
+      return { ...planted, lift: 0.05 * heel, pitch: 0.5 * heel };
+    }
+    const from = off > 0 ? planted : hold(n - 1), to = off > 0 ? hold(n + 1) : planted;
+    const part = ((off > 0 ? off : 1 + off) - STANCE / 2) / (1 - STANCE);
+    const smooth = part * part * (3 - 2 * part);
+    return {
+      at: from.at.lerp(to.at, smooth),
+      turned: from.turned.slerp(to.turned, smooth),
+      lift: 0.05 * (1 - part) + 0.07 * Math.sin(Math.PI * part),
+      pitch: 0.5 * (1 - part) - 0.25 * Math.sin(Math.PI * part),
+    };
+  }
+
+  // Moves the figure to a place in the recording.
+  update(place, torso, hand) {
+    const { before, after, part } = place;
+    const distance = this.walked[before] + part * (this.walked[after] - this.walked[before]);
+    const turned = torso.quaternion;
+    const swing = (2 * Math.PI * distance) / STRIDE;
+    const local = (x, y, z) => new Vector3(x, y, 0).applyQuaternion(turned).add(torso.position).setZ(z);
+    const bob = 0.012 * Math.cos(2 * swing), sway = 0.018 * Math.cos(swing);
+    const hips = local(0, sway, HIP + bob);
+    // the carrier leans back toward what is carried behind
+    const chest = local(-0.055, sway * 0.6, 1.24 + bob);
+    this.pelvis.position.copy(hips);
+    this.pelvis.quaternion.copy(turned);
+    this.waist(local(0, sway, HIP + 0.06 + bob), local(-0.04, sway * 0.7, 1.16 + bob));
+    this.chest.position.copy(chest);
+    this.chest.quaternion.copy(turned);
+    this.chest.scale.set(0.95, 1, 1.25);
+    const head = local(-0.03, sway * 0.4, 1.585 + bob);
+    this.neck(local(-0.06, sway * 0.5, 1.38 + bob), head);
+    for (const mesh of [this.head, this.hair]) mesh.position.copy(head);
+    this.head.scale.set(1.02, 0.86, 1.16);
+    this.head.quaternion.copy(turned);
+    // the hair's dome opens forward and down
+    const dome = new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), Math.PI / 2);
+    const tilt = new Quaternion().setFromAxisAngle(new Vector3(0, 1, 0), -0.5);
+    this.hair.quaternion.copy(turned).multiply(tilt).multiply(dome);
+    this.hair.scale.set(1, 1.1, 0.86);
+    this.nose.position.copy(head).add(new Vector3(0.108, 0, -0.015).applyQuaternion(turned));
+    this.yoke(local(-0.058, 0.15 + sway * 0.6, SHOULDER + bob), local(-0.058, -0.15 + sway * 0.6, SHOULDER + bob));
+    const half = Math.max(0.035, this.episode.world.object_m[1] / 2);
+    for (const parts of this.sides) {
+      const { side } = parts;
+      const shoulder = local(-0.06, side * SHOULDER_HALF + sway * 0.6, SHOULDER + bob);
+      const grip = new Vector3(0, side * Math.min(half + 0.012, 0.28), 0).applyQuaternion(hand.quaternion).add(hand.position);
+      const elbow = bent(shoulder, grip, UPPER, FORE, local(-0.6, side * 0.5, 0).sub(local(0, 0, 0)));
+      parts.upper(shoulder, elbow);
+      parts.fore(elbow, grip);
+      parts.hand.position.copy(grip);
+      const foot = this.foot(side, distance);
+      const heading = new Vector3(1, 0, 0).applyQuaternion(foot.turned);
+      const ankle = foot.at.clone().setZ(ANKLE + foot.lift);
+      const hip = local(0, side * HIP_HALF + sway, HIP - 0.02 + bob);
+      const knee = bent(hip, ankle, THIGH, SHIN, heading);
+      parts.thigh(hip, knee);
+      parts.shin(knee, ankle);
+      const sole = heading.clone().multiplyScalar(0.055);
+      parts.shoe.position.copy(ankle).add(sole).add(new Vector3(0, 0, -0.03 - 0.05 * foot.pitch));
+      const along = heading.clone().multiplyScalar(Math.cos(foot.pitch)).addScaledVector(up, -Math.sin(foot.pitch));
+      parts.shoe.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), along);
+    }
+  }
+}
+
+// The joint between two bones from `a` to `b` that bends toward `pole`; straight where `b` is too far away.
+function bent(a, b, first, second, pole) {
+  const along = new Vector3().subVectors(b, a);
+  const reach = along.length();
+  along.normalize();
+  if (reach >= first + second) return a.clone().addScaledVector(along, (reach * first) / (first + second));
+  const on = (first * first - second * second + reach * reach) / (2 * reach);
+  const off = Math.sqrt(Math.max(0, first * first - on * on));
+  const aside = pole.clone().addScaledVector(along, -pole.dot(along)).normalize();
+  return a.clone().addScaledVector(along, on).addScaledVector(aside, off);
+}

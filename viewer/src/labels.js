@@ -1,0 +1,55 @@
+// Labels in the page over the scene: ends, openings and options. Each takes the first free place around its point; one
+// without any is left out.
+import { Vector3 } from "three";
+import { escaped, symbol } from "./episode.js";
+
+export class Labels {
+  constructor(folder, stage) {
+    const rank = { end: 0, opening: 1, option: 2 };
+    this.labels = stage.labels.map((label) => {
+      const element = document.createElement("div");
+      element.className = label.kind;
+      if (label.kind === "opening") {
+        element.innerHTML = `${symbol(label.name)} ${label.width.toFixed(2)} m, risk ${label.risk.toFixed(2)}`;
+        element.style.borderLeftColor = label.colour;
+      } else {
+        element.innerHTML = label.kind === "option" ? `option ${escaped(label.name)}` : escaped(label.name);
+      }
+      if (label.kind === "option") element.style.background = label.colour;
+      folder.append(element);
+      return { ...label, element, rank: rank[label.kind] };
+    });
+    this.measure();
+  }
+
+  measure() {
+    for (const label of this.labels) {
+      [label.width_px, label.height_px] = [label.element.offsetWidth, label.element.offsetHeight];
+    }
+  }
+
+  update(camera, width, height, obstructions) {
+    const shown = [...obstructions];
+    const placed = this.labels.map((label) => {
+      const seen = new Vector3().copy(label.at).project(camera);
+      return { label, seen, distance: label.at.distanceTo(camera.position) };
+    });
+    placed.sort((a, b) => a.label.rank - b.label.rank || a.distance - b.distance);
+    for (const { label, seen } of placed) {
+      const [w, h] = [label.width_px, label.height_px];
+      const [x, y] = [((seen.x + 1) / 2) * width, ((1 - seen.y) / 2) * height];
+      // the middle of the label, from its point
+      const places = label.kind === "end" ? [[0, 0]]
+        : [[0, -1.1 * h], [0, 1.1 * h], [0.6 * w, -h], [-0.6 * w, -h], [0.6 * w, h], [-0.6 * w, h], [0, -2.2 * h], [0, 2.2 * h]];
+      const boxes = places.map(([dx, dy]) => [x + dx - w / 2, y + dy - h / 2, x + dx + w / 2, y + dy + h / 2]);
+      const isIn = (b) => seen.z < 1 && b[0] > 0 && b[1] > 0 && b[2] < width && b[3] < height;
+      const isFree = (b) => isIn(b) && !shown.some((s) => s[0] < b[2] && b[0] < s[2] && s[1] < b[3] && b[1] < s[3]);
+      const box = boxes.find(isFree);
+      label.element.style.visibility = box ? "visible" : "hidden";
+      if (box) {
+        label.element.style.transform = `translate(${box[0].toFixed(1)}px, ${box[1].toFixed(1)}px)`;
+        shown.push(box);
+      }
+    }
+  }
+}

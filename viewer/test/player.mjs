@@ -1,0 +1,146 @@
+// Plays recordings in Chromium: node test/player.mjs PROGRAM. Checks that a page draws at once, plays, seeks, shows the
+// recording's figures and asks the network for nothing; writes screenshots of every camera, scheme and size.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdirSync, mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { fileURLToPath, pathToFileURL } from "node:url";
+import { chromium } from "playwright-core";
+
+const program = process.argv[2];
+const repository = fileURLToPath(new URL("../..", import.meta.url));
+const screenshots = fileURLToPath(new URL("screenshots", import.meta.url));
+const folder = mkdtempSync(join(tmpdir(), "player-"));
+const cocarry = (...words) => execFileSync(program, words, { cwd: repository, encoding: "utf8", maxBuffer: 1 << 28 });
+mkdirSync(screenshots, { recursive: true });
+
+// A table of a recording: a record for every row.
+function table(recording, channel) {
+  const cells = (row) => [...row.matchAll(/("((?:[^"]|"")*)"|[^,]*)(,|$)/g)].map(([, cell, quoted]) => quoted?.replaceAll('""', '"') ?? cell);
+  const [head, ...rows] = cocarry("inspect", recording, "--csv", channel).trim().split("\n").map(cells);
+  return rows.map((row) => Object.fromEntries(head.map((key, i) => [key, row[i]])));
+}
+
+const browser = await chromium.launch({
+  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+  args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+});
+
+async function open(page, hash, { width = 1280, height = 800, scheme = "light" } = {}) {
+  const tab = await browser.newPage({ viewport: { width, height }, colorScheme: scheme });
+  const faults = [], asked = [];
+  tab.on("pageerror", (error) => faults.push(error.stack));
+  tab.on("console", (message) => ["error"].includes(message.type()) && faults.push(message.text()));
+  tab.on("request", (request) => asked.push(request.url()));
+  await tab.goto(`${pathToFileURL(page)}#${hash}`);
+  await tab.waitForFunction(() => document.body.dataset.drawn);
+  assert.deepEqual(asked.filter((url) => !url.startsWith("file:") && !url.startsWith("data:")), [], "network requests");
+  return { tab, faults, drawn: Number(await tab.evaluate(() => document.body.dataset.drawn)) };
+}
+
+const shown = (tab, key) => tab.locator(`output[data-figure="${key}"]`).textContent();
+const clock = async (tab) => Number.parseFloat(await tab.locator("#clock").textContent());
+
+// The figures on the page at a time are those of the step in the recording.
+async function figures(tab, recording, time) {
+  await tab.locator("#time").evaluate((input, value) => {
+    input.value = value;
+    input.dispatchEvent(new Event("input"));
+  }, time);
+  const tables = ["/coordination", "/options"].map((channel) => table(recording, channel));
+  const step = Math.max(...tables[0].map((row, i) => (Number(row.time_s) <= time + 1e-9 ? i : 0)));
+  assert.equal(await shown(tab, "stubbornness"), Number(tables[0][step].stubbornness).toFixed(3));
+  for (const key of Object.keys(tables[1][step]).filter((key) => key.endsWith(".probability"))) {
+    const name = /\[(.*)\]/.exec(key)[1], recorded = tables[1][step][key];
+    const expected = recorded === "" ? "–" : Number(recorded).toFixed(3);
+    assert.equal(await shown(tab, `probability[${name}]`), expected, key);
+  }
+  if (await tab.locator('output[data-figure="hand_force_n"]').count()) {
+    const forces = table(recording, "/interaction")[step];
+    for (const key of ["grip_force_n", "hand_force_n"]) assert.equal(await shown(tab, key), Number(forces[key]).toFixed(1), key);
+  }
+  const leader = tables[0][step].mode === "human-led" ? "Human leads" : "Robot leads";
+  assert.match(await tab.locator("#leader").textContent(), new RegExp(leader));
+}
+
+async function check(name, recording) {
+  const page = join(folder, `${name}.html`);
+  cocarry("render", recording, "-o", page);
+  const { tab, faults, drawn } = await open(page, "play=0");
+  const events = table(recording, "/log");
+  const transition = events.find((event) => event.name === "mode");
+  assert.ok(transition, `${name}: the human takes the lead`);
+  const end = Number(events[events.length - 1].time_s);
+  for (const time of [0, Number(transition.time_s), 0.8 * end]) await figures(tab, recording, time);
+
+  // the transition has its sentence, and the list of events leads to it
+  await tab.locator("#events button", { hasText: "arrived" }).first().click();
+  assert.match(await tab.locator("#caption").textContent(), /arrived at B/);
+  await tab.locator("#events button", { hasText: "takes the lead" }).click();
+  assert.equal(await clock(tab), Number(transition.time_s));
+  assert.match(await tab.locator("#caption").textContent(), /the human takes the lead/);
+
+  // keys: one step, one event, the ends, speed, cameras, play and pause
+  await tab.keyboard.press("Home");
+  await tab.keyboard.press("ArrowRight");
+  assert.equal(await clock(tab), 0.2);
+  await tab.keyboard.press("ArrowLeft");
+  assert.equal(await clock(tab), 0);
+  await tab.keyboard.press("n");
+  assert.equal(await clock(tab), Number(events.find((event) => Number(event.time_s) > 0).time_s));
+  await tab.keyboard.press("End");
+  assert.ok(Math.abs((await clock(tab)) - end) < 0.051);
+  await tab.keyboard.press("ArrowUp");
+  assert.equal(await tab.locator("#speed").inputValue(), "2");
+  await tab.keyboard.press("2");
+  assert.equal(await tab.locator('[data-camera="follow"]').getAttribute("aria-pressed"), "true");
+  await tab.keyboard.press("Home");
+  await tab.keyboard.press(" ");
+  await tab.waitForFunction(() => Number.parseFloat(document.getElementById("clock").textContent) > 0.5);
+  await tab.keyboard.press(" ");
+  const stopped = await clock(tab);
+  await tab.waitForTimeout(300);
+  assert.equal(await clock(tab), stopped, "paused");
+
+  // every control has a name
+  const nameless = await tab.evaluate(() => [...document.querySelectorAll("button, input, select, canvas, svg[role=img]")]
+    .filter((e) => !e.getAttribute("aria-label") && !e.textContent.trim()).map((e) => e.outerHTML));
+  assert.deepEqual(nameless, []);
+  assert.deepEqual(faults, []);
+  await tab.close();
+  console.log(`${name}: first picture after ${drawn} ms, figures at 3 times as recorded`);
+  return { page, transition: Number(transition.time_s), drawn };
+}
+
+try {
+  const made = ["point", "kinematic"].map((plant) => {
+    const recording = join(folder, `${plant}.mcap`);
+    cocarry("run", "environment-4", "--seed", "2", "--plant", plant, "--record", recording);
+    return [plant, recording];
+  });
+  const shipped = [1, 2, 3, 4].map((n) => [`environment-${n}`, join(repository, `recordings/environment-${n}.mcap`)]);
+  const checked = {};
+  for (const [name, recording] of [...shipped, ...made]) checked[name] = await check(name, recording);
+
+  const { page, transition } = checked["environment-4"];
+  const phone = { width: 390, height: 844 };
+  for (const [name, camera, size] of [
+    ["overview", "overview", {}], ["follow", "follow", {}], ["shoulder", "shoulder", {}],
+    ["overview-dark", "overview", { scheme: "dark" }], ["follow-dark", "follow", { scheme: "dark" }],
+    ["phone", "follow", phone], ["phone-overview", "overview", phone], ["phone-dark", "shoulder", { ...phone, scheme: "dark" }],
+  ]) {
+    const { tab, faults } = await open(page, `play=0&t=${transition + 1.6}&camera=${camera}`, size);
+    const wide = await tab.evaluate(() => document.documentElement.scrollWidth <= innerWidth);
+    assert.ok(wide, `${name}: nothing is wider than the screen`);
+    await tab.waitForTimeout(600);
+    await tab.screenshot({ path: join(screenshots, `${name}.png`) });
+    assert.deepEqual(faults, []);
+    await tab.close();
+  }
+  const times = Object.values(checked).map(({ drawn }) => drawn);
+  console.log(`first pictures: ${times.join(", ")} ms; screenshots in ${screenshots}`);
+} finally {
+  await browser.close();
+  rmSync(folder, { recursive: true });
+}
