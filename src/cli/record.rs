@@ -31,11 +31,6 @@ pub(super) struct Recording<'a> {
 }
 
 impl RecordArguments {
-    /// Whether --record or --render is given.
-    pub fn is_asked_for(&self) -> bool {
-        self.files().next().is_some()
-    }
-
     /// The files to write.
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
         self.record.iter().chain(self.rendered())

@@ -67,7 +67,7 @@ impl Bench {
 }
 
 /// Commands up to the name of their output, and what they read.
-const OUTPUTS: [(&str, &str, &[&str]); 14] = [
+const OUTPUTS: [(&str, &str, &[&str]); 16] = [
     ("run world.toml --plant point --ticks ", "out.csv", &["world.toml"]),
     ("run --resume in.snapshot --ticks ", "out.jsonl", &["in.snapshot"]),
     ("run world.toml --plant point --svg ", "out.svg", &["world.toml"]),
