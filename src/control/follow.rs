@@ -202,7 +202,8 @@ mod tests {
                 }
                 base = DRIVE.roll(&base, rims.map(|rim| rim * PERIOD));
                 let off = off_the_way(&base, &way);
-                assert!(off < 0.12, "{angle}: {off} m off the way");
+                // at full speed; a team slows before a bend
+                assert!(off < 0.15, "{angle}: {off} m off the way");
                 // a body length past the corner it is back on the path
                 if walked > 2.0 {
                     assert!(off < 0.02, "{angle}: {off} m off the way, {walked} m past the corner");
