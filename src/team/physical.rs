@@ -37,9 +37,10 @@ const LAG_M: [f64; 2] = [0.01, 0.08];
 /// A robot that leads slows when the human's grip yields by the first and stops at the second, m: the human
 /// resists.
 const RESISTANCE_M: [f64; 2] = [0.03, 0.06];
-/// Rate at which the object turns on a bend, rad/s: a team slows before it, as far as a share of its speed.
-/// Behind the object the base has to go round the same bend, and the arm has to make up for both.
-const BEND_RATE: f64 = 0.4;
+/// A team slows before a bend on which the object would turn faster than this (rad/s), by the square of the
+/// ratio, but not below a share of its speed. Behind the object the base has to go round the same bend, and
+/// the arm has to make up for both.
+const BEND_RATE: f64 = 0.7;
 const BEND_LEAST_SHARE: f64 = 0.2;
 /// Distance (m) between the places where the object's turning is looked at, and their number.
 const BEND_STEP_M: f64 = 0.1;
@@ -63,7 +64,7 @@ impl Travel {
         let yaw = |i: u32| pose(BEND_STEP_M * f64::from(i)).yaw;
         let turns = (0..BEND_STEPS).map(|i| wrap_angle(yaw(i + 1) - yaw(i)).abs());
         let rate = turns.fold(0.0, f64::max) / BEND_STEP_M * walk.speed;
-        (BEND_RATE / rate).clamp(BEND_LEAST_SHARE, 1.0)
+        (BEND_RATE / rate).powi(2).clamp(BEND_LEAST_SHARE, 1.0)
     }
 
     /// Speed after one period of a team that has the speed `speed`, at most this `share` of the target speed,
