@@ -64,7 +64,8 @@ impl Travel {
         let yaw = |i: u32| pose(BEND_STEP_M * f64::from(i)).yaw;
         let turns = (0..BEND_STEPS).map(|i| wrap_angle(yaw(i + 1) - yaw(i)).abs());
         let rate = turns.fold(0.0, f64::max) / BEND_STEP_M * walk.speed;
-        (BEND_RATE / rate).powi(2).clamp(BEND_LEAST_SHARE, 1.0)
+        let ratio = BEND_RATE / rate;
+        (ratio * ratio).clamp(BEND_LEAST_SHARE, 1.0)
     }
 
     /// Speed after one period of a team that has the speed `speed`, at most this `share` of the target speed,

@@ -196,7 +196,7 @@ impl Roadmap {
         for (i, site) in sites.iter().enumerate() {
             let a = site.portal();
             graph.add_edge(nodes[i], goals[i], Way::Join { from: a, join: site.join_at_portal(a) });
-            let (others, near_discs) = reachable.from_site(i);
+            let (others, near_discs) = reachable.reached_from_site(i);
             let mut blocker = 0;
             for &j in others.iter().filter(|j| **j > i) {
                 let b = sites[j].portal();
@@ -235,7 +235,7 @@ impl Roadmap {
             }
         }
         for from in 0..2 * discs.len() {
-            let others = reachable.from_ring(from, &discs[from / 2]);
+            let others = reachable.reached_from_ring(from, &discs[from / 2]);
             let mut blocker = 0;
             for to in others.into_iter().flat_map(|disc| [2 * disc, 2 * disc + 1]) {
                 if to / 2 == from / 2 {

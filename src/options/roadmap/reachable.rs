@@ -48,7 +48,7 @@ impl Reachable {
 
     /// The sites to which lines from a site's far end may lead, and the discs to or from which lines that end
     /// at the site may lead, ascending.
-    pub fn from_site(&self, site: usize) -> (Vec<usize>, Vec<usize>) {
+    pub fn reached_from_site(&self, site: usize) -> (Vec<usize>, Vec<usize>) {
         let portal = self.portals[site];
         let farthest = self.from_portals[site];
         let mut discs = self.near_discs.meeting(around(portal, farthest));
@@ -59,7 +59,7 @@ impl Reachable {
     }
 
     /// The discs to which lines from a ring may lead, ascending.
-    pub fn from_ring(&self, ring: usize, disc: &Disc) -> Vec<usize> {
+    pub fn reached_from_ring(&self, ring: usize, disc: &Disc) -> Vec<usize> {
         self.near_discs.meeting(around(disc.center, self.from_rings[ring]))
     }
 }
