@@ -125,8 +125,11 @@ fn under_way(folder: &Path, name: &str) -> (std::process::Child, String) {
         .spawn()
         .unwrap();
     let partial = format!("{file}.partial");
+    // it begins with what comes before the first step
+    let mut begun = None;
     for _ in 0..3000 {
-        if std::fs::metadata(&partial).is_ok_and(|m| m.len() > 20_000) {
+        let length = std::fs::metadata(&partial).map_or(0, |m| m.len());
+        if length > 20_000 && length > *begun.get_or_insert(length) + 10_000 {
             return (child, file);
         }
         std::thread::sleep(Duration::from_millis(10));
