@@ -87,11 +87,22 @@ pub fn read(path: &Path) -> Result<String, FileError> {
 /// # Errors
 /// As [`read`].
 pub fn read_at_most(limit: u64, path: &Path) -> Result<String, FileError> {
-    let mut text = String::new();
-    let read = open(path).and_then(|file| file.take(limit + 1).read_to_string(&mut text));
-    let too_large = || Error::other(format!("larger than {limit} bytes"));
-    let read = read.and_then(|length| if length as u64 > limit { Err(too_large()) } else { Ok(text) });
+    let text = |bytes| String::from_utf8(bytes).map_err(|error| Error::new(ErrorKind::InvalidData, error));
+    let read = read_bytes(limit, path).and_then(text);
     read.map_err(|source| FileError::Read { file: path.display().to_string(), source })
+}
+
+/// Reads a file of at most `limit` bytes.
+///
+/// # Errors
+/// The system's, also if the file is larger or not a regular file.
+pub fn read_bytes(limit: u64, path: &Path) -> Result<Vec<u8>, Error> {
+    let mut bytes = Vec::new();
+    open(path)?.take(limit + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > limit {
+        return Err(Error::other(format!("larger than {limit} bytes")));
+    }
+    Ok(bytes)
 }
 
 /// A file's name and text.

@@ -191,6 +191,7 @@ fn as_json(world: &World, set: &OptionSet, offers: &[Offer]) -> Value {
         })).collect::<Vec<_>>(),
         "options_enumerated": world.listed_options.is_empty(),
         "options_cut": set.is_cut,
+        "search_cut": set.is_search_cut,
         "options": offers.iter().map(|o| option_json(&o.name, &o.openings, &o.option)).collect::<Vec<_>>(),
     })
 }

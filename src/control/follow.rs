@@ -45,19 +45,23 @@ impl Follower<'_> {
     /// the distance, within the limits of the rims. `rims` are the present rim speeds, m/s.
     pub fn rims(&self, drive: &Drive, base: &PlanarPose, rims: [f64; 2], period: f64) -> Rims {
         let (mut at, mut last) = (*base, rims);
-        let [mut pace, to] = self.speeds;
+        let [mut grasp_speed, to] = self.speeds;
         let mut ahead = 0.0;
         std::array::from_fn(|_| {
             let along = self.locate(at.position);
             let change = self.acceleration * period;
-            pace = if pace < to { (pace + change).min(to) } else { (pace - change).max(to) };
+            grasp_speed = if grasp_speed < to {
+                (grasp_speed + change).min(to)
+            } else {
+                (grasp_speed - change).max(to)
+            };
             // when reversing, look behind
-            let side = if pace < 0.0 { -1.0 } else { 1.0 };
+            let side = if grasp_speed < 0.0 { -1.0 } else { 1.0 };
             let goal = (self.point((along + side * LOOK_AHEAD_M).max(0.0)) - at.position) * side;
             let behind = (self.end() - at.position).norm() + ahead;
-            ahead += pace * period;
+            ahead += grasp_speed * period;
             let bearing = wrap_angle(angle_of(goal) - at.yaw);
-            let wanted = side * (pace + SPACING_GAIN * (behind - self.distance));
+            let wanted = side * (grasp_speed + SPACING_GAIN * (behind - self.distance));
             let speed = wanted.max(0.0) * math::cos(bearing).max(0.0);
             let turn = if math::cos(bearing) > 0.0 && goal.norm() > 1e-3 {
                 2.0 * math::sin(bearing) / goal.norm() * speed

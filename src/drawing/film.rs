@@ -26,7 +26,7 @@ const BESIDE: f64 = 760.0;
 const SAGITTA: f64 = 0.01;
 /// Height of the sentence above a moving picture, px.
 const CAPTION_ROOM: f64 = 30.0;
-/// Greys of robot, object and human: they differ in print, too.
+/// Colours of robot, object, human and hair. They differ in greyscale too.
 const ROBOT: &str = "#d4d9df";
 const OBJECT: &str = "#b9823f";
 const HUMAN: &str = "#2f5f9e";
@@ -117,11 +117,16 @@ struct Layout {
 impl Film<'_> {
     /// The team at `instants` times on one map, with phi beside it: the first and the last time, the
     /// transition if there is one, and others at equal distances. `width` is the layout's, px, from
-    /// [`NARROWEST`] to [`WIDEST`].
+    /// [`NARROWEST`] to [`WIDEST`]. The picture is shown `shown_width` wide, in `unit` (`in`, or `` for px).
     ///
     /// # Errors
     /// [`DrawingError`]: there is nothing to draw, or a number cannot be drawn.
-    pub fn strip(&self, instants: usize, width: f64) -> Result<String, DrawingError> {
+    pub fn strip(
+        &self,
+        instants: usize,
+        width: f64,
+        (shown_width, unit): (f64, &str),
+    ) -> Result<String, DrawingError> {
         self.check()?;
         let layout = self.layout(width, TITLE_ROOM);
         let shown = self.instants(instants);
@@ -142,7 +147,10 @@ impl Film<'_> {
         let chart = self.chart(&layout, &self.moments, marks.collect(), None);
         let (legend, bottom) = self.legend().draw(Point::new(MARGIN, layout.bottom), width - 2.0 * MARGIN);
         let frame = layout.view.frame();
+        let size = |length: f64| format!("{:.3}{unit}", length * shown_width / width);
         let picture = document_of(width, bottom)
+            .set("width", size(width))
+            .set("height", size(bottom))
             .add(self.clip(&layout))
             .add(frame_title(&self.world.name, frame.min.x, frame))
             .add(map)

@@ -1,6 +1,6 @@
 //! Planar and spatial poses and rotation vectors.
 
-use super::Point;
+use super::{Point, angle_of};
 use crate::math;
 use nalgebra::{IsometryMatrix3, Rotation3, UnitQuaternion, Vector3};
 
@@ -17,6 +17,12 @@ pub struct PlanarPose {
 }
 
 impl PlanarPose {
+    /// A pose in space, `world_from_it`, as seen from above: its position, and the heading of its x axis.
+    pub fn from_above(world_from_it: &Pose) -> Self {
+        let ahead = world_from_it.rotation * Vector3::x();
+        Self { position: world_from_it.translation.vector.xy().into(), yaw: angle_of(ahead.xy()) }
+    }
+
     /// The level pose in space at this position, `height` (m) above the floor.
     pub fn at_height(&self, height: f64) -> Pose {
         let translation = Vector3::new(self.position.x, self.position.y, height);

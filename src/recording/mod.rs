@@ -74,7 +74,7 @@ pub use ending::Ending;
 pub use error::{ReadError, RecordingError};
 #[cfg(feature = "live")]
 pub use live::{LiveError, LiveServer};
-pub use playback::{Frame, Happening, Playback};
+pub use playback::{Frame, Playback, RecordedEvent};
 pub use provenance::{METADATA, Provenance, RECOVERED, SCENARIO, scenario};
 pub use reader::{Entry, Reader, Recorded};
 pub use recorder::{FileRecorder, Recorder};

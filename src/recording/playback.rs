@@ -3,7 +3,7 @@
 
 use super::motion::{HAND, HUMAN, OBJECT, TORSO, link_frame};
 use super::{Channel, ReadError, Reader, decode, scenario};
-use crate::geometry::{Point, Pose, Vector, angle_of, direction};
+use crate::geometry::{PlanarPose, Point, Pose, direction};
 use crate::scenario::PreparedScenario;
 use crate::simulation::{TORSO_AHEAD, TORSO_HEIGHT};
 use nalgebra::{Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
@@ -24,7 +24,7 @@ pub struct Playback {
     /// The path ahead of the team, with its times (ns).
     pub ahead: Vec<(u64, Vec<Point>)>,
     /// The events, in time order.
-    pub events: Vec<Happening>,
+    pub events: Vec<RecordedEvent>,
     /// How the episode ended; `None` where the recording ends before the episode did.
     pub outcome: Option<String>,
     messages: BTreeMap<Channel, Vec<(u64, Value)>>,
@@ -48,7 +48,7 @@ pub struct Frame {
 
 /// An event of the recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Happening {
+pub struct RecordedEvent {
     /// Simulated time, ns.
     pub time: u64,
     /// Its subject: episode, human, preference, mode, option, contact or end.
@@ -100,7 +100,7 @@ impl Playback {
             let value = decode(message.channel, message.data).ok_or_else(damaged)?;
             match channel {
                 Channel::Transforms => transforms.push((time, poses(&value).ok_or_else(damaged)?)),
-                Channel::Log => events.push(Happening {
+                Channel::Log => events.push(RecordedEvent {
                     time,
                     about: value["name"].as_str().unwrap_or_default().to_owned(),
                     sentence: value["message"].as_str().ok_or_else(damaged)?.to_owned(),
@@ -182,7 +182,7 @@ impl Playback {
         let end = self.messages(Channel::Cost).last().filter(|_| arrived).map(|(time, _)| *time);
         if let (Some(end), Some(last)) = (end, frames.last()) {
             let target = self.prepared.world().target;
-            let yaw = heading(&last.object);
+            let yaw = PlanarPose::from_above(&last.object).yaw;
             frames.push(frame(end, target.x, target.y, yaw));
         }
         frames
@@ -191,17 +191,11 @@ impl Playback {
 
 /// The torso of a human whose hand is here: upright, ahead of it.
 fn torso_ahead_of(hand: &Pose) -> Pose {
-    let yaw = heading(hand);
+    let yaw = PlanarPose::from_above(hand).yaw;
     let ahead = direction(yaw) * TORSO_AHEAD;
     let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw);
     let at = hand.translation.vector + Vector3::new(ahead.x, ahead.y, 0.0);
     Pose::from_parts(Translation3::new(at.x, at.y, TORSO_HEIGHT / 2.0), turned)
-}
-
-/// The direction of a pose's x axis in the plane, rad.
-fn heading(pose: &Pose) -> f64 {
-    let turned = pose.rotation.matrix();
-    angle_of(Vector::new(turned[(0, 0)], turned[(1, 0)]))
 }
 
 /// The path ahead in a `/scene/path` message.

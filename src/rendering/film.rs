@@ -1,7 +1,7 @@
 //! An episode in the form in which pictures draw it, from its recording.
 
 use crate::drawing::{Film, Moment};
-use crate::geometry::{PlanarPose, Point, Pose, Vector, angle_of};
+use crate::geometry::PlanarPose;
 use crate::recording::{Channel, Frame, Playback};
 
 /// The base of a team that is a point is drawn with this radius, at this distance behind the object, m.
@@ -54,13 +54,13 @@ impl Steps {
         let time = frame.time as f64 / 1e9;
         let begun = self.times.partition_point(|begin| *begin <= time + 1e-6);
         let step = begun.saturating_sub(1);
-        let object = planar(&frame.object);
+        let object = PlanarPose::from_above(&frame.object);
         let half = playback.prepared.world().object.size[0] / 2.0;
         let ahead = crate::geometry::direction(object.yaw);
         let (base, grasp) = match playback.prepared.robot() {
             Some(robot) => {
-                let [base, grasp] =
-                    [robot.base_link, robot.grasp_link].map(|link| planar(&frame.links[link]));
+                let [base, grasp] = [robot.base_link, robot.grasp_link]
+                    .map(|link| PlanarPose::from_above(&frame.links[link]));
                 (base.position, grasp.position)
             }
             None => (object.position - ahead * (half + STAND_IN[1]), object.position - ahead * half),
@@ -73,17 +73,11 @@ impl Steps {
             base,
             grasp,
             object,
-            human: planar(&frame.torso),
+            human: PlanarPose::from_above(&frame.torso),
             stubbornness: self.stubbornness[step],
             human_leads: self.human_leads[step],
             probabilities: self.probabilities.get(step).cloned().unwrap_or_default(),
             sentence: sentences.join("; "),
         }
     }
-}
-
-fn planar(pose: &Pose) -> PlanarPose {
-    let (at, turned) = (pose.translation.vector, pose.rotation.matrix());
-    let yaw = angle_of(Vector::new(turned[(0, 0)], turned[(1, 0)]));
-    PlanarPose { position: Point::new(at.x, at.y), yaw }
 }

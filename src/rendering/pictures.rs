@@ -16,7 +16,7 @@ const RESOLUTION: f64 = 300.0;
 /// Width of the layout per inch, px: type is 16.5 px high, which is 7.2 pt.
 const LAYOUT_PER_INCH: f64 = 16.5 * 72.0 / 7.2;
 /// A moving picture shows the recording at twice its speed, in hundredths of a second for a second.
-const PACE: f64 = 50.0;
+const SPEED: f64 = 50.0;
 /// The time for which the last picture stays, hundredths of a second.
 const STAY: u16 = 250;
 /// The number of colours of a moving picture, besides the transparent one.
@@ -44,6 +44,14 @@ impl Width {
         width.clamp(NARROWEST, WIDEST)
     }
 
+    /// Value and unit, as SVG writes them.
+    fn shown(self) -> (f64, &'static str) {
+        match self {
+            Self::Pixels(pixels) => (f64::from(pixels), ""),
+            Self::Inches(inches) => (inches, "in"),
+        }
+    }
+
     /// The width of an image, px.
     fn pixels(self) -> f64 {
         match self {
@@ -58,23 +66,7 @@ impl Width {
 /// # Errors
 /// [`RenderError::Drawing`].
 pub fn filmstrip_svg(playback: &Playback, instants: usize, width: Width) -> Result<String, RenderError> {
-    let layout = width.layout();
-    let svg = film(playback).strip(instants, layout)?;
-    // the first width is the document's
-    let (unit, value) = match width {
-        Width::Pixels(pixels) => ("", f64::from(pixels)),
-        Width::Inches(inches) => ("in", inches),
-    };
-    let sized = |svg: String, name: &str| -> Option<String> {
-        let (before, rest) = svg.split_once(&format!("{name}=\""))?;
-        let (old, after) = rest.split_once('"')?;
-        let new = old.parse::<f64>().ok()? * value / layout;
-        Some(format!("{before}{name}=\"{new:.3}{unit}\"{after}"))
-    };
-    let begin = svg.find('>').unwrap_or(0);
-    let (head, body) = svg.split_at(begin);
-    let head = sized(head.to_owned(), "height").and_then(|head| sized(head, " width"));
-    Ok(head.unwrap_or_default() + body)
+    Ok(film(playback).strip(instants, width.layout(), width.shown())?)
 }
 
 /// The filmstrip as a PNG file.
@@ -82,7 +74,7 @@ pub fn filmstrip_svg(playback: &Playback, instants: usize, width: Width) -> Resu
 /// # Errors
 /// [`RenderError`]: it cannot be drawn, or is too large.
 pub fn filmstrip_png(playback: &Playback, instants: usize, width: Width) -> Result<Vec<u8>, RenderError> {
-    let svg = film(playback).strip(instants, width.layout())?;
+    let svg = film(playback).strip(instants, width.layout(), width.shown())?;
     let picture = raster(&svg, width.pixels())?;
     picture.encode_png().map_err(|error| RenderError::Image(error.to_string()))
 }
@@ -111,7 +103,7 @@ pub fn moving_gif(playback: &Playback, width: Width) -> Result<Vec<u8>, RenderEr
         Encoder::new(&mut file, side(breadth)?, side(height)?, &palette.colours).map_err(image)?;
     encoder.set_repeat(Repeat::Infinite).map_err(image)?;
     let mut before: Option<Vec<u8>> = None;
-    let begin = |at: usize| (PACE * film.moments[at].time).round();
+    let begin = |at: usize| (SPEED * film.moments[at].time).round();
     for (i, &at) in shown.iter().enumerate() {
         let now = palette.indexed(&picture(at)?);
         let mut frame = palette.changed(before.as_deref(), &now, breadth as usize);

@@ -3,10 +3,13 @@
 use super::RenderError;
 use crate::drawing::{option_colour, option_dash, risk_colour};
 use crate::geometry::{Footprint, Point, Pose};
+use crate::located;
 use crate::quantities::{COORDINATION, COST, INTERACTION, Kind, Quantity};
 use crate::recording::{Channel, Frame, Playback};
 use crate::robot::{Geometry, Link, Robot, Shape};
 use crate::world::World;
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD as STANDARD;
 use nalgebra::UnitQuaternion;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -16,6 +19,8 @@ use std::path::{Path, PathBuf};
 const PAGE: &str = include_str!("../../assets/player.html");
 /// The place of the episode in the page.
 const PLACE: &str = "__EPISODE__";
+/// The largest mesh file, bytes: the page carries it.
+const LARGEST_MESH: u64 = 64 << 20;
 /// The largest distance of a drawn arc from its chords, m.
 const SAGITTA: f64 = 0.01;
 
@@ -243,9 +248,9 @@ impl Meshes {
         if !["stl", "obj", "dae"].contains(&&*format) {
             return Err(RenderError::MeshFormat { file: file.to_owned() });
         }
-        let bytes = std::fs::read(file);
+        let bytes = located::read_bytes(LARGEST_MESH, file);
         let bytes = bytes.map_err(|source| RenderError::Mesh { file: file.to_owned(), source })?;
-        self.data.push(json!({ "format": format, "base64": base64(&bytes) }));
+        self.data.push(json!({ "format": format, "base64": STANDARD.encode(&bytes) }));
         self.known.insert(file.to_owned(), self.data.len() - 1);
         Ok(self.data.len() - 1)
     }
@@ -275,29 +280,9 @@ fn shape(geometry: &Geometry, meshes: &mut Meshes) -> Result<Value, RenderError>
     Ok(drawn)
 }
 
-/// Bytes as base64 (RFC 4648).
-fn base64(bytes: &[u8]) -> String {
-    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for chunk in bytes.chunks(3) {
-        let group = chunk.iter().fold(0u32, |sum, &b| sum << 8 | u32::from(b)) << (8 * (3 - chunk.len()));
-        for i in 0..4 {
-            let letter = char::from(LETTERS[(group >> (18 - 6 * i)) as usize & 63]);
-            text.push(if i <= chunk.len() { letter } else { '=' });
-        }
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn closed_form_base64_is_that_of_the_standard() {
-        let cases = [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")];
-        cases.iter().for_each(|(bytes, text)| assert_eq!(base64(bytes.as_bytes()), *text));
-    }
 
     #[test]
     fn the_page_has_one_place_for_the_episode() {

@@ -3,7 +3,7 @@
 
 use super::carrying::{Bodies, Manipulator, Moved, PathAhead};
 use super::team_path::{BODY_ROOM_M, FreeSpace, TeamPath, Turned, WALKS_AHEAD_M};
-use super::tick::{PhysicsTick, object_on_floor, on_floor};
+use super::tick::{PhysicsTick, on_floor};
 use super::{Situation, Step, Travel, Walk};
 use crate::control::{Candidate, Follower, HORIZON, Intent, Reference, Rims, RobotObstacles, reference};
 use crate::coordination::Mode;
@@ -61,8 +61,11 @@ impl Travel {
         if self == Self::Backward {
             return 1.0;
         }
-        let yaw = |i: u32| pose(BEND_STEP_M * f64::from(i)).yaw;
-        let turns = (0..BEND_STEPS).map(|i| wrap_angle(yaw(i + 1) - yaw(i)).abs());
+        let mut yaw = pose(0.0).yaw;
+        let turns = (1..=BEND_STEPS).map(|i| {
+            let before = std::mem::replace(&mut yaw, pose(BEND_STEP_M * f64::from(i)).yaw);
+            wrap_angle(yaw - before).abs()
+        });
         let rate = turns.fold(0.0, f64::max) / BEND_STEP_M * walk.speed;
         let ratio = BEND_RATE / rate;
         (ratio * ratio).clamp(BEND_LEAST_SHARE, 1.0)
@@ -201,7 +204,7 @@ impl Physical {
 
     /// The pose that the object would have if its end were at the hand.
     fn held_by_hand(&self) -> PlanarPose {
-        let yaw = object_on_floor(&self.state.seen.object).yaw;
+        let yaw = PlanarPose::from_above(&self.state.seen.object).yaw;
         let hand = PlanarPose { position: self.hand(), yaw };
         PlanarPose { position: self.state.team_path.end(&hand, -1.0).position, yaw }
     }
@@ -284,7 +287,7 @@ impl Bodies for Physical {
     /// which the robot led the team.
     fn observed_speed(&self, intent: &Intent, travel: Travel, walk: &Walk) -> f64 {
         let Some(speed) = intent.speed() else { return self.state.path_speed };
-        let ahead = direction(object_on_floor(&self.state.seen.object).yaw);
+        let ahead = direction(PlanarPose::from_above(&self.state.seen.object).yaw);
         match travel {
             Travel::Forward => speed.copysign(intent.moved().dot(&ahead)),
             // before reversing, the team brakes
@@ -375,7 +378,7 @@ impl Bodies for Physical {
         let State { plant, team_path, path_position, path_speed, goal, seen } = &mut self.state;
         plant.face(Some(facing));
         *seen = plant.step(&(target.rates + input), &command, walk.period);
-        let object = object_on_floor(&seen.object);
+        let object = PlanarPose::from_above(&seen.object);
         let along =
             team_path.locate(step.path, object.position, step.from, *path_position, *path_speed < 0.0);
         let grasp = team_path.end(goal, -1.0).at_height(self.height);

@@ -1,7 +1,7 @@
 //! The robot's part of one control period, as data.
 
 use crate::control::SolveOutcome;
-use crate::geometry::{PlanarPose, Point, Pose, angle_of};
+use crate::geometry::{PlanarPose, Point, Pose};
 use crate::robot::{Configuration, InputVector};
 use crate::simulation::{BodyKind, Clearance, Observation};
 use serde::{Deserialize, Serialize};
@@ -81,9 +81,9 @@ impl PhysicsTick {
         let near = &seen.clearances;
         let distance = |c: &Option<Clearance>| c.as_ref().map_or(f64::INFINITY, |c| c.distance);
         Self {
-            object: object_on_floor(&seen.object),
+            object: PlanarPose::from_above(&seen.object),
             hand: seen.hand_planar,
-            torso: object_on_floor(&seen.torso),
+            torso: PlanarPose::from_above(&seen.torso),
             grip_force: seen.grip.rms,
             hand_force: seen.hand_grip.rms,
             peak_force: seen.grip.peak.max(seen.hand_grip.peak),
@@ -150,10 +150,4 @@ impl RobotTick {
 /// Position seen from above, m.
 pub(super) fn on_floor(world_from_it: &Pose) -> Point {
     world_from_it.translation.vector.xy().into()
-}
-
-/// Position of the object's centre and its heading, seen from above.
-pub(super) fn object_on_floor(world_from_object: &Pose) -> PlanarPose {
-    let ahead = world_from_object.rotation * nalgebra::Vector3::x();
-    PlanarPose { position: on_floor(world_from_object), yaw: angle_of(ahead.xy()) }
 }

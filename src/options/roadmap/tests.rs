@@ -2,6 +2,7 @@
 //! sides.
 
 use super::*;
+use crate::geometry::Path;
 use crate::geometry::{Footprint, Vector, direction};
 use crate::math;
 use rand::RngExt;

@@ -12,9 +12,9 @@
 //! | `console` | the command behind `$` is run; the block must be its output |
 //! | anything else | nothing |
 //!
-//! `` `cocarry ...` `` within a sentence is parsed. Comments above and behind commands are checked by [`CLAIMS`]. A
-//! picture whose file name a command of the page has written must be that file. With the environment variable
-//! [`UPDATE`], outputs, pictures and the pages of [`reference`] are written anew instead.
+//! `` `cocarry ...` `` within a sentence is parsed. Comments above and behind commands are checked by
+//! [`CLAIMS`]. A picture whose file name a command of the page has written must be that file. With the
+//! environment variable [`UPDATE`], outputs, pictures and the pages of [`reference`] are written anew instead.
 
 mod links;
 mod reference;

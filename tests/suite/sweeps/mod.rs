@@ -3,6 +3,7 @@
 
 mod preference_changes;
 mod studies;
+mod summary;
 
 use crate::support::{cocarry, json, repository, stderr, stdout};
 use cocarry::quantities::EPISODE;
@@ -366,124 +367,6 @@ fn changed_values_in_kept_rows_are_refused() {
     }
     bench.good(&["study.toml", "--shard", "1/2", "--out", "half.csv", "--overwrite"]);
     assert!(bench.read("half.csv") == text.as_bytes());
-}
-
-/// The table against the definitions, from the rows.
-#[test]
-fn the_summary_is_that_of_the_rows() {
-    let bench = Bench::new(STUDY);
-    let told = bench.good(&["study.toml", "--json"]);
-    let told: Value = serde_json::from_slice(&told.stdout).expect("JSON");
-    let again = bench.good(&["--summary", "study.csv", "--json"]);
-    assert_eq!(told, serde_json::from_slice::<Value>(&again.stdout).expect("JSON"));
-    let summary = &told["summary"];
-    assert_eq!(
-        summary["varied"],
-        serde_json::json!(["world", "humans", "humans_alpha", "humans_gamma", "eta", "method"])
-    );
-    assert_eq!(summary["groups"].as_array().map(Vec::len), Some(16));
-    let rows = bench.rows("study.csv");
-    let costs = |method: &str| -> Vec<f64> {
-        let is_of = |row: &&Row| {
-            row["world"] == "environment-4"
-                && row["eta"] == "5"
-                && row["humans"] == "all"
-                && row["method"] == method
-        };
-        let cost = |row: &Row| row["accumulated_objective_cost_m"].parse().expect("a number");
-        rows.iter().filter(is_of).map(cost).collect()
-    };
-    let (mutual, without) = (costs("mutual"), costs("without-model"));
-    let is_same = |inputs: &Value| {
-        [("world", "environment-4"), ("eta", "5"), ("humans", "all")].iter().all(|(key, v)| inputs[key] == *v)
-    };
-    let groups = summary["groups"].as_array().expect("groups");
-    let group =
-        groups.iter().find(|g| is_same(&g["inputs"]) && g["inputs"]["method"] == "mutual").expect("a group");
-    let near = |value: &Value, expected: f64| {
-        let value = value.as_f64().unwrap_or_else(|| panic!("{value}"));
-        assert!((value - expected).abs() <= 1e-9 * expected.abs(), "{value} and {expected}");
-    };
-    let (mean, std) = mean_and_std(&mutual);
-    let estimate = &group["accumulated_objective_cost_m"];
-    near(&estimate["mean"], mean);
-    near(&estimate["std"], std);
-    // t(0.975, 5) = 2.5706
-    let half = 2.570_582 * std / 6f64.sqrt();
-    assert!((estimate["interval"][1].as_f64().expect("a number") - mean - half).abs() < 1e-5 * half);
-    let compared = summary["comparisons"].as_array().expect("comparisons");
-    let pair = compared.iter().find(|c| is_same(&c["inputs"])).expect("a comparison");
-    assert_eq!((&pair["first"], &pair["second"]), (&"mutual".into(), &"without-model".into()));
-    near(&pair["difference"]["mean"], mean - mean_and_std(&without).0);
-    let paired = &pair["difference"];
-    near(&paired["p_value"], paired_p_value(&mutual, &without).expect("a p-value"));
-    near(&paired["effect_size"], paired["mean"].as_f64().unwrap() / paired["std"].as_f64().unwrap());
-    let lower = mutual.iter().zip(&without).filter(|(a, b)| a < b).count();
-    near(&pair["share_lower"], lower as f64 / 6.0);
-}
-
-/// Holm's correction against its definition, for all comparisons of a summary; humans who are all the same
-/// are one outcome.
-#[test]
-fn comparisons_are_corrected_and_only_made_where_humans_differ() {
-    let bench = Bench::new(STUDY);
-    let output = bench.good(&["study.toml", "--json"]);
-    let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    let compared = told["summary"]["comparisons"].as_array().expect("comparisons");
-    let of = |c: &Value, key: &str| c["difference"][key].as_f64();
-    let mut tested: Vec<[f64; 2]> =
-        compared.iter().filter_map(|c| Some([of(c, "p_value")?, of(c, "p_holm")?])).collect();
-    tested.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    assert!(tested.len() > 2);
-    let mut largest = 0.0_f64;
-    for (i, [p, holm]) in tested.iter().enumerate() {
-        largest = largest.max((p * (tested.len() - i) as f64).min(1.0));
-        assert_eq!(*holm, largest);
-    }
-    let mut alike = 0;
-    for c in compared.iter().filter(|c| c["inputs"]["humans"] == "same") {
-        assert_eq!(c["difference"]["n"], 6);
-        for key in ["interval", "effect_size", "p_value", "p_holm"] {
-            assert!(c["difference"][key].is_null(), "{c}");
-        }
-        alike += 1;
-    }
-    assert_eq!(alike, 4);
-    let said = stdout(&bench.good(&["--summary", "study.csv"]));
-    let said_of = format!("Holm's method for the {} comparisons tested", tested.len());
-    assert!(said.contains(&said_of) && said.contains("all humans make the same choices"), "{said}");
-}
-
-/// With bodies, humans who all go the same way still cost differently, by the noise of their gait: that is no
-/// sample of humans.
-#[test]
-fn the_noise_of_the_gait_is_not_tested() {
-    let study = r#"worlds = "environment-1"
-plants = "rapier"
-methods = "human-led"
-pose = ["none", "arm"]
-seeds = 3
-[[human]]
-name = "same"
-alpha = 0.747
-gamma = 0.765
-"#;
-    let bench = Bench::new(study);
-    let output = bench.good(&["study.toml", "--json"]);
-    let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    let compared = told["summary"]["comparisons"].as_array().expect("comparisons");
-    let control = compared.iter().find(|c| c["cost"] == "accumulated_control_cost").expect("a comparison");
-    let paired = &control["difference"];
-    assert!(paired["n"] == 3 && paired["std"].as_f64().expect("noise") > 0.0, "{paired}");
-    for key in ["interval", "effect_size", "p_value", "p_holm"] {
-        assert!(paired[key].is_null(), "{paired}");
-    }
-    for group in told["summary"]["groups"].as_array().expect("groups") {
-        assert!(
-            group["accumulated_control_cost"]["interval"].is_null()
-                && group["accumulated_control_cost"]["std"].is_f64()
-        );
-    }
 }
 
 #[test]
