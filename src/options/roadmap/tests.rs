@@ -5,6 +5,8 @@ use super::*;
 use crate::geometry::Path;
 use crate::geometry::{Footprint, Vector, direction};
 use crate::math;
+use crate::options::passages;
+use crate::world::World;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -143,4 +145,69 @@ fn issue_a_team_too_near_to_an_obstacle_still_finds_its_way() {
     let near = ends[1] - Vector::new(0.0, 1.7);
     assert!((roadmap.leg(near, 1).length - 1.7).abs() < 1e-12);
     assert!(roadmap.leg(near, 0).length.is_finite());
+}
+
+/// A walled field crowded with boxes and cylinders: most gaps are too narrow.
+fn crowded_world(rng: &mut ChaCha8Rng) -> World {
+    use std::fmt::Write;
+    let (columns, pitch) = (10, 1.0);
+    let mut text =
+        "name = \"crowded\"\nrobot_width_m = 0.5\nstart_m = [-1, 6]\ntarget_m = [14, 6]\n".to_owned();
+    for i in 0..columns * columns {
+        let mut around = |k: usize| pitch * (k as f64 + rng.random_range(0.3..0.7));
+        let [x, y] = [around(i % columns), around(i / columns)];
+        let shape = match rng.random_bool(0.5) {
+            true => format!("shape = \"cylinder\"\nradius_m = {:.3}", rng.random_range(0.2..0.6)),
+            false => format!(
+                "shape = \"box\"\nsize_m = [{:.3}, {:.3}]\nyaw_deg = {:.1}",
+                rng.random_range(0.3..1.1),
+                rng.random_range(0.3..1.1),
+                rng.random_range(0.0..90.0)
+            ),
+        };
+        let place = format!("center_m = [{x:.3}, {y:.3}]\nheight_m = 1\n{shape}");
+        writeln!(text, "[[obstacle]]\nname = \"o{i}\"\n{place}").unwrap();
+    }
+    World::parse("crowded", &text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The lines that are left out, because something hides the end, against all lines.
+#[test]
+fn oracle_no_line_is_missed_behind_what_hides_the_rest_of_a_view() {
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    for _ in 0..3 {
+        let world = crowded_world(&mut rng);
+        let barriers: Vec<[Point; 2]> = world.openings.iter().map(|gap| gap.ends).collect();
+        let closed: Vec<[Point; 2]> = world.closed_gaps().iter().map(|gap| gap.ends).collect();
+        let obstacles = world.obstacles.len();
+        // without closed gaps every view counts as open
+        assert!(
+            barriers.len() < obstacles && barriers.len() + closed.len() >= obstacles,
+            "{} openings, {} closed gaps",
+            barriers.len(),
+            closed.len()
+        );
+        let space =
+            || Space::new(world.obstacles.iter().map(|o| o.footprint.clone()), barriers.clone(), CLEARANCE);
+        let sites: Vec<Straight> = passages(&world, &space())
+            .iter()
+            .enumerate()
+            .flat_map(|(i, passage)| [0, 1].map(|side| passage.straight(i, side)))
+            .chain([Straight::from(world.start), Straight::from(world.target)])
+            .collect();
+        let [fast, all] = [&closed[..], &[]].map(|closed| Roadmap::new(space(), &sites, closed).unwrap());
+        assert_eq!(fast.graph.edge_count(), all.graph.edge_count(), "a line is missing");
+        let discs = &all.discs;
+        let lines = [&closed[..], &[]].map(|closed| Reachable::new(&space(), discs, &sites, closed).lines());
+        assert!(lines[0] < lines[1] / 2, "{lines:?}");
+        let mut found = 0;
+        for to in 0..sites.len() {
+            for from in 0..sites.len() {
+                let [a, b] = [&fast, &all].map(|roadmap| roadmap.between(from, to));
+                assert_eq!([a.length, a.depth], [b.length, b.depth], "from {from} to {to}");
+                found += usize::from(a.length.is_finite());
+            }
+        }
+        assert!(found > 2 * sites.len(), "{found} paths between {} sites", sites.len());
+    }
 }
