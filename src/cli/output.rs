@@ -206,3 +206,15 @@ impl Progress {
         self.bar.finish_and_clear();
     }
 }
+
+/// Does work of unknown length. A line with the time spent appears after two seconds, and only if standard
+/// error is a terminal.
+pub(super) fn patiently<T>(what: &str, work: impl FnOnce() -> T) -> T {
+    let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
+    let line = ProgressBar::new_spinner().with_message(what.to_owned());
+    line.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+    line.enable_steady_tick(Duration::from_secs(2));
+    let result = work();
+    line.finish_and_clear();
+    result
+}

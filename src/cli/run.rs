@@ -3,7 +3,9 @@
 use super::episode_report::EpisodeReport;
 use super::interrupt::Interrupt;
 use super::live::LiveArguments;
-use super::output::{Failure, OverwriteArguments, Progress, print, print_json, tell, warn, write_file};
+use super::output::{
+    Failure, OverwriteArguments, Progress, patiently, print, print_json, tell, warn, write_file,
+};
 use super::record::RecordArguments;
 use super::scenario::ScenarioArguments;
 use super::serving::Serving;
@@ -92,7 +94,7 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     };
     let resumed = state.as_ref().map(State::steps);
     let refused = |error| arguments.snapshots.refused(error);
-    let stage = scenario.prepare().map_err(refused)?;
+    let stage = patiently("preparing the world", || scenario.prepare()).map_err(refused)?;
     stage.slow_drive().iter().for_each(warn);
     let episode = match state {
         None => stage.episode(),

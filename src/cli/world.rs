@@ -2,8 +2,8 @@
 
 use super::model::{ModelArguments, load_world};
 use super::output::{
-    Failure, OPTION_HEADINGS, OverwriteArguments, input, option_json, print, print_json, table, table_text,
-    write_file,
+    Failure, OPTION_HEADINGS, OverwriteArguments, input, option_json, patiently, print, print_json, table,
+    table_text, write_file,
 };
 use crate::drawing;
 use crate::episode::{OptionTick, prospects};
@@ -46,9 +46,12 @@ pub(super) fn run(arguments: &WorldArguments) -> Result<ExitCode, Failure> {
     let inputs = [Some(&arguments.world), arguments.model.belief.belief_samples.as_ref()];
     let inputs = inputs.into_iter().flatten().map(PathBuf::as_path);
     let outputs = arguments.overwrite.outputs(inputs, &arguments.svg)?;
-    let world = load_world(&arguments.world)?;
     let mut predictor = arguments.model.predictor()?;
-    let set = OptionSet::new(&world, predictor.risk_weight()).map_err(input)?;
+    let (world, set) = patiently("searching for the path options", || {
+        let world = load_world(&arguments.world)?;
+        let set = OptionSet::new(&world, predictor.risk_weight()).map_err(input)?;
+        Ok((world, set))
+    })?;
     let offers = offers(&world, &set, &mut predictor);
     if let Some(path) = &arguments.svg {
         let probabilities: Vec<f64> = offers.iter().map(|o| o.option.probability).collect();

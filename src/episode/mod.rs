@@ -162,8 +162,8 @@ impl<'a> Episode<'a> {
     /// first step. `seed` determines the gait.
     ///
     /// # Errors
-    /// [`PhysicsError`] if the team does not fit at its start, the human has no room at the end of an option,
-    /// or a setting is out of its range.
+    /// [`PhysicsError`] if the team does not fit at its start, the robot has no room on its way to the start or
+    /// the human at the end of an option, or a setting is out of its range.
     pub fn with_physics(
         mut self,
         manipulator: Manipulator<'a>,
@@ -171,8 +171,8 @@ impl<'a> Episode<'a> {
         physics: &PhysicsSettings,
         seed: u64,
     ) -> Result<Self, PhysicsError> {
-        let (start, walk) = (self.starting_pose(), self.walk_settings());
-        self.team = crate::team::physical(manipulator, walk, self.options, start, world, physics, seed)?;
+        let (first, walk) = (self.planned().route.path, self.walk_settings());
+        self.team = crate::team::physical(manipulator, walk, self.options, &first, world, physics, seed)?;
         Ok(self)
     }
 
@@ -185,9 +185,14 @@ impl<'a> Episode<'a> {
 
     /// The starting pose of the team, which faces its first path.
     fn starting_pose(&self) -> PlanarPose {
+        PlanarPose { position: self.progress.position, yaw: self.planned().tick.heading }
+    }
+
+    /// The same episode after its first step.
+    fn planned(&self) -> Self {
         let mut planned = self.clone();
         planned.step();
-        PlanarPose { position: self.progress.position, yaw: planned.tick.heading }
+        planned
     }
 
     fn walk_settings(&self) -> Walk {

@@ -1,6 +1,7 @@
 //! Enumeration of options: the cheapest sequences of openings from the start to the target that enter no
 //! region twice.
 
+use super::error::TooMuch;
 use super::passage::{Crossing, Passage};
 use super::regions::on_routes;
 use super::roadmap::Roadmap;
@@ -12,6 +13,9 @@ use std::rc::Rc;
 
 /// The number of partial sequences after which the search stops and reports that it is cut.
 const MOST_EXPANDED: usize = 200_000;
+
+/// The largest number of places from which shortest paths to exits are searched: about a minute of work.
+const MOST_SEARCHED: u64 = 100_000_000;
 
 /// The result of the search.
 #[derive(Default)]
@@ -51,18 +55,21 @@ const BOUND_ROUNDING_M: f64 = 1e-9;
 /// each passage, with regions entered twice allowed. The search stops after [`MOST_EXPANDED`] partial
 /// sequences. If it has found no option by then, it takes the path of its bounds. The paths that it may use
 /// are added to `stages`.
+///
+/// # Errors
+/// [`TooMuch`]: there are too many paths between openings to be searched.
 pub(super) fn cheapest(
-    roadmap: &Roadmap,
+    roadmap: &mut Roadmap,
     passages: &[Passage],
     stages: &mut Stages,
     limit: usize,
     risk_weight: f64,
-) -> Found {
+) -> Result<Found, TooMuch> {
     if stages.between(roadmap, START, TARGET).length().is_finite() {
-        return Found { options: vec![Vec::new()], ..Found::default() };
+        return Ok(Found { options: vec![Vec::new()], ..Found::default() });
     }
     let layout = Layout::new(roadmap, passages.len());
-    layout.tabulate(roadmap, stages);
+    layout.tabulate(roadmap, stages)?;
     let search = Search::new(&layout, roadmap, passages, stages, risk_weight);
     let mut queue = BinaryHeap::new();
     queue.push(Partial { bound: 0.0, length: 0.0, safe: 1.0, last: None, arrived: false });
@@ -87,7 +94,7 @@ pub(super) fn cheapest(
         queue.extend(search.onward(&partial));
     }
     found.is_cut |= found.is_search_cut;
-    found
+    Ok(found)
 }
 
 /// The regions that an option may enter, and the crossings between them.
@@ -133,13 +140,23 @@ impl Layout {
     }
 
     /// Adds the paths within every region that an option may take to `stages`.
-    fn tabulate(&self, roadmap: &Roadmap, stages: &mut Stages) {
-        for (out, entries) in self.out.iter().zip(&self.entries) {
+    fn tabulate(&self, roadmap: &mut Roadmap, stages: &mut Stages) -> Result<(), TooMuch> {
+        let to_target = (&self.entries[self.regions[TARGET]], TARGET);
+        let legs = self.out.iter().zip(&self.entries).flat_map(|(out, entries)| {
             let mut exits: Vec<usize> = out.iter().map(|&crossing| before(crossing)).collect();
             exits.sort_unstable();
-            stages.tabulate(roadmap, entries, &exits);
+            exits.into_iter().map(move |exit| (entries, exit))
+        });
+        let legs: Vec<_> = legs.chain([to_target]).filter(|(entries, _)| !entries.is_empty()).collect();
+        let found = legs.iter().map(|(_, to)| roadmap.places_around(*to)).sum();
+        if found > MOST_SEARCHED {
+            return Err(TooMuch::Searched { found, most: MOST_SEARCHED });
         }
-        stages.tabulate(roadmap, &self.entries[self.regions[TARGET]], &[TARGET]);
+        for (entries, to) in legs {
+            stages.tabulate(roadmap, entries, to);
+            roadmap.forget_paths_to(to);
+        }
+        Ok(())
     }
 }
 

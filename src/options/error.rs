@@ -23,17 +23,15 @@ pub enum OptionError {
     },
     /// Too many obstacles have an open view of each other.
     #[error(
-        "{file}: {obstacles} obstacles are too many for so open a world: {lines} straight lines between their corners would have to be tried, and at most {most} are; use fewer obstacles, or fewer corners (a cylinder has none)"
+        "{file}: {obstacles} obstacles are too many for so open a world: {work}; use fewer obstacles, or fewer corners (a cylinder has none)"
     )]
     TooOpen {
         /// The world file.
         file: String,
         /// The number of obstacles.
         obstacles: usize,
-        /// The number of lines.
-        lines: u64,
-        /// The largest number of lines that are tried.
-        most: u64,
+        /// What would take too long.
+        work: TooMuch,
     },
     /// A listed option is not walkable.
     #[error(
@@ -52,6 +50,33 @@ pub enum OptionError {
         to: String,
         /// Half of the robot's width, m.
         clearance: f64,
+    },
+}
+
+/// A part of the search for options that would take too long, or too much memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum TooMuch {
+    /// Straight lines between corners of obstacles to be tried.
+    #[error("{found} straight lines between their corners would have to be tried, and at most {most} are")]
+    Tried {
+        /// Their number.
+        found: u64,
+        /// The largest number.
+        most: u64,
+    },
+    /// Straight lines and arcs that paths may follow.
+    #[error("paths may follow more than {most} straight lines between their corners")]
+    Clear {
+        /// The largest number.
+        most: u64,
+    },
+    /// Ends of lines from which paths to the openings are searched.
+    #[error("paths to the openings would be searched from {found} places, and at most {most} are")]
+    Searched {
+        /// Their number.
+        found: u64,
+        /// The largest number.
+        most: u64,
     },
 }
 

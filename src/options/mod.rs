@@ -16,7 +16,7 @@ mod sites;
 mod stage;
 mod trajectory;
 
-pub use error::{Blockage, OptionError};
+pub use error::{Blockage, OptionError, TooMuch};
 pub use passage::Crossing;
 pub use path_option::PathOption;
 pub use progress::Progress;
@@ -27,7 +27,7 @@ use crate::world::{ListedOption, Opening, World};
 use passage::{Exit, Passage};
 use path_option::After;
 use progress::Rest;
-use roadmap::{MOST_LINES, Roadmap, Space, Straight};
+use roadmap::{Roadmap, Space, Straight};
 use serde::{Deserialize, Serialize};
 use sites::{START, TARGET, before, beyond, site};
 use stage::Stages;
@@ -91,12 +91,9 @@ impl OptionSet {
         let straights = passages.iter().enumerate().flat_map(|(i, p)| [0, 1].map(|side| p.straight(i, side)));
         let ends = [world.start, world.target].map(Straight::from);
         let sites: Vec<Straight> = ends.into_iter().chain(straights).collect();
-        let roadmap = Roadmap::new(space, &sites, &closed).map_err(|lines| OptionError::TooOpen {
-            file: world.file.clone(),
-            obstacles: world.obstacles.len(),
-            lines,
-            most: MOST_LINES,
-        })?;
+        let too_open =
+            |work| OptionError::TooOpen { file: world.file.clone(), obstacles: world.obstacles.len(), work };
+        let roadmap = Roadmap::new(space, &sites, &closed).map_err(too_open)?;
         let mut set = Self {
             roadmap,
             passages,
@@ -109,7 +106,8 @@ impl OptionSet {
         };
         if world.listed_options.is_empty() {
             let Self { roadmap, passages, stages, .. } = &mut set;
-            let found = enumerate::cheapest(roadmap, passages, stages, world.option_limit, risk_weight);
+            let found = enumerate::cheapest(roadmap, passages, stages, world.option_limit, risk_weight)
+                .map_err(too_open)?;
             set.is_cut = found.is_cut;
             set.is_search_cut = found.is_search_cut;
             set.tabulate(found.options.iter().flatten().map(|crossing| crossing.opening));
@@ -140,7 +138,8 @@ impl OptionSet {
     fn tabulate(&mut self, openings: impl Iterator<Item = usize>) {
         let sides: BTreeSet<usize> = openings.flat_map(|o| [0, 1].map(|side| site(o, side))).collect();
         let with = |end: usize| sides.iter().copied().chain([end]).collect::<Vec<_>>();
-        self.stages.tabulate(&self.roadmap, &with(START), &with(TARGET));
+        let from = with(START);
+        with(TARGET).into_iter().for_each(|to| self.stages.tabulate(&self.roadmap, &from, to));
     }
 
     /// The options, in file order or cheapest first. Never empty.

@@ -44,16 +44,14 @@ pub(super) struct Stages {
 }
 
 impl Stages {
-    /// Adds the paths from each of `from` to each of `to` to the table.
-    pub fn tabulate(&mut self, roadmap: &Roadmap, from: &[usize], to: &[usize]) {
+    /// Adds the paths from each of `from` to `to` to the table.
+    pub fn tabulate(&mut self, roadmap: &Roadmap, from: &[usize], to: usize) {
         for &from in from {
             if self.rows.len() <= from {
                 self.rows.resize(from + 1, Vec::new());
             }
-            for &to in to {
-                if let Err(place) = self.rows[from].binary_search_by_key(&to, |(to, _)| *to) {
-                    self.rows[from].insert(place, (to, stage(roadmap, from, to)));
-                }
+            if let Err(place) = self.rows[from].binary_search_by_key(&to, |(to, _)| *to) {
+                self.rows[from].insert(place, (to, stage(roadmap, from, to)));
             }
         }
     }

@@ -114,9 +114,9 @@ impl Search<'_> {
         let (human, eta) = random_human(self.settings, &mut rng);
         let coordination = coordination::Settings { eta, ..self.settings.coordination };
         let settings = Settings { coordination, predict_while_human_leads: false, ..self.settings.clone() };
-        let random_world = match self.plant.kind() {
-            PlantKind::Point => random_world,
-            _ => roomy_world,
+        let random_world = |rng: &mut ChaCha8Rng| match self.plant.kind() {
+            PlantKind::Point => random_world(rng),
+            _ => mixed_world(rng, true),
         };
         loop {
             // draw again if the start or target is inside an obstacle, enclosed, or without room for the team
@@ -128,7 +128,9 @@ impl Search<'_> {
             let stage = stage.prepare(Scenario { seed, human, ..stage.scenario().clone() })?;
             let summary = match run(&stage, |_| {}) {
                 Err(ScenarioError::Physics(
-                    PhysicsError::Occupied { .. } | PhysicsError::NoRoomAtTarget { .. },
+                    PhysicsError::Occupied { .. }
+                    | PhysicsError::NoRoomAtStart(_)
+                    | PhysicsError::NoRoomAtTarget { .. },
                 )) => continue,
                 summary => summary?,
             };
@@ -168,22 +170,26 @@ fn random_human(settings: &Settings, rng: &mut ChaCha8Rng) -> (Perception, f64) 
     (human, math::exp(rng.random_range(0.0..math::ln(30f64))))
 }
 
-/// A random world file: a walled field with boxes, cylinders and polygons, start on the left, target on the
-/// right, without declared openings and options.
+/// A random world file: a walled field with 4 to 17 boxes, cylinders and polygons, start on the left, target
+/// on the right, without declared openings and options.
 pub fn random_world(rng: &mut ChaCha8Rng) -> String {
-    random_field(rng, 0.6, 0.0, usize::MAX)
-}
-
-/// A random world file with room for a team with bodies, which is 2 to 3 m long: start and target are twice
-/// as far from the walls at the sides, with 2 m more behind them, and there are at most eight obstacles.
-pub fn roomy_world(rng: &mut ChaCha8Rng) -> String {
-    random_field(rng, 1.2, 2.0, 8)
+    let width: f64 = rng.random_range(8.0..16.0);
+    let depth: f64 = rng.random_range(5.0..12.0);
+    let start_y = rng.random_range(0.6..depth - 0.6);
+    let target_y = rng.random_range(0.6..depth - 0.6);
+    let mut text = head([0.8, start_y], [width - 0.8, target_y]) + &walls([width, depth]);
+    for i in 0..rng.random_range(4..18) {
+        let x = rng.random_range(1.5..width - 1.5);
+        let y = rng.random_range(0.0..depth);
+        text += &obstacle(&format!("obstacle-{}", i + 1), &random_shape(rng, x, y));
+    }
+    text
 }
 
 /// A random world file of 3 to 20 mixed obstacles: rotated boxes, some of them long and thin as walls are,
-/// cylinders and irregular convex polygons. Every other world has no walls around the field. Start and target
-/// are anywhere, but not near each other.
-pub fn mixed_world(rng: &mut ChaCha8Rng) -> String {
+/// cylinders and irregular convex polygons. The field has walls around it or not. Start and target are
+/// anywhere, but not near each other.
+pub fn mixed_world(rng: &mut ChaCha8Rng, has_walls: bool) -> String {
     let size: [f64; 2] = [rng.random_range(8.0..16.0), rng.random_range(5.0..12.0)];
     let mut place = || [0, 1].map(|i| rng.random_range(0.4..size[i] - 0.4));
     let start = place();
@@ -194,8 +200,8 @@ pub fn mixed_world(rng: &mut ChaCha8Rng) -> String {
         }
     };
     let mut text = head(start, target);
-    if rng.random_bool(0.5) {
-        text += &walls(size, 0.0);
+    if has_walls {
+        text += &walls(size);
     }
     for i in 0..rng.random_range(3..=20) {
         let [x, y] = size.map(|size| rng.random_range(0.0..size));
@@ -209,36 +215,19 @@ pub fn mixed_world(rng: &mut ChaCha8Rng) -> String {
     text
 }
 
-/// A random world file. Start and target are at least `beside` (m) from the walls at the sides, with `room`
-/// (m) more behind them. There are at most `most` obstacles.
-fn random_field(rng: &mut ChaCha8Rng, beside: f64, room: f64, most: usize) -> String {
-    let width: f64 = rng.random_range(8.0..16.0);
-    let depth: f64 = rng.random_range(5.0..12.0);
-    let start_y = rng.random_range(beside..depth - beside);
-    let target_y = rng.random_range(beside..depth - beside);
-    let mut text = head([0.8, start_y], [width - 0.8, target_y]) + &walls([width, depth], room);
-    for i in 0..rng.random_range(4..18).min(most) {
-        let x = rng.random_range(1.5..width - 1.5);
-        let y = rng.random_range(0.0..depth);
-        text += &obstacle(&format!("obstacle-{}", i + 1), &random_shape(rng, x, y));
-    }
-    text
-}
-
 fn head([start_x, start_y]: [f64; 2], [target_x, target_y]: [f64; 2]) -> String {
     format!(
         "name = \"random\"\nrobot_width_m = 0.5\nstart_m = [{start_x:.3}, {start_y:.3}]\ntarget_m = [{target_x:.3}, {target_y:.3}]\n"
     )
 }
 
-/// Walls around a field, with `room` (m) between the field and the walls in the west and the east.
-fn walls([width, depth]: [f64; 2], room: f64) -> String {
-    let long = width + 2.0 * room;
+/// Walls around a field.
+fn walls([width, depth]: [f64; 2]) -> String {
     let walls = [
-        ("south", width / 2.0, -0.05, long, 0.1),
-        ("north", width / 2.0, depth + 0.05, long, 0.1),
-        ("west", -0.05 - room, depth / 2.0, 0.1, depth + 0.2),
-        ("east", width + 0.05 + room, depth / 2.0, 0.1, depth + 0.2),
+        ("south", width / 2.0, -0.05, width, 0.1),
+        ("north", width / 2.0, depth + 0.05, width, 0.1),
+        ("west", -0.05, depth / 2.0, 0.1, depth + 0.2),
+        ("east", width + 0.05, depth / 2.0, 0.1, depth + 0.2),
     ];
     let wall = |(name, x, y, sx, sy): (&str, f64, f64, f64, f64)| {
         obstacle(name, &format!("shape = \"box\"\ncenter_m = [{x:.3}, {y:.3}]\nsize_m = [{sx:.3}, {sy:.3}]"))

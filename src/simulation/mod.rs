@@ -7,6 +7,6 @@ mod rapier;
 pub use kinematic::KinematicPlant;
 pub use rapier::{
     BodyKind, Clearance, Clearances, Contact, Failure, Forces, HAND_RADIUS, HumanCommand, HumanSettings,
-    Observation, Part, PhysicalPlant, PhysicsError, PhysicsSettings, TORSO_AHEAD, TORSO_HEIGHT, TORSO_RADIUS,
-    Wrench, sample_motion,
+    NoRoom, Observation, Part, PhysicalPlant, PhysicsError, PhysicsSettings, TORSO_AHEAD, TORSO_HEIGHT,
+    TORSO_RADIUS, Wrench, sample_motion,
 };

@@ -2,17 +2,17 @@
 //! robot's end behind.
 
 use super::carrying::{Bodies, Manipulator, Moved, PathAhead};
-use super::team_path::{BODY_ROOM_M, FreeSpace, TeamPath, Turned, WALKS_AHEAD_M};
+use super::team_path::{BODY_ROOM_M, FreeSpace, TeamPath, Turned};
 use super::tick::{PhysicsTick, on_floor};
 use super::{Situation, Step, Travel, Walk};
-use crate::control::{Candidate, Follower, HORIZON, Intent, Reference, Rims, RobotObstacles, reference};
+use crate::control::{Candidate, Follower, HORIZON, Intent, Reference, Rims, reference};
 use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose, Widening, angle_of, direction, nearest, wrap_angle};
 use crate::human::Stance;
-use crate::options::{OptionSet, turned};
+use crate::options::turned;
 use crate::robot::{Configuration, InputVector, Robot, pose_difference};
 use crate::saved::{NotRestored, Saved};
-use crate::simulation::{HumanCommand, Observation, PhysicalPlant, PhysicsError, PhysicsSettings};
+use crate::simulation::{HumanCommand, NoRoom, Observation, PhysicalPlant, PhysicsError, PhysicsSettings};
 use crate::world::World;
 use serde::{Deserialize, Serialize};
 
@@ -111,15 +111,18 @@ struct State {
 }
 
 impl Physical {
-    /// A team at rest with the object's centre at `start`.
+    /// A team at rest at the beginning of the path `first`, straight, as it was when it came.
     pub fn new(
         manipulator: &Manipulator,
         world: &World,
         physics: &PhysicsSettings,
         seed: u64,
-        start: &PlanarPose,
+        first: &Path,
+        free_space: FreeSpace,
     ) -> Result<Self, PhysicsError> {
         let Manipulator { robot, posture, .. } = *manipulator;
+        let (team_path, start) = TeamPath::starting(world, first, |from, to| free_space.is_free(from, to));
+        let start = &start;
         let plant = PhysicalPlant::new(world, robot, &posture, start, physics, seed)?;
         let at_origin = PlanarPose { position: Point::origin(), yaw: 0.0 };
         let configuration = Configuration { base: at_origin, joints: posture };
@@ -132,7 +135,7 @@ impl Physical {
             state: State {
                 seen: plant.observe(),
                 plant,
-                team_path: TeamPath::new(world, start),
+                team_path,
                 path_position: 0.0,
                 path_speed: 0.0,
                 goal: *start,
@@ -140,34 +143,32 @@ impl Physical {
         })
     }
 
-    /// Refuses a world in which the human has no room beyond the end of an option. The room needed is the
-    /// distance of the human ahead of the object's centre.
-    pub fn check_ends(
-        &self,
-        options: &OptionSet,
-        world: &World,
-        obstacles: &RobotObstacles,
-    ) -> Result<(), PhysicsError> {
-        let free_space = FreeSpace { obstacles, options };
+    /// Refuses a world in which the robot has no room on its way to the start, or the human beyond the end of
+    /// an option. The room needed is the distance of the carrier from the object's centre.
+    pub fn check_room(&self, world: &World, free_space: FreeSpace) -> Result<(), PhysicsError> {
+        let check = |ends: [Point; 2], refusal: &dyn Fn(NoRoom) -> PhysicsError| {
+            let distances =
+                world.obstacles.iter().map(|o| (o.footprint.distance_to_segment(ends[0], ends[1]), o));
+            match distances.min_by(|a, b| a.0.total_cmp(&b.0)) {
+                Some((distance, obstacle)) if distance < BODY_ROOM_M => Err(refusal(NoRoom {
+                    file: world.file.clone(),
+                    x: ends[1].x,
+                    y: ends[1].y,
+                    obstacle: obstacle.name.clone(),
+                    distance,
+                    needed: BODY_ROOM_M,
+                    length: (ends[1] - ends[0]).norm() + BODY_ROOM_M,
+                })),
+                _ => Ok(()),
+            }
+        };
+        let behind = [world.start, self.state.seen.configuration.base.position];
+        check(behind, &PhysicsError::NoRoomAtStart)?;
+        let options = free_space.options;
         for (o, option) in options.options().iter().enumerate() {
             let path = options.path(&options.begin(), o).unwrap_or_default();
-            let [end, human] = self.state.team_path.beyond_end(&self.walkable(path, free_space));
-            let distances = world.obstacles.iter().map(|o| (o.footprint.distance_to_segment(end, human), o));
-            match distances.min_by(|a, b| a.0.total_cmp(&b.0)) {
-                Some((distance, obstacle)) if distance < BODY_ROOM_M => {
-                    return Err(PhysicsError::NoRoomAtTarget {
-                        file: world.file.clone(),
-                        option: option.name.clone(),
-                        x: human.x,
-                        y: human.y,
-                        obstacle: obstacle.name.clone(),
-                        distance,
-                        needed: BODY_ROOM_M,
-                        ahead: (human - end).norm() + BODY_ROOM_M,
-                    });
-                }
-                _ => {}
-            }
+            let beyond = self.state.team_path.beyond_end(&self.walkable(path, free_space));
+            check(beyond, &|room| PhysicsError::NoRoomAtTarget { option: option.name.clone(), room })?;
         }
         Ok(())
     }
@@ -207,16 +208,6 @@ impl Physical {
         let yaw = PlanarPose::from_above(&self.state.seen.object).yaw;
         let hand = PlanarPose { position: self.hand(), yaw };
         PlanarPose { position: self.state.team_path.end(&hand, -1.0).position, yaw }
-    }
-
-    /// Position of the human's body: on the path, whoever leads, at its distance from the hand.
-    fn body_on(&self, path: &Path, hand: Point) -> Point {
-        const STEP: f64 = 0.02;
-        let State { team_path, path_position, .. } = &self.state;
-        let point = |ahead: f64| team_path.point(path, path_position + team_path.half() + ahead);
-        let mut ahead = (0..50).map(|i| point(STEP * f64::from(i)));
-        let far_enough = ahead.find(|point| (point - hand).norm() >= WALKS_AHEAD_M);
-        far_enough.unwrap_or_else(|| point(WALKS_AHEAD_M))
     }
 
     /// Advances the leader's position on the path by one period, and with it the object's target.
@@ -373,7 +364,8 @@ impl Bodies for Physical {
     fn step(&mut self, target: &Candidate, input: &InputVector, step: &Step, walk: &Walk) -> Moved {
         self.set_goal(step, walk);
         let hand = self.state.team_path.end(&self.state.goal, 1.0).position;
-        let facing = angle_of(self.body_on(step.path, hand) - hand);
+        let State { team_path, path_position, .. } = &self.state;
+        let facing = angle_of(team_path.body_on(step.path, *path_position, hand) - hand);
         let command = self.command(step);
         let State { plant, team_path, path_position, path_speed, goal, seen } = &mut self.state;
         plant.face(Some(facing));

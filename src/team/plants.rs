@@ -3,8 +3,9 @@
 use super::carrying::Carrying;
 use super::kinematic::Kinematic;
 use super::physical::Physical;
+use super::team_path::FreeSpace;
 use super::{Manipulator, Team, Walk};
-use crate::geometry::PlanarPose;
+use crate::geometry::{Path, PlanarPose};
 use crate::options::OptionSet;
 use crate::simulation::{PhysicsError, PhysicsSettings};
 use crate::world::World;
@@ -19,21 +20,22 @@ pub fn kinematic<'a>(
     Box::new(Carrying::new(manipulator, walk, options, Kinematic::new(&manipulator, start)))
 }
 
-/// The team of the physical plant, at rest with the object's centre at `start`. `seed` determines the gait.
+/// The team of the physical plant, at rest at the beginning of the path `first`. `seed` determines the gait.
 ///
 /// # Errors
-/// [`PhysicsError`] if the team does not fit at its start, the human has no room at the end of an option, or
-/// a setting is out of its range.
+/// [`PhysicsError`] if the team does not fit at its start, the robot has no room on its way to the start or
+/// the human at the end of an option, or a setting is out of its range.
 pub fn physical<'a>(
     manipulator: Manipulator<'a>,
     walk: Walk,
     options: &OptionSet,
-    start: PlanarPose,
+    first: &Path,
     world: &World,
     physics: &PhysicsSettings,
     seed: u64,
 ) -> Result<Box<dyn Team + 'a>, PhysicsError> {
-    let team = Physical::new(&manipulator, world, physics, seed, &start)?;
-    team.check_ends(options, world, manipulator.obstacles)?;
+    let free_space = FreeSpace { obstacles: manipulator.obstacles, options };
+    let team = Physical::new(&manipulator, world, physics, seed, first, free_space)?;
+    team.check_room(world, free_space)?;
     Ok(Box::new(Carrying::new(manipulator, walk, options.options().len(), team)))
 }

@@ -18,13 +18,15 @@ const OBJECT_ROOM_M: f64 = 0.1;
 /// Distance by which the team cuts corners when rounding them, m.
 const ROUNDING_M: f64 = 0.05;
 /// Distance of the human's body ahead of the hand, m.
-pub(super) const WALKS_AHEAD_M: f64 = 0.35;
+const WALKS_AHEAD_M: f64 = 0.35;
 /// Largest motion of the object in one step, m.
 const STEP_LIMIT_M: f64 = 0.4;
 /// Distance by which the object may be ahead of its target, m.
 const AHEAD_TOLERANCE_M: f64 = 0.05;
 /// Length of the expected path beyond its end, m.
 const ANTICIPATED_BEYOND_M: f64 = 1.0;
+/// How far the object's front end may be beside a straight path, m.
+const STRAIGHT_TOLERANCE_M: f64 = 1e-9;
 /// Sampling step of paths, m.
 const STEP_M: f64 = 0.05;
 /// Step of the search for a place to turn (m), and the number of consecutive places that must allow it.
@@ -81,6 +83,30 @@ impl TeamPath {
         Self { tandem, beside: width / 2.0, clearance: world.robot_width / 2.0 }
     }
 
+    /// The path of a team in this world that stands at the beginning of the path `first`, and the object's
+    /// pose. The team has come straight in the direction in which the object points on `first`, so where
+    /// `first` bends within the length of the object, the team does not have to turn at once. `is_free` as in
+    /// [`TeamPath::write_widened`].
+    pub fn starting(
+        world: &World,
+        first: &Path,
+        is_free: impl Fn(Point, Point) -> bool,
+    ) -> (Self, PlanarPose) {
+        let start = PlanarPose { position: world.start, yaw: first.heading_at(0.0).unwrap_or(0.0) };
+        let team_path = Self::new(world, &start);
+        let mut widened = Path::default();
+        team_path.write_widened(first, is_free, &mut Widening::default(), &mut widened);
+        let front = team_path.end(&team_path.pose(&widened, 0.0), 1.0).position;
+        let straight = team_path.end(&start, 1.0).position;
+        if (front - straight).norm() < STRAIGHT_TOLERANCE_M {
+            return (team_path, start);
+        }
+        let start = PlanarPose { yaw: angle_of(front - start.position), ..start };
+        let team_path = Self::new(world, &start);
+        let pose = team_path.pose(&widened, 0.0);
+        (team_path, pose)
+    }
+
     /// Writes into `way` the path that the team walks for `path`, which is planned for a point: wide round
     /// corners, as far as `is_free` allows for its steps.
     pub fn write_widened(
@@ -129,10 +155,22 @@ impl TeamPath {
         self.half() + WALKS_AHEAD_M
     }
 
-    /// The segment on which the human's body walks while the object comes to the end of `path`: straight
-    /// ahead from there.
+    /// Position of the human's body when the object's centre is at `walked` (m) and the hand at `hand`: on the
+    /// path, whoever leads, at its distance from the hand.
+    pub fn body_on(&self, path: &Path, walked: f64, hand: Point) -> Point {
+        const STEP: f64 = 0.02;
+        let point = |ahead: f64| self.point(path, walked + self.half() + ahead);
+        let mut ahead = (0..50).map(|i| point(STEP * f64::from(i)));
+        let far_enough = ahead.find(|point| (point - hand).norm() >= WALKS_AHEAD_M);
+        far_enough.unwrap_or_else(|| point(WALKS_AHEAD_M))
+    }
+
+    /// From the end of `path` to where the human's body stands when the object's centre is there. Where the
+    /// path bends shortly before its end, that is farther than elsewhere.
     pub fn beyond_end(&self, path: &Path) -> [Point; 2] {
-        [0.0, self.body_ahead()].map(|beyond| self.point(path, path.length() + beyond))
+        let length = path.length();
+        let hand = self.end(&self.pose(path, length), 1.0).position;
+        [self.point(path, length), self.body_on(path, length, hand)]
     }
 
     /// The position along `path` (m) of an object with its centre at `position`, which was at `from` a step

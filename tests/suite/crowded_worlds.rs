@@ -1,7 +1,7 @@
 //! Worlds of many obstacles: what can be reached is not refused, and what is refused is refused at once.
 
 use crate::support::{cocarry, stderr};
-use cocarry::options::{OptionError, OptionSet};
+use cocarry::options::{OptionError, OptionSet, TooMuch};
 use cocarry::world::World;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -151,4 +151,43 @@ fn a_world_too_large_to_be_searched_is_refused_before_the_search() {
     let error = set.map(|set| set.options().len()).unwrap_err();
     assert!(matches!(error, OptionError::TooOpen { obstacles: 4000, .. }), "{error}");
     assert!(!error.to_string().contains("cannot be reached"), "{error}");
+}
+
+/// A wall with doors a metre wide, every two metres, between two halls.
+fn doors(count: usize) -> String {
+    let length = 2.0 * count as f64;
+    let mut text = head([0.0, length / 2.0], [8.0, length / 2.0 + 3.0]);
+    for i in 0..=count {
+        add_box(&mut text, [4.0, 2.0 * i as f64], [0.2, 1.0], 0.0);
+    }
+    for (center, size) in [
+        ([4.0, -0.6], [30.0, 0.2]),
+        ([4.0, length + 0.6], [30.0, 0.2]),
+        ([-11.0, length / 2.0], [0.2, length + 1.4]),
+        ([19.0, length / 2.0], [0.2, length + 1.4]),
+    ] {
+        add_box(&mut text, center, size, 0.0);
+    }
+    text
+}
+
+#[test]
+fn the_nearest_of_many_doors_are_the_options() {
+    let (world, set) = options(&doors(40));
+    let set = set.unwrap();
+    assert_eq!((world.openings.len(), set.options().len(), set.is_cut), (40, 8, true));
+    let risk = world.openings[0].risk(0.5);
+    for (o, option) in set.options().iter().enumerate() {
+        let [crossing] = option.crossings[..] else { panic!("{option:?}") };
+        let left = set.remaining(&set.begin(), o);
+        assert!((world.openings[crossing.opening].center().y - 41.5).abs() < 9.0 && left.risk <= risk + 1e-9);
+    }
+    // so many that paths along the wall would take gigabytes
+    let error = options(&doors(1000)).1.map(|set| set.options().len()).unwrap_err();
+    let expected = OptionError::TooOpen {
+        file: "crowded".to_owned(),
+        obstacles: 1005,
+        work: TooMuch::Clear { most: 4_000_000 },
+    };
+    assert_eq!(error.to_string(), expected.to_string());
 }

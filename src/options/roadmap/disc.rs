@@ -9,6 +9,9 @@ pub(super) const CLEARANCE_TOLERANCE_M: f64 = 1e-9;
 /// Angles closer than this are the same, rad.
 pub(super) const SAME_ANGLE_RAD: f64 = 1e-9;
 
+/// More than [`Disc::early`] for radii above 20 micrometres.
+const EARLY_MARGIN: f64 = 0.01;
+
 /// A disc that strings bend around.
 #[derive(Clone, Debug)]
 pub(in crate::options) struct Disc {
@@ -76,6 +79,21 @@ impl Disc {
         })
     }
 
+    /// Whether a taut line may leave this disc and touch another, both followed in the direction of these
+    /// turns. A quick test of where the corners' sides face; most pairs of corners fail it.
+    pub fn may_lead(&self, turn: f64, other: &Self, other_turn: f64) -> bool {
+        let v = other.center - self.center;
+        let faces = |disc: &Self, turn: f64| {
+            disc.between.is_none_or(|[first, last]| {
+                // the line's direction is between the tangents at the two normals; its ends lie at most both
+                // radii beside the line from centre to centre
+                let beside = -(self.radius + other.radius + EARLY_MARGIN * (v.x.abs() + v.y.abs()));
+                -turn * first.dot(&v) >= beside && turn * last.dot(&v) >= beside
+            })
+        };
+        faces(self, turn) && faces(other, other_turn)
+    }
+
     /// The sine of the angle by which a string that dips by [`CLEARANCE_TOLERANCE_M`] along a side meets the
     /// corner's circle too early.
     fn early(&self) -> f64 {
@@ -113,4 +131,37 @@ pub(super) fn arc_crosses(disc: &Disc, from_angle: f64, sweep: f64, a: Point, b:
         let ahead = ((angle - from_angle) * sweep.signum()).rem_euclid(TAU);
         ahead <= sweep.abs() + SAME_ANGLE_RAD || ahead >= TAU - SAME_ANGLE_RAD
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::RngExt;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::SeedableRng;
+
+    #[test]
+    fn property_every_taut_line_may_lead_from_disc_to_disc() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let (mut taut, mut spared) = (0, 0);
+        for _ in 0..2000 {
+            let mut disc = || {
+                let corner = Point::new(rng.random_range(-3.0..3.0), rng.random_range(-3.0..3.0));
+                let first = rng.random_range(0.0..TAU);
+                let normals = [first, first + rng.random_range(0.1..3.0)].map(direction);
+                Disc { obstacle: 0, center: corner, radius: 0.25, between: Some(normals) }
+            };
+            let discs = [disc(), disc()];
+            for [from, to] in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
+                let Some(ends) = discs[0].bend(from).line_to(&discs[1].bend(to)) else { continue };
+                let is_taut = |i: usize| discs[i].is_taut(angle_of(ends[i] - discs[i].center));
+                if is_taut(0) && is_taut(1) {
+                    taut += 1;
+                    assert!(discs[0].may_lead(from, &discs[1], to), "{discs:?}, {from}, {to}");
+                }
+                spared += usize::from(!discs[0].may_lead(from, &discs[1], to));
+            }
+        }
+        assert!(taut > 300 && spared > 3000, "{taut} taut lines, {spared} spared");
+    }
 }

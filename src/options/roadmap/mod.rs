@@ -18,6 +18,7 @@ mod straight;
 pub(super) use space::Space;
 pub(super) use straight::{MOST_BACKWARD, Straight};
 
+use super::error::TooMuch;
 use crate::geometry::{Point, angle_of, left_of};
 use components::Components;
 use disc::{Disc, SAME_ANGLE_RAD, turn};
@@ -31,7 +32,9 @@ use std::sync::OnceLock;
 use straight::Join;
 
 /// The largest number of lines between obstacles with an open view that are tried: less than a minute of work.
-pub(super) const MOST_LINES: u64 = 400_000_000;
+const MOST_TRIED: u64 = 400_000_000;
+/// The largest number of clear lines and joins: less than 1 GB.
+const MOST_CLEAR: usize = 4_000_000;
 
 /// Lines shorter than this (m) are rounding.
 const LENGTH_TOLERANCE_M: f64 = 1e-10;
@@ -147,8 +150,8 @@ impl Roadmap {
     /// narrow for the team.
     ///
     /// # Errors
-    /// The number of lines to be tried, if that is more than [`MOST_LINES`].
-    pub fn new(space: Space, sites: &[Straight], closed: &[[Point; 2]]) -> Result<Self, u64> {
+    /// [`TooMuch`]: there are too many lines to be tried, or too many are clear.
+    pub fn new(space: Space, sites: &[Straight], closed: &[[Point; 2]]) -> Result<Self, TooMuch> {
         let discs: Vec<Disc> = space
             .obstacles
             .iter()
@@ -169,10 +172,15 @@ impl Roadmap {
             node
         };
         let reachable = Reachable::new(&space, &discs, sites, closed);
-        if reachable.lines() > MOST_LINES {
-            return Err(reachable.lines());
+        if reachable.lines() > MOST_TRIED {
+            return Err(TooMuch::Tried { found: reachable.lines(), most: MOST_TRIED });
         }
+        let check = |graph: &DiGraph<(), Way>| match graph.edge_count() > MOST_CLEAR {
+            true => Err(TooMuch::Clear { most: MOST_CLEAR as u64 }),
+            false => Ok(()),
+        };
         for (i, site) in sites.iter().enumerate() {
+            check(&graph)?;
             let a = site.portal();
             graph.add_edge(nodes[i], goals[i], Way::Join { from: a, join: site.join_at_portal(a) });
             let (others, near_discs) = reachable.reached_from_site(i);
@@ -214,24 +222,12 @@ impl Roadmap {
             }
         }
         for from in 0..2 * discs.len() {
+            check(&graph)?;
             let others = reachable.reached_from_ring(from, &discs[from / 2]);
-            let mut blocker = 0;
-            for to in others.into_iter().flat_map(|disc| [2 * disc, 2 * disc + 1]) {
-                if to / 2 == from / 2 {
-                    continue;
-                }
-                let ends = [&discs[from / 2], &discs[to / 2]];
-                if let Some([a, b]) = ends[0].bend(turn(from)).line_to(&ends[1].bend(turn(to)))
-                    && !ends[0].is_slack(a)
-                    && !ends[1].is_slack(b)
-                    && ends[0].is_taut(angle_of(a - ends[0].center))
-                    && ends[1].is_taut(angle_of(b - ends[1].center))
-                    && space.is_clear_trying(&mut blocker, a, b)
-                {
-                    let leave = stop(&mut graph, from, a, StopKind::Leave);
-                    let arrive = stop(&mut graph, to, b, StopKind::Arrive);
-                    graph.add_edge(leave, arrive, Way::Line { from: a, to: b, length: (b - a).norm() });
-                }
+            for (to, [a, b]) in clear_lines(&discs, from, others, &space) {
+                let leave = stop(&mut graph, from, a, StopKind::Leave);
+                let arrive = stop(&mut graph, to, b, StopKind::Arrive);
+                graph.add_edge(leave, arrive, Way::Line { from: a, to: b, length: (b - a).norm() });
             }
         }
         for (ring, stops) in rings.iter_mut().enumerate() {
@@ -256,6 +252,16 @@ impl Roadmap {
     fn paths_to(&self, site: usize) -> &PathsTo {
         let Site { straight, goal, component, paths, .. } = &self.sites[site];
         paths.get_or_init(|| self.shortest(straight, *goal, *component))
+    }
+
+    /// Forgets the shortest paths to a site, which take memory, until they are asked for again.
+    pub fn forget_paths_to(&mut self, site: usize) {
+        self.sites[site].paths.take();
+    }
+
+    /// The number of places from which shortest paths to a site are searched.
+    pub fn places_around(&self, site: usize) -> u64 {
+        self.components.size(self.sites[site].component) as u64
     }
 
     fn shortest(&self, straight: &Straight, goal: NodeIndex, component: usize) -> PathsTo {
@@ -333,6 +339,42 @@ impl Roadmap {
         }
         self.paths_to(to).legs[self.components.place(from.node)]
     }
+}
+
+/// The clear lines that leave a ring and touch one of `others`, each with the ring that it leads to and its
+/// ends.
+fn clear_lines(
+    discs: &[Disc],
+    from: usize,
+    others: Vec<usize>,
+    space: &Space,
+) -> impl Iterator<Item = (usize, [Point; 2])> {
+    let disc = &discs[from / 2];
+    let bend = disc.bend(turn(from));
+    let may_lead = |to: &usize| to / 2 != from / 2 && disc.may_lead(turn(from), &discs[to / 2], turn(*to));
+    let mut lines: Vec<(usize, [Point; 2], f64)> = Vec::new();
+    for to in others.into_iter().flat_map(|disc| [2 * disc, 2 * disc + 1]).filter(may_lead) {
+        let other = &discs[to / 2];
+        if let Some([a, b]) = bend.line_to(&other.bend(turn(to)))
+            && !disc.is_slack(a)
+            && !other.is_slack(b)
+        {
+            let angle = angle_of(a - disc.center);
+            if disc.is_taut(angle) && other.is_taut(angle_of(b - other.center)) {
+                lines.push((to, [a, b], angle));
+            }
+        }
+    }
+    // lines in similar directions are often blocked by the same obstacle
+    let mut order: Vec<usize> = (0..lines.len()).collect();
+    order.sort_unstable_by(|&i, &j| lines[i].2.total_cmp(&lines[j].2));
+    let mut is_clear = vec![false; lines.len()];
+    let mut blocker = 0;
+    for i in order {
+        let [a, b] = lines[i].1;
+        is_clear[i] = space.is_clear_trying(&mut blocker, a, b);
+    }
+    lines.into_iter().zip(is_clear).filter(|(_, is_clear)| *is_clear).map(|((to, ends, _), _)| (to, ends))
 }
 
 fn tangent_from(

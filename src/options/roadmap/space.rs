@@ -9,6 +9,10 @@ use std::f64::consts::PI;
 /// rounding.
 pub(super) const LOOKUP_MARGIN_M: f64 = 1e-6;
 
+/// The length (m) of the first part of a line that is looked at, and the factor by which it grows.
+const FIRST_LOOK_M: f64 = 4.0;
+const LOOK_GROWTH: f64 = 4.0;
+
 /// Obstacles, which paths keep clear of, and barriers, which paths do not cross.
 #[derive(Clone, Debug)]
 pub(in crate::options) struct Space {
@@ -48,12 +52,18 @@ impl Space {
         if *blocker < self.obstacles.len() && blocks(*blocker) {
             return false;
         }
-        let is_blocked = self.near_obstacles.any_along(a, b, distance.max(0.0) + LOOKUP_MARGIN_M, |i| {
-            let found = blocks(i);
-            if found {
-                *blocker = i;
-            }
-            found
+        // most lines that are blocked are blocked near their start
+        let share = FIRST_LOOK_M / (b - a).norm();
+        let looks = std::iter::successors(Some(share), |share| Some(LOOK_GROWTH * share));
+        let mut ends = looks.take_while(|share| *share < 1.0).map(|share| a + (b - a) * share).chain([b]);
+        let is_blocked = ends.any(|end| {
+            self.near_obstacles.any_along(a, end, distance.max(0.0) + LOOKUP_MARGIN_M, |i| {
+                let found = blocks(i);
+                if found {
+                    *blocker = i;
+                }
+                found
+            })
         });
         !is_blocked && !self.crosses_barrier(a, b)
     }

@@ -45,26 +45,40 @@ pub enum PhysicsError {
         /// The object's centre, y, m.
         y: f64,
     },
+    /// The robot has no room behind the start.
+    #[error(
+        "{file}: no room at the start: the robot comes from ({x:.3}, {y:.3}) and passes within {distance:.3} m of obstacle `{obstacle}`; leave {needed} m on either side, up to {length:.2} m behind start_m",
+        file = .0.file, x = .0.x, y = .0.y, distance = .0.distance, obstacle = .0.obstacle, needed = .0.needed, length = .0.length
+    )]
+    NoRoomAtStart(NoRoom),
     /// The human has no room at the end of an option.
     #[error(
-        "{file}: no room at the target: at the end of option `{option}`, the human walks on to ({x:.3}, {y:.3}) and comes within {distance:.3} m of obstacle `{obstacle}`; leave {needed} m on either side, up to {ahead:.2} m beyond target_m"
+        "{file}: no room at the target: at the end of option `{option}`, the human walks on to ({x:.3}, {y:.3}) and comes within {distance:.3} m of obstacle `{obstacle}`; leave {needed} m on either side, up to {length:.2} m beyond target_m",
+        file = room.file, x = room.x, y = room.y, distance = room.distance, obstacle = room.obstacle, needed = room.needed, length = room.length
     )]
     NoRoomAtTarget {
-        /// The world file.
-        file: String,
         /// The option.
         option: String,
-        /// The human's final position, x, m.
-        x: f64,
-        /// The human's final position, y, m.
-        y: f64,
-        /// The obstacle.
-        obstacle: String,
-        /// Distance between the human's path and the obstacle, m.
-        distance: f64,
-        /// Distance needed between the human's path and an obstacle, m.
-        needed: f64,
-        /// How far beyond the target the human walks, m.
-        ahead: f64,
+        /// The room.
+        room: NoRoom,
     },
+}
+
+/// A straight way of a carrier that comes too close to an obstacle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NoRoom {
+    /// The world file.
+    pub file: String,
+    /// The end of the way, x, m.
+    pub x: f64,
+    /// The end of the way, y, m.
+    pub y: f64,
+    /// The obstacle.
+    pub obstacle: String,
+    /// Distance between the way and the obstacle, m.
+    pub distance: f64,
+    /// Distance needed, m.
+    pub needed: f64,
+    /// How far from `start_m` or `target_m` an obstacle may be in the way, m.
+    pub length: f64,
 }

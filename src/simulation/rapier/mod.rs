@@ -23,7 +23,7 @@ mod settings;
 mod touch;
 
 pub use dimensions::{HAND_RADIUS, TORSO_AHEAD, TORSO_HEIGHT, TORSO_RADIUS};
-pub use error::PhysicsError;
+pub use error::{NoRoom, PhysicsError};
 pub use human::HumanCommand;
 pub use observation::{BodyKind, Clearance, Clearances, Contact, Failure, Forces, Observation, Part, Wrench};
 pub use sample::sample_motion;
