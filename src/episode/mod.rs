@@ -24,7 +24,7 @@ pub use tick::Tick;
 
 use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose};
-use crate::human::{Human, PreferenceHuman};
+use crate::human::{Human, HumanDecision, PreferenceHuman};
 use crate::options::{OptionSet, Progress, Remaining};
 use crate::policy::RobotPolicy;
 use crate::preference::{ChoiceDistribution, Perception, Predictor, Prospect};
@@ -53,6 +53,8 @@ pub struct Episode<'a> {
     tick: Tick,
     summary: Summary,
     underway: bool,
+    /// The human's decision in a step that has begun and is not finished.
+    human_decision: Option<HumanDecision>,
     prospects: Vec<Prospect>,
     choice: ChoiceDistribution,
     expected: Vec<f64>,
@@ -106,6 +108,7 @@ impl<'a> Episode<'a> {
             tick: Tick::empty(progress.position),
             summary: Summary::empty(),
             underway: false,
+            human_decision: None,
             prospects: Vec::with_capacity(n),
             choice: ChoiceDistribution::default(),
             expected: Vec::with_capacity(n),
@@ -140,7 +143,13 @@ impl<'a> Episode<'a> {
     /// the first decision.
     #[must_use]
     pub fn with_policy(self, policy: impl RobotPolicy + 'a) -> Self {
-        Self { mode: policy.initial_mode(), policy: Box::new(policy), ..self }
+        self.with_boxed_policy(Box::new(policy))
+    }
+
+    /// [`Episode::with_policy`] for a policy of a type known at run time.
+    #[must_use]
+    pub fn with_boxed_policy(self, policy: Box<dyn RobotPolicy + 'a>) -> Self {
+        Self { mode: policy.initial_mode(), policy, ..self }
     }
 
     /// The same episode with another plant. Call it before the first step.
@@ -228,6 +237,11 @@ impl Episode<'_> {
     /// The path from where the executed option was last chosen to the target; empty before the first step.
     pub fn path(&self) -> &Path {
         &self.route.path
+    }
+
+    /// The team's position along that path, m.
+    pub fn along(&self) -> f64 {
+        self.route.along
     }
 
     /// Position of the team, m.

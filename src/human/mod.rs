@@ -11,7 +11,7 @@ mod models;
 mod preference;
 mod scripted;
 
-pub use boltzmann::Boltzmann;
+pub use boltzmann::{Boltzmann, disturbances};
 pub use model::{HumanModel, ModelError, Participant, PreferenceChange};
 pub use models::{MODELS, ModelName};
 pub use preference::PreferenceHuman;

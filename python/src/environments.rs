@@ -1,0 +1,722 @@
+//! Environments for learners: episodes side by side, each step decided by actions, in preallocated arrays.
+//!
+//! A lane is one environment. Every lane draws its episodes from a generator of its own, so N lanes are equal to
+//! N single environments bit for bit, for any number of threads.
+
+use crate::episode::Cell;
+use crate::error::{ActionError, ClosedError, Error, RecordingError, ScenarioError, guarded, words};
+use crate::partners::configuration_vector;
+use crate::scenario::{Scenario, input_limits};
+use crate::value;
+use cocarry::control::HORIZON;
+use cocarry::coordination::Mode;
+use cocarry::episode::{Episode, Outcome};
+use cocarry::geometry::{PlanarPose, Point};
+use cocarry::human::Stance;
+use cocarry::math;
+use cocarry::policy::{Decision, Motion};
+use cocarry::preference::Perception;
+use cocarry::quantities::{EPISODE, OPTION, OptionView, Record, View};
+use cocarry::recording::{Ending, Recorder};
+use cocarry::robot::InputVector;
+use cocarry::scenario::{GivenPerception, PERCEPTION, PreparedScenario, drawn_human};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rayon::prelude::*;
+use std::io::Cursor;
+use std::sync::{Arc, Mutex, TryLockError};
+
+/// The largest number in an observation.
+const LARGEST: f64 = 1e7;
+/// The numbers of an observation of [`Task::Options`] that are not of a single option.
+const COMMON: [&str; 3] = ["stubbornness", "human_leads", "human_takes_over"];
+/// The flag of the executed option, after the quantities of an option.
+const EXECUTED: &str = "executed";
+/// Points of the path ahead in an observation of [`Task::Inputs`] and [`Task::Reference`], one a period.
+const AHEAD: usize = HORIZON;
+
+/// What the actions decide.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Task {
+    /// The option on which the robot leads, or to follow.
+    Options,
+    /// The inputs u.
+    Inputs,
+    /// The velocity of the reference of eq. (7).
+    Reference,
+}
+
+/// When a lane that has ended begins anew.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Autoreset {
+    /// In the next step, whose action is ignored.
+    NextStep,
+    /// In the same step.
+    SameStep,
+}
+
+/// What all lanes share.
+#[derive(Debug)]
+struct Rules {
+    task: Task,
+    /// The scenarios to draw from, one for every world.
+    bases: Vec<Arc<PreparedScenario>>,
+    given: GivenPerception,
+    /// The largest number of options of a world.
+    options: usize,
+    joints: usize,
+    /// The largest action, symmetric about 0; none for options.
+    limits: Vec<f64>,
+    /// Weights of J, J^ and C in the reward.
+    weights: [f64; 3],
+    /// The number of steps after which an episode is truncated.
+    most_steps: Option<u64>,
+    /// When a lane that has ended begins anew; `None`: it waits for its reset.
+    autoreset: Option<Autoreset>,
+}
+
+/// The outcome of a lane's step besides its observation.
+#[derive(Clone, Copy, Debug, Default)]
+struct Result {
+    reward: f64,
+    terminated: bool,
+    truncated: bool,
+}
+
+/// What a caller sets for the next episode.
+#[derive(Clone, Copy, Debug, Default)]
+struct Wish {
+    world: Option<usize>,
+    seed: Option<u64>,
+    alpha: Option<f64>,
+    gamma: Option<f64>,
+}
+
+/// One environment.
+struct Lane {
+    rng: ChaCha8Rng,
+    cell: Option<Cell>,
+    world: usize,
+    /// J^ up to the last step.
+    subjective: f64,
+    is_over: bool,
+    /// Figures of the last episode that ended.
+    last: Option<Record>,
+    /// Observation at the end of that episode.
+    last_observation: Vec<f64>,
+    error: Option<String>,
+}
+
+impl Rules {
+    fn size(&self) -> usize {
+        match self.task {
+            Task::Options => self.options * (OPTION.len() - 1 + 1) + COMMON.len(),
+            Task::Inputs | Task::Reference => 2 * self.joints + 2 + 3 + 2 * AHEAD + 3 + 2 + 3 + 3 + 3,
+        }
+    }
+
+    /// The names of the numbers of an observation, with their bounds.
+    fn layout(&self) -> Vec<(String, [f64; 2])> {
+        let mut layout = Vec::with_capacity(self.size());
+        let flag = [0.0, 1.0];
+        match self.task {
+            Task::Options => {
+                for option in 0..self.options {
+                    for quantity in OPTION.iter().filter(|quantity| quantity.key != "name") {
+                        let is_share = ["risk", "probability", "misaligned"].contains(&quantity.key);
+                        let bounds = if is_share { flag } else { [0.0, LARGEST] };
+                        layout.push((format!("{}[{option}]", quantity.key), bounds));
+                    }
+                    layout.push((format!("{EXECUTED}[{option}]"), flag));
+                }
+                layout.push((COMMON[0].to_owned(), [0.0, LARGEST]));
+                layout.extend(COMMON[1..].iter().map(|name| ((*name).to_owned(), flag)));
+            }
+            Task::Inputs | Task::Reference => {
+                let wide = [-LARGEST, LARGEST];
+                let mut add = |name: String, bounds| layout.push((name, bounds));
+                (0..self.joints).for_each(|i| add(format!("joint[{i}]"), wide));
+                (0..self.joints + 2).for_each(|i| add(format!("last_input[{i}]"), wide));
+                let planar = |name: &str| ["x_m", "y_m", "yaw_rad"].map(|part| format!("{name}_{part}"));
+                planar("goal").into_iter().for_each(|name| add(name, wide));
+                (1..=AHEAD).for_each(|i| ["x_m", "y_m"].iter().for_each(|part| add(format!("ahead_{part}[{i}]"), wide)));
+                planar("base").into_iter().for_each(|name| add(name, wide));
+                add("base_clearance_m".to_owned(), wide);
+                add("human_leads".to_owned(), flag);
+                planar("object").into_iter().for_each(|name| add(name, wide));
+                planar("hand").into_iter().for_each(|name| add(name, wide));
+                ["hand_force_x_n", "hand_force_y_n", "hand_torque_z_nm"].iter().for_each(|name| add((*name).to_owned(), wide));
+            }
+        }
+        layout
+    }
+
+    fn observe(&self, stage: &PreparedScenario, episode: &Episode, into: &mut [f64]) {
+        match self.task {
+            Task::Options => self.observe_options(stage, episode, into),
+            Task::Inputs | Task::Reference => self.observe_carrying(stage, episode, into),
+        }
+        for number in into {
+            *number = if number.is_nan() { 0.0 } else { number.clamp(-LARGEST, LARGEST) };
+        }
+    }
+
+    fn observe_options(&self, stage: &PreparedScenario, episode: &Episode, into: &mut [f64]) {
+        let Some(view) = episode.robot_view() else { return };
+        into.fill(0.0);
+        let mut at = 0;
+        let mut put = |number: f64| {
+            into[at] = number;
+            at += 1;
+        };
+        let named = stage.options().options().iter().zip(view.evaluated).enumerate();
+        for (i, (option, evaluated)) in named {
+            let option = OptionView { name: &option.name, option: evaluated };
+            for quantity in OPTION.iter().filter(|quantity| quantity.key != "name") {
+                let value = (quantity.get)(&option);
+                put(value.as_f64().unwrap_or_else(|| f64::from(u8::from(value.as_bool() == Some(true)))));
+            }
+            put(f64::from(u8::from(view.executed == Some(i))));
+        }
+        let common = [
+            view.human.stubbornness,
+            f64::from(u8::from(view.mode == Mode::HumanLed)),
+            f64::from(u8::from(view.human.stance == Stance::TakeOver)),
+        ];
+        let begin = into.len() - COMMON.len();
+        into[begin..].copy_from_slice(&common);
+    }
+
+    fn observe_carrying(&self, stage: &PreparedScenario, episode: &Episode, into: &mut [f64]) {
+        let Some(view) = episode.robot_view() else { return };
+        let (Some(configuration), Some(grasp)) = (view.configuration, view.grasp) else { return };
+        let grasp = PlanarPose::from_above(&grasp);
+        let robot = episode.tick().robot.as_ref();
+        let mut numbers = Vec::with_capacity(into.len());
+        let whole = configuration_vector(configuration, self.joints);
+        numbers.extend(&whole[3..]);
+        numbers.extend((0..self.joints + 2).map(|i| robot.map_or(0.0, |robot| robot.input[i])));
+        let goal = episode.human().copied().or(robot.map(|robot| robot.grasp_goal)).unwrap_or(grasp);
+        numbers.extend(seen_from(&grasp, &goal));
+        let settings = &stage.scenario().settings;
+        let per_step = settings.speed * settings.period;
+        for i in 1..=AHEAD {
+            let along = (episode.along() + i as f64 * per_step).min(episode.path().length());
+            let ahead = episode.path().point_at(along);
+            let ahead = ahead.map_or([0.0; 3], |position| seen_from(&grasp, &PlanarPose { position, yaw: 0.0 }));
+            numbers.extend(&ahead[..2]);
+        }
+        numbers.extend(seen_from(&grasp, &configuration.base));
+        numbers.push(robot.map_or(0.0, |robot| robot.base_clearance.min(10.0)));
+        numbers.push(f64::from(u8::from(view.mode == Mode::HumanLed)));
+        match view.seen {
+            None => numbers.extend([0.0; 9]),
+            Some(seen) => {
+                numbers.extend(seen_from(&grasp, &PlanarPose::from_above(&seen.object)));
+                numbers.extend(seen_from(&grasp, &seen.hand_planar));
+                let wrench = &seen.hand_grip.mean;
+                let (sin, cos) = (math::sin(grasp.yaw), math::cos(grasp.yaw));
+                let (x, y) = (wrench.force.x, wrench.force.y);
+                numbers.extend([cos * x + sin * y, cos * y - sin * x, wrench.torque.z]);
+            }
+        }
+        into.copy_from_slice(&numbers);
+    }
+
+    /// The decision of an action.
+    fn decision(&self, episode: &mut Episode, action: &[f64]) -> Decision {
+        if self.task == Task::Options {
+            let option = action[0] as usize;
+            return if option >= self.options { Decision::follow() } else { Decision::lead(option) };
+        }
+        let grasp = episode.robot_view().and_then(|view| view.grasp).map(|pose| PlanarPose::from_above(&pose));
+        let decision = episode.ask_policy();
+        let bounded = |i: usize| action[i].clamp(-self.limits[i], self.limits[i]);
+        match (self.task, grasp) {
+            (Task::Reference, Some(grasp)) => {
+                // a constant velocity in the grasp's frame
+                let period = action[action.len() - 1];
+                let (sin, cos) = (math::sin(grasp.yaw), math::cos(grasp.yaw));
+                let (ahead, left, turn) = (bounded(0), bounded(1), bounded(2));
+                let poses = std::array::from_fn(|i| {
+                    let time = (i + 1) as f64 * period;
+                    let (x, y) = (cos * ahead - sin * left, sin * ahead + cos * left);
+                    let position = Point::new(grasp.position.x + x * time, grasp.position.y + y * time);
+                    PlanarPose { position, yaw: grasp.yaw + turn * time }
+                });
+                decision.with_motion(Motion::Reference(poses))
+            }
+            _ => {
+                let mut u = InputVector::zeros();
+                (0..self.limits.len()).for_each(|i| u[i] = bounded(i));
+                decision.with_motion(Motion::Inputs(u))
+            }
+        }
+    }
+}
+
+/// A pose as x, y and yaw in the frame of another.
+fn seen_from(frame: &PlanarPose, pose: &PlanarPose) -> [f64; 3] {
+    let between = pose.position - frame.position;
+    let (sin, cos) = (math::sin(frame.yaw), math::cos(frame.yaw));
+    let turn = pose.yaw - frame.yaw;
+    [cos * between.x + sin * between.y, cos * between.y - sin * between.x, math::atan2(math::sin(turn), math::cos(turn))]
+}
+
+impl Lane {
+    fn new(seed: u64) -> Self {
+        Self {
+            rng: ChaCha8Rng::seed_from_u64(seed),
+            cell: None,
+            world: 0,
+            subjective: 0.0,
+            is_over: true,
+            last: None,
+            last_observation: Vec::new(),
+            error: None,
+        }
+    }
+
+    /// Draws an episode and observes its beginning.
+    fn reset(&mut self, rules: &Rules, wish: Wish, observation: &mut [f64]) {
+        // both are drawn even if one is wished for, so that later episodes are the same
+        let (world, seed) = (self.rng.random_range(0..rules.bases.len()), self.rng.random::<u32>());
+        self.world = wish.world.unwrap_or(world);
+        let base = &rules.bases[self.world];
+        let mut scenario = base.scenario().clone();
+        scenario.seed = wish.seed.unwrap_or(u64::from(seed));
+        let given = GivenPerception { alpha: wish.alpha.or(rules.given.alpha), gamma: wish.gamma.or(rules.given.gamma) };
+        scenario.human = drawn_human(scenario.settings.predictor.belief(), given, scenario.seed);
+        self.subjective = 0.0;
+        let made = base.prepare(scenario).map_err(|error| words(&error)).and_then(|stage| {
+            Cell::beginning(Arc::new(stage)).map_err(|error| words(&error))
+        });
+        match made {
+            Ok(mut made) => {
+                made.with_dependent_mut(|stage, running| {
+                    running.outcome = running.episode.begin_step();
+                    rules.observe(stage, &running.episode, observation);
+                });
+                self.is_over = false;
+                self.cell = Some(made);
+            }
+            Err(error) => {
+                self.is_over = true;
+                self.error = Some(error);
+            }
+        }
+    }
+
+    /// Takes a step by this action.
+    fn step(&mut self, rules: &Rules, action: &[f64], observation: &mut [f64]) -> Result {
+        if self.is_over {
+            // NEXT_STEP: the action after the end is ignored
+            self.reset(rules, Wish::default(), observation);
+            return Result::default();
+        }
+        let Some(cell) = self.cell.as_mut() else { return Result::default() };
+        let subjective = &mut self.subjective;
+        let (result, last) = cell.with_dependent_mut(|stage, running| {
+            let episode = &mut running.episode;
+            let decision = rules.decision(episode, action);
+            episode.finish_step(&decision);
+            let tick = episode.tick();
+            let so_far = episode.summary().human.subjective_cost;
+            let control = tick.robot.as_ref().map_or(0.0, |robot| robot.cost());
+            let costs = [tick.objective_cost, so_far - *subjective, control];
+            *subjective = so_far;
+            let cost: f64 = rules.weights.iter().zip(costs).map(|(weight, cost)| weight * cost).sum();
+            let ended = episode.begin_step();
+            rules.observe(stage, episode, observation);
+            let is_long = rules.most_steps.is_some_and(|most| episode.summary().steps >= most);
+            let truncated = ended == Some(Outcome::OutOfTime) || (ended.is_none() && is_long);
+            let terminated = ended.is_some_and(|outcome| outcome != Outcome::OutOfTime);
+            running.outcome = ended;
+            let last = (terminated || truncated).then(|| View { stage, episode: &running.episode }.read(EPISODE));
+            (Result { reward: -cost, terminated, truncated }, last)
+        });
+        if let Some(last) = last {
+            self.is_over = true;
+            self.last = Some(last);
+            if rules.autoreset == Some(Autoreset::SameStep) {
+                self.last_observation.clear();
+                self.last_observation.extend_from_slice(observation);
+                self.reset(rules, Wish::default(), observation);
+            }
+        }
+        result
+    }
+}
+
+/// Environments side by side.
+#[pyclass(frozen, module = "cocarry._cocarry", name = "Lanes")]
+pub struct Lanes {
+    rules: Rules,
+    lanes: Mutex<Vec<Lane>>,
+    observations: Py<PyArray2<f64>>,
+    rewards: Py<PyArray1<f64>>,
+    terminated: Py<PyArray1<bool>>,
+    truncated: Py<PyArray1<bool>>,
+    /// The threads, and the process that has them; none for a single lane.
+    pool: Option<(rayon::ThreadPool, u32)>,
+    period: f64,
+}
+
+impl Lanes {
+    fn lock(&self) -> PyResult<std::sync::MutexGuard<'_, Vec<Lane>>> {
+        if let Some((_, process)) = &self.pool
+            && *process != std::process::id()
+        {
+            return Err(ClosedError::new_err(format!(
+                "this vector environment has its threads in process {process}, and this is process {}: make it in the process that uses it, or start that one by spawn or forkserver",
+                std::process::id()
+            )));
+        }
+        match self.lanes.try_lock() {
+            Ok(lanes) => Ok(lanes),
+            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => Err(ClosedError::new_err("the environment is in a step in another thread")),
+        }
+    }
+
+    fn lane<T>(&self, index: usize, read: impl FnOnce(&Lane) -> PyResult<T>) -> PyResult<T> {
+        let lanes = self.lock()?;
+        match lanes.get(index) {
+            Some(lane) => read(lane),
+            None => Err(Error::new_err(format!("index = {index}; it must be less than {}", lanes.len()))),
+        }
+    }
+
+    /// The actions as rows, one a lane.
+    fn rows(&self, given: &Bound<'_, PyAny>, lanes: usize) -> PyResult<Vec<f64>> {
+        let repr = || {
+            let text = given.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string());
+            text.chars().take(200).collect::<String>()
+        };
+        if self.rules.task == Task::Options {
+            let most = self.rules.options as i64;
+            let found = given.extract::<PyReadonlyArray1<'_, i64>>().ok().map(|array| array.as_array().to_vec());
+            let found = found.filter(|rows| rows.len() == lanes && rows.iter().all(|a| (0..=most).contains(a)));
+            return match found {
+                Some(found) => Ok(found.into_iter().map(|action| action as f64).collect()),
+                None => Err(ActionError::new_err(format!(
+                    "action {}; it must be {lanes} whole number(s) (int64) from 0 to {most}: an option to lead on, or {most} to follow",
+                    repr()
+                ))),
+            };
+        }
+        let width = self.rules.limits.len();
+        let found = given.extract::<PyReadonlyArray2<'_, f64>>().ok();
+        let found = found.filter(|rows| rows.as_array().shape() == [lanes, width]).map(|rows| rows.as_array().iter().copied().collect::<Vec<_>>());
+        let found = found.filter(|numbers| numbers.iter().all(|number| number.is_finite()));
+        let found = found.ok_or_else(|| {
+            ActionError::new_err(format!("action {}; it must be float64 numbers, all finite, {width} for each of {lanes} environment(s)", repr()))
+        })?;
+        Ok(found.chunks(width).flat_map(|row| row.iter().copied().chain([self.period])).collect())
+    }
+
+    /// Runs `work` for every lane and its part of the arrays, on all threads.
+    fn each(
+        &self,
+        py: Python<'_>,
+        actions: &[f64],
+        work: impl Fn(&Rules, usize, &mut Lane, &[f64], &mut [f64]) -> Result + Sync + Send,
+    ) -> PyResult<()> {
+        let mut lanes = self.lock()?;
+        let size = self.rules.size();
+        let mut observations = self.observations.bind(py).try_readwrite().map_err(|_| in_use())?;
+        let mut rewards = self.rewards.bind(py).try_readwrite().map_err(|_| in_use())?;
+        let mut terminated = self.terminated.bind(py).try_readwrite().map_err(|_| in_use())?;
+        let mut truncated = self.truncated.bind(py).try_readwrite().map_err(|_| in_use())?;
+        let (observations, rewards) = (observations.as_slice_mut()?, rewards.as_slice_mut()?);
+        let (terminated, truncated) = (terminated.as_slice_mut()?, truncated.as_slice_mut()?);
+        let width = if actions.is_empty() { 0 } else { actions.len() / lanes.len() };
+        let (rules, pool, lanes) = (&self.rules, self.pool.as_ref().map(|(pool, _)| pool), &mut *lanes);
+        let one = |i: usize, lane: &mut Lane, (observation, reward, terminated, truncated): Places<'_>| {
+            let result = work(rules, i, lane, &actions[i * width..(i + 1) * width], observation);
+            (*reward, *terminated, *truncated) = (result.reward, result.terminated, result.truncated);
+        };
+        let error = py.detach(|| {
+            guarded(|| {
+                match pool {
+                    None => {
+                        let places = observations.chunks_mut(size).zip(rewards).zip(terminated).zip(truncated);
+                        for (i, (lane, (((o, r), t), u))) in lanes.iter_mut().zip(places).enumerate() {
+                            one(i, lane, (o, r, t, u));
+                        }
+                    }
+                    Some(pool) => pool.install(|| {
+                        let places = observations.par_chunks_mut(size).zip(rewards).zip(terminated).zip(truncated);
+                        let all = lanes.par_iter_mut().zip(places).enumerate();
+                        all.with_min_len(4).for_each(|(i, (lane, (((o, r), t), u)))| one(i, lane, (o, r, t, u)));
+                    }),
+                }
+                lanes.iter_mut().find_map(|lane| lane.error.take())
+            })
+        })?;
+        error.map_or(Ok(()), |error| Err(ScenarioError::new_err(error)))
+    }
+}
+
+/// A lane's places in the arrays.
+type Places<'p> = (&'p mut [f64], &'p mut f64, &'p mut bool, &'p mut bool);
+
+fn in_use() -> PyErr {
+    ClosedError::new_err("the environment's arrays are in use by another extension module")
+}
+
+#[pymethods]
+impl Lanes {
+    #[new]
+    #[pyo3(signature = (count, task, scenarios, *, alpha = None, gamma = None, weights = (1.0, 1.0, 0.0),
+        most_steps = None, autoreset = None, threads = None))]
+    #[allow(clippy::too_many_arguments, reason = "keywords")]
+    fn new(
+        py: Python<'_>,
+        count: usize,
+        task: &str,
+        scenarios: Vec<Py<Scenario>>,
+        alpha: Option<f64>,
+        gamma: Option<f64>,
+        weights: (f64, f64, f64),
+        most_steps: Option<u64>,
+        autoreset: Option<&str>,
+        threads: Option<usize>,
+    ) -> PyResult<Self> {
+        let task = match task {
+            "options" => Task::Options,
+            "inputs" => Task::Inputs,
+            "reference" => Task::Reference,
+            other => return Err(Error::new_err(format!("task = {other:?}; it must be one of: options, inputs, reference"))),
+        };
+        if !(1..=100_000).contains(&count) {
+            return Err(Error::new_err(format!("{count} environments; there must be 1 to 100000")));
+        }
+        for (key, value) in [("alpha", alpha), ("gamma", gamma)] {
+            if let Some(wrong) = value.filter(|value| !PERCEPTION.contains(*value)) {
+                return Err(Error::new_err(format!("{key} = {wrong}; it must be {PERCEPTION}")));
+            }
+        }
+        let autoreset = match autoreset {
+            None => None,
+            Some("next-step") => Some(Autoreset::NextStep),
+            Some("same-step") => Some(Autoreset::SameStep),
+            Some(other) => return Err(Error::new_err(format!("autoreset = {other:?}; it must be None or one of: next-step, same-step"))),
+        };
+        let weights = [weights.0, weights.1, weights.2];
+        if let Some(wrong) = weights.iter().find(|weight| !weight.is_finite()) {
+            return Err(Error::new_err(format!("a weight of the reward is {wrong}; it must be a finite number")));
+        }
+        if most_steps == Some(0) {
+            return Err(Error::new_err("the largest number of steps is 0; it must be at least 1"));
+        }
+        let bases = scenarios.iter().map(|scenario| scenario.get().prepared(py)).collect::<PyResult<Vec<_>>>()?;
+        let Some(first) = bases.first() else { return Err(Error::new_err("there is no world; give at least one")) };
+        let robot = first.robot();
+        if task != Task::Options && robot.is_none() {
+            return Err(Error::new_err("this environment needs a robot; use plant=\"kinematic\" or plant=\"rapier\""));
+        }
+        let limits = match (task, robot) {
+            (Task::Inputs, Some(robot)) => input_limits(robot),
+            (Task::Reference, _) => vec![1.0, 1.0, 2.0],
+            _ => Vec::new(),
+        };
+        let rules = Rules {
+            task,
+            given: GivenPerception { alpha, gamma },
+            options: bases.iter().map(|base| base.options().options().len()).max().unwrap_or(0),
+            joints: robot.map_or(0, |robot| robot.joints.len()),
+            limits,
+            weights,
+            most_steps,
+            autoreset,
+            bases,
+        };
+        let threads = threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+        let pool = match count.min(threads) {
+            0 | 1 => None,
+            threads => {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+                Some((pool.map_err(|error| Error::new_err(format!("threads cannot be started: {error}")))?, std::process::id()))
+            }
+        };
+        Ok(Self {
+            lanes: Mutex::new((0..count).map(|i| Lane::new(i as u64)).collect()),
+            observations: PyArray2::zeros(py, [count, rules.size()], false).unbind(),
+            rewards: PyArray1::zeros(py, count, false).unbind(),
+            terminated: PyArray1::zeros(py, count, false).unbind(),
+            truncated: PyArray1::zeros(py, count, false).unbind(),
+            period: rules.bases[0].scenario().settings.period,
+            pool,
+            rules,
+        })
+    }
+
+    /// Seeds a lane's generator.
+    fn seed(&self, index: usize, seed: u64) -> PyResult<()> {
+        match self.lock()?.get_mut(index) {
+            Some(lane) => {
+                lane.rng = ChaCha8Rng::seed_from_u64(seed);
+                Ok(())
+            }
+            None => Err(Error::new_err(format!("index = {index}; there are not so many environments"))),
+        }
+    }
+
+    /// Begins a new episode in the lanes of the mask, or in all.
+    #[pyo3(signature = (mask = None, *, world = None, seed = None, alpha = None, gamma = None))]
+    fn reset(
+        &self,
+        py: Python<'_>,
+        mask: Option<Vec<bool>>,
+        world: Option<usize>,
+        seed: Option<u64>,
+        alpha: Option<f64>,
+        gamma: Option<f64>,
+    ) -> PyResult<()> {
+        if let Some(wrong) = world.filter(|world| *world >= self.rules.bases.len()) {
+            return Err(Error::new_err(format!("world = {wrong}; it must be a whole number from 0 to {}", self.rules.bases.len() - 1)));
+        }
+        for (key, value) in [("alpha", alpha), ("gamma", gamma)] {
+            if let Some(wrong) = value.filter(|value| !PERCEPTION.contains(*value)) {
+                return Err(Error::new_err(format!("{key} = {wrong}; it must be {PERCEPTION}")));
+            }
+        }
+        let count = self.lock()?.len();
+        if mask.as_ref().is_some_and(|mask| mask.len() != count) {
+            return Err(Error::new_err(format!("the mask must have {count} flags")));
+        }
+        let wish = Wish { world, seed, alpha, gamma };
+        self.each(py, &[], |rules, i, lane, _, observation| {
+            if mask.as_ref().is_none_or(|mask| mask[i]) {
+                lane.reset(rules, wish, observation);
+            }
+            Result::default()
+        })
+    }
+
+    /// Takes a step in every lane.
+    fn step(&self, py: Python<'_>, actions: &Bound<'_, PyAny>) -> PyResult<()> {
+        let count = {
+            let lanes = self.lock()?;
+            if lanes.iter().any(|lane| lane.cell.is_none()) {
+                return Err(ClosedError::new_err("the environment has no episode; call reset() first"));
+            }
+            if self.rules.autoreset.is_none() && lanes.iter().any(|lane| lane.is_over) {
+                return Err(ClosedError::new_err("the episode is over; call reset()"));
+            }
+            lanes.len()
+        };
+        let actions = self.rows(actions, count)?;
+        self.each(py, &actions, |rules, _, lane, action, observation| lane.step(rules, action, observation))
+    }
+
+    #[getter]
+    fn observations(&self, py: Python<'_>) -> Py<PyArray2<f64>> {
+        self.observations.clone_ref(py)
+    }
+
+    #[getter]
+    fn rewards(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
+        self.rewards.clone_ref(py)
+    }
+
+    #[getter]
+    fn terminated(&self, py: Python<'_>) -> Py<PyArray1<bool>> {
+        self.terminated.clone_ref(py)
+    }
+
+    #[getter]
+    fn truncated(&self, py: Python<'_>) -> Py<PyArray1<bool>> {
+        self.truncated.clone_ref(py)
+    }
+
+    /// The names of the numbers of an observation, with their least and largest values.
+    #[getter]
+    fn layout(&self) -> Vec<(String, (f64, f64))> {
+        self.rules.layout().into_iter().map(|(name, [low, high])| (name, (low, high))).collect()
+    }
+
+    /// The largest actions; none for options.
+    #[getter]
+    fn limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.rules.limits)
+    }
+
+    /// The largest number of options of a world.
+    #[getter]
+    fn options(&self) -> usize {
+        self.rules.options
+    }
+
+    /// World, seed and human of a lane's episode.
+    fn episode<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        self.lane(index, |lane| {
+            let Some(cell) = &lane.cell else { return Ok(()) };
+            let scenario = cell.borrow_owner().scenario();
+            let Perception { alpha, gamma } = scenario.human;
+            dict.set_item("world", lane.world)?;
+            dict.set_item("seed", scenario.seed)?;
+            dict.set_item("alpha", alpha)?;
+            dict.set_item("gamma", gamma)?;
+            dict.set_item("options", cell.borrow_owner().options().options().len())
+        })?;
+        Ok(dict)
+    }
+
+    /// The scenario of a lane's episode.
+    fn scenario(&self, index: usize) -> PyResult<Option<Scenario>> {
+        self.lane(index, |lane| Ok(lane.cell.as_ref().map(|cell| Scenario::of(cell.borrow_owner().scenario().clone()))))
+    }
+
+    /// A lane's episode run again by these actions: its recording (MCAP). At least one step is taken.
+    fn recording<'py>(&self, py: Python<'py>, index: usize, actions: Vec<Vec<f64>>) -> PyResult<Bound<'py, PyBytes>> {
+        let stage = self.lane(index, |lane| Ok(lane.cell.as_ref().map(|cell| Arc::clone(cell.borrow_owner()))))?;
+        let stage = stage.ok_or_else(|| ClosedError::new_err("the environment has no episode; call reset() first"))?;
+        let width = self.rules.limits.len().max(1);
+        if actions.iter().any(|action| action.len() != width) {
+            return Err(ActionError::new_err(format!("every action must have {width} numbers")));
+        }
+        let recorded = py.detach(|| {
+            guarded(|| {
+                let mut cell = Cell::beginning(stage).map_err(|error| words(&error))?;
+                cell.with_dependent_mut(|stage, running| {
+                    let episode = &mut running.episode;
+                    let file = Cursor::new(Vec::new());
+                    let mut recorder = Recorder::new(file, "the episode", stage, episode).map_err(|error| words(&error))?;
+                    if actions.is_empty() && episode.step().is_none() {
+                        recorder.step(episode).map_err(|error| words(&error))?;
+                    }
+                    for action in &actions {
+                        if episode.begin_step().is_some() {
+                            break;
+                        }
+                        let action: Vec<f64> = action.iter().copied().chain([self.period]).collect();
+                        let decision = self.rules.decision(episode, &action);
+                        episode.finish_step(&decision);
+                        recorder.step(episode).map_err(|error| words(&error))?;
+                    }
+                    let ending = episode.begin_step().map_or(Ending::Interrupted, Ending::Over);
+                    recorder.finish(episode, ending).map(Cursor::into_inner).map_err(|error| words(&error))
+                })
+            })
+        });
+        Ok(PyBytes::new(py, &recorded?.map_err(RecordingError::new_err)?))
+    }
+
+    /// The figures of a lane's last episode that ended; None before.
+    fn summary<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let last = self.lane(index, |lane| Ok(lane.last.clone()))?;
+        last.map(|record| value::record(py, record)).transpose()
+    }
+
+    /// The observation with which that episode ended, where the lane began anew in the same step.
+    fn last_observation<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        self.lane(index, |lane| Ok(PyArray1::from_slice(py, &lane.last_observation)))
+    }
+}
