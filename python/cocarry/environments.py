@@ -23,7 +23,7 @@ truncated when its steps run out. The observation at the end of an episode is th
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal, TypeAlias
 
 import gymnasium
 import numpy as np
@@ -36,12 +36,12 @@ from cocarry._cocarry import Error, Lanes, Scenario, World
 
 __all__ = ["CarryEnv", "CarryVectorEnv", "OptionsEnv", "OptionsVectorEnv"]
 
-type _Floats = NDArray[np.float64]
+_Floats: TypeAlias = NDArray[np.float64]
 
 _ENVIRONMENTS = ("environment-1", "environment-2", "environment-3", "environment-4")
 
 
-def _scenarios(worlds: Any, plant: str, settings: Mapping[str, Any]) -> list[Scenario]:
+def _scenarios(worlds: Any, plant: Literal["point", "kinematic", "rapier"], settings: Mapping[str, Any]) -> list[Scenario]:
     if isinstance(worlds, (str, World)) or hasattr(worlds, "__fspath__"):
         worlds = [worlds]
     return [Scenario(world, plant=plant, **settings) for world in worlds]
@@ -56,7 +56,7 @@ def _wish(options: Mapping[str, Any] | None, worlds: int) -> dict[str, Any]:
     return dict(options or {})
 
 
-def _space(lanes: Lanes) -> spaces.Box:
+def _space(lanes: Lanes) -> Any:
     low, high = np.array([bounds for _, bounds in lanes.layout]).T
     return spaces.Box(low, high, dtype=np.float64)
 
@@ -64,7 +64,7 @@ def _space(lanes: Lanes) -> spaces.Box:
 class _Env(gymnasium.Env[_Floats, Any]):
     """What the single environments have in common: a lane."""
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array", "html"], "render_fps": 5}
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array", "html"], "render_fps": 5}  # noqa: RUF012
     _lanes: Lanes
     _worlds: int
 
@@ -168,9 +168,10 @@ class CarryEnv(_Env):
     """The robot's motion while it carries, on the kinematic or the physical plant: ``cocarry/Carry-v0``.
 
     The method (``mutual`` by default) decides who leads on which option; the action moves the robot.
-    ``action="inputs"``: Box of u within the robot's limits: rim speeds (m/s), then joint rates (rad/s, prismatic m/s).
-    ``action="reference"``: Box(3): velocity of the grasp's reference in the grasp's frame, ahead and to the left (m/s,
-    at most 1) and turning (rad/s, at most 2), which eq. (7) follows over its horizon. Larger actions are clipped.
+    Actions are shares, from -1 to 1, of ``action_limits``; larger ones are clipped.
+    ``action="inputs"``: u: rim speeds (m/s), then joint rates (rad/s, prismatic m/s), with the robot's limits.
+    ``action="reference"``: velocity of the grasp's reference in the grasp's frame, ahead and to the left (limit 1 m/s)
+    and turning (2 rad/s), which eq. (7) follows over its horizon.
     Observation: Box, float64, in the frame of the grasp (``observation_names``): joints, last inputs, the goal of the
     grasp, the path ahead for 8 control periods (0 before the first step), the base and its clearance, who leads, and on
     the physical plant object, hand, and the hand's force and torque.
@@ -195,7 +196,8 @@ class CarryEnv(_Env):
         weights = (objective_weight, subjective_weight, control_weight)
         lanes = Lanes(1, action, scenarios, alpha=alpha, gamma=gamma, weights=weights, most_steps=max_steps)
         super().__init__(lanes, len(scenarios), render_mode)
-        self.action_space = spaces.Box(-lanes.limits, lanes.limits, dtype=np.float64)
+        self.action_space = spaces.Box(-1.0, 1.0, lanes.limits.shape, dtype=np.float64)
+        self.action_limits = lanes.limits
 
     def step(self, action: Any) -> tuple[_Floats, float, bool, bool, dict[str, Any]]:
         """One control period (0.2 s)."""
@@ -367,7 +369,8 @@ class CarryVectorEnv(_VectorEnv):
             threads=threads,
         )
         super().__init__(lanes, num_envs, len(scenarios), mode, copy)
-        self.single_action_space = spaces.Box(-lanes.limits, lanes.limits, dtype=np.float64)
+        self.single_action_space = spaces.Box(-1.0, 1.0, lanes.limits.shape, dtype=np.float64)
+        self.action_limits = lanes.limits
         self.action_space = gymnasium.vector.utils.batch_space(self.single_action_space, num_envs)
 
 

@@ -69,7 +69,7 @@ struct Rules {
     /// The largest number of options of a world.
     options: usize,
     joints: usize,
-    /// The largest action, symmetric about 0; none for options.
+    /// What an action of 1 stands for; none for options.
     limits: Vec<f64>,
     /// Weights of J, J^ and C in the reward.
     weights: [f64; 3],
@@ -235,7 +235,7 @@ impl Rules {
         }
         let grasp = episode.robot_view().and_then(|view| view.grasp).map(|pose| PlanarPose::from_above(&pose));
         let decision = episode.ask_policy();
-        let bounded = |i: usize| action[i].clamp(-self.limits[i], self.limits[i]);
+        let bounded = |i: usize| action[i].clamp(-1.0, 1.0) * self.limits[i];
         match (self.task, grasp) {
             (Task::Reference, Some(grasp)) => {
                 // a constant velocity in the grasp's frame
@@ -641,7 +641,7 @@ impl Lanes {
         self.rules.layout().into_iter().map(|(name, [low, high])| (name, (low, high))).collect()
     }
 
-    /// The largest actions; none for options.
+    /// What actions of 1 stand for; none for options.
     #[getter]
     fn limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.rules.limits)

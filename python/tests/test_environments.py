@@ -37,7 +37,8 @@ def test_episodes_are_rendered(name, mode):
     environment.reset(seed=1)
     first = environment.render()
     for _ in range(5):
-        environment.step(environment.action_space.sample())
+        if any(environment.step(environment.action_space.sample())[2:4]):
+            break
     shown = environment.render()
     if mode == "html":
         assert shown.lower().startswith("<!doctype html>")
@@ -133,6 +134,7 @@ def test_the_vector_environment_equals_single_ones(name, keywords, steps, mode, 
     assert ours.single_observation_space == theirs.single_observation_space
     assert ours.single_action_space == theirs.single_action_space
     ours.action_space.seed(0)
+    rng = np.random.default_rng(0)
     mine, info = ours.reset(seed=7)
     other, info_other = theirs.reset(seed=7)
     np.testing.assert_array_equal(mine, other)
@@ -140,6 +142,8 @@ def test_the_vector_environment_equals_single_ones(name, keywords, steps, mode, 
     ends = 0
     for _ in range(steps):
         actions = ours.action_space.sample()
+        if name.startswith("cocarry/O"):
+            actions[rng.random(count) < 0.9] = ours.single_action_space.n - 1
         mine, other = ours.step(actions), theirs.step(actions)
         for one, two in zip(mine[:4], other[:4]):
             assert one.tobytes() == np.asarray(two, one.dtype).tobytes()
