@@ -47,12 +47,14 @@ def _scenarios(worlds: Any, plant: Literal["point", "kinematic", "rapier"], sett
     return [Scenario(world, plant=plant, **settings) for world in worlds]
 
 
-def _wish(options: Mapping[str, Any] | None, worlds: int) -> dict[str, Any]:
+_WISHES = ("world", "seed", "alpha", "gamma")
+
+
+def _wish(options: Mapping[str, Any] | None) -> dict[str, Any]:
     """What ``reset(options=)`` asks for."""
-    known = ("world", "seed", "alpha", "gamma")
-    unknown = [key for key in options or {} if key not in known]
+    unknown = [key for key in options or {} if key not in _WISHES]
     if unknown:
-        raise Error(f"reset: unknown option {unknown[0]!r}; expected one of: {', '.join(known)}")
+        raise Error(f"reset: unknown option {unknown[0]!r}; expected one of: {', '.join(_WISHES)}")
     return dict(options or {})
 
 
@@ -66,12 +68,11 @@ class _Env(gymnasium.Env[_Floats, Any]):
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array", "html"], "render_fps": 5}  # noqa: RUF012
     _lanes: Lanes
-    _worlds: int
 
-    def __init__(self, lanes: Lanes, worlds: int, render_mode: str | None) -> None:
+    def __init__(self, lanes: Lanes, render_mode: str | None) -> None:
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise Error(f"render_mode = {render_mode!r}; it must be None or one of: {', '.join(self.metadata['render_modes'])}")
-        self._lanes, self._worlds, self.render_mode = lanes, worlds, render_mode
+        self._lanes, self.render_mode = lanes, render_mode
         self.observation_space = _space(lanes)
         self._is_seeded = self._is_closed = False
         self._actions: list[list[float]] = []
@@ -84,7 +85,7 @@ class _Env(gymnasium.Env[_Floats, Any]):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[_Floats, dict[str, Any]]:
         """Begins an episode. ``options`` may set ``world`` (an index), ``seed``, ``alpha`` and ``gamma`` of it."""
         self._check_open()
-        wish = _wish(options, self._worlds)
+        wish = _wish(options)
         super().reset(seed=seed)
         if seed is not None:
             self._lanes.seed(0, seed)
@@ -155,7 +156,7 @@ class OptionsEnv(_Env):
         scenarios = _scenarios(worlds, "point", settings)
         weights = (objective_weight, subjective_weight, control_weight)
         lanes = Lanes(1, "options", scenarios, alpha=alpha, gamma=gamma, weights=weights, most_steps=max_steps)
-        super().__init__(lanes, len(scenarios), render_mode)
+        super().__init__(lanes, render_mode)
         self.action_space = spaces.Discrete(lanes.options + 1)
 
     def step(self, action: Any) -> tuple[_Floats, float, bool, bool, dict[str, Any]]:
@@ -195,7 +196,7 @@ class CarryEnv(_Env):
         scenarios = _scenarios(worlds, plant, settings)
         weights = (objective_weight, subjective_weight, control_weight)
         lanes = Lanes(1, action, scenarios, alpha=alpha, gamma=gamma, weights=weights, most_steps=max_steps)
-        super().__init__(lanes, len(scenarios), render_mode)
+        super().__init__(lanes, render_mode)
         self.action_space = spaces.Box(-1.0, 1.0, lanes.limits.shape, dtype=np.float64)
         self.action_limits = lanes.limits
 
@@ -210,8 +211,8 @@ class _VectorEnv(VectorEnv[_Floats, Any, NDArray[Any]]):
 
     metadata: dict[str, Any]
 
-    def __init__(self, lanes: Lanes, num_envs: int, worlds: int, autoreset_mode: AutoresetMode, copy: bool) -> None:
-        self.num_envs, self._lanes, self._worlds, self._copy = num_envs, lanes, worlds, copy
+    def __init__(self, lanes: Lanes, num_envs: int, autoreset_mode: AutoresetMode, copy: bool) -> None:
+        self.num_envs, self._lanes, self._copy = num_envs, lanes, copy
         self.metadata = {"render_modes": [], "autoreset_mode": autoreset_mode}
         self.autoreset_mode, self.render_mode = autoreset_mode, None
         self.single_observation_space = _space(lanes)
@@ -230,7 +231,7 @@ class _VectorEnv(VectorEnv[_Floats, Any, NDArray[Any]]):
         self._check_open()
         options = dict(options or {})
         mask = options.pop("reset_mask", None)
-        wish = _wish(options, self._worlds)
+        wish = _wish(options)
         if seed is None and not self._is_seeded:
             seed = int(self.np_random.integers(2**62))
         if seed is not None:
@@ -330,7 +331,7 @@ class OptionsVectorEnv(_VectorEnv):
             autoreset=_AUTORESETS[mode],
             threads=threads,
         )
-        super().__init__(lanes, num_envs, len(scenarios), mode, copy)
+        super().__init__(lanes, num_envs, mode, copy)
         self.single_action_space = spaces.Discrete(lanes.options + 1)
         self.action_space = gymnasium.vector.utils.batch_space(self.single_action_space, num_envs)
 
@@ -368,7 +369,7 @@ class CarryVectorEnv(_VectorEnv):
             autoreset=_AUTORESETS[mode],
             threads=threads,
         )
-        super().__init__(lanes, num_envs, len(scenarios), mode, copy)
+        super().__init__(lanes, num_envs, mode, copy)
         self.single_action_space = spaces.Box(-1.0, 1.0, lanes.limits.shape, dtype=np.float64)
         self.action_limits = lanes.limits
         self.action_space = gymnasium.vector.utils.batch_space(self.single_action_space, num_envs)

@@ -9,10 +9,10 @@ use crate::partners::configuration_vector;
 use crate::scenario::{Scenario, input_limits};
 use crate::value;
 use cocarry::control::HORIZON;
-use cocarry::coordination::Mode;
+use cocarry::coordination::{Mode, Stubbornness};
 use cocarry::episode::{Episode, Outcome};
 use cocarry::geometry::{PlanarPose, Point};
-use cocarry::human::Stance;
+use cocarry::human::{Human, HumanDecision, HumanView, Stance};
 use cocarry::math;
 use cocarry::policy::{Decision, Motion};
 use cocarry::preference::Perception;
@@ -28,7 +28,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rayon::prelude::*;
 use std::io::Cursor;
-use std::sync::{Arc, Mutex, TryLockError};
+use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 
 /// The largest number in an observation.
 const LARGEST: f64 = 1e7;
@@ -44,6 +44,8 @@ const AHEAD: usize = HORIZON;
 enum Task {
     /// The option on which the robot leads, or to follow.
     Options,
+    /// That, and the human's option and response.
+    Both,
     /// The inputs u.
     Inputs,
     /// The velocity of the reference of eq. (7).
@@ -96,6 +98,26 @@ struct Wish {
     gamma: Option<f64>,
 }
 
+/// A human whose decisions are actions. Stubbornness grows by eq. (5).
+#[derive(Clone, Debug)]
+struct ActedHuman {
+    next: Arc<Mutex<(usize, Stance)>>,
+    perception: Perception,
+    stubbornness: Stubbornness,
+}
+
+impl Human for ActedHuman {
+    fn decide(&mut self, view: &HumanView<'_>) -> HumanDecision {
+        view.accumulate(&mut self.stubbornness);
+        let (option, stance) = *self.next.lock().unwrap_or_else(PoisonError::into_inner);
+        let option = option.min(view.prospects.len().saturating_sub(1));
+        HumanDecision { stance, ..HumanDecision::new(option, &self.stubbornness, Some(self.perception)) }
+    }
+}
+
+/// The responses of a human to the robot's lead, as actions.
+const STANCES: [Stance; 3] = [Stance::Follow, Stance::Resist, Stance::TakeOver];
+
 /// One environment.
 struct Lane {
     rng: ChaCha8Rng,
@@ -103,6 +125,10 @@ struct Lane {
     world: usize,
     /// J^ up to the last step.
     subjective: f64,
+    /// J, J^ and C of the last step.
+    costs: [f64; 3],
+    /// The next decision of the human of [`Task::Both`].
+    human: Arc<Mutex<(usize, Stance)>>,
     is_over: bool,
     /// Figures of the last episode that ended.
     last: Option<Record>,
@@ -114,7 +140,7 @@ struct Lane {
 impl Rules {
     fn size(&self) -> usize {
         match self.task {
-            Task::Options => self.options * (OPTION.len() - 1 + 1) + COMMON.len(),
+            Task::Options | Task::Both => self.options * (OPTION.len() - 1 + 1) + COMMON.len(),
             Task::Inputs | Task::Reference => 2 * self.joints + 2 + 3 + 2 * AHEAD + 3 + 2 + 3 + 3 + 3,
         }
     }
@@ -124,7 +150,7 @@ impl Rules {
         let mut layout = Vec::with_capacity(self.size());
         let flag = [0.0, 1.0];
         match self.task {
-            Task::Options => {
+            Task::Options | Task::Both => {
                 for option in 0..self.options {
                     for quantity in OPTION.iter().filter(|quantity| quantity.key != "name") {
                         let is_share = ["risk", "probability", "misaligned"].contains(&quantity.key);
@@ -157,7 +183,7 @@ impl Rules {
 
     fn observe(&self, stage: &PreparedScenario, episode: &Episode, into: &mut [f64]) {
         match self.task {
-            Task::Options => self.observe_options(stage, episode, into),
+            Task::Options | Task::Both => self.observe_options(stage, episode, into),
             Task::Inputs | Task::Reference => self.observe_carrying(stage, episode, into),
         }
         for number in into {
@@ -227,9 +253,24 @@ impl Rules {
         into.copy_from_slice(&numbers);
     }
 
+    /// Begins the next step and observes it; returns the outcome once the episode has ended. Where the human acts
+    /// too, a copy looks ahead, since the human has not decided yet.
+    fn begin(&self, stage: &PreparedScenario, episode: &mut Episode<'_>, into: &mut [f64]) -> Option<Outcome> {
+        if self.task == Task::Both {
+            let mut ahead = episode.clone();
+            let ended = ahead.begin_step();
+            self.observe(stage, &ahead, into);
+            // asks nobody, and notes the outcome
+            return ended.and_then(|_| episode.begin_step());
+        }
+        let ended = episode.begin_step();
+        self.observe(stage, episode, into);
+        ended
+    }
+
     /// The decision of an action.
     fn decision(&self, episode: &mut Episode, action: &[f64]) -> Decision {
-        if self.task == Task::Options {
+        if matches!(self.task, Task::Options | Task::Both) {
             let option = action[0] as usize;
             return if option >= self.options { Decision::follow() } else { Decision::lead(option) };
         }
@@ -274,6 +315,8 @@ impl Lane {
             cell: None,
             world: 0,
             subjective: 0.0,
+            costs: [0.0; 3],
+            human: Arc::new(Mutex::new((0, Stance::Follow))),
             is_over: true,
             last: None,
             last_observation: Vec::new(),
@@ -292,14 +335,19 @@ impl Lane {
         let given = GivenPerception { alpha: wish.alpha.or(rules.given.alpha), gamma: wish.gamma.or(rules.given.gamma) };
         scenario.human = drawn_human(scenario.settings.predictor.belief(), given, scenario.seed);
         self.subjective = 0.0;
+        *self.human.lock().unwrap_or_else(PoisonError::into_inner) = (0, Stance::Follow);
+        let acted = (rules.task == Task::Both).then(|| {
+            let stubbornness = Stubbornness::new(scenario.settings.coordination);
+            let human = ActedHuman { next: Arc::clone(&self.human), perception: scenario.human, stubbornness };
+            Box::new(human) as Box<dyn Human>
+        });
         let made = base.prepare(scenario).map_err(|error| words(&error)).and_then(|stage| {
-            Cell::beginning(Arc::new(stage)).map_err(|error| words(&error))
+            Cell::beginning(Arc::new(stage), acted).map_err(|error| words(&error))
         });
         match made {
             Ok(mut made) => {
                 made.with_dependent_mut(|stage, running| {
-                    running.outcome = running.episode.begin_step();
-                    rules.observe(stage, &running.episode, observation);
+                    running.outcome = rules.begin(stage, &mut running.episode, observation);
                 });
                 self.is_over = false;
                 self.cell = Some(made);
@@ -319,19 +367,23 @@ impl Lane {
             return Result::default();
         }
         let Some(cell) = self.cell.as_mut() else { return Result::default() };
-        let subjective = &mut self.subjective;
+        let (subjective, human, costs) = (&mut self.subjective, &self.human, &mut self.costs);
         let (result, last) = cell.with_dependent_mut(|stage, running| {
             let episode = &mut running.episode;
+            if rules.task == Task::Both {
+                let stance = STANCES[(action[2] as usize).min(STANCES.len() - 1)];
+                *human.lock().unwrap_or_else(PoisonError::into_inner) = (action[1] as usize, stance);
+                episode.begin_step();
+            }
             let decision = rules.decision(episode, action);
             episode.finish_step(&decision);
             let tick = episode.tick();
             let so_far = episode.summary().human.subjective_cost;
             let control = tick.robot.as_ref().map_or(0.0, |robot| robot.cost());
-            let costs = [tick.objective_cost, so_far - *subjective, control];
+            *costs = [tick.objective_cost, so_far - *subjective, control];
             *subjective = so_far;
-            let cost: f64 = rules.weights.iter().zip(costs).map(|(weight, cost)| weight * cost).sum();
-            let ended = episode.begin_step();
-            rules.observe(stage, episode, observation);
+            let cost: f64 = rules.weights.iter().zip(*costs).map(|(weight, cost)| weight * cost).sum();
+            let ended = rules.begin(stage, episode, observation);
             let is_long = rules.most_steps.is_some_and(|most| episode.summary().steps >= most);
             let truncated = ended == Some(Outcome::OutOfTime) || (ended.is_none() && is_long);
             let terminated = ended.is_some_and(|outcome| outcome != Outcome::OutOfTime);
@@ -406,6 +458,24 @@ impl Lanes {
                 None => Err(ActionError::new_err(format!(
                     "action {}; it must be {lanes} whole number(s) (int64) from 0 to {most}: an option to lead on, or {most} to follow",
                     repr()
+                ))),
+            };
+        }
+        if self.rules.task == Task::Both {
+            let most = self.rules.options as i64;
+            let found = given.extract::<PyReadonlyArray2<'_, i64>>().ok();
+            let found = found.filter(|rows| rows.as_array().shape() == [lanes, 3]);
+            let rows = found.map(|rows| rows.as_array().iter().copied().collect::<Vec<_>>());
+            let fits = |row: &[i64]| {
+                (0..=most).contains(&row[0]) && (0..most).contains(&row[1]) && (0..STANCES.len() as i64).contains(&row[2])
+            };
+            let rows = rows.filter(|rows| rows.chunks(3).all(fits));
+            return match rows {
+                Some(rows) => Ok(rows.into_iter().map(|number| number as f64).collect()),
+                None => Err(ActionError::new_err(format!(
+                    "actions {}; the robot's must be a whole number from 0 to {most}, the human's an option from 0 to {} and a response from 0 to 2",
+                    repr(),
+                    most - 1
                 ))),
             };
         }
@@ -489,9 +559,10 @@ impl Lanes {
     ) -> PyResult<Self> {
         let task = match task {
             "options" => Task::Options,
+            "both" => Task::Both,
             "inputs" => Task::Inputs,
             "reference" => Task::Reference,
-            other => return Err(Error::new_err(format!("task = {other:?}; it must be one of: options, inputs, reference"))),
+            other => return Err(Error::new_err(format!("task = {other:?}; it must be one of: options, both, inputs, reference"))),
         };
         if !(1..=100_000).contains(&count) {
             return Err(Error::new_err(format!("{count} environments; there must be 1 to 100000")));
@@ -517,7 +588,7 @@ impl Lanes {
         let bases = scenarios.iter().map(|scenario| scenario.get().prepared(py)).collect::<PyResult<Vec<_>>>()?;
         let Some(first) = bases.first() else { return Err(Error::new_err("there is no world; give at least one")) };
         let robot = first.robot();
-        if task != Task::Options && robot.is_none() {
+        if matches!(task, Task::Inputs | Task::Reference) && robot.is_none() {
             return Err(Error::new_err("this environment needs a robot; use plant=\"kinematic\" or plant=\"rapier\""));
         }
         let limits = match (task, robot) {
@@ -674,17 +745,29 @@ impl Lanes {
         self.lane(index, |lane| Ok(lane.cell.as_ref().map(|cell| Scenario::of(cell.borrow_owner().scenario().clone()))))
     }
 
+    /// J (m), J^ and C of a lane's last step.
+    fn costs(&self, index: usize) -> PyResult<(f64, f64, f64)> {
+        self.lane(index, |lane| Ok((lane.costs[0], lane.costs[1], lane.costs[2])))
+    }
+
     /// A lane's episode run again by these actions: its recording (MCAP). At least one step is taken.
     fn recording<'py>(&self, py: Python<'py>, index: usize, actions: Vec<Vec<f64>>) -> PyResult<Bound<'py, PyBytes>> {
         let stage = self.lane(index, |lane| Ok(lane.cell.as_ref().map(|cell| Arc::clone(cell.borrow_owner()))))?;
         let stage = stage.ok_or_else(|| ClosedError::new_err("the environment has no episode; call reset() first"))?;
-        let width = self.rules.limits.len().max(1);
+        let width = if self.rules.task == Task::Both { 3 } else { self.rules.limits.len().max(1) };
         if actions.iter().any(|action| action.len() != width) {
             return Err(ActionError::new_err(format!("every action must have {width} numbers")));
         }
         let recorded = py.detach(|| {
             guarded(|| {
-                let mut cell = Cell::beginning(stage).map_err(|error| words(&error))?;
+                let next = Arc::new(Mutex::new((0, Stance::Follow)));
+                let acted = (self.rules.task == Task::Both).then(|| {
+                    let scenario = stage.scenario();
+                    let stubbornness = Stubbornness::new(scenario.settings.coordination);
+                    let next = Arc::clone(&next);
+                    Box::new(ActedHuman { next, perception: scenario.human, stubbornness }) as Box<dyn Human>
+                });
+                let mut cell = Cell::beginning(stage, acted).map_err(|error| words(&error))?;
                 cell.with_dependent_mut(|stage, running| {
                     let episode = &mut running.episode;
                     let file = Cursor::new(Vec::new());
@@ -693,6 +776,12 @@ impl Lanes {
                         recorder.step(episode).map_err(|error| words(&error))?;
                     }
                     for action in &actions {
+                        if let [_, option, stance] = action[..]
+                            && self.rules.task == Task::Both
+                        {
+                            let stance = STANCES[(stance as usize).min(STANCES.len() - 1)];
+                            *next.lock().unwrap_or_else(PoisonError::into_inner) = (option as usize, stance);
+                        }
                         if episode.begin_step().is_some() {
                             break;
                         }

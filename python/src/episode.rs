@@ -9,7 +9,8 @@ use cocarry::episode::{self, Outcome};
 use cocarry::quantities::{EPISODE, Record, TICK, View};
 use cocarry::recording::{Ending, FileRecorder, Playback, Reader, Recorder};
 use cocarry::rendering;
-use cocarry::scenario::{PreparedScenario, Snapshot};
+use cocarry::human::Human;
+use cocarry::scenario::{Partners, PreparedScenario, ScenarioError as ScenarioRefused, Snapshot};
 use numpy::PyArray1;
 use pyo3::exceptions::{PyKeyError, PyStopIteration};
 use pyo3::prelude::*;
@@ -39,10 +40,14 @@ self_cell!(
 );
 
 impl Cell {
-    /// The episode of a prepared scenario with its own partners.
-    pub fn beginning(prepared: Arc<PreparedScenario>) -> Result<Self, cocarry::scenario::ScenarioError> {
+    /// The episode of a prepared scenario, with another human if one is given.
+    pub fn beginning(
+        prepared: Arc<PreparedScenario>,
+        human: Option<Box<dyn Human>>,
+    ) -> Result<Self, ScenarioRefused> {
         Self::try_new(prepared, |stage| {
-            Ok(Running { episode: stage.episode()?, recorder: None, outcome: None })
+            let episode = stage.episode_of(Partners { human, policy: None })?;
+            Ok(Running { episode, recorder: None, outcome: None })
         })
     }
 }
@@ -90,7 +95,7 @@ pub fn cell(
                 if let Some(state) = state {
                     episode = episode.resume(state)?;
                 }
-                Ok::<_, cocarry::scenario::ScenarioError>(Running { episode, recorder: None, outcome: None })
+                Ok::<_, ScenarioRefused>(Running { episode, recorder: None, outcome: None })
             })
         })
     });
