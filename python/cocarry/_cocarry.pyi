@@ -438,7 +438,7 @@ class Recording:
     def replay(self) -> dict[str, Any]:
         """Runs the scenario again and compares every message: verdict, same_messages, difference.
 
-        The scenario's own method and human decide: an episode of own partners differs.
+        The decisions of own partners are repeated from the recording's log.
         """
     def to_html(self, title: str | None = None) -> str:
         """The 3-D player, as one page."""

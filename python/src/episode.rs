@@ -6,10 +6,10 @@ use crate::scenario::Scenario;
 use crate::table::Table;
 use crate::value;
 use cocarry::episode::{self, Outcome};
+use cocarry::human::Human;
 use cocarry::quantities::{EPISODE, Record, TICK, View};
 use cocarry::recording::{Ending, FileRecorder, Playback, Reader, Recorder};
 use cocarry::rendering;
-use cocarry::human::Human;
 use cocarry::scenario::{Partners, PreparedScenario, ScenarioError as ScenarioRefused, Snapshot};
 use numpy::PyArray1;
 use pyo3::exceptions::{PyKeyError, PyStopIteration};
@@ -104,12 +104,7 @@ pub fn cell(
 }
 
 impl Episode {
-    fn of(
-        py: Python<'_>,
-        scenario: Py<Scenario>,
-        own: Own,
-        state: Option<episode::State>,
-    ) -> PyResult<Self> {
+    fn of(py: Python<'_>, scenario: Py<Scenario>, own: Own, state: Option<episode::State>) -> PyResult<Self> {
         let prepared = scenario.get().prepared(py)?;
         let pristine = own.copied(py)?;
         let fault = Fault::default();
@@ -118,7 +113,11 @@ impl Episode {
     }
 
     /// Runs `act` on the episode without Python's lock.
-    fn with<T: Send>(&self, py: Python<'_>, act: impl for<'a, 'b> FnOnce(&'a Arc<PreparedScenario>, &'b mut Running<'a>) -> T + Send) -> PyResult<T> {
+    fn with<T: Send>(
+        &self,
+        py: Python<'_>,
+        act: impl for<'a, 'b> FnOnce(&'a Arc<PreparedScenario>, &'b mut Running<'a>) -> T + Send,
+    ) -> PyResult<T> {
         let mut cell = match self.cell.try_lock() {
             Ok(cell) => cell,
             Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
@@ -163,7 +162,13 @@ impl Episode {
     }
 
     /// Runs to the end, or `most` steps.
-    fn run_steps(&self, py: Python<'_>, most: Option<u64>, mut each: impl FnMut() -> PyResult<()>, one_by_one: bool) -> PyResult<()> {
+    fn run_steps(
+        &self,
+        py: Python<'_>,
+        most: Option<u64>,
+        mut each: impl FnMut() -> PyResult<()>,
+        one_by_one: bool,
+    ) -> PyResult<()> {
         let has_robot = self.scenario.get().inner().plant.carrier().is_some();
         let batch = if has_robot || one_by_one { 1 } else { STEPS_BETWEEN_SIGNALS };
         let mut left = most.unwrap_or(u64::MAX);
@@ -186,10 +191,13 @@ impl Episode {
         let fault = Fault::default();
         let prepared = self.scenario.get().prepared(py)?;
         let mut again = cell(py, prepared, self.pristine.copied(py)?, &fault, None)?;
+        let log = self.own.log(py, &fault);
         let recorded = py.detach(|| {
             guarded(|| {
                 again.with_dependent_mut(|stage, running| {
-                    let mut recorder = Recorder::new(Cursor::new(Vec::new()), "the episode", stage, &running.episode)?;
+                    let mut recorder =
+                        Recorder::new(Cursor::new(Vec::new()), "the episode", stage, &running.episode)?
+                            .logging(log);
                     for _ in 0..steps {
                         running.episode.step();
                         recorder.step(&running.episode)?;
@@ -198,7 +206,9 @@ impl Episode {
                         running.episode.step();
                         Ending::Over(outcome)
                     });
-                    Ok::<_, cocarry::recording::RecordingError>(recorder.finish(&running.episode, ending)?.into_inner())
+                    Ok::<_, cocarry::recording::RecordingError>(
+                        recorder.finish(&running.episode, ending)?.into_inner(),
+                    )
                 })
             })
         });
@@ -222,7 +232,9 @@ pub fn page<R: std::io::Read>(recording: R, name: &str, title: &str) -> PyResult
 /// A page in a frame of a notebook.
 pub fn framed(page: &str) -> String {
     let page = page.replace('&', "&amp;").replace('"', "&quot;");
-    format!("<iframe srcdoc=\"{page}\" style=\"width:100%;height:560px;border:0\" title=\"cocarry player\"></iframe>")
+    format!(
+        "<iframe srcdoc=\"{page}\" style=\"width:100%;height:560px;border:0\" title=\"cocarry player\"></iframe>"
+    )
 }
 
 /// The snapshot in an argument: bytes, or a file.
@@ -303,14 +315,16 @@ impl Episode {
     /// One quantity of the last step.
     fn __getitem__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
         let Some(quantity) = TICK.into_iter().flatten().find(|quantity| quantity.key == key) else {
-            let known = TICK.into_iter().flatten().map(|quantity| quantity.key).collect::<Vec<_>>().join(", ");
+            let known =
+                TICK.into_iter().flatten().map(|quantity| quantity.key).collect::<Vec<_>>().join(", ");
             return Err(PyKeyError::new_err(format!("unknown quantity `{key}`; expected one of: {known}")));
         };
         let found = self.with(py, |stage, running| {
             let begun = running.episode.summary().steps > 0;
             begun.then(|| (quantity.get)(&View { stage, episode: &running.episode }))
         })?;
-        let found = found.ok_or_else(|| Error::new_err("the episode has no tick before its first step; call step()"))?;
+        let found = found
+            .ok_or_else(|| Error::new_err("the episode has no tick before its first step; call step()"))?;
         value::to_python(py, &found)
     }
 
@@ -364,11 +378,13 @@ impl Episode {
 
     #[pyo3(signature = (file, *, overwrite = false))]
     fn record(slf: Py<Self>, py: Python<'_>, file: PathBuf, overwrite: bool) -> PyResult<Py<Self>> {
+        let log = slf.get().own.log(py, &slf.get().fault);
         let begun = slf.get().with(py, |stage, running| {
             if running.episode.summary().steps > 0 || running.recorder.is_some() {
                 return Ok(false);
             }
-            running.recorder = Some(FileRecorder::create(&file, overwrite, stage, &running.episode)?);
+            let recorder = FileRecorder::create(&file, overwrite, stage, &running.episode)?;
+            running.recorder = Some(recorder.logging(log));
             Ok::<_, cocarry::recording::RecordingError>(true)
         })?;
         match begun.map_err(|error| raise::<RecordingError>(&error))? {
@@ -399,7 +415,9 @@ impl Episode {
     /// Ends the episode, and finishes its recording.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         let Ok(mut cell) = self.cell.try_lock() else {
-            return Err(ClosedError::new_err("the episode is in a step, and cannot be closed before it is over"));
+            return Err(ClosedError::new_err(
+                "the episode is in a step, and cannot be closed before it is over",
+            ));
         };
         let Some(mut cell) = cell.take() else { return Ok(()) };
         let done = py.detach(|| {
@@ -432,7 +450,9 @@ impl Episode {
         let (state, recording) =
             self.with(py, |_, running| (running.episode.state(), running.recorder.is_some()))?;
         if recording {
-            return Err(RecordingError::new_err("an episode that is being recorded cannot be copied or pickled"));
+            return Err(RecordingError::new_err(
+                "an episode that is being recorded cannot be copied or pickled",
+            ));
         }
         let copy = Self::of(py, self.scenario.clone_ref(py), self.own.copied(py)?, Some(state))?;
         Ok(Self { pristine: self.pristine.copied(py)?, ..copy })
@@ -441,9 +461,17 @@ impl Episode {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let (py, this) = (slf.py(), slf.get());
         if this.with(py, |_, running| running.recorder.is_some())? {
-            return Err(RecordingError::new_err("an episode that is being recorded cannot be copied or pickled"));
+            return Err(RecordingError::new_err(
+                "an episode that is being recorded cannot be copied or pickled",
+            ));
         }
-        let parts = (this.snapshot(py)?, this.policy(py), this.human(py), &this.pristine.policy, &this.pristine.human);
+        let parts = (
+            this.snapshot(py)?,
+            this.policy(py),
+            this.human(py),
+            &this.pristine.policy,
+            &this.pristine.human,
+        );
         let rebuild = slf.get_type().getattr("_rebuild")?;
         Ok((rebuild, parts.into_pyobject(py)?.into_any()))
     }

@@ -6,7 +6,12 @@ use pyo3::prelude::*;
 use std::error::Error as StdError;
 use std::panic::AssertUnwindSafe;
 
-create_exception!(cocarry, Error, PyValueError, "An input or a call that cocarry refuses; the base of all others.");
+create_exception!(
+    cocarry,
+    Error,
+    PyValueError,
+    "An input or a call that cocarry refuses; the base of all others."
+);
 create_exception!(cocarry, WorldError, Error, "A world that is not valid.");
 create_exception!(cocarry, RobotError, Error, "A robot that is not valid.");
 create_exception!(cocarry, ScenarioError, Error, "A scenario or a setting that is not valid.");

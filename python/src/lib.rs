@@ -41,7 +41,9 @@ fn quantities<'py>(py: Python<'py>, of: &str) -> PyResult<Bound<'py, PyDict>> {
         "episode" => return partners::vocabulary(py, EPISODE),
         "option" => return partners::vocabulary(py, OPTION),
         other => {
-            return Err(error::Error::new_err(format!("of = {other:?}; it must be one of: tick, option, episode")));
+            return Err(error::Error::new_err(format!(
+                "of = {other:?}; it must be one of: tick, option, episode"
+            )));
         }
     }
     Ok(dict)

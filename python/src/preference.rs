@@ -4,7 +4,8 @@ use crate::error::{Error, ScenarioError, raise};
 use crate::scenario::{Scenario, belief_of};
 use cocarry::episode::prospects;
 use cocarry::preference::{
-    ChoiceDistribution, Perception, Predictor, Prospect, Regions, human_choice, objective_cost, subjective_cost,
+    ChoiceDistribution, Perception, Predictor, Prospect, Regions, human_choice, objective_cost,
+    subjective_cost,
 };
 use cocarry::scenario::PERCEPTION;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
@@ -58,7 +59,9 @@ impl Preference {
             )));
         }
         if let Some(wrong) = length_m.iter().find(|length| !(0.0..=1e6).contains(*length)) {
-            return Err(Error::new_err(format!("length_m has {wrong}; lengths must be numbers from 0 to 1000000")));
+            return Err(Error::new_err(format!(
+                "length_m has {wrong}; lengths must be numbers from 0 to 1000000"
+            )));
         }
         if let Some(wrong) = risk.iter().find(|risk| !(0.0..=1.0).contains(*risk)) {
             return Err(Error::new_err(format!("risk has {wrong}; risks must be numbers from 0 to 1")));
@@ -103,7 +106,12 @@ impl Preference {
         PyArray1::from_iter(py, self.prospects.iter().map(|p| objective_cost(*p, weight)))
     }
 
-    fn subjective_cost<'py>(&self, py: Python<'py>, alpha: f64, gamma: f64) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    fn subjective_cost<'py>(
+        &self,
+        py: Python<'py>,
+        alpha: f64,
+        gamma: f64,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let (perception, weight) = (Self::perception(alpha, gamma)?, self.predictor.risk_weight());
         Ok(PyArray1::from_iter(py, self.prospects.iter().map(|p| subjective_cost(*p, weight, perception))))
     }
@@ -121,7 +129,11 @@ impl Preference {
     ) -> PyResult<Bound<'py, PyArray1<i64>>> {
         let (alpha, gamma) = (alpha.as_array().to_vec(), gamma.as_array().to_vec());
         if alpha.len() != gamma.len() {
-            return Err(Error::new_err(format!("alpha has {} numbers and gamma {}; they must have equally many", alpha.len(), gamma.len())));
+            return Err(Error::new_err(format!(
+                "alpha has {} numbers and gamma {}; they must have equally many",
+                alpha.len(),
+                gamma.len()
+            )));
         }
         let choices = alpha.iter().zip(&gamma).map(|(alpha, gamma)| Ok(self.choice(*alpha, *gamma)? as i64));
         Ok(PyArray1::from_vec(py, choices.collect::<PyResult<Vec<_>>>()?))
@@ -139,7 +151,9 @@ impl Preference {
         let (alpha, gamma) = (alpha.unwrap_or(of_alpha), gamma.unwrap_or(of_gamma));
         for (key, [lower, upper]) in [("alpha", alpha), ("gamma", gamma)] {
             if !(PERCEPTION.contains(lower) && PERCEPTION.contains(upper) && lower < upper) {
-                return Err(Error::new_err(format!("{key} = ({lower}, {upper}); it must be a lower and a larger upper end, each {PERCEPTION}")));
+                return Err(Error::new_err(format!(
+                    "{key} = ({lower}, {upper}); it must be a lower and a larger upper end, each {PERCEPTION}"
+                )));
             }
         }
         let regions = py.detach(|| Regions::new(&self.prospects, self.predictor.risk_weight(), alpha, gamma));

@@ -51,7 +51,8 @@ pub fn player(py: Python<'_>, recording: &[u8], title: &str) -> PyResult<String>
 pub fn picture<'py>(py: Python<'py>, recording: &[u8], width: u32) -> PyResult<Bound<'py, PyArray3<u8>>> {
     let drawn = py.detach(|| {
         let playback = Playback::read(&mut Reader::new(Cursor::new(recording), "the episode")?);
-        let drawn = playback.map(|playback| rendering::last_picture(&playback, rendering::Width::Pixels(width)));
+        let drawn =
+            playback.map(|playback| rendering::last_picture(&playback, rendering::Width::Pixels(width)));
         drawn.map(|drawn| drawn.map_err(|error| raise::<RecordingError>(&error)))
     });
     let drawn = drawn.map_err(|error| refused(&error))??;
@@ -119,7 +120,8 @@ impl Recording {
         let name = self.file.display().to_string();
         let title = title.unwrap_or(&name);
         py.detach(|| {
-            let file = File::open(&self.file).map_err(|error| RecordingError::new_err(format!("{name}: {error}")))?;
+            let file = File::open(&self.file)
+                .map_err(|error| RecordingError::new_err(format!("{name}: {error}")))?;
             page(BufReader::new(file), &name, title)
         })
     }

@@ -201,7 +201,9 @@ fn apply(scenario: &mut scenario::Scenario, settings: Option<&Bound<'_, PyDict>>
         let key: String = key.extract()?;
         let Some(setting) = SETTINGS.iter().find(|setting| setting.key == key) else {
             let known = SETTINGS.iter().map(|setting| setting.key).collect::<Vec<_>>().join(", ");
-            return Err(ScenarioError::new_err(format!("scenario: unknown setting `{key}`; expected one of: {known}")));
+            return Err(ScenarioError::new_err(format!(
+                "scenario: unknown setting `{key}`; expected one of: {known}"
+            )));
         };
         let plant = scenario.plant.kind();
         if !setting.applies.is_on(plant, true) {
@@ -251,7 +253,10 @@ fn robot_of(given: Option<&Bound<'_, PyAny>>) -> PyResult<robot::Robot> {
     }
     match given.extract::<PathBuf>() {
         Ok(path) => robot::Robot::load(&path).map_err(|e| raise::<RobotError>(&e)),
-        Err(_) => Err(RobotError::new_err(format!("robot = {}; it must be a robot file or a cocarry.Robot", repr(given)))),
+        Err(_) => Err(RobotError::new_err(format!(
+            "robot = {}; it must be a robot file or a cocarry.Robot",
+            repr(given)
+        ))),
     }
 }
 
@@ -265,7 +270,11 @@ pub fn belief_of(alpha: &str, gamma: &str, samples: Option<PyReadonlyArray2<'_, 
     let columns = samples.ncols();
     if columns != 2 && columns != 3 {
         let shape = format!("an array of shape {:?}", samples.shape());
-        return Err(refused("belief_samples", shape, "an array of shape (n, 2) or (n, 3): alpha, gamma and the weight"));
+        return Err(refused(
+            "belief_samples",
+            shape,
+            "an array of shape (n, 2) or (n, 3): alpha, gamma and the weight",
+        ));
     }
     let sample = |row: numpy::ndarray::ArrayView1<'_, f64>| WeightedSample {
         perception: Perception { alpha: row[0], gamma: row[1] },
@@ -320,22 +329,29 @@ impl Scenario {
             None => load_world(Path::new("environment-4"))?,
         };
         let names = || PlantKind::ALL.map(|kind| format!("{:?}", kind.name())).join(", ");
-        let kind = PlantKind::named(plant).ok_or_else(|| refused("plant", format!("{plant:?}"), format!("one of: {}", names())))?;
+        let kind = PlantKind::named(plant)
+            .ok_or_else(|| refused("plant", format!("{plant:?}"), format!("one of: {}", names())))?;
         let plant = match kind {
             PlantKind::Point if robot.is_some() => {
-                return Err(ScenarioError::new_err("scenario: robot needs a robot, which plant=\"point\" does not have; use plant=\"kinematic\" or plant=\"rapier\""));
+                return Err(ScenarioError::new_err(
+                    "scenario: robot needs a robot, which plant=\"point\" does not have; use plant=\"kinematic\" or plant=\"rapier\"",
+                ));
             }
             PlantKind::Point => Plant::Point,
             kind => Plant::new(kind, RobotSetup::new(&robot_of(robot)?)),
         };
         let mut made = scenario::Scenario { seed, ..scenario::Scenario::new(world.clone().into(), plant) };
         let belief = belief_of(belief_alpha, belief_gamma, belief_samples)?;
-        made.settings.predictor = Predictor::new(belief, RISK_WEIGHT).map_err(|e| raise::<ScenarioError>(&e))?;
+        made.settings.predictor =
+            Predictor::new(belief, RISK_WEIGHT).map_err(|e| raise::<ScenarioError>(&e))?;
         apply(&mut made, settings)?;
-        let given = GivenPerception { alpha: perception("alpha", alpha)?, gamma: perception("gamma", gamma)? };
+        let given =
+            GivenPerception { alpha: perception("alpha", alpha)?, gamma: perception("gamma", gamma)? };
         made.human = drawn_human(made.settings.predictor.belief(), given, seed);
         if changes.is_some() && preference_changes.is_some() {
-            return Err(ScenarioError::new_err("scenario: give changes or preference_changes, which draws them, not both"));
+            return Err(ScenarioError::new_err(
+                "scenario: give changes or preference_changes, which draws them, not both",
+            ));
         }
         for (step, alpha, gamma) in changes.into_iter().flatten() {
             perception("alpha of a change", Some(alpha))?;
@@ -344,11 +360,12 @@ impl Scenario {
         }
         if let Some(count) = preference_changes {
             let text = count.str()?.to_string();
-            let count: PreferenceChanges = text.parse().map_err(|_| {
-                refused("preference_changes", repr(count), PreferenceChanges::expected())
-            })?;
+            let count: PreferenceChanges = text
+                .parse()
+                .map_err(|_| refused("preference_changes", repr(count), PreferenceChanges::expected()))?;
             let settings = &made.settings;
-            let options = OptionSet::new(&world, settings.predictor.risk_weight()).map_err(|e| raise::<WorldError>(&e))?;
+            let options = OptionSet::new(&world, settings.predictor.risk_weight())
+                .map_err(|e| raise::<WorldError>(&e))?;
             made.changes = drawn_changes(count, settings.predictor.belief(), given, seed, &options, settings);
         }
         Ok(Self::of(made))
@@ -374,7 +391,8 @@ impl Scenario {
     ) -> PyResult<Self> {
         let mut made = self.scenario.clone();
         made.seed = seed.unwrap_or(made.seed);
-        let given = GivenPerception { alpha: perception("alpha", alpha)?, gamma: perception("gamma", gamma)? };
+        let given =
+            GivenPerception { alpha: perception("alpha", alpha)?, gamma: perception("gamma", gamma)? };
         made.human = given.or(made.human);
         apply(&mut made, settings)?;
         Ok(Self::of(made))
@@ -475,7 +493,10 @@ pub fn settings<'py>(py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
             Some(Value::Flag(value)) => about.set_item("default", value)?,
             Some(Value::Text(value)) => about.set_item("default", value)?,
         }
-        about.set_item("words", setting.words().map(|words| words.iter().map(|(word, _)| *word).collect::<Vec<_>>()))?;
+        about.set_item(
+            "words",
+            setting.words().map(|words| words.iter().map(|(word, _)| *word).collect::<Vec<_>>()),
+        )?;
         dict.set_item(PyString::new(py, setting.key), about)?;
     }
     Ok(dict)

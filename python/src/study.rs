@@ -94,7 +94,9 @@ pub fn sweep(
     let study = study.map_err(|error| raise::<StudyError>(&error))?;
     let shard = match shard {
         Some((number, of)) if number < 1 || number > of => {
-            return Err(StudyError::new_err(format!("shard = ({number}, {of}); it must be (i, n), the i-th of n parts, with 1 <= i <= n")));
+            return Err(StudyError::new_err(format!(
+                "shard = ({number}, {of}); it must be (i, n), the i-th of n parts, with 1 <= i <= n"
+            )));
         }
         shard => shard.map(|(number, of)| Shard { number, of }),
     };

@@ -162,9 +162,11 @@ impl Table {
 
     /// A table of messages: a time in seconds, then numbers and texts as they are found.
     pub fn of_messages(names: &[String], times: Vec<f64>, rows: &[Vec<Option<Value>>]) -> Self {
-        let time = ("time_s".to_owned(), Column::Number(times.into_iter().map(Some).collect()), HashMap::new());
+        let time =
+            ("time_s".to_owned(), Column::Number(times.into_iter().map(Some).collect()), HashMap::new());
         let columns = names.iter().enumerate().map(|(i, name)| {
-            let cells = || rows.iter().filter_map(move |row| row.get(i)?.as_ref()).filter(|cell| !cell.is_null());
+            let cells =
+                || rows.iter().filter_map(move |row| row.get(i)?.as_ref()).filter(|cell| !cell.is_null());
             let all = |is: fn(&Value) -> bool| cells().next().is_some() && cells().all(is);
             let kind = match () {
                 () if all(Value::is_i64) => Kind::Count,
@@ -189,7 +191,8 @@ impl Table {
     fn column(&self, name: &str) -> PyResult<&ArrayRef> {
         self.batch.column_by_name(name).ok_or_else(|| {
             let schema = self.batch.schema();
-            let known = schema.fields().iter().map(|field| field.name().as_str()).collect::<Vec<_>>().join(", ");
+            let known =
+                schema.fields().iter().map(|field| field.name().as_str()).collect::<Vec<_>>().join(", ");
             PyKeyError::new_err(format!("unknown column `{name}`; expected one of: {known}"))
         })
     }
@@ -234,11 +237,13 @@ impl Table {
                 let values = array.as_primitive::<Int64Type>();
                 match values.null_count() {
                     0 => PyArray1::from_slice(py, values.values()).into_any(),
-                    _ => PyArray1::from_iter(py, values.iter().map(|v| v.map_or(f64::NAN, |v| v as f64))).into_any(),
+                    _ => PyArray1::from_iter(py, values.iter().map(|v| v.map_or(f64::NAN, |v| v as f64)))
+                        .into_any(),
                 }
             }
             DataType::Boolean if array.null_count() == 0 => {
-                PyArray1::from_iter(py, array.as_boolean().iter().map(|flag| flag.unwrap_or(false))).into_any()
+                PyArray1::from_iter(py, array.as_boolean().iter().map(|flag| flag.unwrap_or(false)))
+                    .into_any()
             }
             DataType::Boolean => object_array(py, PyList::new(py, array.as_boolean().iter())?)?,
             _ => object_array(py, PyList::new(py, array.as_string::<i32>().iter())?)?,
@@ -278,13 +283,16 @@ impl Table {
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let this = slf.get();
-        let kinds: Vec<String> = this.batch.schema().fields().iter().map(|f| f.data_type().to_string()).collect();
+        let kinds: Vec<String> =
+            this.batch.schema().fields().iter().map(|f| f.data_type().to_string()).collect();
         let about = this.metadata();
         let cells: Vec<Vec<Option<String>>> = this
             .batch
             .columns()
             .iter()
-            .map(|array| (0..array.len()).map(|row| (!array.is_null(row)).then(|| Self::cell(array, row))).collect())
+            .map(|array| {
+                (0..array.len()).map(|row| (!array.is_null(row)).then(|| Self::cell(array, row))).collect()
+            })
             .collect();
         let parts = (this.columns(), kinds, cells, about);
         Ok((slf.get_type().getattr("_rebuild")?, parts.into_pyobject(slf.py())?.into_any()))
@@ -322,7 +330,9 @@ impl Table {
     /// The rows of tables with the same columns, one after the other.
     #[staticmethod]
     fn concatenate(tables: Vec<PyRef<'_, Self>>) -> PyResult<Self> {
-        let Some(first) = tables.first() else { return Err(Error::new_err("there are no tables to concatenate")) };
+        let Some(first) = tables.first() else {
+            return Err(Error::new_err("there are no tables to concatenate"));
+        };
         let schema = first.batch.schema();
         if let Some(other) = tables.iter().find(|table| table.batch.schema() != schema) {
             return Err(Error::new_err(format!(
@@ -334,14 +344,24 @@ impl Table {
         let columns = schema.fields().iter().enumerate().map(|(i, field)| {
             let arrays = || tables.iter().map(|table| table.batch.column(i));
             let column = match field.data_type() {
-                DataType::Float64 => Column::Number(arrays().flat_map(|a| a.as_primitive::<Float64Type>().iter()).collect()),
-                DataType::Int64 => Column::Count(arrays().flat_map(|a| a.as_primitive::<Int64Type>().iter()).collect()),
+                DataType::Float64 => {
+                    Column::Number(arrays().flat_map(|a| a.as_primitive::<Float64Type>().iter()).collect())
+                }
+                DataType::Int64 => {
+                    Column::Count(arrays().flat_map(|a| a.as_primitive::<Int64Type>().iter()).collect())
+                }
                 DataType::Boolean => Column::Flag(arrays().flat_map(|a| a.as_boolean().iter()).collect()),
                 _ => Column::Text(
-                    arrays().flat_map(|a| a.as_string::<i32>().iter().map(|text| text.map(str::to_owned))).collect(),
+                    arrays()
+                        .flat_map(|a| a.as_string::<i32>().iter().map(|text| text.map(str::to_owned)))
+                        .collect(),
                 ),
             };
-            (field.name().clone(), column, field.metadata().iter().map(|(k, v)| (k.clone(), v.clone())).collect())
+            (
+                field.name().clone(),
+                column,
+                field.metadata().iter().map(|(k, v)| (k.clone(), v.clone())).collect(),
+            )
         });
         Ok(Self::new(columns.collect()))
     }
@@ -358,13 +378,21 @@ impl Table {
         let escape = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
         let filled = |array: &&ArrayRef| array.null_count() < array.len() || array.is_empty();
         let schema = self.batch.schema();
-        let shown: Vec<(&String, &ArrayRef)> = schema.fields().iter().map(|f| f.name()).zip(self.batch.columns()).filter(|(_, array)| filled(array)).collect();
+        let shown: Vec<(&String, &ArrayRef)> = schema
+            .fields()
+            .iter()
+            .map(|f| f.name())
+            .zip(self.batch.columns())
+            .filter(|(_, array)| filled(array))
+            .collect();
         let mut html = "<table><thead><tr>".to_owned();
         shown.iter().for_each(|(name, _)| html += &format!("<th>{}</th>", escape(name)));
         html += "</tr></thead><tbody>";
         for row in 0..self.batch.num_rows().min(SHOWN) {
             html += "<tr>";
-            shown.iter().for_each(|(_, array)| html += &format!("<td>{}</td>", escape(&Self::cell(array, row))));
+            shown
+                .iter()
+                .for_each(|(_, array)| html += &format!("<td>{}</td>", escape(&Self::cell(array, row))));
             html += "</tr>";
         }
         html += "</tbody></table>";

@@ -26,7 +26,7 @@ use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose};
 use crate::human::{Human, HumanDecision, PreferenceHuman};
 use crate::options::{OptionSet, Progress, Remaining};
-use crate::policy::RobotPolicy;
+use crate::policy::{Decision, RobotPolicy};
 use crate::preference::{ChoiceDistribution, Perception, Predictor, Prospect};
 use crate::robot::Configuration;
 use crate::simulation::{Observation, PhysicsError, PhysicsSettings};
@@ -55,6 +55,8 @@ pub struct Episode<'a> {
     underway: bool,
     /// The human's decision in a step that has begun and is not finished.
     human_decision: Option<HumanDecision>,
+    /// The decisions of the last step.
+    decided: Option<(HumanDecision, Decision)>,
     prospects: Vec<Prospect>,
     choice: ChoiceDistribution,
     expected: Vec<f64>,
@@ -109,6 +111,7 @@ impl<'a> Episode<'a> {
             summary: Summary::empty(),
             underway: false,
             human_decision: None,
+            decided: None,
             prospects: Vec::with_capacity(n),
             choice: ChoiceDistribution::default(),
             expected: Vec::with_capacity(n),
@@ -255,6 +258,11 @@ impl Episode<'_> {
         let options = 0..self.options.options().len();
         let lengths = options.map(|o| prospect(self.options.remaining(&self.progress, o)).length);
         (lengths.fold(0.0, f64::max) / per_step).ceil() as u64
+    }
+
+    /// The decisions of the human and of the robot's policy in the last step; `None` before the first.
+    pub fn decided(&self) -> Option<&(HumanDecision, Decision)> {
+        self.decided.as_ref()
     }
 
     /// The last step taken.

@@ -40,7 +40,7 @@ impl Episode<'_> {
             // buffers that every step refills
             predictor: _, prospects: _, choice: _, expected: _,
             // of a step that is not whole
-            human_decision: _,
+            human_decision: _, decided: _,
         } = self;
         State {
             human: human.save(),

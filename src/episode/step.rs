@@ -40,6 +40,7 @@ impl Episode<'_> {
     /// The second part of a step that has begun, by this decision. Without a first part nothing happens.
     pub fn finish_step(&mut self, decision: &Decision) {
         let Some(human) = self.human_decision.take() else { return };
+        self.decided = Some((human, *decision));
         self.lead(decision);
         self.execute(&human, decision);
         let robot = self.control(decision); //                 q*, u                    eq. (8), (7)

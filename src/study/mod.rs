@@ -20,8 +20,8 @@ mod summary;
 
 pub use error::SweepError;
 pub use merge::merge;
-pub use row::Run as EpisodeRun;
 pub use partial::{Shard, Sweep};
+pub use row::Run as EpisodeRun;
 pub use summary::{Comparison, Group, Summary};
 
 use crate::arithmetic;

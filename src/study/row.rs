@@ -2,8 +2,8 @@
 
 use super::cell::Cell;
 use super::file::Contents;
-use crate::preference::Perception;
 use crate::episode::{Episode, Outcome};
+use crate::preference::Perception;
 use crate::quantities::{EPISODE, Kind, View, cell};
 use crate::scenario::{self, PlantKind, PreparedScenario, SETTINGS, Scenario, ScenarioError, Value};
 
@@ -61,7 +61,12 @@ pub(super) fn kinds() -> Vec<(&'static str, Kind)> {
     let inputs = INPUTS.iter().map(|(name, _)| (*name, Kind::Text));
     let settings = SETTINGS.iter().map(|setting| (setting.key, of_setting(setting)));
     let drawn = DRAWN.map(|name| (name, of_drawn(name)));
-    identity.chain(inputs).chain(settings).chain(drawn).chain(EPISODE.iter().map(|q| (q.key, q.kind))).collect()
+    identity
+        .chain(inputs)
+        .chain(settings)
+        .chain(drawn)
+        .chain(EPISODE.iter().map(|q| (q.key, q.kind)))
+        .collect()
 }
 
 /// The names of the columns that define a combination.

@@ -1,30 +1,41 @@
 //! Own policies and humans: the views that they get, and what they may return.
 
+mod views;
+
+pub use views::{PyHumanView, PyRobotView, configuration_vector};
+
 use crate::error::DecisionError;
 use cocarry::control::HORIZON;
-use cocarry::coordination::{Mode, OptionTick, Stubbornness};
-use cocarry::geometry::{PlanarPose, Point, Pose};
+use cocarry::coordination::{Mode, Stubbornness};
+use cocarry::geometry::{PlanarPose, Point};
 use cocarry::human::{Human, HumanDecision, HumanView, Stance};
 use cocarry::policy::{Decision, Lead, Motion, RobotPolicy, RobotView};
-use cocarry::preference::{Perception, Prospect, subjective_cost};
-use cocarry::quantities::{Kind, OPTION, OptionView};
-use cocarry::robot::{Configuration, InputVector};
+use cocarry::preference::Perception;
+use cocarry::quantities::Kind;
+use cocarry::recording::{Decisions, PolicyLog};
+use cocarry::robot::InputVector;
 use cocarry::saved::{NotRestored, Saved};
 use cocarry::scenario::{self, PreparedScenario};
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
-use pyo3::exceptions::{PyAttributeError, PyKeyError};
+use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyList, PyString, PyType};
+use pyo3::types::{PyBool, PyDict, PyString, PyType};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use views::{STANCES, Seen, stance};
 
 /// The first exception of an own policy or human in an episode, which is raised once its step is over.
 #[derive(Clone, Debug, Default)]
-pub struct Fault(Arc<Mutex<Option<PyErr>>>);
+pub struct Fault(Arc<Mutex<Option<PyErr>>>, Arc<AtomicBool>);
 
 impl Fault {
     /// Keeps the exception, if it is the first.
     pub fn put(&self, error: PyErr) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+    }
+
+    /// Notes that the policy failed in the trial of the first step, and the human was taken to lead.
+    fn fail_trial(&self) {
+        self.1.store(true, Ordering::Relaxed);
     }
 
     /// The exception, once.
@@ -36,224 +47,6 @@ impl Fault {
     pub fn is_there(&self) -> bool {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).is_some()
     }
-}
-
-/// The world's options as a policy or a human sees them in a step.
-#[derive(Clone)]
-struct Seen {
-    step: u64,
-    time: f64,
-    position: Point,
-    names: Arc<[String]>,
-    evaluated: Vec<OptionTick>,
-    executed: Option<usize>,
-    mode: Mode,
-}
-
-impl Seen {
-    /// The values of a quantity of the options, by its key.
-    fn column<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let Some(quantity) = OPTION.iter().find(|quantity| quantity.key == key) else { return Ok(None) };
-        let values = self.names.iter().zip(&self.evaluated);
-        let values = values.map(|(name, option)| (quantity.get)(&OptionView { name, option }));
-        Ok(Some(match quantity.kind {
-            Kind::Flag => PyArray1::from_iter(py, values.map(|v| v.as_bool().unwrap_or(false))).into_any(),
-            Kind::Text => PyList::new(py, values.map(|v| v.as_str().unwrap_or_default().to_owned()))?.into_any(),
-            _ => PyArray1::from_iter(py, values.map(|v| v.as_f64().unwrap_or(f64::NAN))).into_any(),
-        }))
-    }
-
-    fn attribute<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        self.column(py, key)?.ok_or_else(|| PyAttributeError::new_err(format!("unknown `{key}`; the options have {}", keys())))
-    }
-
-    fn item<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        self.column(py, key)?.ok_or_else(|| PyKeyError::new_err(format!("unknown `{key}`; the options have {}", keys())))
-    }
-}
-
-fn keys() -> String {
-    OPTION.iter().map(|quantity| quantity.key).collect::<Vec<_>>().join(", ")
-}
-
-fn matrix<'py>(py: Python<'py>, pose: &Pose) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let matrix = pose.to_homogeneous();
-    let rows: Vec<Vec<f64>> = (0..4).map(|row| (0..4).map(|column| matrix[(row, column)]).collect()).collect();
-    Ok(PyArray2::from_vec2(py, &rows)?)
-}
-
-/// What an own policy sees at the beginning of a control period.
-#[pyclass(frozen, module = "cocarry", name = "RobotView")]
-pub struct PyRobotView {
-    seen: Seen,
-    human: HumanDecision,
-    configuration: Option<(Configuration, usize)>,
-    grasp: Option<Pose>,
-    object: Option<Pose>,
-    hand: Option<Pose>,
-    wrenches: Option<[[f64; 6]; 2]>,
-}
-
-#[pymethods]
-impl PyRobotView {
-    #[getter]
-    fn step(&self) -> u64 {
-        self.seen.step
-    }
-    #[getter]
-    fn time_s(&self) -> f64 {
-        self.seen.time
-    }
-    #[getter]
-    fn position<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, self.seen.position.coords.as_slice())
-    }
-    #[getter]
-    fn executed(&self) -> Option<usize> {
-        self.seen.executed
-    }
-    #[getter]
-    fn mode(&self) -> &'static str {
-        self.seen.mode.name()
-    }
-    #[getter]
-    fn stubbornness(&self) -> f64 {
-        self.human.stubbornness
-    }
-    #[getter]
-    fn discomfort(&self) -> f64 {
-        self.human.discomfort
-    }
-    #[getter]
-    fn stance(&self) -> &'static str {
-        stance_name(self.human.stance)
-    }
-    /// Base x, y (m) and yaw (rad), then the joints (rad or m); None on the point plant.
-    #[getter]
-    fn configuration<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        let (configuration, joints) = self.configuration.as_ref()?;
-        Some(PyArray1::from_vec(py, configuration_vector(configuration, *joints)))
-    }
-    /// world_from_grasp, (4, 4); None on the point plant.
-    #[getter]
-    fn grasp<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        self.grasp.as_ref().map(|pose| matrix(py, pose)).transpose()
-    }
-    /// world_from_object, (4, 4); on the physical plant only.
-    #[getter]
-    fn object<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        self.object.as_ref().map(|pose| matrix(py, pose)).transpose()
-    }
-    /// world_from_hand, (4, 4); on the physical plant only.
-    #[getter]
-    fn hand<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        self.hand.as_ref().map(|pose| matrix(py, pose)).transpose()
-    }
-    /// Mean wrench of the robot on the object in the last period, world axes, N and Nm; physical plant only.
-    #[getter]
-    fn grip_wrench<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.wrenches.as_ref().map(|wrenches| PyArray1::from_slice(py, &wrenches[0]))
-    }
-    /// Mean wrench of the human on the object in the last period, world axes, N and Nm; physical plant only.
-    #[getter]
-    fn hand_wrench<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.wrenches.as_ref().map(|wrenches| PyArray1::from_slice(py, &wrenches[1]))
-    }
-    fn __getattr__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        self.seen.attribute(py, key)
-    }
-    fn __getitem__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        self.seen.item(py, key)
-    }
-    fn __len__(&self) -> usize {
-        self.seen.evaluated.len()
-    }
-}
-
-/// What an own human sees at the beginning of a control period.
-#[pyclass(frozen, module = "cocarry", name = "HumanView")]
-pub struct PyHumanView {
-    seen: Seen,
-    prospects: Vec<Prospect>,
-    risk_weight: f64,
-    seed: u64,
-    hand: Option<Pose>,
-    wrench: Option<[f64; 6]>,
-}
-
-#[pymethods]
-impl PyHumanView {
-    #[getter]
-    fn step(&self) -> u64 {
-        self.seen.step
-    }
-    #[getter]
-    fn time_s(&self) -> f64 {
-        self.seen.time
-    }
-    #[getter]
-    fn position<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, self.seen.position.coords.as_slice())
-    }
-    #[getter]
-    fn executed(&self) -> Option<usize> {
-        self.seen.executed
-    }
-    #[getter]
-    fn mode(&self) -> &'static str {
-        self.seen.mode.name()
-    }
-    #[getter]
-    fn risk_weight_m(&self) -> f64 {
-        self.risk_weight
-    }
-    #[getter]
-    fn seed(&self) -> u64 {
-        self.seed
-    }
-    #[getter]
-    fn hand<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        self.hand.as_ref().map(|pose| matrix(py, pose)).transpose()
-    }
-    #[getter]
-    fn hand_wrench<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.wrench.as_ref().map(|wrench| PyArray1::from_slice(py, wrench))
-    }
-    /// J^ of every option with this alpha and gamma, eq. (2).
-    fn subjective_cost<'py>(&self, py: Python<'py>, alpha: f64, gamma: f64) -> Bound<'py, PyArray1<f64>> {
-        let perception = Perception { alpha, gamma };
-        PyArray1::from_iter(py, self.prospects.iter().map(|p| subjective_cost(*p, self.risk_weight, perception)))
-    }
-    /// The Gumbel disturbances that the episode's seed draws, one per option.
-    fn gumbel<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_vec(py, cocarry::human::disturbances(self.seed, self.prospects.len()))
-    }
-    fn __getattr__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        self.seen.attribute(py, key)
-    }
-    fn __getitem__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        self.seen.item(py, key)
-    }
-    fn __len__(&self) -> usize {
-        self.seen.evaluated.len()
-    }
-}
-
-pub fn configuration_vector(configuration: &Configuration, joints: usize) -> Vec<f64> {
-    let PlanarPose { position, yaw } = configuration.base;
-    [position.x, position.y, yaw].into_iter().chain((0..joints).map(|i| configuration.joints[i])).collect()
-}
-
-const STANCES: [(&str, Stance); 3] =
-    [("follow", Stance::Follow), ("resist", Stance::Resist), ("take-over", Stance::TakeOver)];
-
-fn stance_name(stance: Stance) -> &'static str {
-    STANCES.iter().find(|(_, other)| *other == stance).map_or("", |(name, _)| name)
-}
-
-/// The stance of that name.
-pub fn stance(name: &str) -> Option<Stance> {
-    STANCES.iter().find(|(other, _)| *other == name).map(|(_, stance)| *stance)
 }
 
 /// What an own partner may know of its scenario.
@@ -330,7 +123,11 @@ pub fn motion(
                 found.iter().enumerate().for_each(|(i, number)| u[i] = *number);
                 Ok(Motion::Inputs(u))
             }
-            None => Err(format!("inputs = {}; it must be a float64 array of shape ({},) of finite numbers: the left and the right rim speed (m/s), then {joints} joint rates (rad/s, prismatic m/s)", repr(given), joints + 2)),
+            None => Err(format!(
+                "inputs = {}; it must be a float64 array of shape ({},) of finite numbers: the left and the right rim speed (m/s), then {joints} joint rates (rad/s, prismatic m/s)",
+                repr(given),
+                joints + 2
+            )),
         };
     }
     Ok(Motion::Controlled)
@@ -345,7 +142,8 @@ fn decision(basis: &Basis, given: &Bound<'_, PyAny>) -> PyResult<Decision> {
     let (lead, reference, inputs) = match given.hasattr("lead")? {
         false => (given.clone(), None, None),
         true => {
-            let field = |name: &str| Ok::<_, PyErr>(Some(given.getattr(name)?).filter(|value| !value.is_none()));
+            let field =
+                |name: &str| Ok::<_, PyErr>(Some(given.getattr(name)?).filter(|value| !value.is_none()));
             (given.getattr("lead")?, field("reference")?, field("inputs")?)
         }
     };
@@ -354,11 +152,18 @@ fn decision(basis: &Basis, given: &Bound<'_, PyAny>) -> PyResult<Decision> {
         Some("human") if basis.option(&lead).is_none() => Lead::Human,
         Some("human-keeping-option") if basis.option(&lead).is_none() => Lead::HumanKeepingOption,
         _ => Lead::Robot(basis.option(&lead).ok_or_else(|| {
-            wrong(format!("{}; it must be None (the human leads), {}, or a cocarry.Decision", repr(given), basis.options()))
+            wrong(format!(
+                "{}; it must be None (the human leads), {}, or a cocarry.Decision",
+                repr(given),
+                basis.options()
+            ))
         })?),
     };
     if (reference.is_some() || inputs.is_some()) && !basis.has_robot {
-        return Err(wrong("a motion, but plant=\"point\" has no robot; use plant=\"kinematic\" or plant=\"rapier\"".to_owned()));
+        return Err(wrong(
+            "a motion, but plant=\"point\" has no robot; use plant=\"kinematic\" or plant=\"rapier\""
+                .to_owned(),
+        ));
     }
     let motion = motion(reference.as_ref(), inputs.as_ref(), basis.joints).map_err(wrong)?;
     debug_assert_eq!(basis.input_limits, basis.joints + 2);
@@ -495,9 +300,9 @@ impl RobotPolicy for OwnPolicy {
         decided.unwrap_or_else(|error| {
             // the trial of the first step, which sets the start's heading, is without a robot: a policy that
             // needs one starts as if the human led
-            let is_trial = basis.has_robot && view.configuration.is_none();
-            if !is_trial {
-                fault.put(error);
+            match basis.has_robot && view.configuration.is_none() {
+                true => fault.fail_trial(),
+                false => fault.put(error),
             }
             Decision::follow()
         })
@@ -534,14 +339,15 @@ impl OwnHuman {
             })?;
             return Ok(HumanDecision::new(option, &self.stubbornness, None));
         };
-        let option = basis.option(&option).ok_or_else(|| {
-            wrong(format!("option = {}; it must be {}", repr(&option), basis.options()))
-        })?;
+        let option = basis
+            .option(&option)
+            .ok_or_else(|| wrong(format!("option = {}; it must be {}", repr(&option), basis.options())))?;
         let mut decided = HumanDecision::new(option, &self.stubbornness, None);
         let field = |name: &str| Ok::<_, PyErr>(Some(given.getattr(name)?).filter(|value| !value.is_none()));
         let finite = |name: &'static str, value: &Bound<'_, PyAny>| {
             let number = value.extract::<f64>().ok().filter(|number| number.is_finite() && *number >= 0.0);
-            number.ok_or_else(|| wrong(format!("{name} = {}; it must be a number of at least 0", repr(value))))
+            number
+                .ok_or_else(|| wrong(format!("{name} = {}; it must be a number of at least 0", repr(value))))
         };
         if let Some(value) = field("stubbornness")? {
             decided.stubbornness = finite("stubbornness", &value)?;
@@ -553,7 +359,11 @@ impl OwnHuman {
         if let Some(value) = field("stance")? {
             let found = value.extract::<String>().ok().and_then(|name| stance(&name));
             decided.stance = found.ok_or_else(|| {
-                wrong(format!("stance = {}; it must be one of: {}", repr(&value), STANCES.map(|(name, _)| name).join(", ")))
+                wrong(format!(
+                    "stance = {}; it must be one of: {}",
+                    repr(&value),
+                    STANCES.map(|(name, _)| name).join(", ")
+                ))
             })?;
         }
         if let Some(value) = field("perception")? {
@@ -663,8 +473,24 @@ impl Own {
 
     /// Deep copies of them.
     pub fn copied(&self, py: Python<'_>) -> PyResult<Self> {
-        let one = |object: &Option<Py<PyAny>>| object.as_ref().map(|object| copy(object.bind(py))).transpose();
+        let one =
+            |object: &Option<Py<PyAny>>| object.as_ref().map(|object| copy(object.bind(py))).transpose();
         Ok(Self { policy: one(&self.policy)?, human: one(&self.human)? })
+    }
+
+    /// A log for a recording of an episode of theirs.
+    pub fn log(&self, py: Python<'_>, fault: &Fault) -> Decisions {
+        let flag = |object: &Py<PyAny>, name: &str| {
+            let value = object.bind(py).getattr_opt(name).ok().flatten();
+            value.is_some_and(|value| value.is_truthy().unwrap_or(false))
+        };
+        let policy = self.policy.as_ref().map(|object| PolicyLog {
+            initial_mode: if flag(object, "human_leads_first") { Mode::HumanLed } else { Mode::RobotLed },
+            predicts: flag(object, "predicts"),
+            trial: fault.1.load(Ordering::Relaxed).then(Decision::follow),
+            steps: Vec::new(),
+        });
+        Decisions::new(self.human.is_some(), policy)
     }
 
     /// As partners of an episode of a prepared scenario.
