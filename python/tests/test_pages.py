@@ -9,13 +9,11 @@ import re
 import pytest
 
 HERE = pathlib.Path(__file__).parents[1]
-PAGES = [pathlib.Path(os.environ["PAGES"]) / "python.md", pathlib.Path(os.environ["PAGES"]) / "README.md"] if "PAGES" in os.environ else [
-    HERE.parent / "book" / "src" / "python.md",
-    HERE / "README.md",
-]
+BESIDE = [HERE.parent / "book" / "src" / "python.md", HERE / "README.md", HERE.parent / "README.md"]
+PAGES = sorted(pathlib.Path(os.environ["PAGES"]).glob("*.md")) if "PAGES" in os.environ else BESIDE
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: f"{page.parent.name}/{page.name}")
 def test_the_blocks_of_a_page_run_in_order(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     text = page.read_text(encoding="utf-8")
