@@ -27,9 +27,10 @@ def test_pettingzoos_tests_pass():
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_the_papers_partners_through_the_environment_are_the_papers_episode(seed):
+@pytest.mark.parametrize("world", ["environment-1", "environment-4"])
+def test_the_papers_partners_through_the_environment_are_the_papers_episode(world, seed):
     """A robot by eq. (6), and a human by eq. (3) and (5)."""
-    environment = cocarry.pettingzoo.parallel_env(worlds="environment-4", eta=5.0)
+    environment = cocarry.pettingzoo.parallel_env(worlds=world, eta=5.0)
     names = environment.observation_names
     n = environment.action_space("robot").n - 1
 
@@ -53,7 +54,7 @@ def test_the_papers_partners_through_the_environment_are_the_papers_episode(seed
         actions = {"robot": n if follows else option, "human": np.array([preferred, 2 if takes_over else 0])}
         seen, rewards, terminations, _, infos = environment.step(actions)
         costs += rewards["robot"], rewards["human"]
-    summary = cocarry.Episode(cocarry.Scenario("environment-4", plant="point", seed=seed, eta=5.0)).run()
+    summary = cocarry.Episode(cocarry.Scenario(world, plant="point", seed=seed, eta=5.0)).run()
     assert infos["robot"]["summary"] == summary and all(terminations.values())
     assert costs == pytest.approx([-summary["accumulated_objective_cost_m"], -summary["accumulated_subjective_cost"]])
 
