@@ -26,6 +26,7 @@ mod world;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use output::Failure;
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Simulates a human and a mobile manipulator that carry an object together, and shows which way of adapting
@@ -78,7 +79,12 @@ pub fn command() -> clap::Command {
 
 /// The program: parses the process's arguments, runs the command and prints errors.
 pub fn main() -> ExitCode {
-    let done = match ProgramArguments::parse().command {
+    main_of(std::env::args_os())
+}
+
+/// [`main`] with these arguments, the first of which is the program's name.
+pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let done = match ProgramArguments::parse_from(arguments).command {
         None => run::example(),
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::World(arguments)) => world::run(&arguments),

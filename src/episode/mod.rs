@@ -24,9 +24,9 @@ pub use tick::Tick;
 
 use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose};
-use crate::human::{Human, PreferenceHuman};
+use crate::human::{Human, HumanDecision, PreferenceHuman};
 use crate::options::{OptionSet, Progress, Remaining};
-use crate::policy::RobotPolicy;
+use crate::policy::{Decision, RobotPolicy};
 use crate::preference::{ChoiceDistribution, Perception, Predictor, Prospect};
 use crate::robot::Configuration;
 use crate::simulation::{Observation, PhysicsError, PhysicsSettings};
@@ -53,6 +53,10 @@ pub struct Episode<'a> {
     tick: Tick,
     summary: Summary,
     underway: bool,
+    /// The human's decision in a step that has begun and is not finished.
+    human_decision: Option<HumanDecision>,
+    /// The decisions of the last step.
+    decided: Option<(HumanDecision, Decision)>,
     prospects: Vec<Prospect>,
     choice: ChoiceDistribution,
     expected: Vec<f64>,
@@ -106,6 +110,8 @@ impl<'a> Episode<'a> {
             tick: Tick::empty(progress.position),
             summary: Summary::empty(),
             underway: false,
+            human_decision: None,
+            decided: None,
             prospects: Vec::with_capacity(n),
             choice: ChoiceDistribution::default(),
             expected: Vec::with_capacity(n),
@@ -140,7 +146,13 @@ impl<'a> Episode<'a> {
     /// the first decision.
     #[must_use]
     pub fn with_policy(self, policy: impl RobotPolicy + 'a) -> Self {
-        Self { mode: policy.initial_mode(), policy: Box::new(policy), ..self }
+        self.with_boxed_policy(Box::new(policy))
+    }
+
+    /// [`Episode::with_policy`] for a policy of a type known at run time.
+    #[must_use]
+    pub fn with_boxed_policy(self, policy: Box<dyn RobotPolicy + 'a>) -> Self {
+        Self { mode: policy.initial_mode(), policy, ..self }
     }
 
     /// The same episode with another plant. Call it before the first step.
@@ -235,6 +247,11 @@ impl Episode<'_> {
         &self.route.path
     }
 
+    /// The team's position along that path, m.
+    pub fn along(&self) -> f64 {
+        self.route.along
+    }
+
     /// Position of the team, m.
     pub fn position(&self) -> Point {
         self.progress.position
@@ -246,6 +263,11 @@ impl Episode<'_> {
         let options = 0..self.options.options().len();
         let lengths = options.map(|o| prospect(self.options.remaining(&self.progress, o)).length);
         (lengths.fold(0.0, f64::max) / per_step).ceil() as u64
+    }
+
+    /// The decisions of the human and of the robot's policy in the last step; `None` before the first.
+    pub fn decided(&self) -> Option<&(HumanDecision, Decision)> {
+        self.decided.as_ref()
     }
 
     /// The last step taken.

@@ -39,6 +39,8 @@ impl Episode<'_> {
             options: _, settings: _, tick_limit: _, ignores_loss: _,
             // buffers that every step refills
             predictor: _, prospects: _, choice: _, expected: _,
+            // of a step that is not whole
+            human_decision: _, decided: _,
         } = self;
         State {
             human: human.save(),

@@ -1,15 +1,31 @@
 //! The loop: the paper's algorithm, one control period at a time.
 
-use super::{Episode, OptionTick, Outcome, RobotTick, Transition, prospect};
+use super::{Episode, OptionTick, Outcome, RobotTick, Tick, Transition, prospect};
 use crate::coordination::{Mode, is_misaligned};
 use crate::human::{HumanDecision, HumanView, Stance};
+use crate::options::{OptionSet, Progress};
 use crate::policy::{Decision, Lead, RobotView};
 use crate::preference::objective_cost;
-use crate::team::{Situation, Step, TurnOutcome};
+use crate::team::{Situation, Step, Team, TurnOutcome};
 
 impl Episode<'_> {
     /// Takes one planning step. Returns the outcome once the episode has ended.
     pub fn step(&mut self) -> Option<Outcome> {
+        let ended = self.begin_step();
+        if ended.is_none() {
+            let decision = self.ask_policy(); //               mode, o*(k)              eq. (6)
+            self.finish_step(&decision);
+        }
+        ended
+    }
+
+    /// The first part of a step, up to the human's decision; then the policy, or a caller in its place, may
+    /// [see](Episode::robot_view) it. Returns the outcome once the episode has ended. Nothing happens if the
+    /// step has begun. [`Episode::state`] is that of whole steps: take none in between.
+    pub fn begin_step(&mut self) -> Option<Outcome> {
+        if self.human_decision.is_some() {
+            return None;
+        }
         if let Some(outcome) = self.ended() {
             self.summary.outcome = outcome;
             return Some(outcome);
@@ -17,12 +33,25 @@ impl Episode<'_> {
         self.observe();
         self.evaluate_options(); //                            D_o, S_o, J_o            eq. (1)
         self.predict_choice(); //                              P_o, J~_o                eq. (4), (6)
-        let human = self.ask_human(); //                       o_h, g(k), phi(k)        eq. (3), (5)
-        let decision = self.ask_policy(&human); //             mode, o*(k)              eq. (6)
-        self.execute(&human, &decision);
-        let robot = self.control(&decision); //                q*, u                    eq. (8), (7)
-        self.walk(&human, robot);
+        self.human_decision = Some(self.ask_human()); //       o_h, g(k), phi(k)        eq. (3), (5)
         None
+    }
+
+    /// The second part of a step that has begun, by this decision. Without a first part nothing happens.
+    pub fn finish_step(&mut self, decision: &Decision) {
+        let Some(human) = self.human_decision.take() else { return };
+        self.decided = Some((human, *decision));
+        self.lead(decision);
+        self.execute(&human, decision);
+        let robot = self.control(decision); //                 q*, u                    eq. (8), (7)
+        self.walk(&human, robot);
+    }
+
+    /// The view of the robot's policy in a step that has begun; `None` between steps.
+    pub fn robot_view(&self) -> Option<RobotView<'_>> {
+        let human = self.human_decision.as_ref()?;
+        let executed = self.underway.then_some(self.tick.executed);
+        Some(view(self.options, &self.progress, &self.tick, self.team.as_ref(), self.mode, executed, human))
     }
 
     fn observe(&mut self) {
@@ -93,27 +122,20 @@ impl Episode<'_> {
         decision
     }
 
-    fn ask_policy(&mut self, human: &HumanDecision) -> Decision {
-        let decision = self.policy.decide(&RobotView {
-            step: self.tick.step,
-            time: self.tick.time,
-            position: self.tick.position,
-            options: self.options,
-            progress: &self.progress,
-            evaluated: &self.tick.options,
-            executed: self.underway.then_some(self.tick.executed),
-            mode: self.mode,
-            human,
-            configuration: self.team.configuration(),
-            grasp: self.team.grasp(),
-            seen: self.team.observation(),
-        });
+    /// The decision of the episode's own policy in a step that has begun; between steps, to follow.
+    pub fn ask_policy(&mut self) -> Decision {
+        let Some(human) = self.human_decision else { return Decision::follow() };
+        let executed = self.underway.then_some(self.tick.executed);
+        let (progress, team) = (&self.progress, self.team.as_ref());
+        self.policy.decide(&view(self.options, progress, &self.tick, team, self.mode, executed, &human))
+    }
+
+    fn lead(&mut self, decision: &Decision) {
         if self.mode == Mode::RobotLed && decision.mode() == Mode::HumanLed && self.underway {
             self.summary.transition = Some(Transition { step: self.tick.step, position: self.tick.position });
         }
         self.mode = decision.mode();
         self.tick.mode = self.mode;
-        decision
     }
 
     fn execute(&mut self, human: &HumanDecision, decision: &Decision) {
@@ -192,5 +214,31 @@ impl Episode<'_> {
         self.summary.walked += (along - from).abs();
         self.route.along = along;
         self.summary.steps += 1;
+    }
+}
+
+/// What the robot sees in the step of `tick`.
+fn view<'v>(
+    options: &'v OptionSet,
+    progress: &'v Progress,
+    tick: &'v Tick,
+    team: &'v dyn Team,
+    mode: Mode,
+    executed: Option<usize>,
+    human: &'v HumanDecision,
+) -> RobotView<'v> {
+    RobotView {
+        step: tick.step,
+        time: tick.time,
+        position: tick.position,
+        options,
+        progress,
+        evaluated: &tick.options,
+        executed,
+        mode,
+        human,
+        configuration: team.configuration(),
+        grasp: team.grasp(),
+        seen: team.observation(),
     }
 }

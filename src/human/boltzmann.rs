@@ -41,12 +41,16 @@ pub struct Boltzmann {
 impl Boltzmann {
     /// The human at the start, with this rationality (beta > 0).
     pub fn new(participant: &Participant<'_>, rationality: f64) -> Self {
-        let mut rng = ChaCha8Rng::seed_from_u64(participant.seed);
-        rng.set_stream(STREAM);
-        let mut gumbel = || -math::ln(-math::ln(rng.random_range(f64::MIN_POSITIVE..1.0)));
-        let disturbances = participant.options.options().iter().map(|_| gumbel()).collect();
+        let disturbances = disturbances(participant.seed, participant.options.options().len());
         Self { rationality, disturbances, human: PreferenceHuman::of(participant) }
     }
+}
+
+/// The Gumbel disturbances of a seed's human, one for each of `options` options.
+pub fn disturbances(seed: u64, options: usize) -> Vec<f64> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(STREAM);
+    (0..options).map(|_| -math::ln(-math::ln(rng.random_range(f64::MIN_POSITIVE..1.0)))).collect()
 }
 
 impl Human for Boltzmann {

@@ -11,7 +11,7 @@ mod models;
 mod preference;
 mod scripted;
 
-pub use boltzmann::Boltzmann;
+pub use boltzmann::{Boltzmann, disturbances};
 pub use model::{HumanModel, ModelError, Participant, PreferenceChange};
 pub use models::{MODELS, ModelName};
 pub use preference::PreferenceHuman;
@@ -23,6 +23,7 @@ use crate::options::OptionSet;
 use crate::preference::{Perception, Prospect};
 use crate::saved::{NotRestored, Saved};
 use crate::simulation::Wrench;
+use serde::{Deserialize, Serialize};
 
 /// A human, who decides in every control period.
 ///
@@ -97,7 +98,7 @@ impl HumanView<'_> {
 }
 
 /// The human's decision in a control period.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HumanDecision {
     /// The option that the human prefers (an index).
     pub option: usize,
@@ -116,7 +117,7 @@ pub struct HumanDecision {
 }
 
 /// The human's response to the robot's lead.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Stance {
     /// The human walks along.
     Follow,
@@ -128,6 +129,12 @@ pub enum Stance {
 }
 
 impl HumanDecision {
+    /// A human who prefers `option`, is at ease and follows.
+    pub fn following(option: usize) -> Self {
+        let stance = Stance::Follow;
+        Self { option, stance, stubbornness: 0.0, discomfort: 0.0, perception: None, hand: None }
+    }
+
     /// A human who prefers `option` and takes the lead once stubbornness exceeds 1 (Sec. IV-B.2).
     pub fn new(option: usize, stubbornness: &Stubbornness, perception: Option<Perception>) -> Self {
         Self {

@@ -22,6 +22,7 @@ use crate::options::{OptionSet, Progress};
 use crate::robot::{Configuration, InputVector};
 use crate::saved::{NotRestored, Saved};
 use crate::simulation::Observation;
+use serde::{Deserialize, Serialize};
 
 /// A robot policy, which decides in every control period.
 ///
@@ -96,7 +97,7 @@ impl RobotView<'_> {
 }
 
 /// The robot's decision in a control period.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Decision {
     /// The leader and the option.
     pub lead: Lead,
@@ -105,7 +106,7 @@ pub struct Decision {
 }
 
 /// The leader of the team.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Lead {
     /// The robot, on an option (an index).
     Robot(usize),
@@ -116,7 +117,7 @@ pub enum Lead {
 }
 
 /// The robot's motion, from the controller's to the policy's own.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Motion {
     /// Eq. (8) and (7): pose optimisation and MPC track the leader's path.
     Controlled,

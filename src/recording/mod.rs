@@ -44,6 +44,7 @@
 
 mod channel;
 mod contents;
+mod decisions;
 mod decode;
 mod difference;
 mod encoder;
@@ -67,6 +68,7 @@ mod table;
 
 pub use channel::{Channel, Message};
 pub use contents::{ChannelContents, Contents};
+pub use decisions::{DECISIONS, Decisions, PolicyLog};
 pub use decode::{decode, flatten};
 pub use difference::Difference;
 pub use encoder::Encoder;

@@ -1,6 +1,7 @@
 //! Recorders of running episodes.
 
 use super::channel::{Channel, Message};
+use super::decisions::Decisions;
 use super::encoder::Encoder;
 use super::ending::Ending;
 use super::file::MessageFile;
@@ -23,6 +24,7 @@ pub struct Recorder<'a, W: Write + Seek> {
     channels: BTreeMap<Channel, u16>,
     /// The number of whole simulated seconds written.
     seconds: u64,
+    decisions: Decisions,
 }
 
 impl<'a, W: Write + Seek> Recorder<'a, W> {
@@ -54,7 +56,20 @@ impl<'a, W: Write + Seek> Recorder<'a, W> {
         });
         let (file, channels) =
             written.map_err(|source| RecordingError::Write { file: name.to_owned(), source })?;
-        Ok(Self { encoder, file, name: name.to_owned(), channels, seconds: 0 })
+        Ok(Self {
+            encoder,
+            file,
+            name: name.to_owned(),
+            channels,
+            seconds: 0,
+            decisions: Decisions::default(),
+        })
+    }
+
+    /// The same recorder, which also logs the decisions of own partners, so that the recording can be replayed.
+    #[must_use]
+    pub fn logging(self, decisions: Decisions) -> Self {
+        Self { decisions, ..self }
     }
 
     /// Writes the last step of the episode.
@@ -62,6 +77,7 @@ impl<'a, W: Write + Seek> Recorder<'a, W> {
     /// # Errors
     /// [`RecordingError::Write`].
     pub fn step(&mut self, episode: &Episode) -> Result<(), RecordingError> {
+        self.decisions.add(episode);
         let messages = self.encoder.step(episode);
         let seconds = messages.last().map_or(0, |message| message.time) / SECOND;
         let written = write(&mut self.file, &self.channels, messages);
@@ -79,6 +95,9 @@ impl<'a, W: Write + Seek> Recorder<'a, W> {
     /// [`RecordingError::Write`].
     pub fn finish(mut self, episode: &Episode, ending: Ending) -> Result<W, RecordingError> {
         let written = write(&mut self.file, &self.channels, self.encoder.end(episode, ending));
+        let attached = self.decisions.attachment();
+        let written =
+            written.and_then(|()| attached.map_or(Ok(()), |decisions| self.file.attach(&decisions)));
         let finished = written.and_then(|()| self.file.finish());
         finished.map_err(|source| RecordingError::Write { file: self.name, source })
     }
@@ -118,6 +137,12 @@ impl<'a> FileRecorder<'a> {
             let _ = std::fs::remove_file(&partial);
             error.begun()
         })?))
+    }
+
+    /// As [`Recorder::logging`].
+    #[must_use]
+    pub fn logging(self, decisions: Decisions) -> Self {
+        Self(self.0.logging(decisions))
     }
 
     /// As [`Recorder::step`].

@@ -1,5 +1,6 @@
 //! Replays: the scenario of a recording is run again and compared message by message.
 
+use super::decisions::{DECISIONS, Decisions};
 use super::encoder::Encoder;
 use super::ending::Ending;
 use super::provenance::{ARITHMETIC, METADATA, RECOVERED, scenario};
@@ -33,7 +34,7 @@ pub enum Verdict {
     Different(Difference),
 }
 
-/// Runs a recording's scenario again and compares its messages with those recorded, up to the first
+/// Runs a recording's scenario again, with the logged decisions of own partners, and compares its messages with those recorded, up to the first
 /// difference.
 ///
 /// `first` and `second` are the same file, each from its beginning.
@@ -44,8 +45,8 @@ pub fn replay<R: Read>(mut first: Reader<R>, second: Reader<R>) -> Result<Replay
     let file = first.name().to_owned();
     let invalid = |source| ReadError::Scenario { file: file.clone(), source };
     let stage = scenario(&mut first)?.prepare().map_err(invalid)?;
-    let mut episode = stage.episode().map_err(invalid)?;
-    let stopped = stopped_after(&mut first)?;
+    let (stopped, decisions) = end_of(&mut first)?;
+    let mut episode = stage.episode_of(decisions.partners(&stage)).map_err(invalid)?;
 
     let mut recorded = Compared { reader: second, replay: Replay::default(), is_recovered: false };
     let mut encoder = Encoder::new(&stage);
@@ -70,17 +71,24 @@ pub fn replay<R: Read>(mut first: Reader<R>, second: Reader<R>) -> Result<Replay
     Ok(recorded.replay)
 }
 
-/// The number of steps after which the user interrupted the run, if any.
-fn stopped_after<R: Read>(reader: &mut Reader<R>) -> Result<Option<u64>, ReadError> {
-    let mut stopped = None;
+/// The number of steps after which the user interrupted the run, if any, and the decisions of own partners.
+fn end_of<R: Read>(reader: &mut Reader<R>) -> Result<(Option<u64>, Decisions), ReadError> {
+    let (mut stopped, mut log) = (None, None);
     while let Some(entry) = reader.next()? {
+        if let Entry::Attachment(attachment) = &entry {
+            if attachment.name == DECISIONS {
+                log = Some(attachment.clone());
+            }
+            continue;
+        }
         let Some(message) = entry.message() else { continue };
         if Channel::of_topic(&message.channel.topic) == Some(Channel::Outcome) {
             let outcome = decode(message.channel, message.data).unwrap_or_default();
             stopped = outcome["steps"].as_u64().filter(|_| outcome["outcome"] == "interrupted");
         }
     }
-    Ok(stopped)
+    let decisions = log.map(|log| Decisions::read(reader, &log)).transpose()?;
+    Ok((stopped, decisions.unwrap_or_default()))
 }
 
 impl Default for Replay {

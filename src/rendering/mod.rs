@@ -11,5 +11,5 @@ mod pictures;
 mod player;
 
 pub use error::RenderError;
-pub use pictures::{Width, filmstrip_png, filmstrip_svg, moving_gif};
+pub use pictures::{Pixels, Width, filmstrip_png, filmstrip_svg, last_picture, moving_gif};
 pub use player::player;

@@ -115,6 +115,29 @@ pub fn moving_gif(playback: &Playback, width: Width) -> Result<Vec<u8>, RenderEr
     Ok(file)
 }
 
+/// A picture as pixels, by rows from the top, each red, green and blue.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pixels {
+    /// Pixels of a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Three bytes for each pixel.
+    pub colours: Vec<u8>,
+}
+
+/// The last picture of [`moving_gif`].
+///
+/// # Errors
+/// As [`filmstrip_png`].
+pub fn last_picture(playback: &Playback, width: Width) -> Result<Pixels, RenderError> {
+    let film = film(playback);
+    let last = film.moments.len().saturating_sub(1);
+    let picture = raster(&film.moving(width.layout())?.picture(last), width.pixels())?;
+    let colours = colours(&picture).flatten().collect();
+    Ok(Pixels { width: picture.width(), height: picture.height(), colours })
+}
+
 fn too_large(width: u32, height: u32) -> RenderError {
     RenderError::Image(format!("{width} x {height} pixels are too many"))
 }

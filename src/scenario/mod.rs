@@ -28,7 +28,7 @@ mod word;
 pub use error::ScenarioError;
 pub use plant::{Plant, PlantKind, RobotSetup};
 pub use preference_changes::{NotPreferenceChanges, PreferenceChanges, drawn_changes};
-pub use prepared::PreparedScenario;
+pub use prepared::{Partners, PreparedScenario};
 pub use settings::{
     AVOID, Applies, Field, INITIAL_STUBBORNNESS, Kind, PERCEPTION, POSE, POSTURE, RISK_WEIGHT, Range,
     SETTINGS, SWAY, Setting, Value,

@@ -5,6 +5,7 @@ use crate::control::RobotObstacles;
 use crate::episode::{Episode, Manipulator};
 use crate::human::{Human, Participant};
 use crate::options::OptionSet;
+use crate::policy::RobotPolicy;
 use crate::robot::{Robot, SlowDrive};
 use crate::world::World;
 use std::sync::Arc;
@@ -23,6 +24,15 @@ struct Scene {
     world: World,
     options: OptionSet,
     obstacles: RobotObstacles,
+}
+
+/// Partners in place of those of a scenario; `None` keeps the scenario's.
+#[derive(Debug, Default)]
+pub struct Partners<'a> {
+    /// The human.
+    pub human: Option<Box<dyn Human + 'a>>,
+    /// The robot's policy.
+    pub policy: Option<Box<dyn RobotPolicy + 'a>>,
 }
 
 impl Scenario {
@@ -124,9 +134,20 @@ impl PreparedScenario {
     /// # Errors
     /// [`ScenarioError::Physics`]: the team does not fit at the start.
     pub fn episode(&self) -> Result<Episode<'_>, ScenarioError> {
+        self.episode_of(Partners::default())
+    }
+
+    /// The episode of these partners, before its first step.
+    ///
+    /// # Errors
+    /// As [`PreparedScenario::episode`].
+    pub fn episode_of<'a>(&'a self, partners: Partners<'a>) -> Result<Episode<'a>, ScenarioError> {
         let Self { scenario, scene, .. } = self;
-        let episode = Episode::new(&scene.options, &scenario.settings, scenario.human);
-        let episode = episode.with_boxed_human(self.human()?);
+        let mut episode = Episode::new(&scene.options, &scenario.settings, scenario.human);
+        episode = episode.with_boxed_human(partners.human.map_or_else(|| self.human(), Ok)?);
+        if let Some(policy) = partners.policy {
+            episode = episode.with_boxed_policy(policy);
+        }
         let Some(manipulator) = self.manipulator() else { return Ok(episode) };
         match scenario.plant.physics() {
             None => Ok(episode.with_robot(manipulator)),

@@ -21,12 +21,14 @@ mod summary;
 pub use error::SweepError;
 pub use merge::merge;
 pub use partial::{Shard, Sweep};
+pub use row::Run as EpisodeRun;
 pub use summary::{Comparison, Group, Summary};
 
 use crate::arithmetic;
 use crate::episode::Settings;
 use crate::located::{self, LARGEST_SETTINGS, Place};
 use crate::preference::{Predictor, RISK_WEIGHT};
+use crate::quantities::Kind;
 use crate::robot::SlowDrive;
 use crate::scenario::{Plant, PlantKind, PreparedScenario, RobotSetup, SETTINGS, Scenario};
 use cell::Cell;
@@ -35,6 +37,11 @@ use run::{Run, Seeds};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+
+/// The names of the columns of results and the kinds of their values, in order.
+pub fn columns() -> Vec<(&'static str, Kind)> {
+    row::kinds()
+}
 
 /// The largest number of prepared scenarios of a study, each with its own world, c_r and robot. They take about
 /// 0.2 MB each.
@@ -281,11 +288,17 @@ impl Study {
 
     /// Runs an episode to its end, and returns its line of results. The line is empty after the last episode.
     fn run(&self, episode: u64) -> Vec<u8> {
+        self.row(episode, &row::to_its_end)
+    }
+
+    /// As in a file of results: the line of an episode that `run` makes and runs to its end. Empty after the
+    /// last episode.
+    pub fn row(&self, episode: u64, run: row::Run) -> Vec<u8> {
         let Some((cell, seed)) = self.place(episode) else { return Vec::new() };
         let (episodes, digest) = (self.episodes.to_string(), self.digest.clone());
         let identity = [episode.to_string(), episodes, digest, arithmetic::stamp().to_owned()];
         let basis = &self.stages[self.stage_of[cell]];
-        row::of(identity, self.inputs(cell), self.drawn(cell, seed), basis)
+        row::of(identity, self.inputs(cell), self.drawn(cell, seed), basis, run)
     }
 
     /// The check that no episode is in two runs, where it would count twice.

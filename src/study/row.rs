@@ -2,10 +2,10 @@
 
 use super::cell::Cell;
 use super::file::Contents;
-use crate::episode::Outcome;
+use crate::episode::{Episode, Outcome};
 use crate::preference::Perception;
-use crate::quantities::{EPISODE, View, cell};
-use crate::scenario::{PlantKind, PreparedScenario, SETTINGS, Scenario, ScenarioError, Value};
+use crate::quantities::{EPISODE, Kind, View, cell};
+use crate::scenario::{self, PlantKind, PreparedScenario, SETTINGS, Scenario, ScenarioError, Value};
 
 /// A column: its name, and its value for a cell, which is `None` where the column does not apply.
 type InputColumn = (&'static str, fn(&Inputs) -> Option<String>);
@@ -41,6 +41,32 @@ const DRAWN: [&str; 4] = ["seed", "alpha", "gamma", "preference_changes"];
 /// The names of all columns, in order.
 pub(super) fn columns() -> Vec<&'static str> {
     IDENTITY.into_iter().chain(input_columns()).chain(DRAWN).chain(EPISODE.iter().map(|q| q.key)).collect()
+}
+
+/// The names of all columns and the kinds of their values, in order.
+pub(super) fn kinds() -> Vec<(&'static str, Kind)> {
+    let of_setting = |setting: &scenario::Setting| match setting.kind {
+        scenario::Kind::Number(..) => Kind::Number(""),
+        scenario::Kind::Count(..) => Kind::Count,
+        scenario::Kind::Flag(_) => Kind::Flag,
+        scenario::Kind::Word(..) | scenario::Kind::Text(..) => Kind::Text,
+    };
+    let of_identity = |name| if name == "episode" || name == "episodes" { Kind::Count } else { Kind::Text };
+    let of_drawn = |name| match name {
+        "seed" => Kind::Count,
+        "alpha" | "gamma" => Kind::Number(""),
+        _ => Kind::Text,
+    };
+    let identity = IDENTITY.map(|name| (name, of_identity(name))).into_iter();
+    let inputs = INPUTS.iter().map(|(name, _)| (*name, Kind::Text));
+    let settings = SETTINGS.iter().map(|setting| (setting.key, of_setting(setting)));
+    let drawn = DRAWN.map(|name| (name, of_drawn(name)));
+    identity
+        .chain(inputs)
+        .chain(settings)
+        .chain(drawn)
+        .chain(EPISODE.iter().map(|q| (q.key, q.kind)))
+        .collect()
 }
 
 /// The names of the columns that define a combination.
@@ -83,9 +109,10 @@ pub(super) fn of(
     inputs: Vec<String>,
     scenario: Scenario,
     basis: &PreparedScenario,
+    run: Run,
 ) -> Vec<u8> {
     let drawn = drawn(&scenario);
-    let results = basis.prepare(scenario).and_then(|stage| carry_out(&stage));
+    let results = basis.prepare(scenario).and_then(|stage| carry_out(&stage, run));
     let results = results.unwrap_or_else(|error| not_begun(&words(&error)));
     let line = line(identity.into_iter().chain([String::new()]).chain(inputs).chain(drawn).chain(results));
     let ([begin, _, end], checksum) = split(&line).unwrap_or_default();
@@ -120,10 +147,19 @@ fn drawn(scenario: &Scenario) -> [String; DRAWN.len()] {
     [scenario.seed.to_string(), alpha.to_string(), gamma.to_string(), changes]
 }
 
-/// The figures of a finished episode.
-fn carry_out(stage: &PreparedScenario) -> Result<Vec<String>, ScenarioError> {
+/// Makes the episode of a prepared scenario and runs it to its end.
+pub type Run<'r> = &'r dyn for<'s> Fn(&'s PreparedScenario) -> Result<Episode<'s>, ScenarioError>;
+
+/// The [`Run`] of the scenario's own partners.
+pub(super) fn to_its_end(stage: &PreparedScenario) -> Result<Episode<'_>, ScenarioError> {
     let mut episode = stage.episode()?;
     while episode.step().is_none() {}
+    Ok(episode)
+}
+
+/// The figures of a finished episode.
+fn carry_out(stage: &PreparedScenario, run: Run) -> Result<Vec<String>, ScenarioError> {
+    let episode = run(stage)?;
     let figures = View { stage, episode: &episode }.read(EPISODE);
     Ok(figures.iter().map(|(_, value)| cell(value)).collect())
 }

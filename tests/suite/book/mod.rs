@@ -56,6 +56,7 @@ pages! {
     the_page_of_fits_can_be_followed: "book/src/fits.md",
     the_page_of_regression_can_be_followed: "book/src/regression.md",
     the_page_of_the_library_can_be_followed: "book/src/library.md",
+    the_page_of_python_can_be_followed: "book/src/python.md",
     the_page_of_the_physical_plant_can_be_followed: "book/src/physical-plant.md",
     the_page_of_results_can_be_followed: "book/src/results.md",
     the_page_of_performance_can_be_followed: "book/src/performance.md",

@@ -1,0 +1,75 @@
+"""A human and a mobile manipulator that carry an object together, and prefer different paths.
+
+The same simulation as the Rust library and program ``cocarry``: the same scenario gives the same bits.
+Lengths are in metres, times in seconds, angles in radians unless a name ends in another unit.
+
+>>> import cocarry
+>>> scenario = cocarry.Scenario("environment-4", plant="point", alpha=0.747, gamma=0.765)
+>>> cocarry.Episode(scenario).run()["outcome"]
+'arrived'
+"""
+
+from cocarry._cocarry import (
+    ActionError,
+    ClosedError,
+    DecisionError,
+    Episode,
+    Error,
+    HumanView,
+    Preference,
+    Recording,
+    RecordingError,
+    Robot,
+    RobotError,
+    RobotView,
+    Scenario,
+    ScenarioError,
+    SnapshotError,
+    StudyError,
+    Table,
+    World,
+    WorldError,
+    __version__,
+    gumbel,
+    quantities,
+    read,
+    settings,
+)
+from cocarry._partners import Decision, Human, HumanDecision, Policy
+from cocarry._program import fit_eta, fit_risk_weight, reproduce
+from cocarry._study import sweep
+
+__all__ = [
+    "ActionError",
+    "ClosedError",
+    "Decision",
+    "DecisionError",
+    "Episode",
+    "Error",
+    "Human",
+    "HumanDecision",
+    "HumanView",
+    "Policy",
+    "Preference",
+    "Recording",
+    "RecordingError",
+    "Robot",
+    "RobotError",
+    "RobotView",
+    "Scenario",
+    "ScenarioError",
+    "SnapshotError",
+    "StudyError",
+    "Table",
+    "World",
+    "WorldError",
+    "__version__",
+    "fit_eta",
+    "fit_risk_weight",
+    "gumbel",
+    "quantities",
+    "read",
+    "reproduce",
+    "settings",
+    "sweep",
+]

@@ -1,0 +1,529 @@
+"""The native module: documentation and types of its classes and functions."""
+
+import os
+from collections.abc import Callable, Sequence
+from typing import Any, Literal, TypeAlias, final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import CapsuleType, Self, Unpack
+
+from cocarry._settings import Settings
+
+_Path: TypeAlias = str | os.PathLike[str]
+_Floats: TypeAlias = NDArray[np.float64]
+
+__version__: str
+
+class Error(ValueError):
+    """An input or a call that cocarry refuses; the base of all others."""
+
+class WorldError(Error):
+    """A world that is not valid."""
+
+class RobotError(Error):
+    """A robot that is not valid."""
+
+class ScenarioError(Error):
+    """A scenario or a setting that is not valid."""
+
+class DecisionError(Error):
+    """A decision of an own policy or human that is not valid."""
+
+class ActionError(Error):
+    """An action of an environment that is not valid."""
+
+class SnapshotError(Error):
+    """A snapshot that cannot be resumed."""
+
+class RecordingError(Error):
+    """A recording that cannot be read, written or drawn."""
+
+class StudyError(Error):
+    """A study that is not valid."""
+
+class ClosedError(Error):
+    """An object that is closed, in use, or of another process."""
+
+@final
+class World:
+    """A world: obstacles, openings, start and target. Shows itself as its map in a notebook."""
+
+    def __new__(cls, world: _Path = ...) -> Self:
+        """Reads a world file (TOML), or takes a built-in world: environment-1 to environment-4.
+
+        Raises WorldError with the file, the line, the item and the numbers.
+        """
+    @staticmethod
+    def parse(text: str, name: str = "world") -> World:
+        """Reads the text of a world file; errors call it ``name``."""
+    @property
+    def name(self) -> str:
+        """Title."""
+    @property
+    def text(self) -> str:
+        """Text of the file."""
+    @property
+    def start(self) -> _Floats:
+        """A, (2,), m."""
+    @property
+    def target(self) -> _Floats:
+        """B, (2,), m."""
+    @property
+    def bounds(self) -> _Floats:
+        """The corners of the smallest rectangle around everything, (2, 2), m."""
+    def options(self, risk_weight_m: float = ...) -> list[str]:
+        """The names of its options: the openings in the order in which they are passed."""
+    def _repr_svg_(self) -> str: ...
+    def __reduce__(self) -> Any: ...
+
+@final
+class Robot:
+    """A mobile manipulator on two driven wheels."""
+
+    def __new__(cls, file: _Path | None = None) -> Self:
+        """Reads a robot file (TOML) with its URDF, or takes the built-in robot. Raises RobotError."""
+    @property
+    def name(self) -> str:
+        """Name."""
+    @property
+    def joints(self) -> list[str]:
+        """The names of the joints of its arm, from the base on."""
+    @property
+    def postures(self) -> list[str]:
+        """The names of its starting postures."""
+    @property
+    def input_limits(self) -> _Floats:
+        """The largest |u|, (2 + joints,): rim speeds (m/s), then joint rates (rad/s, prismatic m/s)."""
+    @property
+    def joint_limits(self) -> _Floats:
+        """The limits of the joints, (joints, 2), rad or m."""
+
+@final
+class Scenario:
+    """The complete definition of an episode: the same scenario gives the same episode, bit for bit. Immutable."""
+
+    def __new__(
+        cls,
+        world: _Path | World | None = None,
+        *,
+        plant: Literal["point", "kinematic", "rapier"] = "rapier",
+        seed: int = 0,
+        alpha: float | None = None,
+        gamma: float | None = None,
+        changes: Sequence[tuple[int, float, float]] | None = None,
+        preference_changes: int | str | None = None,
+        belief_alpha: str = "uniform(0.55,0.95)",
+        belief_gamma: str = "uniform(0.5,1.1)",
+        belief_samples: _Floats | None = None,
+        robot: _Path | Robot | None = None,
+        **settings: Unpack[Settings],
+    ) -> Self:
+        """A scenario with the defaults of ``cocarry run``.
+
+        world: a world file, a built-in world (default environment-4) or a World.
+        plant: what the controller moves: the planning level alone, exact kinematics, or bodies with dynamics.
+        seed: of the human, of the human's preference changes, and of the gait.
+        alpha, gamma: the human's perception of distance and risk; drawn from the belief if not given.
+        changes: (step, alpha, gamma): preference changes. preference_changes: their number, drawn from the seed.
+        belief_alpha, belief_gamma: the robot's belief: uniform(LOWER,UPPER) or normal(MEAN,STD,LOWER,UPPER).
+        belief_samples: the belief as samples, (n, 2) alpha and gamma, or (n, 3) with weights.
+        robot: a robot file or a Robot. settings: see cocarry.settings().
+
+        Raises ScenarioError with the key, the value and the values allowed; WorldError; RobotError.
+        """
+    @staticmethod
+    def parse(text: str) -> Scenario:
+        """Reads a scenario's text (TOML)."""
+    @property
+    def text(self) -> str:
+        """The scenario as text (TOML), exact to the last bit."""
+    def replace(
+        self,
+        *,
+        seed: int | None = None,
+        alpha: float | None = None,
+        gamma: float | None = None,
+        **settings: Unpack[Settings],
+    ) -> Scenario:
+        """The same scenario with other values. A new seed does not draw another human."""
+    @property
+    def world(self) -> World:
+        """The world."""
+    @property
+    def robot(self) -> Robot | None:
+        """The robot; None on the point plant."""
+    @property
+    def plant(self) -> str:
+        """The plant."""
+    @property
+    def seed(self) -> int:
+        """The seed."""
+    @property
+    def alpha(self) -> float:
+        """The human's alpha at the start."""
+    @property
+    def gamma(self) -> float:
+        """The human's gamma at the start."""
+    @property
+    def changes(self) -> list[tuple[int, float, float]]:
+        """The preference changes: step, alpha, gamma."""
+    @property
+    def options(self) -> list[str]:
+        """The names of the world's options."""
+    @property
+    def settings(self) -> dict[str, Any]:
+        """The settings that the scenario has, by their keys."""
+    def __eq__(self, other: object, /) -> bool: ...
+    def __reduce__(self) -> Any: ...
+
+@final
+class Episode:
+    """A running episode. Iterating takes steps and gives their ticks. Shows itself as the 3-D player in a notebook.
+
+    An episode pickles and copies through snapshots, without its recording; a copy continues with the same bits.
+    One thread at a time uses it; others get ClosedError at once.
+    """
+
+    def __new__(cls, scenario: Scenario, *, policy: Any = None, human: Any = None) -> Self:
+        """The episode before its first step.
+
+        policy: the robot's own policy: a callable or an object with ``decide``, of a RobotView (see cocarry.Policy),
+            or a class of such objects. Its answer: an option to lead on, None to follow, or a Decision.
+        human: an own human: the same, of a HumanView (see cocarry.Human). Its answer: an option, or a HumanDecision.
+
+        Raises ScenarioError: a part of the scenario is not valid. Exceptions of own partners are raised by the step.
+        """
+    @staticmethod
+    def resume(snapshot: bytes | _Path, *, policy: Any = None, human: Any = None) -> Episode:
+        """The episode of a snapshot, its bytes or a file; it continues with the same bits. Raises SnapshotError."""
+    def step(self) -> str | None:
+        """Takes one control period; returns the outcome once the episode has ended, else None."""
+    def run(self, steps: int | None = None) -> dict[str, Any]:
+        """Runs to the end, or so many steps, without Python's lock; returns the summary. Ctrl-C stops it."""
+    def ticks(self, steps: int | None = None) -> Table:
+        """Runs on as ``run`` does; returns a row for every tick. Columns of options and joints are ``key[name]``."""
+    @property
+    def tick(self) -> dict[str, Any]:
+        """The quantities of the last step, as ``quantities("tick")`` has them; missing values are None."""
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The figures of the episode so far, as ``quantities("episode")`` has them; missing values are None."""
+    def __getitem__(self, key: str, /) -> Any:
+        """One quantity of the last step."""
+    def __iter__(self) -> Episode: ...
+    def __next__(self) -> dict[str, Any]: ...
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario."""
+    @property
+    def policy(self) -> Any:
+        """The own policy; None with the scenario's."""
+    @property
+    def human(self) -> Any:
+        """The own human; None with the scenario's."""
+    @property
+    def steps(self) -> int:
+        """Steps taken."""
+    @property
+    def outcome(self) -> str | None:
+        """How the episode ended; None while it runs."""
+    @property
+    def position(self) -> _Floats:
+        """Position of the team, (2,), m."""
+    def snapshot(self) -> bytes:
+        """The state as the bytes of a snapshot file."""
+    def record(self, file: _Path, *, overwrite: bool = False) -> Episode:
+        """Records the steps into an MCAP file, from before the first step until the end or ``close``; returns itself.
+
+        Raises RecordingError: the file exists or cannot be written, or the episode has begun.
+        """
+    def recording(self) -> bytes:
+        """The recording of the episode so far (MCAP). Runs it again from its start, with copies of own partners."""
+    def to_html(self, title: str = "episode") -> str:
+        """The 3-D player of the episode so far, as one page. Runs the episode again, as ``recording`` does."""
+    def _repr_html_(self) -> str | None: ...
+    def close(self) -> None:
+        """Ends the episode and finishes its recording."""
+    def __enter__(self) -> Episode: ...
+    def __exit__(self, *_error: object) -> None: ...
+    def __copy__(self) -> Episode: ...
+    def __deepcopy__(self, _memo: Any = None) -> Episode: ...
+    def __reduce__(self) -> Any: ...
+    @staticmethod
+    def _rebuild(snapshot: bytes, policy: Any, human: Any, first_policy: Any, first_human: Any) -> Episode: ...
+
+@final
+class RobotView:
+    """What an own policy sees at the beginning of a control period.
+
+    Every quantity of ``quantities("option")`` is an attribute and an item: an array of one number for each option
+    (NaN where missing), as ``view.objective_cost_m``; ``view.name`` is a list of names. ``len`` counts the options.
+    """
+
+    @property
+    def step(self) -> int:
+        """k, from 0."""
+    @property
+    def time_s(self) -> float:
+        """Simulated time, s."""
+    @property
+    def position(self) -> _Floats:
+        """Position of the team, (2,), m."""
+    @property
+    def executed(self) -> int | None:
+        """The executed option; None before the first step."""
+    @property
+    def mode(self) -> str:
+        """Who led in the last period: robot-led or human-led."""
+    @property
+    def stubbornness(self) -> float:
+        """phi(k), eq. (5)."""
+    @property
+    def discomfort(self) -> float:
+        """g(k), eq. (5)."""
+    @property
+    def stance(self) -> str:
+        """The human's response to the robot's lead: follow, resist or take-over."""
+    @property
+    def configuration(self) -> _Floats | None:
+        """Base x, y (m) and yaw (rad), then the joints (rad, prismatic m), (3 + joints,); None without a robot."""
+    @property
+    def grasp(self) -> _Floats | None:
+        """world_from_grasp, (4, 4); None without a robot."""
+    @property
+    def object(self) -> _Floats | None:
+        """world_from_object, (4, 4), x from the robot's end to the human's; the physical plant only."""
+    @property
+    def hand(self) -> _Floats | None:
+        """world_from_hand, (4, 4); the physical plant only."""
+    @property
+    def grip_wrench(self) -> _Floats | None:
+        """Mean force (N) and torque (Nm) of the robot on the object in the last period, (6,), world axes; physical."""
+    @property
+    def hand_wrench(self) -> _Floats | None:
+        """Mean force (N) and torque (Nm) of the human on the object in the last period, (6,), world axes; physical."""
+    def __getattr__(self, key: str, /) -> Any: ...
+    def __getitem__(self, key: str, /) -> Any: ...
+    def __len__(self) -> int: ...
+
+@final
+class HumanView:
+    """What an own human sees at the beginning of a control period. The quantities of the options as in RobotView."""
+
+    @property
+    def step(self) -> int:
+        """k, from 0."""
+    @property
+    def time_s(self) -> float:
+        """Simulated time, s."""
+    @property
+    def position(self) -> _Floats:
+        """Position of the team, (2,), m."""
+    @property
+    def executed(self) -> int | None:
+        """The executed option; None before the first step."""
+    @property
+    def mode(self) -> str:
+        """Who led in the last period: robot-led or human-led."""
+    @property
+    def risk_weight_m(self) -> float:
+        """c_r, m."""
+    @property
+    def seed(self) -> int:
+        """The episode's seed."""
+    @property
+    def hand(self) -> _Floats | None:
+        """world_from_hand, (4, 4); the physical plant only."""
+    @property
+    def hand_wrench(self) -> _Floats | None:
+        """Mean force (N) and torque (Nm) of the human on the object in the last period, (6,), world axes; physical."""
+    def subjective_cost(self, alpha: float, gamma: float) -> _Floats:
+        """J^ of every option with this alpha and gamma, eq. (2), cost units."""
+    def gumbel(self) -> _Floats:
+        """The Gumbel disturbances that the episode's seed draws for the built-in Boltzmann human, one per option."""
+    def __getattr__(self, key: str, /) -> Any: ...
+    def __getitem__(self, key: str, /) -> Any: ...
+    def __len__(self) -> int: ...
+
+@final
+class Preference:
+    """How humans choose between options, if their alpha and gamma are distributed as the belief says (Sec. III, IV-A)."""
+
+    def __new__(
+        cls,
+        length_m: Sequence[float],
+        risk: Sequence[float],
+        *,
+        risk_weight_m: float = 10.0,
+        belief_alpha: str = "uniform(0.55,0.95)",
+        belief_gamma: str = "uniform(0.5,1.1)",
+        belief_samples: _Floats | None = None,
+    ) -> Self:
+        """Of options with lengths D_o (m) and risks S_o (0 to 1). Raises Error with the value and what would be right."""
+    @staticmethod
+    def of(scenario: Scenario) -> Preference:
+        """Of a scenario's options from its start, with its belief and c_r."""
+    @property
+    def length_m(self) -> _Floats:
+        """D_o, m."""
+    @property
+    def risk(self) -> _Floats:
+        """S_o."""
+    @property
+    def probability(self) -> _Floats:
+        """P_o, eq. (4)."""
+    @property
+    def expected_subjective_cost(self) -> _Floats:
+        """J~_o of eq. (6), cost units."""
+    @property
+    def objective_cost_m(self) -> _Floats:
+        """J_o, eq. (1), m."""
+    def subjective_cost(self, alpha: float, gamma: float) -> _Floats:
+        """J^_o of a human, eq. (2), cost units."""
+    def choice(self, alpha: float, gamma: float) -> int:
+        """The option that a human prefers, eq. (3)."""
+    def choices(self, alpha: _Floats, gamma: _Floats) -> NDArray[np.int64]:
+        """The options that humans prefer, for arrays of alpha and gamma."""
+    def regions(
+        self, alpha: Sequence[float] | None = None, gamma: Sequence[float] | None = None
+    ) -> list[tuple[int, _Floats]]:
+        """R_o: parts of the plane with their option and outline, (n, 2) of alpha and gamma; by default of the belief."""
+    def __len__(self) -> int: ...
+
+@final
+class Table:
+    """A table of rows. Opens without copies wherever Arrow data do: ``polars.DataFrame(table)``, ``pyarrow.table(table)``,
+    ``pandas.DataFrame.from_arrow(table)``. Shows its first rows in a notebook."""
+
+    @property
+    def columns(self) -> list[str]:
+        """The names of the columns, which end in their units."""
+    @property
+    def metadata(self) -> dict[str, dict[str, str]]:
+        """Unit and description of the columns that have them."""
+    def __len__(self) -> int: ...
+    def __getitem__(self, name: str, /) -> NDArray[Any]:
+        """A column: numbers (NaN where missing), flags, or texts as objects (None where missing)."""
+    def to_numpy(self) -> dict[str, NDArray[Any]]:
+        """All columns."""
+    @staticmethod
+    def concatenate(tables: Sequence[Table]) -> Table:
+        """The rows of tables with the same columns, one after the other."""
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> CapsuleType: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __reduce__(self) -> Any: ...
+    def _repr_html_(self) -> str: ...
+    @staticmethod
+    def _rebuild(names: Any, kinds: Any, cells: Any, about: Any) -> Table: ...
+
+@final
+class Recording:
+    """A recording (MCAP). Shows itself as the 3-D player in a notebook."""
+
+    @property
+    def provenance(self) -> dict[str, str]:
+        """What it says about its origin."""
+    @property
+    def topics(self) -> dict[str, int]:
+        """The number of messages by topic."""
+    @property
+    def outcome(self) -> dict[str, Any] | None:
+        """The figures of the episode; None in an incomplete recording."""
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario."""
+    def table(self, topic: str) -> Table:
+        """The messages on a topic, one a row, after their simulated time (s). Raises RecordingError."""
+    def replay(self) -> dict[str, Any]:
+        """Runs the scenario again and compares every message: verdict, same_messages, difference.
+
+        The decisions of own partners are repeated from the recording's log.
+        """
+    def to_html(self, title: str | None = None) -> str:
+        """The 3-D player, as one page."""
+    def _repr_html_(self) -> str: ...
+
+@final
+class Lanes:
+    """Environments side by side, for cocarry.environments."""
+
+    def __new__(
+        cls,
+        count: int,
+        task: str,
+        scenarios: Sequence[Scenario],
+        *,
+        alpha: float | None = None,
+        gamma: float | None = None,
+        weights: tuple[float, float, float] = ...,
+        most_steps: int | None = None,
+        autoreset: str | None = None,
+        threads: int | None = None,
+    ) -> Self: ...
+    def seed(self, index: int, seed: int) -> None: ...
+    def reset(
+        self,
+        mask: Sequence[bool] | None = None,
+        *,
+        world: int | None = None,
+        seed: int | None = None,
+        alpha: float | None = None,
+        gamma: float | None = None,
+    ) -> None: ...
+    def step(self, actions: NDArray[Any]) -> None: ...
+    @property
+    def observations(self) -> _Floats: ...
+    @property
+    def rewards(self) -> _Floats: ...
+    @property
+    def terminated(self) -> NDArray[np.bool_]: ...
+    @property
+    def truncated(self) -> NDArray[np.bool_]: ...
+    @property
+    def layout(self) -> list[tuple[str, tuple[float, float]]]: ...
+    @property
+    def limits(self) -> _Floats: ...
+    @property
+    def options(self) -> int: ...
+    def episode(self, index: int) -> dict[str, Any]: ...
+    def scenario(self, index: int) -> Scenario | None: ...
+    def costs(self, index: int) -> tuple[float, float, float]: ...
+    def recording(self, index: int, actions: Sequence[Sequence[float]]) -> bytes: ...
+    def summary(self, index: int) -> dict[str, Any] | None: ...
+    def last_observation(self, index: int) -> _Floats: ...
+
+def settings() -> dict[str, dict[str, Any]]:
+    """Every setting of an episode: type, about, allowed values, default and words."""
+
+def quantities(of: str) -> dict[str, tuple[str, str]]:
+    """Every quantity of a ``"tick"``, an ``"option"`` or an ``"episode"``: its unit and its description."""
+
+def gumbel(seed: int, options: int) -> _Floats:
+    """The Gumbel disturbances that the Boltzmann human of a seed draws, one for every option."""
+
+def read(file: _Path) -> Recording:
+    """Opens a recording (MCAP). Raises RecordingError with the file, the place and what would be right."""
+
+def player(recording: bytes, title: str) -> str:
+    """The 3-D player of a recording's bytes."""
+
+def picture(recording: bytes, width: int) -> NDArray[np.uint8]:
+    """The last picture of a recording's bytes, (height, width, 3)."""
+
+def program(arguments: Sequence[str]) -> int:
+    """Runs the command-line program with these arguments; returns its exit code."""
+
+def sweep(
+    text: str,
+    *,
+    file: str,
+    folder: str,
+    seeds: int | None = None,
+    shard: tuple[int, int] | None = None,
+    threads: int | None = None,
+    policy: Any = None,
+    human: Any = None,
+    progress: Callable[[int, int], object] | None = None,
+) -> Table:
+    """Runs the episodes of a study's text; see cocarry.sweep."""

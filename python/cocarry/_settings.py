@@ -1,0 +1,64 @@
+"""The settings of a scenario. Written by ``python -m cocarry._generate`` from the library's table; not by hand."""
+
+from typing import Literal, TypedDict
+
+
+class Settings(TypedDict, total=False):
+    """Keywords of Scenario: every setting of an episode."""
+
+    risk_weight_m: float
+    """Weight c_r of risk against distance, in metres. Default: 10.0."""
+
+    human_model: str
+    """Model of the human: preference, boltzmann(RATIONALITY) or scripted(STEP:OPTION,...). Default: preference."""
+
+    period_s: float
+    """Control period, in seconds; one planning step each. Default: 0.2."""
+
+    speed_m_per_s: float
+    """Walking speed of the team, in metres per second. Default: 0.5."""
+
+    yaw_rate_rad_per_s: float
+    """Largest yaw rate of the human, in radians per second. Default: 0.8."""
+
+    max_steps: int
+    """Largest number of steps [default: ten times the steps of the longest option]."""
+
+    posture: str
+    """Posture at the start, by its name in the robot file [default: the first]."""
+
+    state_weight: float
+    """Weight of the grasp error in eq. (7): Q is this number times the identity. Default: 1000.0."""
+
+    input_weight: float
+    """Weight of the inputs in eq. (7): R is this number times the identity. Default: 1.0."""
+
+    avoid: Literal['nothing', 'base', 'robot']
+    """Parts of the robot that its MPC keeps out of obstacles. Default: robot."""
+
+    sway_m: float
+    """Amplitude of the human hand's lateral sway with the gait, in metres; half of it vertically. Default: 0.01."""
+
+    initial_stubbornness: float
+    """Stubbornness phi(0) at the start. Default: 0.1."""
+
+    eta: float
+    """Tolerance eta of the human: the larger, the more slowly stubbornness grows (paper: 5, 10.5, 15). Default: 10.5."""
+
+    method: Literal['mutual', 'without-model', 'human-led', 'robot-led']
+    """Method: who leads, and on which option. Default: mutual."""
+
+    pose: Literal['none', 'arm', 'whole-body']
+    """Configurations that pose optimisation chooses among while the human leads. Default: arm."""
+
+    pose_criterion: Literal['expected', 'uniform', 'tracked', 'manipulability']
+    """Criterion of pose optimisation. Default: expected."""
+
+    pose_weight: float
+    """Weight kappa of a change of configuration in eq. (8). Default: 1.0."""
+
+    direction_concentration: float
+    """Concentration of the von Mises distribution of the walking direction on an option. Default: 20.0."""
+
+    prepare_while_leading: bool
+    """Optimise the pose also while the robot leads, for its own path; the paper does so only while it follows. Default: False."""

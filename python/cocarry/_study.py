@@ -1,0 +1,114 @@
+"""Sweeps: many episodes from one study."""
+
+from __future__ import annotations
+
+import os
+import pathlib
+import sys
+from collections.abc import Callable, Mapping
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from typing import Any
+
+from cocarry import _cocarry
+from cocarry._cocarry import StudyError, Table
+
+
+def sweep(
+    study: str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    seeds: int | None = None,
+    shard: tuple[int, int] | None = None,
+    threads: int | None = None,
+    processes: int | None = None,
+    policy: Any = None,
+    human: Any = None,
+    progress: bool | Callable[[int, int], object] = False,
+) -> Table:
+    """Runs every episode of a study and returns a row for each, as ``cocarry sweep`` writes them.
+
+    study: a study file (TOML), its text (with a line break in it), or a mapping with the keys of a study.
+    seeds: the largest number of seeds of every run.
+    shard: (i, n), the i-th of n parts, from 1.
+    threads: default all. The rows do not depend on it.
+    processes: run in this many processes instead, each with one thread; for own partners, which hold Python's lock.
+        They and the partners must be importable there (spawn).
+    policy, human: own partners, as of Episode, in all episodes. Every episode has copies of them. The columns
+        ``method`` and ``human_model`` are then ``own(NAME)``, and ``checksum`` is empty.
+    progress: True for a bar, or a callable of the episodes done and all.
+
+    Raises StudyError with the file, the line, the key, the value and what would be right.
+    """
+    text, file, folder = _source(study)
+    tell = _bar if progress is True else progress or None
+    if processes is None:
+        return _cocarry.sweep(
+            text, file=file, folder=folder, seeds=seeds, shard=shard, threads=threads, policy=policy, human=human,
+            progress=tell,
+        )
+    if processes < 1 or shard is not None or threads is not None:
+        raise StudyError("processes must be at least 1, without shard and threads: processes have a shard and a thread each")
+    parts = max(processes, 1)
+    with ProcessPoolExecutor(parts, mp_context=get_context("spawn")) as pool:
+        work = [pool.submit(_shard, text, file, folder, seeds, (i + 1, parts), policy, human) for i in range(parts)]
+        tables = []
+        for part in work:
+            tables.append(part.result())
+            if tell is not None:
+                tell(len(tables), parts)
+    return Table.concatenate(tables)
+
+
+def _shard(
+    text: str, file: str, folder: str, seeds: int | None, shard: tuple[int, int], policy: Any, human: Any
+) -> Table:
+    return _cocarry.sweep(text, file=file, folder=folder, seeds=seeds, shard=shard, threads=1, policy=policy, human=human)
+
+
+def _source(study: str | os.PathLike[str] | Mapping[str, Any]) -> tuple[str, str, str]:
+    """The text of a study, its name in errors, and the folder of the files that it names."""
+    if isinstance(study, Mapping):
+        return _toml(study), "study", "."
+    if isinstance(study, str) and "\n" in study:
+        return study, "study", "."
+    path = pathlib.Path(study)
+    try:
+        return path.read_text(encoding="utf-8"), str(path), str(path.parent)
+    except (OSError, UnicodeDecodeError) as error:
+        raise StudyError(f"{path}: cannot be read: {error}; expected a study file, its text or a mapping") from error
+
+
+def _toml(study: Mapping[str, Any]) -> str:
+    """A mapping as TOML: tables after plain values."""
+
+    def value(given: Any) -> str:
+        if isinstance(given, bool):
+            return str(given).lower()
+        if isinstance(given, str):
+            return '"' + "".join(_escaped(c) for c in given) + '"'
+        if isinstance(given, os.PathLike):
+            return value(os.fspath(given))
+        if isinstance(given, Mapping):
+            return "{ " + ", ".join(f"{value(str(k))} = {value(v)}" for k, v in given.items()) + " }"
+        if isinstance(given, (list, tuple)) or hasattr(given, "tolist"):
+            items = given.tolist() if hasattr(given, "tolist") else given
+            return "[" + ", ".join(map(value, items)) + "]" if isinstance(items, (list, tuple)) else value(items)
+        if isinstance(given, (int, float)):
+            return repr(given)
+        raise StudyError(f"study: {given!r} is not a value of a study; expected numbers, texts, booleans, lists or mappings")
+
+    return "\n".join(f"{value(str(key))} = {value(given)}" for key, given in study.items()) + "\n"
+
+
+def _escaped(character: str) -> str:
+    if character in '"\\':
+        return "\\" + character
+    return character if character.isprintable() else f"\\U{ord(character):08x}"
+
+
+def _bar(done: int, count: int) -> None:
+    """A progress bar: in notebooks and terminals the line is written over."""
+    width = 40
+    full = width * done // max(count, 1)
+    end = "\n" if done == count else ""
+    print(f"\r[{'#' * full}{'.' * (width - full)}] {done} of {count}", end=end, file=sys.stderr, flush=True)

@@ -1,0 +1,173 @@
+//! A lane: one environment, which draws its episodes from a generator of its own.
+
+use super::rules::{Autoreset, Rules, Task};
+use crate::episode::Cell;
+use crate::error::words;
+use cocarry::coordination::Stubbornness;
+use cocarry::episode::Outcome;
+use cocarry::human::{Human, HumanDecision, HumanView, Stance};
+use cocarry::preference::Perception;
+use cocarry::quantities::{EPISODE, Record, View};
+use cocarry::scenario::{GivenPerception, drawn_human};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The outcome of a lane's step besides its observation.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct StepResult {
+    pub(super) reward: f64,
+    pub(super) terminated: bool,
+    pub(super) truncated: bool,
+}
+
+/// What a caller sets for the next episode.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Wish {
+    pub(super) world: Option<usize>,
+    pub(super) seed: Option<u64>,
+    pub(super) alpha: Option<f64>,
+    pub(super) gamma: Option<f64>,
+}
+
+/// A human whose decisions are actions. Stubbornness grows by eq. (5).
+#[derive(Clone, Debug)]
+pub(super) struct ActedHuman {
+    pub(super) next: Arc<Mutex<(usize, Stance)>>,
+    pub(super) perception: Perception,
+    pub(super) stubbornness: Stubbornness,
+}
+
+impl Human for ActedHuman {
+    fn decide(&mut self, view: &HumanView<'_>) -> HumanDecision {
+        view.accumulate(&mut self.stubbornness);
+        let (option, stance) = *self.next.lock().unwrap_or_else(PoisonError::into_inner);
+        let option = option.min(view.prospects.len().saturating_sub(1));
+        HumanDecision { stance, ..HumanDecision::new(option, &self.stubbornness, Some(self.perception)) }
+    }
+}
+
+/// The responses of a human to the robot's lead, as actions.
+pub(super) const STANCES: [Stance; 3] = [Stance::Follow, Stance::Resist, Stance::TakeOver];
+
+/// One environment.
+pub(super) struct Lane {
+    pub(super) rng: ChaCha8Rng,
+    pub(super) cell: Option<Cell>,
+    pub(super) world: usize,
+    /// J^ up to the last step.
+    pub(super) subjective: f64,
+    /// J, J^ and C of the last step.
+    pub(super) costs: [f64; 3],
+    /// The next decision of the human of [`Task::Both`].
+    pub(super) human: Arc<Mutex<(usize, Stance)>>,
+    pub(super) is_over: bool,
+    /// Figures of the last episode that ended.
+    pub(super) last: Option<Record>,
+    /// Observation at the end of that episode.
+    pub(super) last_observation: Vec<f64>,
+    pub(super) error: Option<String>,
+}
+
+impl Lane {
+    pub(super) fn new(seed: u64) -> Self {
+        Self {
+            rng: ChaCha8Rng::seed_from_u64(seed),
+            cell: None,
+            world: 0,
+            subjective: 0.0,
+            costs: [0.0; 3],
+            human: Arc::new(Mutex::new((0, Stance::Follow))),
+            is_over: true,
+            last: None,
+            last_observation: Vec::new(),
+            error: None,
+        }
+    }
+
+    /// Draws an episode and observes its beginning.
+    pub(super) fn reset(&mut self, rules: &Rules, wish: Wish, observation: &mut [f64]) {
+        // both are drawn even if one is wished for, so that later episodes are the same
+        let (world, seed) = (self.rng.random_range(0..rules.bases.len()), self.rng.random::<u32>());
+        self.world = wish.world.unwrap_or(world);
+        let base = &rules.bases[self.world];
+        let mut scenario = base.scenario().clone();
+        scenario.seed = wish.seed.unwrap_or(u64::from(seed));
+        let given = GivenPerception {
+            alpha: wish.alpha.or(rules.given.alpha),
+            gamma: wish.gamma.or(rules.given.gamma),
+        };
+        scenario.human = drawn_human(scenario.settings.predictor.belief(), given, scenario.seed);
+        self.subjective = 0.0;
+        *self.human.lock().unwrap_or_else(PoisonError::into_inner) = (0, Stance::Follow);
+        let acted = (rules.task == Task::Both).then(|| {
+            let stubbornness = Stubbornness::new(scenario.settings.coordination);
+            let human =
+                ActedHuman { next: Arc::clone(&self.human), perception: scenario.human, stubbornness };
+            Box::new(human) as Box<dyn Human>
+        });
+        let made = base
+            .prepare(scenario)
+            .map_err(|error| words(&error))
+            .and_then(|stage| Cell::beginning(Arc::new(stage), acted).map_err(|error| words(&error)));
+        match made {
+            Ok(mut made) => {
+                made.with_dependent_mut(|stage, running| {
+                    running.outcome = rules.begin(stage, &mut running.episode, observation);
+                });
+                self.is_over = false;
+                self.cell = Some(made);
+            }
+            Err(error) => {
+                self.is_over = true;
+                self.error = Some(error);
+            }
+        }
+    }
+
+    /// Takes a step by this action.
+    pub(super) fn step(&mut self, rules: &Rules, action: &[f64], observation: &mut [f64]) -> StepResult {
+        if self.is_over {
+            // NEXT_STEP: the action after the end is ignored
+            self.reset(rules, Wish::default(), observation);
+            return StepResult::default();
+        }
+        let Some(cell) = self.cell.as_mut() else { return StepResult::default() };
+        let (subjective, human, costs) = (&mut self.subjective, &self.human, &mut self.costs);
+        let (result, last) = cell.with_dependent_mut(|stage, running| {
+            let episode = &mut running.episode;
+            if rules.task == Task::Both {
+                let stance = STANCES[(action[2] as usize).min(STANCES.len() - 1)];
+                *human.lock().unwrap_or_else(PoisonError::into_inner) = (action[1] as usize, stance);
+                episode.begin_step();
+            }
+            let decision = rules.decision(episode, action);
+            episode.finish_step(&decision);
+            let tick = episode.tick();
+            let so_far = episode.summary().human.subjective_cost;
+            let control = tick.robot.as_ref().map_or(0.0, |robot| robot.cost());
+            *costs = [tick.objective_cost, so_far - *subjective, control];
+            *subjective = so_far;
+            let cost: f64 = rules.weights.iter().zip(*costs).map(|(weight, cost)| weight * cost).sum();
+            let ended = rules.begin(stage, episode, observation);
+            let is_long = rules.most_steps.is_some_and(|most| episode.summary().steps >= most);
+            let truncated = ended == Some(Outcome::OutOfTime) || (ended.is_none() && is_long);
+            let terminated = ended.is_some_and(|outcome| outcome != Outcome::OutOfTime);
+            running.outcome = ended;
+            let last =
+                (terminated || truncated).then(|| View { stage, episode: &running.episode }.read(EPISODE));
+            (StepResult { reward: -cost, terminated, truncated }, last)
+        });
+        if let Some(last) = last {
+            self.is_over = true;
+            self.last = Some(last);
+            if rules.autoreset == Some(Autoreset::SameStep) {
+                self.last_observation.clear();
+                self.last_observation.extend_from_slice(observation);
+                self.reset(rules, Wish::default(), observation);
+            }
+        }
+        result
+    }
+}

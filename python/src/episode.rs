@@ -1,0 +1,506 @@
+//! Episodes.
+
+use crate::error::{ClosedError, Error, RecordingError, ScenarioError, SnapshotError, guarded, raise};
+use crate::partners::{Fault, Own};
+use crate::scenario::Scenario;
+use crate::table::Table;
+use crate::value;
+use cocarry::episode::{self, Outcome};
+use cocarry::human::Human;
+use cocarry::quantities::{EPISODE, Record, TICK, View};
+use cocarry::recording::{Ending, FileRecorder, Playback, Reader, Recorder};
+use cocarry::rendering;
+use cocarry::scenario::{Partners, PreparedScenario, ScenarioError as ScenarioRefused, Snapshot};
+use numpy::PyArray1;
+use pyo3::exceptions::{PyKeyError, PyStopIteration};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use self_cell::self_cell;
+use std::io::Cursor;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, TryLockError};
+
+/// The number of steps between two looks at signals, where a step takes some microseconds.
+const STEPS_BETWEEN_SIGNALS: usize = 256;
+
+/// A running episode with its recorder.
+pub struct Running<'a> {
+    pub episode: episode::Episode<'a>,
+    recorder: Option<FileRecorder<'a>>,
+    pub outcome: Option<Outcome>,
+}
+
+self_cell!(
+    /// An episode beside the prepared scenario that it borrows from.
+    pub struct Cell {
+        owner: Arc<PreparedScenario>,
+        #[covariant]
+        dependent: Running,
+    }
+);
+
+impl Cell {
+    /// The episode of a prepared scenario, with another human if one is given.
+    pub fn beginning(
+        prepared: Arc<PreparedScenario>,
+        human: Option<Box<dyn Human>>,
+    ) -> Result<Self, ScenarioRefused> {
+        Self::try_new(prepared, |stage| {
+            let episode = stage.episode_of(Partners { human, policy: None })?;
+            Ok(Running { episode, recorder: None, outcome: None })
+        })
+    }
+}
+
+/// A running episode.
+#[pyclass(frozen, module = "cocarry", name = "Episode")]
+pub struct Episode {
+    scenario: Py<Scenario>,
+    /// Copies of the own partners as they were before the first step.
+    pristine: Own,
+    own: Own,
+    fault: Fault,
+    cell: Mutex<Option<Cell>>,
+}
+
+impl Running<'_> {
+    /// One step, recorded; the outcome once the episode has ended.
+    fn step(&mut self) -> Result<Option<Outcome>, cocarry::recording::RecordingError> {
+        self.outcome = self.episode.step();
+        match self.outcome {
+            None => self.recorder.iter_mut().try_for_each(|recorder| recorder.step(&self.episode))?,
+            Some(outcome) => {
+                if let Some(recorder) = self.recorder.take() {
+                    recorder.finish(&self.episode, Ending::Over(outcome))?;
+                }
+            }
+        }
+        Ok(self.outcome)
+    }
+}
+
+/// Makes the episode of a scenario and of own partners.
+pub fn cell(
+    py: Python<'_>,
+    prepared: Arc<PreparedScenario>,
+    own: Own,
+    fault: &Fault,
+    state: Option<episode::State>,
+) -> PyResult<Cell> {
+    let partners = own.partners(&prepared, fault);
+    let cell = py.detach(|| {
+        guarded(|| {
+            Cell::try_new(prepared, |stage| {
+                let mut episode = stage.episode_of(partners)?;
+                if let Some(state) = state {
+                    episode = episode.resume(state)?;
+                }
+                Ok::<_, ScenarioRefused>(Running { episode, recorder: None, outcome: None })
+            })
+        })
+    });
+    fault.take()?;
+    cell?.map_err(|error| raise::<ScenarioError>(&error))
+}
+
+impl Episode {
+    fn of(py: Python<'_>, scenario: Py<Scenario>, own: Own, state: Option<episode::State>) -> PyResult<Self> {
+        let prepared = scenario.get().prepared(py)?;
+        let pristine = own.copied(py)?;
+        let fault = Fault::default();
+        let cell = cell(py, prepared, own.clone_ref(py), &fault, state)?;
+        Ok(Self { scenario, pristine, own, fault, cell: Mutex::new(Some(cell)) })
+    }
+
+    /// Runs `act` on the episode without Python's lock.
+    fn with<T: Send>(
+        &self,
+        py: Python<'_>,
+        act: impl for<'a, 'b> FnOnce(&'a Arc<PreparedScenario>, &'b mut Running<'a>) -> T + Send,
+    ) -> PyResult<T> {
+        let mut cell = match self.cell.try_lock() {
+            Ok(cell) => cell,
+            Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
+            Err(TryLockError::WouldBlock) => {
+                return Err(ClosedError::new_err(
+                    "the episode is in a step: a policy, a human or another thread cannot use it before the step is over",
+                ));
+            }
+        };
+        let Some(cell) = cell.as_mut() else {
+            return Err(ClosedError::new_err("the episode is closed; make another one"));
+        };
+        let done = py.detach(|| guarded(|| cell.with_dependent_mut(|owner, running| act(owner, running))));
+        self.fault.take()?;
+        done
+    }
+
+    /// The values of tables of quantities after the last step.
+    fn read(&self, py: Python<'_>, read: impl Fn(&View) -> Record + Send + Sync) -> PyResult<Record> {
+        self.with(py, |stage, running| read(&View { stage, episode: &running.episode }))
+    }
+
+    fn tick_record(&self, py: Python<'_>) -> PyResult<Record> {
+        let record = self.with(py, |stage, running| {
+            let view = View { stage, episode: &running.episode };
+            let begun = running.episode.summary().steps > 0;
+            begun.then(|| TICK.into_iter().flat_map(|table| view.read(table)).collect::<Record>())
+        })?;
+        record.ok_or_else(|| Error::new_err("the episode has no tick before its first step; call step()"))
+    }
+
+    fn advance(&self, py: Python<'_>, steps: usize) -> PyResult<Option<Outcome>> {
+        let stepped = self.with(py, |_, running| {
+            for _ in 0..steps {
+                if running.step()?.is_some() || self.fault.is_there() {
+                    break;
+                }
+            }
+            Ok(running.outcome)
+        })?;
+        stepped.map_err(|error: cocarry::recording::RecordingError| raise::<RecordingError>(&error))
+    }
+
+    /// Runs to the end, or `most` steps.
+    fn run_steps(
+        &self,
+        py: Python<'_>,
+        most: Option<u64>,
+        mut each: impl FnMut() -> PyResult<()>,
+        one_by_one: bool,
+    ) -> PyResult<()> {
+        let has_robot = self.scenario.get().inner().plant.carrier().is_some();
+        let batch = if has_robot || one_by_one { 1 } else { STEPS_BETWEEN_SIGNALS };
+        let mut left = most.unwrap_or(u64::MAX);
+        while left > 0 {
+            let steps = batch.min(usize::try_from(left).unwrap_or(usize::MAX));
+            if self.advance(py, steps)?.is_some() {
+                break;
+            }
+            left -= steps as u64;
+            each()?;
+            py.check_signals()?;
+        }
+        Ok(())
+    }
+
+    /// The recording of the episode so far, run again from its start.
+    fn recorded(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
+        let (steps, outcome) =
+            self.with(py, |_, running| (running.episode.summary().steps, running.outcome))?;
+        let fault = Fault::default();
+        let prepared = self.scenario.get().prepared(py)?;
+        let mut again = cell(py, prepared, self.pristine.copied(py)?, &fault, None)?;
+        let log = self.own.log(py, &fault);
+        let recorded = py.detach(|| {
+            guarded(|| {
+                again.with_dependent_mut(|stage, running| {
+                    let mut recorder =
+                        Recorder::new(Cursor::new(Vec::new()), "the episode", stage, &running.episode)?
+                            .logging(log);
+                    for _ in 0..steps {
+                        running.episode.step();
+                        recorder.step(&running.episode)?;
+                    }
+                    let ending = outcome.map_or(Ending::Interrupted, |outcome| {
+                        running.episode.step();
+                        Ending::Over(outcome)
+                    });
+                    Ok::<_, cocarry::recording::RecordingError>(
+                        recorder.finish(&running.episode, ending)?.into_inner(),
+                    )
+                })
+            })
+        });
+        fault.take()?;
+        recorded?.map_err(|error| raise::<RecordingError>(&error))
+    }
+
+    fn page(&self, py: Python<'_>, title: &str) -> PyResult<String> {
+        let bytes = self.recorded(py)?;
+        py.detach(|| page(Cursor::new(bytes), "the episode", title))
+    }
+}
+
+/// The 3-D player of a recording.
+pub fn page<R: std::io::Read>(recording: R, name: &str, title: &str) -> PyResult<String> {
+    let mut reader = Reader::new(recording, name).map_err(|e| raise::<RecordingError>(&e))?;
+    let playback = Playback::read(&mut reader).map_err(|e| raise::<RecordingError>(&e))?;
+    rendering::player(&playback, title, None).map_err(|e| raise::<RecordingError>(&e))
+}
+
+/// A page in a frame of a notebook.
+pub fn framed(page: &str) -> String {
+    let page = page.replace('&', "&amp;").replace('"', "&quot;");
+    format!(
+        "<iframe srcdoc=\"{page}\" style=\"width:100%;height:560px;border:0\" title=\"cocarry player\"></iframe>"
+    )
+}
+
+/// The snapshot in an argument: bytes, or a file.
+fn snapshot_of(given: &Bound<'_, PyAny>) -> PyResult<Snapshot> {
+    let snapshot = match given.cast::<PyBytes>() {
+        Ok(bytes) => Snapshot::parse("snapshot", bytes.as_bytes()),
+        Err(_) => Snapshot::load(&given.extract::<PathBuf>().map_err(|_| {
+            SnapshotError::new_err("a snapshot must be the bytes of Episode.snapshot() or a file")
+        })?),
+    };
+    snapshot.map_err(|error| raise::<SnapshotError>(&error))
+}
+
+#[pymethods]
+impl Episode {
+    #[new]
+    #[pyo3(signature = (scenario, *, policy = None, human = None))]
+    fn new(
+        py: Python<'_>,
+        scenario: Py<Scenario>,
+        policy: Option<&Bound<'_, PyAny>>,
+        human: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        Self::of(py, scenario, Own::of(policy, human)?, None)
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (snapshot, *, policy = None, human = None))]
+    fn resume(
+        py: Python<'_>,
+        snapshot: &Bound<'_, PyAny>,
+        policy: Option<&Bound<'_, PyAny>>,
+        human: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let Snapshot { scenario, state, .. } = snapshot_of(snapshot)?;
+        let scenario = Py::new(py, Scenario::of(scenario))?;
+        Self::of(py, scenario, Own::of(policy, human)?, Some(state)).map_err(|error| {
+            match error.is_instance_of::<ScenarioError>(py) {
+                true => SnapshotError::new_err(error.value(py).to_string()),
+                false => error,
+            }
+        })
+    }
+
+    /// Takes one step.
+    fn step(&self, py: Python<'_>) -> PyResult<Option<&'static str>> {
+        Ok(self.advance(py, 1)?.map(Outcome::name))
+    }
+
+    #[pyo3(signature = (steps = None))]
+    fn run<'py>(&self, py: Python<'py>, steps: Option<u64>) -> PyResult<Bound<'py, PyDict>> {
+        self.run_steps(py, steps, || Ok(()), false)?;
+        self.summary(py)
+    }
+
+    /// Runs on, and returns every tick as a row.
+    #[pyo3(signature = (steps = None))]
+    fn ticks(&self, py: Python<'_>, steps: Option<u64>) -> PyResult<Table> {
+        let mut records = Vec::new();
+        let each = || {
+            records.push(self.tick_record(py)?);
+            Ok(())
+        };
+        self.run_steps(py, steps, each, true)?;
+        Ok(Table::of_ticks(&records))
+    }
+
+    #[getter]
+    fn tick<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        value::record(py, self.tick_record(py)?)
+    }
+
+    #[getter]
+    fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        value::record(py, self.read(py, |view| view.read(EPISODE))?)
+    }
+
+    /// One quantity of the last step.
+    fn __getitem__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+        let Some(quantity) = TICK.into_iter().flatten().find(|quantity| quantity.key == key) else {
+            let known =
+                TICK.into_iter().flatten().map(|quantity| quantity.key).collect::<Vec<_>>().join(", ");
+            return Err(PyKeyError::new_err(format!("unknown quantity `{key}`; expected one of: {known}")));
+        };
+        let found = self.with(py, |stage, running| {
+            let begun = running.episode.summary().steps > 0;
+            begun.then(|| (quantity.get)(&View { stage, episode: &running.episode }))
+        })?;
+        let found = found
+            .ok_or_else(|| Error::new_err("the episode has no tick before its first step; call step()"))?;
+        value::to_python(py, &found)
+    }
+
+    fn __iter__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __next__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        match self.advance(py, 1)? {
+            Some(_) => Err(PyStopIteration::new_err(())),
+            None => self.tick(py),
+        }
+    }
+
+    #[getter]
+    fn scenario(&self, py: Python<'_>) -> Py<Scenario> {
+        self.scenario.clone_ref(py)
+    }
+
+    #[getter]
+    fn policy(&self, py: Python<'_>) -> Option<Py<PyAny>> {
+        self.own.policy.as_ref().map(|object| object.clone_ref(py))
+    }
+
+    #[getter]
+    fn human(&self, py: Python<'_>) -> Option<Py<PyAny>> {
+        self.own.human.as_ref().map(|object| object.clone_ref(py))
+    }
+
+    #[getter]
+    fn steps(&self, py: Python<'_>) -> PyResult<u64> {
+        self.with(py, |_, running| running.episode.summary().steps)
+    }
+
+    #[getter]
+    fn outcome(&self, py: Python<'_>) -> PyResult<Option<&'static str>> {
+        Ok(self.with(py, |_, running| running.outcome)?.map(Outcome::name))
+    }
+
+    /// Position of the team, m.
+    #[getter]
+    fn position<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let position = self.with(py, |_, running| running.episode.position())?;
+        Ok(PyArray1::from_slice(py, position.coords.as_slice()))
+    }
+
+    fn snapshot<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = self.with(py, |stage, running| stage.snapshot(&running.episode).bytes())?;
+        Ok(PyBytes::new(py, &bytes.map_err(|error| raise::<SnapshotError>(&error))?))
+    }
+
+    #[pyo3(signature = (file, *, overwrite = false))]
+    fn record(slf: Py<Self>, py: Python<'_>, file: PathBuf, overwrite: bool) -> PyResult<Py<Self>> {
+        let log = slf.get().own.log(py, &slf.get().fault);
+        let begun = slf.get().with(py, |stage, running| {
+            if running.episode.summary().steps > 0 || running.recorder.is_some() {
+                return Ok(false);
+            }
+            let recorder = FileRecorder::create(&file, overwrite, stage, &running.episode)?;
+            running.recorder = Some(recorder.logging(log));
+            Ok::<_, cocarry::recording::RecordingError>(true)
+        })?;
+        match begun.map_err(|error| raise::<RecordingError>(&error))? {
+            true => Ok(slf),
+            false => Err(RecordingError::new_err(
+                "a recording holds a whole episode: call record() once, before the first step",
+            )),
+        }
+    }
+
+    /// The recording of the episode so far, as the bytes of an MCAP file.
+    fn recording<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        Ok(PyBytes::new(py, &self.recorded(py)?))
+    }
+
+    #[pyo3(signature = (title = "episode"))]
+    fn to_html(&self, py: Python<'_>, title: &str) -> PyResult<String> {
+        self.page(py, title)
+    }
+
+    fn _repr_html_(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        if self.steps(py)? == 0 {
+            return Ok(None);
+        }
+        Ok(Some(framed(&self.page(py, "episode")?)))
+    }
+
+    /// Ends the episode, and finishes its recording.
+    fn close(&self, py: Python<'_>) -> PyResult<()> {
+        let Ok(mut cell) = self.cell.try_lock() else {
+            return Err(ClosedError::new_err(
+                "the episode is in a step, and cannot be closed before it is over",
+            ));
+        };
+        let Some(mut cell) = cell.take() else { return Ok(()) };
+        let done = py.detach(|| {
+            cell.with_dependent_mut(|_, running| match running.recorder.take() {
+                None => Ok(()),
+                Some(recorder) => {
+                    let ending = running.outcome.map_or(Ending::Interrupted, Ending::Over);
+                    recorder.finish(&running.episode, ending)
+                }
+            })
+        });
+        done.map_err(|error| raise::<RecordingError>(&error))
+    }
+
+    fn __enter__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    #[pyo3(signature = (*_error))]
+    fn __exit__(&self, py: Python<'_>, _error: &Bound<'_, pyo3::types::PyTuple>) -> PyResult<()> {
+        self.close(py)
+    }
+
+    fn __copy__(&self, py: Python<'_>) -> PyResult<Self> {
+        self.__deepcopy__(py, None)
+    }
+
+    #[pyo3(signature = (_memo = None))]
+    fn __deepcopy__(&self, py: Python<'_>, _memo: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let (state, recording) =
+            self.with(py, |_, running| (running.episode.state(), running.recorder.is_some()))?;
+        if recording {
+            return Err(RecordingError::new_err(
+                "an episode that is being recorded cannot be copied or pickled",
+            ));
+        }
+        let copy = Self::of(py, self.scenario.clone_ref(py), self.own.copied(py)?, Some(state))?;
+        Ok(Self { pristine: self.pristine.copied(py)?, ..copy })
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let (py, this) = (slf.py(), slf.get());
+        if this.with(py, |_, running| running.recorder.is_some())? {
+            return Err(RecordingError::new_err(
+                "an episode that is being recorded cannot be copied or pickled",
+            ));
+        }
+        let parts = (
+            this.snapshot(py)?,
+            this.policy(py),
+            this.human(py),
+            &this.pristine.policy,
+            &this.pristine.human,
+        );
+        let rebuild = slf.get_type().getattr("_rebuild")?;
+        Ok((rebuild, parts.into_pyobject(py)?.into_any()))
+    }
+
+    #[staticmethod]
+    fn _rebuild(
+        py: Python<'_>,
+        snapshot: &Bound<'_, PyAny>,
+        policy: Option<Py<PyAny>>,
+        human: Option<Py<PyAny>>,
+        first_policy: Option<Py<PyAny>>,
+        first_human: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let Snapshot { scenario, state, .. } = snapshot_of(snapshot)?;
+        let scenario = Py::new(py, Scenario::of(scenario))?;
+        let made = Self::of(py, scenario, Own { policy, human }, Some(state))?;
+        Ok(Self { pristine: Own { policy: first_policy, human: first_human }, ..made })
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let Ok(cell) = self.cell.try_lock() else { return Ok("<cocarry.Episode, in a step>".to_owned()) };
+        let _ = py;
+        Ok(match cell.as_ref() {
+            None => "<cocarry.Episode, closed>".to_owned(),
+            Some(cell) => {
+                let running = cell.borrow_dependent();
+                let outcome = running.outcome.map_or("running", Outcome::name);
+                format!("<cocarry.Episode, {} steps, {outcome}>", running.episode.summary().steps)
+            }
+        })
+    }
+}

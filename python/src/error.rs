@@ -1,0 +1,71 @@
+//! The exceptions, each with the message of the command line.
+
+use pyo3::create_exception;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use std::error::Error as StdError;
+use std::panic::AssertUnwindSafe;
+
+create_exception!(
+    cocarry,
+    Error,
+    PyValueError,
+    "An input or a call that cocarry refuses; the base of all others."
+);
+create_exception!(cocarry, WorldError, Error, "A world that is not valid.");
+create_exception!(cocarry, RobotError, Error, "A robot that is not valid.");
+create_exception!(cocarry, ScenarioError, Error, "A scenario or a setting that is not valid.");
+create_exception!(cocarry, DecisionError, Error, "A decision of an own policy or human that is not valid.");
+create_exception!(cocarry, ActionError, Error, "An action of an environment that is not valid.");
+create_exception!(cocarry, SnapshotError, Error, "A snapshot that cannot be resumed.");
+create_exception!(cocarry, RecordingError, Error, "A recording that cannot be read, written or drawn.");
+create_exception!(cocarry, StudyError, Error, "A study that is not valid.");
+create_exception!(cocarry, ClosedError, Error, "An object that is closed, in use, or of another process.");
+
+/// An error with its causes, in one line.
+pub fn words(error: &dyn StdError) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        text += &format!(": {error}");
+        cause = error.source();
+    }
+    text
+}
+
+/// The exception of type `E` with the error's message.
+pub fn raise<E>(error: &dyn StdError) -> PyErr
+where
+    E: pyo3::PyTypeInfo,
+{
+    PyErr::new::<E, _>(words(error))
+}
+
+/// Runs `act`. A panic in it becomes an exception: the physics engine panics on a state that is not consistent.
+pub fn guarded<T>(act: impl FnOnce() -> T) -> PyResult<T> {
+    std::panic::catch_unwind(AssertUnwindSafe(act)).map_err(|panic| {
+        let words = panic.downcast_ref::<String>().map(String::as_str);
+        let words = words.or(panic.downcast_ref::<&str>().copied()).unwrap_or("no reason is given");
+        Error::new_err(format!("the simulation failed: {words}"))
+    })
+}
+
+/// Adds the exceptions to the module.
+pub fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    let py = module.py();
+    for (name, exception) in [
+        ("Error", py.get_type::<Error>()),
+        ("WorldError", py.get_type::<WorldError>()),
+        ("RobotError", py.get_type::<RobotError>()),
+        ("ScenarioError", py.get_type::<ScenarioError>()),
+        ("DecisionError", py.get_type::<DecisionError>()),
+        ("ActionError", py.get_type::<ActionError>()),
+        ("SnapshotError", py.get_type::<SnapshotError>()),
+        ("RecordingError", py.get_type::<RecordingError>()),
+        ("StudyError", py.get_type::<StudyError>()),
+        ("ClosedError", py.get_type::<ClosedError>()),
+    ] {
+        module.add(name, exception)?;
+    }
+    Ok(())
+}

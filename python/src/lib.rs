@@ -1,0 +1,82 @@
+//! The native module of the Python package `cocarry`: thin classes over the library. The package's own Python
+//! files give it names, types and documentation.
+
+mod environments;
+mod episode;
+mod error;
+mod partners;
+mod preference;
+mod recording;
+mod scenario;
+mod study;
+mod table;
+mod value;
+
+use cocarry::quantities::{EPISODE, OPTION, TICK};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyDictMethods};
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+/// The Gumbel disturbances that the Boltzmann human of a seed draws, one for every option.
+#[pyfunction]
+fn gumbel(py: Python<'_>, seed: u64, options: usize) -> PyResult<Bound<'_, PyArray1<f64>>> {
+    if options > 1_000_000 {
+        return Err(error::Error::new_err(format!("options = {options}; it must be at most 1000000")));
+    }
+    Ok(PyArray1::from_vec(py, cocarry::human::disturbances(seed, options)))
+}
+
+/// Every quantity of a tick, an option or an episode: its unit and its description.
+#[pyfunction]
+fn quantities<'py>(py: Python<'py>, of: &str) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    match of {
+        "tick" => {
+            for table in TICK {
+                dict.update(partners::vocabulary(py, table)?.as_mapping())?;
+            }
+        }
+        "episode" => return partners::vocabulary(py, EPISODE),
+        "option" => return partners::vocabulary(py, OPTION),
+        other => {
+            return Err(error::Error::new_err(format!(
+                "of = {other:?}; it must be one of: tick, option, episode"
+            )));
+        }
+    }
+    Ok(dict)
+}
+
+/// Runs the command-line program with these arguments; returns its exit code.
+#[pyfunction]
+fn program(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    let code = py.detach(|| cocarry::cli::main_of(arguments));
+    (0..=u8::MAX).find(|number| ExitCode::from(*number) == code).unwrap_or(1)
+}
+
+#[pymodule]
+fn _cocarry(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    error::add(module)?;
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<scenario::World>()?;
+    module.add_class::<scenario::Robot>()?;
+    module.add_class::<scenario::Scenario>()?;
+    module.add_class::<episode::Episode>()?;
+    module.add_class::<partners::PyRobotView>()?;
+    module.add_class::<partners::PyHumanView>()?;
+    module.add_class::<preference::Preference>()?;
+    module.add_class::<table::Table>()?;
+    module.add_class::<environments::Lanes>()?;
+    module.add_class::<recording::Recording>()?;
+    module.add_function(wrap_pyfunction!(scenario::settings, module)?)?;
+    module.add_function(wrap_pyfunction!(study::sweep, module)?)?;
+    module.add_function(wrap_pyfunction!(recording::read, module)?)?;
+    module.add_function(wrap_pyfunction!(recording::player, module)?)?;
+    module.add_function(wrap_pyfunction!(recording::picture, module)?)?;
+    module.add_function(wrap_pyfunction!(gumbel, module)?)?;
+    module.add_function(wrap_pyfunction!(quantities, module)?)?;
+    module.add_function(wrap_pyfunction!(program, module)?)?;
+    Ok(())
+}

@@ -1,0 +1,239 @@
+//! What own policies and humans see.
+
+use cocarry::coordination::{Mode, OptionTick};
+use cocarry::geometry::{PlanarPose, Point, Pose};
+use cocarry::human::{HumanDecision, Stance};
+use cocarry::preference::{Perception, Prospect, subjective_cost};
+use cocarry::quantities::{Kind, OPTION, OptionView};
+use cocarry::robot::Configuration;
+use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::{PyAttributeError, PyKeyError};
+use pyo3::prelude::*;
+use pyo3::types::PyList;
+use std::sync::Arc;
+
+/// The world's options as a policy or a human sees them in a step.
+#[derive(Clone)]
+pub(super) struct Seen {
+    pub(super) step: u64,
+    pub(super) time: f64,
+    pub(super) position: Point,
+    pub(super) names: Arc<[String]>,
+    pub(super) evaluated: Vec<OptionTick>,
+    pub(super) executed: Option<usize>,
+    pub(super) mode: Mode,
+}
+
+impl Seen {
+    /// The values of a quantity of the options, by its key.
+    fn column<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let Some(quantity) = OPTION.iter().find(|quantity| quantity.key == key) else { return Ok(None) };
+        let values = self.names.iter().zip(&self.evaluated);
+        let values = values.map(|(name, option)| (quantity.get)(&OptionView { name, option }));
+        Ok(Some(match quantity.kind {
+            Kind::Flag => PyArray1::from_iter(py, values.map(|v| v.as_bool().unwrap_or(false))).into_any(),
+            Kind::Text => {
+                PyList::new(py, values.map(|v| v.as_str().unwrap_or_default().to_owned()))?.into_any()
+            }
+            _ => PyArray1::from_iter(py, values.map(|v| v.as_f64().unwrap_or(f64::NAN))).into_any(),
+        }))
+    }
+
+    fn attribute<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+        self.column(py, key)?
+            .ok_or_else(|| PyAttributeError::new_err(format!("unknown `{key}`; the options have {}", keys())))
+    }
+
+    fn item<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+        self.column(py, key)?
+            .ok_or_else(|| PyKeyError::new_err(format!("unknown `{key}`; the options have {}", keys())))
+    }
+}
+
+fn keys() -> String {
+    OPTION.iter().map(|quantity| quantity.key).collect::<Vec<_>>().join(", ")
+}
+
+fn matrix<'py>(py: Python<'py>, pose: &Pose) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let matrix = pose.to_homogeneous();
+    let rows: Vec<Vec<f64>> =
+        (0..4).map(|row| (0..4).map(|column| matrix[(row, column)]).collect()).collect();
+    Ok(PyArray2::from_vec2(py, &rows)?)
+}
+
+/// What an own policy sees at the beginning of a control period.
+#[pyclass(frozen, module = "cocarry", name = "RobotView")]
+pub struct PyRobotView {
+    pub(super) seen: Seen,
+    pub(super) human: HumanDecision,
+    pub(super) configuration: Option<(Configuration, usize)>,
+    pub(super) grasp: Option<Pose>,
+    pub(super) object: Option<Pose>,
+    pub(super) hand: Option<Pose>,
+    pub(super) wrenches: Option<[[f64; 6]; 2]>,
+}
+
+#[pymethods]
+impl PyRobotView {
+    #[getter]
+    fn step(&self) -> u64 {
+        self.seen.step
+    }
+    #[getter]
+    fn time_s(&self) -> f64 {
+        self.seen.time
+    }
+    #[getter]
+    fn position<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.seen.position.coords.as_slice())
+    }
+    #[getter]
+    fn executed(&self) -> Option<usize> {
+        self.seen.executed
+    }
+    #[getter]
+    fn mode(&self) -> &'static str {
+        self.seen.mode.name()
+    }
+    #[getter]
+    fn stubbornness(&self) -> f64 {
+        self.human.stubbornness
+    }
+    #[getter]
+    fn discomfort(&self) -> f64 {
+        self.human.discomfort
+    }
+    #[getter]
+    fn stance(&self) -> &'static str {
+        stance_name(self.human.stance)
+    }
+    /// Base x, y (m) and yaw (rad), then the joints (rad or m); None on the point plant.
+    #[getter]
+    fn configuration<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        let (configuration, joints) = self.configuration.as_ref()?;
+        Some(PyArray1::from_vec(py, configuration_vector(configuration, *joints)))
+    }
+    /// world_from_grasp, (4, 4); None on the point plant.
+    #[getter]
+    fn grasp<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        self.grasp.as_ref().map(|pose| matrix(py, pose)).transpose()
+    }
+    /// world_from_object, (4, 4); on the physical plant only.
+    #[getter]
+    fn object<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        self.object.as_ref().map(|pose| matrix(py, pose)).transpose()
+    }
+    /// world_from_hand, (4, 4); on the physical plant only.
+    #[getter]
+    fn hand<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        self.hand.as_ref().map(|pose| matrix(py, pose)).transpose()
+    }
+    /// Mean wrench of the robot on the object in the last period, world axes, N and Nm; physical plant only.
+    #[getter]
+    fn grip_wrench<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.wrenches.as_ref().map(|wrenches| PyArray1::from_slice(py, &wrenches[0]))
+    }
+    /// Mean wrench of the human on the object in the last period, world axes, N and Nm; physical plant only.
+    #[getter]
+    fn hand_wrench<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.wrenches.as_ref().map(|wrenches| PyArray1::from_slice(py, &wrenches[1]))
+    }
+    fn __getattr__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+        self.seen.attribute(py, key)
+    }
+    fn __getitem__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+        self.seen.item(py, key)
+    }
+    fn __len__(&self) -> usize {
+        self.seen.evaluated.len()
+    }
+}
+
+/// What an own human sees at the beginning of a control period.
+#[pyclass(frozen, module = "cocarry", name = "HumanView")]
+pub struct PyHumanView {
+    pub(super) seen: Seen,
+    pub(super) prospects: Vec<Prospect>,
+    pub(super) risk_weight: f64,
+    pub(super) seed: u64,
+    pub(super) hand: Option<Pose>,
+    pub(super) wrench: Option<[f64; 6]>,
+}
+
+#[pymethods]
+impl PyHumanView {
+    #[getter]
+    fn step(&self) -> u64 {
+        self.seen.step
+    }
+    #[getter]
+    fn time_s(&self) -> f64 {
+        self.seen.time
+    }
+    #[getter]
+    fn position<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.seen.position.coords.as_slice())
+    }
+    #[getter]
+    fn executed(&self) -> Option<usize> {
+        self.seen.executed
+    }
+    #[getter]
+    fn mode(&self) -> &'static str {
+        self.seen.mode.name()
+    }
+    #[getter]
+    fn risk_weight_m(&self) -> f64 {
+        self.risk_weight
+    }
+    #[getter]
+    fn seed(&self) -> u64 {
+        self.seed
+    }
+    #[getter]
+    fn hand<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        self.hand.as_ref().map(|pose| matrix(py, pose)).transpose()
+    }
+    #[getter]
+    fn hand_wrench<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.wrench.as_ref().map(|wrench| PyArray1::from_slice(py, wrench))
+    }
+    /// J^ of every option with this alpha and gamma, eq. (2).
+    fn subjective_cost<'py>(&self, py: Python<'py>, alpha: f64, gamma: f64) -> Bound<'py, PyArray1<f64>> {
+        let perception = Perception { alpha, gamma };
+        PyArray1::from_iter(
+            py,
+            self.prospects.iter().map(|p| subjective_cost(*p, self.risk_weight, perception)),
+        )
+    }
+    /// The Gumbel disturbances that the episode's seed draws, one per option.
+    fn gumbel<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_vec(py, cocarry::human::disturbances(self.seed, self.prospects.len()))
+    }
+    fn __getattr__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+        self.seen.attribute(py, key)
+    }
+    fn __getitem__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+        self.seen.item(py, key)
+    }
+    fn __len__(&self) -> usize {
+        self.seen.evaluated.len()
+    }
+}
+
+pub fn configuration_vector(configuration: &Configuration, joints: usize) -> Vec<f64> {
+    let PlanarPose { position, yaw } = configuration.base;
+    [position.x, position.y, yaw].into_iter().chain((0..joints).map(|i| configuration.joints[i])).collect()
+}
+
+pub(super) const STANCES: [(&str, Stance); 3] =
+    [("follow", Stance::Follow), ("resist", Stance::Resist), ("take-over", Stance::TakeOver)];
+
+pub(super) fn stance_name(stance: Stance) -> &'static str {
+    STANCES.iter().find(|(_, other)| *other == stance).map_or("", |(name, _)| name)
+}
+
+/// The stance of that name.
+pub fn stance(name: &str) -> Option<Stance> {
+    STANCES.iter().find(|(other, _)| *other == name).map(|(_, stance)| *stance)
+}

@@ -1,0 +1,503 @@
+//! Scenarios, worlds and robots.
+
+use crate::error::{RobotError, ScenarioError, WorldError, raise};
+use cocarry::drawing;
+use cocarry::human::PreferenceChange;
+use cocarry::options::OptionSet;
+use cocarry::paper;
+use cocarry::preference::{Belief, Marginal, Perception, Predictor, RISK_WEIGHT, WeightedSample};
+use cocarry::robot;
+use cocarry::scenario::{
+    self, GivenPerception, Kind, PERCEPTION, Plant, PlantKind, PreferenceChanges, PreparedScenario,
+    RobotSetup, SETTINGS, Setting, Value, drawn_changes, drawn_human,
+};
+use cocarry::world;
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyString};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+
+/// A world: obstacles, openings, start and target.
+#[pyclass(frozen, module = "cocarry", name = "World")]
+pub struct World {
+    pub world: world::World,
+}
+
+fn load_world(path: &Path) -> PyResult<world::World> {
+    let built_in = path.to_str().and_then(paper::environment).filter(|_| !path.exists());
+    let world = built_in.map_or_else(|| world::World::load(path), |environment| environment.world());
+    world.map_err(|error| match path.exists() || built_in.is_some() {
+        true => raise::<WorldError>(&error),
+        false => WorldError::new_err(format!(
+            "no such world; expected a world file or a built-in world, environment-1 to environment-4: {}",
+            crate::error::words(&error)
+        )),
+    })
+}
+
+#[pymethods]
+impl World {
+    #[new]
+    #[pyo3(signature = (world = PathBuf::from("environment-4")))]
+    fn new(world: PathBuf) -> PyResult<Self> {
+        Ok(Self { world: load_world(&world)? })
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (text, name = "world"))]
+    fn parse(text: &str, name: &str) -> PyResult<Self> {
+        world::World::parse(name, text).map(|world| Self { world }).map_err(|e| raise::<WorldError>(&e))
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.world.name
+    }
+
+    #[getter]
+    fn text(&self) -> &str {
+        &self.world.text
+    }
+
+    #[getter]
+    fn start<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.world.start.coords.as_slice())
+    }
+
+    #[getter]
+    fn target<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.world.target.coords.as_slice())
+    }
+
+    #[getter]
+    fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let bounds = self.world.bounds();
+        let corners = [bounds.min, bounds.max].map(|corner| vec![corner.x, corner.y]);
+        Ok(PyArray2::from_vec2(py, &corners)?)
+    }
+
+    /// The names of its options, with the risk weight c_r (m).
+    #[pyo3(signature = (risk_weight_m = RISK_WEIGHT))]
+    fn options(&self, risk_weight_m: f64) -> PyResult<Vec<String>> {
+        Ok(self.option_set(risk_weight_m)?.options().iter().map(|option| option.name.clone()).collect())
+    }
+
+    fn _repr_svg_(&self) -> PyResult<String> {
+        let options = self.option_set(RISK_WEIGHT)?;
+        let mut predictor = Predictor::default();
+        let mut choice = Default::default();
+        let prospects = cocarry::episode::prospects(&options, &options.begin());
+        predictor.predict(&prospects, &mut choice);
+        drawing::world_map(&self.world, &options, choice.probabilities()).map_err(|e| raise::<WorldError>(&e))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<cocarry.World {:?}>", self.world.name)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String, String))> {
+        let this = slf.get();
+        Ok((slf.get_type().getattr("parse")?, (this.world.text.clone(), this.world.file.clone())))
+    }
+}
+
+impl World {
+    pub fn option_set(&self, risk_weight: f64) -> PyResult<OptionSet> {
+        OptionSet::new(&self.world, risk_weight).map_err(|e| raise::<WorldError>(&e))
+    }
+}
+
+/// A mobile manipulator.
+#[pyclass(frozen, module = "cocarry", name = "Robot")]
+pub struct Robot {
+    pub robot: robot::Robot,
+}
+
+#[pymethods]
+impl Robot {
+    #[new]
+    #[pyo3(signature = (file = None))]
+    fn new(file: Option<PathBuf>) -> PyResult<Self> {
+        let robot = file.map_or_else(robot::Robot::built_in, |file| robot::Robot::load(&file));
+        Ok(Self { robot: robot.map_err(|e| raise::<RobotError>(&e))? })
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.robot.name
+    }
+
+    #[getter]
+    fn joints(&self) -> Vec<String> {
+        self.robot.joints.iter().map(|joint| joint.name.clone()).collect()
+    }
+
+    #[getter]
+    fn postures(&self) -> Vec<String> {
+        self.robot.postures.iter().map(|posture| posture.name.clone()).collect()
+    }
+
+    /// The limits of u: rim speeds (m/s), then joint rates (rad/s or m/s).
+    #[getter]
+    fn input_limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_vec(py, input_limits(&self.robot))
+    }
+
+    /// The limits of the joints, (n, 2), rad or m.
+    #[getter]
+    fn joint_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let limits: Vec<_> = self.robot.joints.iter().map(|joint| vec![joint.lower, joint.upper]).collect();
+        Ok(PyArray2::from_vec2(py, &limits)?)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<cocarry.Robot {:?}, {} joints>", self.robot.name, self.robot.joints.len())
+    }
+}
+
+/// The largest inputs of a robot.
+pub fn input_limits(robot: &robot::Robot) -> Vec<f64> {
+    let rims = [robot.drive.rim_speed_limit; 2];
+    rims.into_iter().chain(robot.joints.iter().map(|joint| joint.rate_limit)).collect()
+}
+
+/// The complete definition of an episode.
+#[pyclass(frozen, module = "cocarry", name = "Scenario")]
+pub struct Scenario {
+    scenario: scenario::Scenario,
+    prepared: OnceLock<Arc<PreparedScenario>>,
+}
+
+/// A preference change in Python: step, alpha, gamma.
+type Change = (u64, f64, f64);
+
+fn refused(key: &str, value: impl std::fmt::Display, expected: impl std::fmt::Display) -> PyErr {
+    ScenarioError::new_err(format!("scenario: {key} = {value}; it must be {expected}"))
+}
+
+fn repr(value: &Bound<'_, PyAny>) -> String {
+    value.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string())
+}
+
+/// The value of a setting in a Python object.
+fn value_of(setting: &Setting, given: &Bound<'_, PyAny>) -> PyResult<Value> {
+    let is_flag = given.is_instance_of::<PyBool>();
+    let value = match setting.kind {
+        Kind::Number(..) if !is_flag => given.extract().ok().map(Value::Number),
+        Kind::Count(..) if !is_flag => given.extract().ok().map(Value::Count),
+        Kind::Flag(_) => given.extract().ok().map(Value::Flag),
+        Kind::Word(..) | Kind::Text(..) => given.extract().ok().map(Value::Text),
+        _ => None,
+    };
+    value
+        .filter(|value| setting.accepts(value))
+        .ok_or_else(|| refused(setting.key, repr(given), setting.expected()))
+}
+
+/// Sets the settings given by their keys.
+fn apply(scenario: &mut scenario::Scenario, settings: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+    for (key, given) in settings.into_iter().flatten() {
+        let key: String = key.extract()?;
+        let Some(setting) = SETTINGS.iter().find(|setting| setting.key == key) else {
+            let known = SETTINGS.iter().map(|setting| setting.key).collect::<Vec<_>>().join(", ");
+            return Err(ScenarioError::new_err(format!(
+                "scenario: unknown setting `{key}`; expected one of: {known}"
+            )));
+        };
+        let plant = scenario.plant.kind();
+        if !setting.applies.is_on(plant, true) {
+            let has_it = PlantKind::ALL.into_iter().filter(|plant| setting.applies.is_on(*plant, true));
+            let has_it = has_it.map(|plant| format!("{:?}", plant.name())).collect::<Vec<_>>().join(" or ");
+            return Err(ScenarioError::new_err(format!(
+                "scenario: {key} needs {}, which plant={:?} does not have; use plant={has_it}",
+                setting.applies.what(),
+                plant.name()
+            )));
+        }
+        let value = value_of(setting, &given)?;
+        setting.set(scenario, &value);
+    }
+    Ok(())
+}
+
+fn marginal(key: &str, text: &str) -> PyResult<Marginal> {
+    text.parse().map_err(|error| ScenarioError::new_err(format!("scenario: {key} = {text:?}: {error}")))
+}
+
+fn perception(key: &str, given: Option<f64>) -> PyResult<Option<f64>> {
+    match given.filter(|value| !PERCEPTION.contains(*value)) {
+        Some(wrong) => Err(refused(key, wrong, PERCEPTION)),
+        None => Ok(given),
+    }
+}
+
+/// The world of an argument: a name, a file or a world.
+fn world_of(given: &Bound<'_, PyAny>) -> PyResult<world::World> {
+    if let Ok(world) = given.cast::<World>() {
+        return Ok(world.get().world.clone());
+    }
+    match given.extract::<PathBuf>() {
+        Ok(path) => load_world(&path),
+        Err(_) => Err(WorldError::new_err(format!(
+            "world = {}; it must be a world file, a built-in world (environment-1 to environment-4) or a cocarry.World",
+            repr(given)
+        ))),
+    }
+}
+
+fn robot_of(given: Option<&Bound<'_, PyAny>>) -> PyResult<robot::Robot> {
+    let Some(given) = given else { return robot::Robot::built_in().map_err(|e| raise::<RobotError>(&e)) };
+    if let Ok(robot) = given.cast::<Robot>() {
+        return Ok(robot.get().robot.clone());
+    }
+    match given.extract::<PathBuf>() {
+        Ok(path) => robot::Robot::load(&path).map_err(|e| raise::<RobotError>(&e)),
+        Err(_) => Err(RobotError::new_err(format!(
+            "robot = {}; it must be a robot file or a cocarry.Robot",
+            repr(given)
+        ))),
+    }
+}
+
+/// The robot's belief of the arguments.
+pub fn belief_of(alpha: &str, gamma: &str, samples: Option<PyReadonlyArray2<'_, f64>>) -> PyResult<Belief> {
+    let Some(samples) = samples else {
+        let (alpha, gamma) = (marginal("belief_alpha", alpha)?, marginal("belief_gamma", gamma)?);
+        return Ok(Belief::Independent { alpha, gamma });
+    };
+    let samples = samples.as_array();
+    let columns = samples.ncols();
+    if columns != 2 && columns != 3 {
+        let shape = format!("an array of shape {:?}", samples.shape());
+        return Err(refused(
+            "belief_samples",
+            shape,
+            "an array of shape (n, 2) or (n, 3): alpha, gamma and the weight",
+        ));
+    }
+    let sample = |row: numpy::ndarray::ArrayView1<'_, f64>| WeightedSample {
+        perception: Perception { alpha: row[0], gamma: row[1] },
+        weight: if columns == 3 { row[2] } else { 1.0 },
+    };
+    Belief::samples(samples.rows().into_iter().map(sample).collect()).map_err(|e| raise::<ScenarioError>(&e))
+}
+
+impl Scenario {
+    pub fn of(scenario: scenario::Scenario) -> Self {
+        Self { scenario, prepared: OnceLock::new() }
+    }
+
+    pub fn inner(&self) -> &scenario::Scenario {
+        &self.scenario
+    }
+
+    /// The prepared scenario, made once.
+    pub fn prepared(&self, py: Python<'_>) -> PyResult<Arc<PreparedScenario>> {
+        if let Some(prepared) = self.prepared.get() {
+            return Ok(Arc::clone(prepared));
+        }
+        let scenario = self.scenario.clone();
+        let prepared = py.detach(|| scenario.prepare()).map_err(|e| raise::<ScenarioError>(&e))?;
+        Ok(Arc::clone(self.prepared.get_or_init(|| Arc::new(prepared))))
+    }
+}
+
+#[pymethods]
+impl Scenario {
+    #[new]
+    #[pyo3(signature = (world = None, *, plant = "rapier", seed = 0, alpha = None, gamma = None, changes = None,
+        preference_changes = None, belief_alpha = "uniform(0.55,0.95)", belief_gamma = "uniform(0.5,1.1)",
+        belief_samples = None, robot = None, **settings))]
+    #[allow(clippy::too_many_arguments, reason = "keywords")]
+    fn new(
+        world: Option<&Bound<'_, PyAny>>,
+        plant: &str,
+        seed: u64,
+        alpha: Option<f64>,
+        gamma: Option<f64>,
+        changes: Option<Vec<Change>>,
+        preference_changes: Option<&Bound<'_, PyAny>>,
+        belief_alpha: &str,
+        belief_gamma: &str,
+        belief_samples: Option<PyReadonlyArray2<'_, f64>>,
+        robot: Option<&Bound<'_, PyAny>>,
+        settings: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let world = match world {
+            Some(given) => world_of(given)?,
+            None => load_world(Path::new("environment-4"))?,
+        };
+        let names = || PlantKind::ALL.map(|kind| format!("{:?}", kind.name())).join(", ");
+        let kind = PlantKind::named(plant)
+            .ok_or_else(|| refused("plant", format!("{plant:?}"), format!("one of: {}", names())))?;
+        let plant = match kind {
+            PlantKind::Point if robot.is_some() => {
+                return Err(ScenarioError::new_err(
+                    "scenario: robot needs a robot, which plant=\"point\" does not have; use plant=\"kinematic\" or plant=\"rapier\"",
+                ));
+            }
+            PlantKind::Point => Plant::Point,
+            kind => Plant::new(kind, RobotSetup::new(&robot_of(robot)?)),
+        };
+        let mut made = scenario::Scenario { seed, ..scenario::Scenario::new(world.clone().into(), plant) };
+        let belief = belief_of(belief_alpha, belief_gamma, belief_samples)?;
+        made.settings.predictor =
+            Predictor::new(belief, RISK_WEIGHT).map_err(|e| raise::<ScenarioError>(&e))?;
+        apply(&mut made, settings)?;
+        let given =
+            GivenPerception { alpha: perception("alpha", alpha)?, gamma: perception("gamma", gamma)? };
+        made.human = drawn_human(made.settings.predictor.belief(), given, seed);
+        if changes.is_some() && preference_changes.is_some() {
+            return Err(ScenarioError::new_err(
+                "scenario: give changes or preference_changes, which draws them, not both",
+            ));
+        }
+        for (step, alpha, gamma) in changes.into_iter().flatten() {
+            perception("alpha of a change", Some(alpha))?;
+            perception("gamma of a change", Some(gamma))?;
+            made.changes.push(PreferenceChange { step, perception: Perception { alpha, gamma } });
+        }
+        if let Some(count) = preference_changes {
+            let text = count.str()?.to_string();
+            let count: PreferenceChanges = text
+                .parse()
+                .map_err(|_| refused("preference_changes", repr(count), PreferenceChanges::expected()))?;
+            let settings = &made.settings;
+            let options = OptionSet::new(&world, settings.predictor.risk_weight())
+                .map_err(|e| raise::<WorldError>(&e))?;
+            made.changes = drawn_changes(count, settings.predictor.belief(), given, seed, &options, settings);
+        }
+        Ok(Self::of(made))
+    }
+
+    #[staticmethod]
+    fn parse(text: &str) -> PyResult<Self> {
+        scenario::Scenario::parse(text).map(Self::of).map_err(|e| raise::<ScenarioError>(&e))
+    }
+
+    #[getter]
+    fn text(&self) -> PyResult<String> {
+        self.scenario.text().map_err(|e| raise::<ScenarioError>(&e))
+    }
+
+    #[pyo3(signature = (*, seed = None, alpha = None, gamma = None, **settings))]
+    fn replace(
+        &self,
+        seed: Option<u64>,
+        alpha: Option<f64>,
+        gamma: Option<f64>,
+        settings: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let mut made = self.scenario.clone();
+        made.seed = seed.unwrap_or(made.seed);
+        let given =
+            GivenPerception { alpha: perception("alpha", alpha)?, gamma: perception("gamma", gamma)? };
+        made.human = given.or(made.human);
+        apply(&mut made, settings)?;
+        Ok(Self::of(made))
+    }
+
+    #[getter]
+    fn world(&self, py: Python<'_>) -> PyResult<World> {
+        Ok(World { world: self.prepared(py)?.world().clone() })
+    }
+
+    #[getter]
+    fn robot(&self, py: Python<'_>) -> PyResult<Option<Robot>> {
+        Ok(self.prepared(py)?.robot().map(|robot| Robot { robot: robot.clone() }))
+    }
+
+    #[getter]
+    fn plant(&self) -> &'static str {
+        self.scenario.plant.name()
+    }
+
+    #[getter]
+    fn seed(&self) -> u64 {
+        self.scenario.seed
+    }
+
+    #[getter]
+    fn alpha(&self) -> f64 {
+        self.scenario.human.alpha
+    }
+
+    #[getter]
+    fn gamma(&self) -> f64 {
+        self.scenario.human.gamma
+    }
+
+    #[getter]
+    fn changes(&self) -> Vec<Change> {
+        let change = |c: &PreferenceChange| (c.step, c.perception.alpha, c.perception.gamma);
+        self.scenario.changes.iter().map(change).collect()
+    }
+
+    #[getter]
+    fn options(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        Ok(self.prepared(py)?.options().options().iter().map(|option| option.name.clone()).collect())
+    }
+
+    /// The settings that the scenario has, by their keys.
+    #[getter]
+    fn settings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        for setting in SETTINGS {
+            match setting.get(&self.scenario) {
+                None => {}
+                Some(Value::Number(value)) => dict.set_item(setting.key, value)?,
+                Some(Value::Count(value)) => dict.set_item(setting.key, value)?,
+                Some(Value::Flag(value)) => dict.set_item(setting.key, value)?,
+                Some(Value::Text(value)) => dict.set_item(setting.key, value)?,
+            }
+        }
+        Ok(dict)
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other.cast::<Self>().is_ok_and(|other| other.get().scenario == self.scenario)
+    }
+
+    fn __repr__(&self) -> String {
+        let scenario::Scenario { seed, world, human, .. } = &self.scenario;
+        let (plant, Perception { alpha, gamma }) = (self.scenario.plant.name(), human);
+        format!("<cocarry.Scenario {:?}, {plant}, seed {seed}, alpha {alpha}, gamma {gamma}>", world.file)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        Ok((slf.get_type().getattr("parse")?, (slf.get().text()?,)))
+    }
+}
+
+/// Every setting of an episode: key, kind, description, default, and the values allowed.
+#[pyfunction]
+pub fn settings<'py>(py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    let defaults = scenario::Scenario::defaults();
+    let dict = PyDict::new(py);
+    for setting in SETTINGS {
+        let about = PyDict::new(py);
+        let kind = match setting.kind {
+            Kind::Number(..) => "float",
+            Kind::Count(..) => "int",
+            Kind::Flag(_) => "bool",
+            Kind::Word(..) | Kind::Text(..) => "str",
+        };
+        about.set_item("type", kind)?;
+        about.set_item("about", setting.about)?;
+        about.set_item("allowed", setting.expected())?;
+        match setting.get(&defaults) {
+            None => about.set_item("default", py.None())?,
+            Some(Value::Number(value)) => about.set_item("default", value)?,
+            Some(Value::Count(value)) => about.set_item("default", value)?,
+            Some(Value::Flag(value)) => about.set_item("default", value)?,
+            Some(Value::Text(value)) => about.set_item("default", value)?,
+        }
+        about.set_item(
+            "words",
+            setting.words().map(|words| words.iter().map(|(word, _)| *word).collect::<Vec<_>>()),
+        )?;
+        dict.set_item(PyString::new(py, setting.key), about)?;
+    }
+    Ok(dict)
+}

@@ -1,0 +1,410 @@
+//! Tables, as Arrow data and as numpy columns.
+
+use crate::error::Error;
+use arrow_array::cast::AsArray;
+use arrow_array::ffi_stream::FFI_ArrowArrayStream;
+use arrow_array::types::{Float64Type, Int64Type};
+use arrow_array::{
+    Array, ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, RecordBatchIterator, StringArray,
+};
+use arrow_schema::{DataType, Field, Schema};
+use cocarry::quantities::{EPISODE, Kind, Record, TICK};
+use numpy::PyArray1;
+use pyo3::exceptions::PyKeyError;
+use pyo3::prelude::*;
+use pyo3::types::{PyCapsule, PyDict, PyList};
+use serde_json::Value;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+
+/// Rows shown in a notebook.
+const SHOWN: usize = 20;
+
+/// A table of columns.
+#[pyclass(frozen, module = "cocarry", name = "Table")]
+pub struct Table {
+    batch: RecordBatch,
+}
+
+/// A column while it is filled.
+enum Column {
+    Number(Vec<Option<f64>>),
+    Count(Vec<Option<i64>>),
+    Flag(Vec<Option<bool>>),
+    Text(Vec<Option<String>>),
+}
+
+impl Column {
+    fn of(kind: Kind) -> Self {
+        match kind {
+            Kind::Number(_) => Self::Number(Vec::new()),
+            Kind::Count => Self::Count(Vec::new()),
+            Kind::Flag => Self::Flag(Vec::new()),
+            _ => Self::Text(Vec::new()),
+        }
+    }
+
+    /// Adds a cell of a file of results; empty ones are missing.
+    fn add_text(&mut self, text: &str) {
+        match self {
+            Self::Number(values) => values.push(text.parse().ok()),
+            Self::Count(values) => values.push(text.parse().ok()),
+            Self::Flag(values) => values.push(text.parse().ok()),
+            Self::Text(values) => values.push((!text.is_empty()).then(|| text.to_owned())),
+        }
+    }
+
+    fn add(&mut self, value: &Value) {
+        match self {
+            Self::Number(values) => values.push(value.as_f64()),
+            Self::Count(values) => values.push(value.as_i64()),
+            Self::Flag(values) => values.push(value.as_bool()),
+            Self::Text(values) => values.push(value.as_str().map(str::to_owned)),
+        }
+    }
+
+    fn array(self) -> ArrayRef {
+        match self {
+            Self::Number(values) => Arc::new(Float64Array::from(values)),
+            Self::Count(values) => Arc::new(Int64Array::from(values)),
+            Self::Flag(values) => Arc::new(BooleanArray::from(values)),
+            Self::Text(values) => Arc::new(StringArray::from(values)),
+        }
+    }
+}
+
+/// Unit and description of a quantity as metadata of its column.
+fn metadata(key: &str, kind: Kind, description: &str) -> HashMap<String, String> {
+    let _ = key;
+    let mut metadata = HashMap::from([("description".to_owned(), description.to_owned())]);
+    if let Kind::Number(unit) = kind
+        && !unit.is_empty()
+    {
+        metadata.insert("unit".to_owned(), unit.to_owned());
+    }
+    metadata
+}
+
+impl Table {
+    fn new(columns: Vec<(String, Column, HashMap<String, String>)>) -> Self {
+        let mut fields = Vec::new();
+        let mut arrays: Vec<ArrayRef> = Vec::new();
+        for (name, column, metadata) in columns {
+            let array = column.array();
+            fields.push(Field::new(name, array.data_type().clone(), true).with_metadata(metadata));
+            arrays.push(array);
+        }
+        let schema = Arc::new(Schema::new(fields));
+        let empty = RecordBatch::new_empty(Arc::clone(&schema));
+        // the columns have one length
+        Self { batch: RecordBatch::try_new(schema, arrays).unwrap_or(empty) }
+    }
+
+    /// The rows of a study, as in a file of results.
+    pub fn of_rows(rows: &[Vec<String>]) -> Self {
+        let columns = cocarry::study::columns();
+        let mut made: Vec<Column> = columns.iter().map(|(_, kind)| Column::of(*kind)).collect();
+        for row in rows {
+            made.iter_mut().zip(row).for_each(|(column, cell)| column.add_text(cell));
+        }
+        let described = columns.iter().zip(made).map(|((name, kind), column)| {
+            let quantity = EPISODE.iter().find(|quantity| quantity.key == *name);
+            let about = quantity.map_or_else(HashMap::new, |q| metadata(name, *kind, q.description));
+            ((*name).to_owned(), column, about)
+        });
+        Self::new(described.collect())
+    }
+
+    /// A row for every tick; items of lists have columns of their own, `key[name]`.
+    pub fn of_ticks(records: &[Record]) -> Self {
+        let mut order: Vec<String> = Vec::new();
+        let mut columns: BTreeMap<String, (Column, HashMap<String, String>, usize)> = BTreeMap::new();
+        for (row, record) in records.iter().enumerate() {
+            for (key, value) in record {
+                let quantity = TICK.into_iter().flatten().find(|quantity| quantity.key == *key);
+                let Some(quantity) = quantity else { continue };
+                let cells: Vec<(String, &Value, Kind)> = match value {
+                    Value::Array(items) => items
+                        .iter()
+                        .filter_map(Value::as_object)
+                        .flat_map(|fields| {
+                            let name = fields.get("name").and_then(Value::as_str).unwrap_or_default();
+                            let rest = fields.iter().filter(|(key, _)| *key != "name");
+                            rest.map(move |(key, value)| {
+                                let kind = if value.is_boolean() { Kind::Flag } else { Kind::Number("") };
+                                (format!("{key}[{name}]"), value, kind)
+                            })
+                        })
+                        .collect(),
+                    _ if matches!(quantity.kind, Kind::List(_)) => Vec::new(),
+                    value => vec![((*key).to_owned(), value, quantity.kind)],
+                };
+                for (name, value, kind) in cells {
+                    let (column, _, filled) = columns.entry(name.clone()).or_insert_with(|| {
+                        order.push(name.clone());
+                        (Column::of(kind), metadata(key, quantity.kind, quantity.description), 0)
+                    });
+                    for _ in *filled..row {
+                        column.add(&Value::Null);
+                    }
+                    column.add(value);
+                    *filled = row + 1;
+                }
+            }
+        }
+        let made = order.into_iter().filter_map(|name| {
+            let (mut column, about, filled) = columns.remove(&name)?;
+            (filled..records.len()).for_each(|_| column.add(&Value::Null));
+            Some((name, column, about))
+        });
+        Self::new(made.collect())
+    }
+
+    /// A table of messages: a time in seconds, then numbers and texts as they are found.
+    pub fn of_messages(names: &[String], times: Vec<f64>, rows: &[Vec<Option<Value>>]) -> Self {
+        let time =
+            ("time_s".to_owned(), Column::Number(times.into_iter().map(Some).collect()), HashMap::new());
+        let columns = names.iter().enumerate().map(|(i, name)| {
+            let cells =
+                || rows.iter().filter_map(move |row| row.get(i)?.as_ref()).filter(|cell| !cell.is_null());
+            let all = |is: fn(&Value) -> bool| cells().next().is_some() && cells().all(is);
+            let kind = match () {
+                () if all(Value::is_i64) => Kind::Count,
+                () if all(Value::is_number) => Kind::Number(""),
+                () if all(Value::is_boolean) => Kind::Flag,
+                () => Kind::Text,
+            };
+            let mut column = Column::of(kind);
+            for row in rows {
+                match (row.get(i).and_then(Option::as_ref), &mut column) {
+                    (Some(Value::String(text)), Column::Text(values)) => values.push(Some(text.clone())),
+                    (Some(Value::Null) | None, Column::Text(values)) => values.push(None),
+                    (Some(other), Column::Text(values)) => values.push(Some(other.to_string())),
+                    (cell, column) => column.add(cell.unwrap_or(&Value::Null)),
+                }
+            }
+            (name.clone(), column, HashMap::new())
+        });
+        Self::new([time].into_iter().chain(columns).collect())
+    }
+
+    fn column(&self, name: &str) -> PyResult<&ArrayRef> {
+        self.batch.column_by_name(name).ok_or_else(|| {
+            let schema = self.batch.schema();
+            let known =
+                schema.fields().iter().map(|field| field.name().as_str()).collect::<Vec<_>>().join(", ");
+            PyKeyError::new_err(format!("unknown column `{name}`; expected one of: {known}"))
+        })
+    }
+
+    /// A cell as a text.
+    fn cell(array: &ArrayRef, row: usize) -> String {
+        if array.is_null(row) {
+            return String::new();
+        }
+        match array.data_type() {
+            DataType::Float64 => array.as_primitive::<Float64Type>().value(row).to_string(),
+            DataType::Int64 => array.as_primitive::<Int64Type>().value(row).to_string(),
+            DataType::Boolean => array.as_boolean().value(row).to_string(),
+            _ => array.as_string::<i32>().value(row).to_owned(),
+        }
+    }
+}
+
+#[pymethods]
+impl Table {
+    #[getter]
+    fn columns(&self) -> Vec<String> {
+        self.batch.schema().fields().iter().map(|field| field.name().clone()).collect()
+    }
+
+    fn __len__(&self) -> usize {
+        self.batch.num_rows()
+    }
+
+    /// A column as a numpy array: numbers with NaN where one is missing, texts as objects.
+    fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let array = self.column(name)?;
+        Ok(match array.data_type() {
+            DataType::Float64 => {
+                let values = array.as_primitive::<Float64Type>();
+                match values.null_count() {
+                    0 => PyArray1::from_slice(py, values.values()).into_any(),
+                    _ => PyArray1::from_iter(py, values.iter().map(|v| v.unwrap_or(f64::NAN))).into_any(),
+                }
+            }
+            DataType::Int64 => {
+                let values = array.as_primitive::<Int64Type>();
+                match values.null_count() {
+                    0 => PyArray1::from_slice(py, values.values()).into_any(),
+                    _ => PyArray1::from_iter(py, values.iter().map(|v| v.map_or(f64::NAN, |v| v as f64)))
+                        .into_any(),
+                }
+            }
+            DataType::Boolean if array.null_count() == 0 => {
+                PyArray1::from_iter(py, array.as_boolean().iter().map(|flag| flag.unwrap_or(false)))
+                    .into_any()
+            }
+            DataType::Boolean => object_array(py, PyList::new(py, array.as_boolean().iter())?)?,
+            _ => object_array(py, PyList::new(py, array.as_string::<i32>().iter())?)?,
+        })
+    }
+
+    /// All columns as numpy arrays.
+    fn to_numpy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        for name in self.columns() {
+            dict.set_item(&name, self.__getitem__(py, &name)?)?;
+        }
+        Ok(dict)
+    }
+
+    /// Unit and description of the columns that have them.
+    #[getter]
+    fn metadata(&self) -> BTreeMap<String, BTreeMap<String, String>> {
+        let schema = self.batch.schema();
+        let about = |field: &Arc<Field>| {
+            (field.name().clone(), field.metadata().iter().map(|(k, v)| (k.clone(), v.clone())).collect())
+        };
+        schema.fields().iter().filter(|field| !field.metadata().is_empty()).map(about).collect()
+    }
+
+    #[pyo3(signature = (requested_schema = None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        // the protocol lets a producer ignore the request
+        let _ = requested_schema;
+        let batches = RecordBatchIterator::new([Ok(self.batch.clone())], self.batch.schema());
+        PyCapsule::new_with_value(py, FFI_ArrowArrayStream::new(Box::new(batches)), c"arrow_array_stream")
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let this = slf.get();
+        let kinds: Vec<String> =
+            this.batch.schema().fields().iter().map(|f| f.data_type().to_string()).collect();
+        let about = this.metadata();
+        let cells: Vec<Vec<Option<String>>> = this
+            .batch
+            .columns()
+            .iter()
+            .map(|array| {
+                (0..array.len()).map(|row| (!array.is_null(row)).then(|| Self::cell(array, row))).collect()
+            })
+            .collect();
+        let parts = (this.columns(), kinds, cells, about);
+        Ok((slf.get_type().getattr("_rebuild")?, parts.into_pyobject(slf.py())?.into_any()))
+    }
+
+    #[staticmethod]
+    fn _rebuild(
+        names: Vec<String>,
+        kinds: Vec<String>,
+        cells: Vec<Vec<Option<String>>>,
+        about: HashMap<String, HashMap<String, String>>,
+    ) -> PyResult<Self> {
+        if names.len() != kinds.len() || names.len() != cells.len() {
+            return Err(Error::new_err("a damaged table: names, kinds and columns differ in number"));
+        }
+        let columns = names.into_iter().zip(kinds).zip(cells).map(|((name, kind), cells)| {
+            let mut column = match kind.as_str() {
+                "Float64" => Column::Number(Vec::new()),
+                "Int64" => Column::Count(Vec::new()),
+                "Boolean" => Column::Flag(Vec::new()),
+                _ => Column::Text(Vec::new()),
+            };
+            for cell in cells {
+                match (&mut column, cell) {
+                    (Column::Text(values), cell) => values.push(cell),
+                    (column, cell) => column.add_text(cell.as_deref().unwrap_or_default()),
+                }
+            }
+            let about = about.get(&name).cloned().unwrap_or_default();
+            (name, column, about)
+        });
+        Ok(Self::new(columns.collect()))
+    }
+
+    /// The rows of tables with the same columns, one after the other.
+    #[staticmethod]
+    fn concatenate(tables: Vec<PyRef<'_, Self>>) -> PyResult<Self> {
+        let Some(first) = tables.first() else {
+            return Err(Error::new_err("there are no tables to concatenate"));
+        };
+        let schema = first.batch.schema();
+        if let Some(other) = tables.iter().find(|table| table.batch.schema() != schema) {
+            return Err(Error::new_err(format!(
+                "the tables have different columns: {:?} and {:?}",
+                first.columns(),
+                other.columns()
+            )));
+        }
+        let columns = schema.fields().iter().enumerate().map(|(i, field)| {
+            let arrays = || tables.iter().map(|table| table.batch.column(i));
+            let column = match field.data_type() {
+                DataType::Float64 => {
+                    Column::Number(arrays().flat_map(|a| a.as_primitive::<Float64Type>().iter()).collect())
+                }
+                DataType::Int64 => {
+                    Column::Count(arrays().flat_map(|a| a.as_primitive::<Int64Type>().iter()).collect())
+                }
+                DataType::Boolean => Column::Flag(arrays().flat_map(|a| a.as_boolean().iter()).collect()),
+                _ => Column::Text(
+                    arrays()
+                        .flat_map(|a| a.as_string::<i32>().iter().map(|text| text.map(str::to_owned)))
+                        .collect(),
+                ),
+            };
+            (
+                field.name().clone(),
+                column,
+                field.metadata().iter().map(|(k, v)| (k.clone(), v.clone())).collect(),
+            )
+        });
+        Ok(Self::new(columns.collect()))
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other.cast::<Self>().is_ok_and(|other| other.get().batch == self.batch)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<cocarry.Table, {} rows, {} columns>", self.batch.num_rows(), self.batch.num_columns())
+    }
+
+    fn _repr_html_(&self) -> String {
+        let escape = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+        let filled = |array: &&ArrayRef| array.null_count() < array.len() || array.is_empty();
+        let schema = self.batch.schema();
+        let shown: Vec<(&String, &ArrayRef)> = schema
+            .fields()
+            .iter()
+            .map(|f| f.name())
+            .zip(self.batch.columns())
+            .filter(|(_, array)| filled(array))
+            .collect();
+        let mut html = "<table><thead><tr>".to_owned();
+        shown.iter().for_each(|(name, _)| html += &format!("<th>{}</th>", escape(name)));
+        html += "</tr></thead><tbody>";
+        for row in 0..self.batch.num_rows().min(SHOWN) {
+            html += "<tr>";
+            shown
+                .iter()
+                .for_each(|(_, array)| html += &format!("<td>{}</td>", escape(&Self::cell(array, row))));
+            html += "</tr>";
+        }
+        html += "</tbody></table>";
+        match self.batch.num_rows() {
+            rows if rows > SHOWN => html + &format!("<p>{SHOWN} of {rows} rows</p>"),
+            _ => html,
+        }
+    }
+}
+
+fn object_array<'py>(py: Python<'py>, values: Bound<'py, PyList>) -> PyResult<Bound<'py, PyAny>> {
+    let keywords = PyDict::new(py);
+    keywords.set_item("dtype", "object")?;
+    py.import("numpy")?.call_method("array", (values,), Some(&keywords))
+}

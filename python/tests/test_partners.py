@@ -1,0 +1,266 @@
+"""Own policies and humans, at every depth, on every plant."""
+
+from __future__ import annotations
+
+import pathlib
+import pickle
+import tempfile
+
+import numpy as np
+import pytest
+
+import cocarry
+
+PLANTS = ["point", "kinematic", "rapier"]
+
+
+def example(plant: str = "point", **settings) -> cocarry.Scenario:
+    return cocarry.Scenario("environment-4", plant=plant, alpha=0.747, gamma=0.765, **settings)
+
+
+def eq6(view: cocarry.RobotView):
+    """Eq. (6): leads on the option of least (1 - phi) J_o + phi J~_o until the human takes over, then follows."""
+    if view.mode == "human-led" or view.stance == "take-over":
+        return None
+    phi = min(view.stubbornness, 1.0)
+    cost = (1 - phi) * view.objective_cost_m + phi * view.expected_subjective_cost
+    if view.executed is not None and cost[view.executed] == cost.min():
+        return view.executed
+    return int(cost.argmin())
+
+
+class Boltzmann(cocarry.Human):
+    """Chooses o with probability proportional to exp(-beta J^_o): the least beta J^_o minus a Gumbel draw."""
+
+    def __init__(self, beta, alpha, gamma):
+        self.beta, self.perception = beta, (alpha, gamma)
+
+    def decide(self, view):
+        cost = self.beta * view.subjective_cost(*self.perception) - view.gumbel()
+        return cocarry.HumanDecision(int(cost.argmin()), perception=self.perception)
+
+
+def same(own: cocarry.Episode, theirs: cocarry.Episode) -> None:
+    ended = None
+    while ended is None:
+        ended = theirs.step()
+        assert own.step() == ended
+        assert own.tick == theirs.tick
+    assert own.summary == theirs.summary
+    # a recording of own partners has their decisions besides
+    assert messages(own) == messages(theirs)
+
+
+def messages(episode: cocarry.Episode) -> list:
+    with tempfile.TemporaryDirectory() as folder:
+        file = pathlib.Path(folder) / "episode.mcap"
+        file.write_bytes(episode.recording())
+        recording = cocarry.read(file)
+        return [(topic, recording.table(topic)) for topic in sorted(recording.topics)]
+
+
+@pytest.mark.parametrize("plant", PLANTS)
+@pytest.mark.parametrize("world", ["environment-1", "environment-4"])
+def test_equation_6_gives_the_same_bytes_as_mutual(plant, world):
+    # a sensitive human, who takes the lead; in Environment 1 the robot changes its option before
+    scenario = cocarry.Scenario(world, plant=plant, eta=5, seed=1)
+    same(cocarry.Episode(scenario, policy=eq6), cocarry.Episode(scenario))
+
+
+@pytest.mark.parametrize("plant", PLANTS)
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_boltzmann_human_equals_the_built_in_one(plant, seed):
+    scenario = example(plant, human_model="boltzmann(0.8)", seed=seed)
+    own = cocarry.Episode(scenario, human=Boltzmann(0.8, 0.747, 0.765))
+    same(own, cocarry.Episode(scenario))
+    np.testing.assert_array_equal(cocarry.gumbel(seed, 3), cocarry.gumbel(seed, 5)[:3])
+
+
+def test_partners_see_what_the_tick_says():
+    seen = []
+
+    class Watches(cocarry.Policy):
+        def decide(self, view):
+            seen.append((view.step, view.time_s, list(view.position), view.stubbornness, view.name, view["length_m"]))
+            return eq6(view)
+
+    episode = cocarry.Episode(example(), policy=Watches)
+    for tick in episode:
+        step, time, position, stubbornness, names, lengths = seen[-1]
+        assert (step, time, position) == (tick["step"], tick["time_s"], [tick["x_m"], tick["y_m"]])
+        assert stubbornness == tick["stubbornness"]
+        assert names == [option["name"] for option in tick["options"]]
+        np.testing.assert_array_equal(lengths, [option["length_m"] for option in tick["options"]])
+
+
+@pytest.mark.parametrize("plant", ["kinematic", "rapier"])
+def test_own_references_and_inputs_move_the_robot(plant):
+    class Stands(cocarry.Policy):
+        def decide(self, view):
+            assert view.grasp.shape == (4, 4)
+            return cocarry.Decision("human", inputs=np.zeros(len(view.configuration) - 1))
+
+    class Stays(cocarry.Policy):
+        def decide(self, view):
+            x, y = view.grasp[:2, 3]
+            yaw = np.arctan2(view.grasp[1, 0], view.grasp[0, 0])
+            return cocarry.Decision("human", reference=np.tile([x, y, yaw], (8, 1)))
+
+    for policy in (Stands, Stays):
+        episode = cocarry.Episode(example(plant), policy=policy)
+        start = None
+        for tick in episode:
+            start = start or (tick["base_x_m"], tick["base_y_m"])
+            assert np.hypot(tick["base_x_m"] - start[0], tick["base_y_m"] - start[1]) < 0.25
+        assert episode.outcome == "object-lost"
+    if plant == "rapier":
+        views = []
+        cocarry.Episode(example(plant), policy=lambda view: views.append(view)).run(3)
+        assert views[-1].object.shape == (4, 4) and views[-1].grip_wrench.shape == (6,) == views[-1].hand_wrench.shape
+
+
+def test_humans_resist_and_take_over():
+    def resists(view):
+        return cocarry.HumanDecision(0, stance="resist" if view.step < 5 else "follow", stubbornness=0.0)
+
+    episode = cocarry.Episode(example(), human=resists)
+    episode.run(5)
+    assert episode.summary["walked_m"] == 0
+    episode.run(1)
+    assert episode.summary["walked_m"] > 0
+
+    episode = cocarry.Episode(example(), human=lambda view: cocarry.HumanDecision(1, stance="take-over"))
+    episode.run(2)
+    assert episode["mode"] == "human-led" and episode["executed_index"] == 1
+    # an option alone brings the stubbornness of eq. (5)
+    tick = [t["stubbornness"] for t in cocarry.Episode(example(), human=lambda view: 2)]
+    assert tick[0] == pytest.approx(0.1) and max(tick) > 0.1
+
+
+@pytest.mark.parametrize(
+    ("policy", "message"),
+    [
+        (lambda view: 99, r"the policy returned 99; it must be None .*an index from 0 to"),
+        (lambda view: -1, r"the policy returned -1"),
+        (lambda view: True, r"the policy returned True"),
+        (lambda view: "nowhere", r"the policy returned 'nowhere'.*one of"),
+        (lambda view: 0.5, r"the policy returned 0.5"),
+        (lambda view: cocarry.Decision(0, inputs=np.full(9, np.nan)), r"inputs = .*nan.*finite numbers"),
+        (lambda view: cocarry.Decision(0, inputs=np.zeros(3)), r"it must be a float64 array of shape \(9,\)"),
+        (lambda view: cocarry.Decision(0, inputs=[0.0] * 9), r"it must be a float64 array"),
+        (lambda view: cocarry.Decision(0, reference=np.zeros((8, 2))), r"shape \(8, 3\)"),
+        (lambda view: view.nothing, r"unknown `nothing`; the options have name, length_m"),
+    ],
+)
+def test_wrong_decisions_say_what_would_be_right(policy, message):
+    with pytest.raises((cocarry.DecisionError, AttributeError), match=message):
+        cocarry.Episode(example("kinematic"), policy=policy).run()
+
+
+@pytest.mark.parametrize(
+    ("human", "message"),
+    [
+        (lambda view: None, r"the human returned None; it must be an option"),
+        (lambda view: cocarry.HumanDecision(77), r"option = 77"),
+        (lambda view: cocarry.HumanDecision(0, stance="flee"), r"stance = 'flee'; it must be one of: follow, resist, take-over"),
+        (lambda view: cocarry.HumanDecision(0, stubbornness=float("nan")), r"stubbornness = nan"),
+        (lambda view: cocarry.HumanDecision(0, perception=(0.0, 1.0)), r"perception = \(0.0, 1.0\)"),
+        (lambda view: cocarry.HumanDecision(0, hand=(0.0, float("inf"))), r"hand = "),
+        (lambda view: 1 / 0, r"division by zero"),
+    ],
+)
+def test_wrong_humans_say_what_would_be_right(human, message):
+    with pytest.raises((cocarry.DecisionError, ZeroDivisionError), match=message):
+        cocarry.Episode(example(), human=human).run()
+
+
+def test_what_cannot_decide_is_refused():
+    with pytest.raises(cocarry.DecisionError, match="policy = 3; it must be a callable"):
+        cocarry.Episode(example(), policy=3)
+    with pytest.raises(cocarry.DecisionError, match="plant=\"point\" has no robot"):
+        cocarry.Episode(example(), policy=lambda view: cocarry.Decision(0, inputs=np.zeros(9))).step()
+
+
+class Slow(cocarry.Policy):
+    """Leads, follows, and moves the robot by itself on the way; it fails in the trial without a robot."""
+
+    def decide(self, view):
+        x, y = view.grasp[:2, 3]
+        if view.step < 5:
+            return cocarry.Decision(0, reference=np.tile([x, y, 0.0], (8, 1)))
+        return 1 if view.step < 30 else None
+
+
+def restless(view):
+    return cocarry.HumanDecision(view.step % 2, stance="follow" if view.step < 60 else "take-over")
+
+
+@pytest.mark.parametrize("plant", PLANTS)
+def test_recordings_of_own_partners_replay_from_their_decisions(plant, tmp_path):
+    for i, own in enumerate(
+        [{"policy": eq6}, {"human": restless}, {"policy": lambda view: 2 if view.step < 40 else None, "human": restless}]
+        + ([{"policy": Slow}] if plant != "point" else [])
+    ):
+        with cocarry.Episode(example(plant), **own).record(tmp_path / f"{i}.mcap") as episode:
+            episode.run(80)
+        replay = cocarry.read(tmp_path / f"{i}.mcap").replay()
+        assert replay["verdict"] == "identical", (own, replay)
+        assert episode_bytes(plant, own) == (tmp_path / f"{i}.mcap").read_bytes()
+    assert "decisions.json" in (tmp_path / "0.mcap").read_bytes().decode("latin-1")
+
+
+def episode_bytes(plant, own):
+    episode = cocarry.Episode(example(plant), **own)
+    episode.run(80)
+    return episode.recording()
+
+
+class Counts(cocarry.Policy):
+    """Leads on the first option, and follows after so many steps; its count goes through snapshots."""
+
+    def __init__(self, limit=20):
+        self.limit, self.count = limit, 0
+
+    def decide(self, view):
+        self.count += 1
+        return 0 if self.count <= self.limit else None
+
+    def save(self):
+        return self.count.to_bytes(4, "little")
+
+    def restore(self, state):
+        self.count = int.from_bytes(state, "little")
+
+
+def test_memory_goes_through_snapshots_pickles_and_copies():
+    episode = cocarry.Episode(example(), policy=Counts())
+    episode.run(10)
+    assert episode.policy.count == 10
+    others = [cocarry.Episode.resume(episode.snapshot(), policy=Counts()), pickle.loads(pickle.dumps(episode))]
+    episode.run()
+    for other in others:
+        assert other.run() == episode.summary
+        assert other.recording() == episode.recording() or other is others[0]
+
+
+STUDY = {"worlds": ["environment-1", "environment-4"], "plants": "point", "seeds": 4, "eta": [5, 15]}
+
+
+def test_sweeps_of_own_partners_have_the_rows_of_the_built_in_ones():
+    theirs, own = cocarry.sweep(STUDY), cocarry.sweep(STUDY, policy=eq6)
+    assert set(own["method"]) == {"own(eq6)"}
+    for column in theirs.columns:
+        if column not in ("method", "checksum"):
+            assert list(map(str, own[column])) == list(map(str, theirs[column])), column
+    assert cocarry.sweep(STUDY, policy=eq6, threads=1) == own == cocarry.sweep(STUDY, policy=eq6, processes=2)
+    # every episode has a policy of its own
+    counted = cocarry.sweep(STUDY, policy=Counts, threads=2)
+    assert counted == cocarry.sweep(STUDY, policy=Counts(), threads=1)
+
+
+def test_an_exception_in_a_sweep_is_raised():
+    def fails(view):
+        raise RuntimeError("on purpose")
+
+    with pytest.raises(RuntimeError, match="on purpose"):
+        cocarry.sweep(STUDY, policy=fails)
