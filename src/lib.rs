@@ -117,6 +117,7 @@ pub mod math;
 pub mod options;
 #[cfg(any(feature = "recording", feature = "studies"))]
 pub mod output_file;
+pub mod palette;
 #[cfg(feature = "studies")]
 pub mod paper;
 #[cfg(feature = "studies")]

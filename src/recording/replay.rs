@@ -4,6 +4,7 @@ use super::encoder::Encoder;
 use super::ending::Ending;
 use super::provenance::{ARITHMETIC, METADATA, RECOVERED, scenario};
 use super::{Channel, Difference, Entry, Message, ReadError, Reader, decode};
+use crate::robot::Robot;
 use std::io::Read;
 
 /// The result of a replay.
@@ -45,10 +46,12 @@ pub fn replay<R: Read>(mut first: Reader<R>, second: Reader<R>) -> Result<Replay
     let invalid = |source| ReadError::Scenario { file: file.clone(), source };
     let stage = scenario(&mut first)?.prepare().map_err(invalid)?;
     let mut episode = stage.episode().map_err(invalid)?;
-    let stopped = stopped_after(&mut first)?;
+    let Known { stopped, team } = known(&mut first)?;
+    // a recording holds the files of a robot's meshes, the scenario does not
+    let has_meshes = stage.robot().is_some_and(Robot::has_visual_meshes);
 
     let mut recorded = Compared { reader: second, replay: Replay::default(), is_recovered: false };
-    let mut encoder = Encoder::new(&stage);
+    let mut encoder = Encoder::new(&stage).with_team(team.filter(|_| has_meshes));
     if recorded.differs(encoder.begin(&episode))? {
         return Ok(recorded.replay);
     }
@@ -70,17 +73,29 @@ pub fn replay<R: Read>(mut first: Reader<R>, second: Reader<R>) -> Result<Replay
     Ok(recorded.replay)
 }
 
-/// The number of steps after which the user interrupted the run, if any.
-fn stopped_after<R: Read>(reader: &mut Reader<R>) -> Result<Option<u64>, ReadError> {
-    let mut stopped = None;
+/// What a replay takes from the recording.
+#[derive(Default)]
+struct Known {
+    /// The number of steps after which the user interrupted the run, if any.
+    stopped: Option<u64>,
+    /// The shapes of the team.
+    team: Option<Vec<u8>>,
+}
+
+fn known<R: Read>(reader: &mut Reader<R>) -> Result<Known, ReadError> {
+    let mut known = Known::default();
     while let Some(entry) = reader.next()? {
         let Some(message) = entry.message() else { continue };
-        if Channel::of_topic(&message.channel.topic) == Some(Channel::Outcome) {
-            let outcome = decode(message.channel, message.data).unwrap_or_default();
-            stopped = outcome["steps"].as_u64().filter(|_| outcome["outcome"] == "interrupted");
+        match Channel::of_topic(&message.channel.topic) {
+            Some(Channel::Team) => known.team = Some(message.data.to_vec()),
+            Some(Channel::Outcome) => {
+                let outcome = decode(message.channel, message.data).unwrap_or_default();
+                known.stopped = outcome["steps"].as_u64().filter(|_| outcome["outcome"] == "interrupted");
+            }
+            _ => {}
         }
     }
-    Ok(stopped)
+    Ok(known)
 }
 
 impl Default for Replay {

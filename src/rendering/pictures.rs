@@ -20,7 +20,7 @@ const SPEED: f64 = 50.0;
 /// The time for which the last picture stays, hundredths of a second.
 const STAY: u16 = 250;
 /// The number of colours of a moving picture, besides the transparent one.
-const COLOURS: usize = 255;
+const COLOURS: usize = 95;
 /// The largest number of pictures in a moving one, and how many of them its colours are chosen from.
 const MOST_PICTURES: usize = 600;
 const SAMPLES: usize = 12;

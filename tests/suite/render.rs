@@ -154,8 +154,8 @@ fn what_cannot_be_rendered_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     let shipped = repository("recordings/environment-4.mcap");
-    refused(&["render", text(&shipped), "-o", "x.mp4"], &["x.mp4", ".html, .svg, .png, .gif"]);
-    refused(&["run", "--plant", "point", "--render", "x"], &["--render", ".html, .svg, .png, .gif"]);
+    refused(&["render", text(&shipped), "-o", "x.mp4"], &["x.mp4", ".html, .svg, .png, .gif, .json"]);
+    refused(&["run", "--plant", "point", "--render", "x"], &["--render", ".html, .svg, .png, .gif, .json"]);
     for (name, flag, value, words) in [
         ("x.html", "--instants", "3", "--instants is for .svg and .png only"),
         ("x.gif", "--instants", "3", "--instants is for .svg and .png only"),
