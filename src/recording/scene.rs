@@ -25,7 +25,7 @@ const PROBABILITY_STEP: f64 = 0.02;
 
 const OBSTACLE: [f32; 4] = [0.55, 0.55, 0.58, 1.0];
 /// Height by which the labels of an opening and of the next one differ, m: neighbours do not cover each other.
-const STAGGER: f64 = 0.45;
+const STAGGER: f64 = 0.9;
 
 /// The world: obstacles, openings coloured by their risk, start and target.
 pub(super) fn world(world: &World, time: u64) -> SceneUpdate {

@@ -20,10 +20,9 @@ function parse(mesh, plain) {
     drawn.traverse((part) => part.isMesh && (part.material = new MeshLambertMaterial({ color: plain })));
     return drawn;
   }
-  const { scene } = new ColladaLoader(textures).parse(text(), "");
-  // the loader turns files with z up to y up, the other way round than here; as in other viewers of robots, a file's
-  // axes are those of its link
-  scene.rotation.set(0, 0, 0);
+  // as in other viewers of robots, a file's axes are those of its link; the loader does not turn files with y up
+  const unturned = text().replace(/<up_axis>[^<]*<\/up_axis>/, "<up_axis>Y_UP</up_axis>");
+  const { scene } = new ColladaLoader(textures).parse(unturned, "");
   // lamps and cameras of the drawing program
   scene.traverse((part) => (part.isLight || part.isCamera) && (part.visible = false));
   return scene;
