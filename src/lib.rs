@@ -42,7 +42,7 @@
 //! world          a TOML file -> obstacles, openings, start, target
 //! robot          a TOML file and a URDF -> drive, arm, grasp; forward kinematics and B(q)
 //! geometry       points, poses, outlines, paths
-//! math, saved, located, output_file
+//! math, saved, located, output_file, palette
 //!                transcendental functions with the same bits everywhere; saved states; text files; output files
 //! ```
 //!

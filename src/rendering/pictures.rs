@@ -6,7 +6,7 @@ use super::outlines::outlined;
 use crate::drawing::{NARROWEST, WIDEST};
 use crate::recording::Playback;
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
-use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -130,6 +130,8 @@ fn raster(svg: &str, width: f64) -> Result<Pixmap, RenderError> {
     let mut pixels =
         Pixmap::new(width as u32, height as u32).ok_or_else(|| too_large(width as u32, height as u32))?;
     let scale = scale as f32;
+    // the last row may be covered in part
+    pixels.fill(Color::WHITE);
     resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
     Ok(pixels)
 }

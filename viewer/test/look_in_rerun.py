@@ -1,5 +1,7 @@
 """Opens a file in Rerun without a window, and looks whether the scene is in the picture: look_in_rerun.py RERUN FILE PICTURE."""
 
+import os
+import signal
 import subprocess
 import sys
 import time
@@ -11,7 +13,7 @@ from rerun.experimental import ViewerClient
 rerun, file, picture = sys.argv[1:4]
 port = 9917
 words = [rerun, "--headless", "--port", str(port), "--bind", "127.0.0.1", "--window-size", "1300x800", file]
-viewer = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+viewer = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True)
 try:
     time.sleep(12)
     Path(picture).unlink(missing_ok=True)
@@ -21,7 +23,8 @@ try:
         if Path(picture).exists() and Path(picture).stat().st_size > 1000:
             break
 finally:
-    viewer.terminate()
+    # the command starts the viewer as another process
+    os.killpg(viewer.pid, signal.SIGKILL)
     said = viewer.communicate()[0]
 assert "without loading" not in said, said
 time.sleep(0.5)
