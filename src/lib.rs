@@ -41,8 +41,8 @@
 //! options        openings in order, D_o and S_o from anywhere, shortest paths
 //! world          a TOML file -> obstacles, openings, start, target
 //! robot          a TOML file and a URDF -> drive, arm, grasp; forward kinematics and B(q)
-//! geometry       points, poses, outlines, paths
-//! math, saved, located, output_file, palette
+//! geometry       points, poses, outlines, paths; palette: the colours of pictures
+//! math, saved, located, output_file
 //!                transcendental functions with the same bits everywhere; saved states; text files; output files
 //! ```
 //!

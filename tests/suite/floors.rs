@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 /// The floors from the bottom; those in one row may not use each other.
 const FLOORS: [&[&str]; 23] = [
-    &["math", "saved", "located", "output_file", "palette"],
-    &["geometry"],
+    &["math", "saved", "located", "output_file"],
+    &["geometry", "palette"],
     &["robot"],
     &["world"],
     &["options"],
