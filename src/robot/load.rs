@@ -94,7 +94,8 @@ impl Robot {
     /// # Errors
     /// [`RobotError`], which names the file, the item and the numbers.
     pub fn load(path: &Path) -> Result<Self, RobotError> {
-        Self::parse(&RobotTexts::read(path)?)
+        let texts = RobotTexts::read(path)?;
+        build(&texts, texts.meshes.0.as_deref())
     }
 
     /// A robot built from texts that were read before. Meshes of texts from a recording or a snapshot keep the
@@ -103,7 +104,9 @@ impl Robot {
     /// # Errors
     /// As [`Robot::load`].
     pub fn parse(texts: &RobotTexts) -> Result<Self, RobotError> {
-        build(texts, texts.meshes.0.as_deref())
+        // files that were there may be gone
+        let found = texts.meshes.0.as_deref().and_then(|folder| build(texts, Some(folder)).ok());
+        found.map_or_else(|| build(texts, None), Ok)
     }
 
     /// The built-in robot "carrier": two driven wheels and an arm of seven joints.
