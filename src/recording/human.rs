@@ -183,7 +183,7 @@ mod tests {
     use super::*;
 
     fn stance(walked: f64, is_backward: bool) -> Stance {
-        let hand = Pose::translation(-0.35, 0.0, 0.7);
+        let hand = Pose::translation(-0.35, 0.0, 0.8);
         Stance { torso: Pose::translation(0.0, 0.0, 0.85), hand, width: 0.1, walked, is_backward }
     }
 
@@ -205,7 +205,7 @@ mod tests {
                 let [upper, fore] = stance.arm(side, &stance.hand);
                 assert!((along(&upper, UPPER_ARM) - fore.translation.vector).norm() < 1e-9, "elbow {i}");
                 let grip = along(&fore, FOREARM);
-                assert!((grip - Vector3::new(-0.35, side * 0.062, 0.7)).norm() < 1e-9, "hand {i}: {grip}");
+                assert!((grip - Vector3::new(-0.35, side * 0.062, 0.8)).norm() < 1e-9, "hand {i}: {grip}");
             }
         }
     }
