@@ -17,8 +17,8 @@ const THIGH: f64 = 0.43;
 const SHIN: f64 = 0.42;
 const ANKLE: f64 = 0.075;
 const SHOULDER: [f64; 3] = [-0.06, 0.175, 1.36];
-const UPPER_ARM: f64 = 0.33;
-const FOREARM: f64 = 0.34;
+const UPPER_ARM: f64 = 0.36;
+const FOREARM: f64 = 0.38;
 /// A stride is two steps.
 const STRIDE: f64 = 0.96;
 /// A foot is on the floor for this part of a stride.
