@@ -41,7 +41,7 @@
 //! options        openings in order, D_o and S_o from anywhere, shortest paths
 //! world          a TOML file -> obstacles, openings, start, target
 //! robot          a TOML file and a URDF -> drive, arm, grasp; forward kinematics and B(q)
-//! geometry       points, poses, outlines, paths
+//! geometry       points, poses, outlines, paths; palette: the colours of pictures
 //! math, saved, located, output_file
 //!                transcendental functions with the same bits everywhere; saved states; text files; output files
 //! ```
@@ -117,6 +117,7 @@ pub mod math;
 pub mod options;
 #[cfg(any(feature = "recording", feature = "studies"))]
 pub mod output_file;
+pub mod palette;
 #[cfg(feature = "studies")]
 pub mod paper;
 #[cfg(feature = "studies")]

@@ -12,20 +12,28 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// The kinds of files, by their endings.
-const KINDS: [(&str, Kind); 4] =
-    [("html", Kind::Player), ("svg", Kind::StripSvg), ("png", Kind::StripPng), ("gif", Kind::Moving)];
+const KINDS: [(&str, Kind); 5] = [
+    ("html", Kind::Player),
+    ("svg", Kind::StripSvg),
+    ("png", Kind::StripPng),
+    ("gif", Kind::Moving),
+    ("json", Kind::Layout),
+];
 
-/// Render a recording: a 3-D player (.html), a filmstrip (.svg, .png) or a moving picture (.gif)
+/// Render a recording: a 3-D player (.html), a filmstrip (.svg, .png), a moving picture (.gif), a layout for Foxglove and
+/// Lichtblick (.json)
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     cocarry render run.mcap -o run.html                a 3-D player in one file, for any browser, without a network\n  \
     cocarry render run.mcap -o run.gif                 the team on the map with phi beside it, at twice its speed\n  \
     cocarry render run.mcap -o run.svg --width 3.5in   the team at six instants, for a column of a paper\n  \
-    cocarry render run.mcap -o run.png --width 1400px --instants 8")]
+    cocarry render run.mcap -o run.png --width 1400px --instants 8\n  \
+    cocarry render run.mcap -o layout.json             the layout to import in Foxglove or Lichtblick, beside the recording")]
 pub(super) struct RenderArguments {
     /// Recording (MCAP)
     recording: PathBuf,
-    /// File to write. Its ending says what: .html is a player, .svg and .png are filmstrips, .gif moves
+    /// File to write. Its ending says what: .html is a player, .svg and .png are filmstrips, .gif moves,
+    /// .json is a layout
     #[arg(short, long, value_name = "FILE", value_parser = Target::of)]
     output: Target,
     /// Width of a picture, in inches or pixels: 3.5in, 1200px. Type is at least 7 pt from 3.5 inches on; a
@@ -57,6 +65,7 @@ enum Kind {
     StripSvg,
     StripPng,
     Moving,
+    Layout,
 }
 
 /// How to render.
@@ -101,9 +110,10 @@ impl Target {
     /// An error if the form has what this kind of file does not.
     fn check(&self, form: Form) -> Result<(), Failure> {
         let is_strip = matches!(self.kind, Kind::StripSvg | Kind::StripPng);
+        let is_picture = is_strip || self.kind == Kind::Moving;
         let misplaced = [
             ("--instants", form.instants.is_some() && !is_strip, ".svg and .png"),
-            ("--width", form.width.is_some() && self.kind == Kind::Player, ".svg, .png and .gif"),
+            ("--width", form.width.is_some() && !is_picture, ".svg, .png and .gif"),
             ("--robot", form.robot.is_some() && self.kind != Kind::Player, ".html"),
         ];
         match misplaced.into_iter().find(|(_, is_misplaced, _)| *is_misplaced) {
@@ -137,6 +147,7 @@ impl Target {
             Kind::StripSvg => rendering::filmstrip_svg(&playback, instants, width).map(String::into_bytes),
             Kind::StripPng => rendering::filmstrip_png(&playback, instants, width),
             Kind::Moving => rendering::moving_gif(&playback, width),
+            Kind::Layout => Ok(rendering::viewer_layout(&playback).into_bytes()),
         };
         write_file(outputs, &self.file, rendered.map_err(input)?)
     }

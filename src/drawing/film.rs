@@ -1,16 +1,16 @@
-//! Pictures of an episode: the filmstrip, which shows the team at several instants on one map with phi beside
-//! it; and the pictures of a moving one.
+//! The filmstrip of an episode: the team at several instants on one map, with phi beside it.
 
 use super::kit::{
     AXIS_ROOM, Align, BAND, Clutter, GAP, INK, LEFT_ROOM, Legend, LineStyle, MARGIN, PAPER, Plot, TEXT_SIZE,
-    TITLE_ROOM, Text, disc, document_of, frame_title, guide, level, line_sample, number, polygon, rectangle,
-    stroke, upright,
+    TITLE_ROOM, Text, disc, document_of, frame_title, guide, level, line_sample, polygon, rectangle, stroke,
+    upright,
 };
 use super::map_view::MapView;
 use super::opening_labels::{PATH_COST, clutter, opening_labels};
 use super::{DrawingError, MOST_LISTED, Track, option_colour};
 use crate::geometry::{Bounds, PlanarPose, Point, Vector, direction, left_of};
 use crate::options::OptionSet;
+use crate::palette::{HAIR, HUMAN, OBJECT, ROBOT, hex};
 use crate::world::World;
 use svg::node::element::{ClipPath, Definitions, Group};
 
@@ -20,17 +20,12 @@ pub const NARROWEST: f64 = 577.0;
 /// See [`NARROWEST`].
 pub const WIDEST: f64 = 1154.0;
 /// From this width on the chart is beside the map, px.
-const BESIDE: f64 = 760.0;
+pub(super) const BESIDE: f64 = 760.0;
 
 /// Largest distance of a drawn arc from its chords, m.
 const SAGITTA: f64 = 0.01;
-/// Height of the sentence above a moving picture, px.
-const CAPTION_ROOM: f64 = 30.0;
-/// Colours of robot, object, human and hair. They differ in greyscale too.
-const ROBOT: &str = "#d4d9df";
-const OBJECT: &str = "#b9823f";
-const HUMAN: &str = "#2f5f9e";
-const HEAD: &str = "#3b2a20";
+/// Ends of the line of an entry of the legend.
+const SAMPLE_ENDS: [Point; 2] = [Point::new(-20.0, 0.0), Point::new(20.0, 0.0)];
 
 /// An episode to draw.
 #[derive(Clone, Debug)]
@@ -68,44 +63,6 @@ pub struct Moment {
     pub sentence: String,
 }
 
-/// The pictures of a moving one: all have the same size, with the same parts in the same places.
-pub struct Moving<'a> {
-    film: &'a Film<'a>,
-    layout: Layout,
-    width: f64,
-    bottom: f64,
-    /// Positions of the object, px.
-    walked: Vec<Point>,
-    labels: Group,
-    legend: Group,
-}
-
-impl Moving<'_> {
-    /// The picture at a moment (its index; of a larger one the last).
-    pub fn picture(&self, at: usize) -> String {
-        let Self { film, layout, .. } = self;
-        let at = at.min(film.moments.len() - 1);
-        let moment = &film.moments[at];
-        let (map, _) = film.ground(layout, Some(moment));
-        let map = map.add(stroke(&self.walked[..=at], INK, 2.4)).add(film.team(&layout.view, moment));
-        let caption = Point::new(MARGIN, 26.0);
-        let leads = if moment.human_leads { "The human leads" } else { "The robot leads" };
-        let leads = Text::new(format!("{leads}, {} s", number(moment.time, 1))).bold();
-        let told = Text::new(moment.sentence.as_str()).within(self.width - 2.0 * MARGIN, TEXT_SIZE);
-        let picture = document_of(self.width, self.bottom)
-            .add(film.clip(layout))
-            .add(leads.at(caption, TEXT_SIZE, Align::Left))
-            .add(told.at(caption + Vector::new(0.0, 24.0), TEXT_SIZE, Align::Left))
-            .add(map)
-            .add(layout.view.ends(film.world))
-            .add(self.labels.clone())
-            .add(layout.view.axes())
-            .add(film.chart(layout, &film.moments[..=at], Vec::new(), Some(moment)))
-            .add(self.legend.clone());
-        picture.to_string()
-    }
-}
-
 /// Where the parts of a picture are.
 struct Layout {
     view: MapView,
@@ -128,9 +85,10 @@ impl Film<'_> {
         (shown_width, unit): (f64, &str),
     ) -> Result<String, DrawingError> {
         self.check()?;
-        let layout = self.layout(width, TITLE_ROOM);
+        let layout = self.layout(width);
         let shown = self.instants(instants);
-        let (mut map, mut clutter) = self.ground(&layout, None);
+        let (map, mut clutter) = self.ground(&layout.view, None);
+        let mut map = map.set("clip-path", "url(#map)");
         let walked: Vec<Point> = self.moments.iter().map(|m| layout.view.px(m.object.position)).collect();
         clutter.add(&walked, 2.0, PATH_COST);
         map = map.add(stroke(&walked, INK, 2.0));
@@ -144,14 +102,15 @@ impl Film<'_> {
         }
         let labels = opening_labels(&layout.view, self.world, false, &mut clutter);
         let marks = shown.iter().enumerate().map(|(i, &at)| (i + 1, &self.moments[at]));
-        let chart = self.chart(&layout, &self.moments, marks.collect(), None);
-        let (legend, bottom) = self.legend().draw(Point::new(MARGIN, layout.bottom), width - 2.0 * MARGIN);
+        let chart = self.chart(layout.chart, &self.moments, marks.collect(), None);
+        let (legend, bottom) =
+            self.legend(false).draw(Point::new(MARGIN, layout.bottom), width - 2.0 * MARGIN);
         let frame = layout.view.frame();
         let size = |length: f64| format!("{:.3}{unit}", length * shown_width / width);
         let picture = document_of(width, bottom)
             .set("width", size(width))
             .set("height", size(bottom))
-            .add(self.clip(&layout))
+            .add(Self::clip("map", frame))
             .add(frame_title(&self.world.name, frame.min.x, frame))
             .add(map)
             .add(layout.view.ends(self.world))
@@ -163,23 +122,7 @@ impl Film<'_> {
         Ok(picture.to_string())
     }
 
-    /// The pictures of a moving one.
-    ///
-    /// # Errors
-    /// As [`Film::strip`].
-    pub fn moving(&self, width: f64) -> Result<Moving<'_>, DrawingError> {
-        self.check()?;
-        let layout = self.layout(width, TITLE_ROOM + CAPTION_ROOM);
-        let (_, mut clutter) = self.ground(&layout, None);
-        // labels keep away from everywhere the team comes
-        let walked: Vec<Point> = self.moments.iter().map(|m| layout.view.px(m.object.position)).collect();
-        clutter.add(&walked, 30.0, 3.0 * PATH_COST);
-        let labels = opening_labels(&layout.view, self.world, true, &mut clutter);
-        let (legend, bottom) = self.legend().draw(Point::new(MARGIN, layout.bottom), width - 2.0 * MARGIN);
-        Ok(Moving { film: self, layout, width, bottom, walked, labels, legend })
-    }
-
-    fn check(&self) -> Result<(), DrawingError> {
+    pub(super) fn check(&self) -> Result<(), DrawingError> {
         if self.moments.is_empty() {
             return Err(DrawingError::NoPanels);
         }
@@ -194,8 +137,8 @@ impl Film<'_> {
         Track { stubbornness, ..track(Vec::new()) }.check()
     }
 
-    /// The map as large as fits with a chart beside or below it.
-    fn layout(&self, width: f64, top: f64) -> Layout {
+    /// Everything that the episode is about: options, openings, ends, and where the bodies come.
+    pub(super) fn content(&self) -> Bounds {
         let begin = self.options.begin();
         let paths = (0..self.options.options().len()).filter_map(|o| self.options.path(&begin, o));
         let paths = paths.flat_map(|path| path.polyline(SAGITTA));
@@ -203,7 +146,13 @@ impl Film<'_> {
         let bodies = self.moments.iter().flat_map(|m| [m.base, m.human.position]);
         let points: Vec<Point> =
             paths.chain(ends).chain(bodies).chain([self.world.start, self.world.target]).collect();
-        let content = Bounds::around(points).unwrap_or(self.world.bounds()).grown(0.9);
+        Bounds::around(points).unwrap_or(self.world.bounds()).grown(0.9)
+    }
+
+    /// The map as large as fits with a chart beside or below it.
+    fn layout(&self, width: f64) -> Layout {
+        let top = TITLE_ROOM;
+        let content = self.content();
         let is_beside = width >= BESIDE;
         let right = width - MARGIN;
         let room = if is_beside { 0.56 * width } else { right };
@@ -222,16 +171,14 @@ impl Film<'_> {
         Layout { view: view.moved_to(frame.min + spare), chart, bottom: chart.max.y + AXIS_ROOM }
     }
 
-    /// What lies outside the map's frame is not drawn.
-    fn clip(&self, layout: &Layout) -> Definitions {
-        let frame = layout.view.frame();
-        Definitions::new().add(ClipPath::new().set("id", "map").add(rectangle(frame)))
+    /// A frame by its name: what lies outside is not drawn.
+    pub(super) fn clip(name: &str, frame: Bounds) -> Definitions {
+        Definitions::new().add(ClipPath::new().set("id", name).add(rectangle(frame)))
     }
 
     /// Obstacles, options and openings, and what they cover. At a moment the options are as wide as their
     /// P_o.
-    fn ground(&self, layout: &Layout, moment: Option<&Moment>) -> (Group, Clutter) {
-        let view = &layout.view;
+    pub(super) fn ground(&self, view: &MapView, moment: Option<&Moment>) -> (Group, Clutter) {
         let mut clutter = clutter(view, self.world);
         let begin = self.options.begin();
         let count = self.options.options().len();
@@ -244,7 +191,7 @@ impl Film<'_> {
         };
         let mut order: Vec<usize> = (0..count.min(MOST_LISTED)).collect();
         order.sort_by(|&a, &b| widths[b].total_cmp(&widths[a]).then(a.cmp(&b)));
-        let mut group = Group::new().set("clip-path", "url(#map)").add(view.obstacles(self.world));
+        let mut group = Group::new().add(view.obstacles(self.world));
         for option in order {
             let Some(path) = self.options.path(&begin, option) else { continue };
             let points: Vec<Point> = path.polyline(SAGITTA).into_iter().map(|p| view.px(p)).collect();
@@ -259,7 +206,7 @@ impl Film<'_> {
     }
 
     /// The team from above: base and arm, object, and the human with arms, shoulders and head.
-    fn team(&self, view: &MapView, moment: &Moment) -> Group {
+    pub(super) fn team(&self, view: &MapView, moment: &Moment) -> Group {
         let outlined = |group: Group, points: Vec<Point>, fill: &str| {
             let points: Vec<Point> = points.into_iter().map(|p| view.px(p)).collect();
             group.add(polygon(&points).set("fill", fill).set("stroke", INK).set("stroke-width", 1))
@@ -281,17 +228,17 @@ impl Film<'_> {
         };
         let width = (0.1 * view.scale()).max(2.2);
         let mut group = Group::new().set("class", "team");
-        group = outlined(group, round(moment.base, 0.0, [self.base_radius; 2]), ROBOT);
+        group = outlined(group, round(moment.base, 0.0, [self.base_radius; 2]), &hex(ROBOT));
         group = group.add(line(moment.base, moment.grasp, INK, width + 1.6));
-        group = group.add(line(moment.base, moment.grasp, ROBOT, width));
+        group = group.add(line(moment.base, moment.grasp, &hex(ROBOT), width));
         for side in [1.0, -1.0] {
             let hand = front + left_of(direction(yaw)) * (breadth / 2.0 * side);
             group = group.add(line(shoulder(side), hand, INK, width + 1.2));
-            group = group.add(line(shoulder(side), hand, HUMAN, width - 0.2));
+            group = group.add(line(shoulder(side), hand, &hex(HUMAN), width - 0.2));
         }
-        group = outlined(group, object.to_vec(), OBJECT);
-        group = outlined(group, round(human.position, human.yaw, [0.14, 0.25]), HUMAN);
-        outlined(group, round(human.position + direction(human.yaw) * 0.03, 0.0, [0.1; 2]), HEAD)
+        group = outlined(group, object.to_vec(), &hex(OBJECT));
+        group = outlined(group, round(human.position, human.yaw, [0.14, 0.25]), &hex(HUMAN));
+        outlined(group, round(human.position + direction(human.yaw) * 0.03, 0.0, [0.1; 2]), &hex(HAIR))
     }
 
     /// The areas that the team covers, px.
@@ -323,14 +270,13 @@ impl Film<'_> {
     }
 
     /// phi over time with its threshold, and numbered instants or a cursor.
-    fn chart(
+    pub(super) fn chart(
         &self,
-        layout: &Layout,
+        frame: Bounds,
         moments: &[Moment],
         marks: Vec<(usize, &Moment)>,
         cursor: Option<&Moment>,
     ) -> Group {
-        let frame = layout.chart;
         let last = self.moments.last().map_or(1.0, |m| m.time).max(1e-3);
         let top = self.moments.iter().map(|m| m.stubbornness).fold(1.0, f64::max).min(2.0) * 1.22;
         let plot = Plot::linear(frame, [[0.0, last], [0.0, top]]);
@@ -365,13 +311,17 @@ impl Film<'_> {
         group.add(plot.axes(&Text::new("time (s)"), &phi))
     }
 
-    /// The options by their styles, and what is grey in the chart.
-    fn legend(&self) -> Legend {
+    /// The options by their styles, or their colours alone, and what is grey in the chart.
+    pub(super) fn legend(&self, is_solid: bool) -> Legend {
         let options = self.options.options().iter().enumerate().take(MOST_LISTED);
         let legend = options.fold(Legend::of_lines(), |legend, (o, option)| {
-            legend.entry(line_sample(LineStyle::of(o), 3.0), format!("option {}", option.name))
+            let sample = match is_solid {
+                true => Group::new().add(stroke(&SAMPLE_ENDS, &option_colour(o), 5.0)),
+                false => line_sample(LineStyle::of(o), 3.0),
+            };
+            legend.entry(sample, format!("option {}", option.name))
         });
-        let grey = Group::new().add(stroke(&[Point::new(-20.0, 0.0), Point::new(20.0, 0.0)], BAND, 14.0));
+        let grey = Group::new().add(stroke(&SAMPLE_ENDS, BAND, 14.0));
         legend.entry(grey, "the human leads")
     }
 

@@ -13,6 +13,7 @@ mod film;
 mod kit;
 mod map;
 mod map_view;
+mod moving;
 mod opening_labels;
 mod option_table;
 mod ratios;
@@ -24,13 +25,15 @@ mod track;
 pub use adaptation::adaptation;
 pub use answers::{AnswerPanel, AnswerRow, RiskWeightMark, answers};
 pub use curves::{Curve, CurvePanel, curves};
-pub use film::{Film, Moment, Moving, NARROWEST, WIDEST};
+pub use film::{Film, Moment, NARROWEST, WIDEST};
 pub use map::{MOST_LISTED, world_map};
+pub use moving::Moving;
 pub use ratios::{RatioPanel, RatioRow, cost_ratios};
 pub use regions::{RegionPanel, preference_regions};
 pub use tolerances::{ToleranceRow, tolerances};
 pub use track::Track;
 
+use crate::palette;
 use thiserror::Error;
 
 /// Width of every picture, px.
@@ -108,12 +111,12 @@ pub enum DrawingError {
 
 /// The colour of an option in every picture, as `#rrggbb`.
 pub fn option_colour(option: usize) -> String {
-    kit::LineStyle::of(option).colour()
+    palette::hex(palette::option_colour(option))
 }
 
 /// The dash pattern of an option's line in every picture: lengths of dashes and gaps, px; empty is solid.
 pub fn option_dash(option: usize) -> &'static [f64] {
-    kit::LineStyle::of(option).dash()
+    palette::option_dash(option)
 }
 
 /// The colour of a risk from 0 (light) to 1 (dark) in every picture, as `#rrggbb`.

@@ -3,6 +3,7 @@
 use super::channel::{Channel, Message};
 use super::ending::Ending;
 use super::events::Events;
+use super::meshes::Meshes;
 use super::{motion, scene};
 use crate::episode::Episode;
 use crate::geometry::Point;
@@ -14,6 +15,8 @@ use crate::scenario::PreparedScenario;
 pub struct Encoder<'a> {
     stage: &'a PreparedScenario,
     ways: scene::Ways,
+    /// The `/scene/team` message of another recording of the episode, in place of one of its own.
+    team: Option<Vec<u8>>,
     events: Events,
     walked: Vec<Point>,
     messages: Vec<Message>,
@@ -25,10 +28,17 @@ impl<'a> Encoder<'a> {
         Self {
             ways: scene::Ways::new(stage.options()),
             stage,
+            team: None,
             events: Events::default(),
             walked: Vec::new(),
             messages: Vec::new(),
         }
+    }
+
+    /// An encoder whose `/scene/team` message is this one, as it is in a recording. It may hold the files of a
+    /// robot's meshes, which the scenario does not.
+    pub(super) fn with_team(self, team: Option<Vec<u8>>) -> Self {
+        Self { team, ..self }
     }
 
     /// The channels of an episode.
@@ -52,8 +62,12 @@ impl<'a> Encoder<'a> {
         let time = self.time(episode.summary().steps);
         self.messages.push(Message::of(Channel::World, time, &scene::world(world, time)));
         if let Some(robot) = robot {
-            let team = scene::team(robot, world, episode.observation().is_some(), time);
-            self.messages.push(Message::of(Channel::Team, time, &team));
+            self.messages.push(match &self.team {
+                Some(data) => Message { channel: Channel::Team, time, data: data.clone() },
+                None => {
+                    Message::of(Channel::Team, time, &scene::team(robot, world, &Meshes::of(robot), time))
+                }
+            });
         }
         self.walked.push(episode.position());
         self.state(episode, time);
@@ -124,7 +138,7 @@ impl<'a> Encoder<'a> {
     /// Adds the poses and joints, unless the team is a point.
     fn state(&mut self, episode: &Episode, time: u64) {
         let Some(robot) = self.stage.robot() else { return };
-        let transforms = motion::transforms(episode, Some(robot), time);
+        let transforms = motion::transforms(episode, self.stage, time);
         self.messages.push(Message::of(Channel::Transforms, time, &transforms));
         let joints = motion::joints(episode, robot, time);
         self.messages.push(Message::of(Channel::Joints, time, &joints));

@@ -1,7 +1,7 @@
 //! The messages of `/log`.
 
 use super::ending::Ending;
-use super::motion::timestamp;
+use super::frames::timestamp;
 use crate::episode::{Episode, Tick};
 use crate::options::OptionSet;
 use crate::quantities::{Event, Severity, View};

@@ -52,8 +52,11 @@ mod ending;
 mod error;
 mod events;
 mod file;
+mod frames;
+mod human;
 #[cfg(feature = "live")]
 mod live;
+mod meshes;
 mod motion;
 mod playback;
 mod provenance;
@@ -64,6 +67,7 @@ mod recover;
 mod replay;
 mod scene;
 mod schema;
+mod shapes;
 mod table;
 
 pub use channel::{Channel, Message};

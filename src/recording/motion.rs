@@ -1,69 +1,87 @@
 //! The poses of an episode's frames, and the states of its joints.
 
+use super::frames::{GRASP_GOAL, HAND, HUMAN, OBJECT, ODOM, TORSO, WORLD, link_frame, timestamp, transform};
+use super::human::{Stance, upright};
 use crate::episode::Episode;
-use crate::geometry::Pose;
+use crate::geometry::{PlanarPose, Pose, direction};
 use crate::robot::Robot;
-use crate::simulation::Observation;
-use foxglove::messages::{
-    FrameTransform, FrameTransforms, JointState, JointStates, Quaternion, Timestamp, Vector3,
-};
-use nalgebra::{Rotation3, UnitQuaternion};
+use crate::scenario::PreparedScenario;
+use crate::simulation::{Observation, TORSO_AHEAD, TORSO_HEIGHT};
+use foxglove::messages::{FrameTransforms, JointState, JointStates};
+use nalgebra::{Rotation3, Translation3, Vector3};
 
-/// The root frame.
-pub(super) const WORLD: &str = "world";
-pub(super) const OBJECT: &str = "object";
-pub(super) const HAND: &str = "human/hand";
-pub(super) const TORSO: &str = "human/torso";
-/// The frame of the human on the kinematic plant: s.
-pub(super) const HUMAN: &str = "human";
-
-/// The frame of a robot's link. Its prefix distinguishes it from other frames.
-pub(super) fn link_frame(link: &str) -> String {
-    format!("robot/{link}")
+/// Object, hand and torso.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bodies {
+    pub object: Pose,
+    pub hand: Pose,
+    pub torso: Pose,
 }
 
-/// Simulated time (ns) in the form of messages.
-pub(super) fn timestamp(time: u64) -> Option<Timestamp> {
-    Timestamp::new_checked(u32::try_from(time / 1_000_000_000).ok()?, (time % 1_000_000_000) as u32)
+impl Bodies {
+    /// The bodies of a team that has none: at the grasp, and where the human would be around s.
+    pub fn around(grasp: &Pose, goal: &Pose, length: f64) -> Self {
+        let hand = goal * Translation3::new(length, 0.0, 0.0);
+        let object = grasp * Translation3::new(length / 2.0, 0.0, 0.0);
+        Self { object, hand, torso: torso_ahead_of(&hand) }
+    }
 }
 
-pub(super) fn vector(v: &nalgebra::Vector3<f64>) -> Option<Vector3> {
-    Some(Vector3 { x: v.x, y: v.y, z: v.z })
+/// The torso of a human whose hand is here: upright, ahead of it.
+pub(super) fn torso_ahead_of(hand: &Pose) -> Pose {
+    let yaw = PlanarPose::from_above(hand).yaw;
+    let ahead = direction(yaw) * TORSO_AHEAD;
+    let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw);
+    let at = hand.translation.vector + Vector3::new(ahead.x, ahead.y, 0.0);
+    Pose::from_parts(Translation3::new(at.x, at.y, TORSO_HEIGHT / 2.0), turned)
 }
 
-pub(super) fn quaternion(rotation: &Rotation3<f64>) -> Option<Quaternion> {
-    let q = UnitQuaternion::from_rotation_matrix(rotation);
-    Some(Quaternion { x: q.i, y: q.j, z: q.k, w: q.w })
-}
-
-/// The poses of all frames; empty for a team that is a point.
-pub(super) fn transforms(episode: &Episode, robot: Option<&Robot>, time: u64) -> FrameTransforms {
-    let transform = |frame: String, pose: &Pose| FrameTransform {
-        timestamp: timestamp(time),
-        parent_frame_id: WORLD.to_owned(),
-        child_frame_id: frame,
-        translation: vector(&pose.translation.vector),
-        rotation: quaternion(&pose.rotation),
+/// The poses of all frames, as a tree; empty for a team that is a point.
+pub(super) fn transforms(episode: &Episode, stage: &PreparedScenario, time: u64) -> FrameTransforms {
+    let (Some(robot), Some(poses)) = (stage.robot(), episode.link_poses()) else {
+        return FrameTransforms::default();
     };
-    let mut transforms = Vec::new();
-    if let (Some(robot), Some(poses)) = (robot, episode.link_poses()) {
-        let turned = episode.observation().map_or([0.0; 2], |seen| seen.wheel_angles);
-        for (i, (link, pose)) in robot.links.iter().zip(&poses).enumerate() {
-            let wheel = robot.wheel_links.iter().position(|&w| w == i);
-            let pose = match (wheel, &link.joint) {
-                (Some(wheel), Some(joint)) => pose * Rotation3::from_axis_angle(&joint.axis, turned[wheel]),
-                _ => *pose,
-            };
-            transforms.push(transform(link_frame(&link.name), &pose));
+    let seen = episode.observation();
+    let mut transforms = vec![transform(WORLD, ODOM, &Pose::identity(), time)];
+    let turned = seen.map_or([0.0; 2], |seen| seen.wheel_angles);
+    let world_from_link = |i: usize| {
+        let wheel = robot.wheel_links.iter().position(|&wheel| wheel == i);
+        match (wheel, &robot.links[i].joint) {
+            (Some(wheel), Some(joint)) => poses[i] * Rotation3::from_axis_angle(&joint.axis, turned[wheel]),
+            _ => poses[i],
         }
-        if let Some(human) = episode.human() {
-            transforms.push(transform(HUMAN.to_owned(), &human.at_height(robot.grasp_height)));
-        }
+    };
+    for (i, link) in robot.links.iter().enumerate() {
+        let frame = link_frame(&link.name);
+        transforms.push(match link.parent {
+            Some(parent) => {
+                let pose = world_from_link(parent).inverse() * world_from_link(i);
+                transform(&link_frame(&robot.links[parent].name), &frame, &pose, time)
+            }
+            None => transform(ODOM, &frame, &world_from_link(i), time),
+        });
     }
-    if let Some(seen) = episode.observation() {
-        let bodies = [(OBJECT, &seen.object), (HAND, &seen.hand), (TORSO, &seen.torso)];
-        transforms.extend(bodies.map(|(frame, pose)| transform(frame.to_owned(), pose)));
+    let goal = episode.human().map(|goal| goal.at_height(robot.grasp_height));
+    if let Some(goal) = &goal {
+        transforms.push(transform(WORLD, GRASP_GOAL, goal, time));
     }
+    let [length, width, _] = stage.world().object.size;
+    let bodies = match (seen, goal) {
+        (Some(seen), _) => Bodies { object: seen.object, hand: seen.hand, torso: seen.torso },
+        (None, Some(goal)) => Bodies::around(&poses[robot.grasp_link], &goal, length),
+        (None, None) => return FrameTransforms { transforms },
+    };
+    let (tick, summary) = (episode.tick(), episode.summary());
+    let facing = bodies.torso.rotation * Vector3::x();
+    let is_backward = summary.steps > 0 && direction(tick.heading).dot(&facing.xy()) < 0.0;
+    let Bodies { object, hand, torso } = bodies;
+    let stance = Stance { torso, hand, width, walked: summary.walked, is_backward };
+    transforms.push(transform(WORLD, OBJECT, &object, time));
+    let figure = stance.transforms(time);
+    let human_from_world = upright(&torso).inverse();
+    transforms.extend(figure);
+    transforms.push(transform(HUMAN, HAND, &(human_from_world * hand), time));
+    transforms.push(transform(HUMAN, TORSO, &(human_from_world * torso), time));
     FrameTransforms { transforms }
 }
 

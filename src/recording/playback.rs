@@ -1,11 +1,11 @@
 //! An episode read back from its recording, for pictures and the player: the scenario, the poses over time,
 //! the JSON messages of every step, and the events as the recording words them.
 
-use super::motion::{HAND, HUMAN, OBJECT, TORSO, link_frame};
+use super::frames::{HAND, HUMAN, OBJECT, TORSO, WORLD, link_frame};
+use super::motion::{Bodies, torso_ahead_of};
 use super::{Channel, ReadError, Reader, decode, scenario};
-use crate::geometry::{PlanarPose, Point, Pose, direction};
+use crate::geometry::{PlanarPose, Point, Pose};
 use crate::scenario::PreparedScenario;
-use crate::simulation::{TORSO_AHEAD, TORSO_HEIGHT};
 use nalgebra::{Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -152,11 +152,11 @@ impl Playback {
         {
             return Some(Frame { time, links, object, hand, torso });
         }
-        // on the kinematic plant the human's pose is given as that of the grasp
+        // earlier versions gave the human of the kinematic plant as the pose that the grasp should have
         let length = self.prepared.world().object.size[0];
-        let object = links[robot.grasp_link] * Translation3::new(length / 2.0, 0.0, 0.0);
-        let hand = poses.get(HUMAN)? * Translation3::new(length, 0.0, 0.0);
-        Some(Frame { time, links, object, hand, torso: torso_ahead_of(&hand) })
+        let Bodies { object, hand, torso } =
+            Bodies::around(&links[robot.grasp_link], poses.get(HUMAN)?, length);
+        Some(Frame { time, links, object, hand, torso })
     }
 
     /// The frames of a team that is a point: the object around it, level, at a usual height.
@@ -189,15 +189,6 @@ impl Playback {
     }
 }
 
-/// The torso of a human whose hand is here: upright, ahead of it.
-fn torso_ahead_of(hand: &Pose) -> Pose {
-    let yaw = PlanarPose::from_above(hand).yaw;
-    let ahead = direction(yaw) * TORSO_AHEAD;
-    let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw);
-    let at = hand.translation.vector + Vector3::new(ahead.x, ahead.y, 0.0);
-    Pose::from_parts(Translation3::new(at.x, at.y, TORSO_HEIGHT / 2.0), turned)
-}
-
 /// The path ahead in a `/scene/path` message.
 fn path_ahead(message: &Value) -> Option<Vec<Point>> {
     let ahead = message["entities"].as_array()?.iter().find(|entity| entity["id"] == "ahead")?;
@@ -205,16 +196,38 @@ fn path_ahead(message: &Value) -> Option<Vec<Point>> {
     points.iter().map(|p| Some(Point::new(p["x"].as_f64()?, p["y"].as_f64()?))).collect()
 }
 
-/// The poses of a `/tf` message by their frames.
+/// The poses in the world of a `/tf` message's frames; `None` where they are no tree, or a number is missing.
 fn poses(message: &Value) -> Option<BTreeMap<String, Pose>> {
     let transform = |t: &Value| {
         let number = |part: &str, key: &str| t[part][key].as_f64();
         let vector = |part| Some((number(part, "x")?, number(part, "y")?, number(part, "z")?));
         let (x, y, z) = vector("translation")?;
         let (i, j, k) = vector("rotation")?;
+        // those of limbs are rounded
         let turned = UnitQuaternion::try_new(Quaternion::new(number("rotation", "w")?, i, j, k), 1e-6)?;
         let pose = Pose::from_parts(Translation3::new(x, y, z), turned.to_rotation_matrix());
-        Some((t["child_frame_id"].as_str()?.to_owned(), pose))
+        let name = |key: &str| Some(t[key].as_str()?.to_owned());
+        Some((name("child_frame_id")?, (name("parent_frame_id")?, pose)))
     };
-    message["transforms"].as_array()?.iter().map(transform).collect()
+    let given = message["transforms"].as_array()?.iter().map(transform);
+    let given: BTreeMap<String, (String, Pose)> = given.collect::<Option<_>>()?;
+    let mut known: BTreeMap<String, Pose> = BTreeMap::new();
+    for frame in given.keys() {
+        let mut below: Vec<&str> = Vec::new();
+        let mut next = frame.as_str();
+        while next != WORLD && !known.contains_key(next) {
+            // a circle is no tree
+            if below.len() == given.len() {
+                return None;
+            }
+            below.push(next);
+            next = given.get(next)?.0.as_str();
+        }
+        let mut pose = known.get(next).copied().unwrap_or_default();
+        for frame in below.into_iter().rev() {
+            pose *= given.get(frame)?.1;
+            known.insert(frame.to_owned(), pose);
+        }
+    }
+    Some(known)
 }

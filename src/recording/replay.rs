@@ -5,6 +5,7 @@ use super::encoder::Encoder;
 use super::ending::Ending;
 use super::provenance::{ARITHMETIC, METADATA, RECOVERED, scenario};
 use super::{Channel, Difference, Entry, Message, ReadError, Reader, decode};
+use crate::robot::Robot;
 use std::io::Read;
 
 /// The result of a replay.
@@ -45,11 +46,13 @@ pub fn replay<R: Read>(mut first: Reader<R>, second: Reader<R>) -> Result<Replay
     let file = first.name().to_owned();
     let invalid = |source| ReadError::Scenario { file: file.clone(), source };
     let stage = scenario(&mut first)?.prepare().map_err(invalid)?;
-    let (stopped, decisions) = end_of(&mut first)?;
+    let Known { stopped, team, decisions } = known(&mut first)?;
     let mut episode = stage.episode_of(decisions.partners(&stage)).map_err(invalid)?;
+    // a recording holds the files of a robot's meshes, the scenario does not
+    let has_meshes = stage.robot().is_some_and(Robot::has_visual_meshes);
 
     let mut recorded = Compared { reader: second, replay: Replay::default(), is_recovered: false };
-    let mut encoder = Encoder::new(&stage);
+    let mut encoder = Encoder::new(&stage).with_team(team.filter(|_| has_meshes));
     if recorded.differs(encoder.begin(&episode))? {
         return Ok(recorded.replay);
     }
@@ -71,9 +74,19 @@ pub fn replay<R: Read>(mut first: Reader<R>, second: Reader<R>) -> Result<Replay
     Ok(recorded.replay)
 }
 
-/// The number of steps after which the user interrupted the run, if any, and the decisions of own partners.
-fn end_of<R: Read>(reader: &mut Reader<R>) -> Result<(Option<u64>, Decisions), ReadError> {
-    let (mut stopped, mut log) = (None, None);
+/// What a replay takes from the recording.
+#[derive(Default)]
+struct Known {
+    /// The number of steps after which the user interrupted the run, if any.
+    stopped: Option<u64>,
+    /// The shapes of the team.
+    team: Option<Vec<u8>>,
+    /// The decisions of own partners.
+    decisions: Decisions,
+}
+
+fn known<R: Read>(reader: &mut Reader<R>) -> Result<Known, ReadError> {
+    let (mut known, mut log) = (Known::default(), None);
     while let Some(entry) = reader.next()? {
         if let Entry::Attachment(attachment) = &entry {
             if attachment.name == DECISIONS {
@@ -82,13 +95,19 @@ fn end_of<R: Read>(reader: &mut Reader<R>) -> Result<(Option<u64>, Decisions), R
             continue;
         }
         let Some(message) = entry.message() else { continue };
-        if Channel::of_topic(&message.channel.topic) == Some(Channel::Outcome) {
-            let outcome = decode(message.channel, message.data).unwrap_or_default();
-            stopped = outcome["steps"].as_u64().filter(|_| outcome["outcome"] == "interrupted");
+        match Channel::of_topic(&message.channel.topic) {
+            Some(Channel::Team) => known.team = Some(message.data.to_vec()),
+            Some(Channel::Outcome) => {
+                let outcome = decode(message.channel, message.data).unwrap_or_default();
+                known.stopped = outcome["steps"].as_u64().filter(|_| outcome["outcome"] == "interrupted");
+            }
+            _ => {}
         }
     }
-    let decisions = log.map(|log| Decisions::read(reader, &log)).transpose()?;
-    Ok((stopped, decisions.unwrap_or_default()))
+    if let Some(log) = log {
+        known.decisions = Decisions::read(reader, &log)?;
+    }
+    Ok(known)
 }
 
 impl Default for Replay {

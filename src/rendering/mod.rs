@@ -1,15 +1,17 @@
 //! Recordings as pages and pictures that open anywhere: a 3-D player in one HTML file, filmstrips and moving
-//! pictures.
+//! pictures; and layouts for other viewers.
 //!
 //! Everything is drawn from what the recording holds, in the colours of [`drawing`](crate::drawing). Equal
 //! recordings give equal bytes.
 
 mod error;
 mod film;
+mod layout;
 mod outlines;
 mod pictures;
 mod player;
 
 pub use error::RenderError;
+pub use layout::viewer_layout;
 pub use pictures::{Pixels, Width, filmstrip_png, filmstrip_svg, last_picture, moving_gif};
 pub use player::player;

@@ -6,7 +6,7 @@ use super::outlines::outlined;
 use crate::drawing::{NARROWEST, WIDEST};
 use crate::recording::Playback;
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
-use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -20,7 +20,7 @@ const SPEED: f64 = 50.0;
 /// The time for which the last picture stays, hundredths of a second.
 const STAY: u16 = 250;
 /// The number of colours of a moving picture, besides the transparent one.
-const COLOURS: usize = 255;
+const COLOURS: usize = 95;
 /// The largest number of pictures in a moving one, and how many of them its colours are chosen from.
 const MOST_PICTURES: usize = 600;
 const SAMPLES: usize = 12;
@@ -153,6 +153,8 @@ fn raster(svg: &str, width: f64) -> Result<Pixmap, RenderError> {
     let mut pixels =
         Pixmap::new(width as u32, height as u32).ok_or_else(|| too_large(width as u32, height as u32))?;
     let scale = scale as f32;
+    // the last row may be covered in part
+    pixels.fill(Color::WHITE);
     resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
     Ok(pixels)
 }

@@ -4,6 +4,7 @@ use super::RenderError;
 use crate::drawing::{option_colour, option_dash, risk_colour};
 use crate::geometry::{Footprint, Point, Pose};
 use crate::located;
+use crate::palette::{self, hex};
 use crate::quantities::{COORDINATION, COST, INTERACTION, Kind, Quantity};
 use crate::recording::{Channel, Frame, Playback};
 use crate::robot::{Geometry, Link, Robot, Shape};
@@ -66,6 +67,15 @@ fn episode(playback: &Playback, title: &str, robot: Option<&Robot>) -> Result<Va
             "alpha": scenario.human.alpha,
             "gamma": scenario.human.gamma,
             "robot": recorded.map(|robot| &robot.name),
+        },
+        "colours": {
+            "robot": hex(palette::ROBOT),
+            "object": hex(palette::OBJECT),
+            "human": hex(palette::HUMAN),
+            "hair": hex(palette::HAIR),
+            "skin": hex(palette::SKIN),
+            "trousers": hex(palette::TROUSERS),
+            "shoes": hex(palette::SHOES),
         },
         "period_s": scenario.settings.period,
         "options": options(playback),

@@ -185,6 +185,12 @@ impl Joint {
 }
 
 impl Robot {
+    /// Whether the visual shape of any link is a mesh.
+    pub fn has_visual_meshes(&self) -> bool {
+        let mut visuals = self.links.iter().flat_map(|link| &link.visuals);
+        visuals.any(|geometry| matches!(geometry.shape, Shape::Mesh { .. }))
+    }
+
     /// `world_from_link` for every link, in the order of [`Robot::links`]. Joints outside the arm that are
     /// neither held nor mimic another stay at 0; so do the wheels.
     pub fn link_poses(&self, q: &Configuration) -> Vec<Pose> {

@@ -28,12 +28,28 @@ pub struct RobotTexts {
     pub urdf_file: String,
     /// Text of the URDF.
     pub urdf: String,
+    /// The folder from which meshes are searched for.
+    #[serde(skip)]
+    meshes: MeshFolder,
 }
+
+/// The folder of a URDF, where its meshes are at hand. It is no part of what a robot is: recordings and
+/// snapshots do not have it.
+#[derive(Clone, Debug, Default)]
+struct MeshFolder(Option<PathBuf>);
+
+impl PartialEq for MeshFolder {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Eq for MeshFolder {}
 
 impl RobotTexts {
     /// Reads a robot file (`.toml`) and the URDF that it names, or a URDF (`.urdf`, `.xml`) and the robot
-    /// file of the same name beside it. Also returns the URDF's path.
-    fn read(path: &Path) -> Result<(Self, PathBuf), RobotError> {
+    /// file of the same name beside it.
+    fn read(path: &Path) -> Result<Self, RobotError> {
         let file = path.display().to_string();
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
         let robot_file = match extension.as_str() {
@@ -66,7 +82,8 @@ impl RobotTexts {
             return Err(xacro(&urdf));
         }
         let urdf_text = located::read(&urdf)?;
-        Ok((Self { file: name, text, urdf_file: urdf.display().to_string(), urdf: urdf_text }, urdf))
+        let meshes = MeshFolder(Some(urdf.parent().unwrap_or(Path::new("")).to_owned()));
+        Ok(Self { file: name, text, urdf_file: urdf.display().to_string(), urdf: urdf_text, meshes })
     }
 }
 
@@ -77,17 +94,19 @@ impl Robot {
     /// # Errors
     /// [`RobotError`], which names the file, the item and the numbers.
     pub fn load(path: &Path) -> Result<Self, RobotError> {
-        let (texts, urdf) = RobotTexts::read(path)?;
-        build(&texts, Some(urdf.parent().unwrap_or(Path::new(""))))
+        let texts = RobotTexts::read(path)?;
+        build(&texts, texts.meshes.0.as_deref())
     }
 
-    /// A robot built from texts that were read before. Meshes keep the names that the URDF gives them; their
-    /// files are not searched for.
+    /// A robot built from texts that were read before. Meshes of texts from a recording or a snapshot keep the
+    /// names that the URDF gives them; their files are not searched for.
     ///
     /// # Errors
     /// As [`Robot::load`].
     pub fn parse(texts: &RobotTexts) -> Result<Self, RobotError> {
-        build(texts, None)
+        // files that were there may be gone
+        let found = texts.meshes.0.as_deref().and_then(|folder| build(texts, Some(folder)).ok());
+        found.map_or_else(|| build(texts, None), Ok)
     }
 
     /// The built-in robot "carrier": two driven wheels and an arm of seven joints.
@@ -98,7 +117,7 @@ impl Robot {
         let text = include_str!("../../assets/robots/carrier.toml").to_owned();
         let urdf = include_str!("../../assets/robots/carrier.urdf").to_owned();
         let (file, urdf_file) = ("carrier".to_owned(), "carrier.urdf".to_owned());
-        Self::parse(&RobotTexts { file, text, urdf_file, urdf })
+        Self::parse(&RobotTexts { file, text, urdf_file, urdf, meshes: MeshFolder::default() })
     }
 }
 
@@ -121,7 +140,9 @@ fn build(texts: &RobotTexts, folder: Option<&Path>) -> Result<Robot, RobotError>
     let entries = &source.parse::<RobotFile>(KIND)?;
     let (urdf, text) = (Urdf { file: &texts.urdf_file, folder }, texts.urdf.as_str());
     // older versions of xacro leave the bare namespace in what they expand, so it is no sign of a xacro file
-    if text.contains("<xacro:") || text.contains("${") {
+    // and it keeps the comments
+    let mut outside = text.split("<!--").map(|part| part.split_once("-->").map_or(part, |(_, rest)| rest));
+    if outside.any(|part| part.contains("<xacro:") || part.contains("${")) {
         return Err(xacro(Path::new(urdf.file)));
     }
     let width = number(

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// The floors from the bottom; those in one row may not use each other.
 const FLOORS: [&[&str]; 23] = [
     &["math", "saved", "located", "output_file"],
-    &["geometry"],
+    &["geometry", "palette"],
     &["robot"],
     &["world"],
     &["options"],

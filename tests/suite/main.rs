@@ -22,6 +22,7 @@ mod outputs;
 mod paths;
 mod physical_carrying;
 mod physics;
+mod pictures;
 mod quantities;
 
 mod recording;

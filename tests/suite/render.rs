@@ -1,7 +1,7 @@
 //! Recordings as pages and pictures: what `cocarry render` and `run --render` write, and what they refuse.
 
 use crate::support::{cocarry, repository, stderr, stdout};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// Recordings of all plants: those that ship, and one of each plant that they do not have.
@@ -142,6 +142,22 @@ fn a_page_has_the_meshes_of_a_robot_whose_file_is_given() {
     }
     let (count, shape) = meshes("without.html");
     assert_eq!((count, &shape["cylinder"][0]), (0, &0.25.into()), "the collision shape");
+    // the recording's own scene has the mesh, and the replay is identical without the files
+    std::fs::remove_file(path("base.stl")).unwrap();
+    let replayed = good(&["replay", text(&path("r.mcap"))]);
+    assert!(replayed.contains("identical"), "{replayed}");
+    let recorded = std::fs::read(path("r.mcap")).unwrap();
+    let mut reader = cocarry::recording::Reader::new(&recorded[..], "r").unwrap();
+    let mut team = None;
+    while let Some(entry) = reader.next().unwrap() {
+        if let Some(message) = entry.message().filter(|m| m.channel.topic == "/scene/team") {
+            team = cocarry::recording::decode(message.channel, message.data);
+        }
+    }
+    let team = team.expect("a team");
+    let base = team["entities"].as_array().unwrap().iter().find(|e| e["frame_id"] == "robot/base_link");
+    let model = &base.expect("the base")["models"][0];
+    assert_eq!((&model["media_type"], &model["scale"]["y"]), (&"model/stl".into(), &2.0.into()));
     let other = repository("assets/robots/carrier.toml");
     refused(
         &["render", text(&path("r.mcap")), "-o", text(&path("x.html")), "--robot", text(&other)],
@@ -149,13 +165,61 @@ fn a_page_has_the_meshes_of_a_robot_whose_file_is_given() {
     );
 }
 
+/// Everything that a layout shows is recorded: options by their names in the colours of the player, and no
+/// others.
+#[test]
+fn a_layout_shows_what_is_recorded_under_its_name_and_in_its_colour() {
+    let folder = tempfile::tempdir().unwrap();
+    for recording in recordings(folder.path()) {
+        let name = recording.file_stem().unwrap().to_str().unwrap();
+        let [file, page] = ["json", "html"].map(|end| folder.path().join(format!("{name}.{end}")));
+        good(&["render", text(&recording), "-o", text(&file)]);
+        good(&["render", text(&recording), "-o", text(&page)]);
+        let layout: Value = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
+        let options = episode(&std::fs::read_to_string(&page).unwrap())["options"].take();
+        let panels = layout["configById"].as_object().unwrap();
+        let mut probabilities = Vec::new();
+        for curve in panels.values().flat_map(|p| p["paths"].as_array().into_iter().flatten()) {
+            let (topic, field) = curve["value"].as_str().unwrap().split_once('.').expect("a field");
+            let table = table(&recording, topic);
+            let index = field.split(['[', ']']).nth(1).map(|i| i.parse::<usize>().unwrap());
+            let column = match index {
+                Some(i) => {
+                    probabilities.push(json!({ "name": curve["label"], "colour": curve["color"] }));
+                    format!("options[{}].probability", options[i]["name"].as_str().unwrap())
+                }
+                None => field.to_owned(),
+            };
+            let recorded = table.iter().filter_map(|row| row[&column].parse::<f64>().ok()).count();
+            assert!(recorded > 0, "{name}: nothing is recorded as {topic} {column}");
+        }
+        let expected = options.as_array().unwrap().iter().map(|option| {
+            let words = format!("option {}", option["name"].as_str().unwrap());
+            json!({ "name": words, "colour": option["colour"] })
+        });
+        assert_eq!(probabilities, expected.collect::<Vec<_>>(), "{name}");
+        let placed = layout["layout"].to_string();
+        for (id, panel) in panels {
+            assert_eq!(placed.matches(&format!("\"{id}\"")).count(), 1, "{name}: {id} has one place");
+            assert!(panel["foxglovePanelTitle"].is_string(), "{name}: {id}");
+            assert_eq!(panel["foxglovePanelTitle"], panel["lichtblickPanelTitle"], "{name}: {id}");
+            for topic in panel["topics"].as_object().into_iter().flat_map(|topics| topics.keys()) {
+                assert!(topic.starts_with("/scene/"), "{name}: {topic}");
+            }
+        }
+        let follows = name != "point";
+        assert_eq!(panels.get("3D!team").is_some_and(|p| p["followTf"] == "object"), follows, "{name}");
+        assert_eq!(panels.contains_key("Plot!force"), follows && name != "kinematic", "{name}");
+    }
+}
+
 #[test]
 fn what_cannot_be_rendered_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     let shipped = repository("recordings/environment-4.mcap");
-    refused(&["render", text(&shipped), "-o", "x.mp4"], &["x.mp4", ".html, .svg, .png, .gif"]);
-    refused(&["run", "--plant", "point", "--render", "x"], &["--render", ".html, .svg, .png, .gif"]);
+    refused(&["render", text(&shipped), "-o", "x.mp4"], &["x.mp4", ".html, .svg, .png, .gif, .json"]);
+    refused(&["run", "--plant", "point", "--render", "x"], &["--render", ".html, .svg, .png, .gif, .json"]);
     for (name, flag, value, words) in [
         ("x.html", "--instants", "3", "--instants is for .svg and .png only"),
         ("x.gif", "--instants", "3", "--instants is for .svg and .png only"),

@@ -267,6 +267,7 @@ fn table_3_is_tested_where_humans_differ() {
 #[test]
 fn the_regions_of_the_map_are_as_large_as_their_options_are_probable() {
     let picture = text("figures/preference-regions.svg");
+    crate::pictures::settle_text("book/src/pictures/preference-regions.svg", &picture);
     let panels: Vec<&str> = picture.split("class=\"panel\"").skip(1).collect();
     assert_eq!(panels.len(), ENVIRONMENTS.len());
     for (panel, environment) in panels.iter().zip(&ENVIRONMENTS) {

@@ -12,15 +12,13 @@ const STRIDE = 0.96, STANCE = 0.62;
 // Turning on the spot takes steps, too: metres of walking per radian.
 const TURNING = 0.25;
 
-const SKIN = "#d9a583", SHIRT = "#2f6db5", TROUSERS = "#333c4d", SHOES = "#1d2026", HAIR = "#3b2a20";
 const up = new Vector3(0, 0, 1);
 
 export class Human {
   constructor(episode) {
     this.episode = episode;
     this.group = new Group();
-    const colours = Object.entries({ SKIN, SHIRT, TROUSERS, SHOES, HAIR });
-    const material = Object.fromEntries(colours.map(([name, color]) => [name, new MeshLambertMaterial({ color })]));
+    const material = Object.fromEntries(Object.entries(episode.colours).map(([name, color]) => [name, new MeshLambertMaterial({ color })]));
     const add = (geometry, colour) => {
       const mesh = new Mesh(geometry, material[colour]);
       mesh.castShadow = mesh.receiveShadow = true;
@@ -39,22 +37,22 @@ export class Human {
         end.position.copy(b);
       };
     };
-    this.pelvis = add(new CapsuleGeometry(0.1, 0.13, 6, 14), "TROUSERS");
-    this.waist = limb(0.122, 0.13, "SHIRT");
-    this.chest = add(new CapsuleGeometry(0.115, 0.17, 6, 16), "SHIRT");
-    this.yoke = limb(0.075, 0.075, "SHIRT");
-    this.neck = limb(0.055, 0.05, "SKIN");
-    this.head = add(new SphereGeometry(0.105, 22, 16), "SKIN");
-    this.hair = add(new SphereGeometry(0.112, 22, 12, 0, 2 * Math.PI, 0, 1.65), "HAIR");
-    this.nose = add(new SphereGeometry(0.018, 8, 6), "SKIN");
+    this.pelvis = add(new CapsuleGeometry(0.1, 0.13, 6, 14), "trousers");
+    this.waist = limb(0.122, 0.13, "human");
+    this.chest = add(new CapsuleGeometry(0.115, 0.17, 6, 16), "human");
+    this.yoke = limb(0.075, 0.075, "human");
+    this.neck = limb(0.055, 0.05, "skin");
+    this.head = add(new SphereGeometry(0.105, 22, 16), "skin");
+    this.hair = add(new SphereGeometry(0.112, 22, 12, 0, 2 * Math.PI, 0, 1.65), "hair");
+    this.nose = add(new SphereGeometry(0.018, 8, 6), "skin");
     this.sides = [1, -1].map((side) => ({
       side,
-      upper: limb(0.066, 0.052, "SHIRT"),
-      fore: limb(0.043, 0.035, "SKIN"),
-      hand: add(new SphereGeometry(0.048, 12, 8), "SKIN"),
-      thigh: limb(0.088, 0.064, "TROUSERS"),
-      shin: limb(0.062, 0.047, "TROUSERS"),
-      shoe: add(new CapsuleGeometry(0.045, 0.15, 4, 10), "SHOES"),
+      upper: limb(0.066, 0.052, "human"),
+      fore: limb(0.043, 0.035, "skin"),
+      hand: add(new SphereGeometry(0.048, 12, 8), "skin"),
+      thigh: limb(0.088, 0.064, "trousers"),
+      shin: limb(0.062, 0.047, "trousers"),
+      shoe: add(new CapsuleGeometry(0.045, 0.15, 4, 10), "shoes"),
     }));
     this.measure();
   }

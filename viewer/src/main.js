@@ -19,7 +19,7 @@ const episode = new Episode(JSON.parse($("episode").textContent));
 const asked = new URLSearchParams(location.hash.slice(1));
 const isStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
 const state = { time: 0, isPlaying: false, speed: 1 };
-let renderer, stage, cameras, labels, isDirty = true, before = null;
+let renderer, stage, charts, cameras, labels, isDirty = true, before = null;
 
 const redraw = () => (isDirty = true);
 const { seed, method, plant, robot, alpha, gamma } = episode.facts;
@@ -29,7 +29,6 @@ $("facts").textContent = [
   `method ${method}`, PLANTS[plant] ?? plant, robot && `robot ${robot}`, `human α ${round(alpha)}, γ ${round(gamma)}`, `seed ${seed}`,
 ].filter(Boolean).join(" · ");
 
-const charts = new Charts($("charts"), episode, seek);
 controls();
 try {
   scene();
@@ -37,6 +36,8 @@ try {
   $("failure").hidden = false;
   $("failure").textContent = `This browser cannot draw in three dimensions (${error.message}). The figures and events work without it.`;
 }
+// the scene comes first: it takes longest
+if (!stage) finish();
 seek(Number(asked.get("t")) || 0);
 if (cameras) choose(asked.get("camera") ?? "overview");
 play(asked.get("play") !== "0" && !isStill);
@@ -62,7 +63,7 @@ function scene() {
     renderer.setSize(width, height, false);
     cameras.resize(width / height);
     labels.measure();
-    charts.layout();
+    charts?.layout();
     show();
   };
   new ResizeObserver(resize).observe($("stage"));
@@ -70,6 +71,13 @@ function scene() {
     stage.paint();
     redraw();
   });
+}
+
+// Makes what the first picture does without.
+function finish() {
+  charts = new Charts($("charts"), episode, seek);
+  stage?.finish();
+  show();
 }
 
 function controls() {
@@ -169,7 +177,7 @@ function seek(time) {
 function show() {
   const { time } = state, step = episode.step(time), isHuman = episode.isHumanLed(step);
   const preferred = episode.steps.preferred[step];
-  charts.update(time, step);
+  charts?.update(time, step);
   $("clock").textContent = `${time.toFixed(1)} / ${episode.duration.toFixed(1)} s`;
   $("time").value = time;
   $("time").setAttribute("aria-valuetext", `${time.toFixed(1)} seconds, the ${isHuman ? "human" : "robot"} leads`);
@@ -201,6 +209,15 @@ function covered(width, height) {
   return [...controls, [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)]];
 }
 
+// After the first picture: says when it was there, and makes the rest.
+function first() {
+  // waits for the graphics processor
+  const context = renderer.getContext();
+  context.readPixels(0, 0, 1, 1, context.RGBA, context.UNSIGNED_BYTE, new Uint8Array(4));
+  document.body.dataset.drawn = performance.now().toFixed(0);
+  finish();
+}
+
 function frame(now) {
   if (state.isPlaying) {
     if (before !== null) {
@@ -215,11 +232,9 @@ function frame(now) {
   if (isDirty && stage) {
     isDirty = stage.clear(cameras.camera);
     renderer.render(stage.scene, cameras.camera);
+    if (!charts) first();
     const { clientWidth: width, clientHeight: height } = $("stage");
     labels.update(cameras.camera, width, height, covered(width, height));
-    if (!document.body.dataset.drawn) {
-      document.body.dataset.drawn = performance.now().toFixed(0);
-    }
   }
   requestAnimationFrame(frame);
 }

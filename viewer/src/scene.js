@@ -12,7 +12,6 @@ Object3D.DEFAULT_UP.set(0, 0, 1);
 
 // Cylinders and capsules of three.js lie along y, those of a URDF along z.
 const UPRIGHT = new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), Math.PI / 2);
-const ROBOT = "#d9dde2";
 
 export class Stage {
   constructor(episode, redraw) {
@@ -21,6 +20,8 @@ export class Stage {
     this.bounds = bounds(episode);
     this.walls = [];
     this.labels = [];
+    // what takes longest to make: meshes
+    this.later = [];
     this.colours = {};
     this.lights();
     this.ground();
@@ -64,7 +65,7 @@ export class Stage {
   }
 
   wall({ height_m: height, corners, center, radius }) {
-    const material = new MeshLambertMaterial({ transparent: true });
+    const material = new MeshLambertMaterial();
     let geometry;
     if (corners) {
       const outline = new Shape(corners.map(([x, y]) => new Vector2(x, y)));
@@ -75,7 +76,7 @@ export class Stage {
     }
     const wall = new Mesh(geometry, material);
     wall.castShadow = wall.receiveShadow = true;
-    const edges = new LineSegments(new EdgesGeometry(geometry, 30), new LineBasicMaterial({ transparent: true }));
+    const edges = new LineSegments(new EdgesGeometry(geometry, 30), new LineBasicMaterial());
     this.walls.push({ wall, edges, opacity: 1 });
     this.scene.add(wall, edges);
   }
@@ -118,7 +119,7 @@ export class Stage {
 
   team(redraw) {
     const { episode } = this;
-    const colour = (rgba) => (rgba ? new Color().setRGB(rgba[0], rgba[1], rgba[2], "srgb") : new Color(ROBOT));
+    const colour = (rgba) => (rgba ? new Color().setRGB(rgba[0], rgba[1], rgba[2], "srgb") : new Color(episode.colours.robot));
     this.links = episode.robot.map((link) => {
       const group = new Group();
       for (const shape of link.shapes) {
@@ -136,13 +137,16 @@ export class Stage {
         if (shape.cylinder) solid(new CylinderGeometry(shape.cylinder[0], shape.cylinder[0], shape.cylinder[1], 40), true);
         if (shape.capsule) solid(new CapsuleGeometry(shape.capsule[0], shape.capsule[1], 8, 20), true);
         if (shape.sphere) solid(new SphereGeometry(shape.sphere, 28, 20));
-        if (shape.mesh !== undefined) addMeshes(part, episode.meshes[shape.mesh], shape.scale, shape.colour && material, redraw);
+        if (shape.mesh !== undefined) {
+          const given = shape.colour && material;
+          this.later.push(() => addMeshes(part, episode.meshes[shape.mesh], shape.scale, given, episode.colours.robot, redraw));
+        }
         group.add(part);
       }
       this.scene.add(group);
       return group;
     });
-    this.object = new Mesh(new BoxGeometry(...episode.world.object_m), new MeshLambertMaterial({ color: "#b9823f" }));
+    this.object = new Mesh(new BoxGeometry(...episode.world.object_m), new MeshLambertMaterial({ color: episode.colours.object }));
     this.object.castShadow = this.object.receiveShadow = true;
     this.object.add(new LineSegments(new EdgesGeometry(this.object.geometry), new LineBasicMaterial({ color: "#5e3f17" })));
     this.hand = new Object3D();
@@ -154,7 +158,7 @@ export class Stage {
 
   // On the planning level there is no robot: a plain cart shows at which end it would be.
   standIn() {
-    const material = new MeshLambertMaterial({ color: ROBOT });
+    const material = new MeshLambertMaterial({ color: this.episode.colours.robot });
     const part = (geometry, x, z) => {
       const mesh = new Mesh(geometry, material);
       mesh.position.set(x, 0, z);
@@ -168,6 +172,11 @@ export class Stage {
     cart.add(part(upright(0.25, 0.34), behind, 0.2 - 0.7), part(upright(0.12, 0.5), behind, 0.6 - 0.7));
     cart.add(part(new BoxGeometry(0.5, 0.09, 0.09), behind + 0.22, 0));
     this.object.add(cart);
+  }
+
+  // Makes what the first picture does without.
+  finish() {
+    this.later.splice(0).forEach((make) => make());
   }
 
   // Shows a time.
@@ -238,6 +247,13 @@ export class Stage {
       const next = Math.abs(wanted - part.opacity) < 0.02 ? wanted : part.opacity + 0.2 * (wanted - part.opacity);
       isChanging ||= next !== part.opacity;
       part.opacity = next;
+      // glass needs shaders of its own: only walls that are glass take them
+      if (part.wall.material.transparent !== next < 1) {
+        for (const { material } of [part.wall, part.edges]) {
+          material.transparent = next < 1;
+          material.needsUpdate = true;
+        }
+      }
       part.wall.material.opacity = next;
       part.wall.material.depthWrite = next > 0.95;
       part.edges.material.opacity = 0.35 + 0.65 * next;

@@ -14,16 +14,17 @@ mod palette;
 mod shapes;
 mod text;
 
+pub(super) use crate::palette::RISK_COLOURS;
 pub(super) use axis::{Axis, Plot, Side};
 pub(super) use clutter::{Clutter, nearest};
 pub(super) use legend::{Legend, SAMPLE, level_sample, line_sample};
 pub(super) use marks::{Shape, mark, mean_bar, place};
 pub(super) use palette::{
-    BAND, FAINT, FAINT_WIDTH, GRID, INK, LineStyle, PAPER, RISK_COLOURS, STRIPE, risk_colour, width_by_rank,
+    BAND, FAINT, FAINT_WIDTH, GRID, INK, LineStyle, PAPER, STRIPE, risk_colour, width_by_rank,
     widths_by_probability,
 };
 pub(super) use shapes::{disc, path_data, polygon, px, rectangle, stroke};
-pub(super) use text::{Align, Text, number, printable};
+pub(super) use text::{Align, Text, number, printable, wrapped};
 
 use super::WIDTH;
 use crate::geometry::{Bounds, Point, Vector};

@@ -163,6 +163,22 @@ impl Text {
     }
 }
 
+/// A plain text in lines of at most `width` px. A longer word is cut.
+pub(in super::super) fn wrapped(text: &str, width: f64, size: f64) -> Vec<Text> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        let longer = lines.last().map(|line| format!("{line} {word}"));
+        match longer.filter(|line| Text::new(line.as_str()).width(size) <= width) {
+            Some(line) => {
+                lines.pop();
+                lines.push(line);
+            }
+            None => lines.push(word.to_owned()),
+        }
+    }
+    lines.into_iter().map(|line| Text::new(line).within(width, size)).collect()
+}
+
 /// A number with a typographic minus sign.
 pub(in super::super) fn number(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
@@ -212,6 +228,16 @@ mod tests {
             let cut = text().within(width, 10.0);
             assert!(cut.width(10.0) <= width && cut.runs.last().unwrap().1 == "\u{2026}", "{cut:?}");
         }
+    }
+
+    #[test]
+    fn long_sentences_wrap_at_blanks_and_lose_nothing() {
+        let words = "the human leads from option 4 to option 3; extraordinarily";
+        let lines = wrapped(words, 150.0, 10.0);
+        assert!(lines.len() > 1 && lines.iter().all(|line| line.width(10.0) <= 150.0), "{lines:?}");
+        let joined: Vec<&str> = lines.iter().map(|line| line.runs[0].1.as_str()).collect();
+        assert_eq!(joined.join(" "), words);
+        assert_eq!(wrapped("", 150.0, 10.0).len(), 0);
     }
 
     #[test]

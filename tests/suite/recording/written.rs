@@ -8,6 +8,7 @@ use cocarry::recording::{Channel, Contents, Definition, Encoder, Message, Reader
 use cocarry::robot::Robot;
 use cocarry::scenario::Plant;
 use jsonschema::Validator;
+use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -25,6 +26,68 @@ fn what_is_read_is_what_was_written() {
     assert_eq!(contents.outcome.expect("an outcome")["outcome"], "arrived");
     for channel in Channel::ALL {
         assert!(contents.channels[channel.topic()].messages > 0, "{channel:?}");
+    }
+}
+
+/// The poses of a `/tf` message's frames in the world. Every frame has one parent, which comes before it.
+fn frames_in_the_world(message: &Value) -> BTreeMap<String, Pose> {
+    let mut known = BTreeMap::from([("world".to_owned(), Pose::identity())]);
+    for t in message["transforms"].as_array().unwrap() {
+        let numbers = |part: &str, keys: &[&str]| -> Vec<f64> {
+            keys.iter().map(|key| t[part][key].as_f64().unwrap()).collect()
+        };
+        let at = numbers("translation", &["x", "y", "z"]);
+        let q = numbers("rotation", &["w", "x", "y", "z"]);
+        let turned = UnitQuaternion::new_normalize(Quaternion::new(q[0], q[1], q[2], q[3]));
+        let pose = Pose::from_parts(Translation3::new(at[0], at[1], at[2]), turned.to_rotation_matrix());
+        let [parent, child] = ["parent_frame_id", "child_frame_id"].map(|key| t[key].as_str().unwrap());
+        let above = known.get(parent).unwrap_or_else(|| panic!("{child} is below an unknown {parent}"));
+        let pose = above * pose;
+        assert!(known.insert(child.to_owned(), pose).is_none(), "{child} has two parents");
+    }
+    known
+}
+
+/// A viewer without a layout draws a line from every frame to its parent: three lines from the origin, to robot,
+/// object and human, and theirs.
+#[test]
+fn frames_are_a_tree_of_robot_object_and_human_in_which_every_shape_has_its_frame() {
+    let robot = Robot::built_in().unwrap();
+    for plant in [Plant::Kinematic { carrier: carrier() }, rapier()] {
+        let (_, written) = encoded(example(plant), |_| {});
+        let first = |channel: Channel| decoded(written.iter().find(|m| m.channel == channel).unwrap());
+        let frames = first(Channel::Transforms);
+        let known = frames_in_the_world(&frames);
+        let parent = |frame: &str| -> String {
+            let all = frames["transforms"].as_array().unwrap();
+            let found =
+                all.iter().find(|t| t["child_frame_id"] == frame).unwrap_or_else(|| panic!("{frame}"));
+            found["parent_frame_id"].as_str().unwrap().to_owned()
+        };
+        for link in &robot.links {
+            let above = link.parent.map_or("odom".to_owned(), |p| format!("robot/{}", robot.links[p].name));
+            assert_eq!(parent(&format!("robot/{}", link.name)), above);
+        }
+        for (frame, above) in
+            [("odom", "world"), ("object", "world"), ("human", "world"), ("human/left_foot", "human")]
+        {
+            assert_eq!(parent(frame), above);
+        }
+        let team = first(Channel::Team);
+        let shapes: Vec<&str> =
+            team["entities"].as_array().unwrap().iter().map(|e| e["frame_id"].as_str().unwrap()).collect();
+        assert!(shapes.iter().all(|frame| known.contains_key(*frame)), "{shapes:?}");
+        for part in ["human", "human/left_thigh", "human/right_shin", "human/left_upper_arm", "object"] {
+            assert!(shapes.contains(&part), "no {part}");
+        }
+        // the feet are on the floor, the head is a head higher than the shoulders
+        for message in written.iter().filter(|m| m.channel == Channel::Transforms) {
+            let poses = frames_in_the_world(&decoded(message));
+            let height = |frame: &str| poses[frame].translation.z;
+            let feet = [height("human/left_foot"), height("human/right_foot")];
+            assert!(feet.iter().any(|z| (z - 0.075).abs() < 1e-3), "one foot is down: {feet:?}");
+            assert!((height("human/left_upper_arm") - 1.36).abs() < 1e-3);
+        }
     }
 }
 
@@ -47,20 +110,16 @@ fn frames_and_figures_are_those_of_the_episode() {
     assert_eq!(of(Channel::Transforms).count(), seen.len());
     for (message, (time, links, bodies, _)) in of(Channel::Transforms).zip(&seen) {
         assert!(message.time.abs_diff(*time) < 1000);
-        let value = decoded(message);
-        let at = |frame: &str| {
-            let all = value["transforms"].as_array().unwrap();
-            let t = all.iter().find(|t| t["child_frame_id"] == frame).unwrap_or_else(|| panic!("{frame}"));
-            assert_eq!(t["parent_frame_id"], "world");
-            ["x", "y", "z"].map(|axis| t["translation"][axis].as_f64().unwrap())
+        let poses = frames_in_the_world(&decoded(message));
+        let is_at = |frame: &str, pose: &Pose| {
+            let found = poses.get(frame).unwrap_or_else(|| panic!("{frame}")).translation.vector;
+            assert!((found - pose.translation.vector).norm() < 1e-12, "{frame}: {found}");
         };
         for (link, pose) in robot.links.iter().zip(links) {
-            let p = pose.translation;
-            assert_eq!(at(&format!("robot/{}", link.name)), [p.x, p.y, p.z]);
+            is_at(&format!("robot/{}", link.name), pose);
         }
         for (frame, pose) in ["object", "human/hand", "human/torso"].iter().zip(bodies) {
-            let p = pose.translation;
-            assert_eq!(at(frame), [p.x, p.y, p.z]);
+            is_at(frame, pose);
         }
     }
     for (message, (_, _, _, force)) in of(Channel::Interaction).zip(&seen[1..]) {
@@ -241,37 +300,6 @@ fn inspect_tells_what_is_in_a_recording() {
     json(&["run", "--seed", "3", "--json", "--svg", &drawn]);
     assert!(cocarry(&["inspect", &file, "--svg", &picture]).status.success());
     assert_eq!(std::fs::read_to_string(picture).unwrap(), std::fs::read_to_string(drawn).unwrap());
-}
-
-/// Everything that the layout shows is recorded, under that name.
-#[test]
-fn the_layout_for_foxglove_asks_for_what_is_recorded() {
-    let text = std::fs::read_to_string(repository("assets/foxglove/cocarry.json")).unwrap();
-    let layout: Value = serde_json::from_str(&text).unwrap();
-    let panels = layout["configById"].as_object().unwrap();
-    let mut plotted = 0;
-    for path in panels.values().flat_map(|p| p["paths"].as_array().into_iter().flatten()) {
-        let (topic, fields) = path["value"].as_str().unwrap().split_once('.').expect("a topic and a field");
-        let channel = Channel::of_topic(topic).unwrap_or_else(|| panic!("{topic}"));
-        let mut schema: Value = serde_json::from_slice(&channel.schema().data).unwrap();
-        for key in fields.split('.') {
-            let name = key.split('[').next().unwrap();
-            schema = schema["properties"][name].clone();
-            if key.ends_with(']') {
-                schema = schema["items"].clone();
-            }
-        }
-        assert_eq!(schema["type"], "number", "{topic}.{fields}");
-        plotted += 1;
-    }
-    assert!(plotted > 10);
-    assert_eq!(panels["RosOut!log"]["topicToRender"], Channel::Log.topic());
-    for topic in panels["3D!scene"]["topics"].as_object().unwrap().keys() {
-        let channel = Channel::of_topic(topic).unwrap_or_else(|| panic!("{topic}"));
-        assert_eq!(channel.schema().name, "foxglove.SceneUpdate");
-    }
-    let text = layout["layout"].to_string();
-    assert!(panels.keys().all(|panel| text.contains(&format!("\"{panel}\""))), "every panel has a place");
 }
 
 /// As a viewer of an episode that goes on from a snapshot is told of it.
