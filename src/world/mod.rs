@@ -11,6 +11,7 @@
 //! mass_kg = 4.0
 //! ```
 
+mod built_in;
 mod error;
 mod file;
 mod object;
@@ -18,6 +19,7 @@ mod obstacle;
 mod opening;
 mod values;
 
+pub use built_in::{BUILT_IN_WORLDS, BuiltInWorld};
 pub use error::WorldError;
 pub use object::{CarriedObject, ObjectShape};
 pub use obstacle::Obstacle;

@@ -198,7 +198,8 @@ fn a_belief_other_than_the_paper_changes_the_probabilities() {
 #[test]
 fn help_names_every_command_and_exit_code() {
     let text = stdout(&cocarry(&["--help"]));
-    for part in ["run", "world", "reproduce", "Exit codes", "2 bad input", "3 the team did not arrive"] {
+    for part in ["run", "world", "reproduce", "Exit codes", "2    bad input", "3    the team did not arrive"]
+    {
         assert!(text.contains(part), "{part:?} is missing from:\n{text}");
     }
 }

@@ -1,7 +1,7 @@
 //! `cocarry reproduce all --report FOLDER`: a report with every claim, table and picture of the paper beside
 //! ours.
 
-use super::super::output::{Failure, Progress, input, print, print_json, unwritten};
+use super::super::output::{Failure, Progress, examples, input, print, print_json, unwritten};
 use super::super::robot::load_robot;
 use super::common::Common;
 use crate::output_file::{OutputFile, Outputs};
@@ -13,6 +13,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 #[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry reproduce all --report report", "the page is report/report.html"),
+]))]
 pub(in super::super) struct AllArguments {
     #[command(flatten)]
     common: Common,
