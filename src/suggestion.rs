@@ -11,7 +11,12 @@ const MOST_FILES: usize = 1000;
 /// The known name that is most like `name`. What a name has in parentheses is not compared.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let stem = |name: &str| name.split('(').next().unwrap_or_default().to_lowercase();
-    let similarity = |other: &str| strsim::jaro(&stem(name), &stem(other));
+    let similarity = |other: &str| {
+        let (name, other) = (stem(name), stem(other));
+        // one slip of the finger, also in a short name
+        let is_slip = name.len() > 2 && strsim::osa_distance(&name, &other) == 1;
+        strsim::jaro(&name, &other).max(if is_slip { LEAST_SIMILARITY } else { 0.0 })
+    };
     let near = known.into_iter().map(|other| (similarity(other), other));
     let near = near.filter(|(similarity, other)| *similarity >= LEAST_SIMILARITY && *other != name);
     // the first of equals

@@ -119,8 +119,8 @@ pub fn main() -> ExitCode {
         Some(Command::Replay(arguments)) => replay::run(&arguments),
         Some(Command::Fit(parameter)) => fit::run(&parameter),
         Some(Command::Regress(action)) => regress::run(&action),
-        Some(Command::Completions(arguments)) => shell::completions(&arguments),
-        Some(Command::Man(arguments)) => shell::man(&arguments),
+        Some(Command::Completions(arguments)) => shell::completions(&arguments, command()),
+        Some(Command::Man(arguments)) => shell::man(&arguments, command()),
     };
     match done {
         Ok(code) => code,

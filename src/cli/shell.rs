@@ -2,7 +2,7 @@
 
 use super::output::{Failure, OverwriteArguments, examples, print_for_programs};
 use anyhow::Context;
-use clap::Args;
+use clap::{Args, Command};
 use clap_complete::Shell;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -32,15 +32,17 @@ pub(super) struct ManArguments {
     overwrite: OverwriteArguments,
 }
 
-pub(super) fn completions(arguments: &CompletionsArguments) -> Result<ExitCode, Failure> {
+pub(super) fn completions(
+    arguments: &CompletionsArguments,
+    mut command: Command,
+) -> Result<ExitCode, Failure> {
     let mut script = Vec::new();
-    clap_complete::generate(arguments.shell, &mut super::command(), "cocarry", &mut script);
+    clap_complete::generate(arguments.shell, &mut command, "cocarry", &mut script);
     print_for_programs(&String::from_utf8_lossy(&script))?;
     Ok(ExitCode::SUCCESS)
 }
 
-pub(super) fn man(arguments: &ManArguments) -> Result<ExitCode, Failure> {
-    let mut command = super::command();
+pub(super) fn man(arguments: &ManArguments, mut command: Command) -> Result<ExitCode, Failure> {
     command.build();
     let mut pages = Vec::new();
     match &arguments.folder {
@@ -55,7 +57,7 @@ pub(super) fn man(arguments: &ManArguments) -> Result<ExitCode, Failure> {
 }
 
 /// The name of the page of a command, and the page.
-fn page(command: clap::Command) -> Result<(String, String), Failure> {
+fn page(command: Command) -> Result<(String, String), Failure> {
     let page = clap_mangen::Man::new(command);
     let mut text = Vec::new();
     page.render(&mut text).context("manual page").map_err(Failure::Output)?;

@@ -95,7 +95,12 @@ impl TextTable {
                 column.set_cell_alignment(CellAlignment::Right);
             }
         }
-        table.to_string().lines().map(|line| line.trim_end().to_owned() + "\n").collect()
+        let rule = |sign: char| std::iter::repeat_n(sign, total(widths)).collect::<String>();
+        let line = |line: &str| match line.chars().next() {
+            Some(sign @ ('─' | '═')) => rule(sign) + "\n",
+            _ => line.trim_end().to_owned() + "\n",
+        };
+        table.to_string().lines().map(line).collect()
     }
 }
 
@@ -119,12 +124,12 @@ mod tests {
         let text = example().text(None);
         assert_eq!(
             text,
-            "─────────────────────────────────────────────────────────────────\n \
+            "───────────────────────────────────────────────────────────────\n \
               world          openings                 D (m)            95 %\n\
-             ═════════════════════════════════════════════════════════════════\n \
+             ═══════════════════════════════════════════════════════════════\n \
               environment-1  north gate, south gate     7.5  10.25 to 12.50\n \
               kitchen                                -10.25               -\n\
-             ─────────────────────────────────────────────────────────────────\n"
+             ───────────────────────────────────────────────────────────────\n"
         );
         assert_eq!(example().text(Some(200)), text);
     }

@@ -22,7 +22,7 @@ pub(super) struct WorldsArguments {
 
 pub(super) fn run(arguments: &WorldsArguments) -> Result<ExitCode, Failure> {
     let worlds = BUILT_IN_WORLDS.iter().map(|built_in| {
-        let world = built_in.world().map_err(input)?;
+        let world = World::parse(built_in.name, built_in.text).map_err(input)?;
         let options = OptionSet::new(&world, RISK_WEIGHT).map_err(input)?.options().len();
         Ok((built_in.name, world, options))
     });

@@ -259,6 +259,7 @@ impl Contents {
             let name = name.to_string();
             let mut robots = run.axes.robots.iter().map(|&robot| &self.robots[robot]);
             if let Some((_, texts, known)) = robots.find(|(.., known)| !known.contains(&name)) {
+                let known = known.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>();
                 let expected = format!("a posture of {}: {}", texts.file, known.join(", "));
                 let (place, value) = (place.clone(), format!("{name:?}"));
                 return Err(SweepError::Value { place, value, expected });

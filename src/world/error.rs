@@ -1,6 +1,5 @@
 //! Errors in a world file, each with its file, line, item and numbers.
 
-use super::built_in::names;
 use crate::located::{FileError, Place};
 use crate::suggestion::hint_of_listed;
 use thiserror::Error;
@@ -12,10 +11,12 @@ pub enum WorldError {
     #[error(transparent)]
     File(#[from] FileError),
     /// There is no world file and no built-in world of that name.
-    #[error("{name}: no such world; expected a world file, or one of the built-in worlds {}{hint}", names())]
+    #[error("{name}: no such world; expected a world file, or one of the built-in worlds {known}{hint}")]
     NoSuchWorld {
         /// The name.
         name: String,
+        /// The names of the built-in worlds.
+        known: String,
         /// A similar name, as a sentence, or nothing.
         hint: String,
     },

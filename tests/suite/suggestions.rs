@@ -30,7 +30,7 @@ fn mistyped_values_of_arguments_have_a_suggestion() {
         (&["run", "--sed", "3"], "'--seed'"),
         (&["export", "environment4"], "'environment-4'"),
         (&["export", "carier"], "'carrier'"),
-        (&["rnu"], "'run'"),
+        (&["regres"], "'regress'"),
     ] {
         says(&[], arguments, said);
     }
@@ -91,6 +91,6 @@ fn an_ending_that_is_not_what_is_written_is_refused() {
         &["run", "--render", "a.mp4"],
         &["run", "--ticks", "a.xlsx"],
     ] {
-        says(&[], arguments, "ending");
+        says(&[], arguments, "end");
     }
 }

@@ -33,7 +33,7 @@ fn every_output_fits_80_columns() {
         &["reproduce", "h1"],
         &["reproduce", "h2"],
         &["inspect", "recordings/environment-1.mcap"],
-        &["fit", "risk-weight", "docs/data/table-1-humans.csv", "--normalise", "--resamples", "20"],
+        &["fit", "risk-weight", "docs/data/table-1-humans.csv", "--normalise", "--resamples", "40"],
     ] {
         let output = cocarry("80", arguments);
         let text = stdout(&output);

@@ -5,7 +5,7 @@ use super::super::output::{Failure, Progress, examples, input, print, print_json
 use super::super::robot::{SwayArguments, sway_of};
 use super::common::Common;
 use crate::episode::Settings;
-use crate::paper::contacts::{ANGLES, ContactRow, Study};
+use crate::paper::contacts::{ANGLES, ContactRow, Study, WALKS};
 use clap::Args;
 use serde_json::json;
 
@@ -17,7 +17,7 @@ pub(in super::super) struct ContactsArguments {
     #[command(flatten)]
     common: Common,
     /// Walks through each opening from each of three angles, each with its own gait
-    #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    #[arg(long, default_value_t = WALKS as u64, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     walks: u64,
     /// Seed of the first gait; the others follow it
     #[arg(long, default_value_t = 0)]
