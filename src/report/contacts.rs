@@ -93,7 +93,12 @@ fn finding(rows: &[ContactRow]) -> Finding {
     let ends = rows.first().zip(rows.last());
     Finding {
         claim: "The risk S = d_r / w of an opening orders openings by how often the team touches them (not tested in the paper)",
-        verdict: if is_rising { "holds" } else { "does not hold for all openings" }.to_owned(),
+        verdict: match is_rising {
+            _ if shares.iter().all(|share| *share == 0.0) => "no contact at any opening",
+            true => "holds",
+            false => "does not hold for all openings",
+        }
+        .to_owned(),
         figures: ends.map_or(String::new(), |(first, last)| {
             format!(
                 "contact in {:.0} % of the walks at S = {}, in {:.0} % at S = {}",
