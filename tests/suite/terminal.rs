@@ -94,7 +94,7 @@ fn the_options_of_run_are_in_groups() {
 fn in_a_terminal(arguments: &str, environment: &[(&str, &str)]) -> Option<String> {
     let has_script =
         Command::new("script").arg("--version").output().is_ok_and(|output| output.status.success());
-    let line = format!("stty cols 80; {} {arguments}", env!("CARGO_BIN_EXE_cocarry"));
+    let line = format!("stty cols 80 rows 24; {} {arguments}", env!("CARGO_BIN_EXE_cocarry"));
     let mut script = Command::new("script");
     script.args(["-qec", &line, "/dev/null"]).current_dir(repository("."));
     script
