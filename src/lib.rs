@@ -42,8 +42,9 @@
 //! world          a TOML file -> obstacles, openings, start, target
 //! robot          a TOML file and a URDF -> drive, arm, grasp; forward kinematics and B(q)
 //! geometry       points, poses, outlines, paths; palette: the colours of pictures
-//! math, saved, located, output_file
-//!                transcendental functions with the same bits everywhere; saved states; text files; output files
+//! math, saved, suggestion, output_file; above them located
+//!                transcendental functions with the same bits everywhere; saved states; "did you mean"; text files;
+//!                output files
 //! ```
 //!
 //! # Features
@@ -142,6 +143,7 @@ pub mod simulation;
 pub mod statistics;
 #[cfg(feature = "studies")]
 pub mod study;
+pub mod suggestion;
 #[cfg(feature = "studies")]
 pub mod table;
 pub mod team;

@@ -1,5 +1,6 @@
 //! Input files, bounded in size, and the places in text files, for errors.
 
+use crate::suggestion;
 use serde::de::DeserializeOwned;
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read};
@@ -34,6 +35,14 @@ impl std::fmt::Display for Place {
             None => write!(f, "{}: {}", self.file, self.item),
         }
     }
+}
+
+/// A syntax error, with the key or value that was probably meant.
+#[derive(Debug, Error)]
+#[error("{}{hint}", error.to_string().trim_end())]
+struct Hinted {
+    error: toml::de::Error,
+    hint: String,
 }
 
 /// The error of a file that cannot be read, or is not valid.
@@ -89,7 +98,14 @@ pub fn read(path: &Path) -> Result<String, FileError> {
 pub fn read_at_most(limit: u64, path: &Path) -> Result<String, FileError> {
     let text = |bytes| String::from_utf8(bytes).map_err(|error| Error::new(ErrorKind::InvalidData, error));
     let read = read_bytes(limit, path).and_then(text);
-    read.map_err(|source| FileError::Read { file: path.display().to_string(), source })
+    read.map_err(|source| FileError::Read { file: path.display().to_string(), source: hinted(path, source) })
+}
+
+/// The error of a file, with the name of a file beside it if that is nearly the name asked for.
+fn hinted(path: &Path, error: Error) -> Error {
+    let hint =
+        if error.kind() == ErrorKind::NotFound { suggestion::hint_of_files(path) } else { String::new() };
+    if hint.is_empty() { error } else { Error::new(error.kind(), format!("{error}{hint}")) }
 }
 
 /// Reads a file of at most `limit` bytes.
@@ -120,7 +136,10 @@ impl<'a> Source<'a> {
     /// # Errors
     /// [`FileError::Syntax`], which names line and column.
     pub fn parse<T: DeserializeOwned>(self, kind: &'static str) -> Result<T, FileError> {
-        toml::from_str(self.text).map_err(|error| self.invalid(kind, error))
+        toml::from_str(self.text).map_err(|error: toml::de::Error| {
+            let hint = suggestion::hint_of_error(error.message());
+            self.invalid(kind, Hinted { error, hint })
+        })
     }
 
     /// The table of a TOML file, each key and value with its span.

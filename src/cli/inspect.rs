@@ -1,8 +1,8 @@
 //! `cocarry inspect`: shows the contents of a recording as text, JSON, CSV or a picture.
 
 use super::output::{
-    Failure, OverwriteArguments, input, plain, print, print_json, table, table_text, unwritten, visible,
-    write_file,
+    Failure, OverwriteArguments, examples, input, plain, print, print_json, svg_file, table, table_text,
+    unwritten, visible, write_file,
 };
 use crate::drawing::{self, Track};
 use crate::geometry::Point;
@@ -19,6 +19,11 @@ use std::process::ExitCode;
 
 /// Show the contents of a recording
 #[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry inspect run.mcap", "provenance, channels, outcome"),
+    ("cocarry inspect run.mcap --csv /coordination", "a channel as a table"),
+    ("cocarry inspect run.mcap --svg run.svg", "trajectory and stubbornness"),
+]))]
 pub(super) struct InspectArguments {
     /// Recording (MCAP)
     file: PathBuf,
@@ -32,7 +37,7 @@ pub(super) struct InspectArguments {
     #[arg(long, value_name = "FILE", requires = "csv")]
     output: Option<PathBuf>,
     /// Draw trajectory and stubbornness into this SVG file
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = svg_file)]
     svg: Option<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArguments,

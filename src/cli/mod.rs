@@ -1,11 +1,14 @@
 //! The command-line program.
 
+mod catalog;
 mod episode_report;
+mod export;
 mod fit;
 mod inspect;
 mod interrupt;
 mod live;
 mod model;
+mod new;
 mod output;
 mod record;
 mod recover;
@@ -19,10 +22,14 @@ mod scenario;
 #[cfg_attr(not(feature = "live"), path = "serving_unavailable.rs")]
 mod serving;
 mod settings;
+mod shell;
 mod snapshots;
 mod sweep;
+mod terminal;
+mod text_table;
 mod tick_log;
 mod world;
+mod worlds;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use output::Failure;
@@ -36,19 +43,7 @@ use std::process::ExitCode;
     name = "cocarry",
     version,
     max_term_width = 100,
-    after_help = "With no command, one episode is run in the paper's Environment 4 with the human of its example.\n\n\
-        Exit codes: 0 done (run: the team arrived; replay: identical), 1 replay: different, regress check: figures moved,\n  \
-        2 bad input, 3 the team did not arrive, 4 an output could not be written, 130 interrupted.\n\n\
-        Examples:\n  \
-        cocarry                                           an episode, with defaults\n  \
-        cocarry run environment-4 --eta 5 --svg run.svg   a sensitive human, with a picture\n  \
-        cocarry world worlds/free-form.toml --svg map.svg obstacles, openings, options\n  \
-        cocarry sweep docs/studies/h2.toml                a study of many episodes, as CSV\n  \
-        cocarry reproduce h2                              Table II of the paper\n  \
-        cocarry reproduce all --report report             all its tables and figures, as a page\n  \
-        cocarry run --plant rapier --record run.mcap      a recording, to watch in Foxglove\n  \
-        cocarry inspect run.mcap                          contents of a recording\n  \
-        cocarry render run.mcap -o run.html               a 3-D player in one file, for any browser"
+    after_help = after_help()
 )]
 struct ProgramArguments {
     #[command(subcommand)]
@@ -59,6 +54,9 @@ struct ProgramArguments {
 enum Command {
     Run(Box<run::RunArguments>),
     World(world::WorldArguments),
+    Worlds(worlds::WorldsArguments),
+    New(new::NewArguments),
+    Export(export::ExportArguments),
     Sweep(sweep::SweepArguments),
     #[command(subcommand)]
     Reproduce(reproduce::Claim),
@@ -70,6 +68,34 @@ enum Command {
     Fit(fit::Parameter),
     #[command(subcommand)]
     Regress(regress::Action),
+    Completions(shell::CompletionsArguments),
+    Man(shell::ManArguments),
+}
+
+/// What the program's help ends with.
+fn after_help() -> String {
+    let examples = output::examples(&[
+        ("cocarry", "an episode, with defaults"),
+        ("cocarry run environment-4 --eta 5 --svg run.svg", "a sensitive human, with a picture"),
+        ("cocarry run environment-4 --render run.html", "a 3-D player in one file, for any browser"),
+        ("cocarry world free-form --svg map.svg", "obstacles, openings and options of a world"),
+        ("cocarry new kitchen", "a world, a robot and a study of your own, to start from"),
+        ("cocarry sweep kitchen/study.toml", "a study of many episodes, as CSV"),
+        ("cocarry run --record run.mcap", "a recording, to watch in Foxglove"),
+        ("cocarry inspect run.mcap", "contents of a recording"),
+        ("cocarry reproduce h2", "Table II of the paper"),
+        ("cocarry reproduce all --report report", "all its tables and figures, as a page"),
+    ]);
+    format!(
+        "With no command, one episode is run in the paper's Environment 4 with the human of its example.\n\n\
+        Exit codes:\n  \
+        0    done (run: the team arrived; replay: identical)\n  \
+        1    replay: different; regress check: figures moved\n  \
+        2    bad input\n  \
+        3    the team did not arrive\n  \
+        4    an output could not be written\n  \
+        130  interrupted\n\n{examples}"
+    )
 }
 
 /// The program's arguments, commands and help, for documentation.
@@ -88,6 +114,9 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         None => run::example(),
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::World(arguments)) => world::run(&arguments),
+        Some(Command::Worlds(arguments)) => worlds::run(&arguments),
+        Some(Command::New(arguments)) => new::run(&arguments),
+        Some(Command::Export(arguments)) => export::run(&arguments),
         Some(Command::Sweep(arguments)) => sweep::run(&arguments),
         Some(Command::Reproduce(claim)) => reproduce::run(&claim),
         Some(Command::Inspect(arguments)) => inspect::run(&arguments),
@@ -96,6 +125,8 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Some(Command::Replay(arguments)) => replay::run(&arguments),
         Some(Command::Fit(parameter)) => fit::run(&parameter),
         Some(Command::Regress(action)) => regress::run(&action),
+        Some(Command::Completions(arguments)) => shell::completions(&arguments, command()),
+        Some(Command::Man(arguments)) => shell::man(&arguments, command()),
     };
     match done {
         Ok(code) => code,

@@ -4,11 +4,10 @@ use super::output::{Failure, input};
 use super::settings::number;
 use crate::episode::PreferenceChange;
 use crate::located;
-use crate::paper;
 use crate::preference::{self, Belief, Marginal, Perception, Predictor, WeightedSample};
 use crate::scenario::{PERCEPTION, RISK_WEIGHT};
 use crate::world::World;
-use anyhow::{Context, anyhow};
+use anyhow::Context;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -76,20 +75,9 @@ fn samples(file: &Path) -> anyhow::Result<Belief> {
     Belief::samples(samples).with_context(name)
 }
 
-/// The world in a file, or a built-in environment by its name.
+/// The world in a file, or a built-in world by its name.
 pub(super) fn load_world(path: &Path) -> Result<World, Failure> {
-    let built_in = path.to_str().and_then(paper::environment);
-    match built_in.filter(|_| !path.exists()) {
-        Some(environment) => environment.world().map_err(input),
-        None => World::load(path)
-            .map_err(|error| match path.exists() {
-                true => anyhow!(error),
-                false => anyhow!(error).context(
-                    "no such world; expected a world file or a built-in world, environment-1 to environment-4",
-                ),
-            })
-            .map_err(Failure::Input),
-    }
+    World::find(path, &path.to_string_lossy()).map_err(input)
 }
 
 /// The world that a file in `folder` names: a world file relative to that folder, otherwise as in

@@ -1,11 +1,13 @@
 //! Output of commands: text, tables, files, and a progress bar that is hidden in a pipe.
 
+use super::terminal;
+use super::text_table::TextTable;
 use crate::coordination::OptionTick;
 use crate::output_file::{OutputError, Outputs};
 use crate::quantities::{self, OptionView};
+use anstyle::Style;
 use anyhow::{Context, Error, anyhow};
 use clap::Args;
-use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets::UTF8_HORIZONTAL_ONLY};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::borrow::Cow;
 use std::io::Write;
@@ -37,10 +39,21 @@ pub(super) fn visible(text: &str) -> Cow<'_, str> {
     Cow::Owned(text.chars().map(shown).collect())
 }
 
-/// Prints text, which ends with a newline.
+/// Prints text, which ends with a newline: in the terminal's width and with its colours, if it is one.
 pub(super) fn print(text: &str) -> Result<(), Failure> {
-    let mut out = std::io::stdout().lock();
-    out.write_all(visible(text).as_bytes())
+    let text = visible(text);
+    write_out(&terminal::painted(&terminal::wrapped(&text, terminal::width())))
+}
+
+/// Prints text for programs, which is neither wrapped nor coloured.
+pub(super) fn print_for_programs(text: &str) -> Result<(), Failure> {
+    write_out(&visible(text))
+}
+
+fn write_out(text: &str) -> Result<(), Failure> {
+    // removes colours in a pipe, and with NO_COLOR
+    let mut out = anstream::stdout().lock();
+    out.write_all(text.as_bytes())
         .and_then(|()| out.flush())
         .context("standard output")
         .map_err(Failure::Output)
@@ -48,7 +61,7 @@ pub(super) fn print(text: &str) -> Result<(), Failure> {
 
 /// Prints a value as JSON.
 pub(super) fn print_json(value: &serde_json::Value) -> Result<(), Failure> {
-    print(&format!("{value:#}\n"))
+    print_for_programs(&format!("{value:#}\n"))
 }
 
 /// A value as a table cell: null is empty, text has no quotes.
@@ -128,12 +141,13 @@ const LONGEST_LINE: usize = 4000;
 
 /// Prints a message for people, such as an error, on standard error.
 pub(super) fn tell(message: &str) {
-    for line in visible(message).lines() {
-        match line.char_indices().nth(LONGEST_LINE) {
-            None => eprintln!("{line}"),
-            Some((end, _)) => eprintln!("{}…", &line[..end]),
-        }
-    }
+    let message = visible(message);
+    let cut = message.lines().map(|line| match line.char_indices().nth(LONGEST_LINE) {
+        None => format!("{line}\n"),
+        Some((end, _)) => format!("{}…\n", &line[..end]),
+    });
+    let cut: String = cut.collect();
+    anstream::eprint!("{}", terminal::painted(&terminal::wrapped(&cut, terminal::error_width())));
 }
 
 /// Prints a warning. The command continues.
@@ -142,37 +156,54 @@ pub(super) fn warn(warning: &impl std::fmt::Display) {
 }
 
 /// A table with the given headings. The first `left` columns are text, the others numbers.
-pub(super) fn table(headings: impl IntoIterator<Item = impl Into<Cell>>, left: usize) -> Table {
-    table_of(headings, |column| column < left)
+pub(super) fn table(headings: impl IntoIterator<Item = impl Into<String>>, left: usize) -> TextTable {
+    TextTable::new(headings, |column| column < left)
 }
 
-fn table_of(headings: impl IntoIterator<Item = impl Into<Cell>>, is_text: impl Fn(usize) -> bool) -> Table {
-    let mut table = Table::new();
-    table
-        .load_style(UTF8_HORIZONTAL_ONLY)
-        .set_content_arrangement(ContentArrangement::Disabled)
-        .set_header(headings.into_iter().map(Into::into).collect::<Vec<Cell>>());
-    for (_, column) in table.column_iter_mut().enumerate().filter(|(i, _)| !is_text(*i)) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
-}
-
-/// A table as text, without indentation, ended by a newline.
-pub(super) fn table_text(table: &Table) -> String {
-    let text = table.to_string();
-    text.lines().map(|line| line.trim_end().to_owned() + "\n").collect()
+/// A table as text in the width of standard output, without indentation, ended by a newline.
+pub(super) fn table_text(table: &TextTable) -> String {
+    table.text(terminal::width())
 }
 
 /// A table of results as text: title, columns for people, notes.
 pub(super) fn table_with_notes(of: &crate::table::Table) -> String {
     let (headings, rows) = of.shown();
-    let mut shown = table_of(headings.iter().map(|heading| heading.0), |column| headings[column].1);
-    rows.into_iter().for_each(|row| {
-        shown.add_row(row);
-    });
+    let mut shown = TextTable::new(headings.iter().map(|heading| heading.0), |column| headings[column].1);
+    rows.into_iter().for_each(|row| shown.add_row(row));
     let notes: String = of.notes.iter().map(|note| format!("{note}\n")).collect();
     format!("{}\n{}{notes}", of.title, table_text(&shown))
+}
+
+/// The examples of a command, for the end of its help: each a command and what it does.
+pub(super) fn examples(all: &[(&str, &str)]) -> String {
+    let heading = Style::new().bold().underline();
+    let mut text = format!("{heading}Examples:{heading:#}\n");
+    for (command, about) in all {
+        text += &format!("  {command}\n");
+        if !about.is_empty() {
+            text += &format!("      {about}\n");
+        }
+    }
+    text
+}
+
+/// A parser of the name of an SVG file.
+pub(super) fn svg_file(name: &str) -> Result<PathBuf, String> {
+    file_ending_in("svg", name)
+}
+
+/// A parser of the name of a recording.
+pub(super) fn mcap_file(name: &str) -> Result<PathBuf, String> {
+    file_ending_in("mcap", name)
+}
+
+fn file_ending_in(ending: &str, name: &str) -> Result<PathBuf, String> {
+    let file = PathBuf::from(name);
+    let found = file.extension().and_then(|found| found.to_str()).unwrap_or_default();
+    match found.eq_ignore_ascii_case(ending) {
+        true => Ok(file),
+        false => Err(format!("its ending must be .{ending}, which is what is written")),
+    }
 }
 
 /// A progress bar. It appears after two seconds of work, and only if standard error is a terminal.

@@ -1,7 +1,7 @@
 //! `--record` and `--render`: the recording of a run, written or rendered, and finished also when the user
 //! stops the run.
 
-use super::output::{Failure, input, unwritten};
+use super::output::{Failure, input, mcap_file, unwritten};
 use super::render::{Form, Target};
 use crate::episode::Episode;
 use crate::output_file::Outputs;
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 pub(super) struct RecordArguments {
     /// Record the episode into this MCAP file, for Foxglove and `cocarry inspect`. Not with --resume, since a
     /// recording holds a whole episode
-    #[arg(long, value_name = "FILE", conflicts_with = "resume")]
+    #[arg(long, value_name = "FILE", value_parser = mcap_file, conflicts_with = "resume")]
     pub record: Option<PathBuf>,
     /// Render the episode into this file, as `cocarry render` does from a recording: a 3-D player (.html), a
     /// filmstrip (.svg, .png) or a moving picture (.gif). Not with --resume

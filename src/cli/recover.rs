@@ -1,6 +1,6 @@
 //! `cocarry recover`: saves the intact messages of a damaged recording as a valid one.
 
-use super::output::{Failure, OverwriteArguments, input, print};
+use super::output::{Failure, OverwriteArguments, examples, input, print};
 use super::record::output;
 use crate::recording::{Reader, RecoverError, recover};
 use clap::Args;
@@ -10,6 +10,9 @@ use std::process::ExitCode;
 
 /// Save the intact messages of an incomplete or damaged recording
 #[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry recover run.mcap.partial -o run.mcap", "what a run that crashed has recorded"),
+]))]
 pub(super) struct RecoverArguments {
     /// Recording (MCAP), usually named NAME.mcap.partial
     file: PathBuf,

@@ -1,6 +1,8 @@
 //! `cocarry regress`: records the figures of a baseline's runs, or checks them against those recorded.
 
-use super::output::{Failure, Progress, input, print, print_json, table, table_text, unwritten, write_file};
+use super::output::{
+    Failure, Progress, examples, input, print, print_json, table, table_text, unwritten, write_file,
+};
 use super::reproduce::Common;
 use super::scenario::ScenarioArguments;
 use crate::output_file::Outputs;
@@ -20,8 +22,10 @@ use std::process::ExitCode;
 #[derive(Debug, Subcommand)]
 pub(super) enum Action {
     /// Run all runs, and write their figures into the file; the rest of the file stays as it is
+    #[command(after_help = examples(&[("cocarry regress record costs.toml", "after a change that is meant")]))]
     Record(RegressArguments),
     /// Run all runs, and list the figures that differ from those recorded; exit code 1 if there are any
+    #[command(after_help = examples(&[("cocarry regress check costs.toml", "in continuous integration")]))]
     Check(RegressArguments),
 }
 

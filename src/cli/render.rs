@@ -1,6 +1,6 @@
 //! `cocarry render`: a recording as a page or a picture, and `--render` of `cocarry run`.
 
-use super::output::{Failure, OverwriteArguments, input, print, write_file};
+use super::output::{Failure, OverwriteArguments, examples, input, print, write_file};
 use crate::output_file::Outputs;
 use crate::recording::{Playback, Reader};
 use crate::rendering::{self, RenderError, Width};
@@ -23,12 +23,13 @@ const KINDS: [(&str, Kind); 5] = [
 /// Render a recording: a 3-D player (.html), a filmstrip (.svg, .png), a moving picture (.gif), a layout for Foxglove and
 /// Lichtblick (.json)
 #[derive(Args, Debug)]
-#[command(after_help = "Examples:\n  \
-    cocarry render run.mcap -o run.html                a 3-D player in one file, for any browser, without a network\n  \
-    cocarry render run.mcap -o run.gif                 the team on the map with phi beside it, at twice its speed\n  \
-    cocarry render run.mcap -o run.svg --width 3.5in   the team at six instants, for a column of a paper\n  \
-    cocarry render run.mcap -o run.png --width 1400px --instants 8\n  \
-    cocarry render run.mcap -o layout.json             the layout to import in Foxglove or Lichtblick, beside the recording")]
+#[command(after_help = examples(&[
+    ("cocarry render run.mcap -o run.html", "a 3-D player in one file, for any browser, without a network"),
+    ("cocarry render run.mcap -o run.gif", "the team on the map with phi beside it, at twice its speed"),
+    ("cocarry render run.mcap -o run.svg --width 3.5in", "the team at six instants, for a paper"),
+    ("cocarry render run.mcap -o run.png --width 1400px --instants 8", ""),
+    ("cocarry render run.mcap -o layout.json", "the layout to import in Foxglove or Lichtblick, beside the recording"),
+]))]
 pub(super) struct RenderArguments {
     /// Recording (MCAP)
     recording: PathBuf,

@@ -1,6 +1,6 @@
 //! `cocarry replay`: runs a recording's scenario again and compares the messages.
 
-use super::output::{Failure, input, print};
+use super::output::{Failure, examples, input, print};
 use crate::arithmetic;
 use crate::recording::{Reader, Verdict, replay};
 use clap::Args;
@@ -9,6 +9,9 @@ use std::process::ExitCode;
 
 /// Run the scenario of a recording again, and compare every message
 #[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry replay run.mcap", "runs the episode again, and compares every message"),
+]))]
 pub(super) struct ReplayArguments {
     /// Recording (MCAP)
     file: PathBuf,

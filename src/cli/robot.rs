@@ -1,10 +1,12 @@
 //! The arguments of the plant and its robot. Robot files are loaded, and the arguments are checked against
 //! each other.
 
+use super::catalog::ROBOT;
 use super::output::{Failure, input};
 use super::settings::{SettingArguments, number, plants};
 use crate::robot::Robot;
 use crate::scenario::{POSE, POSTURE, Plant, PlantKind, RobotSetup, SWAY, Scenario, Value};
+use crate::suggestion::hint_of_listed;
 use anyhow::anyhow;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -52,7 +54,8 @@ impl RobotArguments {
             let known: Vec<_> = robot.postures.iter().map(|p| format!("`{}`", p.name)).collect();
             let (file, known) = (&robot.texts.file, known.join(", "));
             return Err(input(anyhow!(
-                "--posture {asked}: {file} has no posture of that name; it has {known}"
+                "--posture {asked}: {file} has no posture of that name; it has {known}{}",
+                hint_of_listed(asked, &known)
             )));
         }
         Ok(Plant::new(self.plant, RobotSetup::new(&robot)))
@@ -84,5 +87,13 @@ pub(super) fn sway_of(plant: &Plant) -> f64 {
 
 /// The robot in a file, or the built-in one.
 pub(super) fn load_robot(file: Option<&Path>) -> Result<Robot, Failure> {
-    file.map_or_else(Robot::built_in, Robot::load).map_err(input)
+    let is_built_in = |file: &&Path| [ROBOT, "built-in"].iter().any(|name| file.as_os_str() == *name);
+    match file {
+        None => Robot::built_in().map_err(input),
+        Some(file) if is_built_in(&file) && !file.exists() => Err(input(anyhow!(
+            "--robot {0}: the built-in robot is the default; leave --robot out, or write its files with `cocarry export {ROBOT}`",
+            file.display()
+        ))),
+        Some(file) => Robot::load(file).map_err(input),
+    }
 }

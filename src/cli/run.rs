@@ -4,7 +4,8 @@ use super::episode_report::EpisodeReport;
 use super::interrupt::Interrupt;
 use super::live::LiveArguments;
 use super::output::{
-    Failure, OverwriteArguments, Progress, patiently, print, print_json, tell, warn, write_file,
+    Failure, OverwriteArguments, Progress, examples, patiently, print, print_json, svg_file, tell, warn,
+    write_file,
 };
 use super::record::RecordArguments;
 use super::scenario::ScenarioArguments;
@@ -24,29 +25,44 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+/// The heading of options about output.
+const OUTPUT: &str = "Output";
+
 /// Run one episode: a human and a robot carry an object from A to B
 #[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry run environment-2 --alpha 0.9 --gamma 0.6 --seed 3", "a certain human, in another world"),
+    ("cocarry run --change 40:0.6,0.9", "a human who changes their mind at step 40"),
+    ("cocarry run --method human-led --eta 5", "another method, a sensitive human"),
+    ("cocarry run --belief-alpha uniform(0.6,0.8)", "a robot that is more certain about humans"),
+    ("cocarry run --plant kinematic --robot my-robot.toml", "your robot, without dynamics"),
+    ("cocarry run --plant kinematic --pose whole-body --pose-weight 2", "pose optimisation of base and arm"),
+    ("cocarry run --sway 0.02", "a hand that sways more with the gait"),
+    ("cocarry run --speed 0.3 --max-steps 500", "a slower walk, and a limit"),
+    ("cocarry run --record run.mcap --ticks run.csv --svg run.svg", "recording, table and picture"),
+    ("cocarry run --save-at 60 half.snapshot", "a snapshot; --resume half.snapshot continues"),
+]))]
 pub(super) struct RunArguments {
     #[command(flatten)]
     scenario: ScenarioArguments,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Snapshots")]
     snapshots: SnapshotArguments,
     /// Print one JSON object instead of text
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     json: bool,
     /// Write every tick into this file: .csv, or .jsonl for JSON lines. With --resume, ticks start at the
     /// resumed step
-    #[arg(long, value_name = "FILE", value_parser = tick_log::file)]
+    #[arg(long, value_name = "FILE", value_parser = tick_log::file, help_heading = OUTPUT)]
     ticks: Option<tick_log::File>,
     /// Draw trajectory and stubbornness into this SVG file. With --resume, the picture starts at the resumed
     /// step
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = svg_file, help_heading = OUTPUT)]
     svg: Option<PathBuf>,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = OUTPUT)]
     recording: RecordArguments,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = OUTPUT)]
     overwrite: OverwriteArguments,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Live viewing")]
     live: LiveArguments,
 }
 

@@ -3,7 +3,7 @@
 use super::model::{BeliefArguments, change, load_world, perception};
 use super::output::{Failure, input};
 use super::robot::RobotArguments;
-use super::settings::SettingArguments;
+use super::settings::{HUMAN, ROBOT, SettingArguments};
 use crate::episode::PreferenceChange;
 use crate::options::OptionSet;
 use crate::preference::RISK_WEIGHT;
@@ -15,33 +15,33 @@ use std::path::{Path, PathBuf};
 /// World, human, team and plant.
 #[derive(Args, Debug)]
 pub(super) struct ScenarioArguments {
-    /// World file (TOML), or a built-in world: environment-1 to environment-4
+    /// World file (TOML), or a built-in world: see `cocarry worlds`
     #[arg(default_value = "environment-4")]
     world: PathBuf,
     /// The human's perception of distance: alpha in D^alpha [default: drawn from the belief]
-    #[arg(long, value_parser = perception, allow_negative_numbers = true)]
+    #[arg(long, value_parser = perception, allow_negative_numbers = true, help_heading = HUMAN)]
     alpha: Option<f64>,
     /// The human's perception of risk: Prelec's gamma [default: drawn from the belief]
-    #[arg(long, value_parser = perception, allow_negative_numbers = true)]
+    #[arg(long, value_parser = perception, allow_negative_numbers = true, help_heading = HUMAN)]
     gamma: Option<f64>,
     /// Preference change: ALPHA and GAMMA apply from step STEP on (the first step is 0), as in 40:0.6,0.9.
     /// May be given several times; of two at the same step, the last one given applies. The robot's belief
     /// stays the same. A change has no effect on the path while the robot leads, nor with --method
     /// without-model after the start
-    #[arg(long, value_name = "STEP:ALPHA,GAMMA", value_parser = change, conflicts_with = "preference_changes")]
+    #[arg(long, value_name = "STEP:ALPHA,GAMMA", value_parser = change, conflicts_with = "preference_changes", help_heading = HUMAN)]
     change: Vec<PreferenceChange>,
     /// Number of preference changes drawn from the seed: 0 to 8, or once-or-twice (a fair coin, as in Table
     /// III). Each draws alpha and gamma again, unless they are given, at a random step from 1 to half of the
     /// steps that the option preferred at the start takes. Some methods ignore preference changes: see
     /// --change
-    #[arg(long, value_name = "N", default_value_t = PreferenceChanges::NONE, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = PreferenceChanges::NONE, allow_negative_numbers = true, help_heading = HUMAN)]
     preference_changes: PreferenceChanges,
     /// Seed of the human, of the human's preference changes and of the gait
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, help_heading = HUMAN)]
     seed: u64,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Robot's belief")]
     belief: BeliefArguments,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = ROBOT)]
     carrier: RobotArguments,
     #[command(flatten)]
     settings: SettingArguments,

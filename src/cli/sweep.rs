@@ -1,6 +1,8 @@
 //! `cocarry sweep`: runs a study, merges the shards of a study, and prints summaries.
 
-use super::output::{Failure, Progress, input, print, print_json, table, table_text, unwritten, warn};
+use super::output::{
+    Failure, Progress, examples, input, print, print_json, table, table_text, unwritten, warn,
+};
 use super::reproduce::Common;
 use crate::output_file::Outputs;
 use crate::statistics::Estimate;
@@ -18,6 +20,12 @@ use std::process::ExitCode;
 /// The rows go to NAME.partial beside the results, which is renamed when it is complete. A sweep that was
 /// stopped, by Ctrl-C or a power cut, resumes where it stopped when it is started again.
 #[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry sweep study.toml", "all episodes, into study.csv"),
+    ("cocarry sweep study.toml --shard 3/16", "the third of sixteen parts, for a job array"),
+    ("cocarry sweep --merge all.csv study.1-of-2.csv study.2-of-2.csv", "the parts as one file"),
+    ("cocarry sweep --summary study.csv", "the tables again, without running episodes"),
+]))]
 pub(super) struct SweepArguments {
     /// Study file (TOML)
     #[arg(required_unless_present_any = ["merge", "summary"], conflicts_with_all = ["merge", "summary"])]

@@ -2,8 +2,8 @@
 
 use super::model::{ModelArguments, load_world};
 use super::output::{
-    Failure, OPTION_HEADINGS, OverwriteArguments, input, option_json, patiently, print, print_json, table,
-    table_text, write_file,
+    Failure, OPTION_HEADINGS, OverwriteArguments, examples, input, option_json, patiently, print, print_json,
+    svg_file, table, table_text, write_file,
 };
 use crate::drawing;
 use crate::episode::{OptionTick, prospects};
@@ -20,8 +20,13 @@ use std::process::ExitCode;
 /// Show the obstacles of a world, its openings with width and risk, and its options with length, risk, cost
 /// and probability
 #[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry world environment-4", ""),
+    ("cocarry world my-world.toml --svg map.svg", "your world, with a map"),
+    ("cocarry world environment-1 --risk-weight 5", "options of a robot that minds risk less"),
+]))]
 pub(super) struct WorldArguments {
-    /// World file (TOML), or a built-in world: environment-1 to environment-4
+    /// World file (TOML), or a built-in world: see `cocarry worlds`
     world: PathBuf,
     #[command(flatten)]
     model: ModelArguments,
@@ -29,7 +34,7 @@ pub(super) struct WorldArguments {
     #[arg(long)]
     json: bool,
     /// Draw the map into this SVG file
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = svg_file)]
     svg: Option<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArguments,

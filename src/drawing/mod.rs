@@ -9,6 +9,7 @@
 mod adaptation;
 mod answers;
 mod curves;
+mod differences;
 mod film;
 mod kit;
 mod map;
@@ -25,6 +26,7 @@ mod track;
 pub use adaptation::adaptation;
 pub use answers::{AnswerPanel, AnswerRow, RiskWeightMark, answers};
 pub use curves::{Curve, CurvePanel, curves};
+pub use differences::{DifferencePanel, DifferenceRow, differences};
 pub use film::{Film, Moment, NARROWEST, WIDEST};
 pub use map::{MOST_LISTED, world_map};
 pub use moving::Moving;

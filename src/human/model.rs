@@ -4,6 +4,7 @@ use super::Human;
 use crate::coordination;
 use crate::options::OptionSet;
 use crate::preference::Perception;
+use crate::suggestion;
 use serde::{Deserialize, Serialize};
 
 /// A human, or the reason why the model cannot be made.
@@ -41,7 +42,10 @@ pub struct Participant<'a> {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ModelError {
     /// No model has this name.
-    #[error("unknown human model `{name}`; expected one of: {known}")]
+    #[error(
+        "unknown human model `{name}`; expected one of: {known}{}",
+        suggestion::hint_of_list(name, known)
+    )]
     Unknown {
         /// The name found.
         name: String,

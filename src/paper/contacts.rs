@@ -17,6 +17,8 @@ use serde::Serialize;
 pub const RISKS: [f64; 9] = [0.4, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.93, 0.96];
 /// The angles of the walks to the opening's axis, degrees.
 pub const ANGLES: [f64; 3] = [0.0, 30.0, 60.0];
+/// Default number of walks through each opening from each angle.
+pub const WALKS: usize = 30;
 /// d_r, m.
 const ROBOT_WIDTH: f64 = 0.5;
 /// The distance of A and B from the opening, m.

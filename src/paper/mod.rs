@@ -15,6 +15,7 @@ use crate::options::OptionError;
 use crate::preference::{Perception, PreferenceError};
 use crate::scenario::{Plant, PreparedScenario, Scenario, ScenarioError, WorldText};
 use crate::world::{World, WorldError};
+use std::path::Path;
 use thiserror::Error;
 
 /// One of the paper's environments.
@@ -24,7 +25,6 @@ pub struct Environment {
     pub number: u32,
     /// The name of its world on the command line.
     pub name: &'static str,
-    toml: &'static str,
     /// Table I: mean answer of twenty participants, percent, options in the order of the figure's caption.
     pub human_percent: [f64; 4],
     /// Table I, in parentheses: the paper's own model output, percent.
@@ -76,7 +76,6 @@ pub const ENVIRONMENTS: [Environment; 4] = [
     Environment {
         number: 1,
         name: "environment-1",
-        toml: include_str!("../../worlds/environment-1.toml"),
         human_percent: [5.0, 45.0, 40.0, 10.0],
         model_percent: [0.0, 39.5, 36.1, 24.4],
         objective_cost: [1939.67, 1925.38, 1916.11, 1755.42],
@@ -86,7 +85,6 @@ pub const ENVIRONMENTS: [Environment; 4] = [
     Environment {
         number: 2,
         name: "environment-2",
-        toml: include_str!("../../worlds/environment-2.toml"),
         human_percent: [45.0, 13.5, 6.5, 35.0],
         model_percent: [51.6, 8.7, 0.0, 39.7],
         objective_cost: [1962.98, 1895.16, 1887.75, 1586.56],
@@ -96,7 +94,6 @@ pub const ENVIRONMENTS: [Environment; 4] = [
     Environment {
         number: 3,
         name: "environment-3",
-        toml: include_str!("../../worlds/environment-3.toml"),
         // sums to 95, as printed
         human_percent: [12.5, 30.0, 47.5, 5.0],
         model_percent: [5.1, 35.5, 59.4, 0.0],
@@ -107,7 +104,6 @@ pub const ENVIRONMENTS: [Environment; 4] = [
     Environment {
         number: 4,
         name: "environment-4",
-        toml: include_str!("../../worlds/environment-4.toml"),
         human_percent: [8.0, 15.0, 41.0, 36.0],
         model_percent: [3.6, 18.3, 46.3, 31.8],
         objective_cost: [2279.98, 2213.82, 1767.07, 1767.07],
@@ -122,13 +118,8 @@ impl Environment {
     /// # Errors
     /// Never in a build that passes its tests: the file is part of the program.
     pub fn world(&self) -> Result<World, WorldError> {
-        World::parse(self.name, self.toml)
+        World::find(Path::new(""), self.name)
     }
-}
-
-/// The built-in world of that name.
-pub fn environment(name: &str) -> Option<&'static Environment> {
-    ENVIRONMENTS.iter().find(|e| e.name == name)
 }
 
 /// An error in a built-in world: a fault of the program.

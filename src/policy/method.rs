@@ -1,6 +1,7 @@
 //! The methods that scenarios, studies and the command line know by name.
 
 use super::{MethodEntry, RobotPolicy, human_led, mutual, robot_led, without_model};
+use crate::suggestion;
 use std::str::FromStr;
 
 /// All methods. A new method needs its own file and a line here.
@@ -13,7 +14,11 @@ pub struct Method(&'static MethodEntry);
 
 /// No method has this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown method `{name}`; expected one of: {}", METHODS.map(|m| m.name).join(", "))]
+#[error(
+    "unknown method `{name}`; expected one of: {}{}",
+    METHODS.map(|m| m.name).join(", "),
+    suggestion::hint(name, METHODS.map(|m| m.name))
+)]
 pub struct UnknownMethod {
     /// The name found.
     pub name: String,

@@ -2,12 +2,14 @@
 
 use super::pairs::{SIGNIFICANCE_LEVEL, compared, difference, explained, is_significant, rounded};
 use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
-use crate::drawing::{Curve, CurvePanel, DrawingError, Track, adaptation, curves};
+use crate::drawing::{
+    Curve, CurvePanel, DifferencePanel, DifferenceRow, DrawingError, Track, adaptation, curves, differences,
+};
 use crate::paper::h2::{self, CostRow, ExampleRun};
-use crate::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
+use crate::paper::{ENVIRONMENTS, EXAMPLE_HUMAN, Environment};
 use crate::parallel::OnDone;
 use crate::policy::Method;
-use crate::statistics::Paired;
+use crate::statistics::{Estimate, Paired};
 use crate::table::{Cell, Columns, Table};
 use crate::world::World;
 
@@ -116,6 +118,16 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
                 .to_owned(),
         ),
         Block::Table(table_2(&rows)),
+        Block::Figure(Figure {
+            name: "table-2".to_owned(),
+            caption: format!(
+                "Table II: accumulated objective cost minus that of the same human without the model, {} humans per cell; left of 0, adapting pays. \
+                 No interval where all humans make the same choices.",
+                h2::SAMPLES
+            ),
+            is_half: false,
+            svg: differences(&panels(&rows), DIFFERENCE_AXIS)?,
+        }),
     ];
     // the paper's example first, then the same human elsewhere
     for environment in ENVIRONMENTS.iter().rev() {
@@ -145,6 +157,32 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     }
     let title = "H2: adapting to each other".to_owned();
     Ok(Section { title, finding: finding(&rows), blocks })
+}
+
+/// The title of the axis of differences.
+pub(super) const DIFFERENCE_AXIS: &str = "cost minus cost without the model (m)";
+
+/// The differences of Table II, one panel for each environment.
+fn panels(rows: &[CostRow]) -> Vec<DifferencePanel> {
+    let pairs = with_baseline(rows);
+    let panel = |environment: &Environment| {
+        let of = pairs.iter().filter(|(row, _)| row.environment == environment.number);
+        let row = |(row, without): &(&CostRow, f64)| {
+            let Estimate { mean, interval, .. } = row.sample_against_without?.difference;
+            Some(DifferenceRow {
+                label: method(row.eta),
+                mean,
+                interval,
+                expected: Some(row.ours_mean - without),
+                paper: Some(row.paper_mean - environment.objective_cost[0]),
+            })
+        };
+        DifferencePanel {
+            title: format!("Environment {}", environment.number),
+            rows: of.filter_map(row).collect(),
+        }
+    };
+    ENVIRONMENTS.iter().map(panel).collect()
 }
 
 /// g(k) and phi(k) of the robot-led runs, up to their transitions.

@@ -1,11 +1,14 @@
 //! H2 with bodies: Table II's humans on the physical plant, compared with the point team.
 
-use super::adaptation::method;
+use super::adaptation::{DIFFERENCE_AXIS, method};
 use super::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant};
-use super::part::{Block, Finding, Part, Plan, ReportError, Section, holds};
+use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
+use crate::drawing::{DifferencePanel, DifferenceRow, differences};
+use crate::paper::ENVIRONMENTS;
 use crate::paper::h2::{self, BodiesRow, WithBodies};
 use crate::parallel::OnDone;
 use crate::scenario::{Plant, PlantKind, RobotSetup};
+use crate::statistics::Estimate;
 use crate::table::{Cell, Columns, Table};
 
 /// Table II with bodies.
@@ -70,18 +73,41 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     let both = || (0..2).for_each(|_| on_done());
     let rows = study.table(&both)?;
     let text = "The paper's team is a point. Here robot, object, human and obstacles have bodies, forces and contacts.";
-    Ok(Section {
-        title: "H2 with bodies".to_owned(),
-        finding: finding(&rows),
-        blocks: vec![
-            Block::Text(text.to_owned()),
-            Block::Table(table_2_with_bodies(
-                &rows,
-                study.humans,
-                plant.physics().map_or(0.0, |physics| physics.human.sway_lateral),
-            )),
-        ],
-    })
+    let mut blocks = vec![
+        Block::Text(text.to_owned()),
+        Block::Table(table_2_with_bodies(
+            &rows,
+            study.humans,
+            plant.physics().map_or(0.0, |physics| physics.human.sway_lateral),
+        )),
+    ];
+    let panels = panels(&rows);
+    if !panels.is_empty() {
+        blocks.push(Block::Figure(Figure {
+            name: "table-2-bodies".to_owned(),
+            caption: "Table II with bodies: cost minus that of the same human without the model, of the humans who arrive both times.".to_owned(),
+            is_half: false,
+            svg: differences(&panels, DIFFERENCE_AXIS)?,
+        }));
+    }
+    Ok(Section { title: "H2 with bodies".to_owned(), finding: finding(&rows), blocks })
+}
+
+/// The differences, one panel for each environment.
+fn panels(rows: &[BodiesRow]) -> Vec<DifferencePanel> {
+    let row = |r: &BodiesRow| {
+        let Estimate { mean, interval, .. } = r.against_without?.difference;
+        Some(DifferenceRow { label: method(r.eta), mean, interval, ..DifferenceRow::default() })
+    };
+    let panel = |number: u32| DifferencePanel {
+        title: format!("Environment {number}"),
+        rows: rows.iter().filter(|r| r.environment == number).filter_map(row).collect(),
+    };
+    ENVIRONMENTS
+        .iter()
+        .map(|environment| panel(environment.number))
+        .filter(|panel| !panel.rows.is_empty())
+        .collect()
 }
 
 fn finding(rows: &[BodiesRow]) -> Finding {

@@ -4,11 +4,65 @@ use super::part::{Block, Finding, Part, Plan, ReportError, Section, grouped, hol
 use crate::paper::BuiltInError;
 use crate::paper::cycles::{Findings, Search};
 use crate::parallel::OnDone;
-use crate::scenario::Plant;
+use crate::scenario::{Plant, PlantKind, RobotSetup};
 use crate::table::{Columns, Table};
 
 /// The search.
 pub(super) const PART: Part = Part { name: "random worlds", episodes: |plan| plan.worlds, run };
+
+/// The same worlds' kind with bodies.
+pub(super) const WITH_BODIES: Part = Part {
+    name: "random worlds with bodies",
+    episodes: |plan| plan.worlds_with_bodies,
+    run: run_with_bodies,
+};
+
+fn run_with_bodies(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+    let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(plan.robot));
+    let (settings, worlds, seed) = (&plan.settings, plan.worlds_with_bodies, plan.seed);
+    let search = Search { plant: &plant, settings, worlds, seed };
+    let findings = search.run(on_done).map_err(BuiltInError::from)?;
+    let text = "Random worlds with room for the bodies, human and \u{3b7} as before, on the physical plant. A contact with an obstacle ends an episode.";
+    Ok(Section {
+        title: "Random worlds with bodies".to_owned(),
+        finding: finding_with_bodies(&findings),
+        blocks: vec![Block::Text(text.to_owned()), Block::Table(table_with_bodies(&findings))],
+    })
+}
+
+/// Episodes that ended neither at B nor with a contact.
+fn ended_otherwise(findings: &Findings) -> u64 {
+    (findings.lost.len() - findings.touched.iter().sum::<usize>()) as u64
+}
+
+fn table_with_bodies(findings: &Findings) -> Table {
+    Columns::of(std::slice::from_ref(findings))
+        .count("worlds", "worlds", |f| f.episodes as u64)
+        .count("two options or more", "with_choice", |f| f.with_choice as u64)
+        .count("arrived", "arrived", |f| f.arrived as u64)
+        .count("robot", "touched_by_robot", |f| f.touched[0] as u64)
+        .count("object", "touched_by_object", |f| f.touched[1] as u64)
+        .count("human", "touched_by_human", |f| f.touched[2] as u64)
+        .count("other", "ended_otherwise", ended_otherwise)
+        .number("longest / cheapest option", "longest_detour", 2, |f| f.longest_detour)
+        .table("worlds-with-bodies", "Random worlds with bodies")
+        .with_note("robot, object, human: episodes in which that body touched an obstacle; other: the object was lost, or the team was stuck or out of time;")
+        .with_note("longest / cheapest option: as above, of the episodes that arrived.")
+}
+
+fn finding_with_bodies(findings: &Findings) -> Finding {
+    let [robot, object, human] = findings.touched;
+    Finding {
+        claim: "A team with bodies arrives in random worlds (not in the paper)",
+        verdict: holds(findings.arrived, findings.episodes, "worlds"),
+        figures: format!(
+            "{} of {} arrive; an obstacle is touched by the robot in {robot}, the object in {object}, the human in {human}; {} end otherwise",
+            findings.arrived,
+            findings.episodes,
+            ended_otherwise(findings)
+        ),
+    }
+}
 
 fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     let (settings, worlds, seed) = (&plan.settings, plan.worlds, plan.seed);

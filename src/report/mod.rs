@@ -6,6 +6,7 @@
 mod adaptation;
 mod bodies;
 mod choices;
+mod contacts;
 mod cycles;
 mod page;
 mod pairs;
@@ -24,8 +25,16 @@ pub use weight::answers_picture;
 use crate::table::Table;
 
 /// The claims, in the order of the report.
-pub const PARTS: &[Part] =
-    &[choices::PART, weight::PART, adaptation::PART, bodies::PART, cycles::PART, preparation::PART];
+pub const PARTS: &[Part] = &[
+    choices::PART,
+    weight::PART,
+    adaptation::PART,
+    bodies::PART,
+    contacts::PART,
+    cycles::PART,
+    cycles::WITH_BODIES,
+    preparation::PART,
+];
 
 /// The whole report. Equal plans give byte-identical reports on any number of threads.
 #[derive(Clone, Debug)]
@@ -40,6 +49,7 @@ impl Report {
     /// Assembles the sections of all [`PARTS`].
     pub fn new(plan: &Plan, sections: Vec<Section>) -> Self {
         let mut markdown = run::opening(plan, PARTS, &sections);
+        let mut number = 0;
         for section in &sections {
             markdown += &format!("## {}\n\n", section.title);
             for block in &section.blocks {
@@ -47,12 +57,14 @@ impl Report {
                     Block::Text(text) => format!("{text}\n\n"),
                     Block::Table(table) => table.markdown(),
                     Block::Figure(Figure { name, caption, .. }) => {
-                        format!("![{caption}](figures/{name}.svg)\n\n")
+                        number += 1;
+                        format!("![Figure {number}. {caption}](figures/{name}.svg)\n\n")
                     }
                 };
             }
         }
         markdown += &run::end(plan, PARTS);
+        let markdown = run::with_contents(&markdown);
         Self { sections, markdown }
     }
 

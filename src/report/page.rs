@@ -1,7 +1,8 @@
 //! The report as one self-contained HTML page.
 
 use super::part::Figure;
-use pulldown_cmark::{CowStr, Event, Options, Parser, Tag, TagEnd, html::push_html};
+use super::run::anchor;
+use pulldown_cmark::{CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, html::push_html};
 
 /// The style sheet for screen and paper.
 const STYLE: &str = include_str!("page.css");
@@ -54,6 +55,29 @@ fn events<'a>(markdown: &'a str, figures: &[&'a Figure]) -> Vec<Event<'a>> {
             }
             other => events.push(other),
         }
+    }
+    with_anchors(events)
+}
+
+/// The events with an id for every section, and the first list, the contents, as navigation.
+fn with_anchors(mut events: Vec<Event>) -> Vec<Event> {
+    for at in 0..events.len() {
+        let is_text = |event: &&Event| matches!(event, Event::Text(_) | Event::Code(_));
+        let words: String = events[at + 1..]
+            .iter()
+            .take_while(|event| !matches!(event, Event::End(TagEnd::Heading(_))))
+            .filter(is_text)
+            .map(|event| if let Event::Text(text) | Event::Code(text) = event { &**text } else { "" })
+            .collect();
+        if let Event::Start(Tag::Heading { level: HeadingLevel::H2, id, .. }) = &mut events[at] {
+            *id = Some(anchor(&words).into());
+        }
+    }
+    let begin = events.iter().position(|event| matches!(event, Event::Start(Tag::List(_))));
+    let end = events.iter().position(|event| matches!(event, Event::End(TagEnd::List(_))));
+    if let (Some(begin), Some(end)) = (begin, end) {
+        events.insert(end + 1, Event::Html(CowStr::from("</nav>\n")));
+        events.insert(begin, Event::Html(CowStr::from("<nav aria-label=\"Contents\">\n")));
     }
     events
 }

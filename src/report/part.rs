@@ -5,7 +5,7 @@ use crate::episode::Settings;
 use crate::fit::FitError;
 use crate::options::OptionError;
 use crate::paper::BuiltInError;
-use crate::paper::{cycles as locked, h2, h3};
+use crate::paper::{contacts, cycles as locked, h2, h3};
 use crate::parallel::OnDone;
 use crate::robot::Robot;
 use crate::table::Table;
@@ -25,6 +25,10 @@ pub struct Plan<'a> {
     pub humans: usize,
     /// Number of random worlds in the search for locked cycles.
     pub worlds: usize,
+    /// The same with bodies.
+    pub worlds_with_bodies: usize,
+    /// Number of walks through each opening from each angle.
+    pub walks: usize,
     /// Seed of all random draws.
     pub seed: u64,
 }
@@ -38,6 +42,8 @@ impl<'a> Plan<'a> {
             episodes: h3::EPISODES,
             humans: h2::SAMPLES,
             worlds: locked::WORLDS,
+            worlds_with_bodies: locked::WORLDS_WITH_BODIES,
+            walks: contacts::WALKS,
             seed: 0,
         }
     }

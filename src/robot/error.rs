@@ -2,6 +2,8 @@
 
 use super::fault::{ArmFault, PostureFault, TreeFault, WheelFault};
 use crate::located::{FileError, Place};
+use crate::suggestion::{self, hint_of_listed};
+use std::path::Path;
 use thiserror::Error;
 
 /// Why a robot was refused.
@@ -11,7 +13,10 @@ pub enum RobotError {
     #[error(transparent)]
     File(#[from] FileError),
     /// A file of another kind.
-    #[error("{file}: expected a robot file (.toml), or a URDF (.urdf or .xml) with a robot file beside it")]
+    #[error(
+        "{file}: expected a robot file (.toml), or a URDF (.urdf or .xml) with a robot file beside it{}",
+        hint_of_file(file)
+    )]
     Format {
         /// The file.
         file: String,
@@ -77,7 +82,7 @@ pub enum RobotError {
         key: &'static str,
     },
     /// An unknown name.
-    #[error("{place}: unknown {kind} `{name}`; expected one of: {known}")]
+    #[error("{place}: unknown {kind} `{name}`; expected one of: {known}{}", hint_of_listed(name, known))]
     Unknown {
         /// Where.
         place: Place,
@@ -166,6 +171,18 @@ pub enum RobotError {
         /// The reason why the posture could not be closed.
         why: PostureFault,
     },
+}
+
+/// A hint for a file without a known ending: the built-in robot's name in studies, or a file beside it.
+fn hint_of_file(file: &str) -> String {
+    let path = Path::new(file);
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    match path.exists() {
+        true => String::new(),
+        false => Some(suggestion::hint(&name, ["built-in"]))
+            .filter(|hint| !hint.is_empty())
+            .unwrap_or_else(|| suggestion::hint_of_files(path)),
+    }
 }
 
 /// A list of known names for [`RobotError::Unknown`].

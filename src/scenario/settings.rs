@@ -9,6 +9,7 @@ use super::{PlantKind, Scenario};
 use crate::human::{MODELS, ModelName};
 use crate::policy::Method;
 use crate::preference::LARGEST_PERCEPTION;
+use crate::suggestion::hint_of_listed;
 use std::fmt;
 
 /// A setting of an episode.
@@ -208,7 +209,7 @@ pub const SETTINGS: &[Setting] = &[
         about: "Model of the human: preference, boltzmann(RATIONALITY) or scripted(STEP:OPTION,...)",
         applies: Applies::Always,
         kind: Kind::Text(
-            || format!("one of {}", MODELS.map(|model| model.form).join(", ")),
+            || format!("one of {}", MODELS.map(|model| format!("\"{}\"", model.form)).join(", ")),
             |text| text.parse::<ModelName>().is_ok(),
             Field {
                 get: |s| Some(s.human_model.to_string()),
@@ -389,7 +390,10 @@ impl Setting {
             Kind::Flag(_) => text.parse().ok().map(Value::Flag),
             Kind::Word(..) | Kind::Text(..) => Some(Value::Text(text.to_owned())),
         };
-        value.filter(|value| self.accepts(value)).ok_or_else(|| format!("must be {}", self.expected()))
+        value.filter(|value| self.accepts(value)).ok_or_else(|| {
+            let expected = self.expected();
+            format!("must be {expected}{}", hint_of_listed(text, &expected))
+        })
     }
 
     /// The value in a scenario, if it is a number out of range.

@@ -3,6 +3,7 @@
 use crate::located::{FileError, Place};
 use crate::output_file::OutputError;
 use crate::robot::RobotError;
+use crate::suggestion::{hint_of_list, hint_of_listed};
 use crate::world::WorldError;
 use thiserror::Error;
 
@@ -16,7 +17,7 @@ pub enum SweepError {
     #[error(transparent)]
     Output(#[from] OutputError),
     /// A value is not allowed for its key.
-    #[error("{place} = {value}; it must be {expected}")]
+    #[error("{place} = {value}; it must be {expected}{}", hint_of_listed(value.trim_matches('"'), expected))]
     Value {
         /// Where, and the key.
         place: Place,
@@ -26,7 +27,7 @@ pub enum SweepError {
         expected: String,
     },
     /// A key is unknown.
-    #[error("{place}: unknown key; expected one of: {known}")]
+    #[error("{place}: unknown key{}; expected one of: {known}", hint_of_list(&place.item, known))]
     Key {
         /// Where, and the key.
         place: Place,

@@ -5,7 +5,6 @@ use super::humans::{Humans, Range};
 use super::source::{self, Source, get, number, whole};
 use super::{Run, Seeds, SweepError};
 use crate::located::Place;
-use crate::paper;
 use crate::preference::{Belief, Marginal};
 use crate::robot::{Robot, RobotTexts};
 use crate::scenario::{
@@ -127,7 +126,7 @@ impl Contents {
         run: &mut Draft,
     ) -> Result<(), SweepError> {
         let axes = &mut run.axes;
-        let world = "the name of a world file, relative to the study, or one of \"environment-1\" to \"environment-4\"";
+        let world = "the name of a world file, relative to the study, or of a built-in world";
         if let Some(worlds) = source.list(table, "worlds", world, source::text)? {
             axes.worlds = worlds.into_iter().map(|w| self.world(folder, w)).collect::<Result<_, _>>()?;
         }
@@ -165,9 +164,8 @@ impl Contents {
             return Ok(known);
         }
         let path = folder.join(&name);
-        let built_in = paper::environment(&name).filter(|_| !path.exists());
-        let world = built_in.map_or_else(|| World::load(&path), |environment| environment.world());
-        let world = world.map_err(|source| SweepError::World { place, source: Box::new(source) })?;
+        let world = World::find(&path, &name)
+            .map_err(|source| SweepError::World { place, source: Box::new(source) })?;
         // named as in the study, independent of the current directory
         self.worlds.push((name.clone(), WorldText { file: name, text: world.text }));
         Ok(self.worlds.len() - 1)
@@ -204,8 +202,7 @@ impl Contents {
             return Err(SweepError::Missing {
                 place,
                 key: "worlds",
-                expected: "a world file, relative to the study, or one of \"environment-1\" to \"environment-4\", or a list"
-                    .to_owned(),
+                expected: "a world file, relative to the study, or of a built-in world, or a list".to_owned(),
             });
         }
         if let Some(count) = seeds {
@@ -262,6 +259,7 @@ impl Contents {
             let name = name.to_string();
             let mut robots = run.axes.robots.iter().map(|&robot| &self.robots[robot]);
             if let Some((_, texts, known)) = robots.find(|(.., known)| !known.contains(&name)) {
+                let known = known.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>();
                 let expected = format!("a posture of {}: {}", texts.file, known.join(", "));
                 let (place, value) = (place.clone(), format!("{name:?}"));
                 return Err(SweepError::Value { place, value, expected });

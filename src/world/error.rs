@@ -1,6 +1,7 @@
 //! Errors in a world file, each with its file, line, item and numbers.
 
 use crate::located::{FileError, Place};
+use crate::suggestion::hint_of_listed;
 use thiserror::Error;
 
 /// Why a world file was refused.
@@ -9,6 +10,16 @@ pub enum WorldError {
     /// A file cannot be read, or is not TOML.
     #[error(transparent)]
     File(#[from] FileError),
+    /// There is no world file and no built-in world of that name.
+    #[error("{name}: no such world; expected a world file, or one of the built-in worlds {known}{hint}")]
+    NoSuchWorld {
+        /// The name.
+        name: String,
+        /// The names of the built-in worlds.
+        known: String,
+        /// A similar name, as a sentence, or nothing.
+        hint: String,
+    },
     /// A number is out of its range.
     #[error("{place}: {field} = {value}; it must be {expected}")]
     Number {
@@ -78,7 +89,7 @@ pub enum WorldError {
         place: Place,
     },
     /// An unknown name.
-    #[error("{place}: unknown {kind} `{name}`; expected one of: {known}")]
+    #[error("{place}: unknown {kind} `{name}`; expected one of: {known}{}", hint_of_listed(name, known))]
     Unknown {
         /// Where.
         place: Place,

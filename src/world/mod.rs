@@ -11,6 +11,7 @@
 //! mass_kg = 4.0
 //! ```
 
+mod built_in;
 mod error;
 mod file;
 mod object;
@@ -18,6 +19,7 @@ mod obstacle;
 mod opening;
 mod values;
 
+pub use built_in::{BUILT_IN_WORLDS, BuiltInWorld};
 pub use error::WorldError;
 pub use object::{CarriedObject, ObjectShape};
 pub use obstacle::Obstacle;
@@ -25,10 +27,12 @@ pub use opening::{FREE_PASSAGE, Opening};
 
 use crate::geometry::{Bounds, Point};
 use crate::located::{self, LARGEST_WORLD, Place, Source};
+use crate::suggestion;
 use file::{OptionEntry, WorldFile};
 use obstacle::Check;
 use opening::Gaps;
 use std::collections::BTreeSet;
+use std::path::Path;
 use toml::Spanned;
 use values::{Pair, Values};
 
@@ -84,8 +88,24 @@ impl World {
     ///
     /// # Errors
     /// [`WorldError`], which names the file, the line, the item and the numbers.
-    pub fn load(path: &std::path::Path) -> Result<Self, WorldError> {
+    pub fn load(path: &Path) -> Result<Self, WorldError> {
         Self::parse(&path.display().to_string(), &located::read_at_most(LARGEST_WORLD, path)?)
+    }
+
+    /// The world in the file `path`, or, if there is no such file, the built-in world `name`.
+    ///
+    /// # Errors
+    /// [`WorldError`]; if there is neither, it suggests a name.
+    pub fn find(path: &Path, name: &str) -> Result<Self, WorldError> {
+        match BuiltInWorld::named(name) {
+            _ if path.exists() => Self::load(path),
+            Some(built_in) => Self::parse(built_in.name, built_in.text),
+            None => {
+                let hint = suggestion::hint(name, BUILT_IN_WORLDS.iter().map(|world| world.name));
+                let hint = if hint.is_empty() { suggestion::hint_of_files(path) } else { hint };
+                Err(WorldError::NoSuchWorld { name: name.to_owned(), known: built_in::names(), hint })
+            }
+        }
     }
 
     /// Validates the text of a world file. Errors call it `file`.

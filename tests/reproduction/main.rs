@@ -42,7 +42,7 @@ fn paper_risk_weight() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/data/table-1-humans.csv");
     let file = AnswerFile::read(&file).expect("the answers of Table I");
     let situations = file.worlds().into_iter().map(|(name, _)| {
-        let world = paper::environment(&name).expect("a built-in world").world().expect("a valid one");
+        let world = World::find(std::path::Path::new(""), &name).expect("a valid one");
         Situation::new(name, &OptionSet::new(&world, 10.0).expect("its options"))
     });
     let answers = file.matched(situations.collect(), true).expect("complete answers");

@@ -5,8 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The floors from the bottom; those in one row may not use each other.
-const FLOORS: [&[&str]; 23] = [
-    &["math", "saved", "located", "output_file"],
+const FLOORS: [&[&str]; 24] = [
+    &["math", "saved", "suggestion", "output_file"],
+    &["located"],
     &["geometry", "palette"],
     &["robot"],
     &["world"],

@@ -37,7 +37,10 @@ mod settings;
 mod shared_ways;
 mod snapshots;
 mod spoiled_robot;
+mod starting;
+mod suggestions;
 mod support;
 mod sweeps;
+mod terminal;
 
 mod worlds;

@@ -10,14 +10,16 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-const TABLES: [&str; 14] = [
+const TABLES: [&str; 16] = [
     "table-1",
     "table-1-fit",
     "risk-weight",
     "table-2",
     "example-environment-4",
     "table-2-bodies",
+    "contacts",
     "cycles",
+    "worlds-with-bodies",
     "table-3-elbow-up",
     "table-3-elbow-out",
     "table-3-ratios-elbow-up",
@@ -27,7 +29,7 @@ const TABLES: [&str; 14] = [
     "table-3-all",
 ];
 
-const FIGURES: [&str; 13] = [
+const FIGURES: [&str; 16] = [
     "preference-regions",
     "perception",
     "environment-1",
@@ -35,11 +37,14 @@ const FIGURES: [&str; 13] = [
     "environment-3",
     "environment-4",
     "risk-weight",
+    "table-2",
     "discomfort",
     "example-environment-4",
     "example-environment-3",
     "example-environment-2",
     "example-environment-1",
+    "table-2-bodies",
+    "contacts",
     "table-3-ratios",
 ];
 
@@ -48,8 +53,23 @@ fn small(folder: &Path, more: &[&str]) -> std::process::Output {
     cocarry(&[&as_little(folder.to_str().expect("a path")), more].concat())
 }
 
-fn as_little(folder: &str) -> [&str; 10] {
-    ["reproduce", "all", "--episodes", "2", "--humans", "2", "--worlds", "20", "--report", folder]
+fn as_little(folder: &str) -> [&str; 14] {
+    [
+        "reproduce",
+        "all",
+        "--episodes",
+        "2",
+        "--humans",
+        "2",
+        "--worlds",
+        "20",
+        "--worlds-with-bodies",
+        "2",
+        "--walks",
+        "1",
+        "--report",
+        folder,
+    ]
 }
 
 /// A report made on two threads, and what `--json` told of it.
@@ -122,7 +142,27 @@ fn the_report_has_every_table_and_figure_as_files_and_on_the_page() {
     ] {
         assert!(page.contains(part) && markdown.contains(part), "{part}");
     }
-    assert_eq!(told["claims"].as_array().unwrap().len(), 6);
+    assert_eq!(told["claims"].as_array().unwrap().len(), 8);
+}
+
+#[test]
+fn the_contents_lead_to_every_section_and_figures_are_numbered_in_order() {
+    let (page, markdown) = (text("report.html"), text("report.md"));
+    let (_, contents) = page.split_once("<nav aria-label=\"Contents\">").expect("contents");
+    let (contents, sections) = contents.split_once("</nav>").expect("their end");
+    let links: Vec<&str> =
+        contents.split("href=\"#").skip(1).map(|link| link.split('"').next().unwrap()).collect();
+    let headings: Vec<&str> =
+        sections.split("<h2 id=\"").skip(1).map(|id| id.split('"').next().unwrap()).collect();
+    assert_eq!(links, headings);
+    assert!(links.len() > 10 && sections.matches("<h2").count() == links.len(), "{links:?}");
+    let captions = |text: &str, before: &str| -> Vec<usize> {
+        let numbers = text.split(before).skip(1).map(|rest| rest.split('.').next().unwrap().parse().unwrap());
+        numbers.collect()
+    };
+    let expected: Vec<usize> = (1..=FIGURES.len()).collect();
+    assert_eq!(captions(&page, "<figcaption>Figure "), expected);
+    assert_eq!(captions(&markdown, "![Figure "), expected);
 }
 
 #[test]
@@ -131,9 +171,10 @@ fn the_page_needs_nothing_but_itself() {
     for loads in ["<script", "<img", "<link", "<iframe", "<object", "@import", "src=", "url(http", "data:"] {
         assert!(!page.contains(loads), "{loads}");
     }
-    // addresses are names of formats only, and links lead to the tables beside the page
+    // addresses are names of formats only, and links lead to its sections and to the tables beside it
     assert_eq!(page.matches("http").count(), page.matches("xmlns=\"http://www.w3.org/2000/svg\"").count());
-    assert!(page.split("href=\"").skip(1).all(|link| link.split('"').next().unwrap().ends_with(".csv")));
+    let is_here = |link: &str| link.ends_with(".csv") || link.starts_with('#');
+    assert!(page.split("href=\"").skip(1).all(|link| is_here(link.split('"').next().unwrap())));
     let ids: Vec<&str> = page.split(" id=\"").skip(1).map(|id| id.split('"').next().unwrap()).collect();
     let different: std::collections::BTreeSet<&&str> = ids.iter().collect();
     assert_eq!(different.len(), ids.len(), "every id stands for one thing");

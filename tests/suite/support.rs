@@ -18,6 +18,7 @@ pub fn repository(path: &str) -> PathBuf {
 pub fn cocarry(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_cocarry"))
         .args(arguments)
+        .env_remove("COLUMNS")
         .current_dir(repository("."))
         .output()
         .expect("the program starts")

@@ -3,7 +3,7 @@
 use super::worlds::{inputs, options};
 use crate::cli::model::ModelArguments;
 use crate::cli::output::{
-    Failure, OverwriteArguments, input, print, print_json, table, table_text, write_file,
+    Failure, OverwriteArguments, examples, input, print, print_json, svg_file, table, table_text, write_file,
 };
 use crate::cli::settings::number;
 use crate::coordination;
@@ -33,6 +33,9 @@ use std::path::PathBuf;
 /// for everyone. Intervals of medians are 95 % intervals. If the switches do not determine an interval, the
 /// output says why.
 #[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry fit eta switches.csv --svg eta.svg", ""),
+]))]
 pub(in crate::cli) struct EtaArguments {
     /// Switches (CSV)
     switches: PathBuf,
@@ -45,7 +48,7 @@ pub(in crate::cli) struct EtaArguments {
     #[arg(long, value_name = "PHI", default_value_t = coordination::Settings::default().initial_stubbornness, value_parser = number(&INITIAL_STUBBORNNESS), allow_negative_numbers = true)]
     initial_stubbornness: f64,
     /// Draw every participant's episodes and eta into this SVG file
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = svg_file)]
     svg: Option<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArguments,

@@ -4,7 +4,8 @@
 use super::worlds::{inputs, options};
 use crate::cli::model::BeliefArguments;
 use crate::cli::output::{
-    Failure, OverwriteArguments, Progress, input, print, print_json, table, table_text, write_file,
+    Failure, OverwriteArguments, Progress, examples, input, print, print_json, svg_file, table, table_text,
+    write_file,
 };
 use crate::cli::reproduce::Common;
 use crate::fit::{
@@ -26,6 +27,9 @@ use std::path::PathBuf;
 /// file of answers, or a built-in world; `option` is the name of an option there. Other columns, and lines
 /// that begin with #, are ignored.
 #[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry fit risk-weight answers.csv --svg answers.svg", ""),
+]))]
 pub(in crate::cli) struct RiskWeightArguments {
     /// Answers (CSV)
     answers: PathBuf,
@@ -48,7 +52,7 @@ pub(in crate::cli) struct RiskWeightArguments {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Draw answers and fit into this SVG file
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = svg_file)]
     svg: Option<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArguments,

@@ -1,7 +1,7 @@
 //! `cocarry reproduce all --report FOLDER`: a report with every claim, table and picture of the paper beside
 //! ours.
 
-use super::super::output::{Failure, Progress, input, print, print_json, unwritten};
+use super::super::output::{Failure, Progress, examples, input, print, print_json, unwritten};
 use super::super::robot::load_robot;
 use super::common::Common;
 use crate::output_file::{OutputFile, Outputs};
@@ -13,6 +13,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 #[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry reproduce all --report report", "the page is report/report.html"),
+]))]
 pub(in super::super) struct AllArguments {
     #[command(flatten)]
     common: Common,
@@ -28,6 +31,12 @@ pub(in super::super) struct AllArguments {
     /// Random worlds in the search for locked cycles [default: 10000]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     worlds: Option<u64>,
+    /// Random worlds with bodies [default: 200]
+    #[arg(long, value_name = "WORLDS", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    worlds_with_bodies: Option<u64>,
+    /// Walks with bodies through each of 9 openings from each of 3 angles [default: 30]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    walks: Option<u64>,
     /// Seed of everything random
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -48,6 +57,8 @@ pub(super) fn run(arguments: &AllArguments) -> Result<(), Failure> {
     given(&mut plan.episodes, arguments.episodes);
     given(&mut plan.humans, arguments.humans);
     given(&mut plan.worlds, arguments.worlds);
+    given(&mut plan.worlds_with_bodies, arguments.worlds_with_bodies);
+    given(&mut plan.walks, arguments.walks);
     plan.seed = arguments.seed;
 
     let begun = Instant::now();

@@ -1,20 +1,23 @@
 //! `cocarry reproduce contacts`: how often a team with bodies touches the sides of an opening, against the
 //! paper's risk S.
 
-use super::super::output::{Failure, Progress, input, print, print_json, table, table_text};
+use super::super::output::{Failure, Progress, examples, input, print, print_json, table, table_text};
 use super::super::robot::{SwayArguments, sway_of};
 use super::common::Common;
 use crate::episode::Settings;
-use crate::paper::contacts::{ANGLES, ContactRow, Study};
+use crate::paper::contacts::{ANGLES, ContactRow, Study, WALKS};
 use clap::Args;
 use serde_json::json;
 
 #[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry reproduce contacts --walks 20", ""),
+]))]
 pub(in super::super) struct ContactsArguments {
     #[command(flatten)]
     common: Common,
     /// Walks through each opening from each of three angles, each with its own gait
-    #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    #[arg(long, default_value_t = WALKS as u64, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     walks: u64,
     /// Seed of the first gait; the others follow it
     #[arg(long, default_value_t = 0)]
@@ -47,10 +50,8 @@ pub(super) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
 
 fn text(rows: &[ContactRow], sway: f64) -> String {
     let angles = ANGLES.map(|angle| format!("at {angle} deg"));
-    let mut shown =
-        table(["risk S", "width (m)", "walks", "contact", "robot", "object", "human", "clear (cm)"], 0);
     let headings = ["risk S", "width (m)", "walks", "contact", "robot", "object", "human"].map(str::to_owned);
-    shown.set_header(headings.into_iter().chain(angles).chain(["clear (cm)".to_owned()]));
+    let mut shown = table(headings.into_iter().chain(angles).chain(["clear (cm)".to_owned()]), 0);
     for row in rows {
         let touched: usize = row.touched.iter().sum();
         let share = |n: usize, of: usize| format!("{:.0} %", 100.0 * n as f64 / of as f64);
@@ -64,9 +65,6 @@ fn text(rows: &[ContactRow], sway: f64) -> String {
         cells.extend(row.touched_by_angle.map(|n| share(n, row.walks / ANGLES.len())));
         cells.push(if row.free > 0 { format!("{:.1}", 100.0 * row.clearance) } else { "-".to_owned() });
         shown.add_row(cells);
-    }
-    for column in shown.column_iter_mut() {
-        column.set_cell_alignment(comfy_table::CellAlignment::Right);
     }
     let other: usize = rows.iter().map(|r| r.other).sum();
     let mut text = format!(

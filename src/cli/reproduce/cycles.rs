@@ -1,6 +1,8 @@
 //! `cocarry reproduce cycles`: random worlds and humans, with the team as a point or with bodies.
 
-use super::super::output::{Failure, OverwriteArguments, Progress, input, print, print_json, write_file};
+use super::super::output::{
+    Failure, OverwriteArguments, Progress, examples, input, print, print_json, write_file,
+};
 use super::super::robot::{SwayArguments, sway_of};
 use super::super::settings::plants;
 use super::common::Common;
@@ -15,6 +17,9 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry reproduce cycles --worlds 100", ""),
+]))]
 pub(in super::super) struct CyclesArguments {
     #[command(flatten)]
     common: Common,

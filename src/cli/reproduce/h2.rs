@@ -1,7 +1,8 @@
 //! `cocarry reproduce h2`: Table II and the Environment 4 example, with the team as a point or with bodies.
 
 use super::super::output::{
-    Failure, OverwriteArguments, Progress, input, print, print_json, table_with_notes, write_file,
+    Failure, OverwriteArguments, Progress, examples, input, print, print_json, svg_file, table_with_notes,
+    write_file,
 };
 use super::super::robot::{SwayArguments, sway_of};
 use super::super::settings::plants;
@@ -17,6 +18,10 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 
 #[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry reproduce h2 --svg example.svg", "Table II, and the Environment 4 example"),
+    ("cocarry reproduce h2 --humans 20", "on the physical plant, with 20 random humans"),
+]))]
 pub(in super::super) struct H2Arguments {
     #[command(flatten)]
     common: Common,
@@ -32,7 +37,7 @@ pub(in super::super) struct H2Arguments {
     #[command(flatten)]
     sway: SwayArguments,
     /// Draw the Environment 4 example (trajectories, stubbornness) into this SVG file
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["humans", "sway"])]
+    #[arg(long, value_name = "FILE", value_parser = svg_file, conflicts_with_all = ["humans", "sway"])]
     svg: Option<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArguments,

@@ -1,7 +1,8 @@
 //! `cocarry reproduce h3`: Table III beside the paper's, and further measurements.
 
 use super::super::output::{
-    Failure, OverwriteArguments, Progress, input, print, print_json, table_with_notes, warn, write_file,
+    Failure, OverwriteArguments, Progress, examples, input, print, print_json, svg_file, table_with_notes,
+    warn, write_file,
 };
 use super::super::robot::load_robot;
 use super::super::settings::plants;
@@ -16,6 +17,9 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry reproduce h3 --episodes 5", "few episodes: a first look in a short time"),
+]))]
 pub(in super::super) struct H3Arguments {
     #[command(flatten)]
     common: Common,
@@ -38,7 +42,7 @@ pub(in super::super) struct H3Arguments {
     #[arg(long, value_name = "FILE")]
     humans: Option<PathBuf>,
     /// Draw all cost ratios into this SVG file
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = svg_file)]
     svg: Option<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArguments,

@@ -9,7 +9,7 @@ mod h3;
 
 pub(super) use common::Common;
 
-use super::output::{Failure, input, print, print_json, table_with_notes};
+use super::output::{Failure, examples, input, print, print_json, table_with_notes};
 use crate::episode::Settings;
 use crate::paper::h1;
 use crate::report::table_1;
@@ -37,6 +37,9 @@ pub(super) enum Claim {
 }
 
 #[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry reproduce h1", ""),
+]))]
 pub(super) struct H1Arguments {
     #[command(flatten)]
     common: Common,

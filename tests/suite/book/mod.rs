@@ -215,7 +215,8 @@ impl<'a> Workplace<'a> {
 
     fn run(&self, arguments: &[String]) -> Output {
         let mut program = Command::new(env!("CARGO_BIN_EXE_cocarry"));
-        let output = program.args(arguments).current_dir(self.folder.path()).output().expect("it starts");
+        program.args(arguments).env_remove("COLUMNS").current_dir(self.folder.path());
+        let output = program.output().expect("it starts");
         assert!(output.status.success(), "{}: cocarry {arguments:?}: {}", self.page, stderr(&output));
         output
     }

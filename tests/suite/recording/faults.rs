@@ -94,7 +94,7 @@ fn survives(bytes: &[u8], folder: &Path) {
 fn seeds_of_the_fuzz_targets_are_read_or_refused() {
     let folder = tempfile::tempdir().unwrap();
     let seeds = |target: &str| {
-        let seeds = std::fs::read_dir(repository("tests/fuzz/seeds").join(target)).unwrap();
+        let seeds = std::fs::read_dir(repository("tests/fixtures/fuzz").join(target)).unwrap();
         seeds.map(|seed| std::fs::read(seed.unwrap().path()).unwrap()).collect::<Vec<_>>()
     };
     seeds("recording").iter().for_each(|bytes| survives(bytes, folder.path()));

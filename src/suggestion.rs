@@ -1,0 +1,91 @@
+//! "Did you mean": the known name that is most like a mistyped one.
+
+use std::path::Path;
+
+/// The least similarity of a suggestion, from 0 (nothing in common) to 1 (the same).
+const LEAST_SIMILARITY: f64 = 0.78;
+
+/// The largest number of files that are compared with a name that does not exist.
+const MOST_FILES: usize = 1000;
+
+/// The known name that is most like `name`. What a name has in parentheses is not compared.
+pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let stem = |name: &str| name.split('(').next().unwrap_or_default().to_lowercase();
+    let similarity = |other: &str| {
+        let (name, other) = (stem(name), stem(other));
+        // one slip of the finger, also in a short name
+        let is_slip = name.len() > 2 && strsim::osa_distance(&name, &other) == 1;
+        strsim::jaro(&name, &other).max(if is_slip { LEAST_SIMILARITY } else { 0.0 })
+    };
+    let near = known.into_iter().map(|other| (similarity(other), other));
+    let near = near.filter(|(similarity, other)| *similarity >= LEAST_SIMILARITY && *other != name);
+    // the first of equals
+    near.fold(None, |best: Option<(f64, &str)>, next| Some(best.filter(|b| b.0 >= next.0).unwrap_or(next)))
+        .map(|(_, other)| other)
+}
+
+/// The end of an error about `name`: "; did you mean `OTHER`?", or nothing.
+pub fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    nearest(name, known).map_or(String::new(), |other| format!("; did you mean `{other}`?"))
+}
+
+/// [`hint`] for an error that lists the known names, each in quotes or backticks.
+pub fn hint_of_listed(name: &str, listed: &str) -> String {
+    let quote = if listed.contains('`') { '`' } else { '"' };
+    hint(name, listed.split(quote).skip(1).step_by(2))
+}
+
+/// [`hint`] for a list of known names with commas.
+pub fn hint_of_list(name: &str, list: &str) -> String {
+    hint(name, list.split(", "))
+}
+
+/// [`hint`] for an error of a parser, such as "unknown field `a`, expected one of `b`, `c`".
+pub fn hint_of_error(error: &str) -> String {
+    let unknown = error.strip_prefix("unknown ").and_then(|rest| rest.split_once(", expected "));
+    let unknown = unknown.and_then(|(found, listed)| Some((found.split('`').nth(1)?, listed)));
+    unknown.map_or(String::new(), |(name, listed)| hint_of_listed(name, listed))
+}
+
+/// [`hint`] for a file that does not exist: the names of the files beside it.
+pub fn hint_of_files(path: &Path) -> String {
+    let Some(name) = path.file_name() else { return String::new() };
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let entries = std::fs::read_dir(folder).into_iter().flatten().take(MOST_FILES).flatten();
+    let mut files: Vec<String> =
+        entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    files.sort();
+    hint(&name.to_string_lossy(), files.iter().map(String::as_str))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mistyped_name_finds_the_right_one_and_another_none() {
+        let worlds = ["environment-1", "environment-2", "environment-3", "environment-4", "free-form"];
+        for (name, expected) in [
+            ("environmnt-4", Some("environment-4")),
+            ("Environment-2", Some("environment-2")),
+            ("enviroment3", Some("environment-3")),
+            ("freeform", Some("free-form")),
+            ("kitchen", None),
+            ("", None),
+            ("free-form", None),
+        ] {
+            assert_eq!(nearest(name, worlds), expected, "{name}");
+        }
+        let models = ["preference", "boltzmann(RATIONALITY)"];
+        assert_eq!(nearest("boltzman(2)", models), Some("boltzmann(RATIONALITY)"));
+    }
+
+    #[test]
+    fn hints_read_the_names_that_an_error_lists() {
+        let error = "unknown field `nmae`, expected one of `note`, `name`, `start_m`";
+        assert_eq!(hint_of_error(error), "; did you mean `name`?");
+        assert_eq!(hint_of_error("missing field `name`"), "");
+        assert_eq!(hint_of_listed("rapie", r#"one of "point", "rapier""#), "; did you mean `rapier`?");
+        assert_eq!(hint_of_list("eat", "worlds, eta, method"), "; did you mean `eta`?");
+    }
+}

@@ -1,0 +1,96 @@
+//! Mistyped names: every error says what was probably meant.
+
+use crate::support::{cocarry, stderr};
+
+/// Runs the program in a folder with the files given, and checks that it ends with 2 and says something.
+fn says(files: &[(&str, &str)], arguments: &[&str], said: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_cocarry"));
+    let output = program.args(arguments).env_remove("COLUMNS").current_dir(folder.path()).output().unwrap();
+    let error = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+    assert!(error.contains(said), "{arguments:?}: {said:?} is missing from:\n{error}");
+    assert!(output.stdout.is_empty());
+}
+
+#[test]
+fn mistyped_values_of_arguments_have_a_suggestion() {
+    for (arguments, said) in [
+        (&["run", "environmnt-4"][..], "did you mean `environment-4`?"),
+        (&["world", "Environment-2"], "did you mean `environment-2`?"),
+        (&["run", "--plant", "kinematik"], "'kinematic'"),
+        (&["run", "--method", "mutal"], "'mutual'"),
+        (&["run", "--pose", "whole_body"], "'whole-body'"),
+        (&["run", "--posture", "elbow-upp"], "did you mean `elbow-up`?"),
+        (&["run", "--human", "boltzman(2)"], "did you mean `boltzmann(RATIONALITY)`?"),
+        (&["run", "--human", "preferences"], "did you mean `preference`?"),
+        (&["run", "--sed", "3"], "'--seed'"),
+        (&["export", "environment4"], "'environment-4'"),
+        (&["export", "carier"], "'carrier'"),
+        (&["regres"], "'regress'"),
+    ] {
+        says(&[], arguments, said);
+    }
+    says(&[], &["run", "--robot", "carrier"], "the built-in robot is the default");
+}
+
+#[test]
+fn mistyped_files_have_the_name_of_a_file_beside_them() {
+    let study = "worlds = \"environment-1\"\nplants = \"point\"\n";
+    says(&[("kitchen.toml", "")], &["run", "kitchn.toml"], "did you mean `kitchen.toml`?");
+    says(&[("robot.toml", "")], &["run", "--robot", "robbot.toml"], "did you mean `robot.toml`?");
+    says(&[("study.toml", study)], &["sweep", "studdy.toml"], "did you mean `study.toml`?");
+    says(&[("answers.csv", "")], &["fit", "risk-weight", "answer.csv"], "did you mean `answers.csv`?");
+}
+
+#[test]
+fn mistyped_keys_and_values_of_files_have_a_suggestion() {
+    let study = |line: &str| format!("worlds = \"environment-1\"\n{line}\n");
+    for (line, said) in [
+        ("sedds = 3", "did you mean `seeds`?"),
+        ("metods = \"mutual\"", "did you mean `methods`?"),
+        ("methods = \"mutuall\"", "did you mean `mutual`?"),
+        ("plants = \"rapir\"", "did you mean `rapier`?"),
+        ("humans = \"papre\"", "did you mean `paper`?"),
+        ("human_model = \"boltzman(3)\"", "did you mean `boltzmann(RATIONALITY)`?"),
+        ("postures = \"elbowup\"", "did you mean `elbow-up`?"),
+        ("robots = \"biult-in\"", "did you mean `built-in`?"),
+    ] {
+        says(&[("s.toml", &study(line))], &["sweep", "s.toml"], said);
+    }
+    let mistyped = "worlds = \"enviroment-1\"\n";
+    says(&[("s.toml", mistyped)], &["sweep", "s.toml"], "did you mean `environment-1`?");
+    let world = "nmae = \"w\"\nrobot_width_m = 0.5\nstart_m = [0, 0]\ntarget_m = [2, 0]\n";
+    says(&[("w.toml", world)], &["world", "w.toml"], "did you mean `name`?");
+    let shape = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [0, 0]\ntarget_m = [2, 0]\n\
+        [[obstacle]]\nname = \"a\"\nshape = \"cilinder\"\nheight_m = 1.0\n";
+    says(&[("w.toml", shape)], &["world", "w.toml"], "did you mean `cylinder`?");
+    let opening = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [0, 0]\ntarget_m = [5, 0]\n\
+        [[obstacle]]\nname = \"island\"\nshape = \"cylinder\"\ncenter_m = [3, 3]\nradius_m = 1.0\nheight_m = 1.0\n\
+        [[opening]]\nname = \"o\"\nbetween = [\"islnad\", \"wall\"]\n";
+    says(&[("w.toml", opening)], &["world", "w.toml"], "did you mean `island`?");
+}
+
+#[test]
+fn a_name_like_none_has_no_suggestion() {
+    let output = cocarry(&["run", "zebra"]);
+    let error = stderr(&output);
+    assert!(error.contains("no such world") && !error.contains("did you mean"), "{error}");
+}
+
+#[test]
+fn an_ending_that_is_not_what_is_written_is_refused() {
+    for arguments in [
+        &["run", "--svg", "a.png"][..],
+        &["world", "environment-1", "--svg", "map"],
+        &["reproduce", "h2", "--svg", "a.pdf"],
+        &["run", "--record", "a.bag"],
+        &["run", "--render", "a.mp4"],
+        &["run", "--ticks", "a.xlsx"],
+    ] {
+        says(&[], arguments, "end");
+    }
+}
