@@ -13,6 +13,7 @@ use std::borrow::Cow;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
 /// The reason why a command stopped, which gives the exit code.
@@ -241,11 +242,21 @@ impl Progress {
 /// Does work of unknown length. A line with the time spent appears after two seconds, and only if standard
 /// error is a terminal.
 pub(super) fn patiently<T>(what: &str, work: impl FnOnce() -> T) -> T {
-    let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
-    let line = ProgressBar::new_spinner().with_message(what.to_owned());
-    line.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
-    line.enable_steady_tick(Duration::from_secs(2));
-    let result = work();
-    line.finish_and_clear();
-    result
+    const PATIENCE: Duration = Duration::from_secs(2);
+    std::thread::scope(|scope| {
+        let (done, is_done) = std::sync::mpsc::channel::<()>();
+        scope.spawn(move || {
+            if is_done.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
+                let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
+                let line = ProgressBar::new_spinner().with_message(what.to_owned()).with_elapsed(PATIENCE);
+                line.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+                line.enable_steady_tick(Duration::from_millis(500));
+                // until the sender is dropped
+                is_done.recv().unwrap_or_default();
+                line.finish_and_clear();
+            }
+        });
+        let _done = done;
+        work()
+    })
 }

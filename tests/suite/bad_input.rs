@@ -88,7 +88,7 @@ fn a_missing_file() {
     assert_eq!(output.status.code(), Some(2));
     let error = stderr(&output);
     assert!(error.contains("worlds/no-such-world.toml") && error.contains("environment-1"), "{error}");
-    assert_eq!(error.matches("No such file").count(), 1, "{error}");
+    assert_eq!(error.matches("no such world").count(), 1, "{error}");
 }
 
 #[test]

@@ -25,7 +25,7 @@ fn what_is_wrong_in_a_study_is_named() {
     spoil("seeds = 6", "seeds = { first = 7, last = 6 }", &["study.toml:8: seeds = { first = 7, last = 6 }"]);
     spoil("seeds = 6", "seeds = [1, 2]", &["study.toml:8: seeds = [1, 2]", "first = 100"]);
     spoil(worlds, "", &["study.toml:1: study: worlds is missing"]);
-    spoil(worlds, "worlds = []", &["study.toml:3: worlds = []", "environment-1"]);
+    spoil(worlds, "worlds = []", &["study.toml:3: worlds = []", "built-in world"]);
     spoil(worlds, "worlds = \"environment-5\"", &["study.toml:3: worlds: environment-5: no such world"]);
     spoil("\"environment-4\"]", "\"environment-1\"]", &["study.toml:3: worlds: duplicate \"environment-1\""]);
     spoil("[5, 10.5]", "[5,\n -1]", &["study.toml:7: eta = -1", "greater than 0 and at most 1000000"]);
