@@ -4,7 +4,6 @@ use crate::error::{RobotError, ScenarioError, WorldError, raise};
 use cocarry::drawing;
 use cocarry::human::PreferenceChange;
 use cocarry::options::OptionSet;
-use cocarry::paper;
 use cocarry::preference::{Belief, Marginal, Perception, Predictor, RISK_WEIGHT, WeightedSample};
 use cocarry::robot;
 use cocarry::scenario::{
@@ -25,15 +24,7 @@ pub struct World {
 }
 
 fn load_world(path: &Path) -> PyResult<world::World> {
-    let built_in = path.to_str().and_then(paper::environment).filter(|_| !path.exists());
-    let world = built_in.map_or_else(|| world::World::load(path), |environment| environment.world());
-    world.map_err(|error| match path.exists() || built_in.is_some() {
-        true => raise::<WorldError>(&error),
-        false => WorldError::new_err(format!(
-            "no such world; expected a world file or a built-in world, environment-1 to environment-4: {}",
-            crate::error::words(&error)
-        )),
-    })
+    world::World::find(path, &path.to_string_lossy()).map_err(|error| raise::<WorldError>(&error))
 }
 
 #[pymethods]
