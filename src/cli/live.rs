@@ -8,8 +8,8 @@ use std::net::SocketAddr;
 pub(super) struct LiveArguments {
     /// Serve the messages that --record writes over WebSocket while the episode runs, for Foxglove [default
     /// address: 127.0.0.1:8765, for programs on this computer]; 0.0.0.0:8765 serves every computer that can
-    /// reach this one. Whoever reaches the address can watch, also web pages in a browser there, whatever site
-    /// they are from; viewers cannot change anything. Needs the cargo feature `live`
+    /// reach this one. Programs that reach the address can watch, and web pages of allowed origins; viewers
+    /// cannot change anything. Needs the cargo feature `live`
     #[arg(
         long,
         value_name = "ADDRESS:PORT",
@@ -19,6 +19,10 @@ pub(super) struct LiveArguments {
         value_parser = address
     )]
     pub live: Option<SocketAddr>,
+    /// Allow web pages of this origin to watch, such as `https://viewer.example.org`; `*` allows all. Pages of
+    /// this computer, <https://app.foxglove.dev> and desktop programs always may
+    #[arg(long, value_name = "ORIGIN", requires = "live", value_parser = origin)]
+    pub live_origin: Vec<String>,
     /// Simulated seconds per second of real time, from 0.01 to 1000
     #[arg(long, value_name = "R", requires = "live", default_value_t = 1.0, value_parser = rate)]
     pub live_rate: f64,
@@ -37,4 +41,13 @@ fn address(text: &str) -> Result<SocketAddr, String> {
 fn rate(text: &str) -> Result<f64, String> {
     let rate = text.parse().ok().filter(|rate| (0.01..=1000.0).contains(rate));
     rate.ok_or_else(|| "must be a number from 0.01 to 1000".to_owned())
+}
+
+fn origin(text: &str) -> Result<String, String> {
+    let host = text.split_once("://").map(|(_, host)| host);
+    let is_origin =
+        text == "*" || host.is_some_and(|host| !host.is_empty() && !host.contains(['/', ' ', '*']));
+    is_origin.then(|| text.to_owned()).ok_or_else(|| {
+        "must be a scheme and a host without a path, such as https://viewer.example.org, or *".to_owned()
+    })
 }

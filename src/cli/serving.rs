@@ -38,7 +38,8 @@ impl<'a> Serving<'a> {
     ) -> Result<Option<Self>, Failure> {
         let Some(address) = arguments.live else { return Ok(None) };
         let mut encoder = Encoder::new(stage);
-        let mut server = LiveServer::start(address, &encoder.channels(episode)).map_err(failure)?;
+        let mut server = LiveServer::start(address, &arguments.live_origin, &encoder.channels(episode))
+            .map_err(failure)?;
         let messages = encoder.begin(episode);
         server.send(messages);
         let (rate, waits) = (arguments.live_rate, arguments.live_wait);

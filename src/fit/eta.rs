@@ -12,6 +12,10 @@ use super::lognormal::{self, LogNormal, NoInterval};
 use super::set::{Set, hull, intersection};
 use serde::Serialize;
 
+/// The number of participants who switched, besides others who did not, up to which the interval of the median
+/// is wider than it need be.
+const FEW_BOUNDED: usize = 4;
+
 /// A participant's eta.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Eta {
@@ -76,6 +80,9 @@ pub struct EtaFit {
     pub median_interval: Option<[f64; 2]>,
     /// The reason for the missing interval.
     pub no_interval: Option<NoInterval>,
+    /// Whether the interval rests on so few participants who switched that it contains the median more often
+    /// than in 95 % of the studies (`book/src/results.md`, "Coverage of the fits").
+    pub is_cautious: bool,
     /// Whether any participant's episodes contradict each other. eta is then not taken to be constant between
     /// episodes.
     pub is_scattered: bool,
@@ -109,9 +116,11 @@ pub fn fit_eta(switches: &[Switch]) -> EtaFit {
         Ok((overall, interval)) => (Some(overall), interval),
         Err(reason) => (None, Err(reason)),
     };
+    let bounded = known.iter().filter(|sets| sets.iter().any(lognormal::is_bounded)).count();
     EtaFit {
         participants,
         overall,
+        is_cautious: interval.is_ok() && bounded < known.len() && bounded <= FEW_BOUNDED,
         median_interval: interval.ok(),
         no_interval: interval.err(),
         is_scattered,

@@ -1,14 +1,15 @@
 //! A live server: the messages of a running episode for viewers over WebSocket.
 //!
-//! Only this file uses Foxglove's server. The server has its own threads, which only wait for viewers and
+//! Only this file uses Foxglove's server, behind a gate that checks where web pages come from. The server has its own threads, which only wait for viewers and
 //! send queued messages: viewers do not influence the episode.
 
+use super::gate::{Gate, hidden_host};
 use super::{Channel, Message};
 use foxglove::websocket::{Capability, ChannelView, Client, ServerListener};
 use foxglove::{Context, FoxgloveError, PartialMetadata, RawChannel, SinkId, WebSocketServerHandle};
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
-use std::net::SocketAddr;
+use std::net::{SocketAddr, TcpListener};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
 use std::time::Duration;
 use thiserror::Error;
@@ -41,12 +42,12 @@ pub enum LiveError {
 /// A server of an episode's messages. On every topic, a late subscriber first receives the latest message,
 /// then all later ones.
 ///
-/// Whoever can reach the address may read the messages, and so may every web page that is open in a browser
-/// there: Foxglove's server does not check the origin of a connection. Viewers cannot change anything.
+/// Programs that can reach the address may read the messages. Of web pages in a browser there, only those of
+/// this computer, of Foxglove and of the origins that are given may. Viewers cannot change anything.
 pub struct LiveServer {
     topics: Arc<Topics>,
     server: WebSocketServerHandle,
-    address: SocketAddr,
+    gate: Gate,
     time: u64,
     /// The context, which keeps the server's channels alive.
     _context: Arc<Context>,
@@ -62,18 +63,19 @@ struct Topic {
 }
 
 impl LiveServer {
-    /// A server of these channels at an address of this computer. Port 0 selects a free port.
+    /// A server of these channels at an address of this computer. Port 0 selects a free port. Web pages from
+    /// `origins`, such as `https://viewer.example.org`, may connect; `*` allows all.
     ///
     /// # Errors
     /// [`LiveError`]: the address is not available.
-    pub fn start(address: SocketAddr, channels: &[Channel]) -> Result<Self, LiveError> {
-        let listen = |error| match error {
-            FoxgloveError::Bind(error) if error.kind() == ErrorKind::AddrInUse => {
-                LiveError::InUse { address }
-            }
-            FoxgloveError::Bind(source) => LiveError::Listen { address, source },
-            other => LiveError::Listen { address, source: std::io::Error::other(other) },
+    pub fn start(address: SocketAddr, origins: &[String], channels: &[Channel]) -> Result<Self, LiveError> {
+        let refused = |error: std::io::Error| match error.kind() {
+            ErrorKind::AddrInUse => LiveError::InUse { address },
+            _ => LiveError::Listen { address, source: error },
         };
+        let listen =
+            |error: FoxgloveError| LiveError::Listen { address, source: std::io::Error::other(error) };
+        let listener = TcpListener::bind(address).map_err(refused)?;
         let context = Context::new();
         let mut topics = BTreeMap::new();
         for channel in channels {
@@ -84,26 +86,23 @@ impl LiveServer {
             topics.insert(*channel, topic);
         }
         let topics = Arc::new(Topics(Mutex::new(topics)));
-        let host = match address {
-            SocketAddr::V4(address) => address.ip().to_string(),
-            SocketAddr::V6(address) => format!("[{}]", address.ip()),
-        };
+        let host = hidden_host();
         let server = context
             .websocket_server()
             .name("cocarry")
             .capabilities([Capability::Time])
             .message_backlog_size(BACKLOG)
             .listener(topics.clone())
-            .bind(host, address.port())
+            .bind(host.to_string(), 0)
             .start_blocking()
             .map_err(listen)?;
-        let address = SocketAddr::new(address.ip(), server.port());
-        Ok(Self { topics, server, address, time: 0, _context: context })
+        let gate = Gate::open(listener, (host, server.port()).into(), origins).map_err(refused)?;
+        Ok(Self { topics, server, gate, time: 0, _context: context })
     }
 
     /// The address of the server.
     pub fn address(&self) -> SocketAddr {
-        self.address
+        self.gate.address()
     }
 
     /// The number of connected viewers.

@@ -53,6 +53,8 @@ mod error;
 mod events;
 mod file;
 mod frames;
+#[cfg(feature = "live")]
+mod gate;
 mod human;
 #[cfg(feature = "live")]
 mod live;

@@ -147,6 +147,18 @@ fn few_switches_determine_no_median() {
 }
 
 #[test]
+fn intervals_from_few_switches_are_called_cautious() {
+    let cautious = |censored: f64| {
+        let fits = (0..60).map(|seed| study(&Design { people: 8, censored, ..ONCE }, seed).0);
+        let stated: Vec<EtaFit> = fits.filter(|fit| fit.median_interval.is_some()).collect();
+        (stated.iter().filter(|fit| fit.is_cautious).count(), stated.len())
+    };
+    assert_eq!(cautious(0.0), (0, 60));
+    let (few, of) = cautious(0.7);
+    assert!(of > 30 && 4 * few > 3 * of, "{few} of {of}");
+}
+
+#[test]
 #[ignore = "takes minutes; prints the table of the book"]
 fn coverage_of_the_median_eta() {
     let print = |design: &Design, studies: u64| {

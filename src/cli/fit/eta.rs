@@ -86,6 +86,7 @@ pub(super) fn run(arguments: &EtaArguments) -> Result<(), Failure> {
             "overall": fit.overall,
             "median_interval": fit.median_interval,
             "no_interval": fit.no_interval,
+            "is_cautious": fit.is_cautious,
             "is_scattered": fit.is_scattered,
             "unexplained_lines": fit.unexplained_lines,
             "initial_stubbornness": phi,
@@ -131,6 +132,9 @@ fn text(fit: &EtaFit) -> String {
             fit.median_interval
                 .map_or("no interval".to_owned(), |ends| format!("95 % interval {}", interval(ends)))
         );
+    }
+    if fit.is_cautious {
+        text += "So few participants switched that the interval is cautious: in simulated studies, such intervals\ncontain the median in up to 100 %, not in 95 %.\n";
     }
     if let Some(reason) = no_interval(fit) {
         let _ = writeln!(text, "All: {reason}.");

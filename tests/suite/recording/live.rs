@@ -206,7 +206,7 @@ fn ctrl_c_ends_the_wait_for_a_viewer_who_does_not_come() {
 /// without end.
 #[test]
 fn a_viewer_who_stalls_does_not_hold_up_anything() {
-    let mut server = LiveServer::start("127.0.0.1:0".parse().unwrap(), &Channel::ALL).unwrap();
+    let mut server = LiveServer::start("127.0.0.1:0".parse().unwrap(), &[], &Channel::ALL).unwrap();
     let mut viewer = Viewer::connect(&server.address().to_string());
     viewer.subscribe();
     while !server.is_watched() {
@@ -220,6 +220,46 @@ fn a_viewer_who_stalls_does_not_hold_up_anything() {
     }
     server.stop();
     assert!(begun.elapsed() < Duration::from_secs(10), "{:?}", begun.elapsed());
+}
+
+/// The first line of the answer to a request to open a WebSocket, with these more headers.
+fn answer(address: &str, headers: &str) -> String {
+    let mut socket = TcpStream::connect(address).unwrap();
+    socket.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    let request = format!(
+        "GET / HTTP/1.1\r\nHost: {address}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n\
+         Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: foxglove.sdk.v1\r\n{headers}\r\n"
+    );
+    socket.write_all(request.as_bytes()).unwrap();
+    let mut line = String::new();
+    BufReader::new(socket).read_line(&mut line).unwrap();
+    line
+}
+
+#[test]
+fn web_pages_watch_only_from_allowed_origins() {
+    let arguments = ["--plant", "point", "--live-wait", "--live-origin", "https://viewer.example.org"];
+    let (mut child, _said, address) = serving(&arguments);
+    for good in [
+        "",
+        "Origin: https://viewer.example.org\r\n",
+        "origin: http://localhost:8080\r\n",
+        "Origin: https://app.foxglove.dev\r\n",
+        "Origin: file://\r\n",
+    ] {
+        assert!(answer(&address, good).contains(" 101 "), "{good:?}: {}", answer(&address, good));
+    }
+    for bad in [
+        "Origin: https://example.org\r\n",
+        "Origin: null\r\n",
+        "ORIGIN:https://viewer.example.org.evil.example\r\n",
+        "Origin: http://localhost.evil.example\r\n",
+        "Origin: http://localhost\r\nOrigin: https://evil.example\r\n",
+    ] {
+        assert!(answer(&address, bad).contains(" 403 "), "{bad:?}: {}", answer(&address, bad));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
 }
 
 #[test]

@@ -1,0 +1,186 @@
+//! The gate in front of the live server, which refuses web pages from origins that are not allowed.
+//!
+//! Foxglove's server does not look at the origin of a connection (RFC 6454). It listens at an address of the
+//! loopback network that is not told to anyone, and the gate passes on the connections that it accepts.
+
+use std::collections::hash_map::RandomState;
+use std::hash::{BuildHasher, Hasher};
+use std::io::{self, ErrorKind, Read, Write};
+use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// The largest head of a request, bytes, and the longest time to wait for it.
+const MOST_HEAD_BYTES: usize = 16 << 10;
+const HEAD_PATIENCE: Duration = Duration::from_secs(5);
+/// The largest number of connections at a time.
+const MOST_CONNECTIONS: usize = 64;
+/// Viewers that are always allowed, beside pages from this computer: Foxglove in a browser, and desktop
+/// programs.
+const VIEWERS: [&str; 2] = ["https://app.foxglove.dev", "file://"];
+
+/// The open gate; it closes, with all connections, when this is dropped.
+pub(super) struct Gate {
+    address: SocketAddr,
+    doors: Arc<Doors>,
+}
+
+struct Doors {
+    server: SocketAddr,
+    /// Allowed origins, beside those that always are; `*` allows all.
+    origins: Vec<String>,
+    is_open: AtomicBool,
+    connections: AtomicUsize,
+    streams: Mutex<Vec<TcpStream>>,
+}
+
+impl Gate {
+    /// Passes the connections that `listener` accepts on to `server`.
+    pub fn open(listener: TcpListener, server: SocketAddr, origins: &[String]) -> io::Result<Self> {
+        let address = listener.local_addr()?;
+        let doors = Arc::new(Doors {
+            server,
+            origins: origins.to_vec(),
+            is_open: AtomicBool::new(true),
+            connections: AtomicUsize::new(0),
+            streams: Mutex::new(Vec::new()),
+        });
+        let of_thread = doors.clone();
+        std::thread::spawn(move || {
+            for viewer in listener.incoming() {
+                if !of_thread.is_open.load(Ordering::SeqCst) {
+                    break;
+                }
+                let Ok(viewer) = viewer else { continue };
+                let doors = of_thread.clone();
+                std::thread::spawn(move || {
+                    if doors.connections.fetch_add(1, Ordering::SeqCst) < MOST_CONNECTIONS {
+                        // a connection that breaks concerns its viewer only
+                        let _ = doors.pass(viewer);
+                    }
+                    doors.connections.fetch_sub(1, Ordering::SeqCst);
+                });
+            }
+        });
+        Ok(Self { address, doors })
+    }
+
+    /// The address of the gate.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+}
+
+impl Drop for Gate {
+    fn drop(&mut self) {
+        self.doors.is_open.store(false, Ordering::SeqCst);
+        for stream in self.doors.streams().drain(..) {
+            let _ = stream.shutdown(Shutdown::Both);
+        }
+        // wakes the thread that waits for connections
+        let mut address = self.address;
+        if address.ip().is_unspecified() {
+            address.set_ip(Ipv4Addr::LOCALHOST.into());
+        }
+        let _ = TcpStream::connect_timeout(&address, Duration::from_millis(200));
+    }
+}
+
+impl Doors {
+    fn streams(&self) -> std::sync::MutexGuard<'_, Vec<TcpStream>> {
+        self.streams.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Passes one connection on, if its origin is allowed, until either side closes it.
+    fn pass(&self, mut viewer: TcpStream) -> io::Result<()> {
+        let head = read_head(&mut viewer)?;
+        if let Some(origin) = self.refused(&head) {
+            let why = format!("{origin}: not an allowed origin; see --live-origin\n");
+            let length = why.len();
+            let answer = format!(
+                "HTTP/1.1 403 Forbidden\r\nContent-Type: text/plain\r\nContent-Length: {length}\r\nConnection: close\r\n\r\n{why}"
+            );
+            return viewer.write_all(answer.as_bytes());
+        }
+        viewer.set_read_timeout(None)?;
+        viewer.set_nodelay(true)?;
+        let mut server = TcpStream::connect(self.server)?;
+        server.set_nodelay(true)?;
+        server.write_all(&head)?;
+        let (mut from, mut to) = (viewer.try_clone()?, server.try_clone()?);
+        self.streams().extend([viewer.try_clone()?, server.try_clone()?]);
+        let ask = std::thread::spawn(move || {
+            let _ = io::copy(&mut from, &mut to);
+            let _ = to.shutdown(Shutdown::Both);
+        });
+        let _ = io::copy(&mut server, &mut viewer);
+        let _ = viewer.shutdown(Shutdown::Both);
+        let _ = ask.join();
+        Ok(())
+    }
+
+    /// The origin for which a request is refused. Programs other than browsers send none.
+    fn refused(&self, head: &[u8]) -> Option<String> {
+        let head = String::from_utf8_lossy(head);
+        let headers = head.split("\r\n").skip(1).take_while(|line| !line.is_empty());
+        let mut origins = headers
+            .filter_map(|line| line.split_once(':'))
+            .filter(|(name, _)| name.trim().eq_ignore_ascii_case("origin"))
+            .map(|(_, origin)| origin.trim().to_owned());
+        origins.find(|origin| !self.is_allowed(origin))
+    }
+
+    fn is_allowed(&self, origin: &str) -> bool {
+        let is_listed = |listed: &str| listed == "*" || listed.eq_ignore_ascii_case(origin);
+        is_of_this_computer(origin)
+            || VIEWERS.into_iter().any(is_listed)
+            || self.origins.iter().any(|origin| is_listed(origin))
+    }
+}
+
+/// Whether an origin is a page that this computer serves, at any port.
+fn is_of_this_computer(origin: &str) -> bool {
+    let Some(host) = origin.strip_prefix("http://").or_else(|| origin.strip_prefix("https://")) else {
+        return false;
+    };
+    ["localhost", "127.0.0.1", "[::1]"].into_iter().any(|own| {
+        let rest = host.strip_prefix(own);
+        rest.is_some_and(|port| {
+            port.is_empty() || port.strip_prefix(':').is_some_and(|port| port.parse::<u16>().is_ok())
+        })
+    })
+}
+
+/// The head of a request, and what follows it so far.
+fn read_head(viewer: &mut TcpStream) -> io::Result<Vec<u8>> {
+    let until = Instant::now() + HEAD_PATIENCE;
+    let mut head = Vec::new();
+    let mut part = [0; 1024];
+    loop {
+        let left = until.saturating_duration_since(Instant::now());
+        if left.is_zero() || head.len() > MOST_HEAD_BYTES {
+            return Err(ErrorKind::InvalidData.into());
+        }
+        viewer.set_read_timeout(Some(left))?;
+        let read = viewer.read(&mut part)?;
+        if read == 0 {
+            return Err(ErrorKind::UnexpectedEof.into());
+        }
+        head.extend_from_slice(&part[..read]);
+        if head.windows(4).any(|end| end == b"\r\n\r\n") {
+            return Ok(head);
+        }
+    }
+}
+
+/// An address of the loopback network for the server behind the gate. Where the whole network belongs to this
+/// computer, it cannot be guessed by a web page.
+pub(super) fn hidden_host() -> Ipv4Addr {
+    let [a, b, c, ..] = RandomState::new().build_hasher().finish().to_be_bytes();
+    if cfg!(target_os = "linux") {
+        Ipv4Addr::new(127, a.max(1), b, c.clamp(1, 254))
+    } else {
+        Ipv4Addr::LOCALHOST
+    }
+}
