@@ -169,6 +169,7 @@ mod tests {
                 "render",
                 "overwrite",
                 "live",
+                "live_origin",
                 "live_rate",
                 "live_wait",
                 "help",
