@@ -160,20 +160,20 @@ def _episode(environment: Any, policy: Callable[[Any], Any], seed: int, name: st
     """Runs an episode: the fields of a buffer of Minari, and what was drawn for the episode with its outcome."""
     space = environment.action_space
     observation, drawn = environment.reset(seed=seed)
-    observations, actions, rewards, terminations, truncations = [observation], [], [], [], []
-    over, last = False, {}
+    observations: list[Any] = [observation]
+    steps: list[tuple[Any, ...]] = []
+    last: dict[str, Any] = {}
+    over = False
     while not over:
         given = policy(observation)
         action = np.asarray(given, dtype=space.dtype) if np.can_cast(np.asarray(given).dtype, space.dtype, "same_kind") else given
         if not space.contains(action):
-            raise DatasetError(f"{name}, step {len(actions)}: the policy's action {given!r} is not one of {space}")
+            raise DatasetError(f"{name}, step {len(steps)}: the policy's action {given!r} is not one of {space}")
         observation, reward, terminated, truncated, last = environment.step(action)
+        observations.append(observation)
+        steps.append((action, reward, terminated, truncated))
         over = terminated or truncated
-        for values, value in zip(
-            (observations, actions, rewards, terminations, truncations), (observation, action, reward, terminated, truncated)
-        ):
-            values.append(value)
-    fields = {"actions": actions, "rewards": rewards, "terminations": terminations, "truncations": truncations}
+    fields = dict(zip(("actions", "rewards", "terminations", "truncations"), map(list, zip(*steps))))
     about = {f"scenario_{key}": value for key, value in drawn.items()}
     return {"observations": observations, **fields}, {**about, "outcome": last.get("outcome")}
 
@@ -200,7 +200,7 @@ def _free(path: pathlib.Path, sign: str, overwrite: bool, what: str) -> None:
 def _beside(final: pathlib.Path, overwrite: bool, root: pathlib.Path | None = None) -> Iterator[pathlib.Path]:
     """A folder's name in a temporary folder of ``root`` (default: the final one's parent). What is made there gets the
     final name if nothing is raised."""
-    root = root or final.absolute().parent
+    root = (root or final.parent).absolute()  # Minari does not write into relative folders
     with _written(final):
         root.mkdir(parents=True, exist_ok=True)
         temporary = pathlib.Path(tempfile.mkdtemp(prefix=".cocarry-", dir=root))
