@@ -112,7 +112,8 @@ def to_minari(
     Exceptions of the policy are passed on; nothing is written then.
     """
     minari, names, namespaces = _needed("minari"), _needed("minari.dataset.minari_dataset"), _needed("minari.namespace")
-    _needed("pyarrow")
+    for module in ("pyarrow", "PIL"):  # of Minari's format "arrow"
+        _needed(module)
     if episodes < 1:
         raise DatasetError(f"episodes = {episodes}; it must be at least 1")
     if seed < 0:
