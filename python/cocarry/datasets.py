@@ -104,7 +104,7 @@ def to_minari(
     environment: of ``gymnasium.make``, with worlds by name; its spaces are Box or Discrete. It stays open.
     policy: a function of an observation; its action.
     dataset_id: ``namespace/name-v0``. episodes: at least 1. seed: episode i begins with ``reset(seed=seed + i)``.
-    about: further keywords of Minari's ``create_dataset``: author, author_email, code_permalink, description.
+    about: further keywords of Minari's ``create_dataset_from_buffers``: author, author_email, code_permalink, description.
 
     Returns the ``minari.MinariDataset``.
 
@@ -184,7 +184,7 @@ def _needed(module: str) -> Any:
         return importlib.import_module(module)
     except ModuleNotFoundError as error:
         package = module.partition(".")[0]
-        raise ModuleNotFoundError(f'data sets need {package}: pip install "cocarry[datasets]"', name=error.name) from error
+        raise ModuleNotFoundError(f'data sets need {package}: pip install "./python[datasets]"', name=error.name) from error
 
 
 def _free(path: pathlib.Path, sign: str, overwrite: bool, what: str) -> None:

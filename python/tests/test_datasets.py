@@ -200,7 +200,7 @@ def test_a_bag_is_whole_or_not_there(recordings, tmp_path, monkeypatch):
 
 def test_a_missing_extra_is_named(recordings, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "rosbags.rosbag2", None)
-    with pytest.raises(ModuleNotFoundError, match=r'need rosbags: pip install "cocarry\[datasets\]"'):
+    with pytest.raises(ModuleNotFoundError, match=r'need rosbags: pip install "./python\[datasets\]"'):
         to_rosbag2(recordings["kinematic"], tmp_path / "bag")
 
 
