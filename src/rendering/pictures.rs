@@ -89,7 +89,7 @@ pub fn moving_gif(playback: &Playback, width: Width) -> Result<Vec<u8>, RenderEr
     let moments = film.moments.len();
     let mut shown: Vec<usize> = (0..moments).step_by(moments.div_ceil(MOST_PICTURES).max(1)).collect();
     shown.extend((shown.last() != Some(&(moments - 1))).then_some(moments - 1));
-    let moving = film.moving(width.layout())?;
+    let moving = film.moving(width.layout(), None)?;
     let picture = |at: usize| raster(&moving.picture(at), width.pixels());
     let samples = shown.iter().step_by(shown.len().div_ceil(SAMPLES)).map(|&at| picture(at));
     let samples = samples.collect::<Result<Vec<Pixmap>, RenderError>>()?;
@@ -126,6 +126,9 @@ pub struct Pixels {
     pub colours: Vec<u8>,
 }
 
+/// The lines of words in the picture of an episode so far: its size must not change while the episode goes on.
+const TOLD_LINES: usize = 3;
+
 /// The last picture of [`moving_gif`].
 ///
 /// # Errors
@@ -133,7 +136,7 @@ pub struct Pixels {
 pub fn last_picture(playback: &Playback, width: Width) -> Result<Pixels, RenderError> {
     let film = film(playback);
     let last = film.moments.len().saturating_sub(1);
-    let picture = raster(&film.moving(width.layout())?.picture(last), width.pixels())?;
+    let picture = raster(&film.moving(width.layout(), Some(TOLD_LINES))?.picture(last), width.pixels())?;
     let colours = colours(&picture).flatten().collect();
     Ok(Pixels { width: picture.width(), height: picture.height(), colours })
 }
