@@ -1,0 +1,20 @@
+"""Table II of the paper: accumulated objective cost (m) over 40 x 40 humans; ``cocarry reproduce h2``'s expectation."""
+
+from statistics import NormalDist
+
+import cocarry
+
+shares = [(i + 0.5) / 40 for i in range(40)]
+normal = NormalDist(0.8, 0.1)  # cut at 0.5 and 1.1
+low, high = normal.cdf(0.5), normal.cdf(1.1)
+humans = [(0.55 + 0.4 * a, normal.inv_cdf(low + g * (high - low))) for a in shares for g in shares]
+study = {
+    "worlds": [f"environment-{i}" for i in range(1, 5)], "plants": "point", "seeds": 1,
+    "run": [{"methods": "without-model"}, *({"methods": "mutual", "eta": eta} for eta in (5, 10.5, 15))],
+}  # fmt: skip
+people = [{"name": f"h{i}", "alpha": alpha, "gamma": gamma} for i, (alpha, gamma) in enumerate(humans)]
+table = cocarry.Table.concatenate([cocarry.sweep({**study, "human": part}) for part in (people[:800], people[800:])])
+for world in study["worlds"]:
+    rows = [(table["world"] == world) & (table["method"] == "without-model")]
+    rows += [(table["world"] == world) & (table["method"] == "mutual") & (table["eta"] == eta) for eta in (5, 10.5, 15)]
+    print(world, *(f"{table['accumulated_objective_cost_m'][row].mean():.2f}" for row in rows))
