@@ -1,12 +1,14 @@
 """PPO on ``cocarry/Options-v0`` against eq. (6), on humans that training never draws.
 
-    pip install ./python -r python/examples/requirements.txt
+    pip install "./python[gymnasium]" -r python/examples/requirements.txt
     python python/examples/ppo.py --out learner.json --picture learner.png
 
 The reward is the environment's default, -(J + J^) a step, undiscounted: the return is minus the paper's accumulated
 objective and subjective cost. Training draws seeds below 2^32; the humans of the evaluation have seeds from 2^33.
 A policy is the network after its last update, with its most probable action. Costs are compared human by human.
 The intervals are 95 %: of PPO and random over training seeds (Student's t), of the methods over humans (normal).
+
+``--steps 250000 --seeds 4 --checks 5`` takes 88 s on two cores: PPO costs 63 +- 357 more than eq. (6), so does not beat it.
 """
 
 from __future__ import annotations
