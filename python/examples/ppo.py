@@ -180,7 +180,7 @@ def draw(curves: np.ndarray, lines: dict[str, float], file: str) -> None:
     axes.set_ylim(low - 150, max(lines.values()) + 1500)
     axes.set(xlabel="Training steps (thousands)", ylabel="Accumulated cost J + J^ of an episode")
     axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(frameon=False, fontsize=8)
+    axes.legend(facecolor="white", framealpha=1, edgecolor="white", fontsize=8)
     figure.savefig(file, dpi=200)
 
 
