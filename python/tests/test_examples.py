@@ -1,0 +1,35 @@
+"""The examples run."""
+
+from __future__ import annotations
+
+import importlib.util
+import pathlib
+import subprocess
+import sys
+
+import pytest
+
+import cocarry
+
+EXAMPLES = pathlib.Path(__file__).parents[1] / "examples"
+pytestmark = pytest.mark.skipif(not EXAMPLES.is_dir(), reason="the examples are not beside the tests")
+
+
+def output(name, *arguments):
+    command = [sys.executable, str(EXAMPLES / name), *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
+def test_table_ii_is_that_of_reproduce():
+    found = [float(cell) for line in output("table_ii.py").splitlines() for cell in line.split()[1:]]
+    assert found == pytest.approx([row["ours_mean"] for row in cocarry.reproduce("h2")["rows"]], abs=0.01)
+
+
+def test_an_own_human_arrives():
+    assert output("own_human.py").count("arrived") == 6
+
+
+def test_ppo_runs_with_a_tiny_budget():
+    pytest.importorskip("stable_baselines3")
+    shown = output("ppo.py", "--steps=8192", "--seeds=1", "--humans=2", "--lanes=8", "--checks=1", "--processes=1")
+    assert importlib.util.find_spec("torch") and "\nppo " in shown
