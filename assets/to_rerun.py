@@ -1,4 +1,6 @@
-"""Shows a recording in Rerun (0.41), which reads the frames of an MCAP file but not its scenes: these are handed to it shape by shape.
+"""Shows a recording in Rerun (0.41).
+
+Rerun reads the frames of an MCAP file but not its scenes: these are handed to it shape by shape.
 
     pip install rerun-sdk==0.41.0 mcap mcap-protobuf-support
     python to_rerun.py run.mcap           # opens the viewer

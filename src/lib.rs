@@ -43,8 +43,8 @@
 //! robot          a TOML file and a URDF -> drive, arm, grasp; forward kinematics and B(q)
 //! geometry       points, poses, outlines, paths; palette: the colours of pictures
 //! math, saved, suggestion, output_file; above them located
-//!                transcendental functions with the same bits everywhere; saved states; "did you mean"; text files;
-//!                output files
+//!                transcendental functions with the same bits everywhere; saved states; "did you mean"; files read
+//!                and written
 //! ```
 //!
 //! # Features

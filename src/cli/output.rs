@@ -46,6 +46,12 @@ pub(super) fn print(text: &str) -> Result<(), Failure> {
     write_out(&terminal::painted(&terminal::wrapped(&text, terminal::width())))
 }
 
+/// As [`print()`], with the first line as a good or a bad verdict.
+pub(super) fn print_verdict(text: &str, is_good: bool) -> Result<(), Failure> {
+    let text = visible(text);
+    write_out(&terminal::verdict(&terminal::wrapped(&text, terminal::width()), is_good))
+}
+
 /// Prints text for programs, which is neither wrapped nor coloured.
 pub(super) fn print_for_programs(text: &str) -> Result<(), Failure> {
     write_out(&visible(text))

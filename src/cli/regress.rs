@@ -1,7 +1,7 @@
 //! `cocarry regress`: records the figures of a baseline's runs, or checks them against those recorded.
 
 use super::output::{
-    Failure, Progress, examples, input, print, print_json, table, table_text, unwritten, write_file,
+    Failure, Progress, examples, input, print_json, print_verdict, table, table_text, unwritten, write_file,
 };
 use super::reproduce::Common;
 use super::scenario::ScenarioArguments;
@@ -93,7 +93,9 @@ pub(super) fn run(action: &Action) -> Result<ExitCode, Failure> {
             "figures": compared,
             "moved": found.iter().map(as_json).collect::<Vec<_>>(),
         }))?,
-        false => print(&text(is_check, figures.len(), compared, &found))?,
+        false => {
+            print_verdict(&text(is_check, figures.len(), compared, &found), !is_check || found.is_empty())?
+        }
     }
     Ok(if is_check && !found.is_empty() { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }

@@ -20,8 +20,8 @@ const KINDS: [(&str, Kind); 5] = [
     ("json", Kind::Layout),
 ];
 
-/// Render a recording: a 3-D player (.html), a filmstrip (.svg, .png), a moving picture (.gif), a layout for Foxglove and
-/// Lichtblick (.json)
+/// Render a recording: a 3-D player (.html), a filmstrip (.svg, .png), a moving picture (.gif), a layout for
+/// Foxglove and Lichtblick (.json)
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry render run.mcap -o run.html", "a 3-D player in one file, for any browser, without a network"),

@@ -1,6 +1,6 @@
 //! `cocarry replay`: runs a recording's scenario again and compares the messages.
 
-use super::output::{Failure, examples, input, print};
+use super::output::{Failure, examples, input, print_verdict};
 use crate::arithmetic;
 use crate::recording::{Reader, Verdict, replay};
 use clap::Args;
@@ -31,22 +31,22 @@ pub(super) fn run(arguments: &ReplayArguments) -> Result<ExitCode, Failure> {
     };
     let so_far = format!("{} messages, up to {:.1} s", replayed.same, replayed.until as f64 / 1e9);
     match &replayed.verdict {
-        Verdict::Identical => print(&format!("{file}: identical: {so_far}\n{other}"))?,
-        Verdict::IdenticalUntilCut => {
-            print(&format!(
-                "{file}: identical until its end: {so_far}; the recording is incomplete\n{other}"
-            ))?;
-        }
+        Verdict::Identical => print_verdict(&format!("{file}: identical: {so_far}\n{other}"), true)?,
+        Verdict::IdenticalUntilCut => print_verdict(
+            &format!("{file}: identical until its end: {so_far}; the recording is incomplete\n{other}"),
+            true,
+        )?,
         Verdict::Different(difference) => {
             let at = replayed.step.map_or("before the first tick".to_owned(), |k| format!("in tick {k}"));
-            print(&format!(
+            let text = format!(
                 "{file}: differs {at}, at {:.1} s, on {}, in {}\n  recorded: {}\n  run again: {}\nidentical before that: {so_far}\n{other}",
                 difference.time as f64 / 1e9,
                 difference.topic,
                 difference.field,
                 difference.recorded,
                 difference.expected
-            ))?;
+            );
+            print_verdict(&text, false)?;
             return Ok(ExitCode::from(1));
         }
     }

@@ -3,14 +3,17 @@
 use super::model::{BeliefArguments, change, load_world, perception};
 use super::output::{Failure, input};
 use super::robot::RobotArguments;
-use super::settings::{HUMAN, ROBOT, SettingArguments};
+use super::settings::SettingArguments;
 use crate::episode::PreferenceChange;
 use crate::options::OptionSet;
 use crate::preference::RISK_WEIGHT;
-use crate::scenario::{GivenPerception, PreferenceChanges, Scenario, drawn_changes, drawn_human};
+use crate::scenario::{GivenPerception, Group, PreferenceChanges, Scenario, drawn_changes, drawn_human};
 use anyhow::anyhow;
 use clap::Args;
 use std::path::{Path, PathBuf};
+
+const HUMAN: &str = Group::Human.title();
+const ROBOT: &str = Group::Robot.title();
 
 /// World, human, team and plant.
 #[derive(Args, Debug)]

@@ -1,33 +1,12 @@
 //! The command-line arguments of the table of settings: one for each, with its words, range and default.
 
-use crate::scenario::{AVOID, Kind, PlantKind, SETTINGS, Scenario, Setting, Value};
+use crate::scenario::{AVOID, Group, Kind, PlantKind, SETTINGS, Scenario, Setting, Value};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use std::borrow::Cow;
 
 /// A flag that means `--avoid nothing`.
 const NO_OBSTACLES: &str = "no-obstacles";
-
-/// The headings of options in help.
-pub(super) const HUMAN: &str = "Human";
-pub(super) const ROBOT: &str = "Robot and plant";
-const METHOD: &str = "Method";
-const WALK: &str = "Walk";
-const CONTROL: &str = "Robot's controller";
-
-/// The heading of a setting's option, by the setting's place in a scenario.
-fn heading(setting: &Setting) -> &'static str {
-    match setting.path.split('.').next().unwrap_or_default() {
-        "human_model" | "physics" => HUMAN,
-        "plant" => ROBOT,
-        "control" => CONTROL,
-        _ => match setting.path {
-            "settings.coordination.eta" | "settings.coordination.initial_stubbornness" => HUMAN,
-            "settings.method" | "settings.predictor.risk_weight_m" => METHOD,
-            _ => WALK,
-        },
-    }
-}
 
 /// The settings given on the command line.
 #[derive(Clone, Debug)]
@@ -58,7 +37,7 @@ impl Args for SettingArguments {
         let no_obstacles = Arg::new("no_obstacles")
             .long(NO_OBSTACLES)
             .action(ArgAction::SetTrue)
-            .help_heading(CONTROL)
+            .help_heading(Group::Control.title())
             .conflicts_with("avoid")
             .help("Leave obstacles out of the robot's MPC, as the paper does; the same as --avoid nothing");
         let defaults = Scenario::defaults();
@@ -93,7 +72,7 @@ impl FromArgMatches for SettingArguments {
 }
 
 fn argument(setting: &'static Setting, defaults: &Scenario) -> Arg {
-    let argument = Arg::new(setting.key).long(setting.flag).help_heading(heading(setting));
+    let argument = Arg::new(setting.key).long(setting.flag).help_heading(setting.group.title());
     let default = match setting.get(defaults) {
         Some(Value::Flag(_)) => return argument.action(ArgAction::SetTrue).help(setting.about),
         Some(value) => Cow::Owned(format!(" [default: {value}]")),

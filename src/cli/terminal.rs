@@ -2,7 +2,7 @@
 
 use anstyle::{AnsiColor, Style};
 use std::borrow::Cow;
-use terminal_size::{Width, terminal_size_of};
+use terminal_size::{Height, Width, terminal_size_of};
 use textwrap::{Options, WordSplitter, core::display_width};
 
 /// The least width that output is fitted to.
@@ -14,42 +14,33 @@ const ATTENTION: Style = AnsiColor::Yellow.on_default().bold();
 const BOLD: Style = Style::new().bold();
 const RULE: Style = Style::new().dimmed();
 
-/// Words of a line, and the line's style.
-const STYLES: [(&str, Style); 12] = [
-    ("error:", BAD),
-    ("warning:", ATTENTION),
-    ("note:", ATTENTION),
-    (": arrived at B", GOOD),
-    ("did not arrive", BAD),
-    ("out of time", BAD),
-    (" lost", BAD),
-    ("the human takes the lead", BOLD),
-    (": identical", GOOD),
-    (": differs ", BAD),
-    ("nothing moved.", GOOD),
-    (" moved.", BAD),
+/// How a line begins and what follows in it, and the line's style.
+const STYLES: [(&str, &str, Style); 7] = [
+    ("error:", "", BAD),
+    ("warning:", "", ATTENTION),
+    ("note:", "", ATTENTION),
+    (EVENT, ": arrived at B on option", GOOD),
+    (EVENT, ": did not arrive: ", BAD),
+    (EVENT, " cm: it lost the object", BAD),
+    (EVENT, ", the human takes the lead", BOLD),
 ];
+/// How the line of an event begins.
+const EVENT: &str = "  step ";
 
 /// The width of standard output: the terminal's, or the environment's `COLUMNS`. `None` for a pipe or a file.
 pub(super) fn width() -> Option<usize> {
-    of_columns()
-        .or_else(|| terminal_size_of(std::io::stdout()).map(|(Width(width), _)| width.into()))
-        .map(bounded)
+    width_of(terminal_size_of(std::io::stdout()))
 }
 
 /// The same for standard error.
 pub(super) fn error_width() -> Option<usize> {
-    of_columns()
-        .or_else(|| terminal_size_of(std::io::stderr()).map(|(Width(width), _)| width.into()))
-        .map(bounded)
+    width_of(terminal_size_of(std::io::stderr()))
 }
 
-fn of_columns() -> Option<usize> {
-    std::env::var("COLUMNS").ok()?.parse().ok()
-}
-
-fn bounded(width: usize) -> usize {
-    width.max(LEAST_WIDTH)
+fn width_of(terminal: Option<(Width, Height)>) -> Option<usize> {
+    let given: Option<usize> = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());
+    let width = given.or(terminal.map(|(Width(width), _)| width.into()));
+    width.map(|width| width.max(LEAST_WIDTH))
 }
 
 /// The text with lines that are too long wrapped at words, and indented further. Commands stay whole, to be
@@ -79,6 +70,13 @@ pub(super) fn wrapped(text: &str, width: Option<usize>) -> Cow<'_, str> {
     Cow::Owned(wrapped)
 }
 
+/// The text with its first line, a verdict, in its colour.
+pub(super) fn verdict(text: &str, is_good: bool) -> String {
+    let style = if is_good { GOOD } else { BAD };
+    let (first, rest) = text.split_once('\n').unwrap_or((text, ""));
+    format!("{style}{first}{style:#}\n{}", painted(rest))
+}
+
 /// The text with escape sequences for colours, which a stream without colours removes.
 pub(super) fn painted(text: &str) -> String {
     let is_rule = |line: &str, sign: char| !line.is_empty() && line.chars().all(|c| c == sign);
@@ -86,7 +84,8 @@ pub(super) fn painted(text: &str) -> String {
     let mut styles: Vec<Option<Style>> = Vec::with_capacity(lines.len());
     let mut headings = None;
     for (at, line) in lines.iter().map(|line| line.trim_end_matches('\n')).enumerate() {
-        let listed = STYLES.iter().find(|(words, _)| line.contains(words)).map(|(_, style)| *style);
+        let has = |(start, words, _): &&(&str, &str, _)| line.starts_with(start) && line.contains(words);
+        let listed = STYLES.iter().find(has).map(|(.., style)| *style);
         let style = match (is_rule(line, '─'), is_rule(line, '═'), headings) {
             (true, ..) => {
                 headings = Some(at + 1);
@@ -127,11 +126,17 @@ mod tests {
 
     #[test]
     fn golden_what_matters_has_a_colour_and_the_rest_has_none() {
-        let text = "plain\n──\n a\n══\n b\n──\nstep 9: arrived at B on option 1\n";
+        let text = "plain\n──\n a\n══\n b\n──\n  step    9 (  1.8 s): arrived at B on option 1\n";
         let painted = painted(text);
         assert!(painted.starts_with("plain\n") && painted.contains("\n b\n"), "{painted:?}");
         assert!(painted.contains("\u{1b}[1m a\u{1b}[0m"), "{painted:?}");
-        assert!(painted.contains("\u{1b}[32mstep 9: arrived at B on option 1\u{1b}[0m"), "{painted:?}");
+        assert!(
+            painted.contains("\u{1b}[32m  step    9 (  1.8 s): arrived at B on option 1\u{1b}[0m"),
+            "{painted:?}"
+        );
         assert_eq!(anstream::adapter::strip_str(&painted).to_string(), text);
+        // a name is no verdict
+        assert_eq!(super::painted("Lost: arrived at B on option 1\n"), "Lost: arrived at B on option 1\n");
+        assert_eq!(verdict("bad\nrest\n", false), format!("{BAD}bad{BAD:#}\nrest\n"));
     }
 }

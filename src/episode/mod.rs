@@ -10,6 +10,7 @@ mod settings;
 mod state;
 mod step;
 mod tick;
+mod view;
 
 pub use crate::coordination::OptionTick;
 pub use crate::human::PreferenceChange;

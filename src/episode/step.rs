@@ -1,12 +1,11 @@
 //! The loop: the paper's algorithm, one control period at a time.
 
-use super::{Episode, OptionTick, Outcome, RobotTick, Tick, Transition, prospect};
+use super::{Episode, OptionTick, Outcome, RobotTick, Transition, prospect};
 use crate::coordination::{Mode, is_misaligned};
-use crate::human::{HumanDecision, HumanView, Stance};
-use crate::options::{OptionSet, Progress};
-use crate::policy::{Decision, Lead, RobotView};
+use crate::human::{HumanDecision, Stance};
+use crate::policy::{Decision, Lead};
 use crate::preference::objective_cost;
-use crate::team::{Situation, Step, Team, TurnOutcome};
+use crate::team::{Situation, Step, TurnOutcome};
 
 impl Episode<'_> {
     /// Takes one planning step. Returns the outcome once the episode has ended.
@@ -45,13 +44,6 @@ impl Episode<'_> {
         self.execute(&human, decision);
         let robot = self.control(decision); //                 q*, u                    eq. (8), (7)
         self.walk(&human, robot);
-    }
-
-    /// The view of the robot's policy in a step that has begun; `None` between steps.
-    pub fn robot_view(&self) -> Option<RobotView<'_>> {
-        let human = self.human_decision.as_ref()?;
-        let executed = self.underway.then_some(self.tick.executed);
-        Some(view(self.options, &self.progress, &self.tick, self.team.as_ref(), self.mode, executed, human))
     }
 
     fn observe(&mut self) {
@@ -96,38 +88,6 @@ impl Episode<'_> {
                 tick.expected = *cost;
             }
         }
-    }
-
-    fn ask_human(&mut self) -> HumanDecision {
-        let seen = self.team.observation();
-        let decision = self.human.decide(&HumanView {
-            step: self.tick.step,
-            time: self.tick.time,
-            position: self.tick.position,
-            options: self.options,
-            prospects: &self.prospects,
-            evaluated: &self.tick.options,
-            risk_weight: self.predictor.risk_weight(),
-            executed: self.underway.then_some(self.tick.executed),
-            mode: self.mode,
-            hand: seen.map(|seen| &seen.hand),
-            wrench: seen.map(|seen| &seen.hand_grip.mean),
-        });
-        let before = self.underway.then_some(self.tick.preferred);
-        let has_changed = self.human.change(self.tick.step).is_some();
-        self.summary.human.add(&decision, before, has_changed);
-        self.tick.preferred = decision.option;
-        self.tick.stubbornness = decision.stubbornness;
-        self.tick.discomfort = decision.discomfort;
-        decision
-    }
-
-    /// The decision of the episode's own policy in a step that has begun; between steps, to follow.
-    pub fn ask_policy(&mut self) -> Decision {
-        let Some(human) = self.human_decision else { return Decision::follow() };
-        let executed = self.underway.then_some(self.tick.executed);
-        let (progress, team) = (&self.progress, self.team.as_ref());
-        self.policy.decide(&view(self.options, progress, &self.tick, team, self.mode, executed, &human))
     }
 
     fn lead(&mut self, decision: &Decision) {
@@ -214,31 +174,5 @@ impl Episode<'_> {
         self.summary.walked += (along - from).abs();
         self.route.along = along;
         self.summary.steps += 1;
-    }
-}
-
-/// What the robot sees in the step of `tick`.
-fn view<'v>(
-    options: &'v OptionSet,
-    progress: &'v Progress,
-    tick: &'v Tick,
-    team: &'v dyn Team,
-    mode: Mode,
-    executed: Option<usize>,
-    human: &'v HumanDecision,
-) -> RobotView<'v> {
-    RobotView {
-        step: tick.step,
-        time: tick.time,
-        position: tick.position,
-        options,
-        progress,
-        evaluated: &tick.options,
-        executed,
-        mode,
-        human,
-        configuration: team.configuration(),
-        grasp: team.grasp(),
-        seen: team.observation(),
     }
 }

@@ -14,8 +14,8 @@ use std::rc::Rc;
 /// The number of partial sequences after which the search stops and reports that it is cut.
 const MOST_EXPANDED: usize = 200_000;
 
-/// The largest number of places from which shortest paths to exits are searched: about a minute of work.
-const MOST_SEARCHED: u64 = 100_000_000;
+/// The largest number of places from which shortest paths to exits are searched: less than a minute of work.
+const MOST_SEARCHED: u64 = 400_000_000;
 
 /// The result of the search.
 #[derive(Default)]

@@ -114,13 +114,13 @@ impl Search<'_> {
         let (human, eta) = random_human(self.settings, &mut rng);
         let coordination = coordination::Settings { eta, ..self.settings.coordination };
         let settings = Settings { coordination, predict_while_human_leads: false, ..self.settings.clone() };
-        let random_world = |rng: &mut ChaCha8Rng| match self.plant.kind() {
+        let draw_world = |rng: &mut ChaCha8Rng| match self.plant.kind() {
             PlantKind::Point => random_world(rng),
             _ => mixed_world(rng, true),
         };
         loop {
             // draw again if the start or target is inside an obstacle, enclosed, or without room for the team
-            let world = WorldText { file: "random world".to_owned(), text: random_world(&mut rng) };
+            let world = WorldText { file: "random world".to_owned(), text: draw_world(&mut rng) };
             let stage = match prepared(world, &settings, self.plant) {
                 Err(ScenarioError::World(_) | ScenarioError::Options(_)) => continue,
                 stage => stage?,

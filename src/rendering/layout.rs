@@ -3,13 +3,13 @@
 
 use crate::drawing::option_colour;
 use crate::geometry::Bounds;
+use crate::math;
 use crate::palette;
 use crate::recording::{Channel, Playback};
 use serde_json::{Map, Value, json};
 
-/// The vertical field of view of the scene's camera, and half of its tangent.
+/// The vertical field of view of the scene's camera.
 const FIELD_OF_VIEW_DEG: f64 = 45.0;
-const HALF_VIEW: f64 = 0.414;
 /// Width by height of the scene's panel.
 const ASPECT: f64 = 1.9;
 /// The topics of the scene.
@@ -35,7 +35,7 @@ pub fn viewer_layout(playback: &Playback) -> String {
     let mut plots: Vec<(&str, Value)> = Vec::new();
     let stubbornness = [
         curve("/coordination.stubbornness", "phi", ink()),
-        curve("/coordination.stubbornness_threshold", "threshold", palette::hex(palette::option_colour(5))),
+        curve("/coordination.stubbornness_threshold", "threshold", option_colour(5)),
     ];
     let title = "Stubbornness phi: above the threshold the human takes the lead";
     plots.push(("Plot!stubbornness", plot(title, "phi", Some(0.0), &stubbornness)));
@@ -57,9 +57,9 @@ pub fn viewer_layout(playback: &Playback) -> String {
             |key: &str, name: &str, colour| curve(&format!("/cost.accumulated_{key}_cost"), name, colour);
         let costs = [
             cost("control", "C, the sum", ink()),
-            cost("tracking", "tracking", palette::hex(palette::option_colour(4))),
-            cost("effort", "effort", palette::hex(palette::option_colour(5))),
-            cost("pose", "pose", palette::hex(palette::option_colour(6))),
+            cost("tracking", "tracking", option_colour(4)),
+            cost("effort", "effort", option_colour(5)),
+            cost("pose", "pose", option_colour(6)),
         ];
         plots.push(("Plot!cost", plot("Control cost, summed up", "C", Some(0.0), &costs)));
     }
@@ -223,7 +223,7 @@ fn follow() -> Camera {
 /// Everywhere the team may go, from the side on which that is wider.
 fn overview(playback: &Playback) -> Camera {
     const TILT_DEG: f64 = 38.0;
-    const COSINE: f64 = 0.788;
+    let (sine, cosine) = math::sin_cos((FIELD_OF_VIEW_DEG / 2.0).to_radians());
     let prepared = &playback.prepared;
     let (world, options) = (prepared.world(), prepared.options());
     let begin = options.begin();
@@ -235,7 +235,8 @@ fn overview(playback: &Playback) -> Camera {
     let (size, middle) = (content.size(), nalgebra::center(&content.min, &content.max));
     let is_tall = size.y > size.x;
     let (across, away) = if is_tall { (size.y, size.x) } else { (size.x, size.y) };
-    let distance = (across / ASPECT).max(away * COSINE) / (2.0 * HALF_VIEW) + away / 6.0;
+    let distance =
+        (across / ASPECT).max(away * math::cos(TILT_DEG.to_radians())) * cosine / (2.0 * sine) + away / 6.0;
     let rounded = |value: f64| (value * 10.0).round() / 10.0 + 0.0;
     Camera {
         frame: "world",

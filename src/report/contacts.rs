@@ -93,10 +93,10 @@ fn finding(rows: &[ContactRow]) -> Finding {
     let ends = rows.first().zip(rows.last());
     Finding {
         claim: "The risk S = d_r / w of an opening orders openings by how often the team touches them (not tested in the paper)",
-        verdict: match is_rising {
-            _ if shares.iter().all(|share| *share == 0.0) => "no contact at any opening",
-            true => "holds",
-            false => "does not hold for all openings",
+        verdict: match (shares.iter().all(|share| *share == 0.0), is_rising) {
+            (true, _) => "no contact at any opening",
+            (_, true) => "holds",
+            (_, false) => "does not hold for all openings",
         }
         .to_owned(),
         figures: ends.map_or(String::new(), |(first, last)| {

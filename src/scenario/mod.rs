@@ -30,7 +30,7 @@ pub use plant::{Plant, PlantKind, RobotSetup};
 pub use preference_changes::{NotPreferenceChanges, PreferenceChanges, drawn_changes};
 pub use prepared::{Partners, PreparedScenario};
 pub use settings::{
-    AVOID, Applies, Field, INITIAL_STUBBORNNESS, Kind, PERCEPTION, POSE, POSTURE, RISK_WEIGHT, Range,
+    AVOID, Applies, Field, Group, INITIAL_STUBBORNNESS, Kind, PERCEPTION, POSE, POSTURE, RISK_WEIGHT, Range,
     SETTINGS, SWAY, Setting, Value,
 };
 pub use snapshot::{Snapshot, SnapshotError};

@@ -21,12 +21,42 @@ pub struct Setting {
     pub flag: &'static str,
     /// Its key in a scenario's text, with the tables around it.
     pub path: &'static str,
+    /// The part of the help and of the documentation that it belongs to.
+    pub group: Group,
     /// Its help text, with its unit.
     pub about: &'static str,
     /// The teams to which it applies.
     pub applies: Applies,
     /// Its values, and its field in a scenario.
     pub kind: Kind,
+}
+
+/// The part of the help that a setting belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    /// The human.
+    Human,
+    /// The robot and the plant.
+    Robot,
+    /// The method, and how it weighs risk.
+    Method,
+    /// How the team walks.
+    Walk,
+    /// The robot's controller.
+    Control,
+}
+
+impl Group {
+    /// Its title.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::Human => "Human",
+            Self::Robot => "Robot and plant",
+            Self::Method => "Method",
+            Self::Walk => "Walk",
+            Self::Control => "Robot's controller",
+        }
+    }
 }
 
 /// The teams to which a setting applies.
@@ -115,6 +145,7 @@ pub const RISK_WEIGHT: Setting = Setting {
     key: "risk_weight_m",
     flag: "risk-weight",
     path: "settings.predictor.risk_weight_m",
+    group: Group::Method,
     about: "Weight c_r of risk against distance, in metres",
     applies: Applies::Always,
     kind: Kind::Number(
@@ -132,6 +163,7 @@ pub const POSTURE: Setting = Setting {
     key: "posture",
     flag: "posture",
     path: "plant.posture",
+    group: Group::Robot,
     about: "Posture at the start, by its name in the robot file [default: the first]",
     applies: Applies::Robot,
     kind: Kind::Text(
@@ -151,6 +183,7 @@ pub const AVOID: Setting = Setting {
     key: "avoid",
     flag: "avoid",
     path: "control.avoid",
+    group: Group::Control,
     about: "Parts of the robot that its MPC keeps out of obstacles",
     applies: Applies::Robot,
     kind: Kind::Word(|| words(AVOIDED), field!(robot r => r.control.avoid, AVOIDED)),
@@ -161,6 +194,7 @@ pub const SWAY: Setting = Setting {
     key: "sway_m",
     flag: "sway",
     path: "physics.human.sway_lateral_m",
+    group: Group::Human,
     about: "Amplitude of the human hand's lateral sway with the gait, in metres; half of it vertically",
     applies: Applies::Bodies,
     kind: Kind::Number(
@@ -181,6 +215,7 @@ pub const INITIAL_STUBBORNNESS: Setting = Setting {
     key: "initial_stubbornness",
     flag: "initial-stubbornness",
     path: "settings.coordination.initial_stubbornness",
+    group: Group::Human,
     about: "Stubbornness phi(0) at the start",
     applies: Applies::Always,
     kind: Kind::Number(
@@ -194,6 +229,7 @@ pub const POSE: Setting = Setting {
     key: "pose",
     flag: "pose",
     path: "control.candidates",
+    group: Group::Control,
     about: "Configurations that pose optimisation chooses among while the human leads",
     applies: Applies::Robot,
     kind: Kind::Word(|| words(POSES), field!(robot r => r.control.candidates, POSES)),
@@ -206,6 +242,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "human_model",
         flag: "human",
         path: "human_model",
+        group: Group::Human,
         about: "Model of the human: preference, boltzmann(RATIONALITY) or scripted(STEP:OPTION,...)",
         applies: Applies::Always,
         kind: Kind::Text(
@@ -221,6 +258,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "period_s",
         flag: "period",
         path: "settings.period_s",
+        group: Group::Walk,
         about: "Control period, in seconds; one planning step each",
         applies: Applies::Always,
         kind: Kind::Number(Range::between(0.01, 60.0), field!(scenario s => s.settings.period)),
@@ -229,6 +267,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "speed_m_per_s",
         flag: "speed",
         path: "settings.speed_m_per_s",
+        group: Group::Walk,
         about: "Walking speed of the team, in metres per second",
         applies: Applies::Always,
         kind: Kind::Number(Range::between(0.001, 10.0), field!(scenario s => s.settings.speed)),
@@ -237,6 +276,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "yaw_rate_rad_per_s",
         flag: "yaw-rate",
         path: "settings.yaw_rate_rad_per_s",
+        group: Group::Walk,
         about: "Largest yaw rate of the human, in radians per second",
         applies: Applies::Always,
         kind: Kind::Number(Range::above(0.0, 1000.0), field!(scenario s => s.settings.yaw_rate)),
@@ -245,6 +285,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "max_steps",
         flag: "max-steps",
         path: "settings.tick_limit",
+        group: Group::Walk,
         about: "Largest number of steps [default: ten times the steps of the longest option]",
         applies: Applies::Always,
         kind: Kind::Count(1_000_000_000, field!(scenario s => s.settings.tick_limit)),
@@ -254,6 +295,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "state_weight",
         flag: "state-weight",
         path: "control.state_weight",
+        group: Group::Control,
         about: "Weight of the grasp error in eq. (7): Q is this number times the identity",
         applies: Applies::Robot,
         kind: Kind::Number(POSITIVE, field!(robot r => r.control.state_weight)),
@@ -262,6 +304,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "input_weight",
         flag: "input-weight",
         path: "control.input_weight",
+        group: Group::Control,
         about: "Weight of the inputs in eq. (7): R is this number times the identity",
         applies: Applies::Robot,
         kind: Kind::Number(POSITIVE, field!(robot r => r.control.input_weight)),
@@ -273,6 +316,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "eta",
         flag: "eta",
         path: "settings.coordination.eta",
+        group: Group::Human,
         about: "Tolerance eta of the human: the larger, the more slowly stubbornness grows (paper: 5, 10.5, 15)",
         applies: Applies::Always,
         kind: Kind::Number(POSITIVE, field!(scenario s => s.settings.coordination.eta)),
@@ -281,6 +325,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "method",
         flag: "method",
         path: "settings.method",
+        group: Group::Method,
         about: "Method: who leads, and on which option",
         applies: Applies::Always,
         kind: Kind::Word(
@@ -296,6 +341,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "pose_criterion",
         flag: "pose-criterion",
         path: "control.criterion",
+        group: Group::Control,
         about: "Criterion of pose optimisation",
         applies: Applies::Candidates,
         kind: Kind::Word(|| words(CRITERIA), field!(robot r => r.control.criterion, CRITERIA)),
@@ -304,6 +350,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "pose_weight",
         flag: "pose-weight",
         path: "control.pose_weight",
+        group: Group::Control,
         about: "Weight kappa of a change of configuration in eq. (8)",
         applies: Applies::Robot,
         kind: Kind::Number(NOT_NEGATIVE, field!(robot r => r.control.pose_weight)),
@@ -312,6 +359,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "direction_concentration",
         flag: "direction-concentration",
         path: "control.direction_concentration",
+        group: Group::Control,
         about: "Concentration of the von Mises distribution of the walking direction on an option",
         applies: Applies::Robot,
         kind: Kind::Number(NOT_NEGATIVE, field!(robot r => r.control.direction_concentration)),
@@ -320,6 +368,7 @@ pub const SETTINGS: &[Setting] = &[
         key: "prepare_while_leading",
         flag: "prepare-while-leading",
         path: "control.prepare_while_leading",
+        group: Group::Control,
         about: "Optimise the pose also while the robot leads, for its own path; the paper does so only while it follows",
         applies: Applies::Candidates,
         kind: Kind::Flag(field!(robot r => r.control.prepare_while_leading)),

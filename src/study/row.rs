@@ -11,7 +11,13 @@ use crate::scenario::{self, PlantKind, PreparedScenario, SETTINGS, Scenario, Sce
 type InputColumn = (&'static str, fn(&Inputs) -> Option<String>);
 
 /// The columns that identify rows and studies, and the CRC-32 of the row without it.
-pub(super) const IDENTITY: [&str; 5] = ["episode", "episodes", "study", "arithmetic", "checksum"];
+pub(super) const IDENTITY: [(&str, Kind); 5] = [
+    ("episode", Kind::Count),
+    ("episodes", Kind::Count),
+    ("study", Kind::Text),
+    ("arithmetic", Kind::Text),
+    ("checksum", Kind::Text),
+];
 /// The index of the checksum's column.
 const CHECKSUM: usize = IDENTITY.len() - 1;
 
@@ -36,11 +42,16 @@ const INPUTS: &[InputColumn] = &[
 ];
 
 /// The columns of the seed and of the values drawn from it; those of [`EPISODE`] follow.
-const DRAWN: [&str; 4] = ["seed", "alpha", "gamma", "preference_changes"];
+const DRAWN: [(&str, Kind); 4] = [
+    ("seed", Kind::Count),
+    ("alpha", Kind::Number("")),
+    ("gamma", Kind::Number("")),
+    ("preference_changes", Kind::Text),
+];
 
 /// The names of all columns, in order.
 pub(super) fn columns() -> Vec<&'static str> {
-    IDENTITY.into_iter().chain(input_columns()).chain(DRAWN).chain(EPISODE.iter().map(|q| q.key)).collect()
+    kinds().into_iter().map(|(name, _)| name).collect()
 }
 
 /// The names of all columns and the kinds of their values, in order.
@@ -51,22 +62,10 @@ pub(super) fn kinds() -> Vec<(&'static str, Kind)> {
         scenario::Kind::Flag(_) => Kind::Flag,
         scenario::Kind::Word(..) | scenario::Kind::Text(..) => Kind::Text,
     };
-    let of_identity = |name| if name == "episode" || name == "episodes" { Kind::Count } else { Kind::Text };
-    let of_drawn = |name| match name {
-        "seed" => Kind::Count,
-        "alpha" | "gamma" => Kind::Number(""),
-        _ => Kind::Text,
-    };
-    let identity = IDENTITY.map(|name| (name, of_identity(name))).into_iter();
     let inputs = INPUTS.iter().map(|(name, _)| (*name, Kind::Text));
     let settings = SETTINGS.iter().map(|setting| (setting.key, of_setting(setting)));
-    let drawn = DRAWN.map(|name| (name, of_drawn(name)));
-    identity
-        .chain(inputs)
-        .chain(settings)
-        .chain(drawn)
-        .chain(EPISODE.iter().map(|q| (q.key, q.kind)))
-        .collect()
+    let figures = EPISODE.iter().map(|quantity| (quantity.key, quantity.kind));
+    IDENTITY.into_iter().chain(inputs).chain(settings).chain(DRAWN).chain(figures).collect()
 }
 
 /// The names of the columns that define a combination.

@@ -403,3 +403,37 @@ fn a_target_without_room_for_the_human_is_refused() {
     let arrives = run(4.25, "rapier");
     assert!(arrives.status.success() && stdout(&arrives).contains("arrived"), "{}", stdout(&arrives));
 }
+
+/// A path that bends shortly before its end: the room that is checked is where the human comes to stand.
+#[test]
+fn the_room_at_the_end_of_a_bend_is_where_the_human_stands() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("bend.toml");
+    let cylinder = |name: &str, center: [f64; 2], radius: f64| {
+        format!(
+            "[[obstacle]]\nname = \"{name}\"\nshape = \"cylinder\"\ncenter_m = {center:?}\nradius_m = {radius}\nheight_m = 1\n"
+        )
+    };
+    let bend =
+        format!("{HEAD}start_m = [0, 0]\ntarget_m = [4, 0.9]\n") + &cylinder("pillar", [3.5, 0.55], 0.25);
+    let run = |text: &str, more: &[&str]| {
+        std::fs::write(&file, text).unwrap();
+        cocarry(&[&["run", file.to_str().unwrap()], more].concat())
+    };
+    let refused = run(&(bend.clone() + &cylinder("post", [4.784, -0.161], 0.1)), &[]);
+    assert_eq!(refused.status.code(), Some(2));
+    let error = stderr(&refused);
+    let (_, place) = error.split_once("walks on to (").expect("the place");
+    let named: Vec<f64> =
+        place.split(')').next().unwrap().split(", ").map(|number| number.parse().unwrap()).collect();
+
+    let ticks = folder.path().join("ticks.csv");
+    assert!(run(&bend, &["--ticks", ticks.to_str().unwrap()]).status.success());
+    let mut rows = csv::Reader::from_path(&ticks).unwrap();
+    let headers = rows.headers().unwrap().clone();
+    let last = rows.records().last().unwrap().unwrap();
+    let stands = ["torso_x_m", "torso_y_m"]
+        .map(|key| last[headers.iter().position(|name| name == key).unwrap()].parse::<f64>().unwrap());
+    let off = cocarry::math::hypot(stands[0] - named[0], stands[1] - named[1]);
+    assert!(off < 0.03, "{named:?} is {off} m from {stands:?}");
+}

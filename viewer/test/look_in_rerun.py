@@ -1,4 +1,7 @@
-"""Opens a file in Rerun without a window, and looks whether the scene is in the picture: look_in_rerun.py RERUN FILE PICTURE."""
+"""Opens a file in Rerun without a window, and looks whether the scene is in the picture.
+
+    python look_in_rerun.py RERUN FILE PICTURE
+"""
 
 import os
 import signal

@@ -1,5 +1,5 @@
-// Meshes lie on their links as in other viewers of robots, in every format: node test/meshes.mjs. Runs in Chromium, whose
-// XML parser the COLLADA loader uses.
+// Meshes lie on their links as in other viewers of robots, in every format: node test/meshes.mjs. Runs in
+// Chromium, whose XML parser the COLLADA loader uses.
 import assert from "node:assert/strict";
 import { fileURLToPath } from "node:url";
 import { build } from "esbuild";
