@@ -20,7 +20,8 @@ function parse(mesh, plain) {
     drawn.traverse((part) => part.isMesh && (part.material = new MeshLambertMaterial({ color: plain })));
     return drawn;
   }
-  // as in other viewers of robots, a file's axes are those of its link; the loader does not turn files with y up
+  // as in other viewers of robots, a file's axes are those of its link; the loader does not turn files whose
+  // vertical axis is y
   const unturned = text().replace(/<up_axis>[^<]*<\/up_axis>/, "<up_axis>Y_UP</up_axis>");
   const { scene } = new ColladaLoader(textures).parse(unturned, "");
   // lamps and cameras of the drawing program
