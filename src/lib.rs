@@ -19,6 +19,7 @@
 //! ```text
 //! cli            arguments -> text, tables, JSON, files
 //! report         all results as one page
+//! cluster        the shards of a study as tasks of a cluster's scheduler
 //! study          many episodes from one file: every combination, every seed; merged, summarised
 //! fit            parameters from observed answers and switches
 //! regression     recorded figures of episodes, compared with new runs
@@ -104,6 +105,8 @@
 pub mod arithmetic;
 #[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(feature = "studies")]
+pub mod cluster;
 pub mod control;
 pub mod coordination;
 #[cfg(feature = "drawing")]

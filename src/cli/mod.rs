@@ -1,6 +1,7 @@
 //! The command-line program.
 
 mod catalog;
+mod cluster;
 mod episode_report;
 mod export;
 mod fit;
@@ -59,6 +60,8 @@ enum Command {
     Export(export::ExportArguments),
     Sweep(sweep::SweepArguments),
     #[command(subcommand)]
+    Cluster(cluster::Action),
+    #[command(subcommand)]
     Reproduce(reproduce::Claim),
     Inspect(inspect::InspectArguments),
     Recover(recover::RecoverArguments),
@@ -81,6 +84,7 @@ fn after_help() -> String {
         ("cocarry world free-form --svg map.svg", "obstacles, openings and options of a world"),
         ("cocarry new kitchen", "a world, a robot and a study of your own, to start from"),
         ("cocarry sweep kitchen/study.toml", "a study of many episodes, as CSV"),
+        ("cocarry cluster slurm study.toml --out study.csv", "the same on a cluster"),
         ("cocarry run --record run.mcap", "a recording, to watch in Foxglove"),
         ("cocarry inspect run.mcap", "contents of a recording"),
         ("cocarry reproduce h2", "Table II of the paper"),
@@ -90,7 +94,7 @@ fn after_help() -> String {
         "With no command, one episode is run in the paper's Environment 4 with the human of its example.\n\n\
         Exit codes:\n  \
         0    done (run: the team arrived; replay: identical)\n  \
-        1    replay: different; regress check: figures moved\n  \
+        1    replay: different; regress check: figures moved; cluster gather: shards missing\n  \
         2    bad input\n  \
         3    the team did not arrive\n  \
         4    an output could not be written\n  \
@@ -118,6 +122,7 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Some(Command::New(arguments)) => new::run(&arguments),
         Some(Command::Export(arguments)) => export::run(&arguments),
         Some(Command::Sweep(arguments)) => sweep::run(&arguments),
+        Some(Command::Cluster(action)) => cluster::run(&action),
         Some(Command::Reproduce(claim)) => reproduce::run(&claim),
         Some(Command::Inspect(arguments)) => inspect::run(&arguments),
         Some(Command::Recover(arguments)) => recover::run(&arguments),

@@ -118,7 +118,7 @@ fn shard(text: &str) -> Result<Shard, String> {
 }
 
 /// Prints the tables of a file of results.
-fn print_summary(file: &Path, title: &str, as_json: bool) -> Result<(), Failure> {
+pub(super) fn print_summary(file: &Path, title: &str, as_json: bool) -> Result<(), Failure> {
     let summary = Summary::load(file).map_err(failure)?;
     if as_json {
         let value = serde_json::to_value(&summary).map_err(|e| Failure::Output(Error::from(e)))?;

@@ -5,6 +5,7 @@
 //! next to each other. Every row has the number of its episode, the number of episodes of the study, and the
 //! study's digest, which identify any part of the results.
 
+mod again;
 mod cell;
 mod error;
 mod file;
@@ -18,6 +19,7 @@ mod run;
 mod source;
 mod summary;
 
+pub use again::{Difference, different};
 pub use error::SweepError;
 pub use merge::merge;
 pub use partial::{Shard, Sweep};

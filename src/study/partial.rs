@@ -146,28 +146,39 @@ fn check_row(
     end: u64,
 ) -> Result<(), SweepError> {
     let found = Identity::of_line(line, file, number)?;
-    if (found.study.as_str(), found.episodes) != (study.digest(), study.episodes()) {
-        return Err(SweepError::OtherStudy {
-            file: file.to_owned(),
-            line: number,
-            found: found.study,
-            expected: study.digest().to_owned(),
-        });
-    }
-    if found.arithmetic != arithmetic::stamp() {
-        return Err(SweepError::OtherArithmetic {
-            file: format!("{file}: line {number}"),
-            found: found.arithmetic,
-            other: "this program".to_owned(),
-            expected: arithmetic::stamp().to_owned(),
-        });
-    }
+    check_study(study, &found, file, number)?;
     if found.episode != due || due >= end {
         let expected = if due < end { format!("episode {due}") } else { "the end of the file".to_owned() };
         let found = format!("episode {}", found.episode);
         return Err(SweepError::Line { file: file.to_owned(), line: number, found, expected });
     }
     results::check_values(line, file, number)
+}
+
+/// The check that a row is of this study and of this machine's arithmetic.
+pub(super) fn check_study(
+    study: &Study,
+    found: &Identity,
+    file: &str,
+    number: u64,
+) -> Result<(), SweepError> {
+    if (found.study.as_str(), found.episodes) != (study.digest(), study.episodes()) {
+        return Err(SweepError::OtherStudy {
+            file: file.to_owned(),
+            line: number,
+            found: found.study.clone(),
+            expected: study.digest().to_owned(),
+        });
+    }
+    if found.arithmetic != arithmetic::stamp() {
+        return Err(SweepError::OtherArithmetic {
+            file: format!("{file}: line {number}"),
+            found: found.arithmetic.clone(),
+            other: "this program".to_owned(),
+            expected: arithmetic::stamp().to_owned(),
+        });
+    }
+    Ok(())
 }
 
 #[cfg(test)]

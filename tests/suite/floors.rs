@@ -28,7 +28,7 @@ const FLOORS: [&[&str]; 24] = [
     &["statistics", "table", "parallel"],
     &["paper"],
     &["study", "fit", "regression"],
-    &["report"],
+    &["report", "cluster"],
     &["cli"],
 ];
 

@@ -1,6 +1,7 @@
 //! Sweeps: the rows are those of `cocarry run`, the file is the same to the byte however the sweep was run,
 //! and what is wrong in a study is named.
 
+mod cluster;
 mod preference_changes;
 mod studies;
 mod summary;
