@@ -11,6 +11,7 @@ mod live;
 mod model;
 mod new;
 mod output;
+mod plot;
 mod record;
 mod recover;
 mod regress;
@@ -61,6 +62,7 @@ enum Command {
     Sweep(sweep::SweepArguments),
     #[command(subcommand)]
     Cluster(cluster::Action),
+    Plot(plot::PlotArguments),
     #[command(subcommand)]
     Reproduce(reproduce::Claim),
     Inspect(inspect::InspectArguments),
@@ -123,6 +125,7 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Some(Command::Export(arguments)) => export::run(&arguments),
         Some(Command::Sweep(arguments)) => sweep::run(&arguments),
         Some(Command::Cluster(action)) => cluster::run(&action),
+        Some(Command::Plot(arguments)) => plot::run(&arguments),
         Some(Command::Reproduce(claim)) => reproduce::run(&claim),
         Some(Command::Inspect(arguments)) => inspect::run(&arguments),
         Some(Command::Recover(arguments)) => recover::run(&arguments),

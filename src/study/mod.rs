@@ -13,6 +13,7 @@ mod humans;
 mod merge;
 mod ordered;
 mod partial;
+mod plane;
 mod results;
 mod row;
 mod run;
@@ -23,8 +24,9 @@ pub use again::{Difference, different};
 pub use error::SweepError;
 pub use merge::merge;
 pub use partial::{Shard, Sweep};
+pub use plane::{Plane, PlanePart};
 pub use row::Run as EpisodeRun;
-pub use summary::{Comparison, Group, Summary};
+pub use summary::{Comparison, Group, OUTCOMES, Summary};
 
 use crate::arithmetic;
 use crate::episode::Settings;

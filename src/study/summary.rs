@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The columns that are summarised: costs, which are compared too, then outcomes for the human.
-const OUTCOMES: [&str; 7] = [
+pub const OUTCOMES: [&str; 7] = [
     "accumulated_objective_cost_m",
     "accumulated_control_cost",
     "accumulated_subjective_cost",
@@ -203,7 +203,7 @@ impl Summary {
 }
 
 /// The fields of the row read last.
-fn fields(rows: &Rows, columns: usize) -> Result<csv::StringRecord, SweepError> {
+pub(super) fn fields(rows: &Rows, columns: usize) -> Result<csv::StringRecord, SweepError> {
     let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(&rows.line[..]);
     let mut fields = csv::StringRecord::new();
     match reader.read_record(&mut fields) {

@@ -119,3 +119,45 @@ gamma = 0.765
         );
     }
 }
+
+/// The pictures of a study have a mark for every mean, difference and cell of it.
+#[test]
+fn results_are_drawn() {
+    let bench = Bench::new(STUDY);
+    bench.good(&["study.toml", "--out", "a.csv"]);
+    let plot = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_cocarry"));
+        let command = command.arg("plot").args(arguments).current_dir(bench.folder.path());
+        command.output().expect("the program starts")
+    };
+    let drawn = |arguments: &[&str]| {
+        let output = plot(&[&["a.csv", "-o", "a.svg", "--overwrite"], arguments].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        String::from_utf8(bench.read("a.svg")).expect("a picture")
+    };
+    // two worlds, two eta and two kinds of humans; two methods
+    let means = drawn(&[]);
+    assert_eq!(means.matches("class=\"row\"").count(), 8);
+    assert_eq!(means.matches("class=\"mark\"").count(), 16 + 2);
+    assert!(means.contains("accumulated objective cost (m)"));
+    let differences = drawn(&["--kind", "differences"]);
+    assert_eq!(differences.matches("class=\"row\"").count(), 8);
+    assert!(differences.contains("environment-1: mutual - without-model"), "{differences}");
+    let map = drawn(&["--kind", "map", "--quantity", "final_discomfort", "--cells", "5"]);
+    assert_eq!(map.matches("class=\"panel\"").count(), 16);
+    for (arguments, said) in [
+        (&["a.csv", "-o", "a.svg"][..], "--overwrite"),
+        (
+            &["a.csv", "-o", "b.svg", "--kind", "differences", "--quantity", "final_discomfort"],
+            "it has those of",
+        ),
+        (&["a.csv", "-o", "b.svg", "--quantity", "J"], "accumulated_objective_cost_m"),
+        (&["a.csv", "-o", "b.png"], "svg"),
+        (&["study.toml", "-o", "b.svg"], "study.toml"),
+        (&["a.csv", "-o", "b.svg", "--quantity", "accumulated_control_cost"], "cannot be drawn"),
+    ] {
+        let output = plot(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(stderr(&output).contains(said), "{arguments:?}: {}", stderr(&output));
+    }
+}
