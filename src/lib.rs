@@ -23,7 +23,7 @@
 //! fit            parameters from observed answers and switches
 //! regression     recorded figures of episodes, compared with new runs
 //! paper          the paper's figures and claims, one file per claim
-//! statistics     means, intervals, tests; tables of results; work on all threads
+//! statistics     means, intervals, tests; tables of results and their columns; work on all threads
 //! rendering      recordings as pages and pictures that open anywhere
 //! drawing        maps and curves as SVG
 //! recording      episodes as MCAP files: writing, reading, replay, recovery; live viewing
@@ -53,7 +53,8 @@
 //! is meant for WebAssembly too. Features add the floors above it: `drawing`; `recording` (with `quantities`);
 //! `rendering`, which stands on both;
 //! `studies` (`quantities`, `statistics`, `paper`, `regression`, `fit`, `study` and `report`); and `cli`, the
-//! default, which has all of them and the program. `live` adds live viewing to `recording`.
+//! default, which has all of them and the program. `live` adds live viewing to `recording`, `parquet` adds files of
+//! Parquet to `studies`.
 //!
 //! # Notation
 //!
@@ -104,6 +105,8 @@
 pub mod arithmetic;
 #[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(feature = "studies")]
+pub mod columns;
 pub mod control;
 pub mod coordination;
 #[cfg(feature = "drawing")]
