@@ -53,8 +53,8 @@
 //! is meant for WebAssembly too. Features add the floors above it: `drawing`; `recording` (with `quantities`);
 //! `rendering`, which stands on both;
 //! `studies` (`quantities`, `statistics`, `paper`, `regression`, `fit`, `study` and `report`); and `cli`, the
-//! default, which has all of them and the program. `live` adds live viewing to `recording`, `parquet` adds files of
-//! Parquet to `studies`.
+//! default, which has all of them and the program. `live` adds live viewing to `recording`, `parquet` adds
+//! Parquet files to `studies`.
 //!
 //! # Notation
 //!
