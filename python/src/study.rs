@@ -6,7 +6,7 @@ use crate::table::Table;
 use cocarry::columns::Columns;
 use cocarry::episode::Episode;
 use cocarry::scenario::{PreparedScenario, ScenarioError};
-use cocarry::study::{Shard, Study, Sweep, SweepOutputs, columns, read_rows};
+use cocarry::study::{Shard, Study, Sweep, SweepError, SweepOutputs, columns, read_rows};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -170,7 +170,7 @@ fn into_file(
     threads: usize,
     progress: Option<&Py<PyAny>>,
 ) -> PyResult<()> {
-    let refused = |error| raise::<StudyError>(&error);
+    let refused = |error: SweepError| raise::<StudyError>(&error);
     let sweep = Sweep::open(study, shard, to).map_err(refused)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| raise::<StudyError>(&error))?;

@@ -92,12 +92,12 @@ def test_a_file_says_units_meanings_and_its_study(files):
 
     schema = pyarrow.parquet.read_schema(files / "rows.parquet")
     told = cocarry.quantities("episode")
-    for name, about in told.items():
+    for name, (unit, description) in told.items():
         metadata = schema.field(name).metadata
-        assert metadata[b"description"].decode() == about["description"]
-        assert metadata.get(b"unit", b"").decode() == (about["unit"] or "")
-    assert schema.metadata[b"cocarry.study"].decode() == STUDY
-    assert len(schema.metadata[b"cocarry.study_digest"]) == 16 and len(schema.metadata[b"cocarry.arithmetic"]) == 8
+        assert (metadata.get(b"unit", b"").decode(), metadata[b"description"].decode()) == (unit, description)
+    origin = pyarrow.parquet.read_metadata(files / "rows.parquet").metadata
+    assert origin[b"cocarry.study"].decode() == STUDY
+    assert len(origin[b"cocarry.study_digest"]) == 16 and len(origin[b"cocarry.arithmetic"]) == 8
 
 
 def test_ticks_of_a_sweep_are_those_of_its_episodes(tmp_path):

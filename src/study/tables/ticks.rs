@@ -122,18 +122,15 @@ impl Ticks {
         name.push(".partial");
         let partial = PathBuf::from(name);
         let write = |source| OutputError::Write { file: partial.clone(), source };
-        let is_there = is_folder(folder)?;
-        if is_there {
+        if is_folder(folder)? {
+            if !overwrite {
+                return Err(OutputError::Exists { file: folder.to_owned() }.into());
+            }
             // nothing but ticks is ever replaced
             files(folder)?;
         }
         if !is_folder(&partial)? {
-            if is_there && !overwrite {
-                return Err(OutputError::Exists { file: folder.to_owned() }.into());
-            }
             std::fs::create_dir(&partial).map_err(write)?;
-        } else if is_there && !overwrite {
-            return Err(OutputError::Exists { file: folder.to_owned() }.into());
         }
         let lock = File::options()
             .write(true)
@@ -168,24 +165,28 @@ impl Ticks {
         while next < self.episodes.end {
             let range = self.file_of(next);
             let Some(path) = found.remove(&name(&range)) else { break };
-            if !self.is_of_study(&path)? {
-                if !self.overwrite {
-                    return Err(self.foreign(&path));
-                }
-                remove(&path)?;
+            if !self.keeps(&path)? {
                 break;
             }
             next = range.end;
         }
+        // those after a gap are written again
         for path in found.values() {
-            // those after a gap are written again
-            let is_ours = self.overwrite || self.is_of_study(path)?;
-            if !is_ours {
-                return Err(self.foreign(path));
+            if self.keeps(path)? {
+                remove(path)?;
             }
-            remove(path)?;
         }
         Ok(next - self.episodes.start)
+    }
+
+    /// Whether a file is of this study. With `overwrite` others are removed, without they are errors.
+    fn keeps(&self, path: &Path) -> Result<bool, SweepError> {
+        match self.is_of_study(path) {
+            Ok(true) => Ok(true),
+            _ if self.overwrite => Ok(remove(path).map(|()| false)?),
+            Ok(false) => Err(self.foreign(path)),
+            Err(error) => Err(error),
+        }
     }
 
     fn foreign(&self, path: &Path) -> SweepError {
