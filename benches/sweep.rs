@@ -1,8 +1,9 @@
 //! A sweep from study to file: episodes per second, and two threads against one, taken in turns since other
 //! work on the machine comes and goes.
 
-use cocarry::study::{Study, Sweep};
+use cocarry::study::{Study, Sweep, SweepOutputs};
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// Turns of one thread, then two.
@@ -16,8 +17,9 @@ const STUDIES: [(&str, &str); 2] = [
 fn time(study: &Study, out: &Path, threads: usize) -> Duration {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     let begun = Instant::now();
-    let sweep = Sweep::open(study, out, None, true).expect("a file");
-    pool.install(|| sweep.run(&|| ())).expect("rows");
+    let sweep =
+        Sweep::open(study, None, SweepOutputs { rows: out, ticks: None, overwrite: true }).expect("a file");
+    pool.install(|| sweep.run(&|| (), &AtomicBool::new(false))).expect("rows");
     begun.elapsed()
 }
 

@@ -24,7 +24,7 @@
 //! fit            parameters from observed answers and switches
 //! regression     recorded figures of episodes, compared with new runs
 //! paper          the paper's figures and claims, one file per claim
-//! statistics     means, intervals, tests; tables of results; work on all threads
+//! statistics     means, intervals, tests; tables of results and their columns; work on all threads
 //! rendering      recordings as pages and pictures that open anywhere
 //! drawing        maps and curves as SVG
 //! recording      episodes as MCAP files: writing, reading, replay, recovery; live viewing
@@ -53,8 +53,9 @@
 //! Up to `scenario` the library has no C code, no clock and no randomness from the operating system, and
 //! is meant for WebAssembly too. Features add the floors above it: `drawing`; `recording` (with `quantities`);
 //! `rendering`, which stands on both;
-//! `studies` (`quantities`, `statistics`, `paper`, `regression`, `fit`, `study` and `report`); and `cli`, the
-//! default, which has all of them and the program. `live` adds live viewing to `recording`.
+//! `studies` (`quantities`, `statistics`, `paper`, `regression`, `fit`, `study`, `report` and `cluster`); and `cli`, the
+//! default, which has all of them and the program. `live` adds live viewing to `recording`, `parquet` adds
+//! Parquet files to `studies`.
 //!
 //! # Notation
 //!
@@ -107,6 +108,8 @@ pub mod arithmetic;
 pub mod cli;
 #[cfg(feature = "studies")]
 pub mod cluster;
+#[cfg(feature = "studies")]
+pub mod columns;
 pub mod control;
 pub mod coordination;
 #[cfg(feature = "drawing")]

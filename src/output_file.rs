@@ -7,7 +7,7 @@
 //! recovered. Its writer holds a lock on it, so that a name has one writer.
 
 use std::fs::{File, Metadata, OpenOptions, TryLockError};
-use std::io::{BufWriter, Error, ErrorKind, Seek, SeekFrom, Write};
+use std::io::{BufReader, BufWriter, Error, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// The error of a file that cannot be written.
@@ -34,6 +34,14 @@ pub enum OutputError {
         /// The output file.
         file: PathBuf,
         /// What has the name, such as a directory.
+        kind: &'static str,
+    },
+    /// The name of a folder belongs to something else.
+    #[error("{}: is a {kind}, not a folder; choose another name", file.display())]
+    NotAFolder {
+        /// The folder.
+        file: PathBuf,
+        /// What has the name, such as a file.
         kind: &'static str,
     },
     /// The file is an input of the command.
@@ -147,9 +155,13 @@ impl OutputFile {
     /// # Errors
     /// [`OutputError`].
     pub fn create(file: &Path, overwrite: bool) -> Result<Self, OutputError> {
+        unlocked(file)?;
+        Self::under_own_name(file, overwrite)
+    }
+
+    fn under_own_name(file: &Path, overwrite: bool) -> Result<Self, OutputError> {
         let replaced = existing(file, overwrite)?;
         let write = |source| OutputError::Write { file: file.to_owned(), source };
-        unlocked(file)?;
         let own = |n: u32| file.with_file_name(format!(".cocarry-{n}.tmp"));
         let mut options = OpenOptions::new();
         options.write(true).create_new(true);
@@ -246,6 +258,26 @@ impl OutputFile {
     /// From now on the partial file stays if it is not finished.
     pub fn keep(&mut self) {
         self.is_removed = false;
+    }
+
+    /// Makes the final file from the complete partial one, which is then removed. `write` reads the partial
+    /// file from its beginning, and writes the final one. After an error the partial file is as with
+    /// [`OutputFile::keep`].
+    ///
+    /// # Errors
+    /// [`OutputError`], also that of `write`.
+    pub fn finish_as(
+        mut self,
+        write: impl FnOnce(&mut BufReader<&File>, &mut Self) -> Result<(), OutputError>,
+    ) -> Result<(), OutputError> {
+        let partial = self.partial.clone();
+        let unread = |source| OutputError::Write { file: partial, source };
+        self.writer.flush().and_then(|()| self.writer.rewind()).map_err(unread)?;
+        let mut whole = Self::under_own_name(&self.file, self.overwrite)?;
+        write(&mut BufReader::new(self.as_file()), &mut whole)?;
+        whole.finish()?;
+        self.is_removed = true;
+        Ok(())
     }
 
     /// Renames the complete file.

@@ -524,6 +524,9 @@ def sweep(
     threads: int | None = None,
     policy: Any = None,
     human: Any = None,
+    out: _Path | None = None,
+    ticks: _Path | None = None,
+    overwrite: bool = False,
     progress: Callable[[int, int], object] | None = None,
 ) -> Table:
     """Runs the episodes of a study's text; see cocarry.sweep."""

@@ -23,6 +23,9 @@ def sweep(
     processes: int | None = None,
     policy: Any = None,
     human: Any = None,
+    out: str | os.PathLike[str] | None = None,
+    ticks: str | os.PathLike[str] | None = None,
+    overwrite: bool = False,
     progress: bool | Callable[[int, int], object] = False,
 ) -> Table:
     """Runs every episode of a study and returns a row for each, as ``cocarry sweep`` writes them.
@@ -35,6 +38,12 @@ def sweep(
         They and the partners must be importable there (spawn).
     policy, human: own partners, as of Episode, in all episodes. Every episode has copies of them. The columns
         ``method`` and ``human_model`` are then ``own(NAME)``, and ``checksum`` is empty.
+    out: write the rows into this file too, as ``cocarry sweep --out``: Parquet if its name ends in ``.parquet``, else
+        CSV. A sweep that was stopped, by Ctrl-C or a power cut, resumes where it stopped. Only for the study's own
+        partners.
+    ticks: write every tick of every episode into this new folder, as ``cocarry sweep --ticks``: Parquet files of 100
+        episodes each. Needs out.
+    overwrite: replace existing outputs, and unfinished ones of another study.
     progress: True for a bar, or a callable of the episodes done and all.
 
     Raises StudyError with the file, the line, the key, the value and what would be right.
@@ -44,10 +53,12 @@ def sweep(
     if processes is None:
         return _cocarry.sweep(
             text, file=file, folder=folder, seeds=seeds, shard=shard, threads=threads, policy=policy, human=human,
-            progress=tell,
+            out=out, ticks=ticks, overwrite=overwrite, progress=tell,
         )
-    if processes < 1 or shard is not None or threads is not None:
-        raise StudyError("processes must be at least 1, without shard and threads: processes have a shard and a thread each")
+    if processes < 1 or any(given is not None for given in (shard, threads, out, ticks)):
+        raise StudyError(
+            "processes must be at least 1, without shard, threads, out and ticks: processes have a shard and a thread each"
+        )
     parts = max(processes, 1)
     with ProcessPoolExecutor(parts, mp_context=get_context("spawn")) as pool:
         work = [pool.submit(_shard, text, file, folder, seeds, (i + 1, parts), policy, human) for i in range(parts)]

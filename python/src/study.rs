@@ -3,9 +3,10 @@
 use crate::error::{StudyError, guarded, raise};
 use crate::partners::{Fault, Own};
 use crate::table::Table;
+use cocarry::columns::Columns;
 use cocarry::episode::Episode;
 use cocarry::scenario::{PreparedScenario, ScenarioError};
-use cocarry::study::{Shard, Study, columns};
+use cocarry::study::{Shard, Study, Sweep, SweepError, SweepOutputs, columns, read_rows};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -75,7 +76,7 @@ fn name(py: Python<'_>, object: &Py<PyAny>) -> String {
 
 /// Runs the episodes of a study and returns a row for each, in the study's order.
 #[pyfunction]
-#[pyo3(signature = (text, *, file, folder, seeds = None, shard = None, threads = None, policy = None, human = None, progress = None))]
+#[pyo3(signature = (text, *, file, folder, seeds = None, shard = None, threads = None, policy = None, human = None, out = None, ticks = None, overwrite = false, progress = None))]
 #[allow(clippy::too_many_arguments, reason = "keywords")]
 pub fn sweep(
     py: Python<'_>,
@@ -87,9 +88,22 @@ pub fn sweep(
     threads: Option<usize>,
     policy: Option<&Bound<'_, PyAny>>,
     human: Option<&Bound<'_, PyAny>>,
+    out: Option<PathBuf>,
+    ticks: Option<PathBuf>,
+    overwrite: bool,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Table> {
     let own = Own::of(policy, human)?;
+    if out.is_some() && !own.is_empty() {
+        return Err(StudyError::new_err(
+            "out = a file: only for the partners of a study, which its digest covers; write the table of own partners, as with polars.DataFrame(table).write_parquet",
+        ));
+    }
+    if ticks.is_some() && out.is_none() {
+        return Err(StudyError::new_err(
+            "ticks = a folder: needs out = a file, for the rows with which they resume",
+        ));
+    }
     let study = py.detach(|| Study::parse(file, text, Path::new(&folder), seeds));
     let study = study.map_err(|error| raise::<StudyError>(&error))?;
     let shard = match shard {
@@ -106,6 +120,15 @@ pub fn sweep(
         Some(threads) => threads,
         None => std::thread::available_parallelism().map_or(1, usize::from),
     };
+    let progress = progress.map(|progress| progress.clone().unbind());
+    if let Some(rows) = out {
+        let to = SweepOutputs { rows: &rows, ticks: ticks.as_deref(), overwrite };
+        py.detach(|| into_file(&study, shard, to, threads, progress.as_ref()))?;
+        let mut columns = Columns::new(&columns());
+        let read = py.detach(|| read_rows(&rows, |row| columns.add(row, [])));
+        read.map_err(|error| raise::<StudyError>(&error))?;
+        return Table::of_rows(columns);
+    }
     let count = episodes.end - episodes.start;
     let work = Work {
         study: &study,
@@ -115,7 +138,6 @@ pub fn sweep(
         is_stopped: AtomicBool::new(false),
         fault: Fault::default(),
     };
-    let progress = progress.map(|progress| progress.clone().unbind());
     let lines = py.detach(|| run(&work, threads, count, progress.as_ref()));
     work.fault.take()?;
     let lines = lines?;
@@ -125,7 +147,7 @@ pub fn sweep(
         let row = reader.records().next().transpose().map_err(|error| raise::<StudyError>(&error))?;
         rows.push(row.iter().flatten().map(str::to_owned).collect::<Vec<_>>());
     }
-    let place = |key| columns().iter().position(|(name, _)| *name == key);
+    let place = |key| columns().iter().position(|heading| heading.name == key);
     for (object, key) in [(&own.policy, "method"), (&own.human, "human_model")] {
         let Some(object) = object else { continue };
         let name = name(py, object);
@@ -135,7 +157,56 @@ pub fn sweep(
             place(key).into_iter().for_each(|at| row[at].clone_from(&name));
         }
     }
-    Ok(Table::of_rows(&rows))
+    let mut columns = Columns::new(&columns());
+    rows.iter().for_each(|row| columns.add(row.iter().map(String::as_str), []));
+    Table::of_rows(columns)
+}
+
+/// Runs the episodes of a study as `cocarry sweep` does, with its files.
+fn into_file(
+    study: &Study,
+    shard: Option<Shard>,
+    to: SweepOutputs<'_>,
+    threads: usize,
+    progress: Option<&Py<PyAny>>,
+) -> PyResult<()> {
+    let refused = |error: SweepError| raise::<StudyError>(&error);
+    let sweep = Sweep::open(study, shard, to).map_err(refused)?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|error| raise::<StudyError>(&error))?;
+    let (kept, count) = (sweep.kept(), sweep.episodes());
+    let (done, stop) = (AtomicU64::new(kept), AtomicBool::new(false));
+    let on_done = || {
+        done.fetch_add(1, Ordering::Relaxed);
+    };
+    std::thread::scope(|scope| {
+        let work = scope.spawn(|| pool.install(|| guarded(|| sweep.run(&on_done, &stop))));
+        let mut told = Ok(());
+        let mut next = kept;
+        while !work.is_finished() {
+            std::thread::sleep(BETWEEN_SIGNALS);
+            let now = done.load(Ordering::Relaxed);
+            if told.is_ok() {
+                told = Python::attach(|py| {
+                    py.check_signals()?;
+                    match progress.filter(|_| now > next) {
+                        Some(progress) => progress.call1(py, (now, count)).map(drop),
+                        None => Ok(()),
+                    }
+                });
+                next = now;
+                stop.store(told.is_err(), Ordering::Relaxed);
+            }
+        }
+        let ended = work.join().unwrap_or_else(|_| Err(StudyError::new_err("the sweep failed")));
+        // what stopped the sweep is the error to raise
+        told?;
+        ended?.map_err(refused)?;
+        match progress.filter(|_| next < count) {
+            Some(progress) => Python::attach(|py| progress.call1(py, (count, count)).map(drop)),
+            None => Ok(()),
+        }
+    })
 }
 
 /// The lines of all episodes, in order.

@@ -1,14 +1,14 @@
 //! Tables, as Arrow data and as numpy columns.
 
-use crate::error::Error;
+use crate::error::{Error, raise};
 use arrow_array::cast::AsArray;
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
 use arrow_array::types::{Float64Type, Int64Type};
-use arrow_array::{
-    Array, ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, RecordBatchIterator, StringArray,
-};
+use arrow_array::{Array, ArrayRef, RecordBatch, RecordBatchIterator};
 use arrow_schema::{DataType, Field, Schema};
-use cocarry::quantities::{EPISODE, Kind, Record, TICK};
+use arrow_select::concat::concat_batches;
+use cocarry::columns::{Column, Columns, Heading};
+use cocarry::quantities::{Kind, Record, TICK};
 use numpy::PyArray1;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
@@ -26,93 +26,28 @@ pub struct Table {
     batch: RecordBatch,
 }
 
-/// A column while it is filled.
-enum Column {
-    Number(Vec<Option<f64>>),
-    Count(Vec<Option<i64>>),
-    Flag(Vec<Option<bool>>),
-    Text(Vec<Option<String>>),
-}
-
-impl Column {
-    fn of(kind: Kind) -> Self {
-        match kind {
-            Kind::Number(_) => Self::Number(Vec::new()),
-            Kind::Count => Self::Count(Vec::new()),
-            Kind::Flag => Self::Flag(Vec::new()),
-            _ => Self::Text(Vec::new()),
-        }
-    }
-
-    /// Adds a cell of a file of results; empty ones are missing.
-    fn add_text(&mut self, text: &str) {
-        match self {
-            Self::Number(values) => values.push(text.parse().ok()),
-            Self::Count(values) => values.push(text.parse().ok()),
-            Self::Flag(values) => values.push(text.parse().ok()),
-            Self::Text(values) => values.push((!text.is_empty()).then(|| text.to_owned())),
-        }
-    }
-
-    fn add(&mut self, value: &Value) {
-        match self {
-            Self::Number(values) => values.push(value.as_f64()),
-            Self::Count(values) => values.push(value.as_i64()),
-            Self::Flag(values) => values.push(value.as_bool()),
-            Self::Text(values) => values.push(value.as_str().map(str::to_owned)),
-        }
-    }
-
-    fn array(self) -> ArrayRef {
-        match self {
-            Self::Number(values) => Arc::new(Float64Array::from(values)),
-            Self::Count(values) => Arc::new(Int64Array::from(values)),
-            Self::Flag(values) => Arc::new(BooleanArray::from(values)),
-            Self::Text(values) => Arc::new(StringArray::from(values)),
-        }
-    }
-}
-
-/// Unit and description of a quantity as metadata of its column.
-fn metadata(key: &str, kind: Kind, description: &str) -> HashMap<String, String> {
-    let _ = key;
-    let mut metadata = HashMap::from([("description".to_owned(), description.to_owned())]);
-    if let Kind::Number(unit) = kind
-        && !unit.is_empty()
-    {
-        metadata.insert("unit".to_owned(), unit.to_owned());
-    }
-    metadata
-}
+/// A column while it is filled: its name, its values, and what is known of it.
+type Filled = (String, Column, HashMap<String, String>);
 
 impl Table {
-    fn new(columns: Vec<(String, Column, HashMap<String, String>)>) -> Self {
-        let mut fields = Vec::new();
-        let mut arrays: Vec<ArrayRef> = Vec::new();
-        for (name, column, metadata) in columns {
-            let array = column.array();
-            fields.push(Field::new(name, array.data_type().clone(), true).with_metadata(metadata));
-            arrays.push(array);
-        }
-        let schema = Arc::new(Schema::new(fields));
-        let empty = RecordBatch::new_empty(Arc::clone(&schema));
+    fn new(columns: Vec<Filled>) -> Self {
+        let batch = || {
+            let mut fields = Vec::new();
+            let mut arrays: Vec<ArrayRef> = Vec::new();
+            for (name, column, metadata) in columns {
+                let array = column.array()?;
+                fields.push(Field::new(name, array.data_type().clone(), true).with_metadata(metadata));
+                arrays.push(array);
+            }
+            RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays)
+        };
         // the columns have one length
-        Self { batch: RecordBatch::try_new(schema, arrays).unwrap_or(empty) }
+        Self { batch: batch().unwrap_or_else(|_| RecordBatch::new_empty(Arc::new(Schema::empty()))) }
     }
 
     /// The rows of a study, as in a file of results.
-    pub fn of_rows(rows: &[Vec<String>]) -> Self {
-        let columns = cocarry::study::columns();
-        let mut made: Vec<Column> = columns.iter().map(|(_, kind)| Column::of(*kind)).collect();
-        for row in rows {
-            made.iter_mut().zip(row).for_each(|(column, cell)| column.add_text(cell));
-        }
-        let described = columns.iter().zip(made).map(|((name, kind), column)| {
-            let quantity = EPISODE.iter().find(|quantity| quantity.key == *name);
-            let about = quantity.map_or_else(HashMap::new, |q| metadata(name, *kind, q.description));
-            ((*name).to_owned(), column, about)
-        });
-        Self::new(described.collect())
+    pub fn of_rows(columns: Columns) -> PyResult<Self> {
+        Ok(Self { batch: columns.batch().map_err(|error| raise::<Error>(&error))? })
     }
 
     /// A row for every tick; items of lists have columns of their own, `key[name]`.
@@ -142,7 +77,7 @@ impl Table {
                 for (name, value, kind) in cells {
                     let (column, _, filled) = columns.entry(name.clone()).or_insert_with(|| {
                         order.push(name.clone());
-                        (Column::of(kind), metadata(key, quantity.kind, quantity.description), 0)
+                        (Column::of(kind), Heading::from(quantity).field().metadata().clone(), 0)
                     });
                     for _ in *filled..row {
                         column.add(&Value::Null);
@@ -162,8 +97,9 @@ impl Table {
 
     /// A table of messages: a time in seconds, then numbers and texts as they are found.
     pub fn of_messages(names: &[String], times: Vec<f64>, rows: &[Vec<Option<Value>>]) -> Self {
-        let time =
-            ("time_s".to_owned(), Column::Number(times.into_iter().map(Some).collect()), HashMap::new());
+        let mut time = Column::of(Kind::Number("s"));
+        times.into_iter().for_each(|seconds| time.add(&seconds.into()));
+        let time = ("time_s".to_owned(), time, HashMap::new());
         let columns = names.iter().enumerate().map(|(i, name)| {
             let cells =
                 || rows.iter().filter_map(move |row| row.get(i)?.as_ref()).filter(|cell| !cell.is_null());
@@ -176,11 +112,13 @@ impl Table {
             };
             let mut column = Column::of(kind);
             for row in rows {
-                match (row.get(i).and_then(Option::as_ref), &mut column) {
-                    (Some(Value::String(text)), Column::Text(values)) => values.push(Some(text.clone())),
-                    (Some(Value::Null) | None, Column::Text(values)) => values.push(None),
-                    (Some(other), Column::Text(values)) => values.push(Some(other.to_string())),
-                    (cell, column) => column.add(cell.unwrap_or(&Value::Null)),
+                match row.get(i).and_then(Option::as_ref).unwrap_or(&Value::Null) {
+                    other @ (Value::Bool(_) | Value::Number(_) | Value::Array(_) | Value::Object(_))
+                        if matches!(kind, Kind::Text) =>
+                    {
+                        column.add(&other.to_string().into());
+                    }
+                    cell => column.add(cell),
                 }
             }
             (name.clone(), column, HashMap::new())
@@ -309,16 +247,18 @@ impl Table {
             return Err(Error::new_err("a damaged table: names, kinds and columns differ in number"));
         }
         let columns = names.into_iter().zip(kinds).zip(cells).map(|((name, kind), cells)| {
-            let mut column = match kind.as_str() {
-                "Float64" => Column::Number(Vec::new()),
-                "Int64" => Column::Count(Vec::new()),
-                "Boolean" => Column::Flag(Vec::new()),
-                _ => Column::Text(Vec::new()),
-            };
+            let mut column = Column::of(match kind.as_str() {
+                "Float64" => Kind::Number(""),
+                "Int64" => Kind::Count,
+                "Boolean" => Kind::Flag,
+                _ => Kind::Text,
+            });
             for cell in cells {
-                match (&mut column, cell) {
-                    (Column::Text(values), cell) => values.push(cell),
-                    (column, cell) => column.add_text(cell.as_deref().unwrap_or_default()),
+                match (kind.as_str(), cell) {
+                    ("Float64" | "Int64" | "Boolean", cell) => {
+                        column.add_text(cell.as_deref().unwrap_or_default())
+                    }
+                    (_, cell) => column.add(&cell.into()),
                 }
             }
             let about = about.get(&name).cloned().unwrap_or_default();
@@ -341,29 +281,8 @@ impl Table {
                 other.columns()
             )));
         }
-        let columns = schema.fields().iter().enumerate().map(|(i, field)| {
-            let arrays = || tables.iter().map(|table| table.batch.column(i));
-            let column = match field.data_type() {
-                DataType::Float64 => {
-                    Column::Number(arrays().flat_map(|a| a.as_primitive::<Float64Type>().iter()).collect())
-                }
-                DataType::Int64 => {
-                    Column::Count(arrays().flat_map(|a| a.as_primitive::<Int64Type>().iter()).collect())
-                }
-                DataType::Boolean => Column::Flag(arrays().flat_map(|a| a.as_boolean().iter()).collect()),
-                _ => Column::Text(
-                    arrays()
-                        .flat_map(|a| a.as_string::<i32>().iter().map(|text| text.map(str::to_owned)))
-                        .collect(),
-                ),
-            };
-            (
-                field.name().clone(),
-                column,
-                field.metadata().iter().map(|(k, v)| (k.clone(), v.clone())).collect(),
-            )
-        });
-        Ok(Self::new(columns.collect()))
+        let batch = concat_batches(&schema, tables.iter().map(|table| &table.batch));
+        Ok(Self { batch: batch.map_err(|error| raise::<Error>(&error))? })
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {

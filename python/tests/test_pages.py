@@ -26,6 +26,12 @@ def test_the_blocks_of_a_page_run_in_order(page, tmp_path, monkeypatch):
         exec(compile("\n" * line + block[1], str(page), "exec"), session)
 
 
+def test_the_examples_that_pages_name_are_there():
+    named = {name for page in PAGES for name in re.findall(r"python/examples/(\w+\.py)", page.read_text(encoding="utf-8"))}
+    assert "own_human.py" in named
+    assert named <= {path.name for path in (HERE / "examples").glob("*.py")}
+
+
 def test_the_settings_are_written_from_the_table():
     import cocarry._generate
     import cocarry._settings

@@ -6,13 +6,14 @@ use super::output::{
 use super::reproduce::Common;
 use crate::output_file::Outputs;
 use crate::statistics::Estimate;
-use crate::study::{Comparison, Group, Shard, Study, Summary, Sweep, SweepError, merge};
+use crate::study::{Comparison, Group, Shard, Study, Summary, Sweep, SweepError, SweepOutputs, merge};
 use anyhow::Error;
 use clap::Args;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::atomic::AtomicBool;
 
 /// Run a study: every combination of worlds, methods, humans, plants and seeds, one row of results per
 /// episode
@@ -30,10 +31,18 @@ pub(super) struct SweepArguments {
     /// Study file (TOML)
     #[arg(required_unless_present_any = ["merge", "summary"], conflicts_with_all = ["merge", "summary"])]
     study: Option<PathBuf>,
-    /// Write the results into this file [default: the study's name with .csv, or .I-of-N.csv for a shard, in
-    /// the current directory]
+    /// Write the results into this file, CSV or (.parquet) Parquet [default: the study's name with .csv, or
+    /// .I-of-N.csv for a shard, in the current directory]
+    ///
+    /// Parquet needs a program built with the feature `parquet`; that of the Python package has it.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["merge", "summary"])]
     out: Option<PathBuf>,
+    /// Write every tick of every episode into this new folder, as Parquet files of 100 episodes each
+    ///
+    /// The columns are those of `cocarry run --ticks` with the episode, its seed and the inputs that vary. Needs
+    /// the feature `parquet`, as --out.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["merge", "summary"])]
+    ticks: Option<PathBuf>,
     /// Run only shard I of N, such as 3/16, for job arrays; --merge joins the shards
     #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with_all = ["merge", "summary"])]
     shard: Option<Shard>,
@@ -72,10 +81,11 @@ fn sweep(arguments: &SweepArguments, file: &Path) -> Result<(), Failure> {
     let out = arguments.out.clone().unwrap_or_else(|| results_of(file, arguments.shard));
     let inputs = std::iter::once(file.to_owned()).chain(study.files(file));
     Outputs::new(true, inputs).check(&out).map_err(unwritten)?;
-    let sweep = Sweep::open(&study, &out, arguments.shard, arguments.overwrite).map_err(failure)?;
+    let to = SweepOutputs { rows: &out, ticks: arguments.ticks.as_deref(), overwrite: arguments.overwrite };
+    let sweep = Sweep::open(&study, arguments.shard, to).map_err(failure)?;
     let (kept, episodes) = (sweep.kept(), sweep.episodes());
     let bar = Progress::new((episodes - kept) as usize, "episodes");
-    arguments.common.on_threads(|| sweep.run(&|| bar.step()))?.map_err(failure)?;
+    arguments.common.on_threads(|| sweep.run(&|| bar.step(), &AtomicBool::new(false)))?.map_err(failure)?;
     bar.finish();
     let mut title =
         format!("{}: {episodes} episodes of {} combinations", out.display(), study.combinations());

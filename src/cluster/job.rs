@@ -5,11 +5,12 @@ use crate::arithmetic;
 use crate::located::{self, LARGEST_SETTINGS, Source};
 use crate::output_file::{OutputError, Outputs};
 use crate::parallel::OnDone;
-use crate::study::{Shard, Study, Sweep};
+use crate::study::{Shard, Study, Sweep, SweepOutputs};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File, OpenOptions};
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 
 /// The name of the job's description in its folder.
 const DESCRIPTION: &str = "job.toml";
@@ -223,10 +224,12 @@ impl Job {
         if before.is_complete {
             return Ok(before);
         }
-        let sweep = Sweep::open(&study, &self.file_of(number), Some(shard), false)?;
+        let rows = self.file_of(number);
+        let to = SweepOutputs { rows: &rows, ticks: None, overwrite: false };
+        let sweep = Sweep::open(&study, Some(shard), to)?;
         let before = Progress { done: sweep.kept(), of: sweep.episodes(), is_complete: false };
         self.note_node(number, shard.episodes(study.episodes()).start + before.done, node)?;
-        sweep.run(on_done)?;
+        sweep.run(on_done, &AtomicBool::new(false))?;
         Ok(before)
     }
 

@@ -35,9 +35,9 @@ pub fn different(
     loop {
         let identity = rows.next()?;
         if let Some(identity) = &identity {
-            super::partial::check_study(study, identity, &rows.file, rows.number)?;
+            super::partial::check_study(study, identity, &rows.file, rows.position())?;
             if left.next_if(|episode| *episode == identity.episode).is_some() {
-                check_values(&rows.line, &rows.file, rows.number)?;
+                check_values(&rows.line, &rows.file, rows.position())?;
                 chunk.push((identity.episode, std::mem::take(&mut rows.line)));
             }
         }
@@ -52,9 +52,9 @@ pub fn different(
             (_, None) => return Ok(found),
             (Some(_), _) => {}
             (None, Some(episode)) => {
-                return Err(SweepError::Line {
+                return Err(SweepError::Row {
+                    position: rows.position(),
                     file: rows.file,
-                    line: rows.number,
                     found: "the end of the file".to_owned(),
                     expected: format!("episode {episode}"),
                 });

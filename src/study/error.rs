@@ -5,6 +5,8 @@ use crate::output_file::OutputError;
 use crate::robot::RobotError;
 use crate::suggestion::{hint_of_list, hint_of_listed};
 use crate::world::WorldError;
+use std::fmt;
+use std::path::PathBuf;
 use thiserror::Error;
 
 /// Why a sweep was refused, or stopped.
@@ -108,13 +110,13 @@ pub enum SweepError {
     },
     /// The file has rows of another study.
     #[error(
-        "{file}: line {line} is of study {found}, this is study {expected}: a file, an option or the program has changed; --overwrite starts again"
+        "{file}: {position} is of study {found}, this is study {expected}: a file, an option or the program has changed; --overwrite starts again"
     )]
     OtherStudy {
         /// The file.
         file: String,
-        /// Line, counted from 1.
-        line: u64,
+        /// The place of the row.
+        position: Position,
         /// The digest found.
         found: String,
         /// The digest of the study.
@@ -148,17 +150,55 @@ pub enum SweepError {
         /// Its name here.
         expected: String,
     },
-    /// A line is not the expected one.
-    #[error("{file}: line {line} is {found}; it must be {expected}")]
-    Line {
+    /// A row is not the expected one.
+    #[error("{file}: {position} is {found}; it must be {expected}")]
+    Row {
         /// The file.
         file: String,
-        /// Line, counted from 1.
-        line: u64,
-        /// The line found.
+        /// Its place in the file.
+        position: Position,
+        /// The row found.
         found: String,
-        /// The line expected.
+        /// The row expected.
         expected: String,
+    },
+    /// A Parquet file cannot be read.
+    #[error("{file}: not a Parquet file that can be read")]
+    Parquet {
+        /// The file.
+        file: String,
+        /// What is wrong with it.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// The program was built without Parquet.
+    #[error(
+        "{file}: this program was built without the feature `parquet`; build it with `cargo install --path . --features parquet`, take that of the Python package, or write CSV"
+    )]
+    NoParquet {
+        /// The file or folder.
+        file: String,
+    },
+    /// The folder for ticks has something else in it, or ticks of another study.
+    #[error("{folder}: has {found}; it must have {expected}")]
+    Ticks {
+        /// The folder.
+        folder: String,
+        /// The file found in it.
+        found: String,
+        /// What was expected.
+        expected: &'static str,
+    },
+    /// The sweep was stopped.
+    #[error("{}: has the rows so far; the same sweep resumes there", file.display())]
+    Stopped {
+        /// The partial file.
+        file: PathBuf,
+    },
+    /// Ticks and rows have one name.
+    #[error("{file}: duplicate output; choose different names for rows and ticks")]
+    SameName {
+        /// The name.
+        file: String,
     },
     /// There are no rows to merge or to summarise.
     #[error("{file}: has no episodes")]
@@ -206,6 +246,24 @@ pub enum SweepError {
         /// The missing shards, where they can be determined.
         hint: String,
     },
+}
+
+/// The place of a row in a file of results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Position {
+    /// A line of a CSV file, counted from 1. The first one has the names of the columns.
+    Line(u64),
+    /// A row of a Parquet file, counted from 1.
+    Row(u64),
+}
+
+impl fmt::Display for Position {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Line(number) => write!(f, "line {number}"),
+            Self::Row(number) => write!(f, "row {number}"),
+        }
+    }
 }
 
 impl SweepError {

@@ -1,7 +1,7 @@
 //! The merge of a study's shards into the file that one machine would write, byte for byte.
 
 use super::partial::Shard;
-use super::results::{Identity, Rows, check_values};
+use super::results::{self, Identity, Origin, Rows, check_values};
 use super::{SweepError, row};
 use crate::output_file::{OutputError, OutputFile, Outputs};
 use std::io::Write;
@@ -22,6 +22,7 @@ struct Part {
 /// # Errors
 /// [`SweepError`], which names the file that does not belong to the others, or the episodes that are missing.
 pub fn merge(path: &Path, shards: &[PathBuf], overwrite: bool) -> Result<u64, SweepError> {
+    results::check_name(path)?;
     Outputs::new(overwrite, shards.iter().cloned()).check(path)?;
     let mut parts = parts(shards)?;
     let Some(study) = parts.first().map(|part| part.first.clone()) else {
@@ -31,9 +32,11 @@ pub fn merge(path: &Path, shards: &[PathBuf], overwrite: bool) -> Result<u64, Sw
     parts.sort_by_key(|part| part.first.episode);
     // an unfinished sweep of that name must not be lost
     let mut file = OutputFile::anew(path, overwrite)?;
+    let text = parts.iter().find_map(|part| part.rows.study_text()).map(str::to_owned);
     write(&mut file, parts, &study)?;
-    file.finish()?;
-    Ok(study.episodes)
+    let origin = Origin { text, episodes: study.episodes, study: study.study, arithmetic: study.arithmetic };
+    results::finish(file, path, &origin)?;
+    Ok(origin.episodes)
 }
 
 /// Opens all files. Files without rows are left out.
@@ -89,14 +92,14 @@ fn write(out: &mut OutputFile, parts: Vec<Part>, study: &Identity) -> Result<(),
         while let Some(identity) = row {
             check_study(&part.rows.file, &identity, "its first row", study)?;
             if identity.episode != next {
-                return Err(SweepError::Line {
+                return Err(SweepError::Row {
+                    position: part.rows.position(),
                     file: part.rows.file,
-                    line: part.rows.number,
                     found: format!("episode {}", identity.episode),
                     expected: format!("episode {next}"),
                 });
             }
-            check_values(&part.rows.line, &part.rows.file, part.rows.number)?;
+            check_values(&part.rows.line, &part.rows.file, part.rows.position())?;
             out.write_all(&part.rows.line).map_err(unwritable)?;
             next += 1;
             row = part.rows.next()?;

@@ -19,32 +19,36 @@ mod row;
 mod run;
 mod source;
 mod summary;
+#[cfg_attr(not(feature = "parquet"), path = "tables_unavailable.rs")]
+mod tables;
 
 pub use again::{Difference, different};
-pub use error::SweepError;
+pub use error::{Position, SweepError};
 pub use merge::merge;
-pub use partial::{Shard, Sweep};
+pub use partial::{Shard, Sweep, SweepOutputs};
 pub use plane::{Plane, PlanePart};
+pub use results::read_rows;
 pub use row::Run as EpisodeRun;
 pub use summary::{Comparison, Group, OUTCOMES, Summary};
 
 use crate::arithmetic;
+use crate::columns::Heading;
 use crate::episode::Settings;
 use crate::located::{self, LARGEST_SETTINGS, Place};
 use crate::preference::{Predictor, RISK_WEIGHT};
-use crate::quantities::Kind;
 use crate::robot::SlowDrive;
 use crate::scenario::{Plant, PlantKind, PreparedScenario, RobotSetup, SETTINGS, Scenario};
 use cell::Cell;
 use file::Contents;
+use results::Origin;
 use run::{Run, Seeds};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// The names of the columns of results and the kinds of their values, in order.
-pub fn columns() -> Vec<(&'static str, Kind)> {
-    row::kinds()
+/// The columns of results, in order.
+pub fn columns() -> Vec<Heading> {
+    row::headings()
 }
 
 /// The largest number of prepared scenarios of a study, each with its own world, c_r and robot. They take about
@@ -67,6 +71,7 @@ pub struct Study {
     blocks: Vec<Block>,
     episodes: u64,
     digest: String,
+    text: String,
 }
 
 /// A range of seeds with the same cells.
@@ -104,6 +109,7 @@ impl Study {
         let mut study = Self {
             file: file.to_owned(),
             digest: String::new(),
+            text: text.to_owned(),
             contents,
             cells,
             bases: Vec::new(),
@@ -142,6 +148,16 @@ impl Study {
     /// of the program.
     pub fn digest(&self) -> &str {
         &self.digest
+    }
+
+    /// Where its rows come from.
+    fn origin(&self) -> Origin {
+        Origin {
+            text: Some(self.text.clone()),
+            study: self.digest.clone(),
+            episodes: self.episodes,
+            arithmetic: arithmetic::stamp().to_owned(),
+        }
     }
 
     /// The scenario of an episode.
@@ -299,10 +315,14 @@ impl Study {
     /// last episode.
     pub fn row(&self, episode: u64, run: row::Run) -> Vec<u8> {
         let Some((cell, seed)) = self.place(episode) else { return Vec::new() };
+        self.row_of(episode, cell, self.drawn(cell, seed), run)
+    }
+
+    /// The line of an episode, whose scenario is of this cell.
+    fn row_of(&self, episode: u64, cell: usize, scenario: Scenario, run: row::Run) -> Vec<u8> {
         let (episodes, digest) = (self.episodes.to_string(), self.digest.clone());
         let identity = [episode.to_string(), episodes, digest, arithmetic::stamp().to_owned()];
-        let basis = &self.stages[self.stage_of[cell]];
-        row::of(identity, self.inputs(cell), self.drawn(cell, seed), basis, run)
+        row::of(identity, self.inputs(cell), scenario, &self.stages[self.stage_of[cell]], run)
     }
 
     /// The check that no episode is in two runs, where it would count twice.

@@ -1,41 +1,40 @@
 //! Parallel work whose results are delivered in order, within a bounded window.
 
 use std::collections::BTreeMap;
-use std::io;
 use std::ops::Range;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// The size of the window: how far results may be ahead of the first missing one.
-const WINDOW: u64 = 1024;
-
 /// The shared state of the threads.
-struct State<W> {
+struct State<T, W, E> {
     /// The next number to work on.
     next: u64,
     /// The next number to write.
     due: u64,
     /// Results that wait for earlier ones.
-    waiting: BTreeMap<u64, Vec<u8>>,
+    waiting: BTreeMap<u64, T>,
     write: W,
-    failed: Option<io::Error>,
+    failed: Option<E>,
     is_over: bool,
 }
 
-struct Shared<W> {
-    state: Mutex<State<W>>,
+struct Shared<T, W, E> {
+    /// How far results may be ahead of the first missing one.
+    window: u64,
+    state: Mutex<State<T, W, E>>,
     changed: Condvar,
 }
 
 /// Runs `work` for every number on all threads of the current pool. `write` receives the results in order, on
-/// any thread, one call at a time: the bytes of one or more complete results, and their number.
+/// any thread, one or more at a time, one call at a time. At most `window` results wait.
 ///
 /// # Errors
 /// The first error of `write`. It ends the work.
-pub(super) fn in_order<W: FnMut(&[u8], u64) -> io::Result<()> + Send>(
+pub(super) fn in_order<T: Send, E: Send, W: FnMut(Vec<T>) -> Result<(), E> + Send>(
     numbers: Range<u64>,
-    work: impl Fn(u64) -> Vec<u8> + Sync,
+    window: u64,
+    work: impl Fn(u64) -> T + Sync,
     write: W,
-) -> io::Result<()> {
+) -> Result<(), E> {
     let state = State {
         next: numbers.start,
         due: numbers.start,
@@ -44,7 +43,7 @@ pub(super) fn in_order<W: FnMut(&[u8], u64) -> io::Result<()> + Send>(
         failed: None,
         is_over: false,
     };
-    let shared = Shared { state: Mutex::new(state), changed: Condvar::new() };
+    let shared = Shared { window, state: Mutex::new(state), changed: Condvar::new() };
     rayon::broadcast(|_| {
         let _end = EndOnPanic(&shared);
         while let Some(number) = shared.take(numbers.end) {
@@ -55,15 +54,15 @@ pub(super) fn in_order<W: FnMut(&[u8], u64) -> io::Result<()> + Send>(
     state.failed.map_or(Ok(()), Err)
 }
 
-impl<W> Shared<W> {
-    fn lock(&self) -> MutexGuard<'_, State<W>> {
+impl<T, W, E> Shared<T, W, E> {
+    fn lock(&self) -> MutexGuard<'_, State<T, W, E>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The next number to work on. Waits until the window reaches it.
     fn take(&self, end: u64) -> Option<u64> {
         let mut state = self.lock();
-        while !state.is_over && state.next < end && state.next >= state.due + WINDOW {
+        while !state.is_over && state.next < end && state.next >= state.due + self.window {
             state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
         let number = state.next;
@@ -72,20 +71,19 @@ impl<W> Shared<W> {
     }
 }
 
-impl<W: FnMut(&[u8], u64) -> io::Result<()>> Shared<W> {
+impl<T, E, W: FnMut(Vec<T>) -> Result<(), E>> Shared<T, W, E> {
     /// Stores a result, and writes the results that are next in order.
-    fn give(&self, number: u64, result: Vec<u8>) {
+    fn give(&self, number: u64, result: T) {
         let mut state = self.lock();
         let State { due, waiting, write, failed, is_over, .. } = &mut *state;
         waiting.insert(number, result);
-        let begin = *due;
-        let mut lines = Vec::new();
-        while let Some(line) = waiting.remove(due) {
-            lines.extend(line);
+        let mut results = Vec::new();
+        while let Some(result) = waiting.remove(due) {
+            results.push(result);
             *due += 1;
         }
-        if *due > begin && !*is_over {
-            if let Err(error) = write(&lines, *due - begin) {
+        if !results.is_empty() && !*is_over {
+            if let Err(error) = write(results) {
                 *failed = Some(error);
                 *is_over = true;
             }
@@ -95,9 +93,9 @@ impl<W: FnMut(&[u8], u64) -> io::Result<()>> Shared<W> {
 }
 
 /// Ends the work if a thread panics: the other threads would otherwise wait for its result for ever.
-struct EndOnPanic<'a, W>(&'a Shared<W>);
+struct EndOnPanic<'a, T, W, E>(&'a Shared<T, W, E>);
 
-impl<W> Drop for EndOnPanic<'_, W> {
+impl<T, W, E> Drop for EndOnPanic<'_, T, W, E> {
     fn drop(&mut self) {
         if std::thread::panicking() {
             self.0.lock().is_over = true;
@@ -111,6 +109,8 @@ mod tests {
     use super::*;
     use std::time::Duration;
 
+    const WINDOW: u64 = 1024;
+
     fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
     }
@@ -123,15 +123,14 @@ mod tests {
                 if n.is_multiple_of(97) {
                     std::thread::sleep(Duration::from_millis(5));
                 }
-                format!("{n}\n").into_bytes()
+                n
             };
-            let write = |lines: &[u8], _| {
-                written.extend_from_slice(lines);
-                Ok(())
+            let write = |results: Vec<u64>| {
+                written.extend(results);
+                Ok::<(), ()>(())
             };
-            on_threads(threads, || in_order(5..4000, slow, write)).unwrap();
-            let expected: String = (5..4000).map(|n| format!("{n}\n")).collect();
-            assert!(written == expected.into_bytes(), "{threads} threads");
+            on_threads(threads, || in_order(5..4000, WINDOW, slow, write)).unwrap();
+            assert!(written.iter().copied().eq(5..4000), "{threads} threads");
         }
     }
 
@@ -146,30 +145,30 @@ mod tests {
                 let mut furthest = furthest.lock().unwrap();
                 *furthest = n.max(*furthest);
             }
-            Vec::new()
         };
-        on_threads(3, || in_order(0..20_000, work, |_, _| Ok(()))).unwrap();
+        on_threads(3, || in_order(0..20_000, WINDOW, work, |_| Ok::<(), ()>(()))).unwrap();
         assert_eq!(*furthest.lock().unwrap(), WINDOW - 1);
     }
 
     #[test]
     fn an_error_ends_the_work() {
         let mut written = 0;
-        let write = |_: &[u8], n| {
-            written += n;
-            if written >= 10 { Err(io::Error::other("full")) } else { Ok(()) }
+        let write = |results: Vec<u64>| {
+            written += results.len();
+            if written >= 10 { Err("full") } else { Ok(()) }
         };
-        let error = on_threads(2, || in_order(0..u64::MAX, |_| Vec::new(), write)).unwrap_err();
-        assert_eq!(error.to_string(), "full");
+        let error = on_threads(2, || in_order(0..u64::MAX, WINDOW, |n| n, write)).unwrap_err();
+        assert_eq!(error, "full");
     }
 
     #[test]
     fn a_panic_does_not_leave_the_others_waiting() {
         let work = |n: u64| {
             assert!(n != 7, "on purpose");
-            Vec::new()
         };
-        let ended = std::panic::catch_unwind(|| on_threads(2, || in_order(0..100_000, work, |_, _| Ok(()))));
+        let ended = std::panic::catch_unwind(|| {
+            on_threads(2, || in_order(0..100_000, WINDOW, work, |_| Ok::<(), ()>(())))
+        });
         assert!(ended.is_err());
     }
 }

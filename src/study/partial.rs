@@ -5,8 +5,10 @@
 //! killed process leaves complete rows, and at worst one incomplete row, which is removed. Every row names
 //! its study, so no other file is needed.
 
+use super::error::Position;
 use super::ordered::in_order;
 use super::results::{self, Identity};
+use super::tables::{self, Ticks};
 use super::{Study, SweepError, row};
 use crate::arithmetic;
 use crate::located::FileError;
@@ -15,7 +17,8 @@ use crate::parallel::OnDone;
 use std::fs::File;
 use std::io::{BufReader, Write};
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A shard of a study, for one of several computers: a contiguous range of its episodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,35 +38,64 @@ impl Shard {
     }
 }
 
+/// How far rows may be ahead of the first missing one.
+const WINDOW: u64 = 1024;
+/// The same with ticks, which are larger.
+const WINDOW_WITH_TICKS: u64 = 64;
+
+/// Where a sweep writes.
+#[derive(Clone, Copy, Debug)]
+pub struct SweepOutputs<'a> {
+    /// The file of results: Parquet if its name ends in `.parquet`, else CSV.
+    pub rows: &'a Path,
+    /// The folder of the ticks, if wanted.
+    pub ticks: Option<&'a Path>,
+    /// Whether existing outputs are replaced at the end, and rows and ticks of another study dropped.
+    pub overwrite: bool,
+}
+
 /// A sweep that is ready to run or to resume.
 #[derive(Debug)]
 pub struct Sweep<'a> {
     study: &'a Study,
+    path: PathBuf,
     file: OutputFile,
+    ticks: Option<Ticks>,
     episodes: Range<u64>,
     kept: u64,
 }
 
 impl<'a> Sweep<'a> {
-    /// Opens the partial file of `path`, and keeps its rows. With `overwrite`, an existing file of results is
-    /// replaced at the end, and rows of another study are dropped.
+    /// Opens the partial outputs, and keeps their rows and ticks.
     ///
     /// # Errors
     /// [`SweepError`]: the results are there already, or rows of another study, or another process is writing
-    /// them.
+    /// them; or the program has no Parquet.
     pub fn open(
         study: &'a Study,
-        path: &Path,
         shard: Option<Shard>,
-        overwrite: bool,
+        SweepOutputs { rows: path, ticks, overwrite }: SweepOutputs,
     ) -> Result<Self, SweepError> {
+        results::check_name(path)?;
+        if ticks == Some(path) {
+            return Err(SweepError::SameName { file: path.display().to_string() });
+        }
         let episodes = shard.map_or(0..study.episodes(), |shard| shard.episodes(study.episodes()));
+        if let Some(folder) = ticks {
+            tables::check(&folder.display().to_string())?;
+        }
         let (mut file, _) = OutputFile::resumable(path, overwrite)?;
+        let ticks =
+            ticks.map(|folder| Ticks::open(study, folder, episodes.clone(), overwrite)).transpose()?;
         file.keep();
+        // rows count only with their ticks, whose files are complete
+        let is_kept = |kept: u64| {
+            ticks.as_ref().is_none_or(|t| kept <= t.covered() && t.begins_file(episodes.start + kept))
+        };
         let partial = file.partial().to_owned();
         let write = |source| OutputError::Write { file: partial.clone(), source };
-        let (bytes, kept) = match rows_kept(study, file.as_file(), &partial.display().to_string(), &episodes)
-        {
+        let found = rows_kept(study, file.as_file(), &partial.display().to_string(), &episodes, is_kept);
+        let (bytes, kept) = match found {
             Err(error @ (SweepError::File(_) | SweepError::Output(_))) => return Err(error),
             Err(_) if overwrite => (0, 0),
             other => other?,
@@ -72,10 +104,10 @@ impl<'a> Sweep<'a> {
         if bytes == 0 {
             file.write_all(&row::header()).and_then(|()| file.flush()).map_err(write)?;
         }
-        Ok(Self { study, file, episodes, kept })
+        Ok(Self { study, path: path.to_owned(), file, ticks, episodes, kept })
     }
 
-    /// The number of episodes whose rows existed already.
+    /// The number of episodes whose rows existed already, with their ticks if wanted.
     pub fn kept(&self) -> u64 {
         self.kept
     }
@@ -85,36 +117,67 @@ impl<'a> Sweep<'a> {
         self.episodes.end - self.episodes.start
     }
 
-    /// Runs the remaining episodes on all threads of the current pool, and renames the file.
+    /// Runs the remaining episodes on all threads of the current pool, and gives the outputs their names.
+    ///
+    /// With `stop` it stops after the episodes that are running.
     ///
     /// # Errors
-    /// [`SweepError::Output`]; the rows written so far stay in the partial file.
-    pub fn run(self, on_done: OnDone) -> Result<(), SweepError> {
-        let Self { study, mut file, episodes, kept } = self;
+    /// [`SweepError::Output`] or [`SweepError::Stopped`]; the rows and ticks written so far stay in the partial
+    /// outputs.
+    pub fn run(self, on_done: OnDone, stop: &AtomicBool) -> Result<(), SweepError> {
+        let Self { study, path, mut file, mut ticks, episodes, kept } = self;
         let left = episodes.start + kept..episodes.end;
-        let append = |lines: &[u8], count: u64| {
-            file.write_all(lines)?;
-            file.flush()?;
+        let mut append = |lines: &[u8], count: u64| {
+            let written = file.write_all(lines).and_then(|()| file.flush());
+            written.map_err(|source| OutputError::Write { file: file.partial().to_owned(), source })?;
             (0..count).for_each(|_| on_done());
-            Ok(())
+            match stop.load(Ordering::Relaxed) {
+                true => Err(SweepError::Stopped { file: file.partial().to_owned() }),
+                false => Ok(()),
+            }
         };
-        let done = in_order(left, |episode| study.run(episode), append);
-        let partial = file.partial().to_owned();
-        done.map_err(|source| OutputError::Write { file: partial, source })?;
-        Ok(file.finish()?)
+        match &mut ticks {
+            None => in_order(
+                left,
+                WINDOW,
+                |episode| study.run(episode),
+                |lines| append(&lines.concat(), lines.len() as u64),
+            )?,
+            Some(ticks) => {
+                let (layout, mut due) = (ticks.layout(), left.start);
+                in_order(
+                    left,
+                    WINDOW_WITH_TICKS,
+                    |episode| layout.run(study, episode),
+                    |results| {
+                        for (line, batch) in results {
+                            // ticks first: rows without ticks would be dropped
+                            ticks.add(due, batch)?;
+                            append(&line, 1)?;
+                            due += 1;
+                        }
+                        Ok::<(), SweepError>(())
+                    },
+                )?;
+            }
+        }
+        ticks.map_or(Ok(()), Ticks::finish)?;
+        results::finish(file, &path, &study.origin())
     }
 }
 
-/// The number of bytes of the file that can be kept, and the number of rows in them.
+/// The number of bytes of the file that can be kept, and the number of rows in them, which `is_kept` allows.
 fn rows_kept(
     study: &Study,
     file: &File,
     name: &str,
     episodes: &Range<u64>,
+    is_kept: impl Fn(u64) -> bool,
 ) -> Result<(u64, u64), SweepError> {
     let mut reader = BufReader::new(file);
     let mut line = Vec::new();
-    let (mut bytes, mut kept) = (0, 0);
+    let (mut bytes, mut rows) = (0, 0);
+    let mut end = (0, 0);
     loop {
         let read = results::read_line(&mut reader, &mut line);
         read.map_err(|source| FileError::Read { file: name.to_owned(), source })?;
@@ -123,16 +186,19 @@ fn rows_kept(
             if bytes == 0 && !row::header().starts_with(&line) {
                 results::check_header(&line, name)?;
             }
-            return Ok((bytes, kept));
+            return Ok(end);
         }
         if bytes == 0 {
             results::check_header(&line, name)?;
         } else {
-            let due = episodes.start + kept;
-            check_row(study, &line, name, kept + 2, due, episodes.end)?;
-            kept += 1;
+            let due = episodes.start + rows;
+            check_row(study, &line, name, rows + 2, due, episodes.end)?;
+            rows += 1;
         }
         bytes += line.len() as u64;
+        if is_kept(rows) {
+            end = (bytes, rows);
+        }
     }
 }
 
@@ -145,14 +211,19 @@ fn check_row(
     due: u64,
     end: u64,
 ) -> Result<(), SweepError> {
-    let found = Identity::of_line(line, file, number)?;
-    check_study(study, &found, file, number)?;
+    let found = Identity::of_line(line, file, Position::Line(number))?;
+    check_study(study, &found, file, Position::Line(number))?;
     if found.episode != due || due >= end {
         let expected = if due < end { format!("episode {due}") } else { "the end of the file".to_owned() };
         let found = format!("episode {}", found.episode);
-        return Err(SweepError::Line { file: file.to_owned(), line: number, found, expected });
+        return Err(SweepError::Row {
+            file: file.to_owned(),
+            position: Position::Line(number),
+            found,
+            expected,
+        });
     }
-    results::check_values(line, file, number)
+    results::check_values(line, file, Position::Line(number))
 }
 
 /// The check that a row is of this study and of this machine's arithmetic.
@@ -160,19 +231,19 @@ pub(super) fn check_study(
     study: &Study,
     found: &Identity,
     file: &str,
-    number: u64,
+    position: Position,
 ) -> Result<(), SweepError> {
     if (found.study.as_str(), found.episodes) != (study.digest(), study.episodes()) {
         return Err(SweepError::OtherStudy {
             file: file.to_owned(),
-            line: number,
+            position,
             found: found.study.clone(),
             expected: study.digest().to_owned(),
         });
     }
     if found.arithmetic != arithmetic::stamp() {
         return Err(SweepError::OtherArithmetic {
-            file: format!("{file}: line {number}"),
+            file: format!("{file}: {position}"),
             found: found.arithmetic.clone(),
             other: "this program".to_owned(),
             expected: arithmetic::stamp().to_owned(),

@@ -1,7 +1,7 @@
 //! A quantity of a study's episodes over the plane of the humans' alpha and gamma.
 
 use super::results::Rows;
-use super::summary::{OUTCOMES, fields};
+use super::summary::OUTCOMES;
 use super::{SweepError, row};
 use crate::statistics::Moments;
 use std::collections::BTreeMap;
@@ -93,7 +93,7 @@ fn each(
     let quantity = OUTCOMES.into_iter().find(|known| *known == quantity).map(at);
     let (outcome, alpha, gamma) = (at("outcome"), at("alpha"), at("gamma"));
     while rows.next()?.is_some() {
-        let fields = fields(&rows, columns.len())?;
+        let fields = rows.fields(columns.len())?;
         let number = |i: usize| fields[i].parse::<f64>().ok().filter(|value| value.is_finite());
         let (Some(value), Some(alpha), Some(gamma)) =
             (quantity.and_then(number), number(alpha), number(gamma))
@@ -102,9 +102,9 @@ fn each(
         };
         if &fields[outcome] == row::arrived() {
             let inputs = inputs.clone().map(|i| fields[i].to_owned()).collect();
-            on_row(inputs, [alpha, gamma], value).map_err(|expected| SweepError::Line {
+            on_row(inputs, [alpha, gamma], value).map_err(|expected| SweepError::Row {
                 file: rows.file.clone(),
-                line: rows.number,
+                position: rows.position(),
                 found: "another combination".to_owned(),
                 expected,
             })?;

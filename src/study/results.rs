@@ -1,7 +1,9 @@
-//! Files of results: the episode and study of each row.
+//! Files of results, CSV or Parquet: the episode and study of each row, and its line of CSV.
 
-use super::{SweepError, row};
+use super::error::Position;
+use super::{SweepError, row, tables};
 use crate::located::{self, FileError};
+use crate::output_file::{OutputError, OutputFile};
 use row::IDENTITY;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
@@ -20,7 +22,7 @@ pub(super) struct Identity {
 
 impl Identity {
     /// Parses the beginning of a row.
-    pub fn of_line(line: &[u8], file: &str, number: u64) -> Result<Self, SweepError> {
+    pub fn of_line(line: &[u8], file: &str, position: Position) -> Result<Self, SweepError> {
         let text = String::from_utf8_lossy(line);
         let mut fields = text.splitn(IDENTITY.len() + 1, ',');
         let mut next = || fields.next().unwrap_or_default();
@@ -31,9 +33,9 @@ impl Identity {
             {
                 Ok(Self { episode, episodes, study: study.to_owned(), arithmetic: arithmetic.to_owned() })
             }
-            _ => Err(SweepError::Line {
+            _ => Err(SweepError::Row {
                 file: file.to_owned(),
-                line: number,
+                position,
                 found: format!("`{}`", text.trim_end().chars().take(60).collect::<String>()),
                 expected:
                     "a row of results: the number of an episode, the number of episodes, the study's digest, and the arithmetic's stamp"
@@ -43,6 +45,8 @@ impl Identity {
     }
 }
 
+/// The first bytes of a Parquet file.
+const PARQUET: &[u8] = b"PAR1";
 /// The length of the longest line, bytes. A row has about 1 kB.
 const LONGEST_LINE: u64 = 64 << 10;
 
@@ -57,12 +61,12 @@ pub(super) fn read_line(reader: &mut impl BufRead, line: &mut Vec<u8>) -> io::Re
 }
 
 /// The check, for rows that are kept, that their values are those that the sweep wrote.
-pub(super) fn check_values(line: &[u8], file: &str, number: u64) -> Result<(), SweepError> {
+pub(super) fn check_values(line: &[u8], file: &str, position: Position) -> Result<(), SweepError> {
     row::wrong_checksum(line).map_or(Ok(()), |[found, expected]| {
         let found = found.chars().take(60).collect::<String>();
         let found = format!("a row with changed values, whose checksum is `{found}`");
         let expected = format!("as its sweep wrote it, with checksum {expected}");
-        Err(SweepError::Line { file: file.to_owned(), line: number, found, expected })
+        Err(SweepError::Row { file: file.to_owned(), position, found, expected })
     })
 }
 
@@ -88,24 +92,83 @@ pub(super) fn check_header(line: &[u8], file: &str) -> Result<(), SweepError> {
     Ok(())
 }
 
+/// Gives a complete partial file of rows its final form: as it is, or as Parquet, by the name's ending.
+pub(super) fn finish(file: OutputFile, path: &Path, origin: &Origin) -> Result<(), SweepError> {
+    if !is_parquet(path) {
+        return Ok(file.finish()?);
+    }
+    let write = |source| OutputError::Write { file: path.to_owned(), source };
+    Ok(file.finish_as(|lines, out| tables::write(lines, out, origin).map_err(write))?)
+}
+
+/// The check that this program can write a file of that name.
+pub(super) fn check_name(path: &Path) -> Result<(), SweepError> {
+    if is_parquet(path) { tables::check(&path.display().to_string()) } else { Ok(()) }
+}
+
+fn is_parquet(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("parquet"))
+}
+
+/// Where rows come from.
+#[derive(Clone, Debug)]
+pub(super) struct Origin {
+    /// The text of the study file, if it is known.
+    pub text: Option<String>,
+    /// The study's digest.
+    pub study: String,
+    /// The number of episodes of the study.
+    pub episodes: u64,
+    /// The stamp of the arithmetic.
+    pub arithmetic: String,
+}
+
+/// Reads a file of results, CSV or Parquet, and hands on the cells of each row, as in CSV.
+///
+/// # Errors
+/// [`SweepError`], which names the file and the row.
+pub fn read_rows(
+    path: &Path,
+    mut each: impl FnMut(&mut dyn Iterator<Item = &str>),
+) -> Result<(), SweepError> {
+    let mut rows = Rows::open(path)?;
+    let columns = row::headings().len();
+    while rows.next()?.is_some() {
+        each(&mut rows.fields(columns)?.iter());
+    }
+    Ok(())
+}
+
 /// A reader of a file's rows.
 pub(super) struct Rows {
     pub file: String,
-    reader: BufReader<File>,
-    /// The number of the line read last, counted from 1.
-    pub number: u64,
-    /// The line read last, with its newline.
+    source: Source,
+    /// The number of the line or row read last, counted from 1.
+    number: u64,
+    /// The line of the row read last, with its newline.
     pub line: Vec<u8>,
 }
 
+enum Source {
+    Csv(BufReader<File>),
+    Parquet(Box<tables::Reader>),
+}
+
 impl Rows {
-    /// Opens the file and checks its header.
+    /// Opens the file and checks its columns.
     pub fn open(path: &Path) -> Result<Self, SweepError> {
         let file = path.display().to_string();
-        let opened = located::open(path).map_err(|source| FileError::Read { file: file.clone(), source })?;
-        let mut rows = Self { file, reader: BufReader::new(opened), number: 0, line: Vec::new() };
-        rows.advance()?;
-        check_header(&rows.line, &rows.file)?;
+        let read = |source| FileError::Read { file: file.clone(), source };
+        let mut opened = BufReader::new(located::open(path).map_err(read)?);
+        let source = match opened.fill_buf().map_err(read)?.starts_with(PARQUET) {
+            true => Source::Parquet(Box::new(tables::Reader::open(opened.into_inner(), &file)?)),
+            false => Source::Csv(opened),
+        };
+        let mut rows = Self { file, source, number: 0, line: Vec::new() };
+        if let Source::Csv(_) = rows.source {
+            rows.advance()?;
+            check_header(&rows.line, &rows.file)?;
+        }
         Ok(rows)
     }
 
@@ -114,18 +177,56 @@ impl Rows {
         self.advance()?;
         match self.line.is_empty() {
             true => Ok(None),
-            false => Identity::of_line(&self.line, &self.file, self.number).map(Some),
+            false => Identity::of_line(&self.line, &self.file, self.position()).map(Some),
+        }
+    }
+
+    /// The fields of the row read last.
+    pub fn fields(&self, columns: usize) -> Result<csv::StringRecord, SweepError> {
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(&self.line[..]);
+        let mut fields = csv::StringRecord::new();
+        match reader.read_record(&mut fields) {
+            Ok(true) if fields.len() == columns => Ok(fields),
+            _ => Err(SweepError::Row {
+                file: self.file.clone(),
+                position: self.position(),
+                found: format!("{} fields", fields.len()),
+                expected: format!("{columns} fields of text"),
+            }),
+        }
+    }
+
+    /// The place of the row read last.
+    pub fn position(&self) -> Position {
+        match self.source {
+            Source::Csv(_) => Position::Line(self.number),
+            Source::Parquet(_) => Position::Row(self.number),
+        }
+    }
+
+    /// The text of the study, if the file has it.
+    pub fn study_text(&self) -> Option<&str> {
+        match &self.source {
+            Source::Csv(_) => None,
+            Source::Parquet(reader) => reader.study_text(),
         }
     }
 
     fn advance(&mut self) -> Result<(), SweepError> {
         self.number += 1;
-        let read = read_line(&mut self.reader, &mut self.line);
+        let reader = match &mut self.source {
+            Source::Csv(reader) => reader,
+            Source::Parquet(reader) => {
+                self.line = reader.next()?;
+                return Ok(());
+            }
+        };
+        let read = read_line(reader, &mut self.line);
         read.map_err(|source| FileError::Read { file: self.file.clone(), source })?;
         if self.line.last().is_some_and(|end| *end != b'\n') {
-            return Err(SweepError::Line {
+            return Err(SweepError::Row {
                 file: self.file.clone(),
-                line: self.number,
+                position: self.position(),
                 found: "cut short".to_owned(),
                 expected: "complete: run its sweep again, which resumes there".to_owned(),
             });

@@ -2,21 +2,26 @@
 
 use super::cell::Cell;
 use super::file::Contents;
+use crate::columns::{self, Heading};
 use crate::episode::{Episode, Outcome};
 use crate::preference::Perception;
 use crate::quantities::{EPISODE, Kind, View, cell};
 use crate::scenario::{self, PlantKind, PreparedScenario, SETTINGS, Scenario, ScenarioError, Value};
 
-/// A column: its name, and its value for a cell, which is `None` where the column does not apply.
-type InputColumn = (&'static str, fn(&Inputs) -> Option<String>);
+/// A column: its name, its meaning, and its value for a cell, which is `None` where the column does not apply.
+type InputColumn = (&'static str, &'static str, fn(&Inputs) -> Option<String>);
 
 /// The columns that identify rows and studies, and the CRC-32 of the row without it.
-pub(super) const IDENTITY: [(&str, Kind); 5] = [
-    ("episode", Kind::Count),
-    ("episodes", Kind::Count),
-    ("study", Kind::Text),
-    ("arithmetic", Kind::Text),
-    ("checksum", Kind::Text),
+pub(super) const IDENTITY: [Heading; 5] = [
+    heading("episode", Kind::Count, "number of the episode in the study, from 0"),
+    heading("episodes", Kind::Count, "number of episodes of the whole study"),
+    heading(
+        "study",
+        Kind::Text,
+        "digest of the study: of all values, worlds, robots and the program's version",
+    ),
+    heading("arithmetic", Kind::Text, "stamp of the machine's arithmetic"),
+    heading("checksum", Kind::Text, "checksum of the row's values"),
 ];
 /// The index of the checksum's column.
 const CHECKSUM: usize = IDENTITY.len() - 1;
@@ -28,49 +33,58 @@ struct Inputs<'a> {
 }
 
 /// The columns of the inputs, without the seed, the values drawn from it, and the settings.
+#[rustfmt::skip]
 const INPUTS: &[InputColumn] = &[
-    ("world", |r| Some(r.contents.worlds[r.cell.world].0.clone())),
-    ("plant", |r| word(r.cell.plant.name())),
-    ("humans", |r| Some(r.contents.humans[r.cell.humans].0.clone())),
-    ("humans_alpha", |r| some(r.contents.humans[r.cell.humans].1.alpha)),
-    ("humans_gamma", |r| some(r.contents.humans[r.cell.humans].1.gamma)),
-    ("preference_changes_drawn", |r| some(r.cell.changes)),
-    ("belief", |r| Some(r.contents.beliefs[r.cell.belief].0.clone())),
-    ("belief_alpha", |r| r.belief()[0].clone()),
-    ("belief_gamma", |r| r.belief()[1].clone()),
-    ("robot", |r| (r.cell.plant != PlantKind::Point).then(|| r.contents.robots[r.cell.robot].0.clone())),
+    ("world", "world, as named in the study", |r| Some(r.contents.worlds[r.cell.world].0.clone())),
+    ("plant", "point, kinematic or rapier", |r| word(r.cell.plant.name())),
+    ("humans", "name of the humans' distribution", |r| Some(r.contents.humans[r.cell.humans].0.clone())),
+    ("humans_alpha", "distribution of alpha", |r| some(r.contents.humans[r.cell.humans].1.alpha)),
+    ("humans_gamma", "distribution of gamma", |r| some(r.contents.humans[r.cell.humans].1.gamma)),
+    ("preference_changes_drawn", "how many preference changes are drawn", |r| some(r.cell.changes)),
+    ("belief", "name of the robot's belief", |r| Some(r.contents.beliefs[r.cell.belief].0.clone())),
+    ("belief_alpha", "the belief's distribution of alpha; empty for samples", |r| r.belief()[0].clone()),
+    ("belief_gamma", "the belief's distribution of gamma; empty for samples", |r| r.belief()[1].clone()),
+    ("robot", "robot, as named in the study; empty for a point", |r| (r.cell.plant != PlantKind::Point).then(|| r.contents.robots[r.cell.robot].0.clone())),
 ];
 
 /// The columns of the seed and of the values drawn from it; those of [`EPISODE`] follow.
-const DRAWN: [(&str, Kind); 4] = [
-    ("seed", Kind::Count),
-    ("alpha", Kind::Number("")),
-    ("gamma", Kind::Number("")),
-    ("preference_changes", Kind::Text),
+const DRAWN: [Heading; 4] = [
+    heading("seed", Kind::Count, "seed of the episode"),
+    heading("alpha", Kind::Number(""), "the human's alpha"),
+    heading("gamma", Kind::Number(""), "the human's gamma"),
+    heading("preference_changes", Kind::Text, "the changes drawn, in the form of `--change`, by step"),
 ];
+
+const fn heading(name: &'static str, kind: Kind, description: &'static str) -> Heading {
+    Heading { name, kind, description }
+}
 
 /// The names of all columns, in order.
 pub(super) fn columns() -> Vec<&'static str> {
-    kinds().into_iter().map(|(name, _)| name).collect()
+    headings().into_iter().map(|heading| heading.name).collect()
 }
 
-/// The names of all columns and the kinds of their values, in order.
-pub(super) fn kinds() -> Vec<(&'static str, Kind)> {
+/// All columns, in order.
+pub(super) fn headings() -> Vec<Heading> {
+    let figures = EPISODE.iter().map(Heading::from);
+    IDENTITY.into_iter().chain(input_headings()).chain(DRAWN).chain(figures).collect()
+}
+
+/// The columns that define a combination.
+fn input_headings() -> impl Iterator<Item = Heading> {
     let of_setting = |setting: &scenario::Setting| match setting.kind {
-        scenario::Kind::Number(..) => Kind::Number(""),
+        scenario::Kind::Number(..) => columns::number(setting.key),
         scenario::Kind::Count(..) => Kind::Count,
         scenario::Kind::Flag(_) => Kind::Flag,
         scenario::Kind::Word(..) | scenario::Kind::Text(..) => Kind::Text,
     };
-    let inputs = INPUTS.iter().map(|(name, _)| (*name, Kind::Text));
-    let settings = SETTINGS.iter().map(|setting| (setting.key, of_setting(setting)));
-    let figures = EPISODE.iter().map(|quantity| (quantity.key, quantity.kind));
-    IDENTITY.into_iter().chain(inputs).chain(settings).chain(DRAWN).chain(figures).collect()
+    let inputs = INPUTS.iter().map(|(name, about, _)| heading(name, Kind::Text, about));
+    inputs.chain(SETTINGS.iter().map(move |setting| heading(setting.key, of_setting(setting), setting.about)))
 }
 
 /// The names of the columns that define a combination.
 pub(super) fn input_columns() -> impl Iterator<Item = &'static str> {
-    INPUTS.iter().map(|(name, _)| *name).chain(SETTINGS.iter().map(|setting| setting.key))
+    INPUTS.iter().map(|(name, ..)| *name).chain(SETTINGS.iter().map(|setting| setting.key))
 }
 
 /// The first line of a file of results.
@@ -82,7 +96,7 @@ pub(super) fn header() -> Vec<u8> {
 pub(super) fn inputs(contents: &Contents, cell: &Cell) -> Vec<String> {
     let inputs = Inputs { contents, cell };
     let settings = cell.values.iter().map(|value| value.as_ref().map(Value::to_string));
-    let values = INPUTS.iter().map(|(_, value)| value(&inputs)).chain(settings);
+    let values = INPUTS.iter().map(|(_, _, value)| value(&inputs)).chain(settings);
     values.map(Option::unwrap_or_default).collect()
 }
 
@@ -93,7 +107,7 @@ pub(super) fn in_words(inputs: &[String]) -> String {
 }
 
 /// The line of a file of results with these fields. No field contains a newline.
-fn line(fields: impl Iterator<Item = String>) -> Vec<u8> {
+pub(super) fn line(fields: impl Iterator<Item = String>) -> Vec<u8> {
     let mut writer = csv::WriterBuilder::new().buffer_capacity(1024).from_writer(Vec::with_capacity(1024));
     let fields = fields.map(|field| field.replace(['\n', '\r'], " "));
     // writing to a vector does not fail

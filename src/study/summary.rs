@@ -173,20 +173,20 @@ impl Summary {
         let mut first = None;
         let mut count = 0;
         while let Some(identity) = rows.next()? {
-            let fields = fields(&rows, columns.len())?;
+            let fields = rows.fields(columns.len())?;
             let begin = first.get_or_insert_with(|| identity.clone());
             if identity.arithmetic != begin.arithmetic {
                 return Err(SweepError::OtherArithmetic {
-                    file: format!("{}: line {}", rows.file, rows.number),
+                    file: format!("{}: {}", rows.file, rows.position()),
                     found: identity.arithmetic,
                     other: "its first row".to_owned(),
                     expected: begin.arithmetic.clone(),
                 });
             }
             if identity.study != begin.study || identity.episode != begin.episode + count {
-                return Err(SweepError::Line {
+                return Err(SweepError::Row {
+                    position: rows.position(),
                     file: rows.file,
-                    line: rows.number,
                     found: format!("episode {} of study {}", identity.episode, identity.study),
                     expected: format!("episode {} of study {}", begin.episode + count, begin.study),
                 });
@@ -199,21 +199,6 @@ impl Summary {
         reader.check(&rows)?;
         let first = first.ok_or_else(|| SweepError::Empty { file: rows.file.clone() })?;
         Ok(reader.summary(first.study, count, first.episodes))
-    }
-}
-
-/// The fields of the row read last.
-pub(super) fn fields(rows: &Rows, columns: usize) -> Result<csv::StringRecord, SweepError> {
-    let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(&rows.line[..]);
-    let mut fields = csv::StringRecord::new();
-    match reader.read_record(&mut fields) {
-        Ok(true) if fields.len() == columns => Ok(fields),
-        _ => Err(SweepError::Line {
-            file: rows.file.clone(),
-            line: rows.number,
-            found: format!("{} fields", fields.len()),
-            expected: format!("{columns} fields of text"),
-        }),
     }
 }
 
@@ -271,9 +256,9 @@ impl Reader {
     /// The check that combinations and comparisons stay within their limits.
     fn check(&self, rows: &Rows) -> Result<(), SweepError> {
         match self.cells.len() > LARGEST_RUN || self.pairs.len() > MOST_PAIRS {
-            true => Err(SweepError::Line {
+            true => Err(SweepError::Row {
                 file: rows.file.clone(),
-                line: rows.number,
+                position: rows.position(),
                 found: "too much for a summary".to_owned(),
                 expected: format!(
                     "the last of at most {LARGEST_RUN} combinations and {MOST_PAIRS} comparisons"

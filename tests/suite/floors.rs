@@ -25,7 +25,7 @@ const FLOORS: [&[&str]; 24] = [
     &["quantities"],
     &["recording", "drawing"],
     &["rendering"],
-    &["statistics", "table", "parallel"],
+    &["statistics", "table", "parallel", "columns"],
     &["paper"],
     &["study", "fit", "regression"],
     &["report", "cluster"],

@@ -81,29 +81,6 @@ const STEPS: [(&str, &str, &[Quantity]); 8] = [
     ("Joints", "`/control`", JOINTS),
 ];
 
-/// The columns of a study's rows that no other table has.
-const ROWS: [(&str, &str); 19] = [
-    ("episode", "number of the episode in the study, from 0"),
-    ("episodes", "number of episodes of the whole study"),
-    ("study", "digest of the study: of all values, worlds, robots and the program's version"),
-    ("arithmetic", "stamp of the machine's arithmetic"),
-    ("checksum", "checksum of the row's values"),
-    ("world", "world, as named in the study"),
-    ("plant", "point, kinematic or rapier"),
-    ("humans", "name of the humans' distribution"),
-    ("humans_alpha", "distribution of alpha"),
-    ("humans_gamma", "distribution of gamma"),
-    ("preference_changes_drawn", "how many preference changes are drawn"),
-    ("belief", "name of the robot's belief"),
-    ("belief_alpha", "the belief's distribution of alpha; empty for samples"),
-    ("belief_gamma", "the belief's distribution of gamma; empty for samples"),
-    ("robot", "robot, as named in the study; empty for a point"),
-    ("seed", "seed of the episode"),
-    ("alpha", "the human's alpha"),
-    ("gamma", "the human's gamma"),
-    ("preference_changes", "the changes drawn, in the form of `--change`, by step"),
-];
-
 #[test]
 fn the_reference_of_columns_is_the_table_of_quantities() {
     let mut text = heading(
@@ -125,8 +102,11 @@ fn the_reference_of_columns_is_the_table_of_quantities() {
     text += &listed(EPISODE);
     text += "\n## Further columns of a study's rows\n\nBefore the figures of the episode, a row has these and a column for every [setting](settings.md).\n";
     text += &table(&["column", "meaning"]);
-    for (key, meaning) in ROWS {
-        text += &row(&[&format!("`{key}`"), meaning]);
+    let is_listed = |name: &str| {
+        SETTINGS.iter().any(|setting| setting.key == name) || EPISODE.iter().any(|figure| figure.key == name)
+    };
+    for heading in cocarry::study::columns().iter().filter(|heading| !is_listed(heading.name)) {
+        text += &row(&[&format!("`{}`", heading.name), heading.description]);
     }
     settle("book/src/columns.md", &read("book/src/columns.md"), &text);
 }
@@ -172,9 +152,8 @@ fn the_reference_of_columns_has_every_column_of_a_study() {
     let output = program.args(["sweep", "s.toml"]).current_dir(folder.path()).output().unwrap();
     assert!(output.status.success());
     let rows = std::fs::read_to_string(folder.path().join("s.csv")).unwrap();
-    let others = |column: &&str| {
-        SETTINGS.iter().all(|setting| setting.key != *column) && EPISODE.iter().all(|q| q.key != *column)
-    };
-    let found: Vec<&str> = rows.lines().next().unwrap().split(',').filter(others).collect();
-    assert_eq!(found, ROWS.map(|(key, _)| key));
+    let page = read("book/src/columns.md") + &read("book/src/settings.md");
+    let mut columns = rows.lines().next().unwrap().split(',');
+    assert_eq!(columns.clone().count(), cocarry::study::columns().len());
+    assert_eq!(columns.find(|column| !page.contains(&format!("| `{column}` |"))), None);
 }

@@ -2,6 +2,8 @@
 //! and what is wrong in a study is named.
 
 mod cluster;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod preference_changes;
 mod studies;
 mod summary;
@@ -294,6 +296,19 @@ fn rows_that_are_there_are_kept_and_a_row_that_was_cut_is_run_again() {
         assert_eq!(told.contains(&says), kept > 0, "cut at {cut}: {told}");
         assert!(bench.read("study.csv") == whole, "cut at {cut}");
     }
+}
+
+#[cfg(not(feature = "parquet"))]
+#[test]
+fn a_program_without_parquet_says_so_before_the_work() {
+    let bench = Bench::new(STUDY);
+    let said = |name| [name, "without the feature `parquet`", "--features parquet"];
+    bench.refused(&["study.toml", "--out", "a.parquet"], 2, &said("a.parquet: "));
+    bench.refused(&["study.toml", "--ticks", "ticks"], 2, &said("ticks: "));
+    bench.refused(&["--merge", "a.parquet", "b.csv", "c.csv"], 2, &said("a.parquet: "));
+    std::fs::write(bench.path("b.parquet"), b"PAR1PAR1").expect("a file");
+    bench.refused(&["--summary", "b.parquet"], 2, &said("b.parquet: "));
+    assert!(!bench.path("a.parquet.partial").exists() && !bench.path("ticks.partial").exists());
 }
 
 #[test]
