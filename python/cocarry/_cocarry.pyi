@@ -101,7 +101,8 @@ class Robot:
 
 @final
 class Scenario:
-    """The complete definition of an episode: the same scenario gives the same episode, bit for bit. Immutable."""
+    """The complete definition of an episode: the same scenario gives the same episode, bit for bit.
+    Immutable."""
 
     def __new__(
         cls,
@@ -125,7 +126,8 @@ class Scenario:
         plant: what the controller moves: the planning level alone, exact kinematics, or bodies with dynamics.
         seed: of the human, of the human's preference changes, and of the gait.
         alpha, gamma: the human's perception of distance and risk; drawn from the belief if not given.
-        changes: (step, alpha, gamma): preference changes. preference_changes: their number, drawn from the seed.
+        changes: (step, alpha, gamma): preference changes. preference_changes: their number, drawn from the
+            seed.
         belief_alpha, belief_gamma: the robot's belief: uniform(LOWER,UPPER) or normal(MEAN,STD,LOWER,UPPER).
         belief_samples: the belief as samples, (n, 2) alpha and gamma, or (n, 3) with weights.
         robot: a robot file or a Robot. settings: see cocarry.settings().
@@ -179,36 +181,44 @@ class Scenario:
 
 @final
 class Episode:
-    """A running episode. Iterating takes steps and gives their ticks. Shows itself as the 3-D player in a notebook.
+    """A running episode. Iterating takes steps and gives their ticks. Shows itself as the 3-D player in a
+    notebook.
 
-    An episode pickles and copies through snapshots, without its recording; a copy continues with the same bits.
+    An episode pickles and copies through snapshots, without its recording; a copy continues with the same
+    bits.
     One thread at a time uses it; others get ClosedError at once.
     """
 
     def __new__(cls, scenario: Scenario, *, policy: Any = None, human: Any = None) -> Self:
         """The episode before its first step.
 
-        policy: the robot's own policy: a callable or an object with ``decide``, of a RobotView (see cocarry.Policy),
-            or a class of such objects. Its answer: an option to lead on, None to follow, or a Decision.
-        human: an own human: the same, of a HumanView (see cocarry.Human). Its answer: an option, or a HumanDecision.
+        policy: the robot's own policy: a callable or an object with ``decide``, of a RobotView (see
+            cocarry.Policy), or a class of such objects. Its answer: an option to lead on, None to follow,
+            or a Decision.
+        human: an own human: the same, of a HumanView (see cocarry.Human). Its answer: an option, or a
+            HumanDecision.
 
-        Raises ScenarioError: a part of the scenario is not valid. Exceptions of own partners are raised by the step.
+        Raises ScenarioError: a part of the scenario is not valid. Exceptions of own partners are raised by
+        the step.
         """
     @staticmethod
     def resume(snapshot: bytes | _Path, *, policy: Any = None, human: Any = None) -> Episode:
-        """The episode of a snapshot, its bytes or a file; it continues with the same bits. Raises SnapshotError."""
+        """The episode of a snapshot, its bytes or a file; it continues with the same bits. Raises
+        SnapshotError."""
     def step(self) -> str | None:
         """Takes one control period; returns the outcome once the episode has ended, else None."""
     def run(self, steps: int | None = None) -> dict[str, Any]:
         """Runs to the end, or so many steps, without Python's lock; returns the summary. Ctrl-C stops it."""
     def ticks(self, steps: int | None = None) -> Table:
-        """Runs on as ``run`` does; returns a row for every tick. Columns of options and joints are ``key[name]``."""
+        """Runs on as ``run`` does; returns a row for every tick. Columns of options and joints are
+        ``key[name]``."""
     @property
     def tick(self) -> dict[str, Any]:
         """The quantities of the last step, as ``quantities("tick")`` has them; missing values are None."""
     @property
     def summary(self) -> dict[str, Any]:
-        """The figures of the episode so far, as ``quantities("episode")`` has them; missing values are None."""
+        """The figures of the episode so far, as ``quantities("episode")`` has them; missing values are None.
+        """
     def __getitem__(self, key: str, /) -> Any:
         """One quantity of the last step."""
     def __iter__(self) -> Episode: ...
@@ -234,14 +244,17 @@ class Episode:
     def snapshot(self) -> bytes:
         """The state as the bytes of a snapshot file."""
     def record(self, file: _Path, *, overwrite: bool = False) -> Episode:
-        """Records the steps into an MCAP file, from before the first step until the end or ``close``; returns itself.
+        """Records the steps into an MCAP file, from before the first step until the end or ``close``; returns
+        itself.
 
         Raises RecordingError: the file exists or cannot be written, or the episode has begun.
         """
     def recording(self) -> bytes:
-        """The recording of the episode so far (MCAP). Runs it again from its start, with copies of own partners."""
+        """The recording of the episode so far (MCAP). Runs it again from its start, with copies of own
+        partners."""
     def to_html(self, title: str = "episode") -> str:
-        """The 3-D player of the episode so far, as one page. Runs the episode again, as ``recording`` does."""
+        """The 3-D player of the episode so far, as one page. Runs the episode again, as ``recording`` does.
+        """
     def _repr_html_(self) -> str | None: ...
     def close(self) -> None:
         """Ends the episode and finishes its recording."""
@@ -257,8 +270,9 @@ class Episode:
 class RobotView:
     """What an own policy sees at the beginning of a control period.
 
-    Every quantity of ``quantities("option")`` is an attribute and an item: an array of one number for each option
-    (NaN where missing), as ``view.objective_cost_m``; ``view.name`` is a list of names. ``len`` counts the options.
+    Every quantity of ``quantities("option")`` is an attribute and an item: an array of one number for each
+    option (NaN where missing), as ``view.objective_cost_m``; ``view.name`` is a list of names. ``len`` counts
+    the options.
     """
 
     @property
@@ -287,7 +301,8 @@ class RobotView:
         """The human's response to the robot's lead: follow, resist or take-over."""
     @property
     def configuration(self) -> _Floats | None:
-        """Base x, y (m) and yaw (rad), then the joints (rad, prismatic m), (3 + joints,); None without a robot."""
+        """Base x, y (m) and yaw (rad), then the joints (rad, prismatic m), (3 + joints,); None without a
+        robot."""
     @property
     def grasp(self) -> _Floats | None:
         """world_from_grasp, (4, 4); None without a robot."""
@@ -299,17 +314,20 @@ class RobotView:
         """world_from_hand, (4, 4); the physical plant only."""
     @property
     def grip_wrench(self) -> _Floats | None:
-        """Mean force (N) and torque (Nm) of the robot on the object in the last period, (6,), world axes; physical."""
+        """Mean force (N) and torque (Nm) of the robot on the object in the last period, (6,), world axes;
+        physical."""
     @property
     def hand_wrench(self) -> _Floats | None:
-        """Mean force (N) and torque (Nm) of the human on the object in the last period, (6,), world axes; physical."""
+        """Mean force (N) and torque (Nm) of the human on the object in the last period, (6,), world axes;
+        physical."""
     def __getattr__(self, key: str, /) -> Any: ...
     def __getitem__(self, key: str, /) -> Any: ...
     def __len__(self) -> int: ...
 
 @final
 class HumanView:
-    """What an own human sees at the beginning of a control period. The quantities of the options as in RobotView."""
+    """What an own human sees at the beginning of a control period. The quantities of the options as in
+    RobotView."""
 
     @property
     def step(self) -> int:
@@ -337,18 +355,21 @@ class HumanView:
         """world_from_hand, (4, 4); the physical plant only."""
     @property
     def hand_wrench(self) -> _Floats | None:
-        """Mean force (N) and torque (Nm) of the human on the object in the last period, (6,), world axes; physical."""
+        """Mean force (N) and torque (Nm) of the human on the object in the last period, (6,), world axes;
+        physical."""
     def subjective_cost(self, alpha: float, gamma: float) -> _Floats:
         """J^ of every option with this alpha and gamma, eq. (2), cost units."""
     def gumbel(self) -> _Floats:
-        """The Gumbel disturbances that the episode's seed draws for the built-in Boltzmann human, one per option."""
+        """The Gumbel disturbances that the episode's seed draws for the built-in Boltzmann human, one per
+        option."""
     def __getattr__(self, key: str, /) -> Any: ...
     def __getitem__(self, key: str, /) -> Any: ...
     def __len__(self) -> int: ...
 
 @final
 class Preference:
-    """How humans choose between options, if their alpha and gamma are distributed as the belief says (Sec. III, IV-A)."""
+    """How humans choose between options, if their alpha and gamma are distributed as the belief says (Sec.
+    III, IV-A)."""
 
     def __new__(
         cls,
@@ -360,7 +381,8 @@ class Preference:
         belief_gamma: str = "uniform(0.5,1.1)",
         belief_samples: _Floats | None = None,
     ) -> Self:
-        """Of options with lengths D_o (m) and risks S_o (0 to 1). Raises Error with the value and what would be right."""
+        """Of options with lengths D_o (m) and risks S_o (0 to 1). Raises Error with the value and what would
+        be right."""
     @staticmethod
     def of(scenario: Scenario) -> Preference:
         """Of a scenario's options from its start, with its belief and c_r."""
@@ -388,13 +410,14 @@ class Preference:
     def regions(
         self, alpha: Sequence[float] | None = None, gamma: Sequence[float] | None = None
     ) -> list[tuple[int, _Floats]]:
-        """R_o: parts of the plane with their option and outline, (n, 2) of alpha and gamma; by default of the belief."""
+        """R_o: parts of the plane with their option and outline, (n, 2) of alpha and gamma; by default of the
+        belief."""
     def __len__(self) -> int: ...
 
 @final
 class Table:
-    """A table of rows. Opens without copies wherever Arrow data do: ``polars.DataFrame(table)``, ``pyarrow.table(table)``,
-    ``pandas.DataFrame.from_arrow(table)``. Shows its first rows in a notebook."""
+    """A table of rows. Opens without copies wherever Arrow data do: ``polars.DataFrame(table)``,
+    ``pyarrow.table(table)``, ``pandas.DataFrame.from_arrow(table)``. Shows its first rows in a notebook."""
 
     @property
     def columns(self) -> list[str]:

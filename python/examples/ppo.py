@@ -76,6 +76,7 @@ def train(seed: int, steps: int, lanes: int, checks: int, humans: int) -> dict:
     """Trains one policy; returns its learning curve and its costs of the held-out humans."""
     import torch
     from stable_baselines3 import PPO
+    from stable_baselines3.common.callbacks import BaseCallback
     from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
     class Native(VecEnv):
@@ -125,15 +126,22 @@ def train(seed: int, steps: int, lanes: int, checks: int, humans: int) -> dict:
         return model.predict(environment.normalize_obs(observations), deterministic=True)[0]
 
     curve = []
-    model.learn(0)
-    while True:
+
+    def check():
         curve.append([model.num_timesteps, float(of_policy(act, VALIDATION, 20).mean())])
-        if len(curve) > checks:
-            break
-        part = steps // checks
-        # the schedule's end stays that of the whole training
-        model.lr_schedule = lambda left, done=model.num_timesteps: 1e-3 * max(1 - (done + part * (1 - left)) / steps, 0.05)
-        model.learn(part, reset_num_timesteps=False)
+
+    class Checks(BaseCallback):
+        """The points of the learning curve, each after the first whole update that reaches it."""
+
+        def _on_step(self):
+            return True
+
+        def _on_rollout_start(self):
+            if self.num_timesteps >= len(curve) * steps / checks:
+                check()
+
+    model.learn(steps, callback=Checks())
+    check()
     return {"seed": seed, "curve": curve, "costs": of_policy(act, HELD_OUT, humans)}
 
 

@@ -2,14 +2,14 @@
 
 use crate::error::{ClosedError, Error, RecordingError, ScenarioError, SnapshotError, guarded, raise};
 use crate::partners::{Fault, Own};
+use crate::recording::{framed, page};
 use crate::scenario::Scenario;
 use crate::table::Table;
 use crate::value;
 use cocarry::episode::{self, Outcome};
 use cocarry::human::Human;
 use cocarry::quantities::{EPISODE, Record, TICK, View};
-use cocarry::recording::{Ending, FileRecorder, Playback, Reader, Recorder};
-use cocarry::rendering;
+use cocarry::recording::{self, Ending, FileRecorder, Recorder};
 use cocarry::scenario::{Partners, PreparedScenario, ScenarioError as ScenarioRefused, Snapshot};
 use numpy::PyArray1;
 use pyo3::exceptions::{PyKeyError, PyStopIteration};
@@ -65,7 +65,7 @@ pub struct Episode {
 
 impl Running<'_> {
     /// One step, recorded; the outcome once the episode has ended.
-    fn step(&mut self) -> Result<Option<Outcome>, cocarry::recording::RecordingError> {
+    fn step(&mut self) -> Result<Option<Outcome>, recording::RecordingError> {
         self.outcome = self.episode.step();
         match self.outcome {
             None => self.recorder.iter_mut().try_for_each(|recorder| recorder.step(&self.episode))?,
@@ -104,12 +104,25 @@ pub fn cell(
 }
 
 impl Episode {
+    /// The episode of a scenario and own partners, before its first step or in a state.
     fn of(py: Python<'_>, scenario: Py<Scenario>, own: Own, state: Option<episode::State>) -> PyResult<Self> {
         let prepared = scenario.get().prepared(py)?;
         let pristine = own.copied(py)?;
         let fault = Fault::default();
         let cell = cell(py, prepared, own.clone_ref(py), &fault, state)?;
         Ok(Self { scenario, pristine, own, fault, cell: Mutex::new(Some(cell)) })
+    }
+
+    /// The episode of a snapshot.
+    fn resumed(py: Python<'_>, snapshot: &Bound<'_, PyAny>, own: Own) -> PyResult<Self> {
+        let Snapshot { scenario, state, .. } = snapshot_of(snapshot)?;
+        let scenario = Py::new(py, Scenario::of(scenario))?;
+        Self::of(py, scenario, own, Some(state)).map_err(|error| {
+            match error.is_instance_of::<ScenarioError>(py) {
+                true => SnapshotError::new_err(error.value(py).to_string()),
+                false => error,
+            }
+        })
     }
 
     /// Runs `act` on the episode without Python's lock.
@@ -135,18 +148,17 @@ impl Episode {
         done
     }
 
-    /// The values of tables of quantities after the last step.
-    fn read(&self, py: Python<'_>, read: impl Fn(&View) -> Record + Send + Sync) -> PyResult<Record> {
-        self.with(py, |stage, running| read(&View { stage, episode: &running.episode }))
+    /// Reads from the last step.
+    fn read<T: Send>(&self, py: Python<'_>, read: impl FnOnce(&View) -> T + Send) -> PyResult<T> {
+        let found = self.with(py, |stage, running| {
+            let begun = running.episode.summary().steps > 0;
+            begun.then(|| read(&View { stage, episode: &running.episode }))
+        })?;
+        found.ok_or_else(|| Error::new_err("the episode has no tick before its first step; call step()"))
     }
 
     fn tick_record(&self, py: Python<'_>) -> PyResult<Record> {
-        let record = self.with(py, |stage, running| {
-            let view = View { stage, episode: &running.episode };
-            let begun = running.episode.summary().steps > 0;
-            begun.then(|| TICK.into_iter().flat_map(|table| view.read(table)).collect::<Record>())
-        })?;
-        record.ok_or_else(|| Error::new_err("the episode has no tick before its first step; call step()"))
+        self.read(py, |view| TICK.into_iter().flat_map(|table| view.read(table)).collect())
     }
 
     fn advance(&self, py: Python<'_>, steps: usize) -> PyResult<Option<Outcome>> {
@@ -158,7 +170,7 @@ impl Episode {
             }
             Ok(running.outcome)
         })?;
-        stepped.map_err(|error: cocarry::recording::RecordingError| raise::<RecordingError>(&error))
+        stepped.map_err(|error: recording::RecordingError| raise::<RecordingError>(&error))
     }
 
     /// Runs to the end, or `most` steps.
@@ -206,7 +218,7 @@ impl Episode {
                         running.episode.step();
                         Ending::Over(outcome)
                     });
-                    Ok::<_, cocarry::recording::RecordingError>(
+                    Ok::<_, recording::RecordingError>(
                         recorder.finish(&running.episode, ending)?.into_inner(),
                     )
                 })
@@ -216,25 +228,19 @@ impl Episode {
         recorded?.map_err(|error| raise::<RecordingError>(&error))
     }
 
+    fn check_not_recording(&self, py: Python<'_>) -> PyResult<()> {
+        match self.with(py, |_, running| running.recorder.is_some())? {
+            true => {
+                Err(RecordingError::new_err("an episode that is being recorded cannot be copied or pickled"))
+            }
+            false => Ok(()),
+        }
+    }
+
     fn page(&self, py: Python<'_>, title: &str) -> PyResult<String> {
         let bytes = self.recorded(py)?;
         py.detach(|| page(Cursor::new(bytes), "the episode", title))
     }
-}
-
-/// The 3-D player of a recording.
-pub fn page<R: std::io::Read>(recording: R, name: &str, title: &str) -> PyResult<String> {
-    let mut reader = Reader::new(recording, name).map_err(|e| raise::<RecordingError>(&e))?;
-    let playback = Playback::read(&mut reader).map_err(|e| raise::<RecordingError>(&e))?;
-    rendering::player(&playback, title, None).map_err(|e| raise::<RecordingError>(&e))
-}
-
-/// A page in a frame of a notebook.
-pub fn framed(page: &str) -> String {
-    let page = page.replace('&', "&amp;").replace('"', "&quot;");
-    format!(
-        "<iframe srcdoc=\"{page}\" style=\"width:100%;height:560px;border:0\" title=\"cocarry player\"></iframe>"
-    )
 }
 
 /// The snapshot in an argument: bytes, or a file.
@@ -269,14 +275,7 @@ impl Episode {
         policy: Option<&Bound<'_, PyAny>>,
         human: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let Snapshot { scenario, state, .. } = snapshot_of(snapshot)?;
-        let scenario = Py::new(py, Scenario::of(scenario))?;
-        Self::of(py, scenario, Own::of(policy, human)?, Some(state)).map_err(|error| {
-            match error.is_instance_of::<ScenarioError>(py) {
-                true => SnapshotError::new_err(error.value(py).to_string()),
-                false => error,
-            }
-        })
+        Self::resumed(py, snapshot, Own::of(policy, human)?)
     }
 
     /// Takes one step.
@@ -309,7 +308,9 @@ impl Episode {
 
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        value::record(py, self.read(py, |view| view.read(EPISODE))?)
+        let record =
+            self.with(py, |stage, running| View { stage, episode: &running.episode }.read(EPISODE))?;
+        value::record(py, record)
     }
 
     /// One quantity of the last step.
@@ -319,13 +320,7 @@ impl Episode {
                 TICK.into_iter().flatten().map(|quantity| quantity.key).collect::<Vec<_>>().join(", ");
             return Err(PyKeyError::new_err(format!("unknown quantity `{key}`; expected one of: {known}")));
         };
-        let found = self.with(py, |stage, running| {
-            let begun = running.episode.summary().steps > 0;
-            begun.then(|| (quantity.get)(&View { stage, episode: &running.episode }))
-        })?;
-        let found = found
-            .ok_or_else(|| Error::new_err("the episode has no tick before its first step; call step()"))?;
-        value::to_python(py, &found)
+        value::to_python(py, &self.read(py, quantity.get)?)
     }
 
     fn __iter__(slf: Py<Self>) -> Py<Self> {
@@ -385,7 +380,7 @@ impl Episode {
             }
             let recorder = FileRecorder::create(&file, overwrite, stage, &running.episode)?;
             running.recorder = Some(recorder.logging(log));
-            Ok::<_, cocarry::recording::RecordingError>(true)
+            Ok::<_, recording::RecordingError>(true)
         })?;
         match begun.map_err(|error| raise::<RecordingError>(&error))? {
             true => Ok(slf),
@@ -447,24 +442,15 @@ impl Episode {
 
     #[pyo3(signature = (_memo = None))]
     fn __deepcopy__(&self, py: Python<'_>, _memo: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        let (state, recording) =
-            self.with(py, |_, running| (running.episode.state(), running.recorder.is_some()))?;
-        if recording {
-            return Err(RecordingError::new_err(
-                "an episode that is being recorded cannot be copied or pickled",
-            ));
-        }
+        self.check_not_recording(py)?;
+        let state = self.with(py, |_, running| running.episode.state())?;
         let copy = Self::of(py, self.scenario.clone_ref(py), self.own.copied(py)?, Some(state))?;
         Ok(Self { pristine: self.pristine.copied(py)?, ..copy })
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let (py, this) = (slf.py(), slf.get());
-        if this.with(py, |_, running| running.recorder.is_some())? {
-            return Err(RecordingError::new_err(
-                "an episode that is being recorded cannot be copied or pickled",
-            ));
-        }
+        this.check_not_recording(py)?;
         let parts = (
             this.snapshot(py)?,
             this.policy(py),
@@ -485,22 +471,19 @@ impl Episode {
         first_policy: Option<Py<PyAny>>,
         first_human: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
-        let Snapshot { scenario, state, .. } = snapshot_of(snapshot)?;
-        let scenario = Py::new(py, Scenario::of(scenario))?;
-        let made = Self::of(py, scenario, Own { policy, human }, Some(state))?;
+        let made = Self::resumed(py, snapshot, Own { policy, human })?;
         Ok(Self { pristine: Own { policy: first_policy, human: first_human }, ..made })
     }
 
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let Ok(cell) = self.cell.try_lock() else { return Ok("<cocarry.Episode, in a step>".to_owned()) };
-        let _ = py;
-        Ok(match cell.as_ref() {
+    fn __repr__(&self) -> String {
+        let Ok(cell) = self.cell.try_lock() else { return "<cocarry.Episode, in a step>".to_owned() };
+        match cell.as_ref() {
             None => "<cocarry.Episode, closed>".to_owned(),
             Some(cell) => {
                 let running = cell.borrow_dependent();
                 let outcome = running.outcome.map_or("running", Outcome::name);
                 format!("<cocarry.Episode, {} steps, {outcome}>", running.episode.summary().steps)
             }
-        })
+        }
     }
 }

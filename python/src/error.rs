@@ -4,6 +4,7 @@ use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::error::Error as StdError;
+use std::iter::successors;
 use std::panic::AssertUnwindSafe;
 
 create_exception!(
@@ -24,13 +25,8 @@ create_exception!(cocarry, ClosedError, Error, "An object that is closed, in use
 
 /// An error with its causes, in one line.
 pub fn words(error: &dyn StdError) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(error) = cause {
-        text += &format!(": {error}");
-        cause = error.source();
-    }
-    text
+    let chain = successors(Some(error), |error| (**error).source());
+    chain.map(ToString::to_string).collect::<Vec<_>>().join(": ")
 }
 
 /// The exception of type `E` with the error's message.

@@ -12,7 +12,7 @@ mod study;
 mod table;
 mod value;
 
-use cocarry::quantities::{EPISODE, OPTION, TICK};
+use cocarry::quantities::{EPISODE, Kind, OPTION, Quantity, TICK};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyDictMethods};
@@ -28,6 +28,16 @@ fn gumbel(py: Python<'_>, seed: u64, options: usize) -> PyResult<Bound<'_, PyArr
     Ok(PyArray1::from_vec(py, cocarry::human::disturbances(seed, options)))
 }
 
+/// The vocabulary of a table of quantities: key, unit and description.
+fn vocabulary<'py, G>(py: Python<'py>, quantities: &[Quantity<G>]) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    for quantity in quantities {
+        let unit = if let Kind::Number(unit) = quantity.kind { unit } else { "" };
+        dict.set_item(quantity.key, (unit, quantity.description))?;
+    }
+    Ok(dict)
+}
+
 /// Every quantity of a tick, an option or an episode: its unit and its description.
 #[pyfunction]
 fn quantities<'py>(py: Python<'py>, of: &str) -> PyResult<Bound<'py, PyDict>> {
@@ -35,11 +45,11 @@ fn quantities<'py>(py: Python<'py>, of: &str) -> PyResult<Bound<'py, PyDict>> {
     match of {
         "tick" => {
             for table in TICK {
-                dict.update(partners::vocabulary(py, table)?.as_mapping())?;
+                dict.update(vocabulary(py, table)?.as_mapping())?;
             }
         }
-        "episode" => return partners::vocabulary(py, EPISODE),
-        "option" => return partners::vocabulary(py, OPTION),
+        "episode" => return vocabulary(py, EPISODE),
+        "option" => return vocabulary(py, OPTION),
         other => {
             return Err(error::Error::new_err(format!(
                 "of = {other:?}; it must be one of: tick, option, episode"
@@ -64,6 +74,7 @@ fn _cocarry(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<scenario::Robot>()?;
     module.add_class::<scenario::Scenario>()?;
     module.add_class::<episode::Episode>()?;
+    module.add_class::<partners::PyView>()?;
     module.add_class::<partners::PyRobotView>()?;
     module.add_class::<partners::PyHumanView>()?;
     module.add_class::<preference::Preference>()?;

@@ -1,7 +1,6 @@
 //! Recordings: MCAP files of episodes.
 
-use crate::episode::{framed, page};
-use crate::error::{RecordingError, raise};
+use crate::error::{RecordingError, guarded, raise};
 use crate::scenario::Scenario;
 use crate::table::Table;
 use crate::value;
@@ -13,7 +12,7 @@ use pyo3::types::PyDict;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufReader, Cursor};
+use std::io::{BufReader, Cursor, Read};
 use std::path::PathBuf;
 
 /// A recording.
@@ -31,6 +30,21 @@ impl Recording {
     fn open(&self) -> PyResult<Reader<BufReader<File>>> {
         Reader::open(&self.file).map_err(|error| refused(&error))
     }
+}
+
+/// The 3-D player of a recording.
+pub fn page(recording: impl Read, name: &str, title: &str) -> PyResult<String> {
+    let playback = Playback::read(&mut Reader::new(recording, name).map_err(|e| refused(&e))?);
+    let playback = playback.map_err(|e| refused(&e))?;
+    rendering::player(&playback, title, None).map_err(|e| raise::<RecordingError>(&e))
+}
+
+/// A page in a frame of a notebook.
+pub fn framed(page: &str) -> String {
+    let page = page.replace('&', "&amp;").replace('"', "&quot;");
+    format!(
+        "<iframe srcdoc=\"{page}\" style=\"width:100%;height:560px;border:0\" title=\"cocarry player\"></iframe>"
+    )
 }
 
 /// Opens a recording, and reads it once to its end.
@@ -102,7 +116,8 @@ impl Recording {
     /// Runs the scenario again and compares every message.
     fn replay<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (first, second) = (self.open()?, self.open()?);
-        let replay = py.detach(|| recording::replay(first, second)).map_err(|error| refused(&error))?;
+        let replay = py.detach(|| guarded(|| recording::replay(first, second)))?;
+        let replay = replay.map_err(|error| refused(&error))?;
         let dict = PyDict::new(py);
         let (verdict, difference) = match &replay.verdict {
             Verdict::Identical => ("identical", None),

@@ -1,6 +1,7 @@
 //! Scenarios, worlds and robots.
 
 use crate::error::{RobotError, ScenarioError, WorldError, raise};
+use crate::value::repr;
 use cocarry::drawing;
 use cocarry::human::PreferenceChange;
 use cocarry::options::OptionSet;
@@ -165,10 +166,6 @@ type Change = (u64, f64, f64);
 
 fn refused(key: &str, value: impl std::fmt::Display, expected: impl std::fmt::Display) -> PyErr {
     ScenarioError::new_err(format!("scenario: {key} = {value}; it must be {expected}"))
-}
-
-fn repr(value: &Bound<'_, PyAny>) -> String {
-    value.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string())
 }
 
 /// The value of a setting in a Python object.

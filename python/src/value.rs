@@ -39,3 +39,12 @@ pub fn record<'py>(
     }
     Ok(dict)
 }
+
+/// An object as Python shows it, at most 120 characters, for errors.
+pub fn repr(value: &Bound<'_, PyAny>) -> String {
+    let text = value.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string());
+    match text.char_indices().nth(120) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text,
+    }
+}

@@ -9,7 +9,7 @@ mod rules;
 use crate::episode::Cell;
 use crate::error::{ActionError, ClosedError, Error, RecordingError, ScenarioError, guarded, words};
 use crate::scenario::{Scenario, input_limits};
-use crate::value;
+use crate::value::{self, repr};
 use cocarry::coordination::Stubbornness;
 use cocarry::human::{Human, Stance};
 use cocarry::preference::Perception;
@@ -69,10 +69,6 @@ impl Lanes {
 
     /// The actions as rows, one a lane.
     fn rows(&self, given: &Bound<'_, PyAny>, lanes: usize) -> PyResult<Vec<f64>> {
-        let repr = || {
-            let text = given.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string());
-            text.chars().take(200).collect::<String>()
-        };
         if self.rules.task == Task::Options {
             let most = self.rules.options as i64;
             let found =
@@ -83,7 +79,7 @@ impl Lanes {
                 Some(found) => Ok(found.into_iter().map(|action| action as f64).collect()),
                 None => Err(ActionError::new_err(format!(
                     "action {}; it must be {lanes} whole number(s) (int64) from 0 to {most}: an option to lead on, or {most} to follow",
-                    repr()
+                    repr(given)
                 ))),
             };
         }
@@ -102,7 +98,7 @@ impl Lanes {
                 Some(rows) => Ok(rows.into_iter().map(|number| number as f64).collect()),
                 None => Err(ActionError::new_err(format!(
                     "actions {}; the robot's must be a whole number from 0 to {most}, the human's an option from 0 to {} and a response from 0 to 2",
-                    repr(),
+                    repr(given),
                     most - 1
                 ))),
             };
@@ -114,7 +110,7 @@ impl Lanes {
             .map(|rows| rows.as_array().iter().copied().collect::<Vec<_>>());
         let found = found.filter(|numbers| numbers.iter().all(|number| number.is_finite()));
         let found = found.ok_or_else(|| {
-            ActionError::new_err(format!("action {}; it must be float64 numbers, all finite, {width} for each of {lanes} environment(s)", repr()))
+            ActionError::new_err(format!("action {}; it must be float64 numbers, all finite, {width} for each of {lanes} environment(s)", repr(given)))
         })?;
         Ok(found.chunks(width).flat_map(|row| row.iter().copied().chain([self.period])).collect())
     }

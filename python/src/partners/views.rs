@@ -12,9 +12,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyList;
 use std::sync::Arc;
 
-/// The world's options as a policy or a human sees them in a step.
-#[derive(Clone)]
-pub(super) struct Seen {
+/// What both an own policy and an own human see at the beginning of a control period.
+#[pyclass(frozen, subclass, module = "cocarry._cocarry", name = "View")]
+pub struct PyView {
     pub(super) step: u64,
     pub(super) time: f64,
     pub(super) position: Point,
@@ -22,9 +22,11 @@ pub(super) struct Seen {
     pub(super) evaluated: Vec<OptionTick>,
     pub(super) executed: Option<usize>,
     pub(super) mode: Mode,
+    pub(super) hand: Option<Pose>,
+    pub(super) hand_wrench: Option<[f64; 6]>,
 }
 
-impl Seen {
+impl PyView {
     /// The values of a quantity of the options, by its key.
     fn column<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
         let Some(quantity) = OPTION.iter().find(|quantity| quantity.key == key) else { return Ok(None) };
@@ -38,20 +40,54 @@ impl Seen {
             _ => PyArray1::from_iter(py, values.map(|v| v.as_f64().unwrap_or(f64::NAN))).into_any(),
         }))
     }
+}
 
-    fn attribute<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        self.column(py, key)?
-            .ok_or_else(|| PyAttributeError::new_err(format!("unknown `{key}`; the options have {}", keys())))
+#[pymethods]
+impl PyView {
+    #[getter]
+    fn step(&self) -> u64 {
+        self.step
     }
-
-    fn item<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        self.column(py, key)?
-            .ok_or_else(|| PyKeyError::new_err(format!("unknown `{key}`; the options have {}", keys())))
+    #[getter]
+    fn time_s(&self) -> f64 {
+        self.time
+    }
+    #[getter]
+    fn position<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.position.coords.as_slice())
+    }
+    #[getter]
+    fn executed(&self) -> Option<usize> {
+        self.executed
+    }
+    #[getter]
+    fn mode(&self) -> &'static str {
+        self.mode.name()
+    }
+    /// world_from_hand, (4, 4); on the physical plant only.
+    #[getter]
+    fn hand<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        self.hand.as_ref().map(|pose| matrix(py, pose)).transpose()
+    }
+    /// Mean wrench of the human on the object in the last period, world axes, N and Nm; physical plant only.
+    #[getter]
+    fn hand_wrench<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.hand_wrench.as_ref().map(|wrench| PyArray1::from_slice(py, wrench))
+    }
+    fn __getattr__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+        self.column(py, key)?.ok_or_else(|| PyAttributeError::new_err(unknown(key)))
+    }
+    fn __getitem__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+        self.column(py, key)?.ok_or_else(|| PyKeyError::new_err(unknown(key)))
+    }
+    fn __len__(&self) -> usize {
+        self.evaluated.len()
     }
 }
 
-fn keys() -> String {
-    OPTION.iter().map(|quantity| quantity.key).collect::<Vec<_>>().join(", ")
+fn unknown(key: &str) -> String {
+    let known = OPTION.iter().map(|quantity| quantity.key).collect::<Vec<_>>().join(", ");
+    format!("unknown `{key}`; the options have {known}")
 }
 
 fn matrix<'py>(py: Python<'py>, pose: &Pose) -> PyResult<Bound<'py, PyArray2<f64>>> {
@@ -62,39 +98,17 @@ fn matrix<'py>(py: Python<'py>, pose: &Pose) -> PyResult<Bound<'py, PyArray2<f64
 }
 
 /// What an own policy sees at the beginning of a control period.
-#[pyclass(frozen, module = "cocarry", name = "RobotView")]
+#[pyclass(frozen, extends = PyView, module = "cocarry", name = "RobotView")]
 pub struct PyRobotView {
-    pub(super) seen: Seen,
     pub(super) human: HumanDecision,
     pub(super) configuration: Option<(Configuration, usize)>,
     pub(super) grasp: Option<Pose>,
     pub(super) object: Option<Pose>,
-    pub(super) hand: Option<Pose>,
-    pub(super) wrenches: Option<[[f64; 6]; 2]>,
+    pub(super) grip_wrench: Option<[f64; 6]>,
 }
 
 #[pymethods]
 impl PyRobotView {
-    #[getter]
-    fn step(&self) -> u64 {
-        self.seen.step
-    }
-    #[getter]
-    fn time_s(&self) -> f64 {
-        self.seen.time
-    }
-    #[getter]
-    fn position<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, self.seen.position.coords.as_slice())
-    }
-    #[getter]
-    fn executed(&self) -> Option<usize> {
-        self.seen.executed
-    }
-    #[getter]
-    fn mode(&self) -> &'static str {
-        self.seen.mode.name()
-    }
     #[getter]
     fn stubbornness(&self) -> f64 {
         self.human.stubbornness
@@ -123,65 +137,23 @@ impl PyRobotView {
     fn object<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         self.object.as_ref().map(|pose| matrix(py, pose)).transpose()
     }
-    /// world_from_hand, (4, 4); on the physical plant only.
-    #[getter]
-    fn hand<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        self.hand.as_ref().map(|pose| matrix(py, pose)).transpose()
-    }
     /// Mean wrench of the robot on the object in the last period, world axes, N and Nm; physical plant only.
     #[getter]
     fn grip_wrench<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.wrenches.as_ref().map(|wrenches| PyArray1::from_slice(py, &wrenches[0]))
-    }
-    /// Mean wrench of the human on the object in the last period, world axes, N and Nm; physical plant only.
-    #[getter]
-    fn hand_wrench<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.wrenches.as_ref().map(|wrenches| PyArray1::from_slice(py, &wrenches[1]))
-    }
-    fn __getattr__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        self.seen.attribute(py, key)
-    }
-    fn __getitem__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        self.seen.item(py, key)
-    }
-    fn __len__(&self) -> usize {
-        self.seen.evaluated.len()
+        self.grip_wrench.as_ref().map(|wrench| PyArray1::from_slice(py, wrench))
     }
 }
 
 /// What an own human sees at the beginning of a control period.
-#[pyclass(frozen, module = "cocarry", name = "HumanView")]
+#[pyclass(frozen, extends = PyView, module = "cocarry", name = "HumanView")]
 pub struct PyHumanView {
-    pub(super) seen: Seen,
     pub(super) prospects: Vec<Prospect>,
     pub(super) risk_weight: f64,
     pub(super) seed: u64,
-    pub(super) hand: Option<Pose>,
-    pub(super) wrench: Option<[f64; 6]>,
 }
 
 #[pymethods]
 impl PyHumanView {
-    #[getter]
-    fn step(&self) -> u64 {
-        self.seen.step
-    }
-    #[getter]
-    fn time_s(&self) -> f64 {
-        self.seen.time
-    }
-    #[getter]
-    fn position<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, self.seen.position.coords.as_slice())
-    }
-    #[getter]
-    fn executed(&self) -> Option<usize> {
-        self.seen.executed
-    }
-    #[getter]
-    fn mode(&self) -> &'static str {
-        self.seen.mode.name()
-    }
     #[getter]
     fn risk_weight_m(&self) -> f64 {
         self.risk_weight
@@ -189,14 +161,6 @@ impl PyHumanView {
     #[getter]
     fn seed(&self) -> u64 {
         self.seed
-    }
-    #[getter]
-    fn hand<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        self.hand.as_ref().map(|pose| matrix(py, pose)).transpose()
-    }
-    #[getter]
-    fn hand_wrench<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.wrench.as_ref().map(|wrench| PyArray1::from_slice(py, wrench))
     }
     /// J^ of every option with this alpha and gamma, eq. (2).
     fn subjective_cost<'py>(&self, py: Python<'py>, alpha: f64, gamma: f64) -> Bound<'py, PyArray1<f64>> {
@@ -209,15 +173,6 @@ impl PyHumanView {
     /// The Gumbel disturbances that the episode's seed draws, one per option.
     fn gumbel<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_vec(py, cocarry::human::disturbances(self.seed, self.prospects.len()))
-    }
-    fn __getattr__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        self.seen.attribute(py, key)
-    }
-    fn __getitem__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        self.seen.item(py, key)
-    }
-    fn __len__(&self) -> usize {
-        self.seen.evaluated.len()
     }
 }
 
