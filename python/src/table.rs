@@ -77,7 +77,7 @@ impl Table {
                 for (name, value, kind) in cells {
                     let (column, _, filled) = columns.entry(name.clone()).or_insert_with(|| {
                         order.push(name.clone());
-                        (Column::of(kind), Heading::from(quantity).field().metadata().clone(), 0)
+                        (Column::of(kind), Heading::from(quantity).field().metadata().clone().into(), 0)
                     });
                     for _ in *filled..row {
                         column.add(&Value::Null);

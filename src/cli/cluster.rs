@@ -8,7 +8,7 @@ use crate::study::{Study, merge};
 use anyhow::Context;
 use clap::{Args, Subcommand};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Run a study on a cluster: submit its shards, follow them, and gather the results
@@ -147,7 +147,7 @@ fn submit(arguments: &SlurmArguments) -> Result<ExitCode, Failure> {
 }
 
 /// Refuses to remove a job whose tasks are in the queue.
-fn refuse_queued(out: &PathBuf) -> Result<(), Failure> {
+fn refuse_queued(out: &Path) -> Result<(), Failure> {
     let job = match Job::open(out) {
         Ok(job) if !job.description().arrays.is_empty() => job,
         _ => return Ok(()),

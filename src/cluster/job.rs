@@ -261,8 +261,8 @@ impl Job {
         let number = (1..=of).find(|&number| Shard { number, of }.episodes(episodes).contains(&episode))?;
         let notes = located::read(&self.beside(number, "nodes")).unwrap_or_default();
         let starts = notes.lines().filter_map(|line| line.split_once(' '));
-        let begun = starts.filter(|(first, _)| first.parse().is_ok_and(|first: u64| first <= episode));
-        Some((number, begun.last().map_or("unknown", |(_, node)| node).to_owned()))
+        let mut begun = starts.filter(|(first, _)| first.parse().is_ok_and(|first: u64| first <= episode));
+        Some((number, begun.next_back().map_or("unknown", |(_, node)| node).to_owned()))
     }
 
     /// Notes which machine runs a shard from an episode on.

@@ -67,5 +67,5 @@ fn last_line(log: &Path) -> Option<String> {
     let mut bytes = Vec::new();
     file.take(END_OF_LOG).read_to_end(&mut bytes).ok()?;
     let text = String::from_utf8_lossy(&bytes).into_owned();
-    text.lines().map(str::trim).filter(|line| !line.is_empty()).next_back().map(str::to_owned)
+    text.lines().map(str::trim).rfind(|line| !line.is_empty()).map(str::to_owned)
 }

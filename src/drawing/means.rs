@@ -119,7 +119,7 @@ fn colour(series: usize) -> String {
 
 /// The mark of a series. The second four are open.
 fn series_mark(series: usize) -> Group {
-    mark(SHAPES[series % SHAPES.len()], series / SHAPES.len() % 2 == 0, &colour(series))
+    mark(SHAPES[series % SHAPES.len()], (series / SHAPES.len()).is_multiple_of(2), &colour(series))
 }
 
 #[cfg(test)]
