@@ -152,10 +152,12 @@ class _Writer:
         table = {name: self.arrow.array([row[name] for row in self.rows], _type(self.arrow, name)) for name in names}
         self.parquet.write_table(self.arrow.table(table), self.root / _EPISODES, compression="snappy")
         self._write_tasks()
-        indices = {key: {"dtype": dtype, "shape": [1], "names": None} for key, dtype in _INDICES.items()}
+        indices: dict[str, dict[str, Any]] = {
+            key: {"dtype": dtype, "shape": [1], "names": None} for key, dtype in _INDICES.items()
+        }
         indices["timestamp"]["units"] = ["s"]
         robot = self.first.scenario.robot
-        info = {
+        info: dict[str, Any] = {
             "codebase_version": "v3.0",
             "robot_type": "point" if robot is None else robot.name,
             "total_episodes": len(self.rows),
