@@ -141,11 +141,12 @@ def _minari(dataset_id: str) -> Any:
     for module in ("pyarrow", "PIL"):
         needed(module)
     try:
-        _, _, version = names.parse_dataset_id(dataset_id)
+        names.parse_dataset_id(dataset_id)
     except ValueError as error:
         raise DatasetError(f"dataset_id = {dataset_id!r}: {error}") from error
-    if version is None:
-        raise DatasetError(f"dataset_id = {dataset_id!r}: has no version; expected a name such as cocarry/carried-v0")
+    except TypeError:  # Minari takes names without a version apart as None
+        message = "has no version; expected a name such as cocarry/carried-v0"
+        raise DatasetError(f"dataset_id = {dataset_id!r}: {message}") from None
     return minari
 
 
