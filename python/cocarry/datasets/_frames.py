@@ -130,7 +130,8 @@ def frames_of(name: str, recording: Recording, options: int) -> Frames:
         goal = ["grasp_goal_x_m", "grasp_goal_y_m", "grasp_goal_yaw_deg"]
         known = known.beside(Signal(goal, ["m", "m", "deg"], Columns(recording.table("/control")).numbers(*goal)))
     found = Frames(
-        name=name, scenario=scenario, world=recording.provenance["world"], method=recording.provenance["method"], outcome=outcome, times_s=times, state=state, options=known,
+        name=name, scenario=scenario, world=recording.provenance["world"], method=recording.provenance["method"],
+        outcome=outcome, times_s=times, state=state, options=known,
         period_s=float(scenario.settings["period_s"]), motion=motion,
         decision=np.where(human_leads, options, executed), cost_m=cost, option_count=options,
     )  # fmt: skip
