@@ -23,17 +23,6 @@ from cocarry.datasets import DatasetError, to_minari, to_rosbag2
 PLANTS = ["kinematic", "rapier"]
 
 
-@pytest.fixture(scope="module")
-def recordings(tmp_path_factory):
-    made = {}
-    for plant in ["point", *PLANTS]:
-        made[plant] = tmp_path_factory.mktemp(plant) / "run.mcap"
-        scenario = cocarry.Scenario("environment-4", plant=plant, alpha=0.747, gamma=0.765, eta=5)
-        with cocarry.Episode(scenario).record(made[plant]) as episode:
-            episode.run()
-    return made
-
-
 def by_rosbags(bag):
     with AnyReader([bag]) as reader:
         return [(c.topic, time, reader.deserialize(data, c.msgtype)) for c, time, data in reader.messages()]

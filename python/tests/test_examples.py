@@ -33,3 +33,17 @@ def test_ppo_runs_with_a_tiny_budget():
     pytest.importorskip("stable_baselines3")
     shown = output("ppo.py", "--steps=8192", "--seeds=1", "--humans=2", "--lanes=8", "--checks=1", "--processes=1")
     assert importlib.util.find_spec("torch") and "\nppo " in shown
+
+
+def test_a_clone_arrives_and_costs_what_mutual_costs():
+    shown = output("clone.py", "--episodes=60", "--humans=4", "--epochs=8").splitlines()
+    costs = {}
+    for line in shown:
+        if " arrived " in line:
+            name, _, arrived, _, count, _, _, _, cost = line.split()[:9]
+            assert arrived.isdecimal() and count.rstrip(",") == "48"
+            costs.setdefault(name, []).append((int(arrived), float(cost.rstrip(","))))
+    assert len(costs["clone"]) == 2 and all(arrived == 48 for arrived, _ in costs["clone"])
+    for (_, clone), (_, mutual), (_, untrained) in zip(costs["clone"], costs["mutual"], costs["untrained"]):
+        assert abs(clone - mutual) < 0.02 * mutual
+        assert untrained > 1.2 * mutual  # the check would see a network that has learned nothing
