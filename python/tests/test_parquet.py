@@ -70,7 +70,7 @@ def test_every_reader_finds_the_values_of_the_csv_file_to_the_bit(files):
     numbers = 0
     for field in read.schema:
         for reader, table in tables.items():
-            values = [None if value is pandas.NA else value for value in table[field.name]]
+            values = [None if pandas.isna(value) else value for value in table[field.name]]
             texts = [row[field.name] for row in cells]
             assert len(values) == len(texts) == 24
             if pyarrow.types.is_floating(field.type):

@@ -134,7 +134,7 @@ fn parquet_results_that_are_damaged_or_changed_are_refused() {
         }
         std::fs::write(bench.path("damaged.parquet"), bytes).expect("a file");
         let output =
-            bench.sweep(&["--merge", "--overwrite", "out.csv", "damaged.parquet", "damaged.parquet"]);
+            bench.sweep(&["--overwrite", "--merge", "out.csv", "damaged.parquet", "damaged.parquet"]);
         let error = stderr(&output);
         assert_eq!(output.status.code(), Some(2), "{i}: {error}");
         assert!(error.contains("error: ") && !error.contains("panicked"), "{i}: {error}");
