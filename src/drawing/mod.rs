@@ -28,6 +28,7 @@ pub use answers::{AnswerPanel, AnswerRow, RiskWeightMark, answers};
 pub use curves::{Curve, CurvePanel, curves};
 pub use differences::{DifferencePanel, DifferenceRow, differences};
 pub use film::{Film, Moment, NARROWEST, WIDEST};
+pub use kit::dark_rules;
 pub use map::{MOST_LISTED, world_map};
 pub use moving::Moving;
 pub use ratios::{RatioPanel, RatioRow, cost_ratios};
