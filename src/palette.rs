@@ -32,6 +32,11 @@ pub fn option_colour(option: usize) -> [u8; 3] {
     COLOURS[option % COLOURS.len()]
 }
 
+/// The number of different colours of options.
+pub const fn option_colours() -> usize {
+    COLOURS.len()
+}
+
 /// The dash pattern of an option's line, by its index: lengths of dashes and gaps, px; empty is solid. Eight
 /// options differ in colour and in dash pattern, 64 in one of the two.
 pub fn option_dash(option: usize) -> &'static [f64] {

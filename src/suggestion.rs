@@ -47,7 +47,7 @@ pub fn hint_of_error(error: &str) -> String {
     unknown.map_or(String::new(), |(name, listed)| hint_of_listed(name, listed))
 }
 
-/// [`hint`] for a file that does not exist: the names of the files beside it.
+/// [`hint`] for a file that does not exist: a file beside it, with its folder as given.
 pub fn hint_of_files(path: &Path) -> String {
     let Some(name) = path.file_name() else { return String::new() };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -55,7 +55,8 @@ pub fn hint_of_files(path: &Path) -> String {
     let mut files: Vec<String> =
         entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     files.sort();
-    hint(&name.to_string_lossy(), files.iter().map(String::as_str))
+    let near = nearest(&name.to_string_lossy(), files.iter().map(String::as_str));
+    near.map_or(String::new(), |other| format!("; did you mean `{}`?", path.with_file_name(other).display()))
 }
 
 #[cfg(test)]

@@ -116,7 +116,11 @@ pub fn main() -> ExitCode {
 
 /// [`main`] with these arguments, the first of which is the program's name.
 pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let done = match ProgramArguments::parse_from(arguments).command {
+    let arguments = match ProgramArguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        Err(error) => return refused(&error),
+    };
+    let done = match arguments.command {
         None => run::example(),
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::World(arguments)) => world::run(&arguments),
@@ -150,6 +154,16 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             ExitCode::from(code)
         }
     }
+}
+
+/// Prints help that was asked for, or why the arguments are refused, in the terminal's width.
+fn refused(error: &clap::Error) -> ExitCode {
+    if !error.use_stderr() {
+        error.exit()
+    }
+    let text = error.render().ansi().to_string();
+    anstream::eprint!("{}", terminal::wrapped(&text, terminal::error_width()));
+    ExitCode::from(2)
 }
 
 #[cfg(test)]

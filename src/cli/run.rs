@@ -90,11 +90,11 @@ pub(super) fn example() -> Result<ExitCode, Failure> {
     }
     let Perception { alpha, gamma } = EXAMPLE_HUMAN;
     let line = format!("run environment-4 --alpha {alpha} --gamma {gamma}");
-    print(&format!("$ cocarry {line}      (the default; see cocarry --help)\n\n"))?;
+    print(&format!("$ cocarry {line}  (see cocarry --help)\n\n"))?;
     let code = run(&Defaults::parse_from(line.split(' ')).arguments)?;
     print(&format!(
         "\nTo watch this episode in a browser, write it into a page and open that:\n  \
-        cocarry {line} --render episode.html\n(in a clone of the project: cargo run --release -- {line} --render episode.html)\n"
+        cocarry {line} --render episode.html\nIn a clone of the project, begin with `cargo run --release --` instead of `cocarry`.\n"
     ))?;
     Ok(code)
 }

@@ -130,6 +130,7 @@ fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
     }
     text += &table_text(&openings);
     text += &unused_openings(world, set);
+    text += &closed_gaps(world);
     let origin = match (world.listed_options.is_empty(), set.is_cut) {
         (false, _) => String::new(),
         (true, false) => " (all options: the file lists none)".to_owned(),
@@ -154,6 +155,22 @@ fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
         ]);
     }
     text + &table_text(&options)
+}
+
+/// A line for the widest gaps that are no openings as they are too narrow, where openings are detected.
+fn closed_gaps(world: &World) -> String {
+    const MOST: usize = 3;
+    let gaps = if world.openings_detected { world.impassable_gaps() } else { Vec::new() };
+    // obstacles that touch leave none
+    let gaps = gaps.iter().filter(|gap| gap.width > 0.01).take(MOST).map(|gap| {
+        let [first, second] = gap.between.map(|i| &world.obstacles[i].name);
+        format!("{first} to {second} ({:.2} m)", gap.width)
+    });
+    let gaps: Vec<String> = gaps.collect();
+    match gaps.is_empty() {
+        true => String::new(),
+        false => format!("too narrow for a robot {} m wide: {}\n", world.robot_width, gaps.join(", ")),
+    }
 }
 
 /// A line for openings that lead from a region to itself, and one for the others that no option uses.

@@ -1,14 +1,12 @@
 //! The view of a world in a picture: its frame and scale, axes, obstacles, openings, start and target.
 
 use super::kit::{
-    Align, INK, PAPER, Plot, TITLE_SIZE, Text, disc, polygon, printable, rectangle, risk_colour, stroke,
+    Align, INK, OBSTACLE, OBSTACLE_EDGE, PAPER, PLAIN_OPENING, Plot, TITLE_SIZE, Text, disc, polygon,
+    printable, rectangle, risk_colour, stroke,
 };
 use crate::geometry::{Bounds, Footprint, Point, Vector, direction};
 use crate::world::World;
 use svg::node::element::{Group, Title};
-
-/// Colour of openings that do not show their risk.
-const PLAIN_OPENING: &str = "#cdebd0";
 
 /// Thickness of the bars across openings, px.
 pub(super) const BAR: f64 = 6.0;
@@ -83,8 +81,8 @@ impl MapView {
     pub fn obstacles(&self, world: &World) -> Group {
         let style = Group::new()
             .set("class", "obstacles")
-            .set("fill", "#a6a6a6")
-            .set("stroke", "#595959")
+            .set("fill", OBSTACLE)
+            .set("stroke", OBSTACLE_EDGE)
             .set("stroke-width", 0.8)
             .set("stroke-linejoin", "round");
         world.obstacles.iter().fold(style, |group, obstacle| {

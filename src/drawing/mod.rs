@@ -31,6 +31,7 @@ pub use curves::{Curve, CurvePanel, curves};
 pub use differences::{DifferencePanel, DifferenceRow, differences};
 pub use film::{Film, Moment, NARROWEST, WIDEST};
 pub use heat::{HeatPanel, heat_maps};
+pub use kit::dark_rules;
 pub use map::{MOST_LISTED, world_map};
 pub use means::{MeanPanel, MeanRow, means};
 pub use moving::Moving;

@@ -60,7 +60,11 @@ impl<'a> Encoder<'a> {
         self.messages.clear();
         let (world, robot) = (self.stage.world(), self.stage.robot());
         let time = self.time(episode.summary().steps);
-        self.messages.push(Message::of(Channel::World, time, &scene::world(world, time)));
+        self.messages.push(Message::of(
+            Channel::World,
+            time,
+            &scene::world(world, self.stage.options(), time),
+        ));
         if let Some(robot) = robot {
             self.messages.push(match &self.team {
                 Some(data) => Message { channel: Channel::Team, time, data: data.clone() },

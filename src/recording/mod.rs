@@ -60,6 +60,7 @@ mod human;
 mod live;
 mod meshes;
 mod motion;
+mod overview;
 mod playback;
 mod provenance;
 mod reader;
@@ -82,6 +83,7 @@ pub use ending::Ending;
 pub use error::{ReadError, RecordingError};
 #[cfg(feature = "live")]
 pub use live::{LiveError, LiveServer};
+pub use overview::{FIELD_OF_VIEW_DEG, Overview};
 pub use playback::{Frame, Playback, RecordedEvent};
 pub use provenance::{METADATA, Provenance, RECOVERED, SCENARIO, scenario};
 pub use reader::{Entry, Reader, Recorded};

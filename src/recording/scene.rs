@@ -6,6 +6,7 @@
 use super::frames::{OBJECT, WORLD, link_frame, vector};
 use super::human;
 use super::meshes::Meshes;
+use super::overview::Overview;
 use super::shapes::{Shapes, at, color, entity, line, moving, pose, prism, rgba, text};
 use crate::episode::Tick;
 use crate::geometry::{Footprint, Path, Point, Pose, Vector, angle_of, cross};
@@ -24,18 +25,18 @@ const MOST_LABELS: usize = 20;
 const PROBABILITY_STEP: f64 = 0.02;
 
 const OBSTACLE: [f32; 4] = [0.55, 0.55, 0.58, 1.0];
-/// Height by which the labels of an opening and of the next one differ, m: neighbours do not cover each other.
-const STAGGER: f64 = 0.9;
+/// The line between an opening and its label.
+const LEADER: [f32; 4] = [0.1, 0.1, 0.1, 0.5];
 
 /// The world: obstacles, openings coloured by their risk, start and target.
-pub(super) fn world(world: &World, time: u64) -> SceneUpdate {
+pub(super) fn world(world: &World, options: &OptionSet, time: u64) -> SceneUpdate {
     let obstacles = world.obstacles.iter().map(|o| obstacle(o, time));
-    let top = world.obstacles.iter().map(|o| o.height).fold(0.0, f64::max);
+    let labels = opening_labels(world, options);
     let openings = world
         .openings
         .iter()
-        .enumerate()
-        .map(|(i, o)| opening(o, world.robot_width, top + 0.25 + STAGGER * (i % 2) as f64, time));
+        .zip(&labels)
+        .map(|(o, (words, place))| opening(o, world.robot_width, words, *place, time));
     let end = |name: &str, place: Point| {
         let disc = CylinderPrimitive {
             pose: at(place.x, place.y, 0.005),
@@ -81,13 +82,33 @@ fn obstacle(obstacle: &Obstacle, time: u64) -> SceneEntity {
     drawn
 }
 
-/// An opening. Its label is above all obstacles, which would hide it.
-fn opening(opening: &Opening, robot_width: f64, above: f64, time: u64) -> SceneEntity {
-    let risk = opening.risk(robot_width);
-    let words = format!("{}: {:.2} m\nrisk {risk:.2}", opening.name, opening.width);
+/// The words on every opening, and their place (floor, height): above all obstacles, which would hide them, and
+/// apart in the view of the whole scene.
+pub(super) fn opening_labels(world: &World, options: &OptionSet) -> Vec<(String, (Point, f64))> {
+    let words = |o: &Opening| {
+        let risk = o.risk(world.robot_width);
+        (o.center(), format!("{}: {:.2} m\nrisk {risk:.2}", o.name, o.width))
+    };
+    let labels: Vec<(Point, String)> = world.openings.iter().map(words).collect();
+    let top = world.obstacles.iter().map(|o| o.height).fold(0.0, f64::max);
+    let places = Overview::of(world, options).places(&labels, top + 0.25);
+    labels.into_iter().map(|(_, words)| words).zip(places).collect()
+}
+
+/// An opening, with words at a place and a line to them.
+fn opening(
+    opening: &Opening,
+    robot_width: f64,
+    words: &str,
+    (floor, height): (Point, f64),
+    time: u64,
+) -> SceneEntity {
+    let bar = line(&opening.ends, 0.02, 0.08, rgba(palette::risk_colour(opening.risk(robot_width))));
+    let mut leader = line(&[opening.center(), floor], 0.02, 0.02, LEADER);
+    leader.points[1].z = height;
     SceneEntity {
-        lines: vec![line(&opening.ends, 0.02, 0.08, rgba(palette::risk_colour(risk)))],
-        texts: vec![text(&words, opening.center(), above, rgba(palette::INK))],
+        lines: vec![bar, leader],
+        texts: vec![text(words, floor, height, rgba(palette::INK))],
         ..entity(WORLD, format!("opening/{}", opening.name), time)
     }
 }

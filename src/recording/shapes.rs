@@ -9,7 +9,7 @@ use foxglove::messages::{
 use nalgebra::Vector3;
 
 /// Height of letters, px: they stay legible at any distance.
-const LETTERS: f64 = 15.0;
+pub(super) const LETTERS: f64 = 15.0;
 
 /// An opaque colour, each part 0 to 1.
 pub(super) fn rgba([r, g, b]: [u8; 3]) -> [f32; 4] {

@@ -2,16 +2,10 @@
 //! picture.
 
 use crate::drawing::option_colour;
-use crate::geometry::Bounds;
-use crate::math;
 use crate::palette;
-use crate::recording::{Channel, Playback};
+use crate::recording::{Channel, FIELD_OF_VIEW_DEG, Overview, Playback};
 use serde_json::{Map, Value, json};
 
-/// The vertical field of view of the scene's camera.
-const FIELD_OF_VIEW_DEG: f64 = 45.0;
-/// Width by height of the scene's panel.
-const ASPECT: f64 = 1.9;
 /// The topics of the scene.
 const SCENES: [Channel; 4] = [Channel::World, Channel::Team, Channel::Ways, Channel::Path];
 
@@ -220,30 +214,15 @@ fn follow() -> Camera {
     }
 }
 
-/// Everywhere the team may go, from the side on which that is wider.
+/// The whole scene.
 fn overview(playback: &Playback) -> Camera {
-    const TILT_DEG: f64 = 38.0;
-    let (sine, cosine) = math::sin_cos((FIELD_OF_VIEW_DEG / 2.0).to_radians());
-    let prepared = &playback.prepared;
-    let (world, options) = (prepared.world(), prepared.options());
-    let begin = options.begin();
-    let paths = (0..options.options().len()).filter_map(|o| options.path(&begin, o));
-    let points = paths.flat_map(|path| path.polyline(0.05));
-    let openings = world.openings.iter().flat_map(|opening| opening.ends);
-    let points = points.chain(openings).chain([world.start, world.target]);
-    let content = Bounds::around(points).unwrap_or(world.bounds()).grown(1.0);
-    let (size, middle) = (content.size(), nalgebra::center(&content.min, &content.max));
-    let is_tall = size.y > size.x;
-    let (across, away) = if is_tall { (size.y, size.x) } else { (size.x, size.y) };
-    let distance =
-        (across / ASPECT).max(away * math::cos(TILT_DEG.to_radians())) * cosine / (2.0 * sine) + away / 6.0;
-    let rounded = |value: f64| (value * 10.0).round() / 10.0 + 0.0;
+    let view = Overview::of(playback.prepared.world(), playback.prepared.options());
     Camera {
         frame: "world",
         follow: "follow-none",
-        distance: rounded(distance),
-        tilt_deg: TILT_DEG,
-        turn_deg: if is_tall { 90.0 } else { 0.0 },
-        target: [rounded(middle.x), rounded(middle.y), 0.0],
+        distance: view.distance,
+        tilt_deg: view.tilt_deg,
+        turn_deg: view.turn_deg,
+        target: [view.target.x, view.target.y, 0.0],
     }
 }

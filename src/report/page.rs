@@ -2,6 +2,7 @@
 
 use super::part::Figure;
 use super::run::anchor;
+use crate::drawing::dark_rules;
 use pulldown_cmark::{CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, html::push_html};
 
 /// The style sheet for screen and paper.
@@ -14,9 +15,11 @@ pub(super) fn html(markdown: &str, figures: &[&Figure], made: &str) -> String {
     let title = markdown.lines().find_map(|line| line.strip_prefix("# ")).unwrap_or("cocarry");
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n{body}\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n<style>\n{STYLE}\
+         @media screen and (prefers-color-scheme: dark) {{\n{}}}\n</style>\n</head>\n<body>\n<main>\n{body}\
          <footer><p>{}</p></footer>\n</main>\n</body>\n</html>\n",
         escaped(title),
+        dark_rules("figure svg"),
         escaped(made),
     )
 }

@@ -2,6 +2,7 @@
 //! commands it is made of.
 
 use crate::support::{cocarry, cocarry_without_fma, json, stderr};
+use cocarry::drawing::{option_colour, risk_colour};
 use cocarry::episode::prospects;
 use cocarry::options::OptionSet;
 use cocarry::paper::ENVIRONMENTS;
@@ -178,6 +179,28 @@ fn the_page_needs_nothing_but_itself() {
     let ids: Vec<&str> = page.split(" id=\"").skip(1).map(|id| id.split('"').next().unwrap()).collect();
     let different: std::collections::BTreeSet<&&str> = ids.iter().collect();
     assert_eq!(different.len(), ids.len(), "every id stands for one thing");
+}
+
+#[test]
+fn every_colour_of_the_pictures_is_visible_in_the_dark_style() {
+    let page = text("report.html");
+    let (style, pictures) = page.split_once("</style>").expect("a style");
+    let (_, dark) =
+        style.rsplit_once("@media screen and (prefers-color-scheme: dark)").expect("a dark style");
+    let mut ruled = 0;
+    for attribute in ["fill", "stroke"] {
+        for part in pictures.split(&format!(" {attribute}=\"#")).skip(1) {
+            let colour = format!("#{}", &part[..6]);
+            let is_ruled = dark.contains(&format!("[{attribute}=\"{colour}\"]"));
+            // these mean the same in every picture; a light edge or frame is around them
+            let is_of_an_option = (0..8).any(|o| option_colour(o) == colour);
+            let is_of_a_risk = (0..=4000).any(|risk| risk_colour(f64::from(risk) / 4000.0) == colour);
+            assert!(is_ruled || is_of_an_option || is_of_a_risk, "{attribute} {colour}");
+            ruled += usize::from(is_ruled);
+        }
+    }
+    assert!(ruled > 500, "{ruled}");
+    assert!(!style.contains("filter") && dark.matches('{').count() == dark.matches('}').count());
 }
 
 #[test]

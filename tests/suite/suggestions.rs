@@ -43,6 +43,7 @@ fn mistyped_files_have_the_name_of_a_file_beside_them() {
     says(&[("kitchen.toml", "")], &["run", "kitchn.toml"], "did you mean `kitchen.toml`?");
     says(&[("robot.toml", "")], &["run", "--robot", "robbot.toml"], "did you mean `robot.toml`?");
     says(&[("study.toml", study)], &["sweep", "studdy.toml"], "did you mean `study.toml`?");
+    says(&[("robot.toml", "")], &["run", "--robot", "./robbot.toml"], "did you mean `./robot.toml`?");
     says(&[("answers.csv", "")], &["fit", "risk-weight", "answer.csv"], "did you mean `answers.csv`?");
 }
 

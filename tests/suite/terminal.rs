@@ -43,6 +43,18 @@ fn every_output_fits_80_columns() {
     }
     let refused = cocarry("80", &["run", "environmnt-4", "--plant", "point"]);
     assert_eq!(too_wide(&stderr(&refused), 80), [""; 0]);
+    for arguments in [
+        &["run", "--human", "bolzmann"][..],
+        &["run", "--record", "a folder of mine"],
+        &["run", "--method", "a"],
+    ] {
+        let refused = cocarry("60", arguments);
+        let text = stderr(&refused);
+        assert_eq!(too_wide(&text, 60), [""; 0], "{text}");
+        assert!(refused.status.code() == Some(2) && text.starts_with("error: "), "{text}");
+    }
+    let help = cocarry("80", &["--help"]);
+    assert!(help.status.success() && stdout(&help).contains("Usage: cocarry"));
 }
 
 #[test]

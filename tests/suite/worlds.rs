@@ -1,6 +1,6 @@
 //! World files, what is measured in them, and the options that come of them.
 
-use crate::support::{load, repository, world_files};
+use crate::support::{cocarry, load, repository, stderr, stdout, world_files};
 use cocarry::geometry::Point;
 use cocarry::options::{OptionSet, Progress, Waypoint};
 use cocarry::paper::cycles::random_world;
@@ -299,4 +299,22 @@ fn what_is_carried_is_a_beam_unless_the_file_says_otherwise() {
     let text = format!("{text}[object]\nshape = \"board\"\nsize_m = [2, 0.8, 0.03]\nmass_kg = 9\n");
     let object = World::parse("w.toml", &text).unwrap().object;
     assert_eq!((object.shape.name(), object.size, object.mass), ("board", [2.0, 0.8, 0.03], 9.0));
+}
+
+#[test]
+fn a_gap_that_is_too_narrow_is_told_where_openings_are_detected() {
+    let folder = tempfile::tempdir().unwrap();
+    let made = cocarry(&["new", folder.path().join("lab").to_str().unwrap()]);
+    assert!(made.status.success(), "{}", stderr(&made));
+    let file = folder.path().join("lab/world.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let told = |text: &str| {
+        std::fs::write(&file, text).unwrap();
+        stdout(&cocarry(&["world", file.to_str().unwrap()]))
+    };
+    assert!(!told(&text).contains("too narrow"));
+    // the island is longer by 0.8 m
+    let longer = told(&text.replace("size_m = [0.8, 2.4]", "size_m = [0.8, 3.2]"));
+    let line = "too narrow for a robot 0.5 m wide: island to partition north (0.40 m)";
+    assert!(longer.contains(line), "{longer}");
 }

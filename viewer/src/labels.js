@@ -15,7 +15,10 @@ export class Labels {
       } else {
         element.innerHTML = label.kind === "option" ? `option ${escaped(label.name)}` : escaped(label.name);
       }
-      if (label.kind === "option") element.style.background = label.colour;
+      if (label.kind === "option") {
+        element.style.background = label.colour;
+        element.style.color = luminance(label.colour) > 0.18 ? "#111" : "#fff";
+      }
       folder.append(element);
       return { ...label, element, rank: rank[label.kind] };
     });
@@ -52,4 +55,13 @@ export class Labels {
       }
     }
   }
+}
+
+// The relative luminance of a colour `#rrggbb`; above 0.18, black letters have more contrast on it than white ones.
+function luminance(colour) {
+  const light = [1, 3, 5].map((at) => {
+    const part = Number.parseInt(colour.slice(at, at + 2), 16) / 255;
+    return part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4;
+  });
+  return 0.2126 * light[0] + 0.7152 * light[1] + 0.0722 * light[2];
 }

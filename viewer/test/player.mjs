@@ -64,10 +64,23 @@ async function figures(tab, recording, time) {
   assert.match(await tab.locator("#leader").textContent(), new RegExp(leader));
 }
 
+// Labels that are shown lie apart.
+async function labels(tab, name) {
+  const shown = await tab.evaluate(() => [...document.querySelectorAll("#labels > div")]
+    .filter((e) => e.style.visibility !== "hidden").map((e) => {
+      const { left, top, right, bottom } = e.getBoundingClientRect();
+      return { words: e.textContent, left, top, right, bottom };
+    }));
+  const cover = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1;
+  shown.forEach((a, i) => shown.slice(0, i).forEach((b) => assert.ok(!cover(a, b), `${name}: ${a.words} covers ${b.words}`)));
+  return shown.length;
+}
+
 async function check(name, recording) {
   const page = join(folder, `${name}.html`);
   cocarry("render", recording, "-o", page);
   const { tab, faults, drawn } = await open(page, "play=0");
+  assert.ok(await labels(tab, name) > 2, `${name}: labels`);
   const events = table(recording, "/log");
   const transition = events.find((event) => event.name === "mode");
   assert.ok(transition, `${name}: the human takes the lead`);
@@ -134,6 +147,7 @@ try {
     const wide = await tab.evaluate(() => document.documentElement.scrollWidth <= innerWidth);
     assert.ok(wide, `${name}: nothing is wider than the screen`);
     await tab.waitForTimeout(600);
+    await labels(tab, name);
     await tab.screenshot({ path: join(screenshots, `${name}.png`) });
     assert.deepEqual(faults, []);
     await tab.close();

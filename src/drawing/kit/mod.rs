@@ -19,9 +19,10 @@ pub(super) use axis::{Axis, Plot, Side};
 pub(super) use clutter::{Clutter, nearest};
 pub(super) use legend::{Legend, SAMPLE, level_sample, line_sample};
 pub(super) use marks::{Shape, mark, mean_bar, place};
+pub use palette::dark_rules;
 pub(super) use palette::{
-    BAND, FAINT, FAINT_WIDTH, GRID, INK, LineStyle, PAPER, STRIPE, risk_colour, width_by_rank,
-    widths_by_probability,
+    BAND, FAINT, FAINT_WIDTH, GRID, INK, LineStyle, OBSTACLE, OBSTACLE_EDGE, PAPER, PLAIN_OPENING, STRIPE,
+    risk_colour, width_by_rank, widths_by_probability,
 };
 pub(super) use shapes::{disc, path_data, polygon, px, rectangle, stroke};
 pub(super) use text::{Align, Text, number, printable, wrapped};

@@ -13,6 +13,29 @@ pub(in super::super) const STRIPE: &str = "#f3f3f3";
 pub(in super::super) const BAND: &str = "#e6e6e6";
 pub(in super::super) const GRID: &str = "#d6d6d6";
 pub(in super::super) const FAINT: &str = "#8a8a8a";
+/// Obstacles and their outlines, and openings where risk is not shown.
+pub(in super::super) const OBSTACLE: &str = "#a6a6a6";
+pub(in super::super) const OBSTACLE_EDGE: &str = "#595959";
+pub(in super::super) const PLAIN_OPENING: &str = "#cdebd0";
+/// What these are on dark paper: attribute, colour, colour there. White edges of coloured lines and marks
+/// become light ones, so that dark colours stay visible; the colours of options and of risk stay.
+const ON_DARK: [(&str, &str, &str); 13] = [
+    ("fill", INK, "#e8e8e6"),
+    ("stroke", INK, "#e8e8e6"),
+    ("fill", PAPER, "#16181c"),
+    ("stroke", PAPER, "#b9bbbe"),
+    ("fill", STRIPE, "#1f2227"),
+    ("fill", BAND, "#2b2f35"),
+    ("stroke", BAND, "#2b2f35"),
+    ("stroke", GRID, "#3a3e45"),
+    ("fill", FAINT, "#8f949b"),
+    ("stroke", FAINT, "#8f949b"),
+    ("fill", OBSTACLE, "#5a5f66"),
+    ("stroke", OBSTACLE_EDGE, "#8d9299"),
+    ("stroke", PLAIN_OPENING, "#35573b"),
+];
+/// Dark paper.
+const DARK_PAPER: [u8; 3] = [0x16, 0x18, 0x1c];
 /// Width of faint lines, px.
 pub(in super::super) const FAINT_WIDTH: f64 = 1.2;
 
@@ -36,6 +59,12 @@ impl LineStyle {
     /// The colour mixed with white, for areas under letters.
     pub fn tint(self) -> String {
         palette::hex(self.colour.map(|c| 255 - (255 - c) / 4))
+    }
+
+    /// What the tint is on dark paper: the colour mixed with that.
+    fn dark_tint(self) -> String {
+        let mixed = |i: usize| ((2 * u16::from(DARK_PAPER[i]) + u16::from(self.colour[i])) / 3) as u8;
+        palette::hex([0, 1, 2].map(mixed))
     }
 
     /// A line with a white edge, so that lines below it stay readable.
@@ -68,6 +97,17 @@ pub(in super::super) fn widths_by_probability(probabilities: impl Iterator<Item 
         widths[pair[1]] = widths[pair[1]].max(widths[pair[0]] + step);
     }
     widths
+}
+
+/// Rules of CSS that show the pictures of a page, by their selector, on dark paper.
+pub fn dark_rules(selector: &str) -> String {
+    let rule = |attribute: &str, colour: &str, on_dark: &str| {
+        format!("{selector} [{attribute}=\"{colour}\"] {{ {attribute}: {on_dark}; }}\n")
+    };
+    let fixed = ON_DARK.iter().map(|(attribute, colour, on_dark)| rule(attribute, colour, on_dark));
+    let styles = (0..palette::option_colours()).map(LineStyle::of);
+    let tints = styles.map(|style| rule("fill", &style.tint(), &style.dark_tint()));
+    fixed.chain(tints).collect()
 }
 
 /// The colour of a risk from 0 (light) to 1 (dark).
