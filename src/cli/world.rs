@@ -23,7 +23,7 @@ use std::process::ExitCode;
 #[command(after_help = examples(&[
     ("cocarry world environment-4", ""),
     ("cocarry world my-world.toml --svg map.svg", "your world, with a map"),
-    ("cocarry world environment-1 --risk-weight 5", "options of a robot that minds risk less"),
+    ("cocarry world environment-1 --risk-weight 5", "options for a smaller weight of risk"),
 ]))]
 pub(super) struct WorldArguments {
     /// World file (TOML), or a built-in world: see `cocarry worlds`
