@@ -50,10 +50,10 @@
 //! # Features
 //!
 //! Up to `scenario` the library has no C code, no clock and no randomness from the operating system, and
-//! is for WebAssembly too (`tests/wasm/check` builds it). Features add the floors above it: `drawing`; `recording` (with
-//! `quantities`); `rendering`, which stands on both; `studies` (`quantities`, `statistics`, `paper`,
-//! `regression`, `fit`, `study` and `report`); and `cli`, the default, which has all of them and the program.
-//! `live` adds live viewing to `recording`.
+//! is for WebAssembly too (`tests/wasm/check` builds it). Features add the floors above it: `drawing`;
+//! `recording` (with `quantities`); `rendering`, which stands on both; `studies` (`quantities`, `statistics`,
+//! `paper`, `regression`, `fit`, `study` and `report`); and `cli`, the default, which has all of them and the
+//! program. `live` adds live viewing to `recording`.
 //!
 //! # Notation
 //!
