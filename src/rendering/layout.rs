@@ -13,7 +13,7 @@ const FIELD_OF_VIEW_DEG: f64 = 45.0;
 /// Width by height of the scene's panel.
 const ASPECT: f64 = 1.9;
 /// The topics of the scene.
-const SCENES: [Channel; 4] = [Channel::World, Channel::Team, Channel::Ways, Channel::Path];
+const SCENES: [Channel; 4] = [Channel::World, Channel::Team, Channel::OptionLines, Channel::Path];
 
 /// A curve: message path, name, colour.
 type Curve = (String, String, String);
