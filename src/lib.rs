@@ -51,11 +51,10 @@
 //! # Features
 //!
 //! Up to `scenario` the library has no C code, no clock and no randomness from the operating system, and
-//! is meant for WebAssembly too. Features add the floors above it: `drawing`; `recording` (with `quantities`);
-//! `rendering`, which stands on both;
-//! `studies` (`quantities`, `statistics`, `paper`, `regression`, `fit`, `study`, `report` and `cluster`); and `cli`, the
-//! default, which has all of them and the program. `live` adds live viewing to `recording`, `parquet` adds
-//! Parquet files to `studies`.
+//! is for WebAssembly too (`tests/wasm/check` builds it). Features add the floors above it: `drawing`;
+//! `recording` (with `quantities`); `rendering`, which stands on both; `studies` (`quantities`, `statistics`,
+//! `paper`, `regression`, `fit`, `study`, `report` and `cluster`); and `cli`, the default, which has all of
+//! them and the program. `live` adds live viewing to `recording`, `parquet` adds Parquet files to `studies`.
 //!
 //! # Notation
 //!

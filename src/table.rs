@@ -172,12 +172,7 @@ impl Table {
     /// The figures as CSV with keys as headings; empty if there are none.
     pub fn csv(&self) -> Vec<u8> {
         let mut writer = csv::Writer::from_writer(Vec::new());
-        let text = |value: &Value| match value {
-            Value::Null => String::new(),
-            Value::String(text) => text.clone(),
-            other => other.to_string(),
-        };
-        let lines = self.rows.iter().map(|row| row.iter().flat_map(|c| &c.values).map(text).collect());
+        let lines = self.rows.iter().map(|row| row.iter().flat_map(|c| &c.values).map(plain).collect());
         let keys: Vec<String> = self.columns.iter().flat_map(|c| c.keys.clone()).collect();
         for line in [keys].into_iter().chain(lines) {
             // writing to memory does not fail, and every line has all keys
@@ -194,6 +189,15 @@ impl Table {
             keys.iter().map(|&key| key.clone()).zip(values).collect()
         };
         self.rows.iter().map(object).collect()
+    }
+}
+
+/// A value as the text of a cell: null is empty, text has no quotes.
+pub fn plain(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
     }
 }
 

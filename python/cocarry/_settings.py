@@ -36,6 +36,30 @@ class Settings(TypedDict, total=False):
     avoid: Literal['nothing', 'base', 'robot']
     """Parts of the robot that its MPC keeps out of obstacles. Default: robot."""
 
+    physics_rate_hz: float
+    """Physics steps per second; a control period takes the nearest whole number of them. Default: 240.0."""
+
+    solver_iterations: int
+    """Solver iterations in a physics step over grips, contacts and the base's motors; the arm is solved exactly. Default: 4."""
+
+    rim_acceleration_m_per_s2: float
+    """Largest acceleration of a wheel's rim, in metres per second squared. Default: 1.5."""
+
+    gripper_stiffness_n_per_m: float
+    """Linear stiffness of the gripper's hold on the object, in newtons per metre; the angular one is in proportion, the damping critical. Default: 20000.0."""
+
+    hand_stiffness_n_per_m: float
+    """Linear stiffness of the human's hold on the object, in newtons per metre; the angular one is in proportion, the damping critical. Default: 1200.0."""
+
+    hand_speed_limit_m_per_s: float
+    """Largest speed of the human's hand, in metres per second. Default: 1.0."""
+
+    hand_acceleration_limit_m_per_s2: float
+    """Largest acceleration of the human's hand, in metres per second squared. Default: 1.5."""
+
+    step_frequency_hz: float
+    """Frequency of the lateral sway, in hertz; the vertical sway is twice as fast. Default: 0.9."""
+
     sway_m: float
     """Amplitude of the human hand's lateral sway with the gait, in metres; half of it vertically. Default: 0.01."""
 

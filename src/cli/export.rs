@@ -33,7 +33,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes files, none if one of them may not be written, and says so.
+/// Writes files and prints their names. If one of them may not be written, none is.
 pub(super) fn write_all(overwrite: OverwriteArguments, files: &[(PathBuf, &str)]) -> Result<(), Failure> {
     let outputs = overwrite.outputs([], files.iter().map(|(file, _)| file))?;
     for (file, text) in files {

@@ -1,13 +1,14 @@
 //! `cocarry inspect`: shows the contents of a recording as text, JSON, CSV or a picture.
 
 use super::output::{
-    Failure, OverwriteArguments, examples, input, plain, print, print_json, svg_file, table, table_text,
-    unwritten, visible, write_file,
+    Failure, OverwriteArguments, examples, input, print, print_json, svg_file, table, table_text, unwritten,
+    visible, write_file,
 };
 use crate::drawing::{self, Track};
 use crate::geometry::Point;
 use crate::output_file::Outputs;
 use crate::recording::{Channel, Contents, ReadError, Reader, columns, decode, rows, scenario};
+use crate::table::plain;
 use crate::world::World;
 use anyhow::{Context, anyhow};
 use clap::Args;

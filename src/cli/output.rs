@@ -71,15 +71,6 @@ pub(super) fn print_json(value: &serde_json::Value) -> Result<(), Failure> {
     print_for_programs(&format!("{value:#}\n"))
 }
 
-/// A value as a table cell: null is empty, text has no quotes.
-pub(super) fn plain(value: &serde_json::Value) -> String {
-    match value {
-        serde_json::Value::Null => String::new(),
-        serde_json::Value::String(text) => text.clone(),
-        other => other.to_string(),
-    }
-}
-
 pub(super) fn is_broken_pipe(error: &Error) -> bool {
     let io = error.downcast_ref::<std::io::Error>();
     io.is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
@@ -247,14 +238,14 @@ impl Progress {
 
 /// Does work of unknown length. A line with the time spent appears after two seconds, and only if standard
 /// error is a terminal.
-pub(super) fn patiently<T>(what: &str, work: impl FnOnce() -> T) -> T {
-    const PATIENCE: Duration = Duration::from_secs(2);
+pub(super) fn with_spinner<T>(what: &str, work: impl FnOnce() -> T) -> T {
+    const QUIET_TIME: Duration = Duration::from_secs(2);
     std::thread::scope(|scope| {
         let (done, is_done) = std::sync::mpsc::channel::<()>();
         scope.spawn(move || {
-            if is_done.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
+            if is_done.recv_timeout(QUIET_TIME) == Err(RecvTimeoutError::Timeout) {
                 let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
-                let line = ProgressBar::new_spinner().with_message(what.to_owned()).with_elapsed(PATIENCE);
+                let line = ProgressBar::new_spinner().with_message(what.to_owned()).with_elapsed(QUIET_TIME);
                 line.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
                 line.enable_steady_tick(Duration::from_millis(500));
                 // until the sender is dropped

@@ -1,7 +1,7 @@
 //! `cocarry regress`: records the figures of a baseline's runs, or checks them against those recorded.
 
 use super::output::{
-    Failure, Progress, examples, input, print_json, print_verdict, table, table_text, unwritten, write_file,
+    Failure, examples, input, print_json, print_verdict, table, table_text, unwritten, write_file,
 };
 use super::reproduce::Common;
 use super::scenario::ScenarioArguments;
@@ -72,9 +72,8 @@ pub(super) fn run(action: &Action) -> Result<ExitCode, Failure> {
     if !is_check {
         outputs.check(&arguments.file).map_err(unwritten)?;
     }
-    let bar = Progress::new(scenarios.len(), "runs");
-    let results = arguments.common.on_threads(|| run_all(scenarios, &|| bar.step()))?;
-    bar.finish();
+    let results =
+        arguments.common.with_progress(scenarios.len(), "runs", |on_done| run_all(scenarios, on_done))?;
     let mut figures: Vec<Figures> = Vec::new();
     for (run, result) in baseline.runs.iter().zip(results) {
         let error = |error| anyhow::Error::new(error).context(place(&baseline.file, run.line, &run.name));

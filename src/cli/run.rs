@@ -4,7 +4,7 @@ use super::episode_report::EpisodeReport;
 use super::interrupt::Interrupt;
 use super::live::LiveArguments;
 use super::output::{
-    Failure, OverwriteArguments, Progress, examples, patiently, print, print_json, svg_file, tell, warn,
+    Failure, OverwriteArguments, Progress, examples, print, print_json, svg_file, tell, warn, with_spinner,
     write_file,
 };
 use super::record::RecordArguments;
@@ -110,7 +110,7 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     };
     let resumed = state.as_ref().map(State::steps);
     let refused = |error| arguments.snapshots.refused(error);
-    let stage = patiently("preparing the world", || scenario.prepare()).map_err(refused)?;
+    let stage = with_spinner("preparing the world", || scenario.prepare()).map_err(refused)?;
     stage.slow_drive().iter().for_each(warn);
     let episode = match state {
         None => stage.episode(),

@@ -1,8 +1,9 @@
 //! Tables of ticks: CSV or JSON lines, one line per tick, every key with its unit.
 
-use super::output::{Failure, plain, write_file};
+use super::output::{Failure, write_file};
 use crate::output_file::Outputs;
 use crate::quantities::{Record, TICK, View, json};
+use crate::table::plain;
 use anyhow::{Context, Error};
 use serde_json::Value;
 use std::path::{Path, PathBuf};

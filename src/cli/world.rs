@@ -2,8 +2,8 @@
 
 use super::model::{ModelArguments, load_world};
 use super::output::{
-    Failure, OPTION_HEADINGS, OverwriteArguments, examples, input, option_json, patiently, print, print_json,
-    svg_file, table, table_text, write_file,
+    Failure, OPTION_HEADINGS, OverwriteArguments, examples, input, option_json, print, print_json, svg_file,
+    table, table_text, with_spinner, write_file,
 };
 use crate::drawing;
 use crate::episode::{OptionTick, prospects};
@@ -23,7 +23,7 @@ use std::process::ExitCode;
 #[command(after_help = examples(&[
     ("cocarry world environment-4", ""),
     ("cocarry world my-world.toml --svg map.svg", "your world, with a map"),
-    ("cocarry world environment-1 --risk-weight 5", "options of a robot that minds risk less"),
+    ("cocarry world environment-1 --risk-weight 5", "options for a smaller weight of risk"),
 ]))]
 pub(super) struct WorldArguments {
     /// World file (TOML), or a built-in world: see `cocarry worlds`
@@ -52,7 +52,7 @@ pub(super) fn run(arguments: &WorldArguments) -> Result<ExitCode, Failure> {
     let inputs = inputs.into_iter().flatten().map(PathBuf::as_path);
     let outputs = arguments.overwrite.outputs(inputs, &arguments.svg)?;
     let mut predictor = arguments.model.predictor()?;
-    let (world, set) = patiently("searching for the path options", || {
+    let (world, set) = with_spinner("searching for the path options", || {
         let world = load_world(&arguments.world)?;
         let set = OptionSet::new(&world, predictor.risk_weight()).map_err(input)?;
         Ok((world, set))

@@ -18,7 +18,7 @@ pub enum Channel {
     /// Shapes of robot, object and human.
     Team,
     /// Options as lines.
-    Ways,
+    OptionLines,
     /// The path walked, and the path ahead.
     Path,
     /// Joints and wheels.
@@ -47,7 +47,7 @@ impl Channel {
         Self::Transforms,
         Self::World,
         Self::Team,
-        Self::Ways,
+        Self::OptionLines,
         Self::Path,
         Self::Joints,
         Self::Log,
@@ -71,7 +71,7 @@ impl Channel {
             Self::Transforms => "/tf",
             Self::World => "/scene/world",
             Self::Team => "/scene/team",
-            Self::Ways => "/scene/options",
+            Self::OptionLines => "/scene/options",
             Self::Path => "/scene/path",
             Self::Joints => "/joints",
             Self::Log => "/log",
@@ -89,7 +89,7 @@ impl Channel {
     pub fn schema(self) -> Schema {
         let known = match self {
             Self::Transforms => FrameTransforms::get_schema(),
-            Self::World | Self::Team | Self::Ways | Self::Path => SceneUpdate::get_schema(),
+            Self::World | Self::Team | Self::OptionLines | Self::Path => SceneUpdate::get_schema(),
             Self::Joints => JointStates::get_schema(),
             Self::Log => Log::get_schema(),
             _ => None,

@@ -14,7 +14,7 @@ use crate::scenario::PreparedScenario;
 #[derive(Clone, Debug)]
 pub struct Encoder<'a> {
     stage: &'a PreparedScenario,
-    ways: scene::Ways,
+    options: scene::OptionLines,
     /// The `/scene/team` message of another recording of the episode, in place of one of its own.
     team: Option<Vec<u8>>,
     events: Events,
@@ -26,7 +26,7 @@ impl<'a> Encoder<'a> {
     /// An encoder before the first step.
     pub fn new(stage: &'a PreparedScenario) -> Self {
         Self {
-            ways: scene::Ways::new(stage.options()),
+            options: scene::OptionLines::new(stage.options()),
             stage,
             team: None,
             events: Events::default(),
@@ -87,8 +87,8 @@ impl<'a> Encoder<'a> {
         self.messages.extend(decided.iter().map(|log| Message::of(Channel::Log, from, log)));
         self.json(Channel::Options, from, episode);
         self.json(Channel::Coordination, from, episode);
-        if let Some(ways) = self.ways.update(tick, from) {
-            self.messages.push(Message::of(Channel::Ways, from, &ways));
+        if let Some(options) = self.options.update(tick, from) {
+            self.messages.push(Message::of(Channel::OptionLines, from, &options));
         }
         let has_robot = self.stage.robot().is_some();
         if has_robot && episode.considerations().is_some() {

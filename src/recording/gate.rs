@@ -1,7 +1,7 @@
 //! The gate in front of the live server, which refuses web pages from origins that are not allowed.
 //!
 //! Foxglove's server does not look at the origin of a connection (RFC 6454). It listens at an address of the
-//! loopback network that is not told to anyone, and the gate passes on the connections that it accepts.
+//! loopback network known to nobody else, and the gate passes on the connections that it accepts.
 
 use std::collections::hash_map::RandomState;
 use std::hash::{BuildHasher, Hasher};

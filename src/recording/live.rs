@@ -19,7 +19,7 @@ use thiserror::Error;
 /// has about 50 messages.
 const BACKLOG: usize = 4096;
 /// The time to wait for viewers that do not answer when the server stops.
-const PATIENCE: Duration = Duration::from_secs(1);
+const VIEWER_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// The error of a server that cannot start.
 #[derive(Debug, Error)]
@@ -144,7 +144,7 @@ impl LiveServer {
             say.send(())
         });
         // the viewers have disconnected, or the time is over
-        let _ = stopped.recv_timeout(PATIENCE);
+        let _ = stopped.recv_timeout(VIEWER_TIMEOUT);
     }
 }
 

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// that readers take.
 const MOST: u64 = 16 << 20;
 
-/// The files of a robot's visual meshes, each once; none where any of them is not at hand.
+/// The files of a robot's visual meshes, each once; none if one of them is missing.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Meshes(BTreeMap<PathBuf, Mesh>);
 

@@ -80,7 +80,7 @@ impl Playback {
             match channel {
                 Channel::World
                 | Channel::Team
-                | Channel::Ways
+                | Channel::OptionLines
                 | Channel::Joints
                 | Channel::Control
                 | Channel::Preparation => continue,

@@ -3,7 +3,7 @@
 use super::records::Attachment;
 use super::{Entry, ReadError, Reader};
 use crate::arithmetic;
-use crate::scenario::{Plant, Scenario, ScenarioError};
+use crate::scenario::{Scenario, ScenarioError};
 use std::collections::BTreeMap;
 use std::io::Read;
 
@@ -36,9 +36,9 @@ impl Provenance {
     pub fn of(scenario: &Scenario) -> Result<Self, ScenarioError> {
         let mut scenario = scenario.clone();
         strip(&mut scenario.world.file);
-        if let Plant::Kinematic { carrier } | Plant::Rapier { carrier, .. } = &mut scenario.plant {
-            strip(&mut carrier.robot.file);
-            strip(&mut carrier.robot.urdf_file);
+        if let Some(setup) = scenario.plant.carrier_mut() {
+            strip(&mut setup.robot.file);
+            strip(&mut setup.robot.urdf_file);
         }
         let facts = [
             ("crate_version", env!("CARGO_PKG_VERSION").to_owned()),

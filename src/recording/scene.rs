@@ -124,7 +124,7 @@ pub(super) fn team(robot: &Robot, world: &World, meshes: &Meshes, time: u64) -> 
     SceneUpdate { deletions: Vec::new(), entities }
 }
 
-/// A link's visual shapes, or its collision shapes if the visual ones are meshes that are not at hand, or
+/// A link's visual shapes, or its collision shapes if the visual ones are meshes that are missing, or
 /// none.
 fn link(link: &Link, meshes: &Meshes, time: u64) -> Option<SceneEntity> {
     let is_drawn = |g: &&Geometry| match &g.shape {
@@ -154,7 +154,7 @@ fn link(link: &Link, meshes: &Meshes, time: u64) -> Option<SceneEntity> {
 
 /// The options from the start. Width and opacity show their probability.
 #[derive(Clone, Debug)]
-pub(super) struct Ways {
+pub(super) struct OptionLines {
     lines: Vec<Line>,
     shown: Vec<u32>,
 }
@@ -187,7 +187,7 @@ fn apart(path: &[Point], others: &[&Vec<Point>]) -> Option<Point> {
         .map(|(p, _)| p)
 }
 
-impl Ways {
+impl OptionLines {
     pub fn new(options: &OptionSet) -> Self {
         let start = options.begin();
         let all = 0..options.options().len();

@@ -7,7 +7,7 @@ use crate::recording::{Channel, FIELD_OF_VIEW_DEG, Overview, Playback};
 use serde_json::{Map, Value, json};
 
 /// The topics of the scene.
-const SCENES: [Channel; 4] = [Channel::World, Channel::Team, Channel::Ways, Channel::Path];
+const SCENES: [Channel; 4] = [Channel::World, Channel::Team, Channel::OptionLines, Channel::Path];
 
 /// A curve: message path, name, colour.
 type Curve = (String, String, String);

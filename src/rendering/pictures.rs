@@ -126,7 +126,7 @@ pub struct Pixels {
     pub colours: Vec<u8>,
 }
 
-/// The lines of words in the picture of an episode so far: its size must not change while the episode goes on.
+/// The lines of words in the picture of an episode so far: its size must not change while the episode runs.
 const TOLD_LINES: usize = 3;
 
 /// The last picture of [`moving_gif`].

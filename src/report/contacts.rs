@@ -22,7 +22,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
         finding: finding(&rows),
         blocks: vec![
             Block::Text(text.to_owned()),
-            Block::Table(table(&rows)),
+            Block::Table(contact_table(&rows)),
             Block::Figure(Figure {
                 name: "contacts".to_owned(),
                 caption: "Share of walks in which a body touched a side of the opening, by the risk S and the angle of the walk to the opening's axis.".to_owned(),
@@ -58,7 +58,8 @@ fn panel(rows: &[ContactRow]) -> CurvePanel {
     }
 }
 
-fn table(rows: &[ContactRow]) -> Table {
+/// The table of contacts, for people and for programs.
+pub fn contact_table(rows: &[ContactRow]) -> Table {
     let mut columns = Columns::of(rows)
         .number("risk S", "risk", 2, |r| r.risk)
         .number("width (m)", "width_m", 3, |r| r.width)

@@ -1,4 +1,4 @@
-//! A claim's part of the report: what is run for it, and the section that comes of that.
+//! A claim's part of the report: its runs, and its section.
 
 use crate::drawing::DrawingError;
 use crate::episode::Settings;

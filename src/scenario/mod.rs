@@ -21,6 +21,7 @@ mod error;
 mod plant;
 mod preference_changes;
 mod prepared;
+mod setting;
 mod settings;
 mod snapshot;
 mod word;
@@ -29,10 +30,8 @@ pub use error::ScenarioError;
 pub use plant::{Plant, PlantKind, RobotSetup};
 pub use preference_changes::{NotPreferenceChanges, PreferenceChanges, drawn_changes};
 pub use prepared::{Partners, PreparedScenario};
-pub use settings::{
-    AVOID, Applies, Field, Group, INITIAL_STUBBORNNESS, Kind, PERCEPTION, POSE, POSTURE, RISK_WEIGHT, Range,
-    SETTINGS, SWAY, Setting, Value,
-};
+pub use setting::{Applies, Field, Group, Kind, Range, Setting, Value};
+pub use settings::{AVOID, INITIAL_STUBBORNNESS, PERCEPTION, POSE, POSTURE, RISK_WEIGHT, SETTINGS, SWAY};
 pub use snapshot::{Snapshot, SnapshotError};
 pub use word::{Word, one_of};
 

@@ -4,124 +4,20 @@
 //! [`SETTINGS`]. The table does not have the other parts of a scenario: seed, world, human, preference
 //! changes, belief, plant and robot.
 
-use super::word::{AVOIDED, CRITERIA, POSES, Word, one_of, put, word, words};
-use super::{PlantKind, Scenario};
+use super::setting::{Applies, Field, Group, Kind, Range, Setting};
+use super::word::{AVOIDED, CRITERIA, POSES, put, word, words};
 use crate::human::{MODELS, ModelName};
 use crate::policy::Method;
 use crate::preference::LARGEST_PERCEPTION;
-use crate::suggestion::hint_of_listed;
-use std::fmt;
-
-/// A setting of an episode.
-#[derive(Debug)]
-pub struct Setting {
-    /// Its key in studies and their results, with the unit.
-    pub key: &'static str,
-    /// Its name on the command line, without the dashes.
-    pub flag: &'static str,
-    /// Its key in a scenario's text, with the tables around it.
-    pub path: &'static str,
-    /// The part of the help and of the documentation that it belongs to.
-    pub group: Group,
-    /// Its help text, with its unit.
-    pub about: &'static str,
-    /// The teams to which it applies.
-    pub applies: Applies,
-    /// Its values, and its field in a scenario.
-    pub kind: Kind,
-}
-
-/// The part of the help that a setting belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Group {
-    /// The human.
-    Human,
-    /// The robot and the plant.
-    Robot,
-    /// The method, and how it weighs risk.
-    Method,
-    /// How the team walks.
-    Walk,
-    /// The robot's controller.
-    Control,
-}
-
-impl Group {
-    /// Its title.
-    pub const fn title(self) -> &'static str {
-        match self {
-            Self::Human => "Human",
-            Self::Robot => "Robot and plant",
-            Self::Method => "Method",
-            Self::Walk => "Walk",
-            Self::Control => "Robot's controller",
-        }
-    }
-}
-
-/// The teams to which a setting applies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Applies {
-    /// Every team.
-    Always,
-    /// A robot.
-    Robot,
-    /// A robot that chooses among configurations.
-    Candidates,
-    /// A human with a body.
-    Bodies,
-}
-
-/// The values of a setting, and its field in a scenario.
-#[derive(Debug)]
-pub enum Kind {
-    /// A number in a range.
-    Number(Range, Field<f64>),
-    /// A whole number from 1 to a limit.
-    Count(u64, Field<Option<u64>>),
-    /// True or false.
-    Flag(Field<bool>),
-    /// One of several words.
-    Word(fn() -> Vec<Word>, Field<String>),
-    /// A text: the form to name in errors, and a check.
-    Text(fn() -> String, fn(&str) -> bool, Field<String>),
-}
-
-/// A field of a scenario: a getter, which returns `None` if the scenario does not have the field, and a
-/// setter.
-#[derive(Debug)]
-pub struct Field<T> {
-    get: fn(&Scenario) -> Option<T>,
-    set: fn(&mut Scenario, T),
-}
-
-/// The value of a setting.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Value {
-    /// Of [`Kind::Number`].
-    Number(f64),
-    /// Of [`Kind::Count`].
-    Count(u64),
-    /// Of [`Kind::Flag`].
-    Flag(bool),
-    /// Of [`Kind::Word`] and [`Kind::Text`].
-    Text(String),
-}
-
-/// A range of numbers from `least`, or above it, to `most`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Range {
-    least: f64,
-    is_open: bool,
-    most: f64,
-}
+use crate::simulation::{HumanSettings, PhysicsSettings};
 
 /// The range of alpha and gamma.
 pub const PERCEPTION: Range = Range::above(0.0, LARGEST_PERCEPTION);
 const POSITIVE: Range = Range::above(0.0, 1e6);
 const NOT_NEGATIVE: Range = Range::between(0.0, 1e6);
 
-/// The [`Field`] of a place in a scenario or in its robot, optionally with words for the values of an enum.
+/// The [`Field`] of a place in a scenario, in its robot or in its physics, optionally with words for the
+/// values of an enum.
 macro_rules! field {
     (scenario $s:ident => $place:expr) => {
         Field { get: |$s| Some($place), set: |$s, value| $place = value }
@@ -130,6 +26,12 @@ macro_rules! field {
         Field {
             get: |s| s.plant.carrier().map(|$r| $place),
             set: |s, value| s.plant.carrier_mut().into_iter().for_each(|$r| $place = value),
+        }
+    };
+    (physics $p:ident => $place:expr) => {
+        Field {
+            get: |s| s.plant.physics().map(|$p| $place),
+            set: |s, value| s.plant.physics_mut().into_iter().for_each(|$p| $place = value),
         }
     };
     (robot $r:ident => $place:expr, $words:ident) => {
@@ -198,7 +100,7 @@ pub const SWAY: Setting = Setting {
     about: "Amplitude of the human hand's lateral sway with the gait, in metres; half of it vertically",
     applies: Applies::Bodies,
     kind: Kind::Number(
-        Range::between(0.0, 0.1),
+        Range::of(HumanSettings::SWAYS),
         Field {
             get: |s| s.plant.physics().map(|physics| physics.human.sway_lateral),
             set: |s, sway| {
@@ -310,6 +212,103 @@ pub const SETTINGS: &[Setting] = &[
         kind: Kind::Number(POSITIVE, field!(robot r => r.control.input_weight)),
     },
     AVOID,
+    Setting {
+        key: "physics_rate_hz",
+        flag: "physics-rate",
+        path: "physics.rate_hz",
+        group: Group::Physics,
+        about: "Physics steps per second; a control period takes the nearest whole number of them",
+        applies: Applies::Bodies,
+        kind: Kind::Number(Range::of(PhysicsSettings::RATES), field!(physics p => p.rate_hz)),
+    },
+    Setting {
+        key: "solver_iterations",
+        flag: "solver-iterations",
+        path: "physics.solver_iterations",
+        group: Group::Physics,
+        about: "Solver iterations in a physics step over grips, contacts and the base's motors; the arm is solved exactly",
+        applies: Applies::Bodies,
+        kind: Kind::Count(
+            PhysicsSettings::MOST_ITERATIONS as u64,
+            Field {
+                get: |s| s.plant.physics().map(|physics| Some(physics.solver_iterations as u64)),
+                set: |s, count| {
+                    if let (Some(physics), Some(count)) = (s.plant.physics_mut(), count) {
+                        physics.solver_iterations = count as usize;
+                    }
+                },
+            },
+        ),
+    },
+    Setting {
+        key: "rim_acceleration_m_per_s2",
+        flag: "rim-acceleration",
+        path: "physics.rim_acceleration_m_per_s2",
+        group: Group::Physics,
+        about: "Largest acceleration of a wheel's rim, in metres per second squared",
+        applies: Applies::Bodies,
+        kind: Kind::Number(
+            Range::of(PhysicsSettings::RIM_ACCELERATIONS),
+            field!(physics p => p.rim_acceleration),
+        ),
+    },
+    Setting {
+        key: "gripper_stiffness_n_per_m",
+        flag: "gripper-stiffness",
+        path: "physics.gripper_stiffness_n_per_m",
+        group: Group::Physics,
+        about: "Linear stiffness of the gripper's hold on the object, in newtons per metre; the angular one is in proportion, the damping critical",
+        applies: Applies::Bodies,
+        kind: Kind::Number(
+            Range::of(PhysicsSettings::GRIPPER_STIFFNESSES),
+            field!(physics p => p.gripper_stiffness),
+        ),
+    },
+    Setting {
+        key: "hand_stiffness_n_per_m",
+        flag: "hand-stiffness",
+        path: "physics.human.hand_stiffness_n_per_m",
+        group: Group::Physics,
+        about: "Linear stiffness of the human's hold on the object, in newtons per metre; the angular one is in proportion, the damping critical",
+        applies: Applies::Bodies,
+        kind: Kind::Number(
+            Range::of(HumanSettings::HAND_STIFFNESSES),
+            field!(physics p => p.human.hand_stiffness),
+        ),
+    },
+    Setting {
+        key: "hand_speed_limit_m_per_s",
+        flag: "hand-speed-limit",
+        path: "physics.human.speed_limit_m_per_s",
+        group: Group::Human,
+        about: "Largest speed of the human's hand, in metres per second",
+        applies: Applies::Bodies,
+        kind: Kind::Number(Range::of(HumanSettings::SPEED_LIMITS), field!(physics p => p.human.speed_limit)),
+    },
+    Setting {
+        key: "hand_acceleration_limit_m_per_s2",
+        flag: "hand-acceleration-limit",
+        path: "physics.human.acceleration_limit_m_per_s2",
+        group: Group::Human,
+        about: "Largest acceleration of the human's hand, in metres per second squared",
+        applies: Applies::Bodies,
+        kind: Kind::Number(
+            Range::of(HumanSettings::ACCELERATION_LIMITS),
+            field!(physics p => p.human.acceleration_limit),
+        ),
+    },
+    Setting {
+        key: "step_frequency_hz",
+        flag: "step-frequency",
+        path: "physics.human.step_frequency_hz",
+        group: Group::Human,
+        about: "Frequency of the lateral sway, in hertz; the vertical sway is twice as fast",
+        applies: Applies::Bodies,
+        kind: Kind::Number(
+            Range::of(HumanSettings::STEP_FREQUENCIES),
+            field!(physics p => p.human.step_frequency),
+        ),
+    },
     SWAY,
     INITIAL_STUBBORNNESS,
     Setting {
@@ -374,141 +373,3 @@ pub const SETTINGS: &[Setting] = &[
         kind: Kind::Flag(field!(robot r => r.control.prepare_while_leading)),
     },
 ];
-
-impl Setting {
-    /// Its value in a scenario; `None` if the scenario does not have the setting.
-    pub fn get(&self, scenario: &Scenario) -> Option<Value> {
-        match &self.kind {
-            Kind::Number(_, field) => (field.get)(scenario).map(Value::Number),
-            Kind::Count(_, field) => (field.get)(scenario)?.map(Value::Count),
-            Kind::Flag(field) => (field.get)(scenario).map(Value::Flag),
-            Kind::Word(_, field) | Kind::Text(.., field) => (field.get)(scenario).map(Value::Text),
-        }
-    }
-
-    /// Sets it in a scenario to a value that it [accepts](Setting::accepts). No effect if the scenario does
-    /// not have the setting.
-    pub fn set(&self, scenario: &mut Scenario, value: &Value) {
-        match (&self.kind, value) {
-            (Kind::Number(_, field), Value::Number(value)) => (field.set)(scenario, *value),
-            (Kind::Count(_, field), Value::Count(value)) => (field.set)(scenario, Some(*value)),
-            (Kind::Flag(field), Value::Flag(value)) => (field.set)(scenario, *value),
-            (Kind::Word(_, field) | Kind::Text(.., field), Value::Text(text)) => {
-                (field.set)(scenario, text.clone());
-            }
-            _ => {}
-        }
-    }
-
-    /// Whether the value is allowed.
-    pub fn accepts(&self, value: &Value) -> bool {
-        match (&self.kind, value) {
-            (Kind::Number(range, _), Value::Number(value)) => range.contains(*value),
-            (Kind::Count(most, _), Value::Count(value)) => (1..=*most).contains(value),
-            (Kind::Flag(_), Value::Flag(_)) => true,
-            (Kind::Word(words, _), Value::Text(text)) => words().iter().any(|(word, _)| word == text),
-            (Kind::Text(_, accepts, _), Value::Text(text)) => accepts(text),
-            _ => false,
-        }
-    }
-
-    /// Its words; `None` if its values are not words.
-    pub fn words(&self) -> Option<Vec<Word>> {
-        if let Kind::Word(words, _) = &self.kind { Some(words()) } else { None }
-    }
-
-    /// A description of the allowed values, for errors.
-    pub fn expected(&self) -> String {
-        match &self.kind {
-            Kind::Number(range, _) => range.to_string(),
-            Kind::Count(most, _) => format!("a whole number from 1 to {most}"),
-            Kind::Flag(_) => "true or false".to_owned(),
-            Kind::Word(words, _) => one_of(&words()),
-            Kind::Text(form, ..) => form(),
-        }
-    }
-
-    /// The value in a text, as [`Value`] is displayed.
-    ///
-    /// # Errors
-    /// A description of the allowed values, if the text is none of them.
-    pub fn parse(&self, text: &str) -> Result<Value, String> {
-        let value = match &self.kind {
-            Kind::Number(..) => text.parse().ok().map(Value::Number),
-            Kind::Count(..) => text.parse().ok().map(Value::Count),
-            Kind::Flag(_) => text.parse().ok().map(Value::Flag),
-            Kind::Word(..) | Kind::Text(..) => Some(Value::Text(text.to_owned())),
-        };
-        value.filter(|value| self.accepts(value)).ok_or_else(|| {
-            let expected = self.expected();
-            format!("must be {expected}{}", hint_of_listed(text, &expected))
-        })
-    }
-
-    /// The value in a scenario, if it is a number out of range.
-    pub(super) fn number_out_of_range(&self, scenario: &Scenario) -> Option<f64> {
-        match self.get(scenario).filter(|value| !self.accepts(value))? {
-            Value::Number(value) => Some(value),
-            Value::Count(count) => Some(count as f64),
-            Value::Flag(_) | Value::Text(_) => None,
-        }
-    }
-}
-
-impl Applies {
-    /// Whether it applies to a team on that plant. `chooses`: whether the team's robot, if any, chooses among
-    /// configurations.
-    pub fn is_on(self, plant: PlantKind, chooses: bool) -> bool {
-        match self {
-            Self::Always => true,
-            Self::Robot => plant != PlantKind::Point,
-            Self::Candidates => plant != PlantKind::Point && chooses,
-            Self::Bodies => plant == PlantKind::Rapier,
-        }
-    }
-
-    /// What the setting needs, for errors.
-    pub fn what(self) -> &'static str {
-        match self {
-            Self::Always => "a team",
-            Self::Robot | Self::Candidates => "a robot",
-            Self::Bodies => "a human's body",
-        }
-    }
-}
-
-impl Range {
-    const fn between(least: f64, most: f64) -> Self {
-        Self { least, is_open: false, most }
-    }
-
-    const fn above(least: f64, most: f64) -> Self {
-        Self { least, is_open: true, most }
-    }
-
-    /// Whether the number is in the range; NaN is not.
-    pub fn contains(&self, value: f64) -> bool {
-        value <= self.most && if self.is_open { value > self.least } else { value >= self.least }
-    }
-}
-
-impl fmt::Display for Range {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Self { least, is_open, most } = self;
-        match is_open {
-            true => write!(f, "a number greater than {least} and at most {most}"),
-            false => write!(f, "a number from {least} to {most}"),
-        }
-    }
-}
-
-impl fmt::Display for Value {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            Self::Number(value) => value.fmt(f),
-            Self::Count(count) => count.fmt(f),
-            Self::Flag(flag) => flag.fmt(f),
-            Self::Text(text) => text.fmt(f),
-        }
-    }
-}

@@ -120,7 +120,7 @@ fn every_word_is_the_one_of_scenario_texts() {
 fn another(setting: &Setting, defaults: &Scenario) -> Value {
     let default = setting.get(defaults);
     let words = setting.words().unwrap_or_default().into_iter().map(|(word, _)| word);
-    let texts = ["0.7", "0.03", "2", "true", "boltzmann(0.5)", "elbow-out"];
+    let texts = ["0.7", "0.03", "2", "400", "5000", "true", "boltzmann(0.5)", "elbow-out"];
     // from the last, so that there are candidates
     let words: Vec<&str> = words.rev().collect();
     let texts = if words.is_empty() { texts.to_vec() } else { words };

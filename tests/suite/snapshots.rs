@@ -64,8 +64,24 @@ fn saved(stage: &PreparedScenario, steps: u64) -> Vec<u8> {
     stage.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"))
 }
 
+/// Asserts that an episode saved after so many steps goes on with the bits of `whole`, and that its snapshot
+/// is the one read.
+fn assert_resumes(of_whole: &PreparedScenario, whole: &[String], cuts: &[u64]) {
+    let name = of_whole.scenario().plant.name();
+    for &cut in cuts {
+        let bytes = saved(of_whole, cut);
+        let snapshot = parse(&bytes).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(snapshot.state.steps(), cut);
+        let stage = stage(snapshot.scenario);
+        let episode = stage.resume(snapshot.state).unwrap_or_else(|e| panic!("{e}"));
+        let again = stage.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"));
+        assert!(again == bytes, "{name}: something is lost after {cut} steps");
+        assert!(rest(episode) == whole[cut as usize..], "{name}: cut after {cut} steps");
+    }
+}
+
 #[test]
-fn an_episode_gone_on_with_is_the_one_never_cut() {
+fn a_resumed_episode_is_the_one_never_cut() {
     for plant in plants() {
         let name = plant.name();
         let stage_of_whole = stage(scenario(plant, Method::MUTUAL));
@@ -78,22 +94,14 @@ fn an_episode_gone_on_with_is_the_one_never_cut() {
         };
         let whole = rest(whole);
         let end = whole.len() as u64 - 1;
-        for cut in [0, 1, transition - 1, transition, transition + 1, (transition + end) / 2, end] {
-            let bytes = saved(&stage_of_whole, cut);
-            let snapshot = parse(&bytes).unwrap_or_else(|e| panic!("{e}"));
-            assert_eq!(snapshot.state.steps(), cut);
-            let stage = stage(snapshot.scenario);
-            let episode = stage.resume(snapshot.state).unwrap_or_else(|e| panic!("{e}"));
-            let again = stage.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"));
-            assert!(again == bytes, "{name}: something is lost after {cut} steps");
-            assert!(rest(episode) == whole[cut as usize..], "{name}: cut after {cut} of {end} steps");
-        }
+        let cuts = [0, 1, transition - 1, transition, transition + 1, (transition + end) / 2, end];
+        assert_resumes(&stage_of_whole, &whole, &cuts);
     }
 }
 
 /// Nothing is lost on the way through a file that a later snapshot would show.
 #[test]
-fn a_snapshot_of_an_episode_gone_on_with_is_the_one_of_the_episode_never_cut() {
+fn a_snapshot_of_a_resumed_episode_is_the_one_of_the_episode_never_cut() {
     for plant in plants() {
         let name = plant.name();
         let whole = stage(scenario(plant, Method::HUMAN_LED));
@@ -173,22 +181,14 @@ fn a_human_cut_around_a_change_of_mind_is_the_one_never_cut() {
         let whole = rest(of_whole.episode().unwrap_or_else(|e| panic!("{e}")));
         assert!(whole[25..30] != kept[25..30], "{name}: the change makes a difference");
         let end = whole.len() as u64 - 1;
-        for cut in [0, 1, 24, 25, 26, 44, 45, 46, end] {
-            let bytes = saved(&of_whole, cut);
-            let snapshot = parse(&bytes).unwrap_or_else(|e| panic!("{e}"));
-            let stage = stage(snapshot.scenario);
-            let episode = stage.resume(snapshot.state).unwrap_or_else(|e| panic!("{e}"));
-            let again = stage.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"));
-            assert!(again == bytes, "{name}: something is lost after {cut} steps");
-            assert!(rest(episode) == whole[cut as usize..], "{name}: cut after {cut} of {end} steps");
-        }
+        assert_resumes(&of_whole, &whole, &[0, 1, 24, 25, 26, 44, 45, 46, end]);
     }
 }
 
 /// How long it has been stuck already is part of an episode.
-/// Where it steps back to, and that it was in vain, are the team's to remember.
+/// The team remembers where it reverses to, and that it could not.
 #[test]
-fn a_team_cut_while_it_steps_back_is_the_one_never_cut() {
+fn a_team_cut_while_it_reverses_is_the_one_never_cut() {
     let [_, _, plant] = plants();
     let coordination = coordination::Settings { eta: 15.0, ..coordination::Settings::default() };
     let settings = Settings { coordination, ..Settings::default() };
@@ -197,7 +197,7 @@ fn a_team_cut_while_it_steps_back_is_the_one_never_cut() {
     let mut episode = whole.episode().unwrap_or_else(|e| panic!("{e}"));
     let mut back = 0;
     while back < 4 {
-        assert_eq!(episode.step(), None, "it steps back");
+        assert_eq!(episode.step(), None, "it reverses");
         back += u32::from(episode.tick().reverses_for.is_some());
     }
     let bytes = whole.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"));
@@ -228,7 +228,7 @@ fn rows(file: &Path) -> Vec<String> {
 }
 
 #[test]
-fn another_process_goes_on_with_the_same_bits() {
+fn another_process_resumes_with_the_same_bits() {
     for plant in ["point", "kinematic", "rapier"] {
         let folder = tempfile::tempdir().expect("a folder");
         let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();

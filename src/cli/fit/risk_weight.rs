@@ -4,8 +4,7 @@
 use super::worlds::{inputs, options};
 use crate::cli::model::BeliefArguments;
 use crate::cli::output::{
-    Failure, OverwriteArguments, Progress, examples, input, print, print_json, svg_file, table, table_text,
-    write_file,
+    Failure, OverwriteArguments, examples, input, print, print_json, svg_file, table, table_text, write_file,
 };
 use crate::cli::reproduce::Common;
 use crate::fit::{
@@ -72,12 +71,12 @@ pub(super) fn run(arguments: &RiskWeightArguments) -> Result<(), Failure> {
         held_out: arguments.validate.clone(),
         ..RiskWeightSettings::default()
     };
-    let bar = Progress::new(settings.resamples, "resamples");
     let fit = arguments
         .common
-        .on_threads(|| fit_risk_weight(&answers, &predictor, &settings, &|| bar.step()))?
+        .with_progress(settings.resamples, "resamples", |on_done| {
+            fit_risk_weight(&answers, &predictor, &settings, on_done)
+        })?
         .map_err(input)?;
-    bar.finish();
     if let Some(path) = &arguments.svg {
         let svg =
             answers_picture(&fit).with_context(|| path.display().to_string()).map_err(Failure::Output)?;

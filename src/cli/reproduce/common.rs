@@ -1,6 +1,7 @@
 //! The arguments that several claims share.
 
-use super::super::output::Failure;
+use super::super::output::{Failure, Progress};
+use crate::parallel::OnDone;
 use anyhow::Context;
 use clap::Args;
 
@@ -21,5 +22,18 @@ impl Common {
         let threads = self.threads.map_or(0, |n| n as usize);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         Ok(pool.context("threads").map_err(Failure::Output)?.install(work))
+    }
+
+    /// Runs work of so many `units` on the number of threads given. A bar named `what` shows how many are done.
+    pub fn with_progress<T: Send>(
+        &self,
+        units: usize,
+        what: &str,
+        work: impl FnOnce(OnDone) -> T + Send,
+    ) -> Result<T, Failure> {
+        let bar = Progress::new(units, what);
+        let done = self.on_threads(|| work(&|| bar.step()))?;
+        bar.finish();
+        Ok(done)
     }
 }

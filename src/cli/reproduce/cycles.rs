@@ -1,8 +1,6 @@
 //! `cocarry reproduce cycles`: random worlds and humans, with the team as a point or with bodies.
 
-use super::super::output::{
-    Failure, OverwriteArguments, Progress, examples, input, print, print_json, write_file,
-};
+use super::super::output::{Failure, OverwriteArguments, examples, input, print, print_json, write_file};
 use super::super::robot::{SwayArguments, sway_of};
 use super::super::settings::plants;
 use super::common::Common;
@@ -65,9 +63,10 @@ pub(super) fn run(arguments: &CyclesArguments) -> Result<(), Failure> {
         worlds: arguments.worlds.map_or(default, |n| n as usize),
         seed: arguments.seed,
     };
-    let bar = Progress::new(search.worlds, "random worlds");
-    let findings = arguments.common.on_threads(|| search.run(&|| bar.step()))?.map_err(input)?;
-    bar.finish();
+    let findings = arguments
+        .common
+        .with_progress(search.worlds, "random worlds", |on_done| search.run(on_done))?
+        .map_err(input)?;
     let sway = sway_of(&plant);
     if let Some(folder) = &arguments.keep {
         let outputs = Outputs::new(arguments.overwrite.overwrite, []);

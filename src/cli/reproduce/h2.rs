@@ -1,8 +1,7 @@
 //! `cocarry reproduce h2`: Table II and the Environment 4 example, with the team as a point or with bodies.
 
 use super::super::output::{
-    Failure, OverwriteArguments, Progress, examples, input, print, print_json, svg_file, table_with_notes,
-    write_file,
+    Failure, OverwriteArguments, examples, input, print, print_json, svg_file, table_with_notes, write_file,
 };
 use super::super::robot::{SwayArguments, sway_of};
 use super::super::settings::plants;
@@ -52,12 +51,10 @@ pub(super) fn run(arguments: &H2Arguments) -> Result<(), Failure> {
     }
     let outputs = arguments.overwrite.outputs([], &arguments.svg)?;
     let settings = Settings::default();
-    let bar = Progress::new(h2::EPISODES, "Table II");
     let rows = arguments
         .common
-        .on_threads(|| h2::table(&settings, arguments.seed, &|| bar.step()))?
+        .with_progress(h2::EPISODES, "Table II", |on_done| h2::table(&settings, arguments.seed, on_done))?
         .map_err(input)?;
-    bar.finish();
     let (world, runs) = h2::example(paper::EXAMPLE_ENVIRONMENT, &settings).map_err(input)?;
     if let Some(path) = &arguments.svg {
         let svg = example_picture(&world, &runs, settings.period)
@@ -98,9 +95,10 @@ fn run_with_bodies(arguments: &H2Arguments) -> Result<(), Failure> {
     let plant = arguments.sway.plant()?;
     let humans = arguments.humans.map_or(h2::SAMPLES, |n| n as usize);
     let study = WithBodies { plant: &plant, settings: &Settings::default(), humans, seed: arguments.seed };
-    let bar = Progress::new(h2::units(humans), "Table II with bodies");
-    let rows = arguments.common.on_threads(|| study.table(&|| bar.step()))?.map_err(input)?;
-    bar.finish();
+    let rows = arguments
+        .common
+        .with_progress(h2::units(humans), "Table II with bodies", |on_done| study.table(on_done))?
+        .map_err(input)?;
     let sway = sway_of(&plant);
     if arguments.common.json {
         return print_json(&json!({

@@ -1,8 +1,8 @@
 //! `cocarry reproduce h3`: Table III beside the paper's, and further measurements.
 
 use super::super::output::{
-    Failure, OverwriteArguments, Progress, examples, input, print, print_json, svg_file, table_with_notes,
-    warn, write_file,
+    Failure, OverwriteArguments, examples, input, print, print_json, svg_file, table_with_notes, warn,
+    write_file,
 };
 use super::super::robot::load_robot;
 use super::super::settings::plants;
@@ -64,9 +64,12 @@ pub(super) fn run(arguments: &H3Arguments) -> Result<(), Failure> {
         let humans = study.humans().map_err(input)?;
         write_file(&outputs, path, humans_as_csv(&humans, study.seed).map_err(Failure::Output)?)?;
     }
-    let bar = Progress::new(units(plant.kind(), starts.len(), episodes), "Table III");
-    let rows = arguments.common.on_threads(|| study.table(&|| bar.step()))?.map_err(input)?;
-    bar.finish();
+    let rows = arguments
+        .common
+        .with_progress(units(plant.kind(), starts.len(), episodes), "Table III", |on_done| {
+            study.table(on_done)
+        })?
+        .map_err(input)?;
     let of = |start| Compared { rows: &rows, start, methods: PoseMethod::on(plant.kind()) };
     if let Some(path) = &arguments.svg {
         let svg = ratio_picture(&rows, &starts)

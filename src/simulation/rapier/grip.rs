@@ -25,10 +25,17 @@ pub(super) struct Stiffness {
     pub most: [f64; 2],
 }
 
-/// The robot's gripper.
-pub(super) const GRIPPER: Stiffness = Stiffness { linear: 20_000.0, angular: 1000.0, most: [2000.0, 400.0] };
-/// The human's hand, as stiff as the arm of a walker.
-pub(super) const HAND: Stiffness = Stiffness { linear: 1200.0, angular: 10.0, most: [500.0, 100.0] };
+impl Stiffness {
+    /// The robot's gripper, of a linear stiffness.
+    pub fn of_gripper(linear: f64) -> Self {
+        Self { linear, angular: 1000.0 * (linear / 20_000.0), most: [2000.0, 400.0] }
+    }
+
+    /// The human's hand, of a linear stiffness.
+    pub fn of_hand(linear: f64) -> Self {
+        Self { linear, angular: 10.0 * (linear / 1200.0), most: [500.0, 100.0] }
+    }
+}
 
 /// A grip on the object.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]

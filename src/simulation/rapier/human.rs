@@ -24,7 +24,7 @@ pub enum HumanCommand {
 }
 
 /// A walking human slows down where the grip yields by more than the first (m), and stops at the second.
-const UNCOMFORTABLE_STRETCH: [f64; 2] = [0.012, 0.03];
+const UNCOMFORTABLE_DEFLECTION_M: [f64; 2] = [0.012, 0.03];
 /// Gains of the position error, 1/s, and of the velocity error, 1/s. Together they do not overshoot.
 const POSITION_GAIN: f64 = 6.0;
 const VELOCITY_GAIN: f64 = 40.0;
@@ -59,7 +59,9 @@ pub(super) struct Walker {
     at: PlanarPose,
     velocity: Vector,
     yaw_rate: f64,
-    pace: Option<Pace>,
+    /// None while the human follows.
+    #[serde(rename = "pace")]
+    walk: Option<Walk>,
     /// The robot's velocity and yaw rate as the follower has adopted them.
     led: (Vector, f64),
     /// Heading of the body, and the heading that it turns to; none: the hand's. rad.
@@ -70,7 +72,7 @@ pub(super) struct Walker {
 
 /// The straight line that a walking human's hand follows during a control period.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Pace {
+struct Walk {
     at: PlanarPose,
     velocity: Vector,
     yaw_rate: f64,
@@ -97,7 +99,7 @@ impl Walker {
             at,
             velocity: Vector::zeros(),
             yaw_rate: 0.0,
-            pace: None,
+            walk: None,
             led: (Vector::zeros(), 0.0),
             facing: at.yaw,
             turns_to: None,
@@ -136,12 +138,12 @@ impl Walker {
     /// Begins a control period (s).
     pub fn begin(&mut self, command: &HumanCommand, period: f64) {
         match *command {
-            HumanCommand::Follow => self.pace = None,
+            HumanCommand::Follow => self.walk = None,
             HumanCommand::Walk { hand } => {
-                let from = self.pace.map_or(self.at, |p| p.at);
+                let from = self.walk.map_or(self.at, |p| p.at);
                 let velocity = limited((hand.position - from.position) / period, self.settings.speed_limit);
                 let yaw_rate = (wrap_angle(hand.yaw - from.yaw) / period).clamp(-TURN_LIMIT, TURN_LIMIT);
-                self.pace = Some(Pace { at: from, velocity, yaw_rate });
+                self.walk = Some(Walk { at: from, velocity, yaw_rate });
                 self.led = (self.velocity, self.yaw_rate);
             }
         }
@@ -149,16 +151,16 @@ impl Walker {
 
     /// Moves the human by one physics step of `dt` seconds.
     pub fn step(&mut self, sensed: &SensedObject, dt: f64) {
-        let (goal, velocity, yaw_rate) = match &mut self.pace {
-            Some(pace) => {
+        let (goal, velocity, yaw_rate) = match &mut self.walk {
+            Some(walk) => {
                 // only a pulling human is held back
-                let pull = pace.at.position - sensed.end.position;
-                let stretch = if pull.dot(&pace.velocity) > 0.0 { pull.norm() } else { 0.0 };
-                let [slower, stop] = UNCOMFORTABLE_STRETCH;
-                let share = ((stop - stretch) / (stop - slower)).clamp(0.0, 1.0);
-                pace.at.position += pace.velocity * (share * dt);
-                pace.at.yaw += pace.yaw_rate * share * dt;
-                (pace.at, pace.velocity * share, pace.yaw_rate * share)
+                let pull = walk.at.position - sensed.end.position;
+                let deflection = if pull.dot(&walk.velocity) > 0.0 { pull.norm() } else { 0.0 };
+                let [slower, stop] = UNCOMFORTABLE_DEFLECTION_M;
+                let share = ((stop - deflection) / (stop - slower)).clamp(0.0, 1.0);
+                walk.at.position += walk.velocity * (share * dt);
+                walk.at.yaw += walk.yaw_rate * share * dt;
+                (walk.at, walk.velocity * share, walk.yaw_rate * share)
             }
             None => {
                 let share = dt / (ADOPTION_TIME + dt);

@@ -3,10 +3,9 @@
 use super::accumulator::Accumulator;
 use super::articulation::Articulation;
 use super::dimensions::{GRAVITY, HAND_RADIUS, TORSO_AHEAD, TORSO_HEIGHT, TORSO_RADIUS};
-use super::grip::{GRIPPER, Grip, HAND};
+use super::grip::{Grip, Stiffness};
 use super::human::Walker;
 use super::parts::{Group, Parts};
-use super::settings::MOST_ITERATIONS;
 use super::{BodyKind, Failure, PhysicsError, PhysicsSettings};
 use crate::geometry::{PlanarPose, Pose, direction};
 use crate::robot::{JointVector, Robot};
@@ -54,8 +53,8 @@ fn bounded_world<'de, D: Deserializer<'de>>(from: D) -> Result<PhysicsWorld, D::
     let world = PhysicsWorld::deserialize(from)?;
     let parameters = &world.integration_parameters;
     let is_bounded = parameters.num_solver_iterations == SOLVER_ITERATIONS
-        && parameters.num_internal_pgs_iterations <= MOST_ITERATIONS
-        && parameters.num_internal_stabilization_iterations <= MOST_ITERATIONS
+        && parameters.num_internal_pgs_iterations <= PhysicsSettings::MOST_ITERATIONS
+        && parameters.num_internal_stabilization_iterations <= PhysicsSettings::MOST_ITERATIONS
         && parameters.max_ccd_substeps == 0
         && world.bodies.iter().all(|(_, body)| body.additional_solver_iterations() == 0);
     is_bounded.then_some(world).ok_or_else(|| D::Error::custom("too many solver iterations"))
@@ -139,8 +138,10 @@ impl Scene<'_> {
 
         let load = object.mass / 2.0;
         let end = |x: f64| (object_body, Pose::translation(x, 0.0, 0.0));
-        let gripper = Grip::new(&mut world, articulation.gripper(), end(-reach), GRIPPER, load);
-        let hand = Grip::new(&mut world, (hand_body, Pose::identity()), end(reach), HAND, load);
+        let stiffness = Stiffness::of_gripper(settings.gripper_stiffness);
+        let gripper = Grip::new(&mut world, articulation.gripper(), end(-reach), stiffness, load);
+        let stiffness = Stiffness::of_hand(settings.human.hand_stiffness);
+        let hand = Grip::new(&mut world, (hand_body, Pose::identity()), end(reach), stiffness, load);
         // a step of zero duration moves the colliders to their bodies
         world.integration_parameters.dt = 0.0;
         world.step();

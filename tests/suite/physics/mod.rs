@@ -8,7 +8,7 @@ use cocarry::geometry::{PlanarPose, Point, Pose, angle_of, direction, left_of, w
 use cocarry::math;
 use cocarry::robot::{Configuration, InputVector, Robot, pose_difference};
 use cocarry::simulation::{
-    BodyKind, Failure, HumanCommand, Observation, PhysicalPlant, PhysicsError, PhysicsSettings,
+    BodyKind, Failure, HumanCommand, HumanSettings, Observation, PhysicalPlant, PhysicsError, PhysicsSettings,
 };
 use cocarry::world::World;
 use nalgebra::{SMatrix, SVector, Vector3};
@@ -337,6 +337,28 @@ fn a_human_who_walks_leads_around_a_corner() {
         }
     }
     assert!(deflection[0] < 0.002 && deflection[1] < 0.02, "{deflection:?}");
+}
+
+/// The force with which a standing human pulls is each grip's stiffness times its deflection.
+#[test]
+fn closed_form_grips_yield_as_stiff_as_they_are_set() {
+    let robot = carrier();
+    let world = world("");
+    let hand = Point::new(world.object.size[0] / 2.0 + 0.006, 0.0);
+    let hand = HumanCommand::Walk { hand: PlanarPose { position: hand, yaw: 0.0 } };
+    for (gripper, held) in [(20_000.0, 1200.0), (5000.0, 1200.0), (20_000.0, 4000.0)] {
+        let human = HumanSettings { hand_stiffness: held, ..steady().human };
+        let mut plant =
+            plant(&robot, &world, &PhysicsSettings { gripper_stiffness: gripper, human, ..steady() });
+        let mut seen = plant.observe();
+        for _ in 0..15 {
+            seen = plant.step(&InputVector::zeros(), &hand, PERIOD);
+        }
+        for (grip, stiffness) in [(&seen.grip, gripper), (&seen.hand_grip, held)] {
+            let (force, expected) = (horizontal(&grip.last.force), stiffness * grip.deflection);
+            assert!(force > 4.0 && (force / expected - 1.0).abs() < 0.05, "{force} N, {expected} N");
+        }
+    }
 }
 
 /// Largest differences of an object's position (m) and of the forces of gripper and hand (N) around a corner,

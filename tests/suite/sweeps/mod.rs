@@ -10,7 +10,7 @@ mod summary;
 
 use crate::support::{cocarry, json, repository, stderr, stdout};
 use cocarry::quantities::EPISODE;
-use cocarry::statistics::{mean_and_std, paired_p_value};
+use cocarry::statistics::mean_and_std;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
