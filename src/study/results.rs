@@ -112,6 +112,7 @@ fn is_parquet(path: &Path) -> bool {
 
 /// Where rows come from.
 #[derive(Clone, Debug)]
+#[cfg_attr(not(feature = "parquet"), expect(dead_code, reason = "only Parquet files tell it"))]
 pub(super) struct Origin {
     /// The text of the study file, if it is known.
     pub text: Option<String>,

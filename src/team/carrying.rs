@@ -310,9 +310,27 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         model_error * (LARGEST_CORRECTION / model_error.norm()).min(1.0)
     }
 
+    /// The Jacobian with the arm's part half-way through the first period of `input`. Where the wrist is nearly
+    /// stretched, its axes turn by so much in a period that those at the beginning do not describe the motion.
+    fn jacobian_half_way(&self, jacobian: &InputJacobian, input: &InputVector) -> InputJacobian {
+        let Candidate { configuration: target, .. } = self.target;
+        let moved: JointVector = input.fixed_rows::<MAX_JOINTS>(2) * (0.5 * self.walk.period);
+        let half_way = Configuration { base: target.base, joints: target.joints + moved };
+        let mut there = self.manipulator.robot.kinematics(&half_way).jacobian;
+        there.fixed_columns_mut::<2>(0).copy_from(&jacobian.fixed_columns::<2>(0));
+        there
+    }
+
     /// u of eq. (7) that tracks one of the references. For bodies it is solved twice, the second time with
-    /// the error of the linear model.
-    fn track(&mut self, reference: usize, rims: Option<&Rims>, grasp: &Pose, tick: &mut RobotTick) {
+    /// the error of the linear model. Where the robot `follows`, it is solved with B half-way in between.
+    fn track(
+        &mut self,
+        reference: usize,
+        rims: Option<&Rims>,
+        follows: bool,
+        grasp: &Pose,
+        tick: &mut RobotTick,
+    ) {
         let Manipulator { robot, control, obstacles, .. } = self.manipulator;
         let period = self.walk.period;
         let Candidate { configuration: target, rates } = self.target;
@@ -343,6 +361,12 @@ impl<'a, B: Bodies> Carrying<'a, B> {
             hold_base_to(rims, &mut self.limits);
         }
         let mut plan = self.mpc.solve(&free, &self.limits, &to_track);
+        let (mut jacobian, mut free) = (jacobian, free);
+        if rims.is_some() && follows {
+            jacobian = self.jacobian_half_way(&jacobian, &plan.inputs.column(0).into_owned());
+            free = ClosedForm::new(&(jacobian * period), control.state_weight, control.input_weight);
+            plan = self.mpc.solve(&free, &self.limits, &to_track);
+        }
         if rims.is_some() {
             let model_error = self.model_error(&jacobian, &plan.inputs.column(0).into_owned(), grasp);
             let mut first = to_track.column_mut(0);
@@ -407,7 +431,7 @@ impl<B: Bodies> Team for Carrying<'_, B> {
             if tracked.is_some() || control.prepare_while_leading {
                 self.prepare(&at, rims.as_ref(), tracked, &mut tick);
             }
-            self.track(tracked.unwrap_or(0), rims.as_ref(), &at.grasp, &mut tick);
+            self.track(tracked.unwrap_or(0), rims.as_ref(), tracked.is_some(), &at.grasp, &mut tick);
         }
         tick.input = self.input;
         tick.effort_cost = control.input_weight * self.input.norm_squared();
