@@ -1,7 +1,8 @@
 //! The merge of a study's shards into the file that one machine would write, byte for byte.
 
+use super::origin::Origin;
 use super::partial::Shard;
-use super::results::{self, Identity, Origin, Rows, check_values};
+use super::results::{self, Identity, Rows, check_values};
 use super::{SweepError, row};
 use crate::output_file::{OutputError, OutputFile, Outputs};
 use std::io::Write;

@@ -1,6 +1,7 @@
 //! Files of results, CSV or Parquet: the episode and study of each row, and its line of CSV.
 
 use super::error::Position;
+use super::origin::Origin;
 use super::{SweepError, row, tables};
 use crate::located::{self, FileError};
 use crate::output_file::{OutputError, OutputFile};
@@ -108,20 +109,6 @@ pub(super) fn check_name(path: &Path) -> Result<(), SweepError> {
 
 fn is_parquet(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("parquet"))
-}
-
-/// Where rows come from.
-#[derive(Clone, Debug)]
-#[cfg_attr(not(feature = "parquet"), expect(dead_code, reason = "only Parquet files tell it"))]
-pub(super) struct Origin {
-    /// The text of the study file, if it is known.
-    pub text: Option<String>,
-    /// The study's digest.
-    pub study: String,
-    /// The number of episodes of the study.
-    pub episodes: u64,
-    /// The stamp of the arithmetic.
-    pub arithmetic: String,
 }
 
 /// Reads a file of results, CSV or Parquet, and hands on the cells of each row, as in CSV.

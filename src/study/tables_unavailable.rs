@@ -1,6 +1,6 @@
 //! The replacement of `tables` in a program without the feature `parquet`: it refuses Parquet files.
 
-use super::results::Origin;
+use super::origin::Origin;
 use super::{Study, SweepError};
 use std::convert::Infallible;
 use std::fs::File;

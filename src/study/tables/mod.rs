@@ -8,7 +8,7 @@ mod ticks;
 
 pub(super) use ticks::Ticks;
 
-use super::results::Origin;
+use super::origin::Origin;
 use super::{SweepError, row};
 use crate::columns::Columns;
 use arrow_array::cast::AsArray;
