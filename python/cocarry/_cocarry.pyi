@@ -266,9 +266,8 @@ class Episode:
     @staticmethod
     def _rebuild(snapshot: bytes, policy: Any, human: Any, first_policy: Any, first_human: Any) -> Episode: ...
 
-@final
-class RobotView:
-    """What an own policy sees at the beginning of a control period.
+class View:
+    """What both an own policy and an own human see at the beginning of a control period.
 
     Every quantity of ``quantities("option")`` is an attribute and an item: an array of one number for each
     option (NaN where missing), as ``view.objective_cost_m``; ``view.name`` is a list of names. ``len`` counts
@@ -291,6 +290,21 @@ class RobotView:
     def mode(self) -> str:
         """Who led in the last period: robot-led or human-led."""
     @property
+    def hand(self) -> _Floats | None:
+        """world_from_hand, (4, 4); the physical plant only."""
+    @property
+    def hand_wrench(self) -> _Floats | None:
+        """Mean force (N) and torque (Nm) of the human on the object in the last period, (6,), world axes;
+        physical."""
+    def __getattr__(self, key: str, /) -> Any: ...
+    def __getitem__(self, key: str, /) -> Any: ...
+    def __len__(self) -> int: ...
+
+@final
+class RobotView(View):
+    """What an own policy sees at the beginning of a control period: that of View, and the robot."""
+
+    @property
     def stubbornness(self) -> float:
         """phi(k), eq. (5)."""
     @property
@@ -310,61 +324,25 @@ class RobotView:
     def object(self) -> _Floats | None:
         """world_from_object, (4, 4), x from the robot's end to the human's; the physical plant only."""
     @property
-    def hand(self) -> _Floats | None:
-        """world_from_hand, (4, 4); the physical plant only."""
-    @property
     def grip_wrench(self) -> _Floats | None:
         """Mean force (N) and torque (Nm) of the robot on the object in the last period, (6,), world axes;
         physical."""
-    @property
-    def hand_wrench(self) -> _Floats | None:
-        """Mean force (N) and torque (Nm) of the human on the object in the last period, (6,), world axes;
-        physical."""
-    def __getattr__(self, key: str, /) -> Any: ...
-    def __getitem__(self, key: str, /) -> Any: ...
-    def __len__(self) -> int: ...
 
 @final
-class HumanView:
-    """What an own human sees at the beginning of a control period. The quantities of the options as in
-    RobotView."""
+class HumanView(View):
+    """What an own human sees at the beginning of a control period: that of View, and the human's own."""
 
-    @property
-    def step(self) -> int:
-        """k, from 0."""
-    @property
-    def time_s(self) -> float:
-        """Simulated time, s."""
-    @property
-    def position(self) -> _Floats:
-        """Position of the team, (2,), m."""
-    @property
-    def executed(self) -> int | None:
-        """The executed option; None before the first step."""
-    @property
-    def mode(self) -> str:
-        """Who led in the last period: robot-led or human-led."""
     @property
     def risk_weight_m(self) -> float:
         """c_r, m."""
     @property
     def seed(self) -> int:
         """The episode's seed."""
-    @property
-    def hand(self) -> _Floats | None:
-        """world_from_hand, (4, 4); the physical plant only."""
-    @property
-    def hand_wrench(self) -> _Floats | None:
-        """Mean force (N) and torque (Nm) of the human on the object in the last period, (6,), world axes;
-        physical."""
     def subjective_cost(self, alpha: float, gamma: float) -> _Floats:
         """J^ of every option with this alpha and gamma, eq. (2), cost units."""
     def gumbel(self) -> _Floats:
         """The Gumbel disturbances that the episode's seed draws for the built-in Boltzmann human, one per
         option."""
-    def __getattr__(self, key: str, /) -> Any: ...
-    def __getitem__(self, key: str, /) -> Any: ...
-    def __len__(self) -> int: ...
 
 @final
 class Preference:

@@ -29,6 +29,8 @@ impl<Getter> From<&Quantity<Getter>> for Heading {
 pub fn number(key: &str) -> Kind {
     let kinds = TICK.into_iter().chain([EPISODE]).flatten().map(|quantity| quantity.kind);
     let units = kinds.filter_map(|kind| if let Kind::Number(unit) = kind { Some(unit) } else { None });
+    // a unit of settings alone
+    let units = units.chain(["rad/s"]);
     let suffix = |unit: &str| format!("_{}", unit.to_lowercase().replace('/', "_per_").replace('^', ""));
     let found = units.filter(|unit| !unit.is_empty() && key.ends_with(&suffix(unit)));
     Kind::Number(found.max_by_key(|unit| unit.len()).unwrap_or_default())
