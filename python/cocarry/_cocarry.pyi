@@ -6,7 +6,7 @@ from typing import Any, Literal, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import CapsuleType, Self, Unpack
+from typing_extensions import CapsuleType, Self, Unpack, disjoint_base
 
 from cocarry._settings import Settings
 
@@ -266,6 +266,7 @@ class Episode:
     @staticmethod
     def _rebuild(snapshot: bytes, policy: Any, human: Any, first_policy: Any, first_human: Any) -> Episode: ...
 
+@disjoint_base
 class View:
     """What both an own policy and an own human see at the beginning of a control period.
 
