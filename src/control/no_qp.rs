@@ -1,4 +1,4 @@
-//! In place of `qp.rs` on WebAssembly without a system: clarabel reads a clock, which only JavaScript has there.
+//! In place of `qp.rs` on WebAssembly without a system: clarabel reads a clock, and only JavaScript has one.
 
 /// Finds no minimum. The active-set method solves almost all programs; where it does not converge, eq. (7) is
 /// unsolved here.

@@ -278,8 +278,8 @@ fn the_grasp_keeps_to_its_way_and_the_grips_hardly_yield() {
     }
 }
 
-/// Bends one way and then the other, where the wrist is nearly stretched, and a human who reverses in a doorway:
-/// each yielded by more than 3 cm where eq. (7) took the arm's axes to stand still for a period.
+/// Bends one way and then the other, where the wrist is nearly stretched, and a human who reverses in a
+/// doorway: each yielded by more than 3 cm where eq. (7) took the arm's axes to stand still for a period.
 #[test]
 fn the_grips_hardly_yield_where_the_wrist_stretches() {
     let changes = ["--method", "human-led", "--preference-changes", "once-or-twice"];

@@ -15,7 +15,7 @@ from cocarry.datasets._files import Columns, DatasetError, Floats, Path, beside,
 
 _Messages: TypeAlias = Iterator[tuple[int, Any]]
 
-# Version 8 of the metadata has the profiles of quality of service as text, as readers before version 9 expect them.
+# Version 8 of the metadata has the profiles of quality of service as text: readers before version 9 expect it.
 _BAG_VERSION = 8
 _AXES = ("x", "y", "z")
 
