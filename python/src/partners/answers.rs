@@ -128,8 +128,8 @@ pub(super) fn decision(basis: &Basis, given: &Bound<'_, PyAny>) -> PyResult<Deci
     Ok(Decision { lead, motion })
 }
 
-/// The decision that a human returned: an option, or a cocarry.HumanDecision. One who returns only an option has the
-/// stubbornness of eq. (5).
+/// The decision that a human returned: an option, or a cocarry.HumanDecision. One who returns only an option
+/// has the stubbornness of eq. (5).
 pub(super) fn human_decision(
     basis: &Basis,
     stubbornness: &Stubbornness,
