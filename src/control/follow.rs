@@ -5,18 +5,21 @@
 //! is free, so on the physical plant the base follows it.
 
 use super::limits::{HalfPlane, Limits, Rims};
-use super::{Inputs, Reference};
+use super::{Inputs, Reference, RobotObstacles};
 use crate::geometry::{PlanarPose, Point, Pose, angle_of, nearest_on_segment, wrap_angle};
 use crate::math;
 use crate::robot::{Drive, InputJacobian, pose_difference};
 use nalgebra::Rotation3;
 
-/// Look-ahead distance along the path, m.
-const LOOK_AHEAD_M: f64 = 0.65;
+/// Look-ahead distances along the path, m. The longest rolls most smoothly but cuts corners most: it is used
+/// unless the base would come too near to an obstacle.
+const LOOK_AHEADS_M: [f64; 3] = [0.65, 0.45, 0.3];
+/// Number of periods over which the base looks out for obstacles.
+const LOOK_OUT_PERIODS: usize = 6;
+/// How far (m) the base may be nearer to an obstacle than its radius: the base is narrower than its disc.
+const LOOK_OUT_TOLERANCE_M: f64 = 0.005;
 /// Gain of the spacing between base and grasp, 1/s.
 const SPACING_GAIN: f64 = 1.0;
-/// Largest acceleration of the rims, m/s^2.
-const RIM_ACCELERATION: f64 = 1.2;
 /// Gain of the turn on the spot toward a path in another direction, 1/s.
 const TURN_GAIN: f64 = 3.0;
 /// Largest rate at which the base turns, rad/s. The arm holds the grasp up to a metre away, in place.
@@ -32,53 +35,39 @@ pub struct Follower<'w> {
     pub speeds: [f64; 2],
     /// Acceleration from the present to the target speed, m/s^2.
     pub acceleration: f64,
+    /// Largest acceleration of the rims, m/s^2.
+    pub rim_acceleration: f64,
     /// Wanted distance of the base from the grasp, m. It is measured straight: in a bend, a distance along the
     /// path would fold the arm.
     pub distance: f64,
+    /// What the base keeps off.
+    pub obstacles: &'w RobotObstacles,
 }
 
 impl Follower<'_> {
     /// Distance between points, m.
     pub const STEP: f64 = 0.05;
 
-    /// Rim speeds by pure pursuit (Coulter 1992) of a point 0.65 m ahead on the path, at the speed that keeps
-    /// the distance, within the limits of the rims. `rims` are the present rim speeds, m/s.
+    /// Rim speeds by pure pursuit (Coulter 1992) of a point ahead on the path, at the speed that keeps the
+    /// distance, within the limits of the rims. `rims` are the present rim speeds, m/s.
     pub fn rims(&self, drive: &Drive, base: &PlanarPose, rims: [f64; 2], period: f64) -> Rims {
-        let (mut at, mut last) = (*base, rims);
-        let [mut grasp_speed, to] = self.speeds;
-        let mut ahead = 0.0;
-        std::array::from_fn(|_| {
-            let along = self.locate(at.position);
-            let change = self.acceleration * period;
-            grasp_speed = if grasp_speed < to {
-                (grasp_speed + change).min(to)
-            } else {
-                (grasp_speed - change).max(to)
-            };
-            // when reversing, look behind
-            let side = if grasp_speed < 0.0 { -1.0 } else { 1.0 };
-            let goal = (self.point((along + side * LOOK_AHEAD_M).max(0.0)) - at.position) * side;
-            let behind = (self.end() - at.position).norm() + ahead;
-            ahead += grasp_speed * period;
-            let bearing = wrap_angle(angle_of(goal) - at.yaw);
-            let wanted = side * (grasp_speed + SPACING_GAIN * (behind - self.distance));
-            let speed = wanted.max(0.0) * math::cos(bearing).max(0.0);
-            let turn = if math::cos(bearing) > 0.0 && goal.norm() > 1e-3 {
-                2.0 * math::sin(bearing) / goal.norm() * speed
-                    + TURN_GAIN * (1.0 - math::cos(bearing)) * bearing.signum()
-            } else {
-                TURN_GAIN * bearing
-            };
-            let turn = turn.clamp(-TURN_RATE_LIMIT, TURN_RATE_LIMIT);
-            let rims = [-0.5, 0.5].map(|end| side * speed + end * turn * drive.track);
-            let fastest = rims[0].abs().max(rims[1].abs());
-            let scale = if fastest > drive.rim_speed_limit { drive.rim_speed_limit / fastest } else { 1.0 };
-            let change = RIM_ACCELERATION * period;
-            let rims = std::array::from_fn(|i| (rims[i] * scale).clamp(last[i] - change, last[i] + change));
-            last = rims;
-            at = drive.roll(&at, rims.map(|rim| rim * period));
-            rims
-        })
+        let room = drive.base_radius - LOOK_OUT_TOLERANCE_M;
+        let mut chosen = Rims::default();
+        for look_ahead in LOOK_AHEADS_M {
+            let mut pursuit = Pursuit { look_ahead, at: *base, rims, speed: self.speeds[0], ahead: 0.0 };
+            let mut is_clear = true;
+            for i in 0..LOOK_OUT_PERIODS.max(chosen.len()) {
+                pursuit.step(self, drive, period);
+                if let Some(rims) = chosen.get_mut(i) {
+                    *rims = pursuit.rims;
+                }
+                is_clear &= self.obstacles.is_clear(pursuit.at.position, room);
+            }
+            if is_clear {
+                break;
+            }
+        }
+        chosen
     }
 
     /// The position along the path of its point nearest to `at`; where the path passes twice, the later one.
@@ -104,6 +93,48 @@ impl Follower<'_> {
 
     fn end(&self) -> Point {
         self.way.last().copied().unwrap_or_default()
+    }
+}
+
+/// A base on its way by pure pursuit.
+struct Pursuit {
+    look_ahead: f64,
+    at: PlanarPose,
+    rims: [f64; 2],
+    /// Speed of the grasp (m/s), and how far it has come (m).
+    speed: f64,
+    ahead: f64,
+}
+
+impl Pursuit {
+    fn step(&mut self, follower: &Follower, drive: &Drive, period: f64) {
+        let Self { look_ahead, at, rims: last, speed: grasp_speed, ahead } = self;
+        let along = follower.locate(at.position);
+        let change = follower.acceleration * period;
+        let to = follower.speeds[1];
+        *grasp_speed =
+            if *grasp_speed < to { (*grasp_speed + change).min(to) } else { (*grasp_speed - change).max(to) };
+        // when reversing, look behind
+        let side = if *grasp_speed < 0.0 { -1.0 } else { 1.0 };
+        let goal = (follower.point((along + side * *look_ahead).max(0.0)) - at.position) * side;
+        let behind = (follower.end() - at.position).norm() + *ahead;
+        *ahead += *grasp_speed * period;
+        let bearing = wrap_angle(angle_of(goal) - at.yaw);
+        let wanted = side * (*grasp_speed + SPACING_GAIN * (behind - follower.distance));
+        let speed = wanted.max(0.0) * math::cos(bearing).max(0.0);
+        let turn = if math::cos(bearing) > 0.0 && goal.norm() > 1e-3 {
+            2.0 * math::sin(bearing) / goal.norm() * speed
+                + TURN_GAIN * (1.0 - math::cos(bearing)) * bearing.signum()
+        } else {
+            TURN_GAIN * bearing
+        };
+        let turn = turn.clamp(-TURN_RATE_LIMIT, TURN_RATE_LIMIT);
+        let rims = [-0.5, 0.5].map(|end| side * speed + end * turn * drive.track);
+        let fastest = rims[0].abs().max(rims[1].abs());
+        let scale = if fastest > drive.rim_speed_limit { drive.rim_speed_limit / fastest } else { 1.0 };
+        let change = follower.rim_acceleration * period;
+        *last = std::array::from_fn(|i| (rims[i] * scale).clamp(last[i] - change, last[i] + change));
+        *at = drive.roll(at, last.map(|rim| rim * period));
     }
 }
 
@@ -175,6 +206,8 @@ mod tests {
     use super::*;
     use crate::control::HORIZON;
     use crate::geometry::direction;
+    use crate::world::World;
+    use std::f64::consts::FRAC_PI_2;
 
     const DRIVE: Drive = Drive { track: 0.37, wheel_radius: 0.06, rim_speed_limit: 1.0, base_radius: 0.25 };
     const PERIOD: f64 = 0.2;
@@ -185,6 +218,21 @@ mod tests {
         (0..50).rev().map(|i| point(walked - Follower::STEP * f64::from(i))).collect()
     }
 
+    fn obstacles(boxes: &str) -> RobotObstacles {
+        let head = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [-9, 0]\ntarget_m = [9, 0]\n";
+        RobotObstacles::new(&World::parse("w.toml", &format!("{head}{boxes}")).unwrap())
+    }
+
+    fn no_obstacles() -> RobotObstacles {
+        obstacles(
+            "[[obstacle]]\nname = \"far\"\nshape = \"box\"\ncenter_m = [0, 50]\nsize_m = [1, 1]\nheight_m = 1\n",
+        )
+    }
+
+    fn follower<'w>(way: &'w [Point], speeds: [f64; 2], obstacles: &'w RobotObstacles) -> Follower<'w> {
+        Follower { way, speeds, acceleration: 0.9, rim_acceleration: 1.2, distance: 0.8, obstacles }
+    }
+
     fn off_the_way(base: &PlanarPose, way: &[Point]) -> f64 {
         let off = |w: &[Point]| (base.position - nearest_on_segment(base.position, w[0], w[1])).norm();
         way.windows(2).map(off).fold(f64::INFINITY, f64::min)
@@ -192,17 +240,21 @@ mod tests {
 
     #[test]
     fn a_base_follows_round_corners_and_keeps_its_distance() {
+        let obstacles = no_obstacles();
         for angle in [0.0, 0.5, -1.0, 1.5] {
             let mut base = PlanarPose { position: Point::new(-1.8, 0.0), yaw: 0.0 };
             let mut rims = [0.5; 2];
             for tick in 0..40 {
                 let walked = -1.0 + 0.1 * f64::from(tick);
                 let way = corner(angle, walked);
-                let follower = Follower { way: &way, speeds: [0.5; 2], acceleration: 0.5, distance: 0.8 };
+                let follower = follower(&way, [0.5; 2], &obstacles);
                 let before = rims;
                 rims = follower.rims(&DRIVE, &base, rims, PERIOD)[0];
                 for (rim, before) in rims.iter().zip(before) {
-                    assert!(rim.abs() <= 1.0 && (rim - before).abs() <= RIM_ACCELERATION * PERIOD + 1e-12);
+                    assert!(
+                        rim.abs() <= 1.0
+                            && (rim - before).abs() <= follower.rim_acceleration * PERIOD + 1e-12
+                    );
                 }
                 base = DRIVE.roll(&base, rims.map(|rim| rim * PERIOD));
                 let off = off_the_way(&base, &way);
@@ -222,6 +274,7 @@ mod tests {
     /// The base reverses along its path, round corners as well, and keeps its distance.
     #[test]
     fn a_base_rolls_back_on_its_way() {
+        let obstacles = no_obstacles();
         for angle in [0.0, 0.5, -1.0] {
             let start = Point::from(direction(angle) * 0.4);
             let mut base = PlanarPose { position: start, yaw: angle };
@@ -229,7 +282,7 @@ mod tests {
             for tick in 0..40 {
                 let walked = 1.2 - 0.06 * f64::from(tick);
                 let way = corner(angle, walked);
-                let follower = Follower { way: &way, speeds: [-0.3; 2], acceleration: 0.9, distance: 0.8 };
+                let follower = follower(&way, [-0.3; 2], &obstacles);
                 rims = follower.rims(&DRIVE, &base, rims, PERIOD)[0];
                 base = DRIVE.roll(&base, rims.map(|rim| rim * PERIOD));
                 let off = off_the_way(&base, &way);
@@ -239,6 +292,26 @@ mod tests {
             assert!((behind - 0.8).abs() < 0.08 && base.position.x < -1.5, "{angle}: {behind} m behind");
             assert!(base.yaw.abs() < 0.1, "{angle}: {} rad", base.yaw);
         }
+    }
+
+    /// Round the corner of a wall, the base looks less far ahead than in free space, and stays clear.
+    #[test]
+    fn a_base_does_not_cut_the_corner_of_a_wall() {
+        let wall = "[[obstacle]]\nname = \"wall\"\nshape = \"box\"\ncenter_m = [-2.27, 2.27]\nsize_m = [4, 4]\nheight_m = 1\n";
+        let least_clearance = |obstacles: &RobotObstacles| {
+            let wall = self::obstacles(wall);
+            let mut base = PlanarPose { position: Point::new(-1.8, 0.0), yaw: 0.0 };
+            let mut rims = [0.5; 2];
+            let clearances = (0..40).map(|tick| {
+                let way = corner(FRAC_PI_2, -1.0 + 0.05 * f64::from(tick));
+                rims = follower(&way, [0.25; 2], obstacles).rims(&DRIVE, &base, rims, PERIOD)[0];
+                base = DRIVE.roll(&base, rims.map(|rim| rim * PERIOD));
+                wall.clearance(base.position, DRIVE.base_radius)
+            });
+            clearances.fold(f64::INFINITY, f64::min)
+        };
+        let (free, beside) = (least_clearance(&no_obstacles()), least_clearance(&obstacles(wall)));
+        assert!(free < -0.05 && beside > -0.02, "{free} {beside}");
     }
 
     /// The arm does everything if the base stands still, and nothing if the base moves as the reference does.

@@ -1,11 +1,15 @@
 //! Errors in a file of answers or switches, each with its file, line, column and value.
 
 use crate::located::FileError;
+use crate::scenario::ScenarioError;
 use thiserror::Error;
 
 /// The reason why nothing was fitted.
 #[derive(Debug, Error)]
 pub enum FitError {
+    /// The episode of a participant cannot begin.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
     /// The file cannot be read, or is not CSV.
     #[error(transparent)]
     File(#[from] FileError),

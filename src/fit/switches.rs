@@ -2,9 +2,8 @@
 
 use super::table::{Column, named_worlds, read};
 use super::{FitError, Guidance, Set};
-use crate::episode::Settings;
-use crate::options::OptionSet;
 use crate::policy::Method;
+use crate::scenario::PreparedScenario;
 use std::path::Path;
 
 /// A file of switches, not yet matched with its worlds.
@@ -131,25 +130,21 @@ impl SwitchFile {
         named_worlds(self.rows.iter().map(|row| (row.world.as_str(), row.line)))
     }
 
-    /// The eta allowed by every row, for these worlds (one for every name in [`SwitchFile::worlds`]). The
-    /// belief, c_r, phi(0) and the walk of the settings are used, eta is not.
+    /// The eta allowed by every row, for the scenarios of these worlds (one for every name in
+    /// [`SwitchFile::worlds`]). Their belief, c_r, phi(0) and walk are used; eta, method and human are not.
     ///
     /// # Errors
     /// [`FitError`]: an unknown option, or a step beyond the episode's end.
-    pub fn matched(
-        &self,
-        worlds: &[(String, OptionSet)],
-        settings: &Settings,
-    ) -> Result<Vec<Switch>, FitError> {
+    pub fn matched(&self, worlds: &[(String, PreparedScenario)]) -> Result<Vec<Switch>, FitError> {
         let mut known: Vec<(&str, &Executed, Guidance)> = Vec::new();
         let mut switches = Vec::new();
         for row in &self.rows {
-            let Some((_, set)) = worlds.iter().find(|(name, _)| *name == row.world) else { continue };
+            let Some((_, stage)) = worlds.iter().find(|(name, _)| *name == row.world) else { continue };
             let is_same = |k: &(&str, &Executed, Guidance)| k.0 == row.world && *k.1 == row.executed;
             let guidance = match known.iter().position(is_same) {
                 Some(i) => &known[i].2,
                 None => {
-                    known.push((&row.world, &row.executed, self.guidance(row, set, settings)?));
+                    known.push((&row.world, &row.executed, self.guidance(row, stage)?));
                     &known[known.len() - 1].2
                 }
             };
@@ -170,8 +165,9 @@ impl SwitchFile {
         Ok(switches)
     }
 
-    fn guidance(&self, row: &SwitchRow, set: &OptionSet, settings: &Settings) -> Result<Guidance, FitError> {
-        let Executed::Option(name) = &row.executed else { return Ok(Guidance::mutual(set, settings)) };
+    fn guidance(&self, row: &SwitchRow, stage: &PreparedScenario) -> Result<Guidance, FitError> {
+        let Executed::Option(name) = &row.executed else { return Ok(Guidance::mutual(stage)?) };
+        let (set, settings) = (stage.options(), &stage.scenario().settings);
         let option = set.options().iter().position(|o| o.name == *name);
         option.and_then(|o| Guidance::along_option(set, settings, o)).ok_or_else(|| {
             let known: Vec<_> = set.options().iter().map(|o| format!("`{}`", o.name)).collect();

@@ -2,12 +2,13 @@
 
 use super::Set;
 use crate::coordination::{self, Mode, is_misaligned};
-use crate::episode::{Episode, Settings, prospects};
+use crate::episode::{Settings, prospects};
 use crate::math;
 use crate::options::OptionSet;
 use crate::paper::EXAMPLE_HUMAN;
 use crate::policy::Method;
 use crate::preference::ChoiceDistribution;
+use crate::scenario::{PreparedScenario, Scenario, ScenarioError};
 
 /// The robot's guidance of a participant through a world, and what it implies for eta.
 ///
@@ -75,12 +76,17 @@ impl Guidance {
         Some(Self::Option { discomfort, discomfort_limit: discomfort_limit(settings) })
     }
 
-    /// The guidance of a robot that leads by eq. (6) and knows the human's phi(k).
-    pub fn mutual(set: &OptionSet, settings: &Settings) -> Self {
-        let led = Settings { method: Method::ROBOT_LED, ..settings.clone() };
-        let mut episode = Episode::new(set, &led, EXAMPLE_HUMAN);
+    /// The guidance of a robot that leads by eq. (6) and knows the human's phi(k). Of the scenario, eta, the
+    /// method and the human do not matter.
+    ///
+    /// # Errors
+    /// [`ScenarioError`]: the scenario has a plant with bodies, which do not fit at its start.
+    pub fn mutual(stage: &PreparedScenario) -> Result<Self, ScenarioError> {
+        let led = Settings { method: Method::ROBOT_LED, ..stage.scenario().settings.clone() };
+        let stage_led = with(stage, led)?;
+        let mut episode = stage_led.episode()?;
         while episode.step().is_none() {}
-        Self::Mutual { pieces: pieces(set, settings), steps: episode.summary().steps }
+        Ok(Self::Mutual { pieces: pieces(stage)?, steps: episode.summary().steps })
     }
 
     /// Number of steps.
@@ -126,6 +132,12 @@ impl Guidance {
     }
 }
 
+/// The scenario with these settings and the human of the example: while the robot leads, humans differ in eta
+/// only.
+fn with(stage: &PreparedScenario, settings: Settings) -> Result<PreparedScenario, ScenarioError> {
+    stage.prepare(Scenario { settings, human: EXAMPLE_HUMAN, ..stage.scenario().clone() })
+}
+
 /// ln(1 / phi(0)).
 fn discomfort_limit(settings: &Settings) -> f64 {
     -math::ln(settings.coordination.initial_stubbornness)
@@ -144,10 +156,11 @@ struct LedWalk {
 }
 
 impl LedWalk {
-    fn of(set: &OptionSet, settings: &Settings, eta: f64) -> Self {
+    fn of(stage: &PreparedScenario, eta: f64) -> Result<Self, ScenarioError> {
+        let settings = &stage.scenario().settings;
         let coordination = coordination::Settings { eta, ..settings.coordination };
-        let settings = Settings { method: Method::MUTUAL, coordination, ..settings.clone() };
-        let mut episode = Episode::new(set, &settings, EXAMPLE_HUMAN);
+        let stage = with(stage, Settings { method: Method::MUTUAL, coordination, ..settings.clone() })?;
+        let mut episode = stage.episode()?;
         let mut led = Self { eta, executed: Vec::new(), discomfort: Vec::new(), has_switched: false };
         while episode.step().is_none() {
             let tick = episode.tick();
@@ -158,7 +171,7 @@ impl LedWalk {
             }
             led.executed.push(tick.executed);
         }
-        led
+        Ok(led)
     }
 
     fn switch(&self) -> Option<u64> {
@@ -183,10 +196,11 @@ impl LedWalk {
 /// interval of phi. Hence, if both ends of an interval of eta see the same options and switch at the same
 /// step, so does every eta between them. An interval whose ends differ is divided where they begin to differ,
 /// so no piece is missed.
-fn pieces(set: &OptionSet, settings: &Settings) -> Vec<Piece> {
-    let discomfort_limit = discomfort_limit(settings);
-    let led = |eta: f64| LedWalk::of(set, settings, eta);
-    let [least, largest] = DISCOMFORT_RANGE.map(|g| led(g / discomfort_limit));
+fn pieces(stage: &PreparedScenario) -> Result<Vec<Piece>, ScenarioError> {
+    let discomfort_limit = discomfort_limit(&stage.scenario().settings);
+    let led = |eta: f64| LedWalk::of(stage, eta);
+    let [least, largest] = DISCOMFORT_RANGE.map(|g| g / discomfort_limit);
+    let (least, largest) = (led(least)?, led(largest)?);
     let mut pieces: Vec<Piece> = Vec::new();
     // intervals still to be examined, the lowest last
     let mut open = vec![(least, largest)];
@@ -202,24 +216,24 @@ fn pieces(set: &OptionSet, settings: &Settings) -> Vec<Piece> {
             false => led.executed.get(at) == low.executed.get(at),
         };
         let (mut below, mut above) = (low.clone(), high.clone());
-        let divide = |eta: f64, below: &mut LedWalk, above: &mut LedWalk| {
+        let divide = |eta: f64, below: &mut LedWalk, above: &mut LedWalk| -> Result<bool, ScenarioError> {
             let is_between = eta > below.eta && eta < above.eta;
             if is_between {
-                let tried = led(eta);
+                let tried = led(eta)?;
                 let end = if is_low(&tried) { below } else { above };
                 *end = tried;
             }
-            is_between
+            Ok(is_between)
         };
         if is_switch {
             // both have the same g up to here, so the eta whose phi just exceeds 1 is known
             let reached = low.discomfort[at] / discomfort_limit;
             for eta in [reached / SAME_RATIO, reached * SAME_RATIO] {
-                divide(eta, &mut below, &mut above);
+                divide(eta, &mut below, &mut above)?;
             }
         }
         while above.eta > below.eta * SAME_RATIO * SAME_RATIO * SAME_RATIO {
-            if !divide((below.eta * above.eta).sqrt(), &mut below, &mut above) {
+            if !divide((below.eta * above.eta).sqrt(), &mut below, &mut above)? {
                 break;
             }
         }
@@ -233,5 +247,5 @@ fn pieces(set: &OptionSet, settings: &Settings) -> Vec<Piece> {
     let last = pieces.len() - 1;
     pieces[0].lower = 0.0;
     pieces[last].upper = f64::INFINITY;
-    pieces
+    Ok(pieces)
 }

@@ -94,7 +94,7 @@ pub(super) trait Bodies: Clone + std::fmt::Debug + Send + Sync {
         &mut self,
         path_ahead: &PathAhead,
         speed: f64,
-        robot: &Robot,
+        manipulator: &Manipulator,
         walk: &Walk,
     ) -> Option<Rims>;
 
@@ -421,7 +421,7 @@ impl<B: Bodies> Team for Carrying<'_, B> {
             let tracked = self.set_references(situation, &path_ahead, &at.grasp);
             // on the physical plant, the base follows the path of the grasp, and the arm does the rest
             let speed = self.bodies.observed_speed(&self.intent, travel, &self.walk);
-            let rims = self.bodies.base_on_path(&path_ahead, speed, robot, &self.walk);
+            let rims = self.bodies.base_on_path(&path_ahead, speed, &self.manipulator, &self.walk);
             if let Some(rims) = &rims {
                 for reference in &mut self.references {
                     let period = self.walk.period;

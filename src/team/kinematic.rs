@@ -62,7 +62,7 @@ impl Bodies for Kinematic<'_> {
         reference(trajectory, grasp, self.robot.grasp_height)
     }
 
-    fn base_on_path(&mut self, _: &PathAhead, _: f64, _: &Robot, _: &Walk) -> Option<Rims> {
+    fn base_on_path(&mut self, _: &PathAhead, _: f64, _: &Manipulator, _: &Walk) -> Option<Rims> {
         None
     }
 

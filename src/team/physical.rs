@@ -10,7 +10,7 @@ use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose, Widening, angle_of, direction, nearest, wrap_angle};
 use crate::human::Stance;
 use crate::options::turned;
-use crate::robot::{Configuration, InputVector, Robot, pose_difference};
+use crate::robot::{Configuration, InputVector, pose_difference};
 use crate::saved::{NotRestored, Saved};
 use crate::simulation::{HumanCommand, NoRoom, Observation, PhysicalPlant, PhysicsError, PhysicsSettings};
 use crate::world::World;
@@ -20,6 +20,8 @@ use serde::{Deserialize, Serialize};
 const ARRIVAL_TOLERANCE_M: f64 = 0.05;
 /// Acceleration of the team, m/s^2.
 const TEAM_ACCELERATION: f64 = 0.9;
+/// The share of the rims' largest acceleration that the base plans with.
+const RIM_SHARE: f64 = 0.8;
 /// A team slows down where the object has to turn by more than the first angle (rad) beyond what a step
 /// allows, and goes at a tenth of its speed at the second.
 const TURNING_LAG_RAD: [f64; 2] = [0.1, 0.4];
@@ -90,6 +92,8 @@ pub(super) struct Physical {
     height: f64,
     /// Initial distance of the base behind the grasp, m, which the base keeps.
     distance: f64,
+    /// Acceleration of the rims that the base plans with, m/s^2.
+    rim_acceleration: f64,
     /// Buffers: an option's path as the team walks it, and the past path of the grasp.
     widened: Path,
     widening: Widening,
@@ -129,6 +133,7 @@ impl Physical {
         Ok(Self {
             height: robot.grasp_height,
             distance: robot.grasp_pose(&configuration).translation.vector.x,
+            rim_acceleration: RIM_SHARE * physics.rim_acceleration,
             widened: Path::with_capacity(64),
             widening: Widening::default(),
             walked: Vec::with_capacity(64),
@@ -315,9 +320,10 @@ impl Bodies for Physical {
         &mut self,
         path_ahead: &PathAhead,
         speed: f64,
-        robot: &Robot,
+        manipulator: &Manipulator,
         walk: &Walk,
     ) -> Option<Rims> {
+        let Manipulator { robot, obstacles, .. } = *manipulator;
         let yielding = self.yielding(path_ahead.mode);
         let (position, speed) = self.path_position(path_ahead, speed);
         let from_here = |s| self.pose(path_ahead, position - path_ahead.along + s);
@@ -331,7 +337,9 @@ impl Bodies for Physical {
             way: &self.walked,
             speeds: [speed.min(walk.speed), path_ahead.travel.speed(walk) * share],
             acceleration: TEAM_ACCELERATION,
+            rim_acceleration: self.rim_acceleration,
             distance: self.distance,
+            obstacles,
         };
         Some(follower.rims(&robot.drive, &seen.configuration.base, seen.rim_speeds, walk.period))
     }
@@ -362,9 +370,11 @@ impl Bodies for Physical {
     }
 
     fn step(&mut self, target: &Candidate, input: &InputVector, step: &Step, walk: &Walk) -> Moved {
+        let before = self.state.team_path.end(&self.state.goal, 1.0).position;
         self.set_goal(step, walk);
-        let hand = self.state.team_path.end(&self.state.goal, 1.0).position;
-        let State { team_path, path_position, .. } = &self.state;
+        let State { team_path, path_position, goal, .. } = &self.state;
+        // where the hand will be
+        let hand = self.hand() + (team_path.end(goal, 1.0).position - before);
         let facing = angle_of(team_path.body_on(step.path, *path_position, hand) - hand);
         let command = self.command(step);
         let State { plant, team_path, path_position, path_speed, goal, seen } = &mut self.state;

@@ -9,6 +9,7 @@ use cocarry::options::OptionSet;
 use cocarry::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
 use cocarry::policy::Method;
 use cocarry::preference::{Belief, ChoiceDistribution, Predictor};
+use cocarry::scenario::{Plant, Scenario};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -357,8 +358,10 @@ fn what_the_switches_do_not_determine_is_said_in_text_json_and_picture() {
 #[test]
 fn golden_no_eta_that_switches_at_a_step_is_missed() {
     for environment in [&ENVIRONMENTS[0], &ENVIRONMENTS[3]] {
-        let set = OptionSet::new(&environment.world().unwrap(), 10.0).unwrap();
-        let guidance = Guidance::mutual(&set, &Settings::default());
+        let world = environment.world().unwrap();
+        let set = OptionSet::new(&world, 10.0).unwrap();
+        let stage = Scenario::new(world.into(), Plant::Point).prepare().unwrap();
+        let guidance = Guidance::mutual(&stage).unwrap();
         let Guidance::Mutual { pieces, .. } = &guidance else { panic!("not mutual") };
         assert!(pieces.windows(2).all(|p| p[0].upper == p[1].lower && p[0].lower < p[0].upper));
         let mut rng = ChaCha8Rng::seed_from_u64(4);

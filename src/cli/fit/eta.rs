@@ -1,6 +1,6 @@
 //! `cocarry fit eta`: estimates eta from the steps at which participants asked to switch.
 
-use super::worlds::{inputs, options};
+use super::worlds::{inputs, load};
 use crate::cli::model::ModelArguments;
 use crate::cli::output::{
     Failure, OverwriteArguments, examples, input, print, print_json, svg_file, table, table_text, write_file,
@@ -11,7 +11,7 @@ use crate::drawing::{self, ToleranceRow};
 use crate::episode::Settings;
 use crate::fit::{Eta, EtaFit, Evidence, SwitchFile, fit_eta};
 use crate::math;
-use crate::scenario::INITIAL_STUBBORNNESS;
+use crate::scenario::{INITIAL_STUBBORNNESS, Plant, Scenario};
 use anyhow::{Context, anyhow};
 use clap::Args;
 use serde_json::json;
@@ -62,16 +62,18 @@ pub(super) fn run(arguments: &EtaArguments) -> Result<(), Failure> {
         )));
     }
     let file = SwitchFile::read(&arguments.switches).map_err(input)?;
-    let worlds = options(&arguments.switches, file.worlds(), arguments.model.risk_weight)?;
-    let inputs = inputs(&arguments.switches, &worlds, &arguments.model.belief);
-    let outputs = arguments.overwrite.outputs(inputs.iter().map(PathBuf::as_path), &arguments.svg)?;
     let settings = Settings {
         predictor: arguments.model.predictor()?,
         coordination: coordination::Settings { initial_stubbornness: phi, ..Default::default() },
         predict_while_human_leads: false,
         ..Settings::default()
     };
-    let switches = file.matched(&worlds, &settings).map_err(input)?;
+    let stages = load(&arguments.switches, file.worlds(), |world| {
+        Scenario { settings: settings.clone(), ..Scenario::new(world.into(), Plant::Point) }.prepare()
+    })?;
+    let inputs = inputs(&arguments.switches, &stages, &arguments.model.belief);
+    let outputs = arguments.overwrite.outputs(inputs.iter().map(PathBuf::as_path), &arguments.svg)?;
+    let switches = file.matched(&stages).map_err(input)?;
     let fit = fit_eta(&switches);
     if let Some(path) = &arguments.svg {
         let overall = fit.overall.map(|o| (o.median, o.log_std));

@@ -1,7 +1,7 @@
 //! `cocarry fit risk-weight`: estimates c_r from participants' percentages, by least squares and by
 //! likelihood.
 
-use super::worlds::{inputs, options};
+use super::worlds::{inputs, load};
 use crate::cli::model::BeliefArguments;
 use crate::cli::output::{
     Failure, OverwriteArguments, examples, input, print, print_json, svg_file, table, table_text, write_file,
@@ -11,6 +11,7 @@ use crate::fit::{
     AnswerFile, Answers, CELL_ERROR, Estimate, LEAST_SQUARES_CAUTION, RiskWeightFit, RiskWeightSettings,
     Situation, fit_risk_weight,
 };
+use crate::options::OptionSet;
 use crate::preference::RISK_WEIGHT;
 use crate::report::answers_picture;
 use anyhow::Context;
@@ -59,7 +60,7 @@ pub(in crate::cli) struct RiskWeightArguments {
 
 pub(super) fn run(arguments: &RiskWeightArguments) -> Result<(), Failure> {
     let file = AnswerFile::read(&arguments.answers).map_err(input)?;
-    let worlds = options(&arguments.answers, file.worlds(), RISK_WEIGHT)?;
+    let worlds = load(&arguments.answers, file.worlds(), |world| OptionSet::new(&world, RISK_WEIGHT))?;
     let inputs = inputs(&arguments.answers, &worlds, &arguments.belief);
     let outputs = arguments.overwrite.outputs(inputs.iter().map(PathBuf::as_path), &arguments.svg)?;
     let situations = worlds.iter().map(|(world, set)| Situation::new(world.clone(), set)).collect();

@@ -2,33 +2,33 @@
 
 use crate::cli::model::{BeliefArguments, load_world_near};
 use crate::cli::output::Failure;
-use crate::options::OptionSet;
+use crate::world::World;
 use anyhow::Context;
+use std::error::Error;
 use std::path::{Path, PathBuf};
 
 /// The files that a fit reads: the answers in `file`, their worlds, and the samples of the belief.
-pub(super) fn inputs(file: &Path, worlds: &[(String, OptionSet)], belief: &BeliefArguments) -> Vec<PathBuf> {
+pub(super) fn inputs<T>(file: &Path, worlds: &[(String, T)], belief: &BeliefArguments) -> Vec<PathBuf> {
     let folder = file.parent().unwrap_or(Path::new(""));
     let worlds = worlds.iter().flat_map(|(world, _)| [folder.join(world), PathBuf::from(world)]);
     worlds.chain([file.to_owned()]).chain(belief.belief_samples.clone()).collect()
 }
 
-/// The options of the worlds that `file` names, each with the first line that names it. A world that lists no
-/// options has those of `cocarry world` with `risk_weight` (m).
-pub(super) fn options(
+/// What `prepared` makes of the worlds that `file` names, each with the first line that names it.
+pub(super) fn load<T, E: Error + Send + Sync + 'static>(
     file: &Path,
     worlds: Vec<(String, u64)>,
-    risk_weight: f64,
-) -> Result<Vec<(String, OptionSet)>, Failure> {
+    prepared: impl Fn(World) -> Result<T, E>,
+) -> Result<Vec<(String, T)>, Failure> {
     let folder = file.parent().unwrap_or(Path::new(""));
-    let load = |(world, line): (String, u64)| {
-        let place = || format!("{}:{line}: world = {world:?}", file.display());
-        let loaded = load_world_near(folder, &world).map_err(|failure| match failure {
+    let load = |(name, line): (String, u64)| {
+        let place = || format!("{}:{line}: world = {name:?}", file.display());
+        let world = load_world_near(folder, &name).map_err(|failure| match failure {
             Failure::Input(error) => Failure::Input(error.context(place())),
             Failure::Output(error) => Failure::Output(error),
         })?;
-        let set = OptionSet::new(&loaded, risk_weight).with_context(place).map_err(Failure::Input)?;
-        Ok((world, set))
+        let prepared = prepared(world).with_context(place).map_err(Failure::Input)?;
+        Ok((name, prepared))
     };
     worlds.into_iter().map(load).collect()
 }

@@ -28,8 +28,9 @@ const UNCOMFORTABLE_DEFLECTION_M: [f64; 2] = [0.012, 0.03];
 /// Gains of the position error, 1/s, and of the velocity error, 1/s. Together they do not overshoot.
 const POSITION_GAIN: f64 = 6.0;
 const VELOCITY_GAIN: f64 = 40.0;
-/// Gain of the body's heading, 1/s.
+/// Gain of the body's heading, 1/s, and limit of its yaw rate, rad/s.
 const BODY_GAIN: f64 = 10.0;
+const BODY_TURN_LIMIT: f64 = 4.0;
 /// Limits of the yaw rate, rad/s, and of its change, rad/s^2.
 const TURN_LIMIT: f64 = 2.0;
 const TURN_ACCELERATION_LIMIT: f64 = 8.0;
@@ -171,7 +172,7 @@ impl Walker {
         };
         self.approach(goal, velocity, yaw_rate, dt);
         let turn = wrap_angle(self.turns_to.unwrap_or(self.at.yaw) - self.facing);
-        self.facing += (turn * BODY_GAIN).clamp(-TURN_LIMIT, TURN_LIMIT) * dt;
+        self.facing += (turn * BODY_GAIN).clamp(-BODY_TURN_LIMIT, BODY_TURN_LIMIT) * dt;
         self.sway.step(&self.settings, self.velocity.norm(), dt);
     }
 

@@ -181,8 +181,8 @@ fn a_row_is_what_run_says_of_the_same_episode() {
         ),
         ("plants = \"rapier\"\nsway_m = 0.02", &["--plant", "rapier", "--sway", "0.02"]),
         (
-            "plants = \"rapier\"\nmethods = \"robot-led\"\npose = \"none\"\nsway_m = 0.06",
-            &["--plant", "rapier", "--method", "robot-led", "--pose", "none", "--sway", "0.06"],
+            "plants = \"rapier\"\nmethods = \"robot-led\"\navoid = \"nothing\"\nspeed_m_per_s = 0.7",
+            &["--plant", "rapier", "--method", "robot-led", "--no-obstacles", "--speed", "0.7"],
         ),
     ] {
         let world = if study.contains("robot-led") { "environment-2" } else { "environment-4" };
