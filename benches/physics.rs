@@ -83,7 +83,7 @@ fn episode(rate_hz: f64, solver_iterations: usize) -> Run {
         changes: Vec::new(),
         human_model: Default::default(),
         settings: Default::default(),
-        plant: Plant::Rapier { carrier, physics },
+        plant: Plant::Rapier { setup: carrier, physics },
     };
     let stage = scenario.prepare().expect("a scenario");
     let run = || {

@@ -29,7 +29,7 @@ fn stage(environment: usize) -> PreparedScenario {
         changes: Vec::new(),
         human_model: Default::default(),
         settings: Default::default(),
-        plant: Plant::Rapier { carrier, physics: PhysicsSettings::default() },
+        plant: Plant::Rapier { setup: carrier, physics: PhysicsSettings::default() },
     };
     scenario.prepare().expect("a scenario")
 }

@@ -1,6 +1,7 @@
 """The native module: documentation and types of its classes and functions."""
 
 import os
+import pathlib
 from collections.abc import Callable, Sequence
 from typing import Any, Literal, TypeAlias, final
 
@@ -515,6 +516,38 @@ def picture(recording: bytes, width: int) -> NDArray[np.uint8]:
 
 def program(arguments: Sequence[str]) -> int:
     """Runs the command-line program with these arguments; returns its exit code."""
+
+def study_rows(text: str, *, file: str, folder: str, seeds: int | None, first: int, end: int) -> bytes:
+    """The lines of results of the episodes from ``first`` to before ``end``, as ``cocarry sweep`` writes them.
+
+    Raises StudyError.
+    """
+
+def arithmetic_stamp() -> str:
+    """The stamp of this machine's arithmetic: a digest of a fixed list of results."""
+
+@final
+class Rows:
+    """The results of a study whose episodes run elsewhere: a file that grows in the order of episodes.
+
+    Raises StudyError, also where the file is there already, or is of another study, or another process writes it.
+    """
+
+    def __new__(
+        cls, text: str, *, file: str, folder: str, seeds: int | None, out: _Path, overwrite: bool
+    ) -> Rows: ...
+    @property
+    def kept(self) -> int:
+        """The number of episodes whose rows are there."""
+    @property
+    def episodes(self) -> int:
+        """The number of episodes."""
+    def files(self, path: _Path) -> list[pathlib.Path]:
+        """The files that the study reads, where its own is ``path``."""
+    def append(self, rows: bytes) -> None:
+        """Appends the lines of the next episodes. Raises StudyError if one is not the next, or damaged."""
+    def finish(self) -> Table:
+        """Runs the episodes that are missing, gives the file its name, and returns the rows. Raises StudyError."""
 
 def sweep(
     text: str,

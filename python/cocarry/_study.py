@@ -8,9 +8,9 @@ import sys
 from collections.abc import Callable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
-from typing import Any
+from typing import Any, Literal
 
-from cocarry import _cocarry
+from cocarry import _cocarry, _ray
 from cocarry._cocarry import StudyError, Table
 
 
@@ -26,6 +26,8 @@ def sweep(
     out: str | os.PathLike[str] | None = None,
     ticks: str | os.PathLike[str] | None = None,
     overwrite: bool = False,
+    backend: Literal["ray"] | None = None,
+    address: str | None = None,
     progress: bool | Callable[[int, int], object] = False,
 ) -> Table:
     """Runs every episode of a study and returns a row for each, as ``cocarry sweep`` writes them.
@@ -44,11 +46,23 @@ def sweep(
     ticks: write every tick of every episode into this new folder, as ``cocarry sweep --ticks``: Parquet files of 100
         episodes each. Needs out.
     overwrite: replace existing outputs, and unfinished ones of another study.
+    backend: "ray" runs blocks of episodes on a Ray cluster instead, and writes their rows here. Workers that die are
+        replaced; a sweep that was stopped resumes. The rows are those of this machine, byte for byte. Only for the
+        study's own partners. The study's files that are beside it or below are sent along.
+    address: of the Ray cluster, as of ``ray.init``; by default RAY_ADDRESS, or a cluster of this machine alone.
     progress: True for a bar, or a callable of the episodes done and all.
 
     Raises StudyError with the file, the line, the key, the value and what would be right.
     """
     text, file, folder = _source(study)
+    if backend is not None:
+        if backend != "ray":
+            raise StudyError(f'backend = {backend!r}; it must be "ray" or None')
+        if any(given is not None for given in (shard, threads, processes, policy, human, ticks)):
+            raise StudyError('backend = "ray": without shard, threads, processes, ticks and own partners')
+        return _ray.sweep(text, file, folder, seeds, out, overwrite, address, progress)
+    if address is not None:
+        raise StudyError('address = the address of a Ray cluster: needs backend = "ray"')
     tell = _bar if progress is True else progress or None
     if processes is None:
         return _cocarry.sweep(

@@ -8,7 +8,7 @@ objective and subjective cost. Training draws seeds below 2^32; the humans of th
 A policy is the network after its last update, with its most probable action. Costs are compared human by human.
 The intervals are 95 %: of PPO and random over training seeds (Student's t), of the methods over humans (normal).
 
-``--steps 250000 --seeds 4 --checks 5`` takes 88 s on two cores: PPO costs 63 +- 357 more than eq. (6), so does not beat it.
+``--steps 250000 --seeds 4 --checks 5`` takes 88 s on two cores: PPO costs 62 +- 360 more than eq. (6), so does not beat it.
 """
 
 from __future__ import annotations

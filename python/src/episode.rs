@@ -181,7 +181,7 @@ impl Episode {
         mut each: impl FnMut() -> PyResult<()>,
         one_by_one: bool,
     ) -> PyResult<()> {
-        let has_robot = self.scenario.get().inner().plant.carrier().is_some();
+        let has_robot = self.scenario.get().inner().plant.robot_setup().is_some();
         let batch = if has_robot || one_by_one { 1 } else { STEPS_BETWEEN_SIGNALS };
         let mut left = most.unwrap_or(u64::MAX);
         while left > 0 {

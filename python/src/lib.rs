@@ -83,6 +83,9 @@ fn _cocarry(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<recording::Recording>()?;
     module.add_function(wrap_pyfunction!(scenario::settings, module)?)?;
     module.add_function(wrap_pyfunction!(study::sweep, module)?)?;
+    module.add_function(wrap_pyfunction!(study::study_rows, module)?)?;
+    module.add_function(wrap_pyfunction!(study::arithmetic_stamp, module)?)?;
+    module.add_class::<study::Rows>()?;
     module.add_function(wrap_pyfunction!(recording::read, module)?)?;
     module.add_function(wrap_pyfunction!(recording::player, module)?)?;
     module.add_function(wrap_pyfunction!(recording::picture, module)?)?;

@@ -8,9 +8,11 @@ use cocarry::episode::Episode;
 use cocarry::scenario::{PreparedScenario, ScenarioError};
 use cocarry::study::{Shard, Study, Sweep, SweepError, SweepOutputs, columns, read_rows};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 /// How long the main thread waits for rows before it looks at signals.
@@ -160,6 +162,106 @@ pub fn sweep(
     let mut columns = Columns::new(&columns());
     rows.iter().for_each(|row| columns.add(row.iter().map(String::as_str), []));
     Table::of_rows(columns)
+}
+
+/// The lines of results of the episodes from `first` to before `end`.
+#[pyfunction]
+#[pyo3(signature = (text, *, file, folder, seeds, first, end))]
+pub fn study_rows<'py>(
+    py: Python<'py>,
+    text: &str,
+    file: &str,
+    folder: PathBuf,
+    seeds: Option<u64>,
+    first: u64,
+    end: u64,
+) -> PyResult<Bound<'py, PyBytes>> {
+    let rows = py.detach(|| {
+        let study = Study::parse(file, text, &folder, seeds).map_err(|error| raise::<StudyError>(&error))?;
+        guarded(|| study.rows(first..end))
+    })?;
+    Ok(PyBytes::new(py, &rows))
+}
+
+/// The results of a study whose episodes run elsewhere.
+#[pyclass(module = "cocarry._cocarry")]
+pub struct Rows {
+    study: Arc<Study>,
+    // for Sync, which the writer of ticks is not
+    sweep: Mutex<Option<Sweep<Arc<Study>>>>,
+    out: PathBuf,
+}
+
+impl Rows {
+    fn sweep(&mut self) -> &mut Option<Sweep<Arc<Study>>> {
+        self.sweep.get_mut().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[pymethods]
+impl Rows {
+    #[new]
+    #[pyo3(signature = (text, *, file, folder, seeds, out, overwrite))]
+    fn new(
+        py: Python<'_>,
+        text: &str,
+        file: &str,
+        folder: PathBuf,
+        seeds: Option<u64>,
+        out: PathBuf,
+        overwrite: bool,
+    ) -> PyResult<Self> {
+        py.detach(|| {
+            let study = Arc::new(Study::parse(file, text, &folder, seeds)?);
+            let outputs = SweepOutputs { rows: &out, ticks: None, overwrite };
+            let sweep = Mutex::new(Some(Sweep::open(Arc::clone(&study), None, outputs)?));
+            Ok(Self { study, sweep, out })
+        })
+        .map_err(|error: SweepError| raise::<StudyError>(&error))
+    }
+
+    /// The number of episodes whose rows are there.
+    #[getter]
+    fn kept(&mut self) -> u64 {
+        let all = self.study.episodes();
+        self.sweep().as_ref().map_or(all, Sweep::kept)
+    }
+
+    #[getter]
+    fn episodes(&self) -> u64 {
+        self.study.episodes()
+    }
+
+    /// The files that the study reads, besides its own, relative to the file `path`.
+    fn files(&self, path: PathBuf) -> Vec<PathBuf> {
+        self.study.files(&path).collect()
+    }
+
+    /// Appends the lines of the next episodes, each checked.
+    fn append(&mut self, py: Python<'_>, rows: &[u8]) -> PyResult<()> {
+        let Some(sweep) = self.sweep() else {
+            return Err(StudyError::new_err("the results are complete"));
+        };
+        py.detach(|| sweep.append(rows)).map_err(|error| raise::<StudyError>(&error))
+    }
+
+    /// Gives the results their name, and returns them.
+    fn finish(&mut self, py: Python<'_>) -> PyResult<Table> {
+        if let Some(sweep) = self.sweep().take() {
+            let finished = py.detach(|| sweep.run(&|| {}, &AtomicBool::new(false)));
+            finished.map_err(|error| raise::<StudyError>(&error))?;
+        }
+        let mut columns = Columns::new(&columns());
+        let read = py.detach(|| read_rows(&self.out, |row| columns.add(row, [])));
+        read.map_err(|error| raise::<StudyError>(&error))?;
+        Table::of_rows(columns)
+    }
+}
+
+/// The stamp of this machine's arithmetic.
+#[pyfunction]
+pub fn arithmetic_stamp() -> &'static str {
+    cocarry::arithmetic::stamp()
 }
 
 /// Runs the episodes of a study as `cocarry sweep` does, with its files.

@@ -44,8 +44,8 @@ impl EpisodeReport<'_> {
     }
 
     /// The robot and its setup; `None` on the planning level alone.
-    fn carrier(&self) -> Option<(&Robot, &RobotSetup)> {
-        self.stage.robot().zip(self.stage.scenario().plant.carrier())
+    fn robot_setup(&self) -> Option<(&Robot, &RobotSetup)> {
+        self.stage.robot().zip(self.stage.scenario().plant.robot_setup())
     }
 
     fn option_name(&self, option: usize) -> &str {
@@ -130,8 +130,8 @@ impl EpisodeReport<'_> {
              subjective cost {subjective_cost:.2}",
             100.0 * summary.human.share_off_preference(summary.steps)
         );
-        if let (Some((robot, carrier)), Some(control)) = (self.carrier(), &summary.control) {
-            text += &self.control_text(robot, &carrier.posture, control);
+        if let (Some((robot, setup)), Some(control)) = (self.robot_setup(), &summary.control) {
+            text += &self.control_text(robot, &setup.posture, control);
         }
         for warning in self.warnings() {
             let _ = writeln!(text, "\nwarning: {warning}");
@@ -257,7 +257,7 @@ impl EpisodeReport<'_> {
                 "from": self.option_name(before),
                 "to": self.option_name(tick.executed),
             })).collect::<Vec<_>>(),
-            "robot": self.carrier().map(|(robot, c)| json!({
+            "robot": self.robot_setup().map(|(robot, c)| json!({
                 "name": robot.name,
                 "file": robot.texts.file,
                 "posture": c.posture,

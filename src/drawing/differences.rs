@@ -1,11 +1,10 @@
 //! The figure of differences between costs, with their intervals.
 
 use super::kit::{
-    AXIS_ROOM, Axis, GAP, Legend, LineStyle, MARGIN, STRIPE, Shape, Side, TITLE_ROOM, Text, border, document,
-    frame_title, guide, left_of_rows, level_sample, mark, place, rectangle, row_label, stroke, upright,
+    Axis, Legend, LineStyle, MARGIN, Shape, Strips, Text, document, level_sample, mark, place, stroke,
 };
 use super::{DrawingError, WIDTH};
-use crate::geometry::{Bounds, Point, Vector};
+use crate::geometry::Point;
 use svg::node::element::Group;
 
 /// One part of the figure; all parts have the same horizontal axis.
@@ -59,21 +58,19 @@ pub fn differences(panels: &[DifferencePanel], axis_title: &str) -> Result<Strin
     let all = || rows().flat_map(values);
     let (least, most) = (all().fold(0.0, f64::min), all().fold(0.0, f64::max));
     let margin = 0.04 * (most - least).max(1.0);
-    let left = left_of_rows(rows().map(|row| row.label.as_str()), LABELS_WIDTH);
-    let mut drawn = Group::new();
-    let mut top = 0.0;
-    for (i, panel) in panels.iter().enumerate() {
-        let min = Point::new(left, top + TITLE_ROOM);
-        let frame =
-            Bounds { min, max: Point::new(WIDTH - MARGIN, min.y + panel.rows.len() as f64 * ROW_HEIGHT) };
-        let axis = Axis::linear(Side::Below, [least - margin, most + margin], frame.grown(-GAP));
-        drawn = drawn.add(draw(panel, &axis, frame));
-        top = frame.max.y;
-        if i + 1 == panels.len() {
-            drawn = drawn.add(axis.draw(frame, &Text::new(axis_title)));
-            top += AXIS_ROOM;
-        }
-    }
+    let strips = Strips {
+        panels: panels
+            .iter()
+            .map(|p| (p.title.as_str(), p.rows.iter().map(|r| r.label.as_str()).collect()))
+            .collect(),
+        labels_width: LABELS_WIDTH,
+        row_height: ROW_HEIGHT,
+        range: [least - margin, most + margin],
+        guide: Some(0.0),
+    };
+    let (drawn, top) = strips.draw(&Text::new(axis_title), |[panel, row], axis, middle| {
+        marks(&panels[panel].rows[row], axis, middle)
+    });
     let sample = level_sample(&colour(0), INTERVAL_LINE).add(sample_mark());
     let mut legend = Legend::of_lines().entry(sample, "mean of the sample, 95 % interval");
     if rows().any(|row| row.expected.is_some()) {
@@ -91,31 +88,16 @@ fn values(row: &DifferenceRow) -> impl Iterator<Item = f64> {
     [row.mean].into_iter().chain(interval).chain(row.expected).chain(row.paper)
 }
 
-/// A panel with its title.
-fn draw(panel: &DifferencePanel, axis: &Axis, frame: Bounds) -> Group {
-    let strip = |i: usize| {
-        let min = frame.min + Vector::new(0.0, i as f64 * ROW_HEIGHT);
-        Bounds { min, max: Point::new(frame.max.x, min.y + ROW_HEIGHT) }
-    };
-    let mut group = Group::new().set("class", "panel").add(frame_title(&panel.title, MARGIN, frame));
-    for i in (0..panel.rows.len()).step_by(2) {
-        group = group.add(rectangle(strip(i)).set("fill", STRIPE));
+/// The marks of a row centred at `middle` (px).
+fn marks(row: &DifferenceRow, axis: &Axis, middle: f64) -> Group {
+    let at = |value: f64| Point::new(axis.at(value), middle);
+    let mut marks = Group::new();
+    if let Some(ends) = row.interval {
+        marks = marks.add(stroke(&ends.map(at), &colour(0), INTERVAL_LINE).set("class", "interval"));
     }
-    group = group.add(axis.grid(frame)).add(axis.marks(frame)).add(guide(upright(axis.at(0.0), frame)));
-    for (i, row) in panel.rows.iter().enumerate() {
-        let middle = nalgebra::center(&strip(i).min, &strip(i).max).y;
-        let at = |value: f64| Point::new(axis.at(value), middle);
-        let mut marks = Group::new().set("class", "row");
-        if let Some(ends) = row.interval {
-            marks = marks.add(stroke(&ends.map(at), &colour(0), INTERVAL_LINE).set("class", "interval"));
-        }
-        marks = marks.add(place(sample_mark(), at(row.mean)));
-        marks =
-            row.expected.into_iter().fold(marks, |marks, value| marks.add(place(expected_mark(), at(value))));
-        marks = row.paper.into_iter().fold(marks, |marks, value| marks.add(place(paper_mark(), at(value))));
-        group = group.add(row_label(&row.label, frame.min.x, middle)).add(marks);
-    }
-    group.add(border(frame))
+    marks = marks.add(place(sample_mark(), at(row.mean)));
+    marks = row.expected.into_iter().fold(marks, |marks, value| marks.add(place(expected_mark(), at(value))));
+    row.paper.into_iter().fold(marks, |marks, value| marks.add(place(paper_mark(), at(value))))
 }
 
 fn colour(style: usize) -> String {

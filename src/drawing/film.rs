@@ -12,7 +12,7 @@ use crate::geometry::{Bounds, PlanarPose, Point, Vector, direction, left_of};
 use crate::options::OptionSet;
 use crate::palette::{HAIR, HUMAN, OBJECT, ROBOT, hex};
 use crate::world::World;
-use svg::node::element::{ClipPath, Definitions, Group};
+use svg::node::element::{ClipPath, Definitions, Element, Group};
 
 /// The narrowest and the widest layout of a picture of an episode, px. Type is 16.5 px high: at least 7 pt
 /// where the narrowest is printed 3.5 in wide.
@@ -291,10 +291,7 @@ impl Film<'_> {
         group = group.add(guide(level(one, frame)));
         let line: Vec<Point> = moments.iter().map(|m| plot.at(m.time, m.stubbornness)).collect();
         group = group.add(stroke(&line, INK, 2.6));
-        let words = Text::default().plain("threshold 1");
-        // phi comes from below at the left and stays above at the right
-        let at = Point::new(frame.max.x - 2.0 * GAP, one + 1.15 * TEXT_SIZE);
-        group = group.add(words.at(at, TEXT_SIZE, Align::Right));
+        group = group.add(self.threshold_label(&plot, frame, &marks));
         for (n, moment) in marks {
             let x = plot.x.at(moment.time);
             let foot = plot.at(moment.time, moment.stubbornness);
@@ -309,6 +306,31 @@ impl Film<'_> {
         }
         let phi = Text::new("stubbornness ").italic("\u{3c6}");
         group.add(plot.axes(&Text::new("time (s)"), &phi))
+    }
+
+    /// The label of the threshold, above or below its line, where it covers neither phi nor the lines of instants.
+    /// It is at the same place in every picture of a moving one.
+    fn threshold_label(&self, plot: &Plot, frame: Bounds, marks: &[(usize, &Moment)]) -> Element {
+        let mut clutter = Clutter::new(frame);
+        let phi: Vec<Point> = self.moments.iter().map(|m| plot.at(m.time, m.stubbornness)).collect();
+        clutter.add(&phi, 6.0, 1.0);
+        for (_, moment) in marks {
+            let foot = plot.at(moment.time, moment.stubbornness);
+            clutter.add(&[foot, Point::new(foot.x, frame.max.y)], 6.0, 1.0);
+        }
+        let words = Text::new("threshold 1");
+        let (one, width) = (plot.y.at(1.0), words.width(TEXT_SIZE));
+        let places = (0..=20).flat_map(|i| {
+            let right = frame.max.x - GAP - (frame.size().x - width - 2.0 * GAP) * f64::from(i) / 20.0;
+            [1.15, -0.4].map(|lines| Point::new(right, one + lines * TEXT_SIZE))
+        });
+        let cost = |at: &Point| {
+            let min = Point::new(at.x - width, at.y - 0.75 * TEXT_SIZE);
+            clutter.cost(Bounds { min, max: Point::new(at.x, at.y + 0.2 * TEXT_SIZE) })
+        };
+        // the first of equally good places
+        let at = places.min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or(frame.max);
+        words.at(at, TEXT_SIZE, Align::Right)
     }
 
     /// The options by their styles, or their colours alone, and what is grey in the chart.

@@ -1,11 +1,10 @@
 //! The figure of means with their intervals: one row per combination, one mark per series.
 
 use super::kit::{
-    AXIS_ROOM, Axis, GAP, Legend, LineStyle, MARGIN, STRIPE, Shape, Side, TITLE_ROOM, Text, border, document,
-    frame_title, left_of_rows, level_sample, mark, place, rectangle, row_label, stroke,
+    Axis, Legend, LineStyle, MARGIN, Shape, Strips, Text, document, level_sample, mark, place, stroke,
 };
 use super::{DrawingError, WIDTH};
-use crate::geometry::{Bounds, Point, Vector};
+use crate::geometry::Point;
 use svg::node::element::Group;
 
 /// One part of the figure; all parts have the same horizontal axis and the same series.
@@ -57,22 +56,19 @@ pub fn means(panels: &[MeanPanel], series: &[String], axis_title: &str) -> Resul
     }
     // a single value has an axis, too
     let margin = (0.04 * (most - least)).max(1e-3 * most.abs()).max(1e-6);
-    let left = left_of_rows(rows().map(|row| row.label.as_str()), LABELS_WIDTH);
-    let row_height = ROW_ROOM + SERIES_HEIGHT * series.len() as f64;
-    let mut drawn = Group::new();
-    let mut top = 0.0;
-    for (i, panel) in panels.iter().enumerate() {
-        let min = Point::new(left, top + TITLE_ROOM);
-        let frame =
-            Bounds { min, max: Point::new(WIDTH - MARGIN, min.y + panel.rows.len() as f64 * row_height) };
-        let axis = Axis::linear(Side::Below, [least - margin, most + margin], frame.grown(-GAP));
-        drawn = drawn.add(draw(panel, &axis, row_height, frame));
-        top = frame.max.y;
-        if i + 1 == panels.len() {
-            drawn = drawn.add(axis.draw(frame, &Text::new(axis_title)));
-            top += AXIS_ROOM;
-        }
-    }
+    let strips = Strips {
+        panels: panels
+            .iter()
+            .map(|p| (p.title.as_str(), p.rows.iter().map(|r| r.label.as_str()).collect()))
+            .collect(),
+        labels_width: LABELS_WIDTH,
+        row_height: ROW_ROOM + SERIES_HEIGHT * series.len() as f64,
+        range: [least - margin, most + margin],
+        guide: None,
+    };
+    let (drawn, top) = strips.draw(&Text::new(axis_title), |[panel, row], axis, middle| {
+        marks(&panels[panel].rows[row], series.len(), axis, middle)
+    });
     let entry = |legend: Legend, (i, name): (usize, &String)| {
         legend.entry(level_sample(&colour(i), INTERVAL_LINE).add(series_mark(i)), name)
     };
@@ -87,30 +83,19 @@ fn values(row: &MeanRow) -> impl Iterator<Item = f64> {
     row.means.iter().copied().flatten().flat_map(of)
 }
 
-/// A panel with its title.
-fn draw(panel: &MeanPanel, axis: &Axis, row_height: f64, frame: Bounds) -> Group {
-    let mut group = Group::new().set("class", "panel").add(frame_title(&panel.title, MARGIN, frame));
-    let top = |i: usize| frame.min.y + i as f64 * row_height;
-    for i in (0..panel.rows.len()).step_by(2) {
-        let min = Point::new(frame.min.x, top(i));
-        let strip = Bounds { min, max: min + Vector::new(frame.size().x, row_height) };
-        group = group.add(rectangle(strip).set("fill", STRIPE));
-    }
-    group = group.add(axis.grid(frame)).add(axis.marks(frame));
-    for (i, row) in panel.rows.iter().enumerate() {
-        let mut marks = Group::new().set("class", "row");
-        for (series, (mean, interval)) in row.means.iter().enumerate().filter_map(|(s, m)| Some((s, (*m)?))) {
-            let y = top(i) + (ROW_ROOM + SERIES_HEIGHT) / 2.0 + SERIES_HEIGHT * series as f64;
-            let at = |value: f64| Point::new(axis.at(value), y);
-            if let Some(ends) = interval {
-                let line = stroke(&ends.map(at), &colour(series), INTERVAL_LINE);
-                marks = marks.add(line.set("class", "interval"));
-            }
-            marks = marks.add(place(series_mark(series), at(mean)));
+/// The marks of a row of `count` series centred at `middle` (px).
+fn marks(row: &MeanRow, count: usize, axis: &Axis, middle: f64) -> Group {
+    let mut marks = Group::new();
+    for (series, (mean, interval)) in row.means.iter().enumerate().filter_map(|(s, m)| Some((s, (*m)?))) {
+        let y = middle + SERIES_HEIGHT * (series as f64 - (count as f64 - 1.0) / 2.0);
+        let at = |value: f64| Point::new(axis.at(value), y);
+        if let Some(ends) = interval {
+            let line = stroke(&ends.map(at), &colour(series), INTERVAL_LINE);
+            marks = marks.add(line.set("class", "interval"));
         }
-        group = group.add(row_label(&row.label, frame.min.x, top(i) + row_height / 2.0)).add(marks);
+        marks = marks.add(place(series_mark(series), at(mean)));
     }
-    group.add(border(frame))
+    marks
 }
 
 fn colour(series: usize) -> String {

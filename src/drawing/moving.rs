@@ -22,7 +22,7 @@ pub struct Moving<'a> {
     film: &'a Film<'a>,
     width: f64,
     /// The number of lines of words.
-    told: usize,
+    lines: usize,
     bottom: f64,
     /// The map of everything, of which the window shows a part.
     view: MapView,
@@ -35,18 +35,18 @@ pub struct Moving<'a> {
 }
 
 impl<'a> Film<'a> {
-    /// The pictures of a moving one. `width` is the layout's, px. Each has room for `told` lines of words, and
+    /// The pictures of a moving one. `width` is the layout's, px. Each has room for `lines` lines of words, and
     /// shows no more; without a number, for the longest.
     ///
     /// # Errors
     /// [`DrawingError`]: there is nothing to draw, or a number cannot be drawn.
-    pub fn moving(&'a self, width: f64, told: Option<usize>) -> Result<Moving<'a>, DrawingError> {
+    pub fn moving(&'a self, width: f64, lines: Option<usize>) -> Result<Moving<'a>, DrawingError> {
         self.check()?;
         let is_wide = width >= BESIDE;
         let room = width - 2.0 * MARGIN;
         let longest = || self.moments.iter().map(|m| wrapped(&m.sentence, room, TEXT_SIZE).len()).max();
-        let told = told.or_else(longest).unwrap_or(0);
-        let top = 26.0 + LINE * (told as f64 + 0.4);
+        let lines = lines.or_else(longest).unwrap_or(0);
+        let top = 26.0 + LINE * (lines as f64 + 0.4);
         let side = if is_wide { (0.48 * width).round() } else { room };
         let window = Bounds {
             min: Point::new(MARGIN, top),
@@ -73,7 +73,7 @@ impl<'a> Film<'a> {
             (chart, None, chart.max.y + AXIS_ROOM)
         };
         let (legend, bottom) = self.legend(true).draw(Point::new(MARGIN, bottom), room);
-        Ok(Moving { film: self, width, told, bottom, view, window, chart, whole, labels, legend })
+        Ok(Moving { film: self, width, lines, bottom, view, window, chart, whole, labels, legend })
     }
 
     /// The small map of everything, in the middle of an area.
@@ -111,8 +111,8 @@ impl Moving<'_> {
         let mut picture = document_of(self.width, self.bottom)
             .add(Film::clip("map", self.window))
             .add(leads.at(caption, TEXT_SIZE, Align::Left));
-        let told = wrapped(&moment.sentence, self.width - 2.0 * MARGIN, TEXT_SIZE);
-        for (line, words) in (1..).zip(told.into_iter().take(self.told)) {
+        let words = wrapped(&moment.sentence, self.width - 2.0 * MARGIN, TEXT_SIZE);
+        for (line, words) in (1..).zip(words.into_iter().take(self.lines)) {
             let at = caption + Vector::new(0.0, LINE * f64::from(line));
             picture = picture.add(words.at(at, TEXT_SIZE, Align::Left));
         }

@@ -1,11 +1,10 @@
 //! The figure of cost ratios: a strip for every method, with a mark for every cell of a table.
 
 use super::kit::{
-    AXIS_ROOM, Axis, GAP, Legend, LineStyle, MARGIN, STRIPE, Shape, Side, TITLE_ROOM, Text, border, document,
-    frame_title, guide, left_of_rows, mark, mean_bar, place, rectangle, row_label, upright,
+    Axis, Legend, LineStyle, MARGIN, Shape, Strips, Text, document, guide, mark, mean_bar, place,
 };
 use super::{DrawingError, WIDTH};
-use crate::geometry::{Bounds, Point, Vector};
+use crate::geometry::Point;
 use std::collections::BTreeSet;
 use svg::node::element::Group;
 
@@ -61,25 +60,21 @@ const SHAPES: [Shape; 4] = [Shape::Disc, Shape::Square, Shape::Triangle, Shape::
 /// [`DrawingError::NoPanels`]; [`DrawingError::Ratio`] for a value that is not a number from 0 to 1000.
 pub fn cost_ratios(panels: &[RatioPanel]) -> Result<String, DrawingError> {
     check(panels)?;
-    let range = range(panels);
     let rows = || panels.iter().flat_map(|p| &p.rows);
-    let left = left_of_rows(rows().map(|r| r.label.as_str()), LABELS_WIDTH);
-    let mut drawn = Group::new();
-    let mut top = 0.0;
-    for (i, panel) in panels.iter().enumerate() {
-        let min = Point::new(left, top + TITLE_ROOM);
-        let frame =
-            Bounds { min, max: Point::new(WIDTH - MARGIN, min.y + panel.rows.len() as f64 * ROW_HEIGHT) };
-        // keeps marks at the ends inside the frame
-        let axis = Axis::linear(Side::Below, range, frame.grown(-GAP));
-        drawn = drawn.add(draw(panel, &axis, frame));
-        top = frame.max.y;
-        if i + 1 == panels.len() {
-            let title = Text::new("control cost ").italic("C").plain(" relative to no pose optimisation");
-            drawn = drawn.add(axis.draw(frame, &title));
-            top += AXIS_ROOM;
-        }
-    }
+    let strips = Strips {
+        panels: panels
+            .iter()
+            .map(|p| (p.title.as_str(), p.rows.iter().map(|r| r.label.as_str()).collect()))
+            .collect(),
+        labels_width: LABELS_WIDTH,
+        row_height: ROW_HEIGHT,
+        range: range(panels),
+        guide: Some(BASELINE),
+    };
+    let title = Text::new("control cost ").italic("C").plain(" relative to no pose optimisation");
+    let (drawn, top) = strips.draw(&title, |[panel, row], axis, middle| {
+        marks(&panels[panel].rows[row], axis, middle).set("data-row", row)
+    });
     let environments: BTreeSet<u32> = rows().flat_map(|r| &r.ratios).map(|r| r.0).collect();
     let legend = environments.into_iter().fold(Legend::of_marks(), |legend, environment| {
         legend.entry(environment_mark(environment), format!("environment {environment}"))
@@ -116,33 +111,13 @@ fn range(panels: &[RatioPanel]) -> [f64; 2] {
     [(10.0 * least + 1e-6).floor() / 10.0, (10.0 * most - 1e-6).ceil() / 10.0]
 }
 
-/// A panel with its title.
-fn draw(panel: &RatioPanel, axis: &Axis, frame: Bounds) -> Group {
-    let strip = |i: usize| {
-        let min = frame.min + Vector::new(0.0, i as f64 * ROW_HEIGHT);
-        Bounds { min, max: Point::new(frame.max.x, min.y + ROW_HEIGHT) }
-    };
-    let mut group = Group::new().set("class", "panel").add(frame_title(&panel.title, MARGIN, frame));
-    for i in (0..panel.rows.len()).step_by(2) {
-        group = group.add(rectangle(strip(i)).set("fill", STRIPE));
-    }
-    group = group.add(axis.grid(frame)).add(axis.marks(frame)).add(guide(upright(axis.at(BASELINE), frame)));
-    for (i, row) in panel.rows.iter().enumerate() {
-        let middle = nalgebra::center(&strip(i).min, &strip(i).max).y;
-        group = group
-            .add(row_label(&row.label, frame.min.x, middle))
-            .add(marks(row, axis, middle).set("data-row", i));
-    }
-    group.add(border(frame))
-}
-
 /// The mean and the marks of a row centred at `middle` (px).
 fn marks(row: &RatioRow, axis: &Axis, middle: f64) -> Group {
     let environments = row.ratios.iter().map(|r| r.0);
     let mut marks: Vec<(u32, Point)> = environments.zip(places(row, axis, middle)).collect();
     // from the bottom, so that the lower edge of every mark remains visible: a triangle is widest there
     marks.sort_by(|a, b| b.1.y.total_cmp(&a.1.y));
-    let mut group = Group::new().set("class", "row");
+    let mut group = Group::new();
     if !row.ratios.is_empty() {
         let mean = row.ratios.iter().map(|r| r.1).sum::<f64>() / row.ratios.len() as f64;
         group = group.add(place(mean_bar(ROW_HEIGHT - 4.0), Point::new(axis.at(mean), middle)));
@@ -182,8 +157,10 @@ fn environment_mark(environment: u32) -> Group {
 
 #[cfg(test)]
 mod tests {
+    use super::super::kit::Side;
     use super::*;
     use crate::drawing::tests::checked;
+    use crate::geometry::Bounds;
 
     fn row(label: &str, ratios: &[(u32, f64)]) -> RatioRow {
         RatioRow { label: label.to_owned(), ratios: ratios.to_vec() }

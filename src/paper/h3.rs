@@ -209,7 +209,7 @@ impl Study<'_> {
                 changes: human.changes.clone(),
                 ..stage.scenario().clone()
             };
-            if let Some(robot) = scenario.plant.carrier_mut() {
+            if let Some(robot) = scenario.plant.robot_setup_mut() {
                 robot.posture = start.to_owned();
                 robot.control = method.control(self.plant.kind(), &robot.control);
             }

@@ -36,7 +36,7 @@ impl Provenance {
     pub fn of(scenario: &Scenario) -> Result<Self, ScenarioError> {
         let mut scenario = scenario.clone();
         strip(&mut scenario.world.file);
-        if let Some(setup) = scenario.plant.carrier_mut() {
+        if let Some(setup) = scenario.plant.robot_setup_mut() {
             strip(&mut setup.robot.file);
             strip(&mut setup.robot.urdf_file);
         }

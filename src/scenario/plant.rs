@@ -15,12 +15,14 @@ pub enum Plant {
     /// The robot moves exactly as its inputs say.
     Kinematic {
         /// The robot.
-        carrier: RobotSetup,
+        #[serde(rename = "carrier")]
+        setup: RobotSetup,
     },
     /// Robot, object, human and obstacles as bodies.
     Rapier {
         /// The robot.
-        carrier: RobotSetup,
+        #[serde(rename = "carrier")]
+        setup: RobotSetup,
         /// Settings of the physics and of the human's motion.
         physics: PhysicsSettings,
     },
@@ -88,11 +90,11 @@ impl RobotSetup {
 
 impl Plant {
     /// The plant of a kind, with default physics. The planning level ignores the robot.
-    pub fn new(kind: PlantKind, carrier: RobotSetup) -> Self {
+    pub fn new(kind: PlantKind, setup: RobotSetup) -> Self {
         match kind {
             PlantKind::Point => Self::Point,
-            PlantKind::Kinematic => Self::Kinematic { carrier },
-            PlantKind::Rapier => Self::Rapier { carrier, physics: PhysicsSettings::default() },
+            PlantKind::Kinematic => Self::Kinematic { setup },
+            PlantKind::Rapier => Self::Rapier { setup, physics: PhysicsSettings::default() },
         }
     }
 
@@ -111,10 +113,10 @@ impl Plant {
     }
 
     /// The robot; `None` on the planning level alone.
-    pub fn carrier(&self) -> Option<&RobotSetup> {
+    pub fn robot_setup(&self) -> Option<&RobotSetup> {
         match self {
             Self::Point => None,
-            Self::Kinematic { carrier } | Self::Rapier { carrier, .. } => Some(carrier),
+            Self::Kinematic { setup } | Self::Rapier { setup, .. } => Some(setup),
         }
     }
 
@@ -126,11 +128,11 @@ impl Plant {
         }
     }
 
-    /// [`Plant::carrier`], mutable.
-    pub fn carrier_mut(&mut self) -> Option<&mut RobotSetup> {
+    /// [`Plant::robot_setup`], mutable.
+    pub fn robot_setup_mut(&mut self) -> Option<&mut RobotSetup> {
         match self {
             Self::Point => None,
-            Self::Kinematic { carrier } | Self::Rapier { carrier, .. } => Some(carrier),
+            Self::Kinematic { setup } | Self::Rapier { setup, .. } => Some(setup),
         }
     }
 

@@ -57,19 +57,19 @@ impl Scenario {
                 Arc::new(Scene { world, options, obstacles })
             }
         };
-        let robot = match self.plant.carrier() {
+        let robot = match self.plant.robot_setup() {
             None => None,
-            Some(carrier) => {
+            Some(setup) => {
                 let shared = other.and_then(|other| other.robot.as_ref());
-                let robot = match shared.filter(|robot| robot.texts == carrier.robot) {
+                let robot = match shared.filter(|robot| robot.texts == setup.robot) {
                     Some(robot) => Arc::clone(robot),
-                    None => Arc::new(Robot::parse(&carrier.robot)?),
+                    None => Arc::new(Robot::parse(&setup.robot)?),
                 };
-                if robot.posture(&carrier.posture).is_none() {
+                if robot.posture(&setup.posture).is_none() {
                     let known: Vec<_> = robot.postures.iter().map(|p| format!("`{}`", p.name)).collect();
                     return Err(ScenarioError::Posture {
-                        posture: carrier.posture.clone(),
-                        file: carrier.robot.file.clone(),
+                        posture: setup.posture.clone(),
+                        file: setup.robot.file.clone(),
                         known: known.join(", "),
                     });
                 }
@@ -124,9 +124,9 @@ impl PreparedScenario {
 
     /// The robot in the form that an episode needs; `None` on the planning level alone.
     pub fn manipulator(&self) -> Option<Manipulator<'_>> {
-        let (robot, carrier) = self.robot.as_deref().zip(self.scenario.plant.carrier())?;
-        let posture = robot.posture(&carrier.posture)?.joints;
-        Some(Manipulator { robot, posture, control: carrier.control, obstacles: &self.scene.obstacles })
+        let (robot, setup) = self.robot.as_deref().zip(self.scenario.plant.robot_setup())?;
+        let posture = robot.posture(&setup.posture)?.joints;
+        Some(Manipulator { robot, posture, control: setup.control, obstacles: &self.scene.obstacles })
     }
 
     /// The episode, before its first step.

@@ -24,8 +24,8 @@ macro_rules! field {
     };
     (robot $r:ident => $place:expr) => {
         Field {
-            get: |s| s.plant.carrier().map(|$r| $place),
-            set: |s, value| s.plant.carrier_mut().into_iter().for_each(|$r| $place = value),
+            get: |s| s.plant.robot_setup().map(|$r| $place),
+            set: |s, value| s.plant.robot_setup_mut().into_iter().for_each(|$r| $place = value),
         }
     };
     (physics $p:ident => $place:expr) => {
@@ -36,8 +36,10 @@ macro_rules! field {
     };
     (robot $r:ident => $place:expr, $words:ident) => {
         Field {
-            get: |s| s.plant.carrier().and_then(|$r| word($words, $place)),
-            set: |s, word| s.plant.carrier_mut().into_iter().for_each(|$r| put(&mut $place, $words, &word)),
+            get: |s| s.plant.robot_setup().and_then(|$r| word($words, $place)),
+            set: |s, word| {
+                s.plant.robot_setup_mut().into_iter().for_each(|$r| put(&mut $place, $words, &word))
+            },
         }
     };
 }
@@ -72,9 +74,9 @@ pub const POSTURE: Setting = Setting {
         || "the name of a posture".to_owned(),
         |text| !text.is_empty(),
         Field {
-            get: |s| s.plant.carrier().map(|robot| robot.posture.clone()).filter(|name| !name.is_empty()),
+            get: |s| s.plant.robot_setup().map(|robot| robot.posture.clone()).filter(|name| !name.is_empty()),
             set: |s, name| {
-                s.plant.carrier_mut().into_iter().for_each(|robot| robot.posture.clone_from(&name))
+                s.plant.robot_setup_mut().into_iter().for_each(|robot| robot.posture.clone_from(&name))
             },
         },
     ),

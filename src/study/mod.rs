@@ -312,6 +312,11 @@ impl Study {
         self.row(episode, &row::to_its_end)
     }
 
+    /// The lines of results of these episodes, run one after the other; none after the last episode.
+    pub fn rows(&self, episodes: Range<u64>) -> Vec<u8> {
+        (episodes.start..episodes.end.min(self.episodes)).flat_map(|episode| self.run(episode)).collect()
+    }
+
     /// As in a file of results: the line of an episode that `run` makes and runs to its end. Empty after the
     /// last episode.
     pub fn row(&self, episode: u64, run: row::Run) -> Vec<u8> {

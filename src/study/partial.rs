@@ -14,6 +14,7 @@ use crate::arithmetic;
 use crate::located::FileError;
 use crate::output_file::{OutputError, OutputFile};
 use crate::parallel::OnDone;
+use std::borrow::Borrow;
 use std::fs::File;
 use std::io::{BufReader, Write};
 use std::ops::Range;
@@ -54,10 +55,10 @@ pub struct SweepOutputs<'a> {
     pub overwrite: bool,
 }
 
-/// A sweep that is ready to run or to resume.
+/// A sweep of a study (`&Study`, `Arc<Study>`, ...) that is ready to run or to resume.
 #[derive(Debug)]
-pub struct Sweep<'a> {
-    study: &'a Study,
+pub struct Sweep<S> {
+    study: S,
     path: PathBuf,
     file: OutputFile,
     ticks: Option<Ticks>,
@@ -65,17 +66,18 @@ pub struct Sweep<'a> {
     kept: u64,
 }
 
-impl<'a> Sweep<'a> {
+impl<S: Borrow<Study>> Sweep<S> {
     /// Opens the partial outputs, and keeps their rows and ticks.
     ///
     /// # Errors
     /// [`SweepError`]: the results are there already, or rows of another study, or another process is writing
     /// them; or the program has no Parquet.
     pub fn open(
-        study: &'a Study,
+        owner: S,
         shard: Option<Shard>,
         SweepOutputs { rows: path, ticks, overwrite }: SweepOutputs,
     ) -> Result<Self, SweepError> {
+        let study = owner.borrow();
         results::check_name(path)?;
         if ticks == Some(path) {
             return Err(SweepError::SameName { file: path.display().to_string() });
@@ -104,7 +106,7 @@ impl<'a> Sweep<'a> {
         if bytes == 0 {
             file.write_all(&row::header()).and_then(|()| file.flush()).map_err(write)?;
         }
-        Ok(Self { study, path: path.to_owned(), file, ticks, episodes, kept })
+        Ok(Self { study: owner, path: path.to_owned(), file, ticks, episodes, kept })
     }
 
     /// The number of episodes whose rows existed already, with their ticks if wanted.
@@ -117,6 +119,25 @@ impl<'a> Sweep<'a> {
         self.episodes.end - self.episodes.start
     }
 
+    /// Appends the rows of the next episodes, which ran elsewhere ([`Study::rows`]). Each is checked as those of
+    /// an unfinished file are.
+    ///
+    /// # Errors
+    /// [`SweepError`]: a row is not the next one, of another study or another arithmetic, or damaged; or it
+    /// cannot be written. The rows before are kept.
+    pub fn append(&mut self, rows: &[u8]) -> Result<(), SweepError> {
+        let partial = self.file.partial().to_owned();
+        let name = partial.display().to_string();
+        let write = |source| OutputError::Write { file: partial.clone(), source };
+        for line in rows.split_inclusive(|byte| *byte == b'\n') {
+            let due = self.episodes.start + self.kept;
+            check_row(self.study.borrow(), line, &name, self.kept + 2, due, self.episodes.end)?;
+            self.file.write_all(line).map_err(write)?;
+            self.kept += 1;
+        }
+        Ok(self.file.flush().map_err(write)?)
+    }
+
     /// Runs the remaining episodes on all threads of the current pool, and gives the outputs their names.
     ///
     /// With `stop` it stops after the episodes that are running.
@@ -125,7 +146,8 @@ impl<'a> Sweep<'a> {
     /// [`SweepError::Output`] or [`SweepError::Stopped`]; the rows and ticks written so far stay in the partial
     /// outputs.
     pub fn run(self, on_done: OnDone, stop: &AtomicBool) -> Result<(), SweepError> {
-        let Self { study, path, mut file, mut ticks, episodes, kept } = self;
+        let Self { study: owner, path, mut file, mut ticks, episodes, kept } = self;
+        let study = owner.borrow();
         let left = episodes.start + kept..episodes.end;
         let mut append = |lines: &[u8], count: u64| {
             let written = file.write_all(lines).and_then(|()| file.flush());

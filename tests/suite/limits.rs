@@ -95,7 +95,7 @@ fn only_regular_files_are_read() {
 fn a_recording_has_a_robot_of_bounded_depth() {
     let folder = tempfile::tempdir().unwrap();
     let mut scenario = example(rapier());
-    let Plant::Rapier { carrier, .. } = &mut scenario.plant else { panic!("the physical plant") };
+    let Plant::Rapier { setup: carrier, .. } = &mut scenario.plant else { panic!("the physical plant") };
     let deep = "<a b=\"/>\">".repeat(20_000) + &"</a>".repeat(20_000);
     carrier.robot.urdf = format!("<robot name=\"r\"><link name=\"l\"><visual>{deep}</visual></link></robot>");
     let file = [MAGIC, &attachment("scenario.toml", scenario.text().unwrap().as_bytes())].concat();

@@ -40,7 +40,7 @@ fn scenario(plant: Plant) -> Scenario {
 
 fn plants() -> [Plant; 3] {
     let physics = PhysicsSettings::default();
-    [Plant::Point, Plant::Kinematic { carrier: carrier() }, Plant::Rapier { carrier: carrier(), physics }]
+    [Plant::Point, Plant::Kinematic { setup: carrier() }, Plant::Rapier { setup: carrier(), physics }]
 }
 
 /// An episode to the last bit. As text: what was not evaluated is NaN.
@@ -183,7 +183,7 @@ fn a_scenario_needs_no_files() {
     let posture = robot.postures[0].name.clone();
     let carrier = RobotSetup { posture, robot: robot.texts, ..carrier() };
     let physics = PhysicsSettings::default();
-    for plant in [Plant::Kinematic { carrier: carrier.clone() }, Plant::Rapier { carrier, physics }] {
+    for plant in [Plant::Kinematic { setup: carrier.clone() }, Plant::Rapier { setup: carrier, physics }] {
         let stage = scenario(plant).prepare().unwrap_or_else(|e| panic!("{}", chain(e)));
         let mut episode = stage.episode().unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(episode.step(), None);
@@ -206,7 +206,7 @@ fn numbers(value: &toml::Value, path: &[String], found: &mut Vec<Vec<String>>) {
 #[test]
 fn every_number_is_checked_and_named() {
     let physics = PhysicsSettings::default();
-    let scenario = Scenario { seed: 1, ..scenario(Plant::Rapier { carrier: carrier(), physics }) };
+    let scenario = Scenario { seed: 1, ..scenario(Plant::Rapier { setup: carrier(), physics }) };
     let valid: toml::Value = toml::Value::try_from(&scenario).expect("a table");
     let mut paths = Vec::new();
     numbers(&valid, &[], &mut paths);
@@ -229,7 +229,7 @@ fn every_number_is_checked_and_named() {
 
 #[test]
 fn what_else_is_wrong_is_named() {
-    let valid = scenario(Plant::Kinematic { carrier: carrier() }).text().unwrap_or_else(|e| panic!("{e}"));
+    let valid = scenario(Plant::Kinematic { setup: carrier() }).text().unwrap_or_else(|e| panic!("{e}"));
     let cases: [(&str, &str, &[&str]); 8] = [
         ("method = \"mutual\"", "method = \"mutal\"", &["mutal", "without-model"]),
         ("tick_limit = 1000", "tick_limt = 1000", &["tick_limt", "tick_limit"]),

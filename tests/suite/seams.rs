@@ -37,7 +37,7 @@ impl RobotPolicy for OwnPolicy {
     }
 }
 
-fn carrier() -> RobotSetup {
+fn setup() -> RobotSetup {
     let robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
     let posture = robot.postures[0].name.clone();
     RobotSetup { posture, control: control::Settings::default(), robot: robot.texts }
@@ -69,8 +69,8 @@ fn ticks(mut episode: Episode) -> Vec<String> {
 fn a_policy_of_ones_own_that_is_eq_6_walks_like_mutual_on_every_plant() {
     for plant in [
         Plant::Point,
-        Plant::Kinematic { carrier: carrier() },
-        Plant::Rapier { carrier: carrier(), physics: PhysicsSettings::default() },
+        Plant::Kinematic { setup: setup() },
+        Plant::Rapier { setup: setup(), physics: PhysicsSettings::default() },
     ] {
         let name = plant.name();
         let stage = stage(plant, "preference");
@@ -106,7 +106,7 @@ impl RobotPolicy for StayThere {
 
 #[test]
 fn a_policy_may_set_the_reference_or_the_inputs() {
-    let stage = stage(Plant::Kinematic { carrier: carrier() }, "preference");
+    let stage = stage(Plant::Kinematic { setup: setup() }, "preference");
     let episode = || stage.episode().unwrap_or_else(|e| panic!("{e}"));
     let begin = *episode().configuration().expect("a robot");
     let mut still = episode().with_policy(StandStill).ignoring_loss();
@@ -160,8 +160,7 @@ fn a_human_of_ones_own_resists_and_takes_over() {
 /// once the human leads.
 #[test]
 fn with_bodies_a_hand_that_resists_is_pulled_at() {
-    let stage =
-        stage(Plant::Rapier { carrier: carrier(), physics: PhysicsSettings::default() }, "preference");
+    let stage = stage(Plant::Rapier { setup: setup(), physics: PhysicsSettings::default() }, "preference");
     let mut episode = stage.episode().unwrap_or_else(|e| panic!("{e}")).with_human(Reluctant);
     let mut hands = Vec::new();
     let mut forces = Vec::new();

@@ -34,7 +34,7 @@ fn plants() -> [Plant; 3] {
     let carrier = RobotSetup { posture, control: control::Settings::default(), robot: robot.texts };
     let physics = PhysicsSettings::default();
     assert!(physics.human.sway_lateral > 0.0, "the gait's generator matters");
-    [Plant::Point, Plant::Kinematic { carrier: carrier.clone() }, Plant::Rapier { carrier, physics }]
+    [Plant::Point, Plant::Kinematic { setup: carrier.clone() }, Plant::Rapier { setup: carrier, physics }]
 }
 
 fn stage(scenario: Scenario) -> PreparedScenario {
@@ -211,7 +211,7 @@ fn a_team_cut_while_it_reverses_is_the_one_never_cut() {
 #[test]
 fn an_episode_that_is_stuck_stays_so() {
     let [_, _, mut plant] = plants();
-    let Plant::Rapier { carrier, .. } = &mut plant else { panic!("the physical plant") };
+    let Plant::Rapier { setup: carrier, .. } = &mut plant else { panic!("the physical plant") };
     // wheels that hardly turn
     carrier.robot.urdf = carrier.robot.urdf.replace("velocity=\"17.4\"", "velocity=\"0.1\"");
     let whole = stage(scenario(plant, Method::ROBOT_LED));

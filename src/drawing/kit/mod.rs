@@ -12,6 +12,7 @@ mod legend;
 mod marks;
 mod palette;
 mod shapes;
+mod strips;
 mod text;
 
 pub(super) use crate::palette::RISK_COLOURS;
@@ -25,6 +26,7 @@ pub(super) use palette::{
     risk_colour, width_by_rank, widths_by_probability,
 };
 pub(super) use shapes::{disc, path_data, polygon, px, rectangle, stroke};
+pub(super) use strips::Strips;
 pub(super) use text::{Align, Text, number, printable, wrapped};
 
 use super::WIDTH;

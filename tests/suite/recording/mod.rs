@@ -40,7 +40,7 @@ pub fn carrier() -> RobotSetup {
 }
 
 pub fn rapier() -> Plant {
-    Plant::Rapier { carrier: carrier(), physics: PhysicsSettings::default() }
+    Plant::Rapier { setup: carrier(), physics: PhysicsSettings::default() }
 }
 
 /// A scenario's episode as a file, and as what it is told as; `on_step` sees the episode before the first

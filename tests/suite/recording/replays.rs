@@ -24,7 +24,7 @@ fn replayed(bytes: &[u8]) -> cocarry::recording::Replay {
 
 #[test]
 fn a_recording_replays_to_the_last_message_on_every_plant() {
-    for plant in [Plant::Point, Plant::Kinematic { carrier: carrier() }, rapier()] {
+    for plant in [Plant::Point, Plant::Kinematic { setup: carrier() }, rapier()] {
         let (bytes, written) = encoded(example(plant), |_| {});
         let again = replayed(&bytes);
         assert_eq!(again.verdict, Verdict::Identical);
@@ -37,7 +37,7 @@ fn a_recording_replays_to_the_last_message_on_every_plant() {
 #[test]
 fn a_human_who_changes_their_mind_replays_and_is_told() {
     let change = |step, alpha| PreferenceChange { step, perception: Perception { alpha, gamma: 1.1 } };
-    for plant in [Plant::Point, Plant::Kinematic { carrier: carrier() }, rapier()] {
+    for plant in [Plant::Point, Plant::Kinematic { setup: carrier() }, rapier()] {
         let scenario = example(plant);
         let settings = Settings { method: Method::HUMAN_LED, tick_limit: Some(60), ..scenario.settings };
         let changes = vec![change(30, 0.5), change(10, 0.6), change(10, 0.95), change(60, 0.5)];

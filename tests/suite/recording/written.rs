@@ -53,7 +53,7 @@ fn frames_in_the_world(message: &Value) -> BTreeMap<String, Pose> {
 #[test]
 fn frames_are_a_tree_of_robot_object_and_human_in_which_every_shape_has_its_frame() {
     let robot = Robot::built_in().unwrap();
-    for plant in [Plant::Kinematic { carrier: carrier() }, rapier()] {
+    for plant in [Plant::Kinematic { setup: carrier() }, rapier()] {
         let (_, written) = encoded(example(plant), |_| {});
         let first = |channel: Channel| decoded(written.iter().find(|m| m.channel == channel).unwrap());
         let frames = first(Channel::Transforms);
@@ -202,7 +202,7 @@ fn only_declared(schema: &Value, value: &Value, path: &str) {
 fn json_messages_satisfy_their_schemas_on_every_plant() {
     let mut schemas = Schemas::default();
     let mut checked = 0;
-    for plant in [Plant::Point, Plant::Kinematic { carrier: carrier() }, rapier()] {
+    for plant in [Plant::Point, Plant::Kinematic { setup: carrier() }, rapier()] {
         for message in encoded(example(plant), |_| {}).1.iter().filter(|m| m.channel.encoding() == "json") {
             schemas.check(&Definition::of(message.channel), &message.data);
             checked += 1;
@@ -305,7 +305,7 @@ fn inspect_tells_what_is_in_a_recording() {
 /// As a viewer of an episode that goes on from a snapshot is told of it.
 #[test]
 fn an_episode_under_way_is_told_of_from_where_it_is() {
-    let stage = example(Plant::Kinematic { carrier: carrier() }).prepare().unwrap();
+    let stage = example(Plant::Kinematic { setup: carrier() }).prepare().unwrap();
     let mut episode = stage.episode().unwrap();
     let mut encoder = Encoder::new(&stage);
     encoder.begin(&episode);
