@@ -1,0 +1,146 @@
+"""Sweeps on a real Ray cluster of two raylets: whatever dies, the rows are those of one process, byte for byte."""
+
+from __future__ import annotations
+
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+
+import cocarry
+from cocarry import _cocarry, _ray
+
+ray = pytest.importorskip("ray")
+cluster_utils = pytest.importorskip("ray.cluster_utils")
+
+STUDY = """
+worlds = ["mine.toml", "environment-4"]
+plants = "point"
+methods = ["mutual", "without-model", "robot-led"]
+eta = [5, 15]
+seeds = 250
+"""
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("study")
+    (folder / "study.toml").write_text(STUDY)
+    # a world that only the driver's folder has
+    export = [sys.executable, "-m", "cocarry", "export", "environment-2"]
+    subprocess.run(export, cwd=folder, check=True, capture_output=True)
+    (folder / "environment-2.toml").rename(folder / "mine.toml")
+    cocarry.sweep(folder / "study.toml", out=folder / "expected.csv")
+    return folder
+
+
+@pytest.fixture
+def cluster(monkeypatch):
+    monkeypatch.setattr(_ray, "BLOCK_S", 0.2)
+    monkeypatch.setenv("RAY_ENABLE_UV_RUN_RUNTIME_ENV", "0")
+    cluster = cluster_utils.Cluster(initialize_head=True, head_node_args={"num_cpus": 1})
+    cluster.second = cluster.add_node(num_cpus=1)
+    cluster.wait_for_nodes()
+    yield cluster
+    ray.shutdown()
+    cluster.shutdown()
+
+
+def at(share: float, act):
+    """A teller of progress that acts once, when this share of the episodes is done."""
+    acted = []
+
+    def tell(done, count):
+        if not acted and done >= share * count:
+            acted.append(act())
+
+    tell.acted = acted
+    return tell
+
+
+def workers() -> list[int]:
+    """The processes that run blocks."""
+    found = []
+    for entry in pathlib.Path("/proc").iterdir():
+        try:
+            if (entry / "cmdline").read_bytes().startswith(b"ray::") and b"rows" in (entry / "cmdline").read_bytes():
+                found.append(int(entry.name))
+        except (OSError, ValueError):
+            continue
+    return found
+
+
+def test_a_killed_raylet_a_killed_worker_and_a_stopped_one(study, cluster):
+    killed = at(0.2, lambda: cluster.remove_node(cluster.second, allow_graceful=False))
+
+    def kill_worker():
+        # as the kernel does where memory runs out
+        for worker in workers()[:1]:
+            os.kill(worker, signal.SIGKILL)
+            return worker
+
+    def stop_worker():
+        for worker in workers()[:1]:
+            os.kill(worker, signal.SIGSTOP)
+            threading.Timer(2.0, os.kill, (worker, signal.SIGCONT)).start()
+            return worker
+
+    tells = [killed, at(0.5, kill_worker), at(0.7, stop_worker)]
+    table = cocarry.sweep(
+        study / "study.toml", out=study / "ray.csv", backend="ray", address=cluster.address,
+        progress=lambda done, count: [tell(done, count) for tell in tells],
+    )
+    assert all(tell.acted for tell in tells) and all(tell.acted[0] for tell in tells[1:])
+    assert (study / "ray.csv").read_bytes() == (study / "expected.csv").read_bytes()
+    assert len(table) == (study / "expected.csv").read_bytes().count(b"\n") - 1
+
+
+DRIVER = """
+import sys, cocarry
+from cocarry import _ray
+_ray.BLOCK_S = 0.2
+cocarry.sweep(sys.argv[1] + "/study.toml", out=sys.argv[1] + "/killed.csv", backend="ray", address=sys.argv[2])
+"""
+
+
+def test_a_killed_driver_goes_on_where_it_was(study, cluster):
+    driver = subprocess.Popen([sys.executable, "-c", DRIVER, str(study), cluster.address])
+    partial = study / "killed.csv.partial"
+    begun = time.monotonic()
+    while not partial.exists() or partial.stat().st_size < (study / "expected.csv").stat().st_size // 4:
+        assert driver.poll() is None and time.monotonic() - begun < 120
+        time.sleep(0.02)
+    driver.kill()
+    driver.wait()
+    kept = partial.read_bytes().count(b"\n") - 1
+    first = []
+    cocarry.sweep(study / "study.toml", out=study / "killed.csv", backend="ray", address=cluster.address,
+                  progress=lambda done, count: first.append(done))
+    assert 0 < first[0] <= kept < (study / "expected.csv").read_bytes().count(b"\n") - 1
+    assert (study / "killed.csv").read_bytes() == (study / "expected.csv").read_bytes()
+
+
+def test_what_cannot_be_joined_is_refused_before_work_is_sent(study, cluster, monkeypatch):
+    with monkeypatch.context() as other:
+        other.setattr(_cocarry, "__version__", "0.0.9")
+        with pytest.raises(cocarry.StudyError, match=r"node .*: version 0\.1\.0; here it is 0\.0\.9"):
+            cocarry.sweep(study / "study.toml", backend="ray", address=cluster.address)
+    with pytest.raises(cocarry.StudyError, match="exists already"):
+        cocarry.sweep(study / "study.toml", out=study / "expected.csv", backend="ray", address=cluster.address)
+    for wrong, message in [
+        ({"backend": "dask"}, 'backend = \'dask\'; it must be "ray"'),
+        ({"address": "localhost:1"}, 'needs backend = "ray"'),
+        ({"backend": "ray", "threads": 2}, "without shard, threads"),
+    ]:
+        with pytest.raises(cocarry.StudyError, match=message):
+            cocarry.sweep(study / "study.toml", **wrong)
+
+
+def test_a_cluster_that_is_not_there_is_told(study):
+    with pytest.raises(cocarry.StudyError, match="no Ray cluster there"):
+        cocarry.sweep(study / "study.toml", backend="ray", address="127.0.0.1:9")
