@@ -198,7 +198,8 @@ impl EpisodeReport<'_> {
                 100.0 * GRASP_WARNING_RMS_M
             )
         });
-        self.stage.slow_drive().map(|slow| slow.to_string()).into_iter().chain(off).collect()
+        let slow = self.stage.slow_drive().map(|slow| slow.to_string());
+        slow.into_iter().chain(self.stage.robot_warnings()).chain(off).collect()
     }
 
     /// The events, one line each. In a resumed episode, earlier preference changes and the transition are

@@ -19,6 +19,8 @@ mod render;
 mod replay;
 mod reproduce;
 mod robot;
+mod robot_check;
+mod robot_init;
 mod run;
 mod scenario;
 #[cfg_attr(not(feature = "live"), path = "serving_unavailable.rs")]
@@ -57,6 +59,8 @@ enum Command {
     Run(Box<run::RunArguments>),
     World(world::WorldArguments),
     Worlds(worlds::WorldsArguments),
+    #[command(subcommand)]
+    Robot(RobotAction),
     New(new::NewArguments),
     Export(export::ExportArguments),
     Sweep(sweep::SweepArguments),
@@ -77,6 +81,13 @@ enum Command {
     Man(shell::ManArguments),
 }
 
+/// Check the files of a robot, or draft a robot file from its URDF
+#[derive(Debug, Subcommand)]
+enum RobotAction {
+    Check(robot_check::CheckArguments),
+    Init(robot_init::InitArguments),
+}
+
 /// What the program's help ends with.
 fn after_help() -> String {
     let examples = output::examples(&[
@@ -85,6 +96,7 @@ fn after_help() -> String {
         ("cocarry run environment-4 --render run.html", "a 3-D player in one file, for any browser"),
         ("cocarry world free-form --svg map.svg", "obstacles, openings and options of a world"),
         ("cocarry new kitchen", "a world, a robot and a study of your own, to start from"),
+        ("cocarry robot init robot.urdf", "a robot file for a URDF of your own"),
         ("cocarry sweep kitchen/study.toml", "a study of many episodes, as CSV"),
         ("cocarry cluster slurm study.toml --out study.csv", "the same on a cluster"),
         ("cocarry run --record run.mcap", "a recording, to watch in Foxglove"),
@@ -125,6 +137,8 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::World(arguments)) => world::run(&arguments),
         Some(Command::Worlds(arguments)) => worlds::run(&arguments),
+        Some(Command::Robot(RobotAction::Check(arguments))) => robot_check::run(&arguments),
+        Some(Command::Robot(RobotAction::Init(arguments))) => robot_init::run(&arguments),
         Some(Command::New(arguments)) => new::run(&arguments),
         Some(Command::Export(arguments)) => export::run(&arguments),
         Some(Command::Sweep(arguments)) => sweep::run(&arguments),

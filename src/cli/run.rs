@@ -112,6 +112,7 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let refused = |error| arguments.snapshots.refused(error);
     let stage = with_spinner("preparing the world", || scenario.prepare()).map_err(refused)?;
     stage.slow_drive().iter().for_each(warn);
+    stage.robot_warnings().iter().for_each(warn);
     let episode = match state {
         None => stage.episode(),
         Some(state) => stage.resume(state),

@@ -78,6 +78,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<ExitCode, Failure> {
 fn sweep(arguments: &SweepArguments, file: &Path) -> Result<(), Failure> {
     let study = Study::load(file, arguments.seeds).map_err(failure)?;
     study.slow_drives().iter().for_each(warn);
+    study.robot_warnings().iter().for_each(warn);
     let out = arguments.out.clone().unwrap_or_else(|| results_of(file, arguments.shard));
     let inputs = std::iter::once(file.to_owned()).chain(study.files(file));
     Outputs::new(true, inputs).check(&out).map_err(unwritten)?;

@@ -141,7 +141,7 @@ fn link(link: &Link, meshes: &Meshes, time: u64) -> Option<SceneEntity> {
             Shape::Cylinder { radius, length } => drawn.cylinder(at, *radius, *length, rgba),
             Shape::Capsule { radius, length } => drawn.capsule(at, *radius, *length, rgba),
             Shape::Sphere { radius } => drawn.ball(at, Vector3::repeat(2.0 * radius), rgba),
-            Shape::Mesh { file, scale } => {
+            Shape::Mesh { file, scale, .. } => {
                 if let Some(mesh) = meshes.get(file) {
                     mesh.draw(&mut drawn, at, *scale, given);
                 }

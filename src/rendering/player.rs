@@ -281,7 +281,7 @@ fn shape(geometry: &Geometry, meshes: &mut Meshes) -> Result<Value, RenderError>
         Shape::Cylinder { radius, length } => json!({ "cylinder": [radius, length] }),
         Shape::Capsule { radius, length } => json!({ "capsule": [radius, length] }),
         Shape::Sphere { radius } => json!({ "sphere": radius }),
-        Shape::Mesh { file, scale } => {
+        Shape::Mesh { file, scale, .. } => {
             json!({ "mesh": meshes.index(file)?, "scale": [scale.x, scale.y, scale.z] })
         }
     };

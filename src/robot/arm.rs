@@ -34,17 +34,21 @@ pub(super) struct Ends {
 
 impl Arm {
     /// Finds the arm and sets the coupling of every joint.
-    pub fn new(urdf: Urdf, links: &mut [Link], ends: &Ends, holds: &[Hold]) -> Result<Self, RobotError> {
+    pub fn new(
+        urdf: Urdf,
+        links: &mut [Link],
+        ends: &Ends,
+        held: &BTreeMap<usize, f64>,
+    ) -> Result<Self, RobotError> {
         let fault = |why| RobotError::NotAnArm { place: ends.place.clone(), why };
         let path = path(links, ends).map_err(fault)?;
         let moving = movable(urdf, links, &path)?;
-        let held = held(urdf, links, &moving, holds)?;
         let driven: Vec<usize> = moving
             .iter()
             .copied()
             .filter(|&i| !held.contains_key(&i) && joint(links, i).is_some_and(|j| j.mimic.is_none()))
             .collect();
-        couple(urdf, links, &driven, &held)?;
+        couple(urdf, links, &driven, held)?;
 
         let base = links[ends.base].name.clone();
         if driven.is_empty() {
@@ -141,50 +145,64 @@ fn movable(urdf: Urdf, links: &[Link], path: &[usize]) -> Result<Vec<usize>, Rob
     Ok(moving)
 }
 
-/// The positions (rad or m) of the held joints, by link.
-fn held(
+/// The positions (rad or m) of the held joints, by link: of any joint that moves but the wheels.
+pub(super) fn held(
     urdf: Urdf,
     links: &[Link],
-    moving: &[usize],
+    wheels: [usize; 2],
     holds: &[Hold],
-) -> Result<BTreeMap<usize, f64>, RobotError> {
-    let mut held = BTreeMap::new();
+) -> Result<BTreeMap<usize, f64>, Vec<RobotError>> {
+    let (mut held, mut faults) = (BTreeMap::new(), Vec::new());
     for hold in holds {
-        let named = moving.iter().filter_map(|&i| joint(links, i).map(|j| (i, j)));
-        let Some((i, joint)) = named.clone().find(|(_, j)| j.name == hold.joint) else {
-            return Err(RobotError::Unknown {
-                place: hold.place.clone(),
-                kind: "moving joint between the base and the grasp",
-                name: hold.joint.to_owned(),
-                known: known(named.filter(|(_, j)| j.mimic.is_none()).map(|(_, j)| j.name.as_str())),
-            });
-        };
-        if let Some(mimic) = &joint.mimic {
-            let kind =
-                format!("an independent joint; it mimics `{}`, which may be held instead", mimic.joint);
-            return Err(RobotError::Missing { place: hold.place.clone(), needed: kind });
+        match held_position(urdf, links, wheels, hold) {
+            Ok((link, position)) => drop(held.insert(link, position)),
+            Err(fault) => faults.push(fault),
         }
-        let (key, scale, given, other) = match joint.kind {
-            JointKind::Prismatic => ("position_m", 1.0, hold.position_m, hold.angle_deg),
-            _ => ("angle_deg", 1f64.to_radians(), hold.angle_deg, hold.position_m),
-        };
-        let (Some(value), None) = (given, other) else {
-            let (place, joint, kind) = (hold.place.clone(), joint.name.clone(), joint.kind.name());
-            return Err(RobotError::Unit { place, joint, kind, key });
-        };
-        let limits = checked_limits(urdf, joint, false)?;
-        let position = value * scale;
-        if !position.is_finite() || position < limits.lower || position > limits.upper {
-            return Err(RobotError::Number {
-                place: hold.place.clone(),
-                field: key.to_owned(),
-                value,
-                expected: format!("from {} to {}", limits.lower / scale, limits.upper / scale),
-            });
-        }
-        held.insert(i, position);
     }
-    Ok(held)
+    if faults.is_empty() { Ok(held) } else { Err(faults) }
+}
+
+/// The link of a held joint and its position, rad or m.
+fn held_position(
+    urdf: Urdf,
+    links: &[Link],
+    wheels: [usize; 2],
+    hold: &Hold,
+) -> Result<(usize, f64), RobotError> {
+    let moving = (0..links.len()).filter(|i| !wheels.contains(i));
+    let moving = moving.filter_map(|i| joint(links, i).map(|j| (i, j)));
+    let named = moving.filter(|(_, j)| moves(j.kind));
+    let Some((i, joint)) = named.clone().find(|(_, j)| j.name == hold.joint) else {
+        return Err(RobotError::Unknown {
+            place: hold.place.clone(),
+            kind: "moving joint",
+            name: hold.joint.to_owned(),
+            known: known(named.filter(|(_, j)| j.mimic.is_none()).map(|(_, j)| j.name.as_str())),
+        });
+    };
+    if let Some(mimic) = &joint.mimic {
+        let kind = format!("an independent joint; it mimics `{}`, which may be held instead", mimic.joint);
+        return Err(RobotError::Missing { place: hold.place.clone(), needed: kind });
+    }
+    let (key, scale, given, other) = match joint.kind {
+        JointKind::Prismatic => ("position_m", 1.0, hold.position_m, hold.angle_deg),
+        _ => ("angle_deg", 1f64.to_radians(), hold.angle_deg, hold.position_m),
+    };
+    let (Some(value), None) = (given, other) else {
+        let (place, joint, kind) = (hold.place.clone(), joint.name.clone(), joint.kind.name());
+        return Err(RobotError::Unit { place, joint, kind, key });
+    };
+    let limits = checked_limits(urdf, joint, false)?;
+    let position = value * scale;
+    if !position.is_finite() || position < limits.lower || position > limits.upper {
+        return Err(RobotError::Number {
+            place: hold.place.clone(),
+            field: key.to_owned(),
+            value,
+            expected: format!("from {} to {}", limits.lower / scale, limits.upper / scale),
+        });
+    }
+    Ok((i, position))
 }
 
 /// Limits of a joint between the base and the grasp, where limits are required.

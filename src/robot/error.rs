@@ -22,16 +22,26 @@ pub enum RobotError {
         file: String,
     },
     /// A xacro where a URDF belongs.
-    #[error("{file}: a xacro, not a URDF; expand it first: `xacro {file} > {expanded}`")]
+    #[error(
+        "{file}: a xacro, not a URDF; expand it first: `xacro {file} > {expanded}` (`pip install xacro` has the program)"
+    )]
     Xacro {
         /// The file.
         file: String,
         /// A name for the expanded URDF.
         expanded: String,
     },
+    /// The program `xacro` could not expand a xacro.
+    #[error("{file}: `xacro` cannot expand it: {said}")]
+    XacroFailed {
+        /// The file.
+        file: String,
+        /// The last line of its message.
+        said: String,
+    },
     /// A URDF without a robot file.
     #[error(
-        "{urdf}: needs a robot file beside it, {needed}, which names urdf, base_link, grasp_frame, left_wheel, right_wheel, base_width_m, grasp_height_m and a [[posture]]"
+        "{urdf}: needs a robot file beside it, {needed}, which names urdf, base_link, grasp_frame, left_wheel, right_wheel, base_width_m, grasp_height_m and a [[posture]]; `cocarry robot init {urdf}` drafts one"
     )]
     NoRobotFile {
         /// The URDF.
@@ -142,16 +152,6 @@ pub enum RobotError {
         place: Place,
         /// The joints in the order in which they mimic each other.
         circle: String,
-    },
-    /// A missing mesh.
-    #[error("{place}: no mesh `{mesh}`; searched for {looked}")]
-    Mesh {
-        /// The link.
-        place: Place,
-        /// The mesh as the URDF names it.
-        mesh: String,
-        /// The places searched.
-        looked: String,
     },
     /// A posture that does not hold the object level at its height, heading ahead.
     #[error(

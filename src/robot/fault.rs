@@ -140,7 +140,9 @@ pub enum WheelFault {
         root: String,
     },
     /// A moving joint lies between it and the base.
-    #[error("it is connected to `{base}` through `{joint}`, which is {kind}; it must be fixed")]
+    #[error(
+        "it is connected to `{base}` through `{joint}`, which is {kind}; it must be fixed, or held under [hold]"
+    )]
     Loose {
         /// The base link.
         base: String,
@@ -174,7 +176,7 @@ pub enum WheelFault {
     },
     /// The measured radius and the given one differ.
     #[error(
-        "its radius is {measured} m in the URDF, but wheel_radius_m = {given}; they must agree within 1 mm"
+        "its radius is {measured} m in the URDF, but wheel_radius_m = {given}; they must agree within 10 %"
     )]
     Radius {
         /// As measured, m.
@@ -182,8 +184,20 @@ pub enum WheelFault {
         /// As given, m.
         given: f64,
     },
+    /// The measured track and the given one differ.
+    #[error(
+        "the wheels are {measured:.4} m apart in the URDF, but wheel_separation_m = {given}; they must agree within 10 %"
+    )]
+    Track {
+        /// As measured, m.
+        measured: f64,
+        /// As given, m.
+        given: f64,
+    },
     /// It has no valid rate limit.
-    #[error("limit velocity = {rate}; it must be greater than 0 and finite")]
+    #[error(
+        "limit velocity = {rate}; it must be greater than 0 and finite; give wheel_rate_limit_rad_s in the robot file"
+    )]
     Rate {
         /// The limit found, rad/s.
         rate: f64,

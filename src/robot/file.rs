@@ -4,6 +4,7 @@ use super::error::RobotError;
 use crate::located::Source;
 use serde::Deserialize;
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use toml::Spanned;
 
 /// A robot file as written.
@@ -19,6 +20,12 @@ pub(super) struct RobotFile {
     pub base_width_m: Spanned<f64>,
     pub grasp_height_m: Spanned<f64>,
     pub wheel_radius_m: Option<Spanned<f64>>,
+    pub wheel_separation_m: Option<Spanned<f64>>,
+    pub wheel_rate_limit_rad_s: Option<Spanned<f64>>,
+    pub grasp_xyz_m: Option<Spanned<[f64; 3]>>,
+    pub grasp_rpy_deg: Option<Spanned<[f64; 3]>>,
+    #[serde(default)]
+    pub packages: Vec<PathBuf>,
     #[serde(default)]
     pub hold: BTreeMap<String, Spanned<HoldEntry>>,
     #[serde(default, rename = "posture")]

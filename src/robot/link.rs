@@ -147,10 +147,12 @@ pub enum Shape {
     },
     /// A triangle mesh.
     Mesh {
-        /// The file, which exists.
+        /// The file. That of a visual shape exists.
         file: PathBuf,
         /// Scale along x, y and z.
         scale: Vector3<f64>,
+        /// Vertices of the mesh's convex hull, m; empty where there is none, as for visual shapes.
+        hull: Vec<Vector3<f64>>,
     },
 }
 

@@ -1,16 +1,21 @@
 //! Loading of a robot from its robot file and the URDF that it names.
 
-use super::arm::{Arm, Ends, Hold};
+use super::arm::{self, Arm, Ends, Hold};
 use super::error::{RobotError, known};
 use super::file::{RobotFile, number};
-use super::link::Link;
-use super::urdf::Urdf;
+use super::link::{Coupling, Joint, JointKind, Limits, Link};
+use super::mesh::MeshFolders;
+use super::note::RobotNote;
+use super::urdf::{Hulls, Links, Urdf, is_xacro};
 use super::wheels::Wheels;
-use super::{Posture, Robot, posture};
+use super::{Posture, Robot, collision, posture};
+use crate::geometry::Pose;
 use crate::located::{self, LARGEST_SETTINGS, Place, Source};
+use nalgebra::{Rotation3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::process::Command;
 use toml::Spanned;
 
 /// What a robot file is, in errors.
@@ -28,15 +33,27 @@ pub struct RobotTexts {
     pub urdf_file: String,
     /// Text of the URDF.
     pub urdf: String,
-    /// The folder from which meshes are searched for.
+    /// Vertices of the hulls of collision meshes, in the units of their files, by the names of the meshes in the
+    /// URDF; and the sign that shapes stand in for those that are missing. `None` if every link that collides has a
+    /// shape in the URDF itself, and for robots of recordings by versions without hulls, whose meshes do not collide.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    hulls: Option<SharedHulls>,
+    /// The folders in which meshes are searched for.
     #[serde(skip)]
     meshes: MeshFolder,
 }
 
-/// The folder of a URDF, where its meshes are at hand. It is no part of what a robot is: recordings and
-/// snapshots do not have it.
+/// The folders of a URDF's meshes, where they are at hand. They are no part of what a robot is: recordings and
+/// snapshots do not have them.
 #[derive(Clone, Debug, Default)]
-struct MeshFolder(Option<PathBuf>);
+struct MeshFolder(Option<MeshFolders>);
+
+/// Hulls, whose numbers are those of a file and so are never NaN.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+struct SharedHulls(Hulls);
+
+impl Eq for SharedHulls {}
 
 impl PartialEq for MeshFolder {
     fn eq(&self, _: &Self) -> bool {
@@ -55,6 +72,8 @@ impl RobotTexts {
         let robot_file = match extension.as_str() {
             "toml" => path.to_owned(),
             "urdf" | "xml" => path.with_extension("toml"),
+            // of `robot.urdf.xacro` as well as of `robot.xacro`
+            "xacro" if path.exists() => path.with_extension("").with_extension("toml"),
             "xacro" => return Err(xacro(path)),
             _ => return Err(RobotError::Format { file }),
         };
@@ -78,12 +97,33 @@ impl RobotTexts {
                 asked: asked.display().to_string(),
             });
         }
-        if urdf.extension().is_some_and(|e| e.eq_ignore_ascii_case("xacro")) {
-            return Err(xacro(&urdf));
-        }
-        let urdf_text = located::read(&urdf)?;
-        let meshes = MeshFolder(Some(urdf.parent().unwrap_or(Path::new("")).to_owned()));
-        Ok(Self { file: name, text, urdf_file: urdf.display().to_string(), urdf: urdf_text, meshes })
+        let urdf_text = read_urdf(&urdf)?;
+        let packages = entries.packages.iter().map(|package| folder.join(package));
+        let meshes = MeshFolder(Some(MeshFolders::new(&urdf, packages)));
+        let urdf_file = urdf.display().to_string();
+        Ok(Self { file: name, text, urdf_file, urdf: urdf_text, hulls: None, meshes })
+    }
+
+    /// A URDF without a robot file yet.
+    pub(super) fn of_urdf(path: &Path) -> Result<Self, RobotError> {
+        let urdf = read_urdf(path)?;
+        let urdf_file = path.display().to_string();
+        let meshes = MeshFolder(Some(MeshFolders::new(path, std::iter::empty())));
+        let (file, text) = (urdf_file.clone(), String::new());
+        Ok(Self { file, text, urdf_file, urdf, hulls: None, meshes }.with_hulls().0)
+    }
+
+    /// The same with the text of a robot file.
+    pub(super) fn with(&self, text: String) -> Self {
+        Self { text, ..self.clone() }
+    }
+
+    /// The same with the hulls of the URDF's collision meshes, and notes on those that have none.
+    fn with_hulls(mut self) -> (Self, Vec<RobotNote>) {
+        let urdf = Urdf { file: &self.urdf_file, folders: self.meshes.0.as_ref(), hulls: None };
+        let (hulls, notes) = urdf.collision_hulls(&self.urdf);
+        self.hulls = Some(SharedHulls(hulls));
+        (self, notes)
     }
 }
 
@@ -94,8 +134,16 @@ impl Robot {
     /// # Errors
     /// [`RobotError`], which names the file, the item and the numbers.
     pub fn load(path: &Path) -> Result<Self, RobotError> {
-        let texts = RobotTexts::read(path)?;
-        build(&texts, texts.meshes.0.as_deref())
+        Self::check(path).map_err(|mut faults| faults.swap_remove(0))
+    }
+
+    /// As [`Robot::load`], with all faults that can be seen at once in place of the first. Postures are checked only
+    /// if everything else is valid.
+    ///
+    /// # Errors
+    /// At least one [`RobotError`].
+    pub fn check(path: &Path) -> Result<Self, Vec<RobotError>> {
+        complete(RobotTexts::read(path).map_err(|fault| vec![fault])?)
     }
 
     /// A robot built from texts that were read before. Meshes of texts from a recording or a snapshot keep the
@@ -105,8 +153,8 @@ impl Robot {
     /// As [`Robot::load`].
     pub fn parse(texts: &RobotTexts) -> Result<Self, RobotError> {
         // files that were there may be gone
-        let found = texts.meshes.0.as_deref().and_then(|folder| build(texts, Some(folder)).ok());
-        found.map_or_else(|| build(texts, None), Ok)
+        let found = texts.meshes.0.as_ref().and_then(|folders| build(texts, Some(folders)).ok());
+        found.map_or_else(|| build(texts, None), Ok).map_err(|mut faults| faults.swap_remove(0))
     }
 
     /// The built-in robot "carrier": two driven wheels and an arm of seven joints.
@@ -117,8 +165,64 @@ impl Robot {
         let text = include_str!("../../assets/robots/carrier.toml").to_owned();
         let urdf = include_str!("../../assets/robots/carrier.urdf").to_owned();
         let (file, urdf_file) = ("carrier".to_owned(), "carrier.urdf".to_owned());
-        Self::parse(&RobotTexts { file, text, urdf_file, urdf, meshes: MeshFolder::default() })
+        let meshes = MeshFolder::default();
+        Self::parse(&RobotTexts { file, text, urdf_file, urdf, hulls: None, meshes })
     }
+}
+
+/// The text of a URDF. A xacro is expanded where the program `xacro` is installed.
+fn read_urdf(path: &Path) -> Result<String, RobotError> {
+    let text = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("xacro")) {
+        None
+    } else {
+        let text = located::read(path)?;
+        let file = path.display().to_string();
+        let is_bounded = Urdf { file: &file, folders: None, hulls: None }.check_extent(&text).is_ok();
+        if !(is_bounded && is_xacro(&text)) {
+            return Ok(text);
+        }
+        Some(text)
+    };
+    let expanded = Command::new("xacro").arg(path).output();
+    match (expanded, text) {
+        (Ok(output), _) if output.status.success() => {
+            String::from_utf8(output.stdout).map_err(|_| xacro(path))
+        }
+        (Ok(output), _) => {
+            let said = String::from_utf8_lossy(&output.stderr).into_owned();
+            let said = said.trim().lines().last().unwrap_or("no message").to_owned();
+            Err(RobotError::XacroFailed { file: path.display().to_string(), said })
+        }
+        // without the program
+        (Err(_), _) => Err(xacro(path)),
+    }
+}
+
+/// The links of a URDF from which a robot file is drafted.
+pub(super) fn links_to_draft(texts: &RobotTexts) -> Result<Vec<Link>, RobotError> {
+    let hulls = texts.hulls.as_ref().map(|hulls| &hulls.0);
+    let urdf = Urdf { file: &texts.urdf_file, folders: texts.meshes.0.as_ref(), hulls };
+    let Links { links, faults, .. } = urdf.links(&texts.urdf)?;
+    faults.into_iter().next().map_or(Ok(links), Err)
+}
+
+/// The robot of some texts whose robot file has no postures yet.
+pub(super) fn without_postures(texts: &RobotTexts) -> Result<Robot, RobotError> {
+    assemble(texts, texts.meshes.0.as_ref())
+        .map_err(|mut faults| faults.swap_remove(0))
+        .map(|(robot, _)| robot)
+}
+
+/// The robot of texts that were just read, with the hulls of its meshes; or all its faults.
+pub(super) fn complete(texts: RobotTexts) -> Result<Robot, Vec<RobotError>> {
+    let (texts, notes) = texts.with_hulls();
+    let mut robot = build(&texts, texts.meshes.0.as_ref())?;
+    let replaces = robot.notes.iter().any(RobotNote::is_about_missing_shapes);
+    if texts.hulls.as_ref().is_some_and(|hulls| hulls.0.is_empty()) && notes.is_empty() && !replaces {
+        robot.texts.hulls = None;
+    }
+    robot.notes.splice(0..0, notes);
+    Ok(robot)
 }
 
 fn xacro(path: &Path) -> RobotError {
@@ -134,45 +238,87 @@ fn is_same(a: &Path, b: &Path) -> bool {
     a == b || same(a, b).unwrap_or(false)
 }
 
-/// The robot built from these texts. Meshes are searched for from `folder`, if there is one.
-fn build(texts: &RobotTexts, folder: Option<&Path>) -> Result<Robot, RobotError> {
-    let source = Source { file: &texts.file, text: &texts.text };
-    let entries = &source.parse::<RobotFile>(KIND)?;
-    let (urdf, text) = (Urdf { file: &texts.urdf_file, folder }, texts.urdf.as_str());
-    // older versions of xacro leave the bare namespace in what they expand, so it is no sign of a xacro file
-    // and it keeps the comments
-    let mut outside = text.split("<!--").map(|part| part.split_once("-->").map_or(part, |(_, rest)| rest));
-    if outside.any(|part| part.contains("<xacro:") || part.contains("${")) {
-        return Err(xacro(Path::new(urdf.file)));
+/// The results of checks, of which each failed one adds its faults.
+#[derive(Default)]
+struct Faults(Vec<RobotError>);
+
+impl Faults {
+    fn keep<T>(&mut self, result: Result<T, RobotError>) -> Option<T> {
+        result.map_err(|fault| self.0.push(fault)).ok()
     }
-    let width = number(
+
+    fn keep_all<T>(&mut self, result: Result<T, Vec<RobotError>>) -> Option<T> {
+        result.map_err(|faults| self.0.extend(faults)).ok()
+    }
+}
+
+/// The robot built from these texts, or all its faults, at least one. Meshes are searched for in `folders`, if there
+/// are any.
+fn build(texts: &RobotTexts, folders: Option<&MeshFolders>) -> Result<Robot, Vec<RobotError>> {
+    let (mut robot, entries) = assemble(texts, folders)?;
+    let source = Source { file: &texts.file, text: &texts.text };
+    robot.postures = postures(source, &entries, &robot)?;
+    Ok(robot)
+}
+
+/// As [`build`], without postures.
+fn assemble(
+    texts: &RobotTexts,
+    folders: Option<&MeshFolders>,
+) -> Result<(Robot, RobotFile), Vec<RobotError>> {
+    let source = Source { file: &texts.file, text: &texts.text };
+    let parsed = source.parse::<RobotFile>(KIND).map_err(|fault| vec![fault.into()])?;
+    let entries = &parsed;
+    let hulls = texts.hulls.as_ref().map(|hulls| &hulls.0);
+    let (urdf, text) = (Urdf { file: &texts.urdf_file, folders, hulls }, texts.urdf.as_str());
+    urdf.check_extent(text).map_err(|fault| vec![fault])?;
+    if is_xacro(text) {
+        return Err(vec![xacro(Path::new(urdf.file))]);
+    }
+    let mut faults = Faults::default();
+    let checked = |spanned: &Option<Spanned<f64>>, key, most: f64, unit| {
+        let expected = format!("greater than 0 and at most {most} ({unit})");
+        let number = |n| number(source, key, n, |n| n > 0.0 && n <= most, &expected);
+        spanned.as_ref().map(number).transpose()
+    };
+    let width = faults.keep(number(
         source,
         "base_width_m",
         &entries.base_width_m,
         |w| w > 0.0 && w <= 10.0,
         "greater than 0 and at most 10 (metres)",
-    )?;
-    let grasp_height = number(
+    ));
+    let grasp_height = faults.keep(number(
         source,
         "grasp_height_m",
         &entries.grasp_height_m,
         |h| (0.0..=3.0).contains(&h),
         "from 0 to 3 (metres)",
-    )?;
-    let radius = entries.wheel_radius_m.as_ref().map(|r| {
-        number(source, "wheel_radius_m", r, |r| r > 0.0 && r <= 1.0, "greater than 0 and at most 1 (metres)")
-    });
-    let mut links = urdf.links(text)?;
-    let base = link(source, &links, "base_link", &entries.base_link)?;
-    let grasp = link(source, &links, "grasp_frame", &entries.grasp_frame)?;
-    let wheel_links = [
-        carried_by(source, &links, "left_wheel", &entries.left_wheel)?,
-        carried_by(source, &links, "right_wheel", &entries.right_wheel)?,
-    ];
-    let wheels =
-        Wheels { base, grasp, links: wheel_links, radius: radius.transpose()?, base_radius: width / 2.0 };
-    let (drive, drive_from_base) = wheels.measure(urdf, &links)?;
-    let place = source.place(&entries.grasp_frame, format!("link `{}`", entries.grasp_frame.get_ref()));
+    ));
+    let radius = faults.keep(checked(&entries.wheel_radius_m, "wheel_radius_m", 1.0, "metres"));
+    let track = faults.keep(checked(&entries.wheel_separation_m, "wheel_separation_m", 10.0, "metres"));
+    let rate =
+        faults.keep(checked(&entries.wheel_rate_limit_rad_s, "wheel_rate_limit_rad_s", 1000.0, "rad/s"));
+    let tool = faults.keep(tool(source, entries));
+    let Links { mut links, faults: of_links, mut notes } = match urdf.links(text) {
+        Ok(read) => read,
+        Err(fault) => {
+            faults.0.push(fault);
+            return Err(faults.0);
+        }
+    };
+    let is_sound = of_links.is_empty();
+    faults.0.extend(of_links);
+    let base = faults.keep(link(source, &links, "base_link", &entries.base_link));
+    let grasp = faults.keep(link(source, &links, "grasp_frame", &entries.grasp_frame));
+    let left = faults.keep(carried_by(source, &links, "left_wheel", &entries.left_wheel));
+    let right = faults.keep(carried_by(source, &links, "right_wheel", &entries.right_wheel));
+    // what follows from a broken link or a wrong name would say nothing
+    let (Some(base), Some(grasp), Some(left), Some(right), true) = (base, grasp, left, right, is_sound)
+    else {
+        return Err(faults.0);
+    };
+    let wheel_links = [left, right];
     let holds: Vec<Hold> = entries
         .hold
         .iter()
@@ -183,8 +329,36 @@ fn build(texts: &RobotTexts, folder: Option<&Path>) -> Result<Robot, RobotError>
             place: source.place(spanned, format!("hold `{joint}`")),
         })
         .collect();
+    let held = faults.keep_all(arm::held(urdf, &links, wheel_links, &holds));
+    let held = held.unwrap_or_default();
+    let joint_of = |&link: &usize| links[link].joint.as_ref().map_or("", |j| j.name.as_str());
+    let wheels = Wheels {
+        base,
+        grasp,
+        links: wheel_links,
+        radius: radius.flatten(),
+        track: track.flatten(),
+        rate: rate.flatten(),
+        base_radius: width.unwrap_or(1.0) / 2.0,
+        held: held.iter().map(|(link, position)| (joint_of(link), *position)).collect(),
+    };
+    let measured = faults.keep_all(wheels.measure(urdf, &links));
+    let drive_from_base = measured.as_ref().map_or(Pose::identity(), |(_, pose, _)| *pose);
+    let grasp = match tool.flatten() {
+        None => grasp,
+        Some(pose) => {
+            links.push(tool_link(&links, grasp, pose));
+            links.len() - 1
+        }
+    };
+    let place = source.place(&entries.grasp_frame, format!("link `{}`", entries.grasp_frame.get_ref()));
     let ends = Ends { base, grasp, drive_from_base, place };
-    let Arm { joints, chain, last_from_grasp } = Arm::new(urdf, &mut links, &ends, &holds)?;
+    let arm = faults.keep(Arm::new(urdf, &mut links, &ends, &held));
+    let (Some((drive, _, of_wheels)), Some(arm), Some(grasp_height)) = (measured, arm, grasp_height) else {
+        return Err(faults.0);
+    };
+    let Arm { joints, chain, last_from_grasp } = arm;
+    notes.extend(of_wheels);
     let mut robot = Robot {
         name: entries.name.clone(),
         texts: texts.clone(),
@@ -196,33 +370,89 @@ fn build(texts: &RobotTexts, folder: Option<&Path>) -> Result<Robot, RobotError>
         base_link: base,
         grasp_link: grasp,
         wheel_links,
+        notes: Vec::new(),
         drive_from_base,
         chain,
         last_from_grasp,
     };
-    robot.postures = postures(source, entries, &robot)?;
-    Ok(robot)
+    let (of_inertias, about_inertias) = collision::check_inertias(urdf, &robot);
+    faults.0.extend(of_inertias);
+    notes.extend(about_inertias);
+    if hulls.is_some() {
+        notes.extend(collision::complete(&mut robot));
+    }
+    robot.notes = notes;
+    if !faults.0.is_empty() {
+        return Err(faults.0);
+    }
+    Ok((robot, parsed))
 }
 
-fn postures(source: Source, entries: &RobotFile, robot: &Robot) -> Result<Vec<Posture>, RobotError> {
+/// `tool_from_grasp`, if the robot file gives any of it.
+fn tool(source: Source, entries: &RobotFile) -> Result<Option<Pose>, RobotError> {
+    let vector = |key: &str, spanned: &Option<Spanned<[f64; 3]>>, most: f64, unit: &str| {
+        let Some(spanned) = spanned else { return Ok(Vector3::zeros()) };
+        for (axis, value) in ["[0]", "[1]", "[2]"].iter().zip(spanned.get_ref()) {
+            if value.abs() > most || value.is_nan() {
+                return Err(RobotError::Number {
+                    place: source.place(spanned, "robot"),
+                    field: format!("{key}{axis}"),
+                    value: *value,
+                    expected: format!("from -{most} to {most} ({unit})"),
+                });
+            }
+        }
+        Ok(Vector3::from(*spanned.get_ref()))
+    };
+    let xyz = vector("grasp_xyz_m", &entries.grasp_xyz_m, 2.0, "metres")?;
+    let rpy = vector("grasp_rpy_deg", &entries.grasp_rpy_deg, 360.0, "degrees")?.map(f64::to_radians);
+    let is_given = entries.grasp_xyz_m.is_some() || entries.grasp_rpy_deg.is_some();
+    let turn = Rotation3::from_euler_angles(rpy.x, rpy.y, rpy.z);
+    Ok(is_given.then(|| Pose::from_parts(xyz.into(), turn)))
+}
+
+/// A frame fixed to the link of the tool, with a name of its own.
+fn tool_link(links: &[Link], tool: usize, tool_from_grasp: Pose) -> Link {
+    let mut name = format!("{}_grasp", links[tool].name);
+    let is_taken = |name: &str| {
+        links
+            .iter()
+            .any(|l| l.name == name || l.joint.as_ref().is_some_and(|j| j.name == format!("{name}_joint")))
+    };
+    while is_taken(&name) {
+        name.push('_');
+    }
+    let joint = Joint {
+        name: format!("{name}_joint"),
+        kind: JointKind::Fixed,
+        parent_from_joint: tool_from_grasp,
+        axis: Vector3::x_axis(),
+        limits: Limits { lower: 0.0, upper: 0.0, rate: 0.0, effort: f64::INFINITY },
+        mimic: None,
+        coupling: Coupling { joint: None, ratio: 1.0, offset: 0.0 },
+    };
+    let (visuals, collisions) = (Vec::new(), Vec::new());
+    Link { name, parent: Some(tool), joint: Some(joint), inertial: None, visuals, collisions }
+}
+
+/// All postures, or the faults of all.
+fn postures(source: Source, entries: &RobotFile, robot: &Robot) -> Result<Vec<Posture>, Vec<RobotError>> {
     if entries.postures.is_empty() {
         let place = Place { file: source.file.to_owned(), line: None, item: "robot".to_owned() };
-        return Err(RobotError::Missing { place, needed: "a [[posture]] to start from".to_owned() });
+        return Err(vec![RobotError::Missing { place, needed: "a [[posture]] to start from".to_owned() }]);
     }
     let mut names = BTreeSet::new();
-    let read = |spanned: &Spanned<_>| posture::read(source, spanned, robot);
-    entries
-        .postures
-        .iter()
-        .map(|spanned| {
-            let name = &spanned.get_ref().name;
-            if !names.insert(name) {
-                let place = source.place(spanned, format!("posture `{name}`"));
-                return Err(RobotError::Duplicate { place, kind: "posture" });
-            }
-            read(spanned)
-        })
-        .collect()
+    let (mut found, mut faults) = (Vec::new(), Faults::default());
+    for spanned in &entries.postures {
+        let name = &spanned.get_ref().name;
+        if names.insert(name) {
+            found.extend(faults.keep(posture::read(source, spanned, robot)));
+        } else {
+            let place = source.place(spanned, format!("posture `{name}`"));
+            faults.0.push(RobotError::Duplicate { place, kind: "posture" });
+        }
+    }
+    if faults.0.is_empty() { Ok(found) } else { Err(faults.0) }
 }
 
 /// The link of this name.

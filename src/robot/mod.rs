@@ -5,23 +5,35 @@
 //! the left; its pose is the base's. `grasp` is where the object is held, x ahead.
 
 mod arm;
+mod collision;
+mod draft;
+mod draft_request;
+mod draft_search;
 mod error;
 mod fault;
 mod file;
+mod hull;
 mod kinematics;
 mod link;
 mod load;
 mod mesh;
+mod note;
 mod posture;
+mod postures;
+mod reach;
 mod tree;
 mod urdf;
 mod wheels;
 
+pub use draft::Draft;
+pub use draft_request::{DraftError, DraftRequest};
 pub use error::RobotError;
 pub use fault::{ArmFault, PostureFault, TreeFault, WheelFault};
 pub use kinematics::{Kinematics, pose_difference};
 pub use link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
 pub use load::RobotTexts;
+pub use note::RobotNote;
+pub use reach::Reach;
 
 use crate::geometry::{PlanarPose, Pose};
 use nalgebra::{SMatrix, SVector, Unit, Vector3};
@@ -68,6 +80,8 @@ pub struct Robot {
     pub grasp_link: usize,
     /// The links of the left and the right wheel: indices into [`Robot::links`].
     pub wheel_links: [usize; 2],
+    /// What its files lack and what stands in for it.
+    pub notes: Vec<RobotNote>,
     /// From the drive's frame to the base link's; the two differ by a translation.
     pub(crate) drive_from_base: Pose,
     /// The kinematic chain of the grasp, from the base outward.

@@ -2,14 +2,16 @@
 //! its first parser.
 
 use super::error::RobotError;
+use super::hull;
 use super::link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
-use super::mesh;
+use super::mesh::{self, MeshFolders};
+use super::note::{RobotNote, some_of};
 use super::tree::{self, Edge, Spot};
 use crate::geometry::Pose;
 use crate::located::{Place, Source};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::PathBuf;
 
 /// The largest magnitude of a number in a URDF. Larger numbers are errors, and their squares would lose
 /// digits.
@@ -25,12 +27,27 @@ const LONGEST_NAMESPACES: usize = 4096;
 /// The namespace of namespaces.
 const XMLNS: &str = "http://www.w3.org/2000/xmlns/";
 
-/// A URDF being read: its name in errors, and the folder in which meshes are searched for. Without a folder,
+/// Vertices of the convex hulls of collision meshes, in the units of their files, by the meshes' names in the
+/// URDF.
+pub(super) type Hulls = BTreeMap<String, Vec<[f64; 3]>>;
+
+/// A URDF being read: its name in errors, and the folders in which meshes are searched for. Without folders,
 /// meshes are not searched for.
 #[derive(Clone, Copy)]
 pub(super) struct Urdf<'a> {
     pub file: &'a str,
-    pub folder: Option<&'a Path>,
+    pub folders: Option<&'a MeshFolders>,
+    pub hulls: Option<&'a Hulls>,
+}
+
+/// The links of a URDF with all that was found wrong with single items.
+#[derive(Default)]
+pub(super) struct Links {
+    /// Parents before children, otherwise in the order of their joints.
+    pub links: Vec<Link>,
+    /// Faults of single items. The links are then incomplete.
+    pub faults: Vec<RobotError>,
+    pub notes: Vec<RobotNote>,
 }
 
 impl Urdf<'_> {
@@ -38,8 +55,8 @@ impl Urdf<'_> {
         Place { file: self.file.to_owned(), line: None, item }
     }
 
-    /// The links of the URDF: parents before children, otherwise in the order of their joints.
-    pub fn links(self, text: &str) -> Result<Vec<Link>, RobotError> {
+    /// The links of the URDF. The error is a fault of the file or of the tree.
+    pub fn links(self, text: &str) -> Result<Links, RobotError> {
         self.check_extent(text)?;
         let urdf = urdf_rs::read_from_string(text)
             .map_err(|error| Source { file: self.file, text }.invalid("URDF", error))?;
@@ -55,37 +72,87 @@ impl Urdf<'_> {
         let names = urdf.links.iter().map(|l| l.name.as_str()).collect();
         let edges =
             urdf.joints.iter().map(|j| Edge { joint: &j.name, parent: &j.parent.link, child: &j.child.link });
-        tree::order(self.file, names, &edges.collect::<Vec<_>>())?
-            .into_iter()
-            .map(|Spot { link, parent, joint }| {
-                let link = &urdf.links[link];
-                let check = Check { urdf: self, item: format!("link `{}`", link.name) };
-                let shapes = |kind: &str, i: usize| Check {
-                    urdf: self,
-                    item: format!("link `{}`, {kind} {}", link.name, i + 1),
+        let mut read = Links::default();
+        let mut missing = Vec::new();
+        for Spot { link, parent, joint } in tree::order(self.file, names, &edges.collect::<Vec<_>>())? {
+            let link = &urdf.links[link];
+            let mut keep = |fault| read.faults.push(fault);
+            let check = Check { urdf: self, item: format!("link `{}`", link.name) };
+            let shapes = |kind: &str, i: usize| Check {
+                urdf: self,
+                item: format!("link `{}`, {kind} {}", link.name, i + 1),
+            };
+            let joint = joint.and_then(|j| self.joint(&urdf.joints[j]).map_err(&mut keep).ok());
+            let inertial = check.inertial(&link.inertial).map_err(&mut keep).ok().flatten();
+            let mut visuals = Vec::new();
+            for (i, v) in link.visual.iter().enumerate() {
+                let check = shapes("visual", i);
+                let color = v.material.as_ref().and_then(|m| colors.get(&m.name).copied());
+                let color = color.map(|c| check.color(c)).transpose().map_err(&mut keep).ok().flatten();
+                let mesh = match self.file_of(&v.geometry) {
+                    Some(Err(why)) => {
+                        missing.extend(mesh_name(&v.geometry).map(|name| (name, why)));
+                        continue;
+                    }
+                    Some(Ok(file)) => Some(file),
+                    None => None,
                 };
-                let visuals = link.visual.iter().enumerate().map(|(i, v)| {
-                    let color = v.material.as_ref().and_then(|m| colors.get(&m.name).copied());
-                    let color = color.map(|c| shapes("visual", i).color(c)).transpose()?;
-                    shapes("visual", i).geometry(&v.origin, &v.geometry, color)
-                });
-                let collisions = link.collision.iter().enumerate();
-                let collisions =
-                    collisions.map(|(i, c)| shapes("collision", i).geometry(&c.origin, &c.geometry, None));
-                Ok(Link {
-                    name: link.name.clone(),
-                    parent,
-                    joint: joint.map(|j| self.joint(&urdf.joints[j])).transpose()?,
-                    inertial: check.inertial(&link.inertial)?,
-                    visuals: visuals.collect::<Result<_, _>>()?,
-                    collisions: collisions.collect::<Result<_, _>>()?,
-                })
-            })
-            .collect()
+                visuals.extend(check.geometry(&v.origin, &v.geometry, color, mesh).map_err(&mut keep));
+            }
+            let mut collisions = Vec::new();
+            for (i, c) in link.collision.iter().enumerate() {
+                // a mesh that is not at hand may still have its hull
+                let mesh = self.file_of(&c.geometry);
+                let file =
+                    mesh.map(|found| found.unwrap_or_else(|_| mesh_name(&c.geometry).unwrap_or("").into()));
+                let shape = shapes("collision", i).geometry(&c.origin, &c.geometry, None, file);
+                collisions.extend(shape.map_err(&mut keep));
+            }
+            read.links.push(Link { name: link.name.clone(), parent, joint, inertial, visuals, collisions });
+        }
+        if let Some((first, why)) = missing.first() {
+            let (count, first, why) = (missing.len(), (*first).to_owned(), format!("searched for {why}"));
+            read.notes.push(RobotNote::NotDrawn { count, first, why });
+        }
+        let has_hull = |l: &&Link| {
+            l.collisions.iter().any(|c| matches!(&c.shape, Shape::Mesh { hull, .. } if !hull.is_empty()))
+        };
+        let with_hulls: Vec<&str> = read.links.iter().filter(has_hull).map(|l| l.name.as_str()).collect();
+        if !with_hulls.is_empty() {
+            let (count, links) = (with_hulls.len(), some_of(&with_hulls));
+            read.notes.push(RobotNote::Hulls { count, links });
+        }
+        Ok(read)
+    }
+
+    /// The hulls of all collision meshes that can be found and read, and notes on the others. Nothing of a URDF
+    /// that is not valid.
+    pub fn collision_hulls(self, text: &str) -> (Hulls, Vec<RobotNote>) {
+        let (mut hulls, mut notes) = (Hulls::new(), Vec::new());
+        let urdf = self.check_extent(text).ok().and_then(|()| urdf_rs::read_from_string(text).ok());
+        let links = urdf.iter().flat_map(|urdf| &urdf.links);
+        for (link, geometry) in links.flat_map(|l| l.collision.iter().map(move |c| (&l.name, &c.geometry))) {
+            let Some(mesh) = mesh_name(geometry).filter(|mesh| !hulls.contains_key(*mesh)) else { continue };
+            let Some(found) = self.file_of(geometry) else { continue };
+            let found = found.map_err(|why| format!("searched for {why}"));
+            match found
+                .and_then(|file| hull::vertices(&file).map_err(|why| format!("{}: {why}", file.display())))
+            {
+                Ok(vertices) => drop(hulls.insert(mesh.to_owned(), vertices)),
+                Err(why) => notes.push(RobotNote::NoHull { link: link.clone(), mesh: mesh.to_owned(), why }),
+            }
+        }
+        (hulls, notes)
+    }
+
+    /// The file of a mesh, or the places searched; `None` for another shape. Without folders, the name as it is.
+    fn file_of(self, geometry: &urdf_rs::Geometry) -> Option<Result<PathBuf, String>> {
+        let name = mesh_name(geometry)?;
+        Some(self.folders.map_or_else(|| Ok(PathBuf::from(name)), |folders| mesh::find(name, folders)))
     }
 
     /// The check that the parser's stack and memory stay within bounds, by the events of the parser itself.
-    fn check_extent(self, text: &str) -> Result<(), RobotError> {
+    pub fn check_extent(self, text: &str) -> Result<(), RobotError> {
         let robot = Check { urdf: self, item: "robot".to_owned() };
         let check = |field: &str, found: usize, most: usize| {
             robot.number(field, found as f64, found <= most, &format!("at most {most}"))
@@ -163,6 +230,45 @@ impl Urdf<'_> {
             coupling: Coupling { joint: None, ratio: 1.0, offset: 0.0 },
         })
     }
+}
+
+/// The name of a mesh; `None` for another shape.
+fn mesh_name(geometry: &urdf_rs::Geometry) -> Option<&str> {
+    match geometry {
+        urdf_rs::Geometry::Mesh { filename, .. } => Some(filename),
+        _ => None,
+    }
+}
+
+/// Whether a text is a xacro: an element or attribute of its namespace, or an attribute with an expression in it.
+/// Comments and texts may have whatever they like, and so may the declaration of the namespace, which xacro leaves in
+/// what it expands.
+pub(super) fn is_xacro(text: &str) -> bool {
+    let mut parser = xml::Parser::new();
+    parser.feed_str(text);
+    for event in parser {
+        match event {
+            Ok(xml::Event::ElementStart(tag)) => {
+                let is_own = |space: &Option<String>| space.as_deref().is_some_and(|s| s.ends_with("/xacro"));
+                let has_expression = |value: &String| ["${", "$("].iter().any(|e| value.contains(e));
+                let mut attributes = tag.attributes.iter();
+                if tag.prefix.as_deref() == Some("xacro")
+                    || is_own(&tag.ns)
+                    || attributes.any(|((_, space), value)| is_own(space) || has_expression(value))
+                {
+                    return true;
+                }
+            }
+            Ok(_) => {}
+            // such as the prefix of xacro without its namespace
+            Err(_) => {
+                let outside =
+                    text.split("<!--").map(|part| part.split_once("-->").map_or(part, |(_, rest)| rest));
+                return outside.into_iter().any(|part| part.contains("<xacro:"));
+            }
+        }
+    }
+    false
 }
 
 /// The colours of materials. A colour given anywhere holds everywhere.
@@ -252,9 +358,6 @@ impl Check<'_> {
         }
         let inertia = Matrix3::new(i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz);
         let center = self.pose(&inertial.origin)?;
-        let least = inertia.symmetric_eigenvalues().min();
-        let is_good = least >= -1e-9 * inertia.amax();
-        self.number("least principal moment of inertia", least, is_good, "at least 0")?;
         let has_body = mass > 0.0 || inertia.amax() > 0.0;
         Ok(has_body.then_some(Inertial { mass, center, inertia }))
     }
@@ -271,6 +374,7 @@ impl Check<'_> {
         origin: &urdf_rs::Pose,
         geometry: &urdf_rs::Geometry,
         color: Option<[f32; 4]>,
+        mesh: Option<PathBuf>,
     ) -> Result<Geometry, RobotError> {
         use urdf_rs::Geometry as G;
         let round = |radius: &f64, length: &f64| {
@@ -292,8 +396,12 @@ impl Check<'_> {
             G::Sphere { radius } => Shape::Sphere { radius: self.positive("radius", *radius)? },
             G::Mesh { filename, scale } => {
                 let scale = self.vector("mesh scale", &scale.map_or([1.0; 3], |s| s.0))?;
-                let place = || self.urdf.place(self.item.clone());
-                Shape::Mesh { file: mesh::find(filename, self.urdf.folder, place)?, scale }
+                let vertices = self.urdf.hulls.and_then(|hulls| hulls.get(filename));
+                let scaled = |v: &[f64; 3]| Vector3::from(*v).component_mul(&scale);
+                let hull: Vec<Vector3<f64>> = vertices.into_iter().flatten().map(scaled).collect();
+                // a scale of 0 makes any mesh flat
+                let hull = if hull::is_solid(&hull) { hull } else { Vec::new() };
+                Shape::Mesh { file: mesh.unwrap_or_default(), scale, hull }
             }
         };
         Ok(Geometry { link_from_shape: self.pose(origin)?, shape, color })

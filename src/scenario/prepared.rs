@@ -10,6 +10,9 @@ use crate::robot::{Robot, SlowDrive};
 use crate::world::World;
 use std::sync::Arc;
 
+/// The largest difference between a robot's width and that of its world that is not told, m.
+const WIDTH_TOLERANCE_M: f64 = 1e-6;
+
 /// A scenario with its world, options and robot: it owns what its episode borrows.
 #[derive(Clone, Debug)]
 pub struct PreparedScenario {
@@ -120,6 +123,24 @@ impl PreparedScenario {
     /// The robot's drive, if it is slower than the walking speed.
     pub fn slow_drive(&self) -> Option<SlowDrive> {
         self.robot()?.slow_drive(self.scenario.settings.speed)
+    }
+
+    /// What a user of this robot in this world should know: that the world's openings are for narrower robots; and,
+    /// on the plant with contacts, which shapes are missing and what collides in their place.
+    pub fn robot_warnings(&self) -> Vec<String> {
+        let Some(robot) = self.robot() else { return Vec::new() };
+        let has_contacts = self.scenario.plant.physics().is_some();
+        let (width, expected) = (2.0 * robot.drive.base_radius, self.world().robot_width);
+        let is_wide = width > expected + WIDTH_TOLERANCE_M;
+        let too_wide = is_wide.then(|| {
+            format!(
+                "robot `{}` is {width:.2} m wide (base_width_m), but {} is for robots of {expected} m (robot_width_m): \
+                 it may be too wide for openings and touch obstacles",
+                robot.name, self.scenario.world.file,
+            )
+        });
+        let notes = robot.notes.iter().filter(|note| has_contacts && note.is_about_missing_shapes());
+        too_wide.into_iter().chain(notes.map(ToString::to_string)).collect()
     }
 
     /// The robot in the form that an episode needs; `None` on the planning level alone.

@@ -69,6 +69,7 @@ pub struct Study {
     stage_of: Vec<usize>,
     /// Drives that are slower than their team is to walk, each once.
     slow_drives: Vec<SlowDrive>,
+    robot_warnings: Vec<String>,
     blocks: Vec<Block>,
     episodes: u64,
     digest: String,
@@ -117,6 +118,7 @@ impl Study {
             stages: Vec::new(),
             stage_of: Vec::new(),
             slow_drives: Vec::new(),
+            robot_warnings: Vec::new(),
             blocks,
             episodes,
         };
@@ -170,6 +172,11 @@ impl Study {
     /// Drives that are slower than their team is to walk, each once.
     pub fn slow_drives(&self) -> &[SlowDrive] {
         &self.slow_drives
+    }
+
+    /// What is to be known of robots in their worlds, each once: see [`PreparedScenario::robot_warnings`].
+    pub fn robot_warnings(&self) -> &[String] {
+        &self.robot_warnings
     }
 
     /// The scenario of a cell with everything that is drawn.
@@ -251,6 +258,11 @@ impl Study {
             let made = made.map_err(|source| self.refused(i, source))?;
             let slow = made.slow_drive().filter(|found| !self.slow_drives.contains(found));
             self.slow_drives.extend(slow);
+            for warning in made.robot_warnings() {
+                if !self.robot_warnings.contains(&warning) {
+                    self.robot_warnings.push(warning);
+                }
+            }
             let at = *known.entry(key).or_insert(self.stages.len());
             if at == self.stages.len() {
                 self.stages.push(made);

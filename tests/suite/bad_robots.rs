@@ -161,10 +161,7 @@ fn joints_that_are_held() {
         toml("# The arm in the", &format!("[hold]\n{entry}\n# The arm in the"), said);
     };
     hold("elbow = { angle_deg = 1 }", &[":11: hold `elbow`: unknown moving joint", "`elbow_flex_joint`"]);
-    hold(
-        "left_finger_joint = { position_m = 0.01 }",
-        &["unknown moving joint between", "`left_finger_joint`"],
-    );
+    hold("left_wheel_joint = { angle_deg = 1 }", &["unknown moving joint", "`left_wheel_joint`"]);
     let beyond = ["hold `elbow_flex_joint`", "angle_deg = 150", "from -128.97", "to 128.97"];
     hold("elbow_flex_joint = { angle_deg = 150 }", &beyond);
     hold("elbow_flex_joint = { angle_deg = nan }", &["angle_deg = NaN"]);

@@ -30,6 +30,7 @@ mod reference_recordings;
 mod regress;
 mod render;
 mod reports;
+mod robot_files;
 mod robots;
 mod scenarios;
 mod seams;

@@ -359,7 +359,7 @@ fn meshes_are_found_beside_the_urdf_and_in_packages() {
         std::fs::write(robots.join("carrier.urdf"), urdf).expect("a file");
         let robot = load(&robots.join("carrier.toml"));
         let torso = robot.links.iter().find(|l| l.name == "torso_link").expect("the torso");
-        let Shape::Mesh { file, scale } = &torso.visuals[0].shape else { panic!("{torso:?}") };
+        let Shape::Mesh { file, scale, .. } = &torso.visuals[0].shape else { panic!("{torso:?}") };
         assert!(file.is_file() && scale.y == -2.0, "{}", file.display());
         assert_eq!(file.file_name(), Path::new(mesh).file_name());
     }

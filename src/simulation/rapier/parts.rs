@@ -3,7 +3,7 @@
 use super::{BodyKind, Part};
 use crate::geometry::Pose;
 use crate::robot::{Link, Shape};
-use crate::simulation::convert::to_rapier;
+use crate::simulation::convert::{to_rapier, to_vector};
 use rapier3d::prelude::{
     ActiveCollisionTypes, Collider, ColliderBuilder, ColliderHandle, InteractionGroups, InteractionTestMode,
     PhysicsWorld, RigidBodyHandle, SharedShape,
@@ -95,28 +95,34 @@ impl Parts {
         let quarter = to_rapier(&Pose::identity()) * rapier3d::math::Rotation::from_rotation_x(FRAC_PI_2);
         for geometry in &link.collisions {
             let at = to_rapier(&(body_from_link * geometry.link_from_shape));
-            let (shape, at) = match geometry.shape {
+            let (shape, at) = match &geometry.shape {
                 Shape::Box { size } => {
                     (ColliderBuilder::cuboid(size.x / 2.0, size.y / 2.0, size.z / 2.0), at)
                 }
                 // rapier's cylinder is aligned with y; outside a compound its bounding box would be
                 // searched for in every step
                 Shape::Cylinder { radius, length } => {
-                    let cylinder = SharedShape::cylinder(length / 2.0, radius);
+                    let cylinder = SharedShape::cylinder(length / 2.0, *radius);
                     (ColliderBuilder::compound(vec![(quarter, cylinder)]), at)
                 }
-                Shape::Capsule { radius, length } => (ColliderBuilder::capsule_z(length / 2.0, radius), at),
-                Shape::Sphere { radius } => (ColliderBuilder::ball(radius), at),
-                Shape::Mesh { .. } => {
-                    self.left_out.push(link.name.clone());
-                    continue;
+                Shape::Capsule { radius, length } => (ColliderBuilder::capsule_z(length / 2.0, *radius), at),
+                Shape::Sphere { radius } => (ColliderBuilder::ball(*radius), at),
+                Shape::Mesh { hull, .. } => {
+                    let vertices: Vec<_> = hull.iter().map(to_vector).collect();
+                    let hull =
+                        if vertices.is_empty() { None } else { ColliderBuilder::convex_hull(&vertices) };
+                    let Some(hull) = hull else {
+                        self.left_out.push(link.name.clone());
+                        continue;
+                    };
+                    (hull, at)
                 }
             };
             self.add(world, Some(body), shape.position(at), &link.name, kind);
         }
     }
 
-    /// Links with mesh shapes, which the physics ignores.
+    /// Links with mesh shapes without a hull, which the physics ignores.
     pub fn left_out(&self) -> &[String] {
         &self.left_out
     }

@@ -1,0 +1,135 @@
+//! A robot file drafted from a URDF: the base, its wheels, the arm, the grasp and postures, each found or assumed.
+
+use super::draft_request::{DraftError, DraftRequest};
+use super::draft_search::{self, Parts};
+use super::load::{self, RobotTexts};
+use super::postures::{self, Found};
+use super::{Motion, Robot};
+use crate::math;
+use nalgebra::{Rotation3, Vector3};
+use std::path::Path;
+
+/// A drafted robot file.
+#[derive(Clone, Debug)]
+pub struct Draft {
+    /// The text of the robot file.
+    pub text: String,
+    /// What was assumed, a sentence each.
+    pub assumed: Vec<String>,
+    /// The robot of the file.
+    pub robot: Robot,
+}
+
+/// Heights tried in this order, m.
+const HEIGHTS_M: [f64; 7] = [0.7, 0.8, 0.9, 0.6, 1.0, 1.1, 0.5];
+
+impl Draft {
+    /// A robot file for a URDF. `named` is how the file names the URDF, and `file` is its own name in errors. The same
+    /// URDF gives the same text.
+    ///
+    /// # Errors
+    /// [`DraftError`].
+    pub fn new(urdf: &Path, named: &str, file: &str, request: &DraftRequest) -> Result<Self, DraftError> {
+        let mut texts = RobotTexts::of_urdf(urdf)?;
+        texts.file = file.to_owned();
+        let urdf_file = texts.urdf_file.clone();
+        let links = load::links_to_draft(&texts)?;
+        let parts = draft_search::find(&urdf_file, &links, request)?;
+        let mut assumed = parts.assumed.clone();
+        let name = urdf.file_stem().map_or("robot".to_owned(), |s| s.to_string_lossy().into_owned());
+        let name = name.trim_end_matches(".urdf").to_owned();
+        let toml = |text: &str| toml::Value::String(text.to_owned()).to_string();
+        let heights: Vec<f64> = request.grasp_height.map_or(HEIGHTS_M.to_vec(), |h| vec![h]);
+        let head = |width: f64, height: f64, rpy: Vector3<f64>| {
+            let Parts { base, tool, wheels, radius, rate, .. } = &parts;
+            let mut text = format!(
+                "# Drafted by `cocarry robot init`. Check it with `cocarry robot check`.\nname = {}\nurdf = {}\nbase_link = {}\n",
+                toml(&name),
+                toml(named),
+                toml(base)
+            );
+            text += &format!("grasp_frame = {}\n", toml(tool));
+            if rpy.norm() > 1e-9 {
+                text += &format!(
+                    "grasp_rpy_deg = [{:.1}, {:.1}, {:.1}]   # turns the frame's axes: x ahead, z up\n",
+                    rpy.x, rpy.y, rpy.z
+                );
+            }
+            text += &format!("left_wheel = {}\nright_wheel = {}\n", toml(&wheels[0]), toml(&wheels[1]));
+            radius
+                .iter()
+                .for_each(|r| text += &format!("wheel_radius_m = {r:.4}   # measured on its mesh\n"));
+            rate.iter().for_each(|r| text += &format!("wheel_rate_limit_rad_s = {r:.2}   # assumed\n"));
+            text += &format!("base_width_m = {width:.2}\ngrasp_height_m = {height}\n");
+            if !parts.holds.is_empty() {
+                text += &format!("\n[hold]\n{}\n", parts.holds.join("\n"));
+            }
+            text
+        };
+        let bare =
+            |width: f64, height: f64, rpy| load::without_postures(&texts.with(head(width, height, rpy)));
+        let plain = euler(&parts.tool_from_grasp);
+        let robot = bare(0.5, heights[0], plain)?;
+        let width = match robot.base_extent() {
+            Some(extent) => (2.0 * extent * 100.0).ceil() / 100.0,
+            None => robot.drive.track + 0.1,
+        };
+        let found = heights.iter().find_map(|&height| {
+            let found = postures::search(&robot, height, width / 2.0);
+            (!found.is_empty()).then_some((height, found))
+        });
+        let Some((height, found)) = found else {
+            let heights = heights.iter().map(|h| h.to_string()).collect::<Vec<_>>().join(", ");
+            let hint =
+                if robot.joint_count() < 6 { "; an arm of fewer than six joints rarely can" } else { "" };
+            return Err(DraftError::NoPosture { file: urdf_file, tool: parts.tool, heights, hint });
+        };
+        let roll = found[0].roll;
+        let level = Rotation3::from_axis_angle(&Vector3::x_axis(), -roll);
+        let rpy = euler(&(parts.tool_from_grasp * level));
+        let mut text = head(width, height, rpy);
+        for (i, posture) in found.iter().filter(|f| f.roll == roll).enumerate() {
+            text += &entry(&robot, posture, i + 1);
+        }
+        if let Some(height) = request.grasp_height.is_none().then_some(height) {
+            assumed.push(format!("the object is held {height} m above the floor (--grasp-height)"));
+        }
+        assumed.push(format!(
+            "the base is {width:.2} m wide: a disc about the axle around its collision shapes"
+        ));
+        let texts = texts.with(text.clone());
+        let robot = load::complete(texts).map_err(|mut faults| faults.swap_remove(0))?;
+        Ok(Self { text, assumed, robot })
+    }
+}
+
+/// Roll, pitch and yaw of a rotation, degrees.
+fn euler(rotation: &Rotation3<f64>) -> Vector3<f64> {
+    let m = rotation.matrix();
+    let pitch = math::asin((-m[(2, 0)]).clamp(-1.0, 1.0));
+    let (roll, yaw) = match m[(2, 0)].abs() < 1.0 - 1e-9 {
+        true => (math::atan2(m[(2, 1)], m[(2, 2)]), math::atan2(m[(1, 0)], m[(0, 0)])),
+        false => (0.0, math::atan2(-m[(0, 1)], m[(1, 1)])),
+    };
+    Vector3::new(roll, pitch, yaw).map(|a| (a.to_degrees() * 10.0).round() / 10.0 + 0.0)
+}
+
+/// A `[[posture]]`.
+fn entry(robot: &Robot, found: &Found, number: usize) -> String {
+    let ahead = found.ahead;
+    let mut text =
+        format!("\n[[posture]]   # the grasp {ahead:.2} m ahead of the axle\nname = \"posture-{number}\"\n");
+    for (motion, key) in [(Motion::Revolute, "angles_deg"), (Motion::Prismatic, "positions_m")] {
+        let of = robot.joints.iter().zip(found.joints.iter()).filter(|(joint, _)| joint.motion == motion);
+        let lines: String = of
+            .map(|(joint, at)| {
+                let value = if motion == Motion::Revolute { at.to_degrees() } else { *at };
+                format!("{} = {value:.6}\n", toml::Value::String(joint.name.clone()))
+            })
+            .collect();
+        if !lines.is_empty() {
+            text += &format!("[posture.{key}]\n{lines}");
+        }
+    }
+    text
+}

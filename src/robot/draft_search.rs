@@ -1,0 +1,282 @@
+//! The base, the driven wheels and the tool of a URDF, found by what they are and then by their names.
+
+use super::draft_request::{DraftError, DraftRequest};
+use super::link::{Joint, JointKind, Link, Shape};
+use super::{MAX_JOINTS, hull};
+use crate::geometry::Pose;
+use nalgebra::{Point3, Rotation3, Vector3};
+
+/// What was found in a URDF.
+#[derive(Clone, Debug)]
+pub(super) struct Parts {
+    pub base: String,
+    pub tool: String,
+    pub wheels: [String; 2],
+    /// Radius of the wheels where the loader would not find it, m.
+    pub radius: Option<f64>,
+    /// Assumed rate limit of the wheels where the URDF gives none, rad/s.
+    pub rate: Option<f64>,
+    /// Entries under `[hold]`, a line each: the joints between the base and its wheels.
+    pub holds: Vec<String>,
+    /// The grasp's axes in the tool's frame: x along the arm's end.
+    pub tool_from_grasp: Rotation3<f64>,
+    pub assumed: Vec<String>,
+}
+
+/// Largest difference of two wheels that are mirror images, m.
+const MIRRORED_M: f64 = 5e-3;
+/// Speed of a base whose wheels have no limit, m/s.
+const ASSUMED_SPEED: f64 = 1.0;
+/// Parts of the names of tools, the likeliest first.
+const TOOLS: [&str; 11] = [
+    "grasping_frame",
+    "grasp",
+    "tcp",
+    "tool",
+    "end_effector",
+    "ee_link",
+    "gripper_link",
+    "gripper",
+    "palm",
+    "hand",
+    "wrist",
+];
+/// Words in the names of links at an arm's end that do not hold an object.
+const NO_TOOLS: [&str; 16] = [
+    "finger", "thumb", "index", "middle", "ring", "little", "camera", "optical", "sensor", "safety", "ft",
+    "laser", "imu", "head", "screw", "led",
+];
+
+/// Finds the parts. Names that the request gives are taken as they are.
+pub(super) fn find(file: &str, links: &[Link], request: &DraftRequest) -> Result<Parts, DraftError> {
+    let poses = poses(links);
+    let mut assumed = Vec::new();
+    let joint_name = |i: usize| links[i].joint.as_ref().map_or("", |j| j.name.as_str());
+    let given = request
+        .wheels
+        .as_ref()
+        .map(|names| names.each_ref().map(|name| (0..links.len()).find(|&i| joint_name(i) == name.as_str())));
+    let wheels = match given {
+        Some([Some(left), Some(right)]) => [left, right],
+        Some(_) => {
+            let all =
+                (0..links.len()).filter(|&i| is_wheel(links, &poses, i)).map(joint_name).collect::<Vec<_>>();
+            let seen = format!("no joint has the name given; wheels are: {}", all.join(", "));
+            return Err(DraftError::NoWheels { file: file.to_owned(), seen });
+        }
+        None => {
+            let wheels = pair(file, links, &poses)?;
+            let [left, right] = wheels.map(joint_name);
+            assumed.push(format!("the driven wheels are `{left}` and `{right}`"));
+            wheels
+        }
+    };
+    let above =
+        |i: usize| -> Vec<usize> { std::iter::successors(links[i].parent, |&at| links[at].parent).collect() };
+    let of_right = above(wheels[1]);
+    let base = above(wheels[0]).into_iter().find(|at| of_right.contains(at)).unwrap_or(0);
+    assumed.push(format!("the base is `{}`, with x ahead", links[base].name));
+    let tool = match &request.tool {
+        // an unknown name is an error of the robot file
+        Some(name) => links.iter().position(|l| l.name == *name).unwrap_or(base),
+        None => tool(links, base, &wheels)
+            .ok_or_else(|| DraftError::NoArm { file: file.to_owned(), base: links[base].name.clone() })?,
+    };
+    let tool_name = request.tool.clone().unwrap_or_else(|| links[tool].name.clone());
+    if request.tool.is_none() {
+        assumed.push(format!("the tool is `{tool_name}` (--tool)"));
+    }
+    let (tool_from_grasp, axis) = approach(links, &poses, base, tool);
+    assumed.push(format!("the tool points along its {axis} axis, which becomes the grasp's x"));
+    let measurable = |i: usize| {
+        let shapes = links[i].collisions.iter().chain(&links[i].visuals);
+        shapes.into_iter().any(|g| matches!(g.shape, Shape::Cylinder { .. } | Shape::Sphere { .. }))
+    };
+    let radius = match measurable(wheels[0]) {
+        true => None,
+        false => Some(mesh_radius(&links[wheels[0]]).ok_or_else(|| DraftError::NoRadius {
+            file: file.to_owned(),
+            wheel: joint_name(wheels[0]).to_owned(),
+        })?),
+    };
+    let has_rate =
+        links[wheels[0]].joint.as_ref().is_some_and(|j| j.limits.rate > 0.0 && j.limits.rate.is_finite());
+    let rate = (!has_rate).then(|| ASSUMED_SPEED / radius.unwrap_or(0.1));
+    if rate.is_some() {
+        assumed.push("the URDF does not limit the wheels' rate; it is assumed".to_owned());
+    }
+    let suspension = suspension(links, base, wheels);
+    if !suspension.is_empty() {
+        let names = suspension.iter().map(|joint| format!("`{}`", joint.name)).collect::<Vec<_>>().join(", ");
+        assumed.push(format!("the wheels' suspension stays fixed: {names} (under [hold])"));
+    }
+    let holds = suspension.into_iter().map(held).collect();
+    let base = links[base].name.clone();
+    let wheels = wheels.map(|i| joint_name(i).to_owned());
+    Ok(Parts { base, tool: tool_name, wheels, radius, rate, holds, tool_from_grasp, assumed })
+}
+
+/// The joints that move between the base and its wheels.
+fn suspension(links: &[Link], base: usize, wheels: [usize; 2]) -> Vec<&Joint> {
+    let above = |wheel: usize| std::iter::successors(links[wheel].parent, |&at| links[at].parent);
+    let between = |wheel| above(wheel).take_while(|&at| at != base).filter_map(|at| links[at].joint.as_ref());
+    let moving = wheels.into_iter().flat_map(between).filter(|joint| joint.kind != JointKind::Fixed);
+    moving.filter(|joint| joint.mimic.is_none()).collect()
+}
+
+/// The entry under `[hold]` that keeps a joint at 0, or as near to it as its limits allow.
+fn held(joint: &Joint) -> String {
+    let at = 0f64.max(joint.limits.lower).min(joint.limits.upper);
+    let name = toml::Value::String(joint.name.clone());
+    match joint.kind {
+        JointKind::Prismatic => format!("{name} = {{ position_m = {at} }}"),
+        _ => format!("{name} = {{ angle_deg = {} }}", at.to_degrees()),
+    }
+}
+
+/// Poses of the links in the root's frame with all joints at 0.
+fn poses(links: &[Link]) -> Vec<Pose> {
+    let mut poses: Vec<Pose> = Vec::with_capacity(links.len());
+    for link in links {
+        poses.push(match (link.parent, &link.joint) {
+            (Some(parent), Some(joint)) => poses[parent] * joint.parent_from_joint,
+            _ => Pose::identity(),
+        });
+    }
+    poses
+}
+
+/// Whether a link turns without limits about the root's y axis, beside its x axis, and is not a caster's.
+fn is_wheel(links: &[Link], poses: &[Pose], i: usize) -> bool {
+    let Some(joint) = &links[i].joint else { return false };
+    let axis = poses[i].rotation * joint.axis.into_inner();
+    let is_named =
+        |part: &str| joint.name.to_lowercase().contains(part) || links[i].name.to_lowercase().contains(part);
+    joint.kind == JointKind::Continuous
+        && joint.mimic.is_none()
+        && axis.y.abs() > 0.999
+        && poses[i].translation.y.abs() > 0.02
+        && !is_named("caster")
+        && !has_moving(links, i)
+}
+
+/// Whether a joint moves below a link, as below the joints of arms.
+fn has_moving(links: &[Link], at: usize) -> bool {
+    (at + 1..links.len()).any(|i| {
+        let above = std::iter::successors(links[i].parent, |&p| links[p].parent);
+        let moves = links[i].joint.as_ref().is_some_and(|j| j.kind != JointKind::Fixed);
+        moves && above.into_iter().any(|p| p == at)
+    })
+}
+
+/// The only pair of wheels that mirror each other, left first.
+fn pair(file: &str, links: &[Link], poses: &[Pose]) -> Result<[usize; 2], DraftError> {
+    let name = |i: usize| links[i].joint.as_ref().map_or("", |j| j.name.as_str());
+    let wheels: Vec<usize> = (0..links.len()).filter(|&i| is_wheel(links, poses, i)).collect();
+    let at = |i: usize| poses[i].translation.vector;
+    let mut pairs = Vec::new();
+    for &left in wheels.iter().filter(|&&i| at(i).y > 0.0) {
+        let mirrored = Vector3::new(at(left).x, -at(left).y, at(left).z);
+        pairs.extend(
+            wheels.iter().filter(|&&i| (at(i) - mirrored).amax() < MIRRORED_M).map(|&right| [left, right]),
+        );
+    }
+    match pairs[..] {
+        [only] => Ok(only),
+        [] => {
+            let turning = links.iter().filter_map(|l| l.joint.as_ref());
+            let turning =
+                turning.filter(|j| j.kind == JointKind::Continuous).map(|j| format!("`{}`", j.name));
+            let turning = turning.take(8).collect::<Vec<_>>().join(", ");
+            let seen = match turning.is_empty() {
+                true => {
+                    "the URDF has no continuous joint: fix the arm to a base with two wheels, or make the wheels' joints continuous".to_owned()
+                }
+                false => format!("its continuous joints are {turning}"),
+            };
+            Err(DraftError::NoWheels { file: file.to_owned(), seen })
+        }
+        _ => {
+            let names = wheels.iter().map(|&i| format!("`{}`", name(i))).collect::<Vec<_>>().join(", ");
+            Err(DraftError::ManyWheels { file: file.to_owned(), count: wheels.len(), names })
+        }
+    }
+}
+
+/// Whether a name says that its link does not hold an object. Short words must stand alone: `left_` has `ft_` in it.
+fn is_no_tool(name: &str) -> bool {
+    let name = name.to_lowercase();
+    let mut words = name.split(|c: char| !c.is_ascii_alphanumeric());
+    words.any(|word| NO_TOOLS.iter().any(|&no| word == no || (no.len() > 4 && word.contains(no))))
+}
+
+/// The link at the end of an arm of at most [`MAX_JOINTS`] joints: by its name, then by the length of its arm.
+fn tool(links: &[Link], base: usize, wheels: &[usize; 2]) -> Option<usize> {
+    let arm = |tool: usize| -> Option<usize> {
+        let path = std::iter::successors(Some(tool), |&at| links[at].parent);
+        let path: Vec<usize> = path.take_while(|&at| at != base).collect();
+        let hangs = path.last().and_then(|&last| links[last].parent) == Some(base);
+        let kinds = path.iter().filter_map(|&at| links[at].joint.as_ref());
+        let moving = kinds.clone().filter(|j| j.kind != JointKind::Fixed && j.mimic.is_none());
+        let slides = kinds.clone().filter(|j| j.kind == JointKind::Prismatic).count();
+        let is_arm = !path.iter().any(|at| wheels.contains(at)) && slides <= 3;
+        let is_possible = kinds.clone().all(|j| {
+            matches!(
+                j.kind,
+                JointKind::Fixed | JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic
+            )
+        });
+        let count = moving.count();
+        (hangs && is_arm && is_possible && (1..=MAX_JOINTS).contains(&count)).then_some(count)
+    };
+    let candidates =
+        (0..links.len()).filter_map(|i| Some((i, arm(i)?))).filter(|(i, _)| !is_no_tool(&links[*i].name));
+    // six joints place a grasp anywhere; the name then decides, and then the end of the tree
+    candidates
+        .max_by_key(|&(i, count)| {
+            let name = links[i].name.to_lowercase();
+            let rank = TOOLS.iter().position(|part| name.contains(part)).unwrap_or(TOOLS.len());
+            (count.min(6), TOOLS.len() - rank, count, std::cmp::Reverse(i))
+        })
+        .map(|(i, _)| i)
+}
+
+/// The grasp's axes in the tool's frame, x along the axis that points from the last moving joint outward, and that
+/// axis' name.
+fn approach(links: &[Link], poses: &[Pose], base: usize, tool: usize) -> (Rotation3<f64>, String) {
+    let moves = |i: usize| links[i].joint.as_ref().is_some_and(|j| j.kind != JointKind::Fixed);
+    let path = std::iter::successors(Some(tool), |&at| links[at].parent).take_while(|&at| at != base);
+    let last = path.into_iter().find(|&i| moves(i)).unwrap_or(tool);
+    let below = (last..links.len())
+        .filter(|&i| std::iter::successors(Some(i), |&at| links[at].parent).any(|at| at == last))
+        .collect::<Vec<_>>();
+    let sum: Vector3<f64> = below.iter().map(|&i| poses[i].translation.vector).sum();
+    let outward = sum / below.len() as f64 - poses[last].translation.vector;
+    let outward = poses[tool].rotation.inverse() * outward;
+    let largest = outward.iamax();
+    let largest = if outward.norm() < 5e-3 { 2 } else { largest };
+    let sign = if outward[largest] < 0.0 { -1.0 } else { 1.0 };
+    let mut x = Vector3::zeros();
+    x[largest] = sign;
+    // any axis across may be up; the search for postures tries all four
+    let z = if largest == 2 { Vector3::x() } else { Vector3::z() };
+    let y = z.cross(&x);
+    let name = format!("{}{}", if sign < 0.0 { "-" } else { "" }, ["x", "y", "z"][largest]);
+    (Rotation3::from_matrix_unchecked(nalgebra::Matrix3::from_columns(&[x, y, z])), name)
+}
+
+/// The largest distance of a wheel's mesh from its axis, m.
+fn mesh_radius(link: &Link) -> Option<f64> {
+    let axis = link.joint.as_ref()?.axis;
+    let shapes = link.collisions.iter().chain(&link.visuals);
+    let mut radii = shapes.filter_map(|geometry| {
+        let Shape::Mesh { file, scale, .. } = &geometry.shape else { return None };
+        let vertices = hull::vertices(file).ok()?;
+        let distance = |v: &[f64; 3]| {
+            let p = geometry.link_from_shape * Point3::from(Vector3::from(*v).component_mul(scale));
+            axis.cross(&p.coords).norm()
+        };
+        vertices.iter().map(distance).reduce(f64::max)
+    });
+    radii.next()
+}

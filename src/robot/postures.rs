@@ -1,0 +1,128 @@
+//! Postures solved by inverse kinematics from random starts, ranked by their room to move.
+
+use super::{JointVector, MAX_JOINTS, Motion, Robot, pose_difference};
+use crate::geometry::Pose;
+use nalgebra::{Matrix6, Rotation3, Vector3};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// A posture that holds the grasp level, straight ahead of the middle of the axle.
+#[derive(Clone, Debug)]
+pub(super) struct Found {
+    pub joints: JointVector,
+    /// x of the grasp in the drive's frame, m.
+    pub ahead: f64,
+    /// Turn of the grasp about its x axis that the posture needs, rad: a multiple of a right angle.
+    pub roll: f64,
+    /// Room to move: distance from limits as a share, less near singular configurations; 0 to 1.
+    room: f64,
+}
+
+/// Starts for every place of the grasp and every roll.
+const STARTS: usize = 6;
+/// Places of the grasp, ahead of the base's edge, m.
+const AHEAD_M: [f64; 6] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7];
+const MOST_STEPS: usize = 150;
+const TOLERANCE: f64 = 1e-9;
+/// Least distance from a limit as a share of half the range.
+const LEAST_CLEARANCE: f64 = 0.05;
+/// The least singular value of an arm far from singular configurations.
+const DEXTEROUS: f64 = 0.15;
+/// Postures in a robot file, and how far one of their joints differs (rad or m).
+const MOST_POSTURES: usize = 3;
+const DIFFERENT: f64 = 0.7;
+/// Radius of the arm in checks against the base, m.
+const ARM_RADIUS_M: f64 = 0.05;
+
+/// The best postures with the grasp at this height, best first; all have the roll of the best. Empty if there is none.
+/// The arm stays above the base's edge of this radius (m).
+pub(super) fn search(robot: &Robot, height: f64, base_radius: f64) -> Vec<Found> {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut all = Vec::new();
+    for ahead in AHEAD_M.map(|d| base_radius + d) {
+        for roll in [0.0, FRAC_PI_2, PI, -FRAC_PI_2] {
+            let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), roll);
+            let goal = Pose::from_parts(Vector3::new(ahead, 0.0, height).into(), turn);
+            for _ in 0..STARTS {
+                let joints = solve(robot, &goal, start(robot, &mut rng));
+                all.extend(joints.and_then(|joints| judge(robot, joints, ahead, roll, base_radius)));
+            }
+        }
+    }
+    all.sort_by(|a: &Found, b| b.room.total_cmp(&a.room));
+    let mut best: Vec<Found> = Vec::new();
+    for found in all {
+        let is_new =
+            |kept: &Found| kept.roll == found.roll && (kept.joints - found.joints).amax() > DIFFERENT;
+        if best.iter().all(is_new) && best.len() < MOST_POSTURES {
+            best.push(found);
+        }
+    }
+    best
+}
+
+/// Random positions, within the limits and a turn.
+fn start(robot: &Robot, rng: &mut ChaCha8Rng) -> JointVector {
+    let mut joints = JointVector::zeros();
+    for (at, joint) in joints.iter_mut().zip(&robot.joints) {
+        let (lower, upper) = (joint.lower.max(-PI), joint.upper.min(PI));
+        *at = lower + (upper - lower).max(0.0) * rng.random::<f64>();
+    }
+    joints
+}
+
+/// Damped least squares towards the goal, kept within the limits. `None` if it does not get there.
+fn solve(robot: &Robot, goal: &Pose, mut joints: JointVector) -> Option<JointVector> {
+    const DAMPING: f64 = 1e-4;
+    const LONGEST: f64 = 0.4;
+    for _ in 0..MOST_STEPS {
+        let kinematics = robot.kinematics(&Robot::at_origin(&joints));
+        let error = pose_difference(goal, &kinematics.grasp);
+        if error.norm() <= TOLERANCE {
+            return Some(joints);
+        }
+        let arm = kinematics.jacobian.fixed_columns::<MAX_JOINTS>(2);
+        let damping = DAMPING * error.norm().min(1.0);
+        let gram = arm * arm.transpose() + Matrix6::identity() * (damping + 1e-12);
+        let step: JointVector = arm.transpose() * gram.cholesky()?.solve(&error);
+        joints += step * (LONGEST / step.amax().max(LONGEST));
+        for (at, joint) in joints.iter_mut().zip(&robot.joints) {
+            *at = at.clamp(joint.lower, joint.upper);
+        }
+    }
+    None
+}
+
+/// The posture with its room; `None` if it has too little, or the arm passes through the base.
+fn judge(robot: &Robot, mut joints: JointVector, ahead: f64, roll: f64, base_radius: f64) -> Option<Found> {
+    for (at, joint) in joints.iter_mut().zip(&robot.joints) {
+        // continuous joints within a turn
+        if joint.motion == Motion::Revolute && joint.upper.is_infinite() {
+            *at -= (*at / (2.0 * PI)).round() * 2.0 * PI;
+        }
+    }
+    let clearance = robot.limit_clearance(&joints).map_or(1.0, |(_, share)| share);
+    if clearance < LEAST_CLEARANCE || passes_through_base(robot, &joints, base_radius) {
+        return None;
+    }
+    let room = clearance.min(0.5) * (robot.dexterity(&joints) / DEXTEROUS).min(1.0);
+    Some(Found { joints, ahead, roll, room })
+}
+
+/// Whether the arm, as thick segments between its joints, comes below the first of them within the base's radius, or
+/// below the floor.
+fn passes_through_base(robot: &Robot, joints: &JointVector, base_radius: f64) -> bool {
+    let mut points = Vec::new();
+    robot.arm_points(&Robot::at_origin(joints), |at, _| points.push(at));
+    let Some(shoulder) = points.iter().map(|p| p.xy()).next() else { return false };
+    let first = points.iter().position(|p| (p.xy() - shoulder).norm() > 0.05).unwrap_or(0);
+    let floor = points.get(first.saturating_sub(1)).map_or(0.0, |p| p.z) - 2.0 * ARM_RADIUS_M;
+    points[first..].windows(2).any(|pair| {
+        (0..=10).any(|i| {
+            let p = pair[0] + (pair[1] - pair[0]) * (f64::from(i) / 10.0);
+            p.z < ARM_RADIUS_M || (p.z < floor.min(0.6) && p.xy().norm() < base_radius + ARM_RADIUS_M)
+        })
+    })
+}
