@@ -1,0 +1,278 @@
+"""Published robots of `example-robot-data`: drafted, compared with pinocchio, and carrying on both plants.
+
+    python check.py PROGRAM FOLDER [--seeds N]
+
+PROGRAM is `cocarry`, FOLDER the data's `robots`. Arms without a base stand on a differential base made here.
+Exits with 1 if anything differs from what is expected.
+"""
+
+import argparse
+import collections
+import csv
+import json
+import math
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import tomllib
+import xml.etree.ElementTree as ET
+
+import cbor2
+import coal
+import numpy
+import pinocchio
+
+# URDF, and the arguments of `robot init`
+MOBILE = {
+    "tiago": ("tiago_description/robots/tiago.urdf", []),
+    "tiago_no_hand": ("tiago_description/robots/tiago_no_hand.urdf", []),
+    "tiago_dual": ("tiago_description/robots/tiago_dual.urdf", ["--tool", "hand_left_grasping_frame"]),
+}
+# The arm that does not carry, tucked away (rad)
+HOLD = {
+    "tiago_dual": {
+        f"arm_right_{i}_joint": at for i, at in enumerate([-1.1, 1.4679, 2.714, 1.7095, -1.5708, 1.3898, 0.0], start=1)
+    },
+}
+# URDF, where its root is on the base (m), and the arguments of `robot init`
+ARMS = {
+    "panda": ("panda_description/urdf/panda.urdf", [0.1, 0, 0.4], ["--tool", "panda_hand_tcp"]),
+    "ur3": ("ur_description/urdf/ur3_robot.urdf", [0.15, 0, 0.5], []),
+    "ur5": ("ur_description/urdf/ur5_robot.urdf", [0.1, 0, 0.4], []),
+    "ur10": ("ur_description/urdf/ur10_robot.urdf", [0.0, 0, 0.4], []),
+    "kinova": ("kinova_description/robots/kinova.urdf", [0.1, 0, 0.4], []),
+    "xarm7": ("xarm_description/urdf/xarm7.urdf", [0.1, 0, 0.4], []),
+    "z1": ("z1_description/urdf/z1.urdf", [0.1, 0, 0.5], ["--tool", "gripperStator"]),
+    "talos_arm": ("talos_data/robots/talos_left_arm.urdf", [0.0, 0, 0.6], []),
+}
+# URDF, and parts of the message with which it is refused
+REFUSED = {
+    "tiago_pro": ("tiago_pro_description/robots/tiago_pro.urdf", ["4 wheels", "mecanum", "wheel_front_left_joint"]),
+    "pr2": ("pr2_description/urdf/pr2.urdf", ["no pair of driven wheels"]),
+}
+WORLDS = [f"environment-{i}" for i in (1, 2, 3, 4)]
+LARGEST_DIFFERENCE = 1e-9
+# of a hull from its mesh, as a share of the mesh's diagonal
+LARGEST_HULL_DIFFERENCE = 0.02
+LEAST_SHARE_ARRIVED = 0.95
+LARGEST_GRASP_ERROR_M = 0.03
+
+
+def on_base(arm: pathlib.Path, at: list[float], file: pathlib.Path) -> None:
+    """Writes a URDF of the arm on a round base of 0.5 m with two wheels and two casters."""
+    robot = ET.parse(arm).getroot()
+    children = {j.find("child").get("link") for j in robot.findall("joint")}
+    (root,) = [link.get("name") for link in robot.findall("link") if link.get("name") not in children]
+
+    def add(xml: str) -> None:
+        robot.append(ET.fromstring(xml))
+
+    def link(name: str, mass: float, moments: list[float], xyz: str, rpy: str, shape: str) -> None:
+        origin = f'<origin xyz="{xyz}" rpy="{rpy}"/>'
+        ixx, iyy, izz = moments
+        add(
+            f'<link name="{name}"><inertial>{origin}<mass value="{mass}"/>'
+            f'<inertia ixx="{ixx}" ixy="0" ixz="0" iyy="{iyy}" iyz="0" izz="{izz}"/></inertial>'
+            f"<visual>{origin}<geometry>{shape}</geometry></visual>"
+            f"<collision>{origin}<geometry>{shape}</geometry></collision></link>"
+        )
+
+    link("cart", 60, [1.7, 1.7, 1.9], "0 0 0.21", "0 0 0", '<cylinder radius="0.25" length="0.34"/>')
+    for side, y in (("left", 0.19), ("right", -0.19)):
+        shape = '<cylinder radius="0.08" length="0.04"/>'
+        link(f"cart_{side}_wheel", 2, [0.0035, 0.0035, 0.0064], "0 0 0", "0 0 0", shape)
+        add(
+            f'<joint name="cart_{side}_wheel_joint" type="continuous"><parent link="cart"/>'
+            f'<child link="cart_{side}_wheel"/><origin xyz="0 {y} 0.08" rpy="-1.5707963267948966 0 0"/>'
+            f'<axis xyz="0 0 1"/><limit effort="20" velocity="13"/></joint>'
+        )
+    x, y, z = at
+    add(
+        f'<joint name="cart_arm_joint" type="fixed"><parent link="cart"/><child link="{root}"/>'
+        f'<origin xyz="{x} {y} {z}"/></joint>'
+    )
+    ET.ElementTree(robot).write(file)
+
+
+def grasp_in_tool(robot: dict) -> pinocchio.SE3:
+    """The pose of the grasp in the tool's frame."""
+    rpy = numpy.radians(robot.get("grasp_rpy_deg", [0, 0, 0]))
+    return pinocchio.SE3(pinocchio.rpy.rpyToMatrix(rpy), numpy.array(robot.get("grasp_xyz_m", [0.0, 0, 0])))
+
+
+def differences(urdf: pathlib.Path, file: pathlib.Path, checked: dict) -> dict[str, float]:
+    """The largest differences of `robot check --json` from pinocchio: frames (m and 1), and mass (kg)."""
+    robot = tomllib.loads(file.read_text())
+    model = pinocchio.buildModelFromUrdf(str(urdf))
+    data = model.createData()
+    worst = 0.0
+    for posture in checked["postures"]:
+        q = pinocchio.neutral(model)
+        held = {
+            name: entry["position_m"] if "position_m" in entry else numpy.radians(entry["angle_deg"])
+            for name, entry in robot.get("hold", {}).items()
+        }
+        for name, value in (held | posture["joints"]).items():
+            joint = model.joints[model.getJointId(name)]
+            of_circle = [numpy.cos(value), numpy.sin(value)]
+            q[joint.idx_q : joint.idx_q + joint.nq] = of_circle if joint.nq == 2 else [value]
+        pinocchio.framesForwardKinematics(model, data, q)
+        place = lambda link: data.oMf[model.getFrameId(link, pinocchio.FrameType.BODY)]
+        wheels = [data.oMi[model.getJointId(robot[f"{side}_wheel"])].translation for side in ("left", "right")]
+        base = place(robot["base_link"])
+        middle = base.rotation.T @ (sum(wheels) / 2 - base.translation)
+        floor = numpy.array([middle[0], middle[1], middle[2] - checked["drive"]["wheel_radius_m"]])
+        drive_from_base = pinocchio.SE3(numpy.eye(3), -floor)
+        grasp = drive_from_base * base.actInv(place(robot["grasp_frame"])) * grasp_in_tool(robot)
+        for ours, theirs in (
+            (checked["base"]["drive_from_base"], drive_from_base),
+            (posture["drive_from_grasp"], grasp),
+        ):
+            worst = max(worst, abs(numpy.array(ours) - theirs.homogeneous).max())
+    mass = sum(inertia.mass for inertia in model.inertias)
+    return {"frames": worst, "mass": abs(checked["base"]["mass_kg"] + checked["arm_mass_kg"] - mass)}
+
+
+def hull_differences(snapshot: pathlib.Path, packages: pathlib.Path) -> list[float]:
+    """For every collision mesh, the largest difference of its hull in a snapshot from the mesh as read by Assimp, in
+    200 directions, as a share of the mesh's diagonal. Nothing of a hull lies outside its mesh's."""
+    data = snapshot.read_bytes()
+    # CBOR after the head; its first key is `scenario`
+    scenario = cbor2.loads(data[data.index(b"hscenario") - 1 :])["scenario"]
+    pending, hulls = [scenario], {}
+    while pending:
+        value = pending.pop()
+        if isinstance(value, dict):
+            hulls |= value.get("hulls") or {}
+            pending.extend(value.values())
+    directions = numpy.random.default_rng(1).normal(size=(200, 3))
+    directions /= numpy.linalg.norm(directions, axis=1)[:, None]
+    loader, shares = coal.MeshLoader(), []
+    for name, vertices in hulls.items():
+        mesh = loader.load(str(packages / name.removeprefix("package://")), numpy.ones(3)).vertices()
+        lacks = (mesh @ directions.T).max(0) - (numpy.array(vertices) @ directions.T).max(0)
+        diagonal = numpy.linalg.norm(mesh.max(0) - mesh.min(0))
+        shares.append(abs(lacks).max() / diagonal if lacks.min() > -1e-6 else numpy.inf)
+    return shares
+
+
+def scaled(world: pathlib.Path, factor: float, width: float, file: pathlib.Path) -> None:
+    """Writes a world for a robot of another width: all lengths in the plane are scaled."""
+
+    def numbers(match: re.Match) -> str:
+        values = [float(value) * factor for value in match[2].split(",")]
+        return f"{match[1]} = [{', '.join(f'{value:.5f}' for value in values)}]"
+
+    text = re.sub(r"(?m)^(center_m|size_m|start_m|target_m) = \[([^\]]*)\]", numbers, world.read_text())
+    file.write_text(re.sub(r"(?m)^robot_width_m = .*$", f"robot_width_m = {width}", text))
+
+
+class Gallery:
+    """The program, with the data's packages in its environment, and a folder to work in."""
+
+    def __init__(self, program: str, robots: pathlib.Path, work: pathlib.Path, seeds: int):
+        self.program, self.robots, self.work, self.seeds = program, robots, work, seeds
+        # $PREFIX/share/example-robot-data/robots
+        self.environment = os.environ | {"AMENT_PREFIX_PATH": str(robots.parents[2]), "NO_COLOR": "1"}
+        self.faults: list[str] = []
+
+    def cocarry(self, *arguments: str) -> subprocess.CompletedProcess:
+        command = [self.program, *map(str, arguments)]
+        return subprocess.run(command, env=self.environment, capture_output=True, text=True, cwd=self.work)
+
+    def check(self, is_good: bool, fault: str) -> None:
+        if not is_good:
+            self.faults.append(fault)
+
+    def refused(self, name: str, urdf: pathlib.Path, parts: list[str]) -> None:
+        """A base that cannot be expressed is refused by name, and nothing is written."""
+        file = self.work / f"{name}.toml"
+        said = self.cocarry("robot", "init", urdf, "-o", file)
+        self.check(said.returncode == 2 and not file.exists(), f"{name}: exit code {said.returncode}")
+        self.check(all(part in said.stderr for part in parts), f"{name}: {said.stderr}")
+        print(f"{name:14} refused: {' '.join(said.stderr.split('robots/')[-1].split())[:90]}...")
+
+    def carries(self, name: str, urdf: pathlib.Path, arguments: list[str]) -> None:
+        """Drafts the robot file, compares it with pinocchio, and carries in the four environments."""
+        file = self.work / f"{name}.toml"
+        drafted = self.cocarry("robot", "init", urdf, "-o", file, *arguments)
+        if drafted.returncode != 0:
+            self.check(False, f"{name}: {drafted.stderr}")
+            return
+        if name in HOLD:
+            lines = [f"{joint} = {{ angle_deg = {math.degrees(at)} }}\n" for joint, at in HOLD[name].items()]
+            file.write_text(file.read_text().replace("[hold]\n", "[hold]\n" + "".join(lines)))
+        said = self.cocarry("robot", "check", file, "--json")
+        if said.returncode != 0:
+            self.check(False, f"{name}: {said.stderr}")
+            return
+        checked = json.loads(said.stdout)
+        differs = differences(urdf, file, checked)
+        self.check(max(differs.values()) <= LARGEST_DIFFERENCE, f"{name}: differs from pinocchio: {differs}")
+        width = checked["base"]["width_m"]
+        snapshot = self.work / f"{name}.snapshot"
+        self.cocarry("run", "environment-1", "--plant", "kinematic", "--robot", file, "--save-at", "1", snapshot)
+        hulls = hull_differences(snapshot, self.robots.parents[1])
+        self.check(max(hulls) <= LARGEST_HULL_DIFFERENCE, f"{name}: hulls differ from their meshes: {hulls}")
+        rows = self.episodes(name, file, width)
+        arrived = [row for row in rows if row["outcome"] == "arrived"]
+        error = max((float(row["position_error_rms_m"]) for row in arrived), default=0.0)
+        others = collections.Counter((row["plant"], row["outcome"]) for row in rows if row not in arrived)
+        self.check(len(arrived) >= LEAST_SHARE_ARRIVED * len(rows), f"{name}: {len(arrived)} of {len(rows)} arrived: {others}")
+        self.check(error < LARGEST_GRASP_ERROR_M, f"{name}: grasp error {error:.4f} m rms")
+        print(
+            f"{name:14} {len(checked['joints'])} joints, {len(checked['postures'])} postures, {width:.2f} m wide; "
+            f"frames within {differs['frames']:.0e}, mass within {differs['mass']:.0e} kg; "
+            f"{len(hulls)} hulls within {100 * max(hulls):.1f} %; "
+            f"{len(arrived)} of {len(rows)} arrived, grasp error at most {1000 * error:.1f} mm rms"
+            + "".join(f"; {count} {outcome} ({plant})" for (plant, outcome), count in others.items()),
+            flush=True,
+        )
+
+    def episodes(self, name: str, file: pathlib.Path, width: float) -> list[dict]:
+        """Rows of episodes in worlds as wide as the robot needs."""
+        worlds = []
+        for world in WORLDS:
+            worlds.append(f"{name}-{world}.toml")
+            # the worlds are for robots of 0.5 m
+            scaled(self.work / f"{world}.toml", max(width / 0.5, 1.0), max(width, 0.5), self.work / worlds[-1])
+        study, out = self.work / f"{name}-study.toml", self.work / f"{name}.csv"
+        study.write_text(
+            f"worlds = {json.dumps(worlds)}\nplants = [\"kinematic\", \"rapier\"]\n"
+            f"robots = {json.dumps([str(file)])}\nseeds = {self.seeds}\n"
+        )
+        done = self.cocarry("sweep", study, "--out", out)
+        self.check(done.returncode == 0, f"{name}: {done.stderr}")
+        return list(csv.DictReader(out.open())) if out.exists() else []
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program", type=pathlib.Path)
+    parser.add_argument("robots", type=pathlib.Path)
+    parser.add_argument("--seeds", type=int, default=2)
+    parser.add_argument("--only", nargs="*", help="names of robots")
+    arguments = parser.parse_args()
+    is_asked = lambda name: not arguments.only or name in arguments.only
+    with tempfile.TemporaryDirectory() as folder:
+        work, robots = pathlib.Path(folder), arguments.robots.resolve()
+        gallery = Gallery(str(arguments.program.resolve()), robots, work, arguments.seeds)
+        for world in WORLDS:
+            gallery.check(gallery.cocarry("export", world).returncode == 0, f"no {world}")
+        for name, (urdf, options) in filter(lambda item: is_asked(item[0]), MOBILE.items()):
+            gallery.carries(name, robots / urdf, options)
+        for name, (urdf, at, options) in filter(lambda item: is_asked(item[0]), ARMS.items()):
+            on_base(robots / urdf, at, work / f"{name}.urdf")
+            gallery.carries(name, work / f"{name}.urdf", options)
+        for name, (urdf, parts) in filter(lambda item: is_asked(item[0]), REFUSED.items()):
+            gallery.refused(name, robots / urdf, parts)
+    for fault in gallery.faults:
+        print(f"FAILED {fault}", file=sys.stderr)
+    sys.exit(1 if gallery.faults else 0)
+
+
+if __name__ == "__main__":
+    main()
