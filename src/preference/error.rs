@@ -67,4 +67,31 @@ pub enum PreferenceError {
         /// Risk weight given, metres.
         risk_weight: f64,
     },
+    /// The likelihoods of an observation are not one finite number of at least 0 for every option.
+    #[error(
+        "an observation of {options} options has {given} likelihoods, the first bad one {bad}: every option needs a finite one of at least 0"
+    )]
+    Likelihoods {
+        /// Number of options.
+        options: usize,
+        /// Number of likelihoods given.
+        given: usize,
+        /// The first that is negative or not finite; NaN if only their number is wrong.
+        bad: f64,
+    },
+    /// An observation has probability 0 under the belief.
+    #[error("the observation is impossible under the belief: allow lapses, or another person")]
+    Impossible,
+    /// A rate that is not a probability.
+    #[error("{name} {value} must be at least {least} and at most {most}")]
+    Rate {
+        /// Its name.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+        /// The least value allowed.
+        least: f64,
+        /// The largest value allowed.
+        most: f64,
+    },
 }

@@ -27,6 +27,7 @@ mod expectation;
 mod margin;
 mod marginal;
 mod perception;
+mod posterior;
 mod predictor;
 #[cfg(test)]
 mod reference;
@@ -42,5 +43,6 @@ pub use perception::{
     LARGEST_PERCEPTION, Perception, Prospect, human_choice, objective_cost, perceived_distance,
     perceived_risk, subjective_cost,
 };
+pub use posterior::{Estimate, Learned, Posterior};
 pub use predictor::{Predictor, RISK_WEIGHT};
 pub use regions::{Region, Regions};

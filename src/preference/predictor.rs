@@ -221,7 +221,7 @@ impl Predictor {
     }
 }
 
-fn check(risk_weight: f64) -> Result<(), PreferenceError> {
+pub(super) fn check(risk_weight: f64) -> Result<(), PreferenceError> {
     match risk_weight >= 0.0 && risk_weight.is_finite() {
         true => Ok(()),
         false => Err(PreferenceError::RiskWeight { risk_weight }),

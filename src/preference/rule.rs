@@ -25,6 +25,8 @@ pub(super) struct Rule {
     coefficients: [Samples; 4],
     /// Rows that give the interpolating polynomial at the fine points.
     interpolation: [Samples; FINE],
+    /// Rows that give the coefficients of the interpolating polynomial, the constant one first.
+    powers: [Samples; NODES],
 }
 
 /// Ascending Gauss-Legendre nodes on `[-1, 1]` with their weights.
@@ -63,7 +65,7 @@ impl Rule {
                 others.map(|other| (x - nodes[other]) / (nodes[q] - nodes[other])).product()
             })
         });
-        Self { nodes, weights, coefficients, interpolation }
+        Self { nodes, weights, coefficients, interpolation, powers: powers(&nodes) }
     }
 
     /// Estimated error of the integral over `[-1, 1]` of the function with these node values.
@@ -106,6 +108,33 @@ impl Rule {
             (valley && near).then_some(-1.0 + 2.0 * (point as f64 + bottom) / (FINE - 1) as f64)
         })
     }
+}
+
+impl Rule {
+    /// Coefficients of the polynomial through these values at the nodes, the constant one first.
+    pub fn polynomial(&self, values: &Samples) -> Samples {
+        std::array::from_fn(|power| dot(&self.powers[power], values))
+    }
+}
+
+/// The coefficients of every node's Lagrange polynomial, by power.
+fn powers(nodes: &Samples) -> [Samples; NODES] {
+    let mut rows = [[0.0; NODES]; NODES];
+    for (q, node) in nodes.iter().enumerate() {
+        let mut product = [0.0; NODES];
+        product[0] = 1.0;
+        for (degree, other) in nodes.iter().enumerate().filter(|(r, _)| *r != q).map(|(_, n)| n).enumerate() {
+            let scale = 1.0 / (node - other);
+            for power in (0..=degree + 1).rev() {
+                let lower = if power > 0 { product[power - 1] } else { 0.0 };
+                product[power] = scale * (lower - other * product[power]);
+            }
+        }
+        for power in 0..NODES {
+            rows[power][q] = product[power];
+        }
+    }
+    rows
 }
 
 fn dot(row: &Samples, values: &Samples) -> f64 {

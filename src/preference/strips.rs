@@ -54,6 +54,41 @@ struct Loser {
     breakpoint: usize,
 }
 
+/// The border between two options in a strip, at the nodes of its rule.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Border {
+    /// The ends of the strip in `gamma`.
+    pub gamma: [f64; 2],
+    /// The options below and above the border in `alpha`.
+    pub options: [usize; 2],
+    /// `alpha` of the border.
+    pub alphas: Samples,
+    /// Probability up to `alpha` times the density of `gamma`.
+    pub marks: Samples,
+}
+
+/// A strip with the options that win at the least and at the largest `alpha` of one range of `alpha`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Extent {
+    /// The ends of the strip in `gamma`.
+    pub gamma: [f64; 2],
+    /// The index of the range of `alpha`.
+    pub range: usize,
+    /// The first and the last winner.
+    pub options: [usize; 2],
+}
+
+/// The regions R_o as borders between winners.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Outline {
+    /// The borders.
+    pub borders: Vec<Border>,
+    /// The strips.
+    pub extents: Vec<Extent>,
+    /// Number of ranges of `alpha`.
+    pub ranges: usize,
+}
+
 /// The result of a strip: accepted, or where to cut it.
 enum Verdict {
     Done,
@@ -76,6 +111,10 @@ pub(super) struct Strips {
     breakpoints: Vec<f64>,
     /// Probability up to each inner breakpoint times the density of `gamma`, at the nodes.
     marks: Vec<Samples>,
+    /// The inner breakpoints themselves, at the nodes.
+    alphas: Vec<Samples>,
+    /// The regions of the last call, if they are wanted.
+    pub outline: Option<Outline>,
     /// Lengths of the winners' intervals, then margins of the losers, at the nodes.
     certificates: Vec<Samples>,
     /// Nodes evaluated since the count was last reset.
@@ -95,6 +134,8 @@ impl Strips {
             losers: Vec::new(),
             breakpoints: Vec::new(),
             marks: Vec::new(),
+            alphas: Vec::new(),
+            outline: None,
             certificates: Vec::new(),
             nodes: 0,
         }
@@ -104,6 +145,11 @@ impl Strips {
     pub fn integrate(&mut self, front: &[Curve], risk_weight: f64, domain: &Domain, masses: &mut [f64]) {
         self.cut_alpha(front, &domain.alpha_panels);
         self.envelope.risk_weight = risk_weight;
+        if let Some(outline) = &mut self.outline {
+            outline.borders.clear();
+            outline.extents.clear();
+            outline.ranges = 0;
+        }
         for cut in 1..self.alpha_cuts.len() {
             let (lower, upper) = (self.alpha_cuts[cut - 1], self.alpha_cuts[cut]);
             self.envelope.reset(front, lower, upper);
@@ -117,6 +163,9 @@ impl Strips {
             }
             while let Some((left, right)) = self.todo.pop() {
                 self.strip(left, right, domain, masses);
+            }
+            if let Some(outline) = &mut self.outline {
+                outline.ranges += 1;
             }
         }
     }
@@ -247,6 +296,7 @@ impl Strips {
         if !short && self.marks.iter().any(|mark| half * self.rule.error(mark) > TOLERANCE) {
             return Verdict::CutAt(middle);
         }
+        self.record(left, right);
         let weight = |node: usize| half * self.rule.weights[node];
         let total = domain.gamma.cdf(right.gamma) - domain.gamma.cdf(left.gamma);
         let mut end = total * domain.alpha.cdf(self.envelope.upper);
@@ -260,6 +310,23 @@ impl Strips {
             end = start;
         }
         Verdict::Done
+    }
+
+    /// Adds an accepted strip to the outline, if it is wanted.
+    fn record(&mut self, left: Edge, right: Edge) {
+        let Some(outline) = &mut self.outline else { return };
+        let ranks = &self.winners[left.start..left.start + left.count];
+        let option = |rank: usize| self.envelope.curves[rank].option;
+        let gamma = [left.gamma, right.gamma];
+        for (place, ranks) in ranks.windows(2).enumerate() {
+            let options = [option(ranks[0]), option(ranks[1])];
+            let (alphas, marks) = (self.alphas[place], self.marks[place]);
+            outline.borders.push(Border { gamma, options, alphas, marks });
+        }
+        if let (Some(first), Some(last)) = (ranks.first(), ranks.last()) {
+            let options = [option(*first), option(*last)];
+            outline.extents.push(Extent { gamma, range: outline.ranges, options });
+        }
     }
 
     /// Sets up the neighbours among the winners of a strip and the winner each loser is compared with.
@@ -290,6 +357,7 @@ impl Strips {
         }
         self.marks.clear();
         self.marks.resize(self.pairs.len(), [0.0; NODES]);
+        self.alphas.resize(self.pairs.len(), [0.0; NODES]);
         self.certificates.clear();
         self.certificates.resize(edge.count + self.losers.len(), [0.0; NODES]);
         self.breakpoints.resize(edge.count + 1, 0.0);
@@ -308,6 +376,7 @@ impl Strips {
             let alpha = envelope.crossing(pair);
             self.breakpoints[place + 1] = alpha;
             self.marks[place][node] = density * domain.alpha.cdf(alpha);
+            self.alphas[place][node] = alpha;
         }
         let mut holds = true;
         for place in 0..winners {

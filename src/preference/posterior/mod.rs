@@ -1,0 +1,391 @@
+//! The belief about one human's perception after observations of the options that the human chose.
+
+mod line;
+mod moments;
+mod plane;
+
+use super::curve::{Curve, pareto_front};
+use super::rule::Rule;
+use super::strips::{Domain, Extent, Strips};
+use super::{
+    Belief, ChoiceDistribution, Perception, PreferenceError, Prospect, SampleSet, human_choice,
+    subjective_cost,
+};
+use line::Line;
+pub use moments::Estimate;
+use moments::Moments;
+use plane::{Plane, Segment};
+use serde::{Deserialize, Serialize};
+
+/// A belief over `(alpha, gamma)` that learns from choices, by Bayes' rule.
+///
+/// Each observation multiplies the prior density, on the region R_o of every option, by the likelihood of what
+/// was seen if the human prefers o. The product is constant between the borders of all regions seen so far.
+/// The borders and the steps across them are kept, so probabilities are exact up to about 1e-9, like those of
+/// the [`Predictor`](super::Predictor), without a grid or particles. Steps below 1e-15 of the mean density
+/// are dropped, and beyond 2048 steps the least ones. Once warm, no call but [`Posterior::estimate`] allocates.
+///
+/// ```
+/// use cocarry::preference::{Belief, ChoiceDistribution, Posterior, Prospect};
+///
+/// let options = [Prospect::new(17.4, 0.36), Prospect::new(14.3, 0.55), Prospect::new(21.4, 0.25)];
+/// let mut posterior = Posterior::new(Belief::default(), 10.0)?;
+/// // the human took option 1: other options are 50 times less likely to look like that
+/// posterior.observe(&options, None, &[0.02, 1.0, 0.02])?;
+/// let mut choice = ChoiceDistribution::default();
+/// posterior.predict_from(&options, None, &mut choice);
+/// assert!(choice.probabilities()[1] > 0.9);
+/// # Ok::<(), cocarry::preference::PreferenceError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Posterior {
+    belief: Belief,
+    risk_weight: f64,
+    model: Model,
+    masses: Vec<f64>,
+    moments: Option<Moments>,
+    spare: Moments,
+}
+
+#[derive(Debug, Clone)]
+enum Model {
+    Independent(Box<Independent>),
+    Samples { set: SampleSet, weights: Vec<f64> },
+}
+
+#[derive(Debug, Clone)]
+struct Independent {
+    domain: Domain,
+    rule: Rule,
+    plane: Plane,
+    front: Vec<Curve>,
+    strips: Strips,
+    single: Vec<f64>,
+}
+
+/// What a posterior has learned, to be restored.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Learned(Contents);
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+enum Contents {
+    Plane { lines: Vec<Line>, segments: Vec<Segment> },
+    Samples { weights: Vec<f64> },
+}
+
+impl Independent {
+    /// Finds the regions of these options. False if one option is the cheapest everywhere: `front` then has
+    /// only that.
+    fn outline(&mut self, prospects: &[Prospect], risk_weight: f64, current: Option<usize>) -> bool {
+        pareto_front(prospects, risk_weight > 0.0, current, &mut self.front);
+        if self.front.len() < 2 {
+            return false;
+        }
+        self.single.clear();
+        self.single.resize(prospects.len(), 0.0);
+        self.strips.nodes = 0;
+        self.strips.integrate(&self.front, risk_weight, &self.domain, &mut self.single);
+        true
+    }
+}
+
+impl Posterior {
+    /// The prior `belief`, with the weight `c_r` of risk in eq. 2.
+    ///
+    /// # Errors
+    /// [`PreferenceError::RiskWeight`].
+    pub fn new(belief: Belief, risk_weight: f64) -> Result<Self, PreferenceError> {
+        super::predictor::check(risk_weight)?;
+        let model = match &belief {
+            Belief::Independent { alpha, gamma } => {
+                let domain = Domain {
+                    alpha: *alpha,
+                    alpha_panels: alpha.panels(),
+                    gamma: *gamma,
+                    gamma_panels: gamma.panels(),
+                };
+                let rule = Rule::new();
+                let mut strips = Strips::new();
+                strips.outline = Some(Default::default());
+                let plane = Plane::new(&rule, &domain);
+                let (front, single) = (Vec::new(), Vec::new());
+                Model::Independent(Box::new(Independent { domain, rule, plane, front, strips, single }))
+            }
+            Belief::Samples(set) => {
+                let weights = set.samples().iter().map(|sample| sample.weight).collect();
+                Model::Samples { set: set.clone(), weights }
+            }
+        };
+        let spare = Moments::default();
+        Ok(Self { belief, risk_weight, model, masses: Vec::new(), moments: None, spare })
+    }
+
+    /// The prior.
+    pub fn prior(&self) -> &Belief {
+        &self.belief
+    }
+
+    /// Learns from one observation: `likelihoods` is the probability of what was seen if the human prefers
+    /// each option. `current` settles ties as in [`human_choice`]. Returns the probability of what was seen
+    /// under the belief so far.
+    ///
+    /// # Errors
+    /// [`PreferenceError::Likelihoods`]; [`PreferenceError::Impossible`] if that probability is 0. The belief
+    /// is then as before.
+    pub fn observe(
+        &mut self,
+        prospects: &[Prospect],
+        current: Option<usize>,
+        likelihoods: &[f64],
+    ) -> Result<f64, PreferenceError> {
+        let bad = likelihoods.iter().copied().find(|l| !(l.is_finite() && *l >= 0.0));
+        if likelihoods.len() != prospects.len() || bad.is_some() || prospects.is_empty() {
+            let (options, given, bad) = (prospects.len(), likelihoods.len(), bad.unwrap_or(f64::NAN));
+            return Err(PreferenceError::Likelihoods { options, given, bad });
+        }
+        let risk_weight = self.risk_weight;
+        let evidence = match &mut self.model {
+            Model::Samples { set, weights } => {
+                let likelihood =
+                    |perception| likelihoods[human_choice(prospects, risk_weight, perception, current)];
+                let pairs = || set.samples().iter().zip(weights.iter());
+                let total: f64 = pairs().map(|(s, weight)| weight * likelihood(s.perception)).sum();
+                if total > 1e-250 {
+                    for (sample, weight) in set.samples().iter().zip(weights.iter_mut()) {
+                        *weight *= likelihood(sample.perception) / total;
+                    }
+                }
+                (total > 1e-250).then_some(total)
+            }
+            Model::Independent(model) => {
+                if model.outline(prospects, risk_weight, current) {
+                    let Independent { domain, rule, plane, strips, .. } = model.as_mut();
+                    let outline = strips.outline.get_or_insert_default();
+                    plane.multiply(outline, likelihoods, rule, domain)
+                } else {
+                    let only = model.front.first().map_or(0.0, |curve| likelihoods[curve.option]);
+                    (only > 0.0).then_some(only)
+                }
+            }
+        };
+        self.forget_moments();
+        evidence.ok_or(PreferenceError::Impossible)
+    }
+
+    /// Allows for a change of the human: with probability `rate`, alpha and gamma are drawn from the prior
+    /// anew. A rate of at least 1e-4 before every observation also keeps the belief exact however often what
+    /// is seen contradicts it.
+    ///
+    /// # Errors
+    /// [`PreferenceError::Rate`] unless it is from 0 to 1.
+    pub fn mix_with_prior(&mut self, rate: f64) -> Result<(), PreferenceError> {
+        if !(0.0..=1.0).contains(&rate) {
+            return Err(PreferenceError::Rate { name: "change rate", value: rate, least: 0.0, most: 1.0 });
+        }
+        match &mut self.model {
+            Model::Independent(model) => model.plane.mix(rate),
+            Model::Samples { set, weights } => {
+                for (sample, weight) in set.samples().iter().zip(weights) {
+                    *weight = (1.0 - rate) * *weight + rate * sample.weight;
+                }
+            }
+        }
+        self.forget_moments();
+        Ok(())
+    }
+
+    fn forget_moments(&mut self) {
+        if let Some(moments) = self.moments.take() {
+            self.spare = moments;
+        }
+    }
+
+    /// Probability `P_o` that each option has the lowest subjective cost (eq. 4 over what was learned), as
+    /// [`Predictor::predict_from`](super::Predictor::predict_from).
+    pub fn predict_from(
+        &mut self,
+        prospects: &[Prospect],
+        current: Option<usize>,
+        choice: &mut ChoiceDistribution,
+    ) {
+        self.masses.clear();
+        self.masses.resize(prospects.len(), 0.0);
+        let masses = &mut self.masses;
+        match &mut self.model {
+            Model::Samples { set, weights } => {
+                for (sample, weight) in set.samples().iter().zip(weights).filter(|_| !prospects.is_empty()) {
+                    masses[human_choice(prospects, self.risk_weight, sample.perception, current)] += *weight;
+                }
+            }
+            Model::Independent(model) => {
+                if model.outline(prospects, self.risk_weight, current) {
+                    let Independent { domain, rule, plane, strips, .. } = model.as_ref();
+                    let outline = strips.outline.as_ref();
+                    for border in outline.iter().flat_map(|outline| &outline.borders) {
+                        let line = Line::of(border, rule);
+                        let mass = plane.mass_below(&line, |from, to| line.mass(from, to), border.gamma);
+                        masses[border.options[0]] += mass;
+                        masses[border.options[1]] -= mass;
+                    }
+                    let last = |extent: &&Extent| outline.is_some_and(|o| extent.range + 1 == o.ranges);
+                    for extent in outline.iter().flat_map(|outline| &outline.extents).filter(last) {
+                        let [from, to] = extent.gamma;
+                        masses[extent.options[1]] += plane.mass_between(from, to, domain);
+                    }
+                } else if let Some(only) = model.front.first() {
+                    masses[only.option] = 1.0;
+                }
+            }
+        }
+        if !choice.set_masses(masses) && !prospects.is_empty() {
+            // only for lengths whose powers overflow
+            let [alpha, gamma] = self.belief.ranges().map(|[low, high]| 0.5 * (low + high));
+            let chosen = human_choice(prospects, self.risk_weight, Perception { alpha, gamma }, current);
+            choice.set_certain(prospects.len(), chosen);
+        }
+    }
+
+    /// Expected subjective cost of each option (eq. 6 over what was learned), as
+    /// [`Predictor::expected_costs`](super::Predictor::expected_costs).
+    pub fn expected_costs(&mut self, prospects: &[Prospect], costs: &mut Vec<f64>) {
+        costs.clear();
+        let risk_weight = self.risk_weight;
+        if let Model::Samples { set, weights } = &self.model {
+            costs.extend(prospects.iter().map(|prospect| -> f64 {
+                let cost = |perception| subjective_cost(*prospect, risk_weight, perception);
+                set.samples().iter().zip(weights).map(|(s, weight)| weight * cost(s.perception)).sum()
+            }));
+            return;
+        }
+        let Some(moments) = self.moments() else { return };
+        costs.extend(prospects.iter().map(|prospect| moments.expected_cost(*prospect, risk_weight)));
+    }
+
+    fn moments(&mut self) -> Option<&Moments> {
+        let Model::Independent(model) = &self.model else { return None };
+        if self.moments.is_none() {
+            let mut moments = std::mem::take(&mut self.spare);
+            moments.fill(&model.plane, &model.domain, &model.rule);
+            self.moments = Some(moments);
+        }
+        self.moments.as_ref()
+    }
+
+    /// The density at a perception relative to the prior's: 1 where nothing was learned, 0 outside the prior.
+    /// For samples, the factor of the nearest one.
+    pub fn density(&self, Perception { alpha, gamma }: Perception) -> f64 {
+        match &self.model {
+            Model::Independent(model) => {
+                let in_range = |range: [f64; 2], value: f64| (range[0]..=range[1]).contains(&value);
+                let [alphas, gammas] = self.belief.ranges();
+                let is_inside = in_range(alphas, alpha) && in_range(gammas, gamma);
+                if is_inside { model.plane.density(alpha, gamma) } else { 0.0 }
+            }
+            Model::Samples { set, weights } => {
+                let distance = |p: Perception| (p.alpha - alpha).abs() + (p.gamma - gamma).abs();
+                let pairs = set.samples().iter().zip(weights);
+                let nearest =
+                    pairs.min_by(|(a, _), (b, _)| distance(a.perception).total_cmp(&distance(b.perception)));
+                nearest.map_or(0.0, |(sample, weight)| weight / sample.weight)
+            }
+        }
+    }
+
+    /// The probability of an alpha up to `alpha`, and of a gamma up to `gamma`.
+    pub fn marginals(&self, Perception { alpha, gamma }: Perception) -> [f64; 2] {
+        match &self.model {
+            Model::Independent(model) => model.marginals(alpha, gamma),
+            Model::Samples { set, weights } => {
+                let up_to = |is_low: &dyn Fn(&Perception) -> bool| -> f64 {
+                    let pairs = set.samples().iter().zip(weights);
+                    pairs.filter(|(s, _)| is_low(&s.perception)).map(|(_, weight)| weight).sum()
+                };
+                [up_to(&|p| p.alpha <= alpha), up_to(&|p| p.gamma <= gamma)]
+            }
+        }
+    }
+
+    /// The probability of all perceptions with a density above `density`, and with at least it.
+    pub fn credibility(&self, density: f64) -> [f64; 2] {
+        let near = 1e-9 * density;
+        match &self.model {
+            Model::Independent(model) => [density + near, density - near]
+                .map(|least| model.plane.integral_of(&model.domain, |w| if w >= least { w } else { 0.0 })),
+            Model::Samples { set, weights } => [density + near, density - near].map(|least| {
+                let pairs = set.samples().iter().zip(weights);
+                pairs.filter(|(s, weight)| *weight / s.weight >= least).map(|(_, weight)| weight).sum()
+            }),
+        }
+    }
+
+    /// Number of steps of the density that are kept; the number of samples for an empirical prior.
+    pub fn size(&self) -> usize {
+        match &self.model {
+            Model::Independent(model) => model.plane.segments.len(),
+            Model::Samples { weights, .. } => weights.len(),
+        }
+    }
+
+    /// Mean, covariance, 95 % intervals and region, and information.
+    pub fn estimate(&mut self) -> Estimate {
+        let filled = self.moments().cloned();
+        match (&self.model, filled) {
+            (Model::Independent(model), Some(moments)) => model.estimate(&moments),
+            (Model::Samples { set, weights }, _) => moments::of_samples(set, weights),
+            _ => Estimate::default(),
+        }
+    }
+
+    /// Mean of alpha and gamma.
+    pub fn mean(&mut self) -> [f64; 2] {
+        if let Model::Samples { set, weights } = &self.model {
+            return moments::of_samples(set, weights).mean;
+        }
+        self.moments().map_or([0.0; 2], Moments::mean)
+    }
+
+    /// What was learned, for [`Posterior::restore`].
+    pub fn learned(&self) -> Learned {
+        Learned(match &self.model {
+            Model::Independent(model) => {
+                let Plane { lines, segments, .. } = &model.plane;
+                Contents::Plane { lines: lines.clone(), segments: segments.clone() }
+            }
+            Model::Samples { weights, .. } => Contents::Samples { weights: weights.clone() },
+        })
+    }
+
+    /// Takes over what a posterior with the same prior has learned. False, and no change, if it does not
+    /// belong to this prior.
+    pub fn restore(&mut self, learned: &Learned) -> bool {
+        let is_restored = match (&mut self.model, &learned.0) {
+            (Model::Independent(model), Contents::Plane { lines, segments }) => {
+                let is_known = |segment: &Segment| {
+                    (segment.line as usize) < lines.len()
+                        && [segment.from, segment.to, segment.below, segment.step]
+                            .iter()
+                            .all(|x| x.is_finite())
+                };
+                let fits = lines.first() == model.plane.lines.first() && segments.iter().all(is_known);
+                if fits {
+                    model.plane.lines.clone_from(lines);
+                    model.plane.segments.clone_from(segments);
+                }
+                fits
+            }
+            (Model::Samples { weights, .. }, Contents::Samples { weights: saved }) => {
+                let fits = saved.len() == weights.len() && saved.iter().all(|w| w.is_finite() && *w >= 0.0);
+                if fits {
+                    weights.clone_from(saved);
+                }
+                fits
+            }
+            _ => false,
+        };
+        self.forget_moments();
+        is_restored
+    }
+}
+
+#[cfg(test)]
+mod tests;
