@@ -5,7 +5,7 @@ use cocarry::math;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use cocarry::preference::{Belief, ChoiceDistribution, Predictor, Prospect};
+use cocarry::preference::{Belief, ChoiceDistribution, Posterior, Predictor, Prospect, human_choice};
 use criterion::{BenchmarkId, Criterion, criterion_group};
 
 const RISK_WEIGHT: f64 = 10.0;
@@ -93,6 +93,53 @@ fn costs(criterion: &mut Criterion) {
     });
 }
 
+/// Looks at a human who walks option after option near Environment 4, each from another place.
+fn looks(count: usize, human: impl Fn(usize, &[Prospect]) -> usize) -> Vec<([Prospect; 4], [f64; 4])> {
+    let look = |k: usize| {
+        let (near, turn) = (1.0 - 0.6 * (k % 25) as f64 / 25.0, 0.2 * math::sin(k as f64));
+        let options = environment_4();
+        let at = |o: usize| {
+            let Prospect { length, risk } = options[o];
+            let along = if o % 2 == 0 { turn } else { -turn };
+            Prospect::new(length * near * (1.0 + along), risk * (1.0 - 0.3 * along))
+        };
+        let prospects: [Prospect; 4] = std::array::from_fn(at);
+        let chosen = human(k, &prospects);
+        (prospects, std::array::from_fn(|o| if o == chosen { 0.985 } else { 0.005 }))
+    };
+    (0..count).map(look).collect()
+}
+
+/// One tick of a robot that learns, after 100 looks: a look, P_o and J~_o.
+fn learning(criterion: &mut Criterion) {
+    let human = cocarry::preference::Perception { alpha: 0.747, gamma: 0.765 };
+    let of_model = |_: usize, prospects: &[Prospect]| human_choice(prospects, RISK_WEIGHT, human, None);
+    let by_chance = |k: usize, _: &[Prospect]| (k * k + k / 3) % 4;
+    let mut group = criterion.benchmark_group("learn");
+    for (name, looks) in [("a human of the model", looks(101, of_model)), ("chance", looks(101, by_chance))] {
+        let mut posterior = Posterior::new(Belief::default(), RISK_WEIGHT).expect("valid parameters");
+        let (mut choice, mut costs) = (ChoiceDistribution::default(), Vec::new());
+        let (last, before) = looks.split_last().expect("looks");
+        for (prospects, likelihoods) in before {
+            posterior.mix_with_prior(0.001).expect("a rate");
+            posterior.observe(prospects, None, likelihoods).expect("possible");
+        }
+        let learned = posterior.learned();
+        group.bench_function(BenchmarkId::new("tick", name), |b| {
+            b.iter(|| {
+                posterior.mix_with_prior(0.001).expect("a rate");
+                posterior.observe(black_box(&last.0), None, &last.1).expect("possible");
+                posterior.predict_from(&last.0, None, &mut choice);
+                posterior.expected_costs(&last.0, &mut costs);
+                posterior.restore(&learned)
+            });
+        });
+        group.bench_function(BenchmarkId::new("restore", name), |b| b.iter(|| posterior.restore(&learned)));
+        println!("{name}: {} steps", posterior.size());
+    }
+    group.finish();
+}
+
 /// Least time of one call over several rounds, seconds.
 fn seconds(calls: u32, mut call: impl FnMut()) -> f64 {
     let round = |call: &mut dyn FnMut()| {
@@ -139,7 +186,7 @@ fn ratios() {
     }
 }
 
-criterion_group!(benches, probabilities, costs);
+criterion_group!(benches, probabilities, costs, learning);
 
 fn main() {
     benches();

@@ -37,6 +37,7 @@
 //! arithmetic     the conformance stamp: a digest of fixed results
 //! simulation     exact kinematics, or bodies with dynamics and contacts
 //! control        MPC, pose optimisation, the human's intent
+//! learning       alpha, gamma and eta of one human, from what the human does
 //! coordination   stubbornness phi(k), the two modes, eq. (6)
 //! preference     perception of risk and distance, P_o, expected subjective cost
 //! options        openings in order, D_o and S_o from anywhere, shortest paths
@@ -118,6 +119,7 @@ pub mod episode;
 pub mod fit;
 pub mod geometry;
 pub mod human;
+pub mod learning;
 pub mod located;
 pub mod math;
 pub mod options;

@@ -1,5 +1,6 @@
 //! The command-line program.
 
+mod calibrate;
 mod catalog;
 mod cluster;
 mod episode_report;
@@ -75,6 +76,7 @@ enum Command {
     Replay(replay::ReplayArguments),
     #[command(subcommand)]
     Fit(fit::Parameter),
+    Calibrate(calibrate::CalibrateArguments),
     #[command(subcommand)]
     Regress(regress::Action),
     Completions(shell::CompletionsArguments),
@@ -108,7 +110,10 @@ fn after_help() -> String {
         "With no command, one episode is run in the paper's Environment 4 with the human of its example.\n\n\
         Exit codes:\n  \
         0    done (run: the team arrived; replay: identical)\n  \
-        1    replay: different; regress check: figures moved; cluster gather: shards missing\n  \
+         1    replay: different; regress check: figures moved; calibrate: not calibrated;
+  \
+              cluster gather: shards missing
+  \
         2    bad input\n  \
         3    the team did not arrive\n  \
         4    an output could not be written\n  \
@@ -150,6 +155,7 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Replay(arguments)) => replay::run(&arguments),
         Some(Command::Fit(parameter)) => fit::run(&parameter),
+        Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
         Some(Command::Regress(action)) => regress::run(&action),
         Some(Command::Completions(arguments)) => shell::completions(&arguments, command()),
         Some(Command::Man(arguments)) => shell::man(&arguments, command()),

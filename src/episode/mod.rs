@@ -5,6 +5,7 @@
 //! both of them move.
 
 mod end;
+mod learn;
 mod outcome;
 mod settings;
 mod state;
@@ -26,6 +27,7 @@ pub use tick::Tick;
 use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose};
 use crate::human::{Human, HumanDecision, PreferenceHuman};
+use crate::learning::Learner;
 use crate::options::{OptionSet, Progress, Remaining};
 use crate::policy::{Decision, RobotPolicy};
 use crate::preference::{ChoiceDistribution, Perception, Predictor, Prospect};
@@ -47,6 +49,7 @@ pub struct Episode<'a> {
     policy: Box<dyn RobotPolicy + 'a>,
     team: Box<dyn Team + 'a>,
     predictor: Predictor,
+    learner: Option<Box<Learner>>,
     mode: Mode,
     progress: Progress,
     route: Route,
@@ -104,6 +107,7 @@ impl<'a> Episode<'a> {
             human: Box::new(PreferenceHuman::new(human, settings.coordination)),
             team: Box::new(PointTeam),
             predictor: settings.predictor.clone(),
+            learner: learn::learner(settings),
             mode: policy.initial_mode(),
             policy,
             route: Route::default(),

@@ -1,6 +1,7 @@
 //! The settings of an episode: belief, coordination, method, period and speed, with documented defaults.
 
 use crate::coordination;
+use crate::learning;
 use crate::policy::Method;
 use crate::preference::Predictor;
 use serde::{Deserialize, Serialize};
@@ -30,6 +31,10 @@ pub struct Settings {
     /// Whether P_o is also evaluated while the human leads. A robot needs it and enables it. The planning
     /// level does not need it, except in ticks that are displayed.
     pub predict_while_human_leads: bool,
+    /// How the robot learns alpha, gamma and eta of the human; without it, it keeps its prior and knows eta,
+    /// as in the paper.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub learning: Option<learning::Settings>,
 }
 
 impl Default for Settings {
@@ -43,6 +48,7 @@ impl Default for Settings {
             yaw_rate: 0.8,
             tick_limit: None,
             predict_while_human_leads: true,
+            learning: None,
         }
     }
 }

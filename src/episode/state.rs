@@ -2,7 +2,11 @@
 
 use super::{Episode, Summary, Tick};
 use crate::coordination::Mode;
+use crate::human::HumanDecision;
+use crate::learning;
 use crate::options::Progress;
+use crate::policy::Decision;
+use crate::preference::Prospect;
 use crate::saved::{NotRestored, Saved};
 use crate::team::Route;
 use serde::{Deserialize, Serialize};
@@ -20,6 +24,17 @@ pub struct State {
     summary: Summary,
     underway: bool,
     steps_without_progress: u32,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    learned: Option<Learned>,
+}
+
+/// What a robot that learns needs beside the state of every robot.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Learned {
+    learner: learning::State,
+    /// Of the last step, which is learned from in the next one.
+    prospects: Vec<Prospect>,
+    decided: Option<(HumanDecision, Decision)>,
 }
 
 impl State {
@@ -38,10 +53,17 @@ impl Episode<'_> {
             // inputs
             options: _, settings: _, tick_limit: _, ignores_loss: _,
             // buffers that every step refills
-            predictor: _, prospects: _, choice: _, expected: _,
+            predictor: _, choice: _, expected: _,
             // of a step that is not whole
-            human_decision: _, decided: _,
+            human_decision: _,
+            // for a robot that learns
+            learner, prospects, decided,
         } = self;
+        let learned = learner.as_ref().map(|learner| Learned {
+            learner: learner.state(),
+            prospects: prospects.clone(),
+            decided: *decided,
+        });
         State {
             human: human.save(),
             policy: policy.save(),
@@ -53,6 +75,7 @@ impl Episode<'_> {
             summary: summary.clone(),
             underway: *underway,
             steps_without_progress: *steps_without_progress,
+            learned,
         }
     }
 
@@ -75,6 +98,18 @@ impl Episode<'_> {
         ];
         if let Some((part, _)) = parts.into_iter().find(|(_, belongs)| !belongs) {
             return Err(NotRestored { part });
+        }
+        let no_learner = NotRestored { part: "learner" };
+        match (self.learner.as_deref_mut(), &state.learned) {
+            (None, None) => {}
+            (Some(learner), Some(learned)) if learned.prospects.len() <= n => {
+                if !learner.restore(&learned.learner) {
+                    return Err(no_learner);
+                }
+                self.prospects.clone_from(&learned.prospects);
+                self.decided = learned.decided;
+            }
+            _ => return Err(no_learner),
         }
         self.human.restore(&state.human)?;
         self.policy.restore(&state.policy)?;

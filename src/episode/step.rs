@@ -29,10 +29,12 @@ impl Episode<'_> {
             self.summary.outcome = outcome;
             return Some(outcome);
         }
+        self.learn_from_walk();
         self.observe();
         self.evaluate_options(); //                            D_o, S_o, J_o            eq. (1)
         self.predict_choice(); //                              P_o, J~_o                eq. (4), (6)
-        self.human_decision = Some(self.ask_human()); //       o_h, g(k), phi(k)        eq. (3), (5)
+        let human = self.ask_human(); //                       o_h, g(k), phi(k)        eq. (3), (5)
+        self.human_decision = Some(self.learn_from_lead(human));
         None
     }
 
@@ -74,8 +76,7 @@ impl Episode<'_> {
 
     fn predict_choice(&mut self) {
         let robot_leads = self.mode == Mode::RobotLed;
-        let is_needed = self.team.anticipates() || self.policy.predicts();
-        if robot_leads || is_needed || self.settings.predict_while_human_leads {
+        if self.predicts_choice() {
             let current = self.underway.then_some(self.tick.executed);
             self.predictor.predict_from(&self.prospects, current, &mut self.choice);
             for (tick, p) in self.tick.options.iter_mut().zip(self.choice.probabilities()) {
@@ -88,6 +89,12 @@ impl Episode<'_> {
                 tick.expected = *cost;
             }
         }
+    }
+
+    /// Whether P_o is needed in this step.
+    pub(super) fn predicts_choice(&self) -> bool {
+        let is_needed = self.team.anticipates() || self.policy.predicts();
+        self.mode == Mode::RobotLed || is_needed || self.settings.predict_while_human_leads
     }
 
     fn lead(&mut self, decision: &Decision) {

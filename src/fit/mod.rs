@@ -2,6 +2,7 @@
 //! switches.
 
 mod answers;
+mod calibration;
 mod error;
 mod eta;
 mod lognormal;
@@ -13,6 +14,7 @@ mod table;
 mod walk;
 
 pub use answers::{AnswerFile, Answers, SUM_TOLERANCE, Situation};
+pub use calibration::{Calibration, Check, LEVELS, PARAMETERS, Replication, checks};
 pub use error::FitError;
 pub use eta::{Eta, EtaFit, Evidence, fit_eta};
 pub use lognormal::{LEAST_BOUNDED, LEAST_DRAWS, LogNormal, NoInterval};

@@ -3,7 +3,7 @@
 use super::Set;
 use crate::coordination::{self, Mode, is_misaligned};
 use crate::episode::{Settings, prospects};
-use crate::math;
+use crate::learning::{self, eta_interval};
 use crate::options::OptionSet;
 use crate::paper::EXAMPLE_HUMAN;
 use crate::policy::Method;
@@ -104,10 +104,10 @@ impl Guidance {
         match self {
             Self::Option { discomfort, discomfort_limit } => {
                 let bounds = match step {
-                    None => discomfort.last().map(|last| [last / discomfort_limit, f64::INFINITY]),
+                    None => discomfort.last().map(|last| eta_interval(*last, None, *discomfort_limit)),
                     Some(step) => discomfort.get(step as usize).and_then(|g| {
                         let before = discomfort.iter().rev().find(|before| *before < g)?;
-                        Some([before / discomfort_limit, g / discomfort_limit])
+                        Some(eta_interval(*before, Some(*g), *discomfort_limit))
                     }),
                 };
                 bounds.into_iter().collect()
@@ -140,7 +140,7 @@ fn with(stage: &PreparedScenario, settings: Settings) -> Result<PreparedScenario
 
 /// ln(1 / phi(0)).
 fn discomfort_limit(settings: &Settings) -> f64 {
-    -math::ln(settings.coordination.initial_stubbornness)
+    learning::discomfort_limit(settings.coordination.initial_stubbornness)
 }
 
 /// The course of a walk while the robot leads a human of a given eta.

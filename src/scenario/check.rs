@@ -19,6 +19,10 @@ impl Scenario {
                 return bad(setting.path.to_owned(), value, setting.expected());
             }
         }
+        if let Some(Err(e)) = self.settings.learning.map(|learning| learning.check()) {
+            let key = format!("settings.learning.{}", e.name);
+            return bad(key, e.value, e.expected.to_owned());
+        }
         for (i, PreferenceChange { step, perception }) in self.changes.iter().enumerate() {
             if let Some((key, value)) = bad_perception(perception) {
                 let key = format!("change {}, at step {step}: {key}", i + 1);

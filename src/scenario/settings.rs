@@ -5,7 +5,7 @@
 //! changes, belief, plant and robot.
 
 use super::setting::{Applies, Field, Group, Kind, Range, Setting};
-use super::word::{AVOIDED, CRITERIA, POSES, put, word, words};
+use super::word::{AVOIDED, BELIEFS, CRITERIA, POSES, put, word, words};
 use crate::human::{MODELS, ModelName};
 use crate::policy::Method;
 use crate::preference::LARGEST_PERCEPTION;
@@ -373,5 +373,25 @@ pub const SETTINGS: &[Setting] = &[
         about: "Optimise the pose also while the robot leads, for its own path; the paper does so only while it follows",
         applies: Applies::Candidates,
         kind: Kind::Flag(field!(robot r => r.control.prepare_while_leading)),
+    },
+    Setting {
+        key: "belief_update",
+        flag: "belief",
+        path: "settings.learning",
+        group: Group::Method,
+        about: "The robot's belief during the episode",
+        applies: Applies::Always,
+        kind: Kind::Word(
+            || words(BELIEFS),
+            Field {
+                get: |s| word(BELIEFS, s.settings.learning.is_some()),
+                set: |s, text| {
+                    let mut learns = false;
+                    put(&mut learns, BELIEFS, &text);
+                    let given = s.settings.learning.unwrap_or_default();
+                    s.settings.learning = learns.then_some(given);
+                },
+            },
+        ),
     },
 ];

@@ -23,6 +23,10 @@ pub(super) const CRITERIA: &Words<PoseCriterion> = &[
         "Yoshikawa's manipulability of the arm instead of costs",
     ),
 ];
+pub(super) const BELIEFS: &Words<bool> = &[
+    (false, "prior", "It stays the prior, and eta is known, as in the paper"),
+    (true, "learn", "It learns alpha, gamma and eta from what the human does"),
+];
 pub(super) const AVOIDED: &Words<Avoid> = &[
     (Avoid::Nothing, "nothing", "Nothing, as in the paper"),
     (Avoid::Base, "base", "The base"),

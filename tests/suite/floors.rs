@@ -14,7 +14,7 @@ const FLOORS: [&[&str]; 24] = [
     &["options"],
     &["preference"],
     &["coordination"],
-    &["control"],
+    &["control", "learning"],
     &["simulation"],
     &["arithmetic"],
     &["human"],

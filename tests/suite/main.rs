@@ -16,6 +16,7 @@ mod determinism;
 mod fitting;
 mod floors;
 mod forged_snapshots;
+mod learning;
 mod limits;
 mod object_lost;
 mod outputs;

@@ -1,0 +1,84 @@
+//! What the robot learns of the human in a step, and P_o, J~_o and phi from it.
+//!
+//! The human's own discomfort keeps the P_o of the prior, eq. (5): what the robot believes does not change the
+//! human. The robot's choices, eq. (6) and (8), use the belief.
+
+use super::{Episode, Settings};
+use crate::coordination::{Mode, is_misaligned, misalignment};
+use crate::human::{HumanDecision, Stance};
+use crate::learning::Learner;
+use crate::policy::Lead;
+
+/// The learner of these settings, if the robot learns.
+pub(super) fn learner(settings: &Settings) -> Option<Box<Learner>> {
+    let (predictor, phi) = (&settings.predictor, settings.coordination.initial_stubbornness);
+    let learner = Learner::new(settings.learning?, predictor.belief().clone(), predictor.risk_weight(), phi);
+    // a scenario's check has refused settings that are out of their ranges
+    learner.ok().map(Box::new)
+}
+
+impl<'a> Episode<'a> {
+    /// The same episode with a robot that goes on with what `learner` knows of this human. Call it before the
+    /// first step; the learner's next task begins.
+    #[must_use]
+    pub fn with_learner(mut self, mut learner: Learner) -> Self {
+        learner.begin_task();
+        self.learner = Some(Box::new(learner));
+        self
+    }
+
+    /// What the robot has learned; `None` if it does not learn.
+    pub fn learner(&self) -> Option<&Learner> {
+        self.learner.as_deref()
+    }
+
+    /// What the robot has learned, taken out of the episode.
+    pub fn into_learner(self) -> Option<Learner> {
+        self.learner.map(|learner| *learner)
+    }
+
+    /// Learns from the last step, if the human led it: its direction is that of every option with the same next
+    /// waypoint.
+    pub(super) fn learn_from_walk(&mut self) {
+        let Some(learner) = self.learner.as_deref_mut() else { return };
+        let Some((_, decision)) = &self.decided else { return };
+        let is_free = match decision.lead {
+            Lead::Robot(_) => false,
+            Lead::Human => true,
+            // the option was chosen at the start
+            Lead::HumanKeepingOption => self.tick.step == 0,
+        };
+        if !is_free || self.tick.reverses_for.is_some() {
+            return;
+        }
+        let toward = self.tick.options[self.tick.executed].remaining.next;
+        let looks_like = self.tick.options.iter().map(|o| !is_misaligned(toward, o.remaining.next));
+        // impossible only without lapses: such a look is then left out
+        drop(learner.see_walk(&self.prospects, Some(self.tick.executed), looks_like));
+    }
+
+    /// Learns from the human's response to the robot's lead, and puts P_o, J~_o and phi of the belief in place
+    /// of those of the prior.
+    pub(super) fn learn_from_lead(&mut self, human: HumanDecision) -> HumanDecision {
+        let predicts = self.predicts_choice();
+        let Some(learner) = self.learner.as_deref_mut() else { return human };
+        let robot_leads = self.mode == Mode::RobotLed;
+        if robot_leads && self.underway {
+            learner.see_led_step(misalignment(&self.tick.options), human.stance == Stance::TakeOver);
+        }
+        if predicts {
+            let current = self.underway.then_some(self.tick.executed);
+            learner.predict(&self.prospects, current, &mut self.choice);
+            for (tick, p) in self.tick.options.iter_mut().zip(self.choice.probabilities()) {
+                tick.probability = *p;
+            }
+        }
+        if robot_leads || self.policy.predicts() {
+            learner.expected_costs(&self.prospects, &mut self.expected);
+            for (tick, cost) in self.tick.options.iter_mut().zip(&self.expected) {
+                tick.expected = *cost;
+            }
+        }
+        HumanDecision { stubbornness: learner.stubbornness(), ..human }
+    }
+}

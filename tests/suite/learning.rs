@@ -1,0 +1,118 @@
+//! The robot learns who it carries with: episodes, snapshots, and the calibration of what it learns.
+
+use crate::support::{load, repository};
+use cocarry::coordination::Mode;
+use cocarry::episode::{Episode, Settings};
+use cocarry::fit::{Calibration, checks};
+use cocarry::learning::{self, Learner};
+use cocarry::options::OptionSet;
+use cocarry::policy::Method;
+use cocarry::preference::Perception;
+use cocarry::scenario::{Plant, SETTINGS, Scenario, Value};
+use cocarry::world::World;
+
+const HUMAN: Perception = Perception { alpha: 0.747, gamma: 0.765 };
+
+fn scenario(method: Method) -> Scenario {
+    let world = World::load(&repository("worlds/environment-4.toml")).expect("a world");
+    let learning = Some(learning::Settings::default());
+    let settings = Settings { method, learning, ..Settings::default() };
+    Scenario { human: HUMAN, settings, ..Scenario::new(world.into(), Plant::Point) }
+}
+
+#[test]
+fn the_belief_is_a_setting_and_its_default_leaves_no_trace() {
+    let setting = SETTINGS.iter().find(|setting| setting.flag == "belief").expect("a setting");
+    let mut scenario = scenario(Method::MUTUAL);
+    assert_eq!(setting.get(&scenario), Some(Value::Text("learn".to_owned())));
+    assert_eq!(Scenario::parse(&scenario.text().expect("text")).expect("a scenario"), scenario);
+    setting.set(&mut scenario, &Value::Text("prior".to_owned()));
+    assert_eq!(scenario.settings.learning, None);
+    assert!(!scenario.text().expect("text").contains("learning"));
+}
+
+#[test]
+fn numbers_out_of_range_are_refused_by_their_key() {
+    let text = scenario(Method::MUTUAL).text().expect("text");
+    assert!(text.contains("lapse_rate = 0.02"), "{text}");
+    let refused = Scenario::parse(&text.replace("lapse_rate = 0.02", "lapse_rate = 0.7")).unwrap_err();
+    assert!(refused.to_string().contains("settings.learning.lapse_rate"), "{refused}");
+}
+
+#[test]
+fn a_robot_that_follows_learns_what_the_human_prefers() {
+    let prepared = scenario(Method::HUMAN_LED).prepare().expect("prepared");
+    let mut episode = prepared.episode().expect("an episode");
+    let (mut first, mut last) = (None, 0.0);
+    while episode.step().is_none() {
+        let tick = episode.tick();
+        last = tick.options[tick.preferred].probability;
+        first.get_or_insert(last);
+    }
+    assert!(last > 0.9 && last > first.expect("a step") + 0.2, "{first:?} {last}");
+    let mut learner = episode.into_learner().expect("a learner");
+    assert!(learner.density(HUMAN) > 1.0);
+    assert!(learner.perception_mut().estimate().information > 0.1);
+}
+
+#[test]
+fn the_human_takes_over_as_with_the_prior_and_the_robot_learns_eta() {
+    let (_, options) = load(&repository("worlds/environment-4.toml"));
+    let learns = scenario(Method::MUTUAL).settings;
+    let mut episode = Episode::new(&options, &learns, HUMAN);
+    let mut led = 0.0;
+    while episode.step().is_none() {
+        let tick = episode.tick();
+        if tick.mode == Mode::RobotLed {
+            led = tick.discomfort;
+        }
+    }
+    let switched = episode.summary().transition.is_some();
+    let learner = episode.into_learner().expect("a learner");
+    let [low, high] = learner.tolerance().tasks()[0];
+    assert!(low <= 10.5 && 10.5 < high, "{low} {high}");
+    assert_eq!(high.is_finite(), switched);
+    assert!((low - led / learning::discomfort_limit(0.1)).abs() < 1e-9, "{low} {led}");
+    // the next task begins with what is known
+    let again = Episode::new(&options, &learns, HUMAN).with_learner(learner);
+    assert_eq!(again.learner().expect("a learner").tolerance().tasks().len(), 2);
+}
+
+#[test]
+fn a_snapshot_of_a_robot_that_learns_goes_on_with_the_same_bits() {
+    for method in [Method::HUMAN_LED, Method::MUTUAL] {
+        let prepared = scenario(method).prepare().expect("prepared");
+        let mut whole = prepared.episode().expect("an episode");
+        for _ in 0..45 {
+            assert!(whole.step().is_none());
+        }
+        let bytes = prepared.snapshot(&whole).bytes().expect("bytes");
+        let snapshot = cocarry::scenario::Snapshot::parse("x", &bytes).expect("a snapshot");
+        let mut resumed = prepared.resume(snapshot.state).expect("resumed");
+        loop {
+            let ended = whole.step();
+            assert_eq!(ended, resumed.step());
+            assert_eq!(format!("{:?}", whole.tick()), format!("{:?}", resumed.tick()));
+            if ended.is_some() {
+                break;
+            }
+        }
+        let states = [whole, resumed].map(|episode| episode.learner().map(Learner::state));
+        assert!(states[0] == states[1]);
+    }
+}
+
+#[test]
+fn the_belief_is_calibrated_and_a_wrong_likelihood_is_not() {
+    let worlds = ["environment-1", "environment-3", "environment-4"];
+    let sets: Vec<OptionSet> =
+        worlds.iter().map(|name| load(&repository(&format!("worlds/{name}.toml"))).1).collect();
+    let right = Calibration { replications: 1500, ..Calibration::default() };
+    let found = checks(&right.run(&sets, &|| {}).expect("settings"));
+    assert!(found.iter().all(|check| check.is_calibrated), "{found:#?}");
+    // the robot trusts looks and times that say nothing in three of ten cases
+    let lapses = |lapse_rate| learning::Settings { lapse_rate, ..right.truth };
+    let wrong = Calibration { truth: lapses(0.3), assumed: lapses(0.001), ..right.clone() };
+    let found = checks(&wrong.run(&sets, &|| {}).expect("settings"));
+    assert!(found.iter().all(|check| !check.is_calibrated), "{found:#?}");
+}
