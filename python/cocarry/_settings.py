@@ -86,3 +86,6 @@ class Settings(TypedDict, total=False):
 
     prepare_while_leading: bool
     """Optimise the pose also while the robot leads, for its own path; the paper does so only while it follows. Default: False."""
+
+    belief_update: Literal['prior', 'learn']
+    """The robot's belief during the episode. Default: prior."""
