@@ -1,16 +1,16 @@
 //! The belief about one human's perception after observations of the options that the human chose.
 
+mod independent;
 mod line;
 mod moments;
 mod plane;
 
-use super::curve::{Curve, pareto_front};
-use super::rule::Rule;
-use super::strips::{Domain, Extent, Strips};
+use super::strips::Extent;
 use super::{
     Belief, ChoiceDistribution, Perception, PreferenceError, Prospect, SampleSet, human_choice,
     subjective_cost,
 };
+use independent::Independent;
 use line::Line;
 pub use moments::Estimate;
 use moments::Moments;
@@ -53,16 +53,6 @@ enum Model {
     Samples { set: SampleSet, weights: Vec<f64> },
 }
 
-#[derive(Debug, Clone)]
-struct Independent {
-    domain: Domain,
-    rule: Rule,
-    plane: Plane,
-    front: Vec<Curve>,
-    strips: Strips,
-    single: Vec<f64>,
-}
-
 /// What a posterior has learned, to be restored.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Learned(Contents);
@@ -71,22 +61,6 @@ pub struct Learned(Contents);
 enum Contents {
     Plane { lines: Vec<Line>, segments: Vec<Segment> },
     Samples { weights: Vec<f64> },
-}
-
-impl Independent {
-    /// Finds the regions of these options. False if one option is the cheapest everywhere: `front` then has
-    /// only that.
-    fn outline(&mut self, prospects: &[Prospect], risk_weight: f64, current: Option<usize>) -> bool {
-        pareto_front(prospects, risk_weight > 0.0, current, &mut self.front);
-        if self.front.len() < 2 {
-            return false;
-        }
-        self.single.clear();
-        self.single.resize(prospects.len(), 0.0);
-        self.strips.nodes = 0;
-        self.strips.integrate(&self.front, risk_weight, &self.domain, &mut self.single);
-        true
-    }
 }
 
 impl Posterior {
@@ -98,18 +72,7 @@ impl Posterior {
         super::predictor::check(risk_weight)?;
         let model = match &belief {
             Belief::Independent { alpha, gamma } => {
-                let domain = Domain {
-                    alpha: *alpha,
-                    alpha_panels: alpha.panels(),
-                    gamma: *gamma,
-                    gamma_panels: gamma.panels(),
-                };
-                let rule = Rule::new();
-                let mut strips = Strips::new();
-                strips.outline = Some(Default::default());
-                let plane = Plane::new(&rule, &domain);
-                let (front, single) = (Vec::new(), Vec::new());
-                Model::Independent(Box::new(Independent { domain, rule, plane, front, strips, single }))
+                Model::Independent(Box::new(Independent::new(*alpha, *gamma)))
             }
             Belief::Samples(set) => {
                 let weights = set.samples().iter().map(|sample| sample.weight).collect();

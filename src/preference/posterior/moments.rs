@@ -1,12 +1,12 @@
 //! Means over the belief: expected costs, mean, covariance, intervals and regions.
 
+use super::independent::Independent;
 use super::line::Line;
 use super::plane::{Plane, Segment};
-use super::{Independent, Perception};
 use crate::math;
 use crate::preference::rule::{Rule, gauss_legendre};
 use crate::preference::strips::Domain;
-use crate::preference::{Marginal, Prospect, SampleSet};
+use crate::preference::{Marginal, Perception, Prospect, SampleSet};
 use std::num::NonZeroUsize;
 
 /// Nodes per panel; a mean of a polynomial of a smaller degree is exact.
