@@ -21,9 +21,10 @@ use serde::{Deserialize, Serialize};
 ///
 /// Each observation multiplies the prior density, on the region R_o of every option, by the likelihood of what
 /// was seen if the human prefers o. The product is constant between the borders of all regions seen so far.
-/// The borders and the steps across them are kept, so probabilities are exact up to about 1e-9, like those of
-/// the [`Predictor`](super::Predictor), without a grid or particles. Steps below 1e-15 of the mean density
-/// are dropped, and beyond 2048 steps the least ones. Once warm, no call but [`Posterior::estimate`] allocates.
+/// The borders and the steps across them are kept, so probabilities are exact up to about 1e-8, nearly like
+/// those of the [`Predictor`](super::Predictor), without a grid or particles. Steps below 1e-11 of the mean
+/// density are dropped, and beyond 2048 steps the least ones. Once warm, no call but [`Posterior::estimate`]
+/// allocates.
 ///
 /// ```
 /// use cocarry::preference::{Belief, ChoiceDistribution, Posterior, Prospect};

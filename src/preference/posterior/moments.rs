@@ -12,6 +12,13 @@ use std::num::NonZeroUsize;
 /// Nodes per panel; a mean of a polynomial of a smaller degree is exact.
 const POINTS: usize = 14;
 
+/// Nodes on a short segment: exact where the border is straight and the prior uniform.
+const FEW: usize = 8;
+
+/// Segments shorter than this part of a panel, in alpha and in gamma, are short. Borders are nearly straight
+/// there.
+const SHORT: f64 = 0.1;
+
 /// A belief about one human in figures.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Estimate {
@@ -39,13 +46,15 @@ pub(super) struct Moments {
     gamma: Vec<(f64, f64)>,
     product: f64,
     nodes: Vec<(f64, f64)>,
+    few: Vec<(f64, f64)>,
 }
 
 impl Moments {
     /// Computes the marginals of a density.
     pub fn fill(&mut self, plane: &Plane, domain: &Domain, rule: &Rule) {
         if self.nodes.is_empty() {
-            self.nodes = gauss_legendre(NonZeroUsize::new(POINTS).unwrap_or(NonZeroUsize::MIN));
+            [self.nodes, self.few] =
+                [POINTS, FEW].map(|n| gauss_legendre(NonZeroUsize::new(n).unwrap_or(NonZeroUsize::MIN)));
         }
         self.product = 0.0;
         self.alpha.clear();
@@ -97,7 +106,8 @@ impl Moments {
         let (half, middle) = halves(segment.from, segment.to);
         let (panel_half, panel_middle) = halves(panel[0], panel[1]);
         let mut product = 0.0;
-        for (node, weight) in &self.nodes {
+        let range = domain.gamma.upper() - domain.gamma.lower();
+        for (node, weight) in self.rule(segment, line, range, panel_half) {
             let gamma = middle + half * node;
             let weight = segment.step * half * weight * domain.gamma.density(gamma);
             let from = ((line.alpha(gamma) - panel_middle) / panel_half).clamp(-1.0, 1.0);
@@ -108,6 +118,14 @@ impl Moments {
             product += weight * gamma * (panel_middle * tails[0] + panel_half * tails[1]);
         }
         product
+    }
+
+    /// The rule for a segment. `gammas` is what counts as a whole range of gamma, `alphas` half a range of
+    /// alpha.
+    fn rule(&self, segment: &Segment, line: &Line, gammas: f64, alphas: f64) -> &[(f64, f64)] {
+        let rise = (line.alpha(segment.to) - line.alpha(segment.from)).abs();
+        let is_short = segment.to - segment.from < SHORT * gammas && rise < 2.0 * SHORT * alphas;
+        if is_short { &self.few } else { &self.nodes }
     }
 
     /// Integrals of Legendre's polynomials times the density of alpha, from a place in `[-1, 1]` to 1.
@@ -129,7 +147,7 @@ impl Moments {
             let earlier = if degree == 0 { 1.0 } else { before[1] };
             tails[degree] = match degree {
                 0 => density * (1.0 - from),
-                _ => density * (earlier - next) / (2 * degree + 1) as f64,
+                _ => density * (earlier - next) * PER_DEGREE[degree],
             };
             before = [before[1], value];
         });
@@ -146,7 +164,8 @@ impl Moments {
     ) {
         let (half, middle) = halves(segment.from, segment.to);
         let (panel_half, panel_middle) = halves(panel[0], panel[1]);
-        for (node, weight) in &self.nodes {
+        let range = domain.alpha.upper() - domain.alpha.lower();
+        for (node, weight) in self.rule(segment, line, 2.0 * panel_half, 0.5 * range) {
             let gamma = middle + half * node;
             let above = 1.0 - domain.alpha.cdf(line.alpha(gamma));
             let weight = segment.step * half * weight * domain.gamma.density(gamma) * above;
@@ -183,13 +202,36 @@ fn mean(nodes: &[(f64, f64)], function: impl Fn(f64) -> f64) -> f64 {
     nodes.iter().map(|&(value, weight)| weight * function(value)).sum()
 }
 
+/// (2 k + 1) / (k + 1) and k / (k + 1) for k = degree + 1.
+const RECURRENCE: [[f64; 2]; POINTS] = {
+    let mut table = [[0.0; 2]; POINTS];
+    let mut degree = 0;
+    while degree < POINTS {
+        let k = (degree + 1) as f64;
+        table[degree] = [(2.0 * k + 1.0) / (k + 1.0), k / (k + 1.0)];
+        degree += 1;
+    }
+    table
+};
+
+/// 1 / (2 degree + 1).
+const PER_DEGREE: [f64; POINTS] = {
+    let mut table = [0.0; POINTS];
+    let mut degree = 0;
+    while degree < POINTS {
+        table[degree] = 1.0 / (2 * degree + 1) as f64;
+        degree += 1;
+    }
+    table
+};
+
 /// Calls `each` with the degree, P_degree(x) and P_(degree + 1)(x).
 fn legendre(x: f64, mut each: impl FnMut(usize, f64, f64)) {
     let (mut value, mut next) = (1.0, x);
     for degree in 0..POINTS {
         each(degree, value, next);
-        let k = (degree + 1) as f64;
-        (value, next) = (next, ((2.0 * k + 1.0) * x * next - k * value) / (k + 1.0));
+        let [ahead, back] = RECURRENCE[degree];
+        (value, next) = (next, ahead * x * next - back * value);
     }
 }
 
