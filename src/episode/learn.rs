@@ -3,19 +3,11 @@
 //! The human's own discomfort keeps the P_o of the prior, eq. (5): what the robot believes does not change the
 //! human. The robot's choices, eq. (6) and (8), use the belief.
 
-use super::{Episode, Settings};
+use super::Episode;
 use crate::coordination::{Mode, is_misaligned, misalignment};
 use crate::human::{HumanDecision, Stance};
 use crate::learning::Learner;
 use crate::policy::Lead;
-
-/// The learner of these settings, if the robot learns.
-pub(super) fn learner(settings: &Settings) -> Option<Box<Learner>> {
-    let (predictor, phi) = (&settings.predictor, settings.coordination.initial_stubbornness);
-    let learner = Learner::new(settings.learning?, predictor.belief().clone(), predictor.risk_weight(), phi);
-    // a scenario's check has refused settings that are out of their ranges
-    learner.ok().map(Box::new)
-}
 
 impl<'a> Episode<'a> {
     /// The same episode with a robot that goes on with what `learner` knows of this human. Call it before the

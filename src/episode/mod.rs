@@ -107,7 +107,7 @@ impl<'a> Episode<'a> {
             human: Box::new(PreferenceHuman::new(human, settings.coordination)),
             team: Box::new(PointTeam),
             predictor: settings.predictor.clone(),
-            learner: learn::learner(settings),
+            learner: settings.learner(),
             mode: policy.initial_mode(),
             policy,
             route: Route::default(),
