@@ -231,7 +231,7 @@ fn closed_form_the_same_observation_again_and_again() {
     for _ in 0..10 {
         often.observe(&prospects, None, &likelihoods).unwrap();
     }
-    once.observe(&prospects, None, &likelihoods.map(|l| l.powi(10))).unwrap();
+    once.observe(&prospects, None, &likelihoods.map(|l| crate::math::pow(l, 10.0))).unwrap();
     let (mut a, mut b) = (ChoiceDistribution::default(), ChoiceDistribution::default());
     let asked = options(&mut rng);
     once.predict_from(&asked, None, &mut a);
