@@ -7,12 +7,12 @@
 
 use super::Guidance;
 use crate::episode::{self, prospects};
-use crate::learning::{Learner, LearningError, Settings, TolerancePrior, discomfort_limit, eta_interval};
+use crate::learning::{Learner, LearningError, Settings, discomfort_limit, eta_interval};
 use crate::math;
 use crate::options::OptionSet;
 use crate::parallel::{OnDone, in_parallel};
 use crate::preference::{Perception, human_choice};
-use rand::{Rng, RngExt, SeedableRng};
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
@@ -122,13 +122,13 @@ impl Calibration {
         rng.set_stream(index);
         let belief = self.settings.predictor.belief();
         let mut human = belief.sample(&mut rng);
-        let eta = tolerance(self.truth.tolerance, &mut rng);
+        let eta = self.truth.tolerance.sample(&mut rng);
         for task in 0..self.tasks {
             if task > 0 {
                 learner.begin_task();
             }
             let lapses = rng.random_bool(self.truth.lapse_rate);
-            let eta = if lapses { tolerance(self.truth.tolerance, &mut rng) } else { eta };
+            let eta = if lapses { self.truth.tolerance.sample(&mut rng) } else { eta };
             self.lead(worlds, &mut learner, eta, &mut rng);
         }
         for _ in 0..self.looks {
@@ -193,13 +193,6 @@ impl Calibration {
         // impossible only if no lapse is assumed: then nothing is learned from it
         drop(learner.see_look(&options, None, looks_like));
     }
-}
-
-fn tolerance(prior: TolerancePrior, rng: &mut impl Rng) -> f64 {
-    // Box and Muller: the logarithm is normal
-    let radius = (-2.0 * math::ln(rng.random_range(f64::MIN_POSITIVE..1.0))).sqrt();
-    let angle = 2.0 * std::f64::consts::PI * rng.random::<f64>();
-    prior.median * math::exp(prior.log_std * radius * math::cos(angle))
 }
 
 /// The checks of all parameters, then that of the regions.

@@ -3,6 +3,7 @@
 use super::LearningError;
 use crate::math;
 use gauss_quad::GaussLegendre;
+use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 
@@ -45,6 +46,14 @@ impl TolerancePrior {
         let shift = power * self.log_std;
         let scale = math::pow(self.median, power) * math::exp(0.5 * shift * shift);
         scale * normal_between(self.z(low) - shift, self.z(high) - shift)
+    }
+
+    /// An eta drawn from it.
+    pub fn sample<R: Rng + ?Sized>(&self, rng: &mut R) -> f64 {
+        // Box and Muller: the logarithm is normal
+        let radius = (-2.0 * math::ln(rng.random_range(f64::MIN_POSITIVE..1.0))).sqrt();
+        let angle = 2.0 * std::f64::consts::PI * rng.random::<f64>();
+        self.median * math::exp(self.log_std * radius * math::cos(angle))
     }
 
     /// The probability of an interval.
