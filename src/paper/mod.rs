@@ -9,6 +9,7 @@ pub mod cycles;
 pub mod h1;
 pub mod h2;
 pub mod h3;
+pub mod h4;
 
 use crate::episode::{Settings, Summary, Tick};
 use crate::options::OptionError;

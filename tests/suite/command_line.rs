@@ -121,7 +121,13 @@ fn what_cannot_be_served_ends_with_2() {
 
 #[test]
 fn a_study_of_nothing_ends_with_2() {
-    let studies = [["h2", "--humans"], ["h3", "--episodes"], ["contacts", "--walks"], ["cycles", "--worlds"]];
+    let studies = [
+        ["h2", "--humans"],
+        ["h3", "--episodes"],
+        ["h4", "--humans"],
+        ["contacts", "--walks"],
+        ["cycles", "--worlds"],
+    ];
     for [claim, count] in studies {
         let output = cocarry(&["reproduce", claim, count, "0"]);
         assert_eq!(output.status.code(), Some(2), "{claim}");

@@ -1,6 +1,6 @@
 //! The robot learns who it carries with: episodes, snapshots, and the calibration of what it learns.
 
-use crate::support::{load, repository};
+use crate::support::{json, load, repository};
 use cocarry::coordination::Mode;
 use cocarry::episode::{Episode, Settings};
 use cocarry::fit::{Calibration, checks};
@@ -115,4 +115,30 @@ fn the_belief_is_calibrated_and_a_wrong_likelihood_is_not() {
     let wrong = Calibration { truth: lapses(0.3), assumed: lapses(0.001), ..right.clone() };
     let found = checks(&wrong.run(&sets, &|| {}).expect("settings"));
     assert!(found.iter().any(|check| !check.is_calibrated), "{found:#?}");
+}
+
+#[test]
+fn h4_pairs_the_same_people_and_a_robot_that_knows_them_has_no_regret() {
+    let h4 = |threads: &str| {
+        let arguments = ["reproduce", "h4", "--humans", "2", "--worlds", "2", "--threads", threads, "--json"];
+        json(&arguments)
+    };
+    let found = h4("2");
+    let rows = |table: &str| found[table].as_array().expect("rows").clone();
+    // 5 worlds and the random ones, or 6 kinds of humans; 2 tasks, 4 robots
+    assert_eq!([rows("by_world").len(), rows("by_human").len()], [48, 48]);
+    for row in rows("by_world").iter().chain(&rows("by_human")) {
+        let regret = row["regret"].as_f64().expect("a number");
+        match row["robot"].as_str().expect("a name") {
+            "knows" => assert!(regret < 1e-6, "{row}"),
+            "prior" => assert!(regret >= 0.0 && row["regret_against_prior"].is_null(), "{row}"),
+            _ => assert!(regret >= 0.0, "{row}"),
+        }
+    }
+    let total = |robot: &str| {
+        let of = rows("by_human").into_iter().filter(|row| row["robot"] == robot);
+        of.map(|row| row["regret"].as_f64().expect("a number")).sum::<f64>()
+    };
+    assert!(total("prior") > 1.0, "the paper's robot does not know them: {}", total("prior"));
+    assert_eq!(h4("1"), found, "the figures do not depend on the threads");
 }

@@ -6,6 +6,7 @@ mod contacts;
 mod cycles;
 mod h2;
 mod h3;
+mod h4;
 
 pub(super) use common::Common;
 
@@ -27,6 +28,8 @@ pub(super) enum Claim {
     /// Table III: control cost with and without pose optimisation, for a leading human with preference
     /// changes
     H3(h3::H3Arguments),
+    /// H4 (not in the paper): whether it pays that the robot learns who it carries with, over tasks in a row
+    H4(h4::H4Arguments),
     /// Contacts: how often a team with bodies touches the sides of an opening, by the paper's risk S = d_r /
     /// w
     Contacts(contacts::ContactsArguments),
@@ -50,6 +53,7 @@ pub(super) fn run(claim: &Claim) -> Result<ExitCode, Failure> {
         Claim::H1(arguments) => run_h1(arguments),
         Claim::H2(arguments) => h2::run(arguments),
         Claim::H3(arguments) => h3::run(arguments),
+        Claim::H4(arguments) => h4::run(arguments),
         Claim::Contacts(arguments) => contacts::run(arguments),
         Claim::Cycles(arguments) => cycles::run(arguments),
         Claim::All(arguments) => all::run(arguments),

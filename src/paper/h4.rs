@@ -1,0 +1,509 @@
+//! H4, which is not in the paper: does it pay that the robot learns who it carries with? One person carries
+//! several times in a row with the same robot, which keeps what it has learned.
+//!
+//! Robots are compared with the same humans in the same worlds. Some humans are of the model that the robot
+//! learns with, others are not.
+
+use super::{BuiltInError, prepared};
+use crate::coordination::{self, Mode, robot_choice};
+use crate::episode::{Episode, Outcome, Settings, Tick};
+use crate::human::{Boltzmann, Human, HumanDecision, HumanView, Participant, PreferenceHuman};
+use crate::learning::{self, Learner, LearningError, TolerancePrior};
+use crate::math;
+use crate::parallel::{OnDone, in_parallel};
+use crate::policy::Method;
+use crate::preference::{Belief, Perception, Prospect, WeightedSample, subjective_cost};
+use crate::scenario::{Partners, Plant, PreparedScenario, Scenario, ScenarioError, WorldText};
+use crate::statistics::{self, Paired, mean_and_std};
+use crate::world::{BUILT_IN_WORLDS, WorldError};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use serde::Serialize;
+use thiserror::Error;
+
+/// Default number of humans of each kind in each group of worlds.
+pub const HUMANS: usize = 200;
+/// Default number of random worlds.
+pub const WORLDS: usize = 20;
+/// Default number of tasks in a row.
+pub const TASKS: usize = 2;
+/// The name of the group of random worlds.
+pub const RANDOM_WORLDS: &str = "random worlds";
+/// The name of all groups together.
+pub const ALL_WORLDS: &str = "all";
+/// beta of the Boltzmann humans, per cost unit.
+pub const RATIONALITY: f64 = 1.0;
+/// Steps for which a lapse lasts: 1 m of path.
+const LAPSE_STEPS: u64 = 10;
+
+/// What a robot knows of the person.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RobotKind {
+    /// The paper's: the prior of alpha and gamma, and phi(k), hence eta.
+    Prior,
+    /// It learns alpha, gamma and eta with the default rates.
+    Learns,
+    /// It learns with [`FORGETFUL`], a larger lapse rate and change rate.
+    Forgets,
+    /// It knows alpha, gamma and eta.
+    Knows,
+}
+
+/// The rates of the robot that bears contradictions better, and forgets sooner.
+pub const FORGETFUL: [f64; 2] = [0.2, 0.05];
+
+impl RobotKind {
+    /// All robots, the paper's first.
+    pub const ALL: [Self; 4] = [Self::Prior, Self::Learns, Self::Forgets, Self::Knows];
+
+    /// Name, as in `--json`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Prior => "prior",
+            Self::Learns => "learns",
+            Self::Forgets => "forgets",
+            Self::Knows => "knows",
+        }
+    }
+}
+
+/// How the humans decide.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum HumanKind {
+    /// Eqs. (3) and (5), drawn from the prior.
+    Model,
+    /// [`Boltzmann`] humans of rationality [`RATIONALITY`].
+    Boltzmann,
+    /// As the model, but for one metre in ten the human prefers any option.
+    Lapses10,
+    /// The same for three metres in ten.
+    Lapses30,
+    /// alpha and gamma beyond the prior's ranges, by up to half of them.
+    OutsidePrior,
+    /// alpha and gamma are drawn anew after half of the tasks; until then they are those of the model's humans.
+    ChangeOfMind,
+}
+
+impl HumanKind {
+    /// All kinds, those of the model first.
+    pub const ALL: [Self; 6] = [
+        Self::Model,
+        Self::Boltzmann,
+        Self::Lapses10,
+        Self::Lapses30,
+        Self::OutsidePrior,
+        Self::ChangeOfMind,
+    ];
+
+    /// Name, as in `--json`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Model => "model",
+            Self::Boltzmann => "boltzmann",
+            Self::Lapses10 => "lapses10",
+            Self::Lapses30 => "lapses30",
+            Self::OutsidePrior => "outside-prior",
+            Self::ChangeOfMind => "change-of-mind",
+        }
+    }
+
+    fn lapse_rate(self) -> f64 {
+        match self {
+            Self::Lapses10 => 0.1,
+            Self::Lapses30 => 0.3,
+            _ => 0.0,
+        }
+    }
+}
+
+/// The study.
+#[derive(Clone, Copy, Debug)]
+pub struct Study<'a> {
+    /// The episode's settings; method, eta and belief are replaced.
+    pub settings: &'a Settings,
+    /// Humans of each kind in each group of worlds.
+    pub humans: usize,
+    /// Random worlds with two options or more; the humans of their group take them in turn.
+    pub worlds: usize,
+    /// Tasks in a row.
+    pub tasks: usize,
+    /// Seed of humans and worlds.
+    pub seed: u64,
+}
+
+/// One robot with humans of one kind, in one of their tasks. Differences are to [`RobotKind::Prior`] with the
+/// same humans, of those who arrive both times; they are corrected for all comparisons of the table.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LearningRow {
+    /// The world, [`RANDOM_WORLDS`] or [`ALL_WORLDS`].
+    pub world: String,
+    /// The humans.
+    pub humans: HumanKind,
+    /// The task, from 1.
+    pub task: usize,
+    /// The robot.
+    pub robot: RobotKind,
+    /// Number of humans.
+    pub episodes: usize,
+    /// Episodes that did not arrive.
+    pub not_arrived: usize,
+    /// Mean regret: the sum over the steps that the robot leads of the cost of eq. (6) of the executed option
+    /// minus the least one there, with the person's true alpha, gamma and phi(k).
+    pub regret: f64,
+    /// Standard deviation of the regret.
+    pub regret_std: f64,
+    /// The difference in regret.
+    pub regret_against_prior: Option<Paired>,
+    /// Mean of the sum of J^ of the executed option over the steps, with the person's alpha and gamma.
+    pub human_cost: f64,
+    /// The difference in that.
+    pub human_cost_against_prior: Option<Paired>,
+    /// Mean of the sum of J of the executed option over the steps, m.
+    #[serde(rename = "objective_cost_m")]
+    pub objective_cost: f64,
+    /// The difference in that, m.
+    #[serde(rename = "objective_cost_against_prior_m")]
+    pub objective_cost_against_prior: Option<Paired>,
+    /// Share of the steps on another option than the human prefers.
+    pub share_off_preference: f64,
+    /// Episodes in which the human took over.
+    pub transitions: usize,
+}
+
+/// The rows of both tables.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Findings {
+    /// Humans of the model, by world.
+    pub by_world: Vec<LearningRow>,
+    /// All worlds, by kind of human.
+    pub by_human: Vec<LearningRow>,
+}
+
+/// Why there are no findings.
+#[derive(Debug, Error)]
+pub enum StudyError {
+    /// A world or a scenario: a fault of the program.
+    #[error(transparent)]
+    BuiltIn(#[from] BuiltInError),
+    /// The learner: a fault of the program.
+    #[error(transparent)]
+    Learning(#[from] LearningError),
+}
+
+impl From<ScenarioError> for StudyError {
+    fn from(error: ScenarioError) -> Self {
+        Self::BuiltIn(error.into())
+    }
+}
+
+impl From<WorldError> for StudyError {
+    fn from(error: WorldError) -> Self {
+        Self::BuiltIn(error.into())
+    }
+}
+
+/// Worlds of one group.
+struct Group {
+    name: String,
+    worlds: Vec<PreparedScenario>,
+}
+
+/// One person.
+struct Person {
+    kind: HumanKind,
+    eta: f64,
+    /// alpha and gamma in each task.
+    perceptions: Vec<Perception>,
+    /// The seed of each task, of disturbances and lapses.
+    seeds: Vec<u64>,
+}
+
+/// One task.
+#[derive(Clone, Copy, Default)]
+struct Task {
+    arrived: bool,
+    regret: f64,
+    human_cost: f64,
+    objective_cost: f64,
+    share_off_preference: f64,
+    took_over: bool,
+}
+
+/// The tasks of one person with each robot.
+type Tasks = [Vec<Task>; RobotKind::ALL.len()];
+
+impl Study<'_> {
+    /// Units of work, for a progress bar.
+    pub fn units(&self) -> usize {
+        (BUILT_IN_WORLDS.len() + usize::from(self.worlds > 0)) * HumanKind::ALL.len() * self.humans
+    }
+
+    /// Runs all tasks. The result does not depend on the number of threads.
+    ///
+    /// # Errors
+    /// [`StudyError`], if a setting is out of its range.
+    pub fn run(&self, on_done: OnDone) -> Result<Findings, StudyError> {
+        let groups = self.groups()?;
+        let (kinds, n) = (HumanKind::ALL.len(), self.humans);
+        let all = in_parallel(groups.len() * kinds * n, on_done, |i| {
+            let (group, kind, human) = (i / n / kinds, i / n % kinds, i % n);
+            let worlds = &groups[group].worlds;
+            self.tasks_of(&worlds[human % worlds.len()], &self.person(group, HumanKind::ALL[kind], human))
+        });
+        let all = all.into_iter().collect::<Result<Vec<Tasks>, StudyError>>()?;
+        let of = |group: usize, kind: usize| &all[(group * kinds + kind) * n..][..n];
+        let mut by_world = Vec::new();
+        for (g, group) in groups.iter().enumerate() {
+            let people: Vec<_> = of(g, 0).iter().collect();
+            by_world.extend(self.rows(&group.name, HumanKind::Model, &people));
+        }
+        let mut by_human = Vec::new();
+        for (k, kind) in HumanKind::ALL.into_iter().enumerate() {
+            let people: Vec<_> = (0..groups.len()).flat_map(|g| of(g, k)).collect();
+            by_human.extend(self.rows(ALL_WORLDS, kind, &people));
+        }
+        for rows in [&mut by_world, &mut by_human] {
+            statistics::correct(rows.iter_mut().flat_map(LearningRow::comparisons));
+        }
+        Ok(Findings { by_world, by_human })
+    }
+
+    /// The built-in worlds, each by itself, and random ones.
+    fn groups(&self) -> Result<Vec<Group>, StudyError> {
+        let settings = Settings {
+            method: Method::MUTUAL,
+            predict_while_human_leads: false,
+            learning: None,
+            ..self.settings.clone()
+        };
+        let prepare =
+            |file: String, text: String| prepared(WorldText { file, text }, &settings, &Plant::Point);
+        let mut groups = Vec::new();
+        for world in BUILT_IN_WORLDS {
+            let worlds = vec![prepare(world.name.to_owned(), world.text.to_owned())?];
+            groups.push(Group { name: world.name.to_owned(), worlds });
+        }
+        let mut rng = self.stream(0);
+        let mut worlds = Vec::new();
+        while worlds.len() < self.worlds {
+            match prepare(RANDOM_WORLDS.to_owned(), super::cycles::random_world(&mut rng)) {
+                // the start or target is inside an obstacle, or enclosed
+                Err(ScenarioError::World(_) | ScenarioError::Options(_)) => {}
+                world => worlds.extend(Some(world?).filter(|world| world.options().options().len() > 1)),
+            }
+        }
+        if !worlds.is_empty() {
+            groups.push(Group { name: RANDOM_WORLDS.to_owned(), worlds });
+        }
+        Ok(groups)
+    }
+
+    fn stream(&self, stream: u64) -> ChaCha8Rng {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream(stream);
+        rng
+    }
+
+    fn person(&self, group: usize, kind: HumanKind, human: usize) -> Person {
+        // the same people for all kinds, as far as they can be
+        let mut rng = self.stream(((group as u64 + 1) << 32) + human as u64);
+        let belief = self.settings.predictor.belief();
+        let eta = TolerancePrior::default().sample(&mut rng);
+        let [first, second] = [0; 2].map(|_| belief.sample(&mut rng));
+        let seeds = (0..self.tasks).map(|_| rng.random()).collect();
+        let first = if kind == HumanKind::OutsidePrior { outside(belief, &mut rng) } else { first };
+        let changes = |task| kind == HumanKind::ChangeOfMind && 2 * task >= self.tasks;
+        let perceptions = (0..self.tasks).map(|task| if changes(task) { second } else { first }).collect();
+        Person { kind, eta, perceptions, seeds }
+    }
+
+    fn tasks_of(&self, world: &PreparedScenario, person: &Person) -> Result<Tasks, StudyError> {
+        let mut all = Tasks::default();
+        for (robot, tasks) in RobotKind::ALL.into_iter().zip(&mut all) {
+            let mut learner = None;
+            for task in 0..self.tasks {
+                let knows = robot == RobotKind::Knows;
+                if knows || learner.is_none() {
+                    learner = self.learner(robot, person, task)?;
+                }
+                let base = world.scenario();
+                let coordination = coordination::Settings { eta: person.eta, ..base.settings.coordination };
+                let settings = Settings { coordination, ..base.settings.clone() };
+                let human = person.perceptions[task];
+                let prepared = world.prepare(Scenario { human, settings, ..base.clone() })?;
+                let partners = Partners { human: Some(person.human(&prepared, task)), policy: None };
+                let mut episode = prepared.episode_of(partners)?;
+                if let Some(learner) = learner.take() {
+                    episode = episode.with_learner(learner);
+                }
+                tasks.push(carry(&mut episode, &prepared.scenario().settings, human));
+                learner = episode.into_learner();
+            }
+        }
+        Ok(all)
+    }
+
+    /// The robot before a task with a person that it has not met.
+    fn learner(
+        &self,
+        robot: RobotKind,
+        person: &Person,
+        task: usize,
+    ) -> Result<Option<Learner>, LearningError> {
+        let (predictor, phi) = (&self.settings.predictor, self.settings.coordination.initial_stubbornness);
+        let (default, prior) = (learning::Settings::default(), predictor.belief().clone());
+        let (settings, belief) = match robot {
+            RobotKind::Prior => return Ok(None),
+            RobotKind::Learns => (default, prior),
+            RobotKind::Forgets => {
+                let [lapse_rate, change_rate] = FORGETFUL;
+                (learning::Settings { lapse_rate, change_rate, ..default }, prior)
+            }
+            RobotKind::Knows => {
+                let tolerance = TolerancePrior { median: person.eta, log_std: 1e-6 };
+                let known = WeightedSample { perception: person.perceptions[task], weight: 1.0 };
+                let known = Belief::samples(vec![known]).unwrap_or(prior);
+                (learning::Settings { tolerance, ..default }, known)
+            }
+        };
+        Learner::new(settings, belief, predictor.risk_weight(), phi).map(Some)
+    }
+
+    fn rows(&self, world: &str, humans: HumanKind, people: &[&Tasks]) -> Vec<LearningRow> {
+        let mut rows = Vec::new();
+        for task in 0..self.tasks {
+            let of = |robot: usize| people.iter().map(move |tasks| &tasks[robot][task]);
+            for (robot, kind) in RobotKind::ALL.into_iter().enumerate() {
+                let list = |value: fn(&Task) -> f64| of(robot).map(value).collect::<Vec<f64>>();
+                let mean = |value| mean_and_std(&list(value)).0;
+                let against_prior = |value: fn(&Task) -> f64| {
+                    let both: Vec<_> = of(robot).zip(of(0)).filter(|(a, b)| a.arrived && b.arrived).collect();
+                    let [first, second]: [Vec<f64>; 2] = [
+                        both.iter().map(|p| value(p.0)).collect(),
+                        both.iter().map(|p| value(p.1)).collect(),
+                    ];
+                    (robot > 0).then(|| Paired::of_lists(&first, &second, true)).flatten()
+                };
+                let (regret, regret_std) = mean_and_std(&list(|t| t.regret));
+                rows.push(LearningRow {
+                    world: world.to_owned(),
+                    humans,
+                    task: task + 1,
+                    robot: kind,
+                    episodes: people.len(),
+                    not_arrived: of(robot).filter(|t| !t.arrived).count(),
+                    regret,
+                    regret_std,
+                    regret_against_prior: against_prior(|t| t.regret),
+                    human_cost: mean(|t| t.human_cost),
+                    human_cost_against_prior: against_prior(|t| t.human_cost),
+                    objective_cost: mean(|t| t.objective_cost),
+                    objective_cost_against_prior: against_prior(|t| t.objective_cost),
+                    share_off_preference: mean(|t| t.share_off_preference),
+                    transitions: of(robot).filter(|t| t.took_over).count(),
+                });
+            }
+        }
+        rows
+    }
+}
+
+impl LearningRow {
+    fn comparisons(&mut self) -> impl Iterator<Item = &mut Paired> {
+        let Self { regret_against_prior, human_cost_against_prior, objective_cost_against_prior, .. } = self;
+        [regret_against_prior, human_cost_against_prior, objective_cost_against_prior]
+            .into_iter()
+            .filter_map(Option::as_mut)
+    }
+}
+
+/// A human beyond one end of the range of alpha and of that of gamma.
+fn outside(belief: &Belief, rng: &mut ChaCha8Rng) -> Perception {
+    let [alpha, gamma] = belief.ranges().map(|[lower, upper]| {
+        let beyond = 0.5 * (upper - lower) * rng.random::<f64>();
+        if rng.random_bool(0.5) { upper + beyond } else { (lower - beyond).max(0.1 * lower) }
+    });
+    Perception { alpha, gamma }
+}
+
+impl Person {
+    fn human(&self, prepared: &PreparedScenario, task: usize) -> Box<dyn Human> {
+        let (perception, seed) = (self.perceptions[task], self.seeds[task]);
+        let stubbornness = prepared.scenario().settings.coordination;
+        match (self.kind, self.kind.lapse_rate()) {
+            (HumanKind::Boltzmann, _) => {
+                let options = prepared.options();
+                let participant = Participant { perception, changes: &[], stubbornness, seed, options };
+                Box::new(Boltzmann::new(&participant, RATIONALITY))
+            }
+            (_, 0.0) => Box::new(PreferenceHuman::new(perception, stubbornness)),
+            (_, rate) => Box::new(Lapsing {
+                human: PreferenceHuman::new(perception, stubbornness),
+                rate,
+                rng: ChaCha8Rng::seed_from_u64(seed),
+                option: None,
+            }),
+        }
+    }
+}
+
+/// The paper's human, who now and then prefers any option for [`LAPSE_STEPS`] steps.
+#[derive(Clone, Debug)]
+struct Lapsing {
+    human: PreferenceHuman,
+    rate: f64,
+    rng: ChaCha8Rng,
+    option: Option<usize>,
+}
+
+impl Human for Lapsing {
+    fn decide(&mut self, view: &HumanView<'_>) -> HumanDecision {
+        if view.step.is_multiple_of(LAPSE_STEPS) {
+            let (lapses, any) =
+                (self.rng.random_bool(self.rate), self.rng.random_range(0..view.prospects.len()));
+            self.option = lapses.then_some(any);
+        }
+        let decision = self.human.decide(view);
+        HumanDecision { option: self.option.unwrap_or(decision.option), ..decision }
+    }
+}
+
+/// Runs a task.
+fn carry(episode: &mut Episode, settings: &Settings, human: Perception) -> Task {
+    let mut regret = 0.0;
+    let outcome = loop {
+        if let Some(outcome) = episode.step() {
+            break outcome;
+        }
+        if episode.tick().mode == Mode::RobotLed {
+            regret += regret_of(episode.tick(), settings, human);
+        }
+    };
+    let summary = episode.summary();
+    Task {
+        arrived: outcome == Outcome::Arrived,
+        regret,
+        human_cost: summary.human.subjective_cost,
+        objective_cost: summary.accumulated_cost,
+        share_off_preference: summary.human.share_off_preference(summary.steps),
+        took_over: summary.transition.is_some(),
+    }
+}
+
+/// The cost of eq. (6) of the executed option minus that of the option of a robot that knows the person.
+fn regret_of(tick: &Tick, settings: &Settings, human: Perception) -> f64 {
+    let coordination::Settings { initial_stubbornness, eta } = settings.coordination;
+    let phi = (initial_stubbornness * math::exp(tick.discomfort / eta)).min(1.0);
+    let costs = || {
+        tick.options.iter().map(|option| {
+            let prospect = Prospect { length: option.remaining.length, risk: option.remaining.risk };
+            (option.objective, subjective_cost(prospect, settings.predictor.risk_weight(), human))
+        })
+    };
+    let weighed: Vec<f64> =
+        costs().map(|(objective, subjective)| (1.0 - phi) * objective + phi * subjective).collect();
+    weighed[tick.executed] - weighed[robot_choice(costs(), phi, Some(tick.executed))]
+}
