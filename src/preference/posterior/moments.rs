@@ -228,9 +228,8 @@ const PER_DEGREE: [f64; POINTS] = {
 /// Calls `each` with the degree, P_degree(x) and P_(degree + 1)(x).
 fn legendre(x: f64, mut each: impl FnMut(usize, f64, f64)) {
     let (mut value, mut next) = (1.0, x);
-    for degree in 0..POINTS {
+    for (degree, [ahead, back]) in RECURRENCE.into_iter().enumerate() {
         each(degree, value, next);
-        let [ahead, back] = RECURRENCE[degree];
         (value, next) = (next, ahead * x * next - back * value);
     }
 }
