@@ -100,7 +100,7 @@ fn looks(count: usize, human: impl Fn(usize, &[Prospect]) -> usize) -> Vec<([Pro
         let options = environment_4();
         let at = |o: usize| {
             let Prospect { length, risk } = options[o];
-            let along = if o % 2 == 0 { turn } else { -turn };
+            let along = if o.is_multiple_of(2) { turn } else { -turn };
             Prospect::new(length * near * (1.0 + along), risk * (1.0 - 0.3 * along))
         };
         let prospects: [Prospect; 4] = std::array::from_fn(at);
