@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import pathlib
+import socket
 import sys
 import tempfile
 import time
@@ -83,6 +84,7 @@ def sweep(
     study = _Study(text, file, folder, seeds, [pathlib.Path(name) for name in rows.files(pathlib.Path(folder, "study"))])
     is_ours = not ray.is_initialized()
     if is_ours:
+        _reach(address)
         try:
             ray.init(address=address, log_to_driver=False, configure_logging=False)
         except (ConnectionError, ValueError) as error:
@@ -94,6 +96,17 @@ def sweep(
         if is_ours:
             ray.shutdown()
     return rows.finish()
+
+
+def _reach(address: str | None) -> None:
+    """Refuses an address where nobody listens, for which Ray would wait for minutes."""
+    host, colon, port = (address or "").removeprefix("ray://").rpartition(":")
+    if not colon:
+        return
+    try:
+        socket.create_connection((host, int(port)), timeout=10.0).close()
+    except (OSError, ValueError) as error:
+        raise StudyError(f"address = {address!r}: no Ray cluster there: {error}") from error
 
 
 def _check(ray: Any) -> None:

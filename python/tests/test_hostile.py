@@ -77,7 +77,7 @@ def test_damaged_snapshots_are_refused():
 @pytest.mark.parametrize("far", [1e3, 1e12, 1e300])
 def test_a_hand_far_away_ends_the_episode_or_is_refused(far):
     def runs_off(view):
-        return cocarry.HumanDecision(view.preferred, stance="take-over", hand=(far, -far))
+        return cocarry.HumanDecision(0, stance="take-over", hand=(far, -far))
 
     episode = cocarry.Episode(cocarry.Scenario("environment-4", plant="rapier", alpha=0.7, gamma=0.8), human=runs_off)
     try:

@@ -76,8 +76,6 @@ def workers() -> list[int]:
 
 
 def test_a_killed_raylet_a_killed_worker_and_a_stopped_one(study, cluster):
-    killed = at(0.2, lambda: cluster.remove_node(cluster.second, allow_graceful=False))
-
     def kill_worker():
         # as the kernel does where memory runs out
         for worker in workers()[:1]:
@@ -90,12 +88,13 @@ def test_a_killed_raylet_a_killed_worker_and_a_stopped_one(study, cluster):
             threading.Timer(2.0, os.kill, (worker, signal.SIGCONT)).start()
             return worker
 
-    tells = [killed, at(0.5, kill_worker), at(0.7, stop_worker)]
+    kill_raylet = at(0.4, lambda: cluster.remove_node(cluster.second, allow_graceful=False))
+    tells = [at(0.05, kill_worker), at(0.2, stop_worker), kill_raylet]
     table = cocarry.sweep(
         study / "study.toml", out=study / "ray.csv", backend="ray", address=cluster.address,
         progress=lambda done, count: [tell(done, count) for tell in tells],
     )
-    assert all(tell.acted for tell in tells) and all(tell.acted[0] for tell in tells[1:])
+    assert all(tell.acted for tell in tells) and all(tell.acted[0] for tell in tells[:2])
     assert (study / "ray.csv").read_bytes() == (study / "expected.csv").read_bytes()
     assert len(table) == (study / "expected.csv").read_bytes().count(b"\n") - 1
 
