@@ -397,7 +397,8 @@ class Preference:
 @final
 class Table:
     """A table of rows. Opens without copies wherever Arrow data do: ``polars.DataFrame(table)``,
-    ``pyarrow.table(table)``, ``pandas.DataFrame.from_arrow(table)``. Shows its first rows in a notebook."""
+    ``pyarrow.table(table)``, ``pandas.DataFrame.from_arrow(table)`` (pandas 3). Shows its first rows in a
+    notebook."""
 
     @property
     def columns(self) -> list[str]:
