@@ -11,8 +11,8 @@ use std::process::ExitCode;
 
 /// Show all faults of a robot's files; or its drive, masses, joints, reach, and the shapes that are missing
 ///
-/// Every fault that can be seen at once is listed, and the exit code is 2. Postures are checked when everything else is
-/// valid.
+/// Every fault that can be seen at once is listed, and the exit code is 2. Postures are checked when
+/// everything else is valid.
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry robot check robot.toml", ""),

@@ -8,9 +8,9 @@ use std::process::ExitCode;
 
 /// Draft a robot file from a URDF: find base, wheels, arm and tool, and solve postures
 ///
-/// What was assumed is printed; edit the file where that is wrong. Postures come from inverse kinematics with random
-/// starts, the same for every call, best first: far from the joints' limits and from singular configurations, with the
-/// arm above the base. A xacro is expanded where the program `xacro` is installed.
+/// What was assumed is printed; edit the file where that is wrong. Postures come from inverse kinematics with
+/// random starts, the same for every call, best first: far from the joints' limits and from singular
+/// configurations, with the arm above the base. A xacro is expanded where the program `xacro` is installed.
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry robot init tiago.urdf", "tiago.toml, beside the URDF"),
@@ -32,8 +32,8 @@ pub(super) struct InitArguments {
     /// The joint of the right driven wheel
     #[arg(long, value_name = "JOINT", requires = "left_wheel")]
     right_wheel: Option<String>,
-    /// Height at which the object is held, m [default: the first of 0.7, 0.8, 0.9, 0.6, 1.0, 1.1 and 0.5 that has a
-    /// posture]
+    /// Height at which the object is held, m [default: the first of 0.7, 0.8, 0.9, 0.6, 1.0, 1.1 and 0.5 that
+    /// has a posture]
     #[arg(long, value_name = "M", value_parser = height)]
     grasp_height: Option<f64>,
     #[command(flatten)]

@@ -12,7 +12,7 @@ use crate::robot::{Drive, InputJacobian, pose_difference};
 use nalgebra::Rotation3;
 
 /// Look-ahead distances along the path, m. The longest rolls most smoothly but cuts corners most: it is used
-/// unless the base would come too near to an obstacle.
+/// unless the base would come too near to an obstacle; where every one does, the shortest is.
 const LOOK_AHEADS_M: [f64; 3] = [0.65, 0.45, 0.3];
 /// Number of periods over which the base looks out for obstacles.
 const LOOK_OUT_PERIODS: usize = 6;

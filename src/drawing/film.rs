@@ -308,8 +308,8 @@ impl Film<'_> {
         group.add(plot.axes(&Text::new("time (s)"), &phi))
     }
 
-    /// The label of the threshold, above or below its line, where it covers neither phi nor the lines of instants.
-    /// It is at the same place in every picture of a moving one.
+    /// The label of the threshold, above or below its line, where it covers neither phi nor the lines of
+    /// instants. It is at the same place in every picture of a moving one.
     fn threshold_label(&self, plot: &Plot, frame: Bounds, marks: &[(usize, &Moment)]) -> Element {
         let mut clutter = Clutter::new(frame);
         let phi: Vec<Point> = self.moments.iter().map(|m| plot.at(m.time, m.stubbornness)).collect();

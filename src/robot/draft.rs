@@ -1,4 +1,5 @@
-//! A robot file drafted from a URDF: the base, its wheels, the arm, the grasp and postures, each found or assumed.
+//! A robot file drafted from a URDF: the base, its wheels, the arm, the grasp and postures, each found or
+//! assumed.
 
 use super::draft_request::{DraftError, DraftRequest};
 use super::draft_search::{self, Parts};
@@ -24,8 +25,8 @@ pub struct Draft {
 const HEIGHTS_M: [f64; 7] = [0.7, 0.8, 0.9, 0.6, 1.0, 1.1, 0.5];
 
 impl Draft {
-    /// A robot file for a URDF. `named` is how the file names the URDF, and `file` is its own name in errors. The same
-    /// URDF gives the same text.
+    /// A robot file for a URDF. `named` is how the file names the URDF, and `file` is its own name in errors.
+    /// The same URDF gives the same text.
     ///
     /// # Errors
     /// [`DraftError`].

@@ -203,14 +203,16 @@ fn pair(file: &str, links: &[Link], poses: &[Pose]) -> Result<[usize; 2], DraftE
     }
 }
 
-/// Whether a name says that its link does not hold an object. Short words must stand alone: `left_` has `ft_` in it.
+/// Whether a name says that its link does not hold an object. Short words must stand alone: `left_` has `ft_`
+/// in it.
 fn is_no_tool(name: &str) -> bool {
     let name = name.to_lowercase();
     let mut words = name.split(|c: char| !c.is_ascii_alphanumeric());
     words.any(|word| NO_TOOLS.iter().any(|&no| word == no || (no.len() > 4 && word.contains(no))))
 }
 
-/// The link at the end of an arm of at most [`MAX_JOINTS`] joints: by its name, then by the length of its arm.
+/// The link at the end of an arm of at most [`MAX_JOINTS`] joints: by its name, then by the length of its
+/// arm.
 fn tool(links: &[Link], base: usize, wheels: &[usize; 2]) -> Option<usize> {
     let arm = |tool: usize| -> Option<usize> {
         let path = std::iter::successors(Some(tool), |&at| links[at].parent);
@@ -241,8 +243,8 @@ fn tool(links: &[Link], base: usize, wheels: &[usize; 2]) -> Option<usize> {
         .map(|(i, _)| i)
 }
 
-/// The grasp's axes in the tool's frame, x along the axis that points from the last moving joint outward, and that
-/// axis' name.
+/// The grasp's axes in the tool's frame, x along the axis that points from the last moving joint outward, and
+/// that axis' name.
 fn approach(links: &[Link], poses: &[Pose], base: usize, tool: usize) -> (Rotation3<f64>, String) {
     let moves = |i: usize| links[i].joint.as_ref().is_some_and(|j| j.kind != JointKind::Fixed);
     let path = std::iter::successors(Some(tool), |&at| links[at].parent).take_while(|&at| at != base);

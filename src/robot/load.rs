@@ -33,9 +33,10 @@ pub struct RobotTexts {
     pub urdf_file: String,
     /// Text of the URDF.
     pub urdf: String,
-    /// Vertices of the hulls of collision meshes, in the units of their files, by the names of the meshes in the
-    /// URDF; and the sign that shapes stand in for those that are missing. `None` if every link that collides has a
-    /// shape in the URDF itself, and for robots of recordings by versions without hulls, whose meshes do not collide.
+    /// Vertices of the hulls of collision meshes, in the units of their files, by the names of the meshes in
+    /// the URDF; and the sign that shapes stand in for those that are missing. `None` if every link that
+    /// collides has a shape in the URDF itself, and for robots of recordings by versions without hulls, whose
+    /// meshes do not collide.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     hulls: Option<SharedHulls>,
     /// The folders in which meshes are searched for.
@@ -43,8 +44,8 @@ pub struct RobotTexts {
     meshes: MeshFolder,
 }
 
-/// The folders of a URDF's meshes, where they are at hand. They are no part of what a robot is: recordings and
-/// snapshots do not have them.
+/// The folders of a URDF's meshes, where they are at hand. They are no part of what a robot is: recordings
+/// and snapshots do not have them.
 #[derive(Clone, Debug, Default)]
 struct MeshFolder(Option<MeshFolders>);
 
@@ -137,8 +138,8 @@ impl Robot {
         Self::check(path).map_err(|mut faults| faults.swap_remove(0))
     }
 
-    /// As [`Robot::load`], with all faults that can be seen at once in place of the first. Postures are checked only
-    /// if everything else is valid.
+    /// As [`Robot::load`], with all faults that can be seen at once in place of the first. Postures are
+    /// checked only if everything else is valid.
     ///
     /// # Errors
     /// At least one [`RobotError`].
@@ -146,8 +147,8 @@ impl Robot {
         complete(RobotTexts::read(path).map_err(|fault| vec![fault])?)
     }
 
-    /// A robot built from texts that were read before. Meshes of texts from a recording or a snapshot keep the
-    /// names that the URDF gives them; their files are not searched for.
+    /// A robot built from texts that were read before. Meshes of texts from a recording or a snapshot keep
+    /// the names that the URDF gives them; their files are not searched for.
     ///
     /// # Errors
     /// As [`Robot::load`].
@@ -252,8 +253,8 @@ impl Faults {
     }
 }
 
-/// The robot built from these texts, or all its faults, at least one. Meshes are searched for in `folders`, if there
-/// are any.
+/// The robot built from these texts, or all its faults, at least one. Meshes are searched for in `folders`,
+/// if there are any.
 fn build(texts: &RobotTexts, folders: Option<&MeshFolders>) -> Result<Robot, Vec<RobotError>> {
     let (mut robot, entries) = assemble(texts, folders)?;
     let source = Source { file: &texts.file, text: &texts.text };

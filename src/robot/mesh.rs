@@ -12,8 +12,8 @@ pub(super) struct MeshFolders {
 }
 
 impl MeshFolders {
-    /// The folders for a URDF: its own, those given, and those of ROS in the environment: `ROS_PACKAGE_PATH`, and
-    /// `share` in the prefixes of `AMENT_PREFIX_PATH`.
+    /// The folders for a URDF: its own, those given, and those of ROS in the environment: `ROS_PACKAGE_PATH`,
+    /// and `share` in the prefixes of `AMENT_PREFIX_PATH`.
     pub fn new(urdf: &Path, given: impl Iterator<Item = PathBuf>) -> Self {
         let listed = |name: &str| -> Vec<PathBuf> {
             std::env::var_os(name).map_or(Vec::new(), |all| std::env::split_paths(&all).collect())

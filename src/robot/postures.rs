@@ -36,8 +36,8 @@ const DIFFERENT: f64 = 0.7;
 /// Radius of the arm in checks against the base, m.
 const ARM_RADIUS_M: f64 = 0.05;
 
-/// The best postures with the grasp at this height, best first; all have the roll of the best. Empty if there is none.
-/// The arm stays above the base's edge of this radius (m).
+/// The best postures with the grasp at this height, best first; all have the roll of the best. Empty if there
+/// is none. The arm stays above the base's edge of this radius (m).
 pub(super) fn search(robot: &Robot, height: f64, base_radius: f64) -> Vec<Found> {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut all = Vec::new();
@@ -111,8 +111,8 @@ fn judge(robot: &Robot, mut joints: JointVector, ahead: f64, roll: f64, base_rad
     Some(Found { joints, ahead, roll, room })
 }
 
-/// Whether the arm, as thick segments between its joints, comes below the first of them within the base's radius, or
-/// below the floor.
+/// Whether the arm, as thick segments between its joints, comes below the first of them within the base's
+/// radius, or below the floor.
 fn passes_through_base(robot: &Robot, joints: &JointVector, base_radius: f64) -> bool {
     let mut points = Vec::new();
     robot.arm_points(&Robot::at_origin(joints), |at, _| points.push(at));

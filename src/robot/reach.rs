@@ -11,8 +11,8 @@ const FARTHEST_M: f64 = 3.0;
 /// Tolerance of the grasp's pose, m and rad.
 const TOLERANCE: f64 = 1e-9;
 
-/// Where the grasp can be moved straight ahead and back from a posture, level and at its height: x in the drive's
-/// frame, m.
+/// Where the grasp can be moved straight ahead and back from a posture, level and at its height: x in the
+/// drive's frame, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reach {
     /// Nearest x.
@@ -62,8 +62,8 @@ impl Robot {
         self.joints.iter().zip(joints.iter()).all(|(joint, at)| (joint.lower..=joint.upper).contains(at))
     }
 
-    /// The joint that is nearest to a limit, and its distance from it as a share of half its range: 0 at the limit, 1
-    /// in the middle. `None` if no joint has limits.
+    /// The joint that is nearest to a limit, and its distance from it as a share of half its range: 0 at the
+    /// limit, 1 in the middle. `None` if no joint has limits.
     pub fn limit_clearance(&self, joints: &JointVector) -> Option<(usize, f64)> {
         let shares = self.joints.iter().zip(joints.iter()).enumerate().filter_map(|(i, (joint, at))| {
             let half = (joint.upper - joint.lower) / 2.0;
@@ -72,8 +72,8 @@ impl Robot {
         shares.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// The least singular value of the arm's Jacobian (m/s and rad/s per unit of joint rate): 0 where the arm cannot
-    /// move its grasp in some direction.
+    /// The least singular value of the arm's Jacobian (m/s and rad/s per unit of joint rate): 0 where the arm
+    /// cannot move its grasp in some direction.
     pub fn dexterity(&self, joints: &JointVector) -> f64 {
         let jacobian = self.kinematics(&Self::at_origin(joints)).jacobian;
         let arm = jacobian.fixed_columns::<MAX_JOINTS>(2);
@@ -81,8 +81,8 @@ impl Robot {
         gram.symmetric_eigenvalues().min().max(0.0).sqrt()
     }
 
-    /// The largest distance of the base's collision shapes from the middle of the axle, seen from above, m. `None` if
-    /// it has none.
+    /// The largest distance of the base's collision shapes from the middle of the axle, seen from above, m.
+    /// `None` if it has none.
     pub fn base_extent(&self) -> Option<f64> {
         collision::base_extent(self)
     }

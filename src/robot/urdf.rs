@@ -1,5 +1,5 @@
-//! A URDF's links, parents before children, with every number checked. No other file uses `urdf_rs`, or `xml`,
-//! its first parser.
+//! A URDF's links, parents before children, with every number checked. No other file uses `urdf_rs`, or
+//! `xml`, its first parser.
 
 use super::error::RobotError;
 use super::hull;
@@ -21,8 +21,8 @@ const LARGEST_DEPTH: usize = 64;
 /// The largest number of elements, and of elements, texts and comments.
 const MOST_ELEMENTS: usize = 50_000;
 const MOST_PIECES: usize = 500_000;
-/// The largest total length of namespaces and their prefixes, bytes; the parser copies them into every element
-/// after them.
+/// The largest total length of namespaces and their prefixes, bytes; the parser copies them into every
+/// element after them.
 const LONGEST_NAMESPACES: usize = 4096;
 /// The namespace of namespaces.
 const XMLNS: &str = "http://www.w3.org/2000/xmlns/";
@@ -125,8 +125,8 @@ impl Urdf<'_> {
         Ok(read)
     }
 
-    /// The hulls of all collision meshes that can be found and read, and notes on the others. Nothing of a URDF
-    /// that is not valid.
+    /// The hulls of all collision meshes that can be found and read, and notes on the others. Nothing of a
+    /// URDF that is not valid.
     pub fn collision_hulls(self, text: &str) -> (Hulls, Vec<RobotNote>) {
         let (mut hulls, mut notes) = (Hulls::new(), Vec::new());
         let urdf = self.check_extent(text).ok().and_then(|()| urdf_rs::read_from_string(text).ok());
@@ -145,7 +145,8 @@ impl Urdf<'_> {
         (hulls, notes)
     }
 
-    /// The file of a mesh, or the places searched; `None` for another shape. Without folders, the name as it is.
+    /// The file of a mesh, or the places searched; `None` for another shape. Without folders, the name as it
+    /// is.
     fn file_of(self, geometry: &urdf_rs::Geometry) -> Option<Result<PathBuf, String>> {
         let name = mesh_name(geometry)?;
         Some(self.folders.map_or_else(|| Ok(PathBuf::from(name)), |folders| mesh::find(name, folders)))
@@ -240,9 +241,9 @@ fn mesh_name(geometry: &urdf_rs::Geometry) -> Option<&str> {
     }
 }
 
-/// Whether a text is a xacro: an element or attribute of its namespace, or an attribute with an expression in it.
-/// Comments and texts may have whatever they like, and so may the declaration of the namespace, which xacro leaves in
-/// what it expands.
+/// Whether a text is a xacro: an element or attribute of its namespace, or an attribute with an expression in
+/// it. Comments and texts may have whatever they like, and so may the declaration of the namespace, which
+/// xacro leaves in what it expands.
 pub(super) fn is_xacro(text: &str) -> bool {
     let mut parser = xml::Parser::new();
     parser.feed_str(text);

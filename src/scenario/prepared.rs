@@ -125,8 +125,8 @@ impl PreparedScenario {
         self.robot()?.slow_drive(self.scenario.settings.speed)
     }
 
-    /// What a user of this robot in this world should know: that the world's openings are for narrower robots; and,
-    /// on the plant with contacts, which shapes are missing and what collides in their place.
+    /// What a user of this robot in this world should know: that the world's openings are for narrower
+    /// robots; and, on the plant with contacts, which shapes are missing and what collides in their place.
     pub fn robot_warnings(&self) -> Vec<String> {
         let Some(robot) = self.robot() else { return Vec::new() };
         let has_contacts = self.scenario.plant.physics().is_some();

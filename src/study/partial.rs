@@ -119,8 +119,8 @@ impl<S: Borrow<Study>> Sweep<S> {
         self.episodes.end - self.episodes.start
     }
 
-    /// Appends the rows of the next episodes, which ran elsewhere ([`Study::rows`]). Each is checked as those of
-    /// an unfinished file are.
+    /// Appends the rows of the next episodes, which ran elsewhere ([`Study::rows`]). Each is checked as those
+    /// of an unfinished file are.
     ///
     /// # Errors
     /// [`SweepError`]: a row is not the next one, of another study or another arithmetic, or damaged; or it
