@@ -1,8 +1,9 @@
 //! `cocarry cluster`: runs a study as tasks of a cluster's scheduler, and gathers their results.
 
+use super::interrupt::Interrupt;
 use super::output::{Failure, Progress as Bar, examples, input, print, print_json, table, table_text, warn};
 use super::reproduce::Common;
-use super::sweep::print_summary;
+use super::sweep::{self, print_summary};
 use crate::cluster::{self, Array, ClusterError, Description, Job, Progress, ShardState, slurm, states};
 use crate::study::{Study, merge};
 use anyhow::Context;
@@ -331,7 +332,9 @@ fn shard(arguments: &ShardArguments) -> Result<ExitCode, Failure> {
     let progress = job.progress(number);
     let node = node();
     let bar = Bar::new((progress.of - progress.done) as usize, "episodes");
-    let done = arguments.common.on_threads(|| job.run_shard(number, &node, &|| bar.step()))?;
+    let interrupt = Interrupt::caught()?;
+    let run = || job.run_shard(number, &node, &|| bar.step(), interrupt.flag());
+    let done = arguments.common.on_threads(run)?;
     let before = done.map_err(failure)?;
     bar.finish();
     if arguments.common.json {
@@ -358,9 +361,10 @@ fn node() -> String {
 }
 
 fn failure(error: ClusterError) -> Failure {
-    match error.is_about_writing() {
-        true => Failure::Output(error.into()),
-        false => input(error),
+    match error {
+        ClusterError::Study(error) => sweep::failure(error),
+        _ if error.is_about_writing() => Failure::Output(error.into()),
+        _ => input(error),
     }
 }
 

@@ -25,6 +25,11 @@ impl Interrupt {
         Ok(interrupt)
     }
 
+    /// The flag itself, for work that looks at it.
+    pub fn flag(&self) -> &AtomicBool {
+        &self.0
+    }
+
     /// Whether there was such a signal.
     pub fn is_set(&self) -> bool {
         self.0.load(Ordering::Relaxed)

@@ -22,6 +22,8 @@ pub(super) enum Failure {
     Input(Error),
     /// An output could not be written.
     Output(Error),
+    /// A signal stopped it; it can go on.
+    Interrupted(Error),
 }
 
 /// An error in the input.

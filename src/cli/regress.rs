@@ -160,7 +160,7 @@ fn scenario(file: &str, folder: &Path, run: &Run) -> Result<Scenario, Failure> {
     })?;
     arguments.scenario.scenario().map_err(|failure| match failure {
         Failure::Input(error) => Failure::Input(error.context(place(file, run.line, &run.name))),
-        Failure::Output(error) => Failure::Output(error),
+        other => other,
     })
 }
 

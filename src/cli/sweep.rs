@@ -1,5 +1,6 @@
 //! `cocarry sweep`: runs a study, merges the shards of a study, and prints summaries.
 
+use super::interrupt::Interrupt;
 use super::output::{
     Failure, Progress, examples, input, print, print_json, table, table_text, unwritten, warn,
 };
@@ -13,7 +14,6 @@ use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::AtomicBool;
 
 /// Run a study: every combination of worlds, methods, humans, plants and seeds, one row of results per
 /// episode
@@ -86,7 +86,8 @@ fn sweep(arguments: &SweepArguments, file: &Path) -> Result<(), Failure> {
     let sweep = Sweep::open(&study, arguments.shard, to).map_err(failure)?;
     let (kept, episodes) = (sweep.kept(), sweep.episodes());
     let bar = Progress::new((episodes - kept) as usize, "episodes");
-    arguments.common.on_threads(|| sweep.run(&|| bar.step(), &AtomicBool::new(false)))?.map_err(failure)?;
+    let interrupt = Interrupt::caught()?;
+    arguments.common.on_threads(|| sweep.run(&|| bar.step(), interrupt.flag()))?.map_err(failure)?;
     bar.finish();
     let mut title =
         format!("{}: {episodes} episodes of {} combinations", out.display(), study.combinations());
@@ -113,10 +114,11 @@ fn results_of(study: &Path, shard: Option<Shard>) -> PathBuf {
     PathBuf::from(name)
 }
 
-fn failure(error: SweepError) -> Failure {
-    match error.is_about_writing() {
-        true => Failure::Output(error.into()),
-        false => input(error),
+pub(super) fn failure(error: SweepError) -> Failure {
+    match error {
+        SweepError::Stopped { .. } => Failure::Interrupted(error.into()),
+        _ if error.is_about_writing() => Failure::Output(error.into()),
+        _ => input(error),
     }
 }
 

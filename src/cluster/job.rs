@@ -212,7 +212,13 @@ impl Job {
     /// # Errors
     /// [`ClusterError`], before any episode, where the study has changed or this machine has another
     /// arithmetic.
-    pub fn run_shard(&self, number: u64, node: &str, on_done: OnDone) -> Result<Progress, ClusterError> {
+    pub fn run_shard(
+        &self,
+        number: u64,
+        node: &str,
+        on_done: OnDone,
+        stop: &AtomicBool,
+    ) -> Result<Progress, ClusterError> {
         let shard = self.shard(number)?;
         let study = self.study()?;
         let (found, made) = (arithmetic::stamp(), &self.description.arithmetic);
@@ -229,7 +235,7 @@ impl Job {
         let sweep = Sweep::open(&study, Some(shard), to)?;
         let before = Progress { done: sweep.kept(), of: sweep.episodes(), is_complete: false };
         self.note_node(number, shard.episodes(study.episodes()).start + before.done, node)?;
-        sweep.run(on_done, &AtomicBool::new(false))?;
+        sweep.run(on_done, stop)?;
         Ok(before)
     }
 

@@ -25,7 +25,7 @@ pub(super) fn load<T, E: Error + Send + Sync + 'static>(
         let place = || format!("{}:{line}: world = {name:?}", file.display());
         let world = load_world_near(folder, &name).map_err(|failure| match failure {
             Failure::Input(error) => Failure::Input(error.context(place())),
-            Failure::Output(error) => Failure::Output(error),
+            other => other,
         })?;
         let prepared = prepared(world).with_context(place).map_err(Failure::Input)?;
         Ok((name, prepared))
