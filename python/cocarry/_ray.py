@@ -21,6 +21,8 @@ BLOCK_S, RETRIES = 4.0, 3
 IN_FLIGHT = 2
 #: How far blocks may be ahead of the first missing one, in blocks under way.
 AHEAD = 4
+#: How often the processors of the cluster are counted, which may come and go, s.
+COUNT_S = 10.0
 
 
 class _Study:
@@ -89,6 +91,8 @@ def sweep(
             ray.init(address=address, log_to_driver=False, configure_logging=False)
         except (ConnectionError, ValueError) as error:
             raise StudyError(f"address = {address!r}: no Ray cluster there: {error}") from error
+    else:
+        _is_there(ray, address)
     try:
         _check(ray)
         _run(ray, rows, study, _teller(progress))
@@ -107,6 +111,17 @@ def _reach(address: str | None) -> None:
         socket.create_connection((host, int(port)), timeout=10.0).close()
     except (OSError, ValueError) as error:
         raise StudyError(f"address = {address!r}: no Ray cluster there: {error}") from error
+
+
+def _is_there(ray: Any, address: str | None) -> None:
+    """Refuses an address other than that of the cluster with which this process is connected."""
+    here = ray.get_runtime_context().gcs_address
+    if address not in (None, "auto", here):
+        raise StudyError(f"address = {address!r}: this process is connected with {here}; call ray.shutdown() first")
+
+
+def _processors(ray: Any) -> int:
+    return max(1, int(ray.cluster_resources().get("CPU", 1)))
 
 
 def _check(ray: Any) -> None:
@@ -137,7 +152,7 @@ def _check(ray: Any) -> None:
 def _run(ray: Any, rows: Any, study: _Study, tell: Callable[[int, int, int], None]) -> None:
     """Runs all missing episodes, and appends their rows in order."""
     next_row, count = rows.kept, rows.episodes
-    processors = max(1, int(ray.cluster_resources().get("CPU", 1)))
+    processors, counted = _processors(ray), time.monotonic()
     task = ray.remote(study.__class__.rows).options(num_cpus=1, max_retries=RETRIES)
     shared = ray.put(study)
     # one episode at first, which tells how many make a block
@@ -148,6 +163,8 @@ def _run(ray: Any, rows: Any, study: _Study, tell: Callable[[int, int, int], Non
     tell(next_row, count, processors)
     try:
         while next_row < count:
+            if time.monotonic() - counted > COUNT_S:
+                processors, counted = _processors(ray), time.monotonic()
             ahead = len(running) + len(ready)
             while submitted < count and len(running) < IN_FLIGHT * processors and ahead < AHEAD * IN_FLIGHT * processors:
                 # the last blocks are small, so that all processors end together

@@ -109,6 +109,44 @@ def test_a_killed_raylet_a_killed_worker_and_a_stopped_one(study, cluster):
     assert len(table) == (study / "expected.csv").read_bytes().count(b"\n") - 1
 
 
+def test_a_worker_that_ray_kills_for_want_of_memory(study, monkeypatch):
+    monkeypatch.setattr(_ray, "BLOCK_S", 0.15)
+    monkeypatch.setenv("RAY_ENABLE_UV_RUN_RUNTIME_ENV", "0")
+    memory = {key: int(value.split()[0]) for key, value in
+              (line.split(":") for line in pathlib.Path("/proc/meminfo").read_text().splitlines())}
+    more = 2 << 20  # kB
+    used = memory["MemTotal"] - memory["MemAvailable"]
+    if memory["MemAvailable"] < 3 * more:
+        pytest.skip("this needs 6 GB of free memory")
+    # Ray kills workers while another process uses 2 GiB
+    threshold = (used + 0.7 * more) / memory["MemTotal"]
+    system = {"memory_usage_threshold": threshold, "memory_monitor_refresh_ms": 50}
+    cluster = cluster_utils.Cluster(initialize_head=True, head_node_args={"num_cpus": 2, "_system_config": system})
+    killed = []
+
+    def fill():
+        before = workers()
+        if not before:
+            return None
+        hog = subprocess.Popen([sys.executable, "-c", f"import time; a = b'x' * ({more} << 10); time.sleep(60)"])
+        begun = time.monotonic()
+        while not killed and time.monotonic() - begun < 30:
+            killed.extend(worker for worker in before if not pathlib.Path(f"/proc/{worker}").exists())
+            time.sleep(0.05)
+        hog.kill()
+        hog.wait()
+        return hog
+
+    tell = at(0.2, fill)
+    try:
+        cocarry.sweep(study / "study.toml", out=study / "memory.csv", backend="ray", address=cluster.address, progress=tell)
+    finally:
+        ray.shutdown()
+        cluster.shutdown()
+    assert killed
+    assert (study / "memory.csv").read_bytes() == (study / "expected.csv").read_bytes()
+
+
 DRIVER = """
 import sys, cocarry
 from cocarry import _ray
@@ -148,6 +186,14 @@ def test_what_cannot_be_joined_is_refused_before_work_is_sent(study, cluster, mo
     ]:
         with pytest.raises(cocarry.StudyError, match=message):
             cocarry.sweep(study / "study.toml", **wrong)
+
+
+def test_another_cluster_than_the_connected_one_is_told(study, cluster):
+    ray.init(address=cluster.address, log_to_driver=False)
+    with pytest.raises(cocarry.StudyError, match="connected with .*ray.shutdown"):
+        cocarry.sweep(study / "study.toml", backend="ray", address="127.0.0.1:9")
+    table = cocarry.sweep(study / "study.toml", seeds=2, backend="ray", address=cluster.address)
+    assert len(table) == 24
 
 
 def test_a_cluster_that_is_not_there_is_told(study):
