@@ -27,7 +27,7 @@ def test_check_env_passes_without_warnings(name, keywords):
     environment = gymnasium.make(name, disable_env_checker=True, **keywords)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        check_env(environment.unwrapped, skip_render_check=True)
+        check_env(environment.unwrapped)
 
 
 @pytest.mark.parametrize("mode", ["rgb_array", "html"])
