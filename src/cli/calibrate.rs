@@ -1,6 +1,6 @@
 //! `cocarry calibrate`: checks that what the robot learns of a human is as certain as it should be.
 
-use super::output::{Failure, examples, input, print, print_json, table, table_text};
+use super::output::{Failure, Progress, examples, input, print, print_json, table, table_text};
 use crate::fit::{Calibration, Check, checks};
 use crate::learning;
 use crate::options::OptionSet;
@@ -34,10 +34,10 @@ pub(super) struct CalibrateArguments {
     #[arg(long, value_name = "SEED", default_value_t = 0)]
     seed: u64,
     /// Probability that a look at a human says nothing about them
-    #[arg(long, value_name = "RATE", default_value_t = learning::Settings::default().lapse_rate)]
+    #[arg(long, value_name = "RATE", value_parser = lapse_rate, default_value_t = learning::Settings::default().lapse_rate)]
     lapse_rate: f64,
     /// The lapse rate that the robot assumes [default: the true one]
-    #[arg(long, value_name = "RATE")]
+    #[arg(long, value_name = "RATE", value_parser = lapse_rate)]
     assumed_lapse_rate: Option<f64>,
     /// Print one JSON object instead of a table
     #[arg(long)]
@@ -62,7 +62,9 @@ pub(super) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Failure> {
         let world = World::parse(built_in.name, built_in.text).map_err(input)?;
         sets.push(OptionSet::new(&world, risk_weight).map_err(input)?);
     }
-    let replications = calibration.run(&sets, &|| {}).map_err(input)?;
+    let bar = Progress::new(arguments.replications as usize, "humans");
+    let replications = calibration.run(&sets, &|| bar.step()).map_err(input)?;
+    bar.finish();
     let checks = checks(&replications);
     if arguments.json {
         print_json(&json!({ "replications": arguments.replications, "checks": checks }))?;
@@ -70,6 +72,13 @@ pub(super) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Failure> {
         print(&text(&checks, arguments.replications))?;
     }
     Ok(ExitCode::from(u8::from(!checks.iter().all(|check| check.is_calibrated))))
+}
+
+fn lapse_rate(text: &str) -> Result<f64, String> {
+    let rate = text.parse().map_err(|_| "must be a number".to_owned())?;
+    let settings = learning::Settings { lapse_rate: rate, ..Default::default() };
+    settings.check().map_err(|error| error.to_string())?;
+    Ok(rate)
 }
 
 fn text(checks: &[Check], replications: u64) -> String {
