@@ -547,8 +547,9 @@ class Rows:
         """The files that the study reads, where its own is ``path``."""
     def append(self, rows: bytes) -> None:
         """Appends the lines of the next episodes. Raises StudyError if one is not the next, or damaged."""
-    def finish(self) -> Table:
-        """Runs the episodes that are missing, gives the file its name, and returns the rows. Raises StudyError."""
+    def finish(self, table: bool) -> Table | None:
+        """Runs the episodes that are missing, gives the file its name, and returns the rows if they are wanted. Raises
+        StudyError."""
 
 def sweep(
     text: str,
@@ -564,5 +565,6 @@ def sweep(
     ticks: _Path | None = None,
     overwrite: bool = False,
     progress: Callable[[int, int], object] | None = None,
-) -> Table:
+    table: bool = True,
+) -> Table | None:
     """Runs the episodes of a study's text; see cocarry.sweep."""

@@ -73,15 +73,18 @@ def sweep(
     overwrite: bool,
     address: str | None,
     progress: bool | Callable[[int, int], object],
-) -> Table:
+    table: bool,
+) -> Table | None:
     try:
         import ray
     except ImportError as error:
         raise StudyError('backend = "ray": Ray is not installed; pip install "cocarry[ray]"') from error
     if out is None:
+        if not table:
+            raise StudyError("table = False: needs out = a file; there would be no results")
         with tempfile.TemporaryDirectory() as temporary:
             there = pathlib.Path(temporary, "rows.csv")
-            return sweep(text, file, folder, seeds, there, overwrite, address, progress)
+            return sweep(text, file, folder, seeds, there, overwrite, address, progress, table)
     rows = _cocarry.Rows(text, file=file, folder=folder, seeds=seeds, out=out, overwrite=overwrite)
     study = _Study(text, file, folder, seeds, [pathlib.Path(name) for name in rows.files(pathlib.Path(folder, "study"))])
     is_ours = not ray.is_initialized()
@@ -99,7 +102,7 @@ def sweep(
     finally:
         if is_ours:
             ray.shutdown()
-    return rows.finish()
+    return rows.finish(table)
 
 
 def _reach(address: str | None) -> None:

@@ -8,12 +8,48 @@ import sys
 from collections.abc import Callable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
-from typing import Any, Literal
+from typing import Any, Literal, overload
 
 from cocarry import _cocarry, _ray
 from cocarry._cocarry import StudyError, Table
 
 
+@overload
+def sweep(
+    study: str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    seeds: int | None = ...,
+    shard: tuple[int, int] | None = ...,
+    threads: int | None = ...,
+    processes: int | None = ...,
+    policy: Any = ...,
+    human: Any = ...,
+    out: str | os.PathLike[str] | None = ...,
+    ticks: str | os.PathLike[str] | None = ...,
+    overwrite: bool = ...,
+    backend: Literal["ray"] | None = ...,
+    address: str | None = ...,
+    progress: bool | Callable[[int, int], object] = ...,
+    table: Literal[True] = ...,
+) -> Table: ...
+@overload
+def sweep(
+    study: str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    seeds: int | None = ...,
+    shard: tuple[int, int] | None = ...,
+    threads: int | None = ...,
+    processes: int | None = ...,
+    policy: Any = ...,
+    human: Any = ...,
+    out: str | os.PathLike[str] | None = ...,
+    ticks: str | os.PathLike[str] | None = ...,
+    overwrite: bool = ...,
+    backend: Literal["ray"] | None = ...,
+    address: str | None = ...,
+    progress: bool | Callable[[int, int], object] = ...,
+    table: Literal[False],
+) -> None: ...
 def sweep(
     study: str | os.PathLike[str] | Mapping[str, Any],
     *,
@@ -29,7 +65,8 @@ def sweep(
     backend: Literal["ray"] | None = None,
     address: str | None = None,
     progress: bool | Callable[[int, int], object] = False,
-) -> Table:
+    table: bool = True,
+) -> Table | None:
     """Runs every episode of a study and returns a row for each, as ``cocarry sweep`` writes them.
 
     study: a study file (TOML), its text (with a line break in it), or a mapping with the keys of a study.
@@ -51,6 +88,8 @@ def sweep(
         study's own partners. The study's files that are beside it or below are sent along.
     address: of the Ray cluster, as of ``ray.init``; by default RAY_ADDRESS, or a cluster of this machine alone.
     progress: True for a bar, or a callable of the episodes done and all.
+    table: False returns None instead of the rows, for studies whose rows do not fit into memory: a million take 1 GB.
+        Needs out.
 
     Raises StudyError with the file, the line, the key, the value and what would be right.
     """
@@ -60,18 +99,18 @@ def sweep(
             raise StudyError(f'backend = {backend!r}; it must be "ray" or None')
         if any(given is not None for given in (shard, threads, processes, policy, human, ticks)):
             raise StudyError('backend = "ray": without shard, threads, processes, ticks and own partners')
-        return _ray.sweep(text, file, folder, seeds, out, overwrite, address, progress)
+        return _ray.sweep(text, file, folder, seeds, out, overwrite, address, progress, table)
     if address is not None:
         raise StudyError('address = the address of a Ray cluster: needs backend = "ray"')
     tell = _bar if progress is True else progress or None
     if processes is None:
         return _cocarry.sweep(
             text, file=file, folder=folder, seeds=seeds, shard=shard, threads=threads, policy=policy, human=human,
-            out=out, ticks=ticks, overwrite=overwrite, progress=tell,
+            out=out, ticks=ticks, overwrite=overwrite, progress=tell, table=table,
         )
-    if processes < 1 or any(given is not None for given in (shard, threads, out, ticks)):
+    if processes < 1 or not table or any(given is not None for given in (shard, threads, out, ticks)):
         raise StudyError(
-            "processes must be at least 1, without shard, threads, out and ticks: processes have a shard and a thread each"
+            "processes must be at least 1, without shard, threads, out, ticks and table: processes have a shard and a thread each"
         )
     parts = max(processes, 1)
     with ProcessPoolExecutor(parts, mp_context=get_context("spawn")) as pool:
@@ -87,7 +126,9 @@ def sweep(
 def _shard(
     text: str, file: str, folder: str, seeds: int | None, shard: tuple[int, int], policy: Any, human: Any
 ) -> Table:
-    return _cocarry.sweep(text, file=file, folder=folder, seeds=seeds, shard=shard, threads=1, policy=policy, human=human)
+    table = _cocarry.sweep(text, file=file, folder=folder, seeds=seeds, shard=shard, threads=1, policy=policy, human=human)
+    assert table is not None
+    return table
 
 
 def _source(study: str | os.PathLike[str] | Mapping[str, Any]) -> tuple[str, str, str]:

@@ -78,7 +78,7 @@ fn name(py: Python<'_>, object: &Py<PyAny>) -> String {
 
 /// Runs the episodes of a study and returns a row for each, in the study's order.
 #[pyfunction]
-#[pyo3(signature = (text, *, file, folder, seeds = None, shard = None, threads = None, policy = None, human = None, out = None, ticks = None, overwrite = false, progress = None))]
+#[pyo3(signature = (text, *, file, folder, seeds = None, shard = None, threads = None, policy = None, human = None, out = None, ticks = None, overwrite = false, progress = None, table = true))]
 #[allow(clippy::too_many_arguments, reason = "keywords")]
 pub fn sweep(
     py: Python<'_>,
@@ -94,8 +94,12 @@ pub fn sweep(
     ticks: Option<PathBuf>,
     overwrite: bool,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Table> {
+    table: bool,
+) -> PyResult<Option<Table>> {
     let own = Own::of(policy, human)?;
+    if out.is_none() && !table {
+        return Err(StudyError::new_err("table = False: needs out = a file; there would be no results"));
+    }
     if out.is_some() && !own.is_empty() {
         return Err(StudyError::new_err(
             "out = a file: only for the partners of a study, which its digest covers; write the table of own partners, as with polars.DataFrame(table).write_parquet",
@@ -126,10 +130,7 @@ pub fn sweep(
     if let Some(rows) = out {
         let to = SweepOutputs { rows: &rows, ticks: ticks.as_deref(), overwrite };
         py.detach(|| into_file(&study, shard, to, threads, progress.as_ref()))?;
-        let mut columns = Columns::new(&columns());
-        let read = py.detach(|| read_rows(&rows, |row| columns.add(row, [])));
-        read.map_err(|error| raise::<StudyError>(&error))?;
-        return Table::of_rows(columns);
+        return table.then(|| read(py, &rows)).transpose();
     }
     let count = episodes.end - episodes.start;
     let work = Work {
@@ -161,7 +162,7 @@ pub fn sweep(
     }
     let mut columns = Columns::new(&columns());
     rows.iter().for_each(|row| columns.add(row.iter().map(String::as_str), []));
-    Table::of_rows(columns)
+    Table::of_rows(columns).map(Some)
 }
 
 /// The lines of results of the episodes from `first` to before `end`.
@@ -245,17 +246,22 @@ impl Rows {
         py.detach(|| sweep.append(rows)).map_err(|error| raise::<StudyError>(&error))
     }
 
-    /// Gives the results their name, and returns them.
-    fn finish(&mut self, py: Python<'_>) -> PyResult<Table> {
+    /// Gives the results their name, and returns them as a table if it is wanted.
+    fn finish(&mut self, py: Python<'_>, table: bool) -> PyResult<Option<Table>> {
         if let Some(sweep) = self.sweep().take() {
             let finished = py.detach(|| sweep.run(&|| {}, &AtomicBool::new(false)));
             finished.map_err(|error| raise::<StudyError>(&error))?;
         }
-        let mut columns = Columns::new(&columns());
-        let read = py.detach(|| read_rows(&self.out, |row| columns.add(row, [])));
-        read.map_err(|error| raise::<StudyError>(&error))?;
-        Table::of_rows(columns)
+        table.then(|| read(py, &self.out)).transpose()
     }
+}
+
+/// The rows of a file of results.
+fn read(py: Python<'_>, file: &Path) -> PyResult<Table> {
+    let mut columns = Columns::new(&columns());
+    let read = py.detach(|| read_rows(file, |row| columns.add(row, [])));
+    read.map_err(|error| raise::<StudyError>(&error))?;
+    Table::of_rows(columns)
 }
 
 /// The stamp of this machine's arithmetic.

@@ -161,3 +161,11 @@ def test_what_files_cannot_have_is_refused(tmp_path):
         cocarry.sweep(STUDY, out=tmp_path / "rows.parquet", ticks=tmp_path / "taken", overwrite=True)
     assert os.listdir(tmp_path) == ["taken"]
     assert pathlib.Path(tmp_path / "taken" / "mine.txt").read_text() == "mine"
+
+
+def test_a_sweep_without_its_table_writes_the_same_file(files, tmp_path):
+    assert cocarry.sweep(STUDY, out=tmp_path / "rows.parquet", table=False) is None
+    assert (tmp_path / "rows.parquet").read_bytes() == (files / "rows.parquet").read_bytes()
+    for wrong in [{}, {"processes": 2}]:
+        with pytest.raises(cocarry.StudyError, match="table"):
+            cocarry.sweep(STUDY, table=False, **wrong)

@@ -166,8 +166,9 @@ def test_a_killed_driver_goes_on_where_it_was(study, cluster):
     driver.wait()
     kept = partial.read_bytes().count(b"\n") - 1
     first = []
-    cocarry.sweep(study / "study.toml", out=study / "killed.csv", backend="ray", address=cluster.address,
-                  progress=lambda done, count: first.append(done))
+    table = cocarry.sweep(study / "study.toml", out=study / "killed.csv", backend="ray", address=cluster.address,
+                          progress=lambda done, count: first.append(done), table=False)
+    assert table is None
     assert 0 < first[0] <= kept < (study / "expected.csv").read_bytes().count(b"\n") - 1
     assert (study / "killed.csv").read_bytes() == (study / "expected.csv").read_bytes()
 

@@ -22,7 +22,7 @@ def main() -> None:
             killed.append(done)
             cluster.remove_node(second, allow_graceful=False)
 
-    cocarry.sweep(study, out=results, backend="ray", address=cluster.address, progress=tell)
+    cocarry.sweep(study, out=results, backend="ray", address=cluster.address, progress=tell, table=False)
     assert killed, "the raylet was not killed"
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(f"  the raylet was killed after {killed[0]} episodes; the driver's memory: {memory:.0f} MB", file=sys.stderr)
