@@ -548,8 +548,10 @@ class Rows:
     def append(self, rows: bytes) -> None:
         """Appends the lines of the next episodes. Raises StudyError if one is not the next, or damaged."""
     def finish(self, table: bool) -> Table | None:
-        """Runs the episodes that are missing, gives the file its name, and returns the rows if they are wanted. Raises
-        StudyError."""
+        """Runs the episodes that are missing, gives the file its name, and returns the rows if ``table``.
+
+        Raises StudyError.
+        """
 
 def sweep(
     text: str,

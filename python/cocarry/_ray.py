@@ -80,8 +80,6 @@ def sweep(
     except ImportError as error:
         raise StudyError('backend = "ray": Ray is not installed; pip install "cocarry[ray]"') from error
     if out is None:
-        if not table:
-            raise StudyError("table = False: needs out = a file; there would be no results")
         with tempfile.TemporaryDirectory() as temporary:
             there = pathlib.Path(temporary, "rows.csv")
             return sweep(text, file, folder, seeds, there, overwrite, address, progress, table)
@@ -95,7 +93,7 @@ def sweep(
         except (ConnectionError, ValueError) as error:
             raise StudyError(f"address = {address!r}: no Ray cluster there: {error}") from error
     else:
-        _is_there(ray, address)
+        _refuse_another(ray, address)
     try:
         _check(ray)
         _run(ray, rows, study, _teller(progress))
@@ -116,11 +114,15 @@ def _reach(address: str | None) -> None:
         raise StudyError(f"address = {address!r}: no Ray cluster there: {error}") from error
 
 
-def _is_there(ray: Any, address: str | None) -> None:
-    """Refuses an address other than that of the cluster with which this process is connected."""
+def _refuse_another(ray: Any, address: str | None) -> None:
+    """Refuses an address other than that of the cluster to which this process is connected."""
+    if address in (None, "auto"):
+        return
     here = ray.get_runtime_context().gcs_address
-    if address not in (None, "auto", here):
-        raise StudyError(f"address = {address!r}: this process is connected with {here}; call ray.shutdown() first")
+    if address != here:
+        raise StudyError(
+            f"address = {address!r}: this process is connected to {here}; leave address out, or call ray.shutdown() first"
+        )
 
 
 def _processors(ray: Any) -> int:

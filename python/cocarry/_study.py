@@ -93,6 +93,8 @@ def sweep(
 
     Raises StudyError with the file, the line, the key, the value and what would be right.
     """
+    if not table and out is None:
+        raise StudyError("table = False: needs out = a file; there would be no results")
     text, file, folder = _source(study)
     if backend is not None:
         if backend != "ray":
@@ -108,9 +110,9 @@ def sweep(
             text, file=file, folder=folder, seeds=seeds, shard=shard, threads=threads, policy=policy, human=human,
             out=out, ticks=ticks, overwrite=overwrite, progress=tell, table=table,
         )
-    if processes < 1 or not table or any(given is not None for given in (shard, threads, out, ticks)):
+    if processes < 1 or any(given is not None for given in (shard, threads, out, ticks)):
         raise StudyError(
-            "processes must be at least 1, without shard, threads, out, ticks and table: processes have a shard and a thread each"
+            "processes must be at least 1, without shard, threads, out and ticks: processes have a shard and a thread each"
         )
     parts = max(processes, 1)
     with ProcessPoolExecutor(parts, mp_context=get_context("spawn")) as pool:

@@ -97,9 +97,6 @@ pub fn sweep(
     table: bool,
 ) -> PyResult<Option<Table>> {
     let own = Own::of(policy, human)?;
-    if out.is_none() && !table {
-        return Err(StudyError::new_err("table = False: needs out = a file; there would be no results"));
-    }
     if out.is_some() && !own.is_empty() {
         return Err(StudyError::new_err(
             "out = a file: only for the partners of a study, which its digest covers; write the table of own partners, as with polars.DataFrame(table).write_parquet",

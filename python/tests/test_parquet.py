@@ -167,5 +167,5 @@ def test_a_sweep_without_its_table_writes_the_same_file(files, tmp_path):
     assert cocarry.sweep(STUDY, out=tmp_path / "rows.parquet", table=False) is None
     assert (tmp_path / "rows.parquet").read_bytes() == (files / "rows.parquet").read_bytes()
     for wrong in [{}, {"processes": 2}]:
-        with pytest.raises(cocarry.StudyError, match="table"):
+        with pytest.raises(cocarry.StudyError, match="table = False: needs out"):
             cocarry.sweep(STUDY, table=False, **wrong)

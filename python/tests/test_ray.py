@@ -109,7 +109,7 @@ def test_a_killed_raylet_a_killed_worker_and_a_stopped_one(study, cluster):
     assert len(table) == (study / "expected.csv").read_bytes().count(b"\n") - 1
 
 
-def test_a_worker_that_ray_kills_for_want_of_memory(study, monkeypatch):
+def test_workers_that_ray_kills_when_memory_runs_out(study, monkeypatch):
     monkeypatch.setattr(_ray, "BLOCK_S", 0.15)
     monkeypatch.setenv("RAY_ENABLE_UV_RUN_RUNTIME_ENV", "0")
     memory = {key: int(value.split()[0]) for key, value in
@@ -191,7 +191,7 @@ def test_what_cannot_be_joined_is_refused_before_work_is_sent(study, cluster, mo
 
 def test_another_cluster_than_the_connected_one_is_told(study, cluster):
     ray.init(address=cluster.address, log_to_driver=False)
-    with pytest.raises(cocarry.StudyError, match="connected with .*ray.shutdown"):
+    with pytest.raises(cocarry.StudyError, match="connected to .*ray.shutdown"):
         cocarry.sweep(study / "study.toml", backend="ray", address="127.0.0.1:9")
     table = cocarry.sweep(study / "study.toml", seeds=2, backend="ray", address=cluster.address)
     assert len(table) == 24

@@ -34,10 +34,10 @@ pub(super) struct CalibrateArguments {
     #[arg(long, value_name = "SEED", default_value_t = 0)]
     seed: u64,
     /// Probability that a look at a human says nothing about them
-    #[arg(long, value_name = "RATE", value_parser = lapse_rate, default_value_t = learning::Settings::default().lapse_rate)]
+    #[arg(long, value_name = "RATE", value_parser = lapse_rate, allow_negative_numbers = true, default_value_t = learning::Settings::default().lapse_rate)]
     lapse_rate: f64,
     /// The lapse rate that the robot assumes [default: the true one]
-    #[arg(long, value_name = "RATE", value_parser = lapse_rate)]
+    #[arg(long, value_name = "RATE", value_parser = lapse_rate, allow_negative_numbers = true)]
     assumed_lapse_rate: Option<f64>,
     /// Print one JSON object instead of a table
     #[arg(long)]
@@ -77,7 +77,7 @@ pub(super) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Failure> {
 fn lapse_rate(text: &str) -> Result<f64, String> {
     let rate = text.parse().map_err(|_| "must be a number".to_owned())?;
     let settings = learning::Settings { lapse_rate: rate, ..Default::default() };
-    settings.check().map_err(|error| error.to_string())?;
+    settings.check().map_err(|error| format!("must be {}", error.expected))?;
     Ok(rate)
 }
 

@@ -207,7 +207,8 @@ impl Job {
     }
 
     /// Runs the episodes of a shard that have no results yet, on all threads of the current pool. `node` is
-    /// the name of this machine. Returns how far the shard was before.
+    /// the name of this machine. With `stop` it stops after the episodes that are running. Returns how far the
+    /// shard was before.
     ///
     /// # Errors
     /// [`ClusterError`], before any episode, where the study has changed or this machine has another

@@ -1,6 +1,7 @@
-# A Slurm for tests, to be sourced: a controller and two nodes, n1 and n2, on this computer, without systemd or munge.
-# It needs root, and Debian's slurmctld, slurmd and slurm-client, which it installs where apt-get can; it skips elsewhere.
-# It sets `work`, a new folder, and `checks`, and has what a test says and waits for. Needs `cocarry`, the program.
+# A Slurm for tests, to be sourced: a controller and two nodes, n1 and n2, on this computer, without systemd or
+# munge. Needs `cocarry`, the program; root; and Debian's slurmctld, slurmd and slurm-client, which it installs
+# where apt-get can. It ends the test as skipped elsewhere. It sets `work`, a new folder, and `checks`, a count,
+# and has functions that wait, compare and kill a node.
 
 skip() { echo "skipped: studies on Slurm; $1"; exit 0; }
 [ "$(id -u)" = 0 ] || skip "the test starts Slurm's daemons as root"

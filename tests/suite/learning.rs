@@ -1,6 +1,6 @@
 //! The robot learns who it carries with: episodes, snapshots, and the calibration of what it learns.
 
-use crate::support::{json, load, repository};
+use crate::support::{cocarry, json, load, repository, stderr};
 use cocarry::coordination::Mode;
 use cocarry::episode::{Episode, Settings};
 use cocarry::fit::{Calibration, checks};
@@ -115,6 +115,21 @@ fn the_belief_is_calibrated_and_a_wrong_likelihood_is_not() {
     let wrong = Calibration { truth: lapses(0.3), assumed: lapses(0.001), ..right.clone() };
     let found = checks(&wrong.run(&sets, &|| {}).expect("settings"));
     assert!(found.iter().any(|check| !check.is_calibrated), "{found:#?}");
+}
+
+#[test]
+fn rates_out_of_their_range_are_refused_by_flag() {
+    for (flag, value, expected) in [
+        ("--lapse-rate", "0.7", "must be at least 0 and at most 0.5"),
+        ("--lapse-rate", "-1", "must be at least 0 and at most 0.5"),
+        ("--assumed-lapse-rate", "nan", "must be at least 0 and at most 0.5"),
+        ("--assumed-lapse-rate", "often", "must be a number"),
+    ] {
+        let output = cocarry(&["calibrate", flag, value]);
+        assert_eq!(output.status.code(), Some(2), "{flag} {value}");
+        let said = stderr(&output);
+        assert!(said.contains(&format!("'{value}' for '{flag} <RATE>': {expected}")), "{said}");
+    }
 }
 
 #[test]
