@@ -187,7 +187,7 @@ fn a_robot_file_is_drafted_from_the_urdf_alone() {
     let robot = &draft.robot;
     assert_eq!(robot.links[robot.base_link].name, "base_link");
     assert_eq!(
-        robot.wheel_links.map(|i| robot.links[i].name.clone()),
+        robot.wheels.iter().map(|wheel| robot.links[wheel.link].name.as_str()).collect::<Vec<_>>(),
         ["left_wheel_link", "right_wheel_link"]
     );
     assert_eq!((robot.joint_count(), robot.grasp_height), (7, 0.7));
