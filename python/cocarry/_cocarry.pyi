@@ -91,6 +91,9 @@ class Robot:
     def joints(self) -> list[str]:
         """The names of the joints of its arm, from the base on."""
     @property
+    def drive(self) -> str:
+        """How the base moves: "differential", "skid-steer" or "omnidirectional"."""
+    @property
     def postures(self) -> list[str]:
         """The names of its starting postures."""
     @property

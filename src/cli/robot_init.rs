@@ -15,7 +15,8 @@ use std::process::ExitCode;
 #[command(after_help = examples(&[
     ("cocarry robot init tiago.urdf", "tiago.toml, beside the URDF"),
     ("cocarry robot init tiago.urdf -o robots/tiago.toml", "another place"),
-    ("cocarry robot init pr2.urdf --drive omnidirectional --tool l_gripper_tool_frame", "another base, another arm"),
+    ("cocarry robot init pr2.urdf --tool l_gripper_tool_frame", "another arm"),
+    ("cocarry robot init summit.urdf --drive omnidirectional", "another base"),
 ]))]
 pub(super) struct InitArguments {
     /// URDF, or a xacro

@@ -20,11 +20,11 @@ const LOOK_OUT_PERIODS: usize = 6;
 /// How far (m) the base may be nearer to an obstacle than its radius: the base is narrower than its disc.
 const LOOK_OUT_TOLERANCE_M: f64 = 0.005;
 /// Gain of the spacing between base and grasp, 1/s.
-pub(super) const SPACING_GAIN: f64 = 1.0;
+const SPACING_GAIN: f64 = 1.0;
 /// Gain of the turn on the spot toward a path in another direction, 1/s.
-pub(super) const TURN_GAIN: f64 = 3.0;
+const TURN_GAIN: f64 = 3.0;
 /// Largest rate at which the base turns, rad/s. The arm holds the grasp up to a metre away, in place.
-pub(super) const TURN_RATE_LIMIT: f64 = 1.3;
+const TURN_RATE_LIMIT: f64 = 1.3;
 /// Weight of the squared deviation (m/s, rad/s) from the base's inputs that follow the path.
 const GUIDE_PRICE: f64 = 1e4;
 
@@ -76,7 +76,7 @@ impl Follower<'_> {
     }
 
     /// The position along the path of its point nearest to `at`; where the path passes twice, the later one.
-    pub(super) fn locate(&self, at: Point) -> f64 {
+    fn locate(&self, at: Point) -> f64 {
         let mut best = (f64::INFINITY, 0.0);
         for (i, pair) in self.way.windows(2).enumerate() {
             let foot = nearest_on_segment(at, pair[0], pair[1]);
@@ -88,7 +88,7 @@ impl Follower<'_> {
         best.1
     }
 
-    pub(super) fn point(&self, along: f64) -> Point {
+    fn point(&self, along: f64) -> Point {
         let i = (along / Self::STEP).floor() as usize;
         match self.way.get(i..i + 2) {
             Some([a, b]) => a + (b - a) * (along / Self::STEP - i as f64),
@@ -96,12 +96,12 @@ impl Follower<'_> {
         }
     }
 
-    pub(super) fn end(&self) -> Point {
+    fn end(&self) -> Point {
         self.way.last().copied().unwrap_or_default()
     }
 
     /// The direction in which the path ends, of length 1; 0 for a path of one point.
-    pub(super) fn end_direction(&self) -> Vector {
+    fn end_direction(&self) -> Vector {
         let [.., before, end] = self.way else { return Vector::zeros() };
         (end - before).try_normalize(1e-9).unwrap_or_default()
     }
@@ -131,8 +131,16 @@ impl Pursuit {
         let behind = (follower.end() - at.position).norm() + *ahead;
         *ahead += *grasp_speed * period;
         if drive.is_omnidirectional() {
-            let sight = holonomic::Sight { goal, side, grasp_speed: *grasp_speed, behind, ahead: *ahead };
-            *last = sight.input(follower, drive, at, last, period);
+            let wanted = side * (*grasp_speed + SPACING_GAIN * (behind - follower.distance));
+            let sight = holonomic::Sight {
+                goal,
+                speed: side * wanted.max(0.0),
+                to_grasp: follower.end() + follower.end_direction() * *ahead - at.position,
+                bearing: follower.bearing,
+                turning: [TURN_GAIN, TURN_RATE_LIMIT],
+                acceleration: follower.rim_acceleration,
+            };
+            *last = sight.input(drive, at, last, period);
             *at = drive.roll(at, &(*last * period));
             return;
         }

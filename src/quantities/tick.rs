@@ -62,7 +62,8 @@ impl View<'_> {
 }
 
 /// The quantities of a control period in one row: all except those of the controller's preparation.
-pub const TICK: [&[Quantity]; 8] = [STEP, TIME, COORDINATION, COST, CONTROL, INTERACTION, OPTIONS, JOINTS];
+pub const TICK: [&[Quantity]; 9] =
+    [STEP, TIME, COORDINATION, COST, CONTROL, BASE, INTERACTION, OPTIONS, JOINTS];
 
 /// The number of the step.
 pub const STEP: &[Quantity] = quantities! {
@@ -128,11 +129,16 @@ pub const CONTROL: &[Quantity] = quantities! {
     "tracking_cost", PLAIN, "||x - s||_Q^2 at the end of the step", |v| v.robot_tick().map(|r| r.tracking_cost);
     "effort_cost", PLAIN, "||u||_R^2", |v| v.robot_tick().map(|r| r.effort_cost);
     "pose_cost", PLAIN, "kappa ||q* - q_c||^2", |v| v.robot_tick().map(|r| r.pose_cost);
-    "left_rim_m_per_s", METRES_PER_SECOND, "u of the left wheel's rim; missing for an omnidirectional base", |v| v.base_input(false).map(|u| u[0]);
-    "right_rim_m_per_s", METRES_PER_SECOND, "u of the right wheel's rim; missing for an omnidirectional base", |v| v.base_input(false).map(|u| u[1]);
-    "base_ahead_m_per_s", METRES_PER_SECOND, "u of an omnidirectional base ahead; missing for others", |v| v.base_input(true).map(|u| u[0]);
-    "base_left_m_per_s", METRES_PER_SECOND, "u of an omnidirectional base to its left; missing for others", |v| v.base_input(true).map(|u| u[1]);
-    "base_turn_rad_per_s", RADIANS_PER_SECOND, "u of an omnidirectional base's turning; missing for others", |v| v.base_input(true).map(|u| u[2]);
+    "left_rim_m_per_s", METRES_PER_SECOND, "u of the left wheel's rim", |v| v.base_input(false).map(|u| u[0]);
+    "right_rim_m_per_s", METRES_PER_SECOND, "u of the right wheel's rim", |v| v.base_input(false).map(|u| u[1]);
+};
+
+/// The inputs of an omnidirectional base, which has no rim speeds. Missing for other drives.
+#[rustfmt::skip]
+pub const BASE: &[Quantity] = quantities! {
+    "base_ahead_m_per_s", METRES_PER_SECOND, "u of an omnidirectional base ahead; it has no rim speeds", |v| v.base_input(true).map(|u| u[0]);
+    "base_left_m_per_s", METRES_PER_SECOND, "u of an omnidirectional base to its left", |v| v.base_input(true).map(|u| u[1]);
+    "base_turn_rad_per_s", RADIANS_PER_SECOND, "u of an omnidirectional base's turning", |v| v.base_input(true).map(|u| u[2]);
 };
 
 /// Bodies and forces on the physical plant. Missing on the others.

@@ -15,8 +15,8 @@ const ASSUMED_LIMITS: [f64; 2] = [1.0, 1.5];
 /// The drive that was found, with the links of its wheels.
 #[derive(Clone, Debug)]
 pub(super) enum Found {
-    /// Two driven wheels, left first.
-    Differential([usize; 2]),
+    /// Two driven wheels, left first, and whether that is said: there are others that roll freely.
+    Differential([usize; 2], bool),
     /// Driven wheels of the left and of the right side.
     SkidSteer([Vec<usize>; 2]),
     /// Mecanum wheels, or none that are named.
@@ -26,7 +26,7 @@ pub(super) enum Found {
 impl Found {
     pub fn wheels(&self) -> Vec<usize> {
         match self {
-            Self::Differential(wheels) => wheels.to_vec(),
+            Self::Differential(wheels, _) => wheels.to_vec(),
             Self::SkidSteer(sides) => sides.concat(),
             Self::Omnidirectional { mecanum } => mecanum.clone(),
         }
@@ -37,8 +37,11 @@ impl Found {
         let quoted = |i: usize| toml::Value::String(joint_name(links, i).to_owned()).to_string();
         let list = |wheels: &[usize]| wheels.iter().map(|&i| quoted(i)).collect::<Vec<_>>().join(", ");
         match self {
-            Self::Differential([left, right]) => {
-                vec![format!("left_wheel = {}", quoted(*left)), format!("right_wheel = {}", quoted(*right))]
+            Self::Differential([left, right], is_said) => {
+                let drive = is_said.then(|| "drive = \"differential\"".to_owned());
+                let sides =
+                    [format!("left_wheel = {}", quoted(*left)), format!("right_wheel = {}", quoted(*right))];
+                drive.into_iter().chain(sides).collect()
             }
             Self::SkidSteer([left, right]) => vec![
                 "drive = \"skid-steer\"".to_owned(),
@@ -83,7 +86,7 @@ pub(super) fn drive(
         if request.drive.is_none() && !others.is_empty() {
             return Err(many(&[vec![left, right], others].concat()));
         }
-        return Ok(Found::Differential([left, right]));
+        return Ok(Found::Differential([left, right], request.drive.is_some()));
     }
     let is_free = wheels.iter().any(|&i| is_mecanum(links, i));
     match request.drive {
@@ -95,7 +98,7 @@ pub(super) fn drive(
             let wheels = pair(file, links, poses)?;
             let [left, right] = wheels.map(|i| joint_name(links, i));
             assumed.push(format!("the driven wheels are `{left}` and `{right}`"));
-            Ok(Found::Differential(wheels))
+            Ok(Found::Differential(wheels, request.drive.is_some()))
         }
         Some(DriveKind::SkidSteer) => {
             let mut sides = [1.0, -1.0].map(|side| {

@@ -1,6 +1,6 @@
 //! Postures solved by inverse kinematics from random starts, ranked by their room to move.
 
-use super::{JointVector, Motion, Posture, Robot, pose_difference};
+use super::{JointVector, Motion, Robot, pose_difference};
 use crate::geometry::Pose;
 use nalgebra::{Matrix6, Rotation3, Vector3};
 use rand::RngExt;
@@ -22,7 +22,7 @@ pub(super) struct Found {
 }
 
 /// Starts for every place of the grasp and every roll.
-const STARTS: usize = 6;
+const STARTS: usize = 16;
 /// Places of the grasp, ahead of the base's edge, m.
 const AHEAD_M: [f64; 6] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7];
 const MOST_STEPS: usize = 150;
@@ -35,9 +35,13 @@ const DEXTEROUS: f64 = 0.15;
 const MOST_POSTURES: usize = 3;
 const DIFFERENT: f64 = 0.7;
 /// Postures whose reach is looked at, the best of all that were found.
-const MOST_REACHES: usize = 40;
-/// Reach ahead and back that is enough, m: as the base follows its path, the grasp moves against it by this much.
+const MOST_REACHES: usize = 80;
+/// Reach ahead, back and to the sides that is enough, m, and turning of the grasp, rad: as the base follows its path, the
+/// grasp moves against it by this much.
 const ENOUGH_REACH_M: f64 = 0.25;
+const ENOUGH_TURN_RAD: f64 = 0.8;
+/// Steps of the search for the ends of the reach, as shares of what is enough.
+const REACH_STEPS: u32 = 10;
 /// Distance of the arm beside the base's edge at which there is no room left, m.
 const FARTHEST_BESIDE_M: f64 = 0.4;
 /// Least factor of room for reach and width, so that a posture without either is better than none.
@@ -126,11 +130,27 @@ fn judge(robot: &Robot, mut joints: JointVector, ahead: f64, roll: f64, base_rad
     Some(Found { joints, ahead, roll, room })
 }
 
-/// How far the grasp can move ahead and back, the less of the two, as a share of what is enough.
+/// How far the grasp can move ahead, back and to either side and turn, the least of all, as a share of what is enough.
 fn reach_share(robot: &Robot, found: &Found) -> f64 {
-    let reach = robot.reach(&Posture { name: String::new(), joints: found.joints });
-    let least = (reach.farthest - found.ahead).min(found.ahead - reach.nearest);
-    (least / ENOUGH_REACH_M).clamp(LEAST_SHARE, 1.0)
+    let start = Robot::at_origin(&found.joints);
+    let grasp = robot.grasp_pose(&start);
+    let share = |way: Vector3<f64>, turn: f64| {
+        let (mut at, mut reached) = (start, 0);
+        for step in 1..=REACH_STEPS {
+            let share = f64::from(step) / f64::from(REACH_STEPS);
+            let mut goal = grasp;
+            goal.translation.vector += way * share;
+            goal.rotation = Rotation3::from_axis_angle(&Vector3::z_axis(), turn * share) * goal.rotation;
+            let closed = robot.close(&at, &goal, TOLERANCE);
+            let Some(closed) = closed.filter(|q| robot.is_within_limits(&q.joints)) else { break };
+            (at, reached) = (closed, step);
+        }
+        f64::from(reached) / f64::from(REACH_STEPS)
+    };
+    let ways = [Vector3::x(), -Vector3::x(), Vector3::y(), -Vector3::y()];
+    let ways = ways.into_iter().map(|way| share(way * ENOUGH_REACH_M, 0.0));
+    let turns = [ENOUGH_TURN_RAD, -ENOUGH_TURN_RAD].map(|turn| share(Vector3::zeros(), turn));
+    ways.chain(turns).fold(1.0, f64::min).max(LEAST_SHARE)
 }
 
 /// 1 for an arm that is no wider than the base, less for an elbow that stands out.

@@ -188,7 +188,8 @@ def _motion(recording: Recording) -> Signal:
     rates = [f"joints[{j}].rate_{'m' if j in lengths else 'rad'}_per_s" for j in recording.scenario.robot.joints]
     units = [*base.values(), *("m/s" if rate.endswith("rate_m_per_s") else "rad/s" for rate in rates)]
     names = [*base, *(rate.replace("joints[", "joint[").replace("].rate", "]") for rate in rates)]
-    return Signal(names, units, control.numbers(*base, *rates))
+    of_base = Columns(recording.table("/base")) if "base_turn_rad_per_s" in base else control
+    return Signal(names, units, np.hstack([of_base.numbers(*base), control.numbers(*rates)]))
 
 
 def _options(table: Columns, names: list[str], count: int, executed: Any) -> Signal:
