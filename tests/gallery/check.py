@@ -33,11 +33,14 @@ MOBILE = {
     "tiago_pro": ("tiago_pro_description/robots/tiago_pro.urdf", ["--drive", "omnidirectional"]),
     "pr2": ("pr2_description/urdf/pr2.urdf", ["--drive", "omnidirectional", "--tool", "l_gripper_tool_frame"]),
 }
-# The arm that does not carry, tucked away (rad)
+# The arm that does not carry, tucked away within 0.3 m of the base's middle (rad)
+TUCKED = {
+    "tiago_dual": ("arm_right_{}_joint", [1.57, -1.178, -0.03, 0.737, -1.844, 1.268, 0.916]),
+    "tiago_pro": ("arm_right_{}_joint", [-3.0, 1.134, -0.625, -2.443, 0.182, -0.57, -0.422]),
+}
 HOLD = {
-    "tiago_dual": {
-        f"arm_right_{i}_joint": at for i, at in enumerate([-1.1, 1.4679, 2.714, 1.7095, -1.5708, 1.3898, 0.0], start=1)
-    },
+    name: {joint.format(i): at for i, at in enumerate(angles, start=1)} for name, (joint, angles) in TUCKED.items()
+} | {
     "pr2": {
         "r_shoulder_pan_joint": -0.024, "r_shoulder_lift_joint": 1.107, "r_upper_arm_roll_joint": -1.557,
         "r_elbow_flex_joint": -2.12, "r_forearm_roll_joint": -1.418, "r_wrist_flex_joint": -1.842,
@@ -67,6 +70,11 @@ LARGEST_DIFFERENCE = 1e-9
 # of a hull from its mesh, as a share of the mesh's diagonal
 LARGEST_HULL_DIFFERENCE = 0.02
 LEAST_SHARE_ARRIVED = 0.95
+# Robots known to stay below it, with what they reach; the book's page says why
+SHORT = {"tiago_dual": 0.5, "panda": 0.75, "ur5": 0.875, "z1": 0.875}
+# An arm for which no posture is found
+NO_POSTURE = ["talos_arm"]
+LEAST_ROBOTS, LEAST_OMNIDIRECTIONAL = 8, 3
 LARGEST_GRASP_ERROR_M = 0.03
 
 
@@ -193,6 +201,8 @@ class Gallery:
         # $PREFIX/share/example-robot-data/robots
         self.environment = os.environ | {"AMENT_PREFIX_PATH": str(robots.parents[2]), "NO_COLOR": "1"}
         self.faults: list[str] = []
+        # the drives of the robots that pass
+        self.passed: list[str] = []
 
     def cocarry(self, *arguments: str) -> subprocess.CompletedProcess:
         command = [self.program, *map(str, arguments)]
@@ -214,6 +224,10 @@ class Gallery:
         """Drafts the robot file, compares it with pinocchio, and carries in the four environments."""
         file = self.work / f"{name}.toml"
         drafted = self.cocarry("robot", "init", urdf, "-o", file, *arguments)
+        if name in NO_POSTURE:
+            self.check(drafted.returncode == 2 and "no posture found" in drafted.stderr, f"{name}: {drafted.stderr}")
+            print(f"{name:14} no posture found")
+            return
         if drafted.returncode != 0:
             self.check(False, f"{name}: {drafted.stderr}")
             return
@@ -238,7 +252,10 @@ class Gallery:
         arrived = [row for row in rows if row["outcome"] == "arrived"]
         error = max((float(row["position_error_rms_m"]) for row in arrived), default=0.0)
         others = collections.Counter((row["plant"], row["outcome"]) for row in rows if row not in arrived)
-        self.check(len(arrived) >= LEAST_SHARE_ARRIVED * len(rows), f"{name}: {len(arrived)} of {len(rows)} arrived: {others}")
+        least = SHORT.get(name, LEAST_SHARE_ARRIVED)
+        self.check(len(arrived) >= least * len(rows), f"{name}: {len(arrived)} of {len(rows)} arrived: {others}")
+        if rows and len(arrived) >= LEAST_SHARE_ARRIVED * len(rows):
+            self.passed.append(checked["drive"]["kind"])
         self.check(error < LARGEST_GRASP_ERROR_M, f"{name}: grasp error {error:.4f} m rms")
         print(
             f"{name:14} {checked['drive']['kind']}, {len(checked['joints'])} joints, {len(checked['postures'])} postures, {width:.2f} m wide; "
@@ -270,7 +287,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", type=pathlib.Path)
     parser.add_argument("robots", type=pathlib.Path)
-    parser.add_argument("--seeds", type=int, default=2)
+    parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--only", nargs="*", help="names of robots")
     arguments = parser.parse_args()
     is_asked = lambda name: not arguments.only or name in arguments.only
@@ -291,6 +308,10 @@ def main() -> None:
             gallery.carries(f"{name}_omni", file, options)
         for name, (urdf, parts) in filter(lambda item: is_asked(item[0]), REFUSED.items()):
             gallery.refused(name, robots / urdf, parts)
+    free = gallery.passed.count("omnidirectional")
+    print(f"{len(gallery.passed)} robots reach {LEAST_SHARE_ARRIVED:.0%}, {free} of them omnidirectional")
+    if not arguments.only:
+        gallery.check(len(gallery.passed) >= LEAST_ROBOTS and free >= LEAST_OMNIDIRECTIONAL, "too few robots pass")
     for fault in gallery.faults:
         print(f"FAILED {fault}", file=sys.stderr)
     sys.exit(1 if gallery.faults else 0)
