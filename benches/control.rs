@@ -72,7 +72,7 @@ fn problem<'a>(robot: &'a Robot, state: &'a State) -> PoseProblem<'a> {
         references: &state.references,
         weights: &state.weights,
         obstacles: None,
-        rims: None,
+        base: None,
         period: PERIOD,
         share: 1.0,
         confidence: 1.0,
@@ -160,7 +160,7 @@ fn naive_totals(robot: &Robot, state: &State, found: &[Candidate]) -> Vec<f64> {
         let b = robot.kinematics(&candidate.configuration).jacobian * PERIOD;
         let costs = state.references.iter().zip(state.weights);
         costs.map(|(reference, weight)| weight * naive_mpc(robot, &b, candidate, reference)).sum::<f64>()
-            + motion_cost(candidate, &state.q, &Settings::default())
+            + motion_cost(robot, candidate, &state.q, &Settings::default())
     };
     found.iter().map(total).collect()
 }

@@ -91,11 +91,15 @@ class Robot:
     def joints(self) -> list[str]:
         """The names of the joints of its arm, from the base on."""
     @property
+    def drive(self) -> str:
+        """How the base moves: "differential", "skid-steer" or "omnidirectional"."""
+    @property
     def postures(self) -> list[str]:
         """The names of its starting postures."""
     @property
     def input_limits(self) -> _Floats:
-        """The largest |u|, (2 + joints,): rim speeds (m/s), then joint rates (rad/s, prismatic m/s)."""
+        """The largest |u|, (base + joints,): rim speeds (m/s), or of an omnidirectional base speed ahead and to the left
+        (m/s) and turning rate (rad/s); then joint rates (rad/s, prismatic m/s)."""
     @property
     def joint_limits(self) -> _Floats:
         """The limits of the joints, (joints, 2), rad or m."""

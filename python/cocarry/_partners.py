@@ -19,7 +19,8 @@ class Decision:
         option preferred now; ``"human-keeping-option"``: on the option chosen at the start.
     reference: (8, 3), poses of the grasp in the world, x, y (m) and yaw (rad), one for the end of each of the
         next 8 control periods; eq. (7) follows them. The kinematic and the physical plant only.
-    inputs: (2 + joints,), the inputs u: rim speed of the left and the right wheel (m/s), then joint rates (rad/s,
+    inputs: (base + joints,), the inputs u: rim speed of the left and the right wheel (m/s), or of an omnidirectional
+        base velocity ahead and to the left (m/s) and turning rate (rad/s); then joint rates (rad/s,
         prismatic m/s). The kinematic and the physical plant only.
 
     Without a reference or inputs, the robot's controller moves it (eq. 8 and 7).

@@ -170,7 +170,8 @@ class CarryEnv(_Env):
 
     The method (``mutual`` by default) decides who leads on which option; the action moves the robot.
     Actions are shares, from -1 to 1, of ``action_limits``; larger ones are clipped.
-    ``action="inputs"``: u: rim speeds (m/s), then joint rates (rad/s, prismatic m/s), with the robot's limits.
+    ``action="inputs"``: u: rim speeds (m/s), or of an omnidirectional base velocity ahead and to the left (m/s) and
+    turning rate (rad/s); then joint rates (rad/s, prismatic m/s), with the robot's limits.
     ``action="reference"``: velocity of the grasp's reference in the grasp's frame, ahead and to the left (limit 1 m/s)
     and turning (2 rad/s), which eq. (7) follows over its horizon.
     Observation: Box, float64, in the frame of the grasp (``observation_names``): joints, last inputs, the goal of the

@@ -125,12 +125,18 @@ impl Robot {
         self.robot.joints.iter().map(|joint| joint.name.clone()).collect()
     }
 
+    /// How the base moves: "differential", "skid-steer" or "omnidirectional".
+    #[getter]
+    fn drive(&self) -> &str {
+        self.robot.drive.kind.name()
+    }
+
     #[getter]
     fn postures(&self) -> Vec<String> {
         self.robot.postures.iter().map(|posture| posture.name.clone()).collect()
     }
 
-    /// The limits of u: rim speeds (m/s), then joint rates (rad/s or m/s).
+    /// The limits of u: the base's inputs, then joint rates (rad/s or m/s).
     #[getter]
     fn input_limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_vec(py, input_limits(&self.robot))
@@ -150,8 +156,8 @@ impl Robot {
 
 /// The largest inputs of a robot.
 pub fn input_limits(robot: &robot::Robot) -> Vec<f64> {
-    let rims = [robot.drive.rim_speed_limit; 2];
-    rims.into_iter().chain(robot.joints.iter().map(|joint| joint.rate_limit)).collect()
+    let inputs = robot.drive.inputs() + robot.joints.len();
+    robot.input_limits().as_slice()[..inputs].to_vec()
 }
 
 /// The complete definition of an episode.

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import multiprocessing
+import subprocess
+import sys
 import warnings
 
 import gymnasium
@@ -258,3 +260,21 @@ def test_gymnasiums_asynchronous_environments_work():
     vector.reset(seed=0)
     vector.step(np.zeros(2, dtype=np.int64))
     vector.close()
+
+
+@pytest.mark.parametrize("plant", ["kinematic", "rapier"])
+def test_an_omnidirectional_base_has_three_inputs(plant, tmp_path):
+    command = [sys.executable, "-m", "cocarry", "export", "omni-carrier"]
+    subprocess.run(command, cwd=tmp_path, capture_output=True, check=True)
+    robot = cocarry.Robot(tmp_path / "omni-carrier.toml")
+    assert robot.drive == "omnidirectional" and cocarry.Robot().drive == "differential"
+    environment = gymnasium.make("cocarry/Carry-v0", worlds="environment-1", plant=plant, robot=robot)
+    assert environment.action_space.shape == (10,)
+    assert environment.unwrapped.action_limits == pytest.approx(robot.input_limits)
+    read = columns(environment)
+    before, _ = environment.reset(seed=1)
+    # to the left, without turning: the base moves that way as seen from the grasp, which moves with it
+    after = environment.step(np.eye(10)[1] * 0.2)[0]
+    assert read(after, "last_input")[1] == pytest.approx(0.2 * robot.input_limits[1])
+    assert np.abs(read(after, "last_input")).sum() == pytest.approx(0.2 * robot.input_limits[1])
+    assert read(after, "base_y_m")[0] == pytest.approx(read(before, "base_y_m")[0], abs=0.02)

@@ -1,4 +1,4 @@
-//! The files that the program contains: worlds, the robot, studies and answers.
+//! The files that the program contains: worlds, robots, studies and answers.
 
 use crate::world::BUILT_IN_WORLDS;
 
@@ -26,7 +26,7 @@ const STUDIES: [[&str; 3]; 3] = [
     ],
 ];
 
-/// Everything built in: worlds, the robot, studies, answers.
+/// Everything built in: worlds, robots, studies, answers.
 pub(super) fn all() -> Vec<BuiltIn> {
     let file = |name: &str, ending: &str, text| (format!("{name}.{ending}"), text);
     let worlds = BUILT_IN_WORLDS.iter().map(|world| BuiltIn {
@@ -34,6 +34,14 @@ pub(super) fn all() -> Vec<BuiltIn> {
         about: "World: see `cocarry worlds`",
         files: vec![file(world.name, "toml", world.text)],
     });
+    let omni_carrier = BuiltIn {
+        name: "omni-carrier",
+        about: "The same robot on an omnidirectional base: robot file and URDF",
+        files: vec![
+            file("omni-carrier", "toml", include_str!("../../assets/robots/omni-carrier.toml")),
+            file("omni-carrier", "urdf", include_str!("../../assets/robots/omni-carrier.urdf")),
+        ],
+    };
     let robot = BuiltIn {
         name: ROBOT,
         about: "The built-in robot: robot file and URDF",
@@ -46,5 +54,5 @@ pub(super) fn all() -> Vec<BuiltIn> {
         about: "Answers of the paper's participants, for `cocarry fit risk-weight`",
         files: vec![file("table-1-humans", "csv", include_str!("../../docs/data/table-1-humans.csv"))],
     };
-    worlds.chain([robot]).chain(studies).chain([answers]).collect()
+    worlds.chain([robot, omni_carrier]).chain(studies).chain([answers]).collect()
 }

@@ -2,7 +2,7 @@
 
 use super::output::{Failure, examples, input, print, print_json, table, table_text, tell};
 use crate::geometry::Pose;
-use crate::robot::{Motion, Posture, Robot, RobotError};
+use crate::robot::{Drive, DriveKind, Motion, Posture, Robot, RobotError};
 use anyhow::{Error, anyhow};
 use clap::Args;
 use serde_json::{Value, json};
@@ -120,14 +120,26 @@ fn remarks(robot: &Robot) -> Vec<String> {
     remarks
 }
 
+fn drive_text(drive: &Drive) -> String {
+    let Drive { kind, track, wheel_radius, rim_speed_limit: speed, turn_rate_limit: turn, .. } = drive;
+    match kind {
+        DriveKind::Differential => format!(
+            "differential: wheels of {wheel_radius:.4} m radius, {track:.4} m apart, up to {speed:.2} m/s"
+        ),
+        DriveKind::SkidSteer => format!(
+            "skid-steer: wheels of {wheel_radius:.4} m radius, turning as if {track:.4} m apart, up to {speed:.2} m/s"
+        ),
+        DriveKind::Omnidirectional => {
+            format!("omnidirectional: up to {speed:.2} m/s along x and y, and {turn:.2} rad/s")
+        }
+    }
+}
+
 fn as_text(robot: &Robot) -> String {
     let drive = &robot.drive;
     let [arm, all] = masses(robot);
     let mut text = format!("{} ({}, {})\n\n", robot.name, robot.texts.file, robot.texts.urdf_file);
-    text += &format!(
-        "drive  differential: wheels of {:.4} m radius, {:.4} m apart, up to {:.2} m/s\n",
-        drive.wheel_radius, drive.track, drive.rim_speed_limit
-    );
+    text += &format!("drive  {}\n", drive_text(drive));
     text += &format!("base   {:.2} m wide for clearances, {:.1} kg\n", 2.0 * drive.base_radius, all - arm);
     text +=
         &format!("arm    {} joints, {arm:.1} kg; holds at {} m\n\n", robot.joint_count(), robot.grasp_height);
@@ -226,10 +238,15 @@ fn as_json(robot: &Robot) -> Value {
         "valid": true,
         "name": robot.name,
         "drive": {
-            "kind": "differential",
-            "wheel_radius_m": drive.wheel_radius,
-            "wheel_separation_m": drive.track,
+            "kind": drive.kind.name(),
+            "wheel_radius_m": Some(drive.wheel_radius).filter(|radius| *radius > 0.0),
+            "wheel_separation_m": Some(drive.track).filter(|track| *track > 0.0),
             "speed_limit_m_s": drive.rim_speed_limit,
+            "turn_limit_rad_s": drive.turn_rate_limit,
+            "wheels": robot.wheels.iter().map(|wheel| json!({
+                "joint": robot.links[wheel.link].joint.as_ref().map(|joint| joint.name.as_str()),
+                "spin": wheel.spin.as_slice(),
+            })).collect::<Vec<_>>(),
         },
         "base": {
             "link": robot.links[robot.base_link].name,

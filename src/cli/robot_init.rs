@@ -1,8 +1,8 @@
 //! `cocarry robot init`: drafts a robot file from a URDF.
 
 use super::output::{Failure, OverwriteArguments, examples, input, print, write_file};
-use crate::robot::{Draft, DraftRequest};
-use clap::Args;
+use crate::robot::{Draft, DraftRequest, DriveKind};
+use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -16,6 +16,7 @@ use std::process::ExitCode;
     ("cocarry robot init tiago.urdf", "tiago.toml, beside the URDF"),
     ("cocarry robot init tiago.urdf -o robots/tiago.toml", "another place"),
     ("cocarry robot init pr2.urdf --tool l_gripper_tool_frame", "another arm"),
+    ("cocarry robot init summit.urdf --drive omnidirectional", "another base"),
 ]))]
 pub(super) struct InitArguments {
     /// URDF, or a xacro
@@ -26,6 +27,9 @@ pub(super) struct InitArguments {
     /// The link that holds the object
     #[arg(long, value_name = "LINK")]
     tool: Option<String>,
+    /// How the base moves [default: differential, or omnidirectional if its wheels are named mecanum]
+    #[arg(long, value_name = "DRIVE", value_enum)]
+    drive: Option<Drive>,
     /// The joint of the left driven wheel
     #[arg(long, value_name = "JOINT", requires = "right_wheel")]
     left_wheel: Option<String>,
@@ -38,6 +42,27 @@ pub(super) struct InitArguments {
     grasp_height: Option<f64>,
     #[command(flatten)]
     overwrite: OverwriteArguments,
+}
+
+/// A drive on the command line.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Drive {
+    /// Two driven wheels on one axle
+    Differential,
+    /// Two or more driven wheels on either side, which skid in turns
+    SkidSteer,
+    /// Mecanum wheels, omnidirectional wheels or powered casters
+    Omnidirectional,
+}
+
+impl From<Drive> for DriveKind {
+    fn from(drive: Drive) -> Self {
+        match drive {
+            Drive::Differential => Self::Differential,
+            Drive::SkidSteer => Self::SkidSteer,
+            Drive::Omnidirectional => Self::Omnidirectional,
+        }
+    }
 }
 
 fn toml_file(name: &str) -> Result<PathBuf, String> {
@@ -54,7 +79,8 @@ fn height(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn run(arguments: &InitArguments) -> Result<ExitCode, Failure> {
-    let InitArguments { urdf, output, tool, left_wheel, right_wheel, grasp_height, overwrite } = arguments;
+    let InitArguments { urdf, output, tool, drive, left_wheel, right_wheel, grasp_height, overwrite } =
+        arguments;
     let beside = || match urdf.extension().is_some_and(|e| e.eq_ignore_ascii_case("xacro")) {
         true => urdf.with_extension("").with_extension("toml"),
         false => urdf.with_extension("toml"),
@@ -63,6 +89,7 @@ pub(super) fn run(arguments: &InitArguments) -> Result<ExitCode, Failure> {
     let outputs = overwrite.outputs([urdf.as_path()], [&file])?;
     let request = DraftRequest {
         tool: tool.clone(),
+        drive: drive.map(DriveKind::from),
         wheels: left_wheel.clone().zip(right_wheel.clone()).map(|(left, right)| [left, right]),
         grasp_height: *grasp_height,
     };

@@ -22,7 +22,7 @@ pub enum CandidateSet {
 pub struct Candidate {
     /// The configuration.
     pub configuration: Configuration,
-    /// Mean rates over one period that lead there: rim speeds, m/s, and joint rates, rad/s.
+    /// Mean rates over one period that lead there, as inputs.
     pub rates: InputVector,
 }
 
@@ -101,7 +101,9 @@ impl Neighbourhood<'_> {
             let guess = robot.advance(q, &(step + correction), period);
             let Some(closed) = robot.close(&guess, &kinematics.grasp, GRASP_TOLERANCE) else { break };
             let mut rates = step;
-            rates.fixed_rows_mut::<MAX_JOINTS>(2).copy_from(&((closed.joints - q.joints) / period));
+            rates
+                .fixed_rows_mut::<MAX_JOINTS>(robot.drive.inputs())
+                .copy_from(&((closed.joints - q.joints) / period));
             correction = (rates - step) * 2.0 - correction;
             excess = excess.max(self.largest_share(&rates));
             let joints = robot.joints.iter().zip(closed.joints.iter());
@@ -123,8 +125,9 @@ impl Neighbourhood<'_> {
     /// positions.
     fn reach(&self, direction: &InputVector) -> f64 {
         let mut reach = self.share / self.largest_share(direction);
+        let base = self.robot.drive.inputs();
         for (i, joint) in self.robot.joints.iter().enumerate() {
-            let (rate, at) = (direction[i + 2], self.configuration.joints[i]);
+            let (rate, at) = (direction[i + base], self.configuration.joints[i]);
             let room = if rate > 0.0 { joint.upper - at } else { joint.lower - at };
             if rate != 0.0 {
                 reach = reach.min((room / (rate * self.period)).max(0.0));
@@ -150,12 +153,13 @@ impl Basis {
 /// gives the same basis.
 fn self_motions(robot: &Robot, jacobian: &InputJacobian, arm_only: bool) -> Basis {
     let mut j = *jacobian;
-    let first = if arm_only { 2 } else { 0 };
-    j.fixed_columns_mut::<2>(0).scale_mut(if arm_only { 0.0 } else { 1.0 });
+    let base = robot.drive.inputs();
+    let first = if arm_only { base } else { 0 };
+    j.columns_mut(0, base).scale_mut(if arm_only { 0.0 } else { 1.0 });
     let eigen = (j * j.transpose()).symmetric_eigen();
     let largest = eigen.eigenvalues.max();
     let mut projector = SMatrix::<f64, MAX_INPUTS, MAX_INPUTS>::zeros();
-    let last = 2 + robot.joint_count();
+    let last = base + robot.joint_count();
     for i in first..last {
         projector[(i, i)] = 1.0;
     }

@@ -1,14 +1,15 @@
-//! Path following of the base: rim speeds by pure pursuit along the path that the grasp has taken.
+//! Path following of the base: its inputs by pure pursuit along the path that the grasp has taken.
 //!
 //! DEVIATION (eq. 7): with the weights of eq. (7) alone, the base trails the grasp by a metre and cuts the
 //! corners of the path between them; the horizon is too short to see the wall in time. The path of the grasp
 //! is free, so on the physical plant the base follows it.
 
-use super::limits::{HalfPlane, Limits, Rims};
+use super::holonomic;
+use super::limits::{BaseInputs, HalfPlane, Limits};
 use super::{Inputs, Reference, RobotObstacles};
-use crate::geometry::{PlanarPose, Point, Pose, angle_of, nearest_on_segment, wrap_angle};
+use crate::geometry::{PlanarPose, Point, Pose, Vector, angle_of, nearest_on_segment, wrap_angle};
 use crate::math;
-use crate::robot::{Drive, InputJacobian, pose_difference};
+use crate::robot::{BaseInput, BaseTwist, Drive, InputJacobian, pose_difference};
 use nalgebra::Rotation3;
 
 /// Look-ahead distances along the path, m. The longest rolls most smoothly but cuts corners most: it is used
@@ -24,7 +25,7 @@ const SPACING_GAIN: f64 = 1.0;
 const TURN_GAIN: f64 = 3.0;
 /// Largest rate at which the base turns, rad/s. The arm holds the grasp up to a metre away, in place.
 const TURN_RATE_LIMIT: f64 = 1.3;
-/// Weight of the squared deviation (m/s) from the rim speeds that follow the path.
+/// Weight of the squared deviation (m/s, rad/s) from the base's inputs that follow the path.
 const GUIDE_PRICE: f64 = 1e4;
 
 /// A base that follows a path.
@@ -35,11 +36,13 @@ pub struct Follower<'w> {
     pub speeds: [f64; 2],
     /// Acceleration from the present to the target speed, m/s^2.
     pub acceleration: f64,
-    /// Largest acceleration of the rims, m/s^2.
+    /// Largest acceleration of the rims, or of an omnidirectional base along each axis, m/s^2.
     pub rim_acceleration: f64,
     /// Wanted distance of the base from the grasp, m. It is measured straight: in a bend, a distance along the
     /// path would fold the arm.
     pub distance: f64,
+    /// Angle of the grasp beside straight ahead of the base, rad: an omnidirectional base keeps it.
+    pub bearing: f64,
     /// What the base keeps off.
     pub obstacles: &'w RobotObstacles,
 }
@@ -48,18 +51,20 @@ impl Follower<'_> {
     /// Distance between points, m.
     pub const STEP: f64 = 0.05;
 
-    /// Rim speeds by pure pursuit (Coulter 1992) of a point ahead on the path, at the speed that keeps the
-    /// distance, within the limits of the rims. `rims` are the present rim speeds, m/s.
-    pub fn rims(&self, drive: &Drive, base: &PlanarPose, rims: [f64; 2], period: f64) -> Rims {
+    /// Inputs of the base by pure pursuit (Coulter 1992) of a point ahead on the path, at the speed that
+    /// keeps the distance, within the limits of the drive. `input` is the present one.
+    pub fn inputs(&self, drive: &Drive, base: &PlanarPose, input: BaseInput, period: f64) -> BaseInputs {
         let room = drive.base_radius - LOOK_OUT_TOLERANCE_M;
-        let mut chosen = Rims::default();
-        for look_ahead in LOOK_AHEADS_M {
-            let mut pursuit = Pursuit { look_ahead, at: *base, rims, speed: self.speeds[0], ahead: 0.0 };
+        let mut chosen = BaseInputs::default();
+        let look_aheads: &[f64] =
+            if drive.is_omnidirectional() { &holonomic::LOOK_AHEADS_M } else { &LOOK_AHEADS_M };
+        for &look_ahead in look_aheads {
+            let mut pursuit = Pursuit { look_ahead, at: *base, input, speed: self.speeds[0], ahead: 0.0 };
             let mut is_clear = true;
             for i in 0..LOOK_OUT_PERIODS.max(chosen.len()) {
                 pursuit.step(self, drive, period);
-                if let Some(rims) = chosen.get_mut(i) {
-                    *rims = pursuit.rims;
+                if let Some(input) = chosen.get_mut(i) {
+                    *input = pursuit.input;
                 }
                 is_clear &= self.obstacles.is_clear(pursuit.at.position, room);
             }
@@ -94,13 +99,19 @@ impl Follower<'_> {
     fn end(&self) -> Point {
         self.way.last().copied().unwrap_or_default()
     }
+
+    /// The direction in which the path ends, of length 1; 0 for a path of one point.
+    fn end_direction(&self) -> Vector {
+        let [.., before, end] = self.way else { return Vector::zeros() };
+        (end - before).try_normalize(1e-9).unwrap_or_default()
+    }
 }
 
 /// A base on its way by pure pursuit.
 struct Pursuit {
     look_ahead: f64,
     at: PlanarPose,
-    rims: [f64; 2],
+    input: BaseInput,
     /// Speed of the grasp (m/s), and how far it has come (m).
     speed: f64,
     ahead: f64,
@@ -108,7 +119,7 @@ struct Pursuit {
 
 impl Pursuit {
     fn step(&mut self, follower: &Follower, drive: &Drive, period: f64) {
-        let Self { look_ahead, at, rims: last, speed: grasp_speed, ahead } = self;
+        let Self { look_ahead, at, input: last, speed: grasp_speed, ahead } = self;
         let along = follower.locate(at.position);
         let change = follower.acceleration * period;
         let to = follower.speeds[1];
@@ -119,6 +130,20 @@ impl Pursuit {
         let goal = (follower.point((along + side * *look_ahead).max(0.0)) - at.position) * side;
         let behind = (follower.end() - at.position).norm() + *ahead;
         *ahead += *grasp_speed * period;
+        if drive.is_omnidirectional() {
+            let wanted = side * (*grasp_speed + SPACING_GAIN * (behind - follower.distance));
+            let sight = holonomic::Sight {
+                goal,
+                speed: side * wanted.max(0.0),
+                to_grasp: follower.end() + follower.end_direction() * *ahead - at.position,
+                bearing: follower.bearing,
+                turning: [TURN_GAIN, TURN_RATE_LIMIT],
+                acceleration: follower.rim_acceleration,
+            };
+            *last = sight.input(drive, at, last, period);
+            *at = drive.roll(at, &(*last * period));
+            return;
+        }
         let bearing = wrap_angle(angle_of(goal) - at.yaw);
         let wanted = side * (*grasp_speed + SPACING_GAIN * (behind - follower.distance));
         let speed = wanted.max(0.0) * math::cos(bearing).max(0.0);
@@ -129,26 +154,26 @@ impl Pursuit {
             TURN_GAIN * bearing
         };
         let turn = turn.clamp(-TURN_RATE_LIMIT, TURN_RATE_LIMIT);
-        let rims = [-0.5, 0.5].map(|end| side * speed + end * turn * drive.track);
-        let fastest = rims[0].abs().max(rims[1].abs());
+        let rims = drive.input(&BaseTwist { velocity: Vector::new(side * speed, 0.0), turn });
+        let fastest = rims.x.abs().max(rims.y.abs());
         let scale = if fastest > drive.rim_speed_limit { drive.rim_speed_limit / fastest } else { 1.0 };
         let change = follower.rim_acceleration * period;
-        *last = std::array::from_fn(|i| (rims[i] * scale).clamp(last[i] - change, last[i] + change));
-        *at = drive.roll(at, last.map(|rim| rim * period));
+        *last = last.zip_map(&rims, |last, rim| (rim * scale).clamp(last - change, last + change));
+        *at = drive.roll(at, &(*last * period));
     }
 }
 
-/// Adds bounds to `limits` that hold the base to these rim speeds. They are softer than the bounds that keep
-/// it off obstacles.
-pub fn hold_base_to(rims: &Rims, limits: &mut Limits) {
-    for (t, rims) in rims.iter().enumerate() {
-        for (side, rim) in rims.iter().enumerate() {
+/// Adds bounds to `limits` that hold the base to these inputs. They are softer than the bounds that keep it
+/// off obstacles.
+pub fn hold_base_to(drive: &Drive, base: &BaseInputs, limits: &mut Limits) {
+    for (t, input) in base.iter().enumerate() {
+        for (i, rate) in input.iter().enumerate().take(drive.inputs()) {
             for sign in [1.0, -1.0] {
                 let mut coefficients = Inputs::zeros();
-                coefficients[(side, t)] = sign;
+                coefficients[(i, t)] = sign;
                 limits.half_planes.push(HalfPlane {
                     coefficients,
-                    bound: sign * rim,
+                    bound: sign * rate,
                     price: GUIDE_PRICE,
                     is_guide: true,
                 });
@@ -157,29 +182,28 @@ pub fn hold_base_to(rims: &Rims, limits: &mut Limits) {
     }
 }
 
-/// Replaces the base's inputs by these rim speeds.
-pub fn set_base(inputs: &mut Inputs, rims: &Rims) {
-    for (t, rims) in rims.iter().enumerate() {
-        (inputs[(0, t)], inputs[(1, t)]) = (rims[0], rims[1]);
+/// Replaces the base's part of the inputs.
+pub fn set_base(drive: &Drive, inputs: &mut Inputs, base: &BaseInputs) {
+    for (t, input) in base.iter().enumerate() {
+        inputs.view_mut((0, t), (drive.inputs(), 1)).copy_from(&input.rows(0, drive.inputs()));
     }
 }
 
-/// The part of `reference` that remains for the arm when the base rolls with these rim speeds. It is seen
-/// from the base's pose at each step, in the present world axes, so that the prediction is right for a
-/// turning base.
+/// The part of `reference` that remains for the arm when the base has these inputs. It is seen from the
+/// base's pose at each step, in the present world axes, so that the prediction is right for a turning base.
 pub fn seen_from_base(
     reference: &Reference,
     grasp: &Pose,
     base: &PlanarPose,
     drive: &Drive,
-    rims: &Rims,
+    inputs: &BaseInputs,
     period: f64,
 ) -> Reference {
     let mut seen = *reference;
     let mut at = *base;
     let here = base.at_height(0.0);
-    for (t, rims) in rims.iter().enumerate() {
-        at = drive.roll(&at, rims.map(|rim| rim * period));
+    for (t, input) in inputs.iter().enumerate() {
+        at = drive.roll(&at, &(input * period));
         let goal = Pose::from_parts(
             (grasp.translation.vector + reference.fixed_view::<3, 1>(0, t)).into(),
             Rotation3::new(reference.fixed_view::<3, 1>(3, t).into_owned()) * grasp.rotation,
@@ -190,12 +214,16 @@ pub fn seen_from_base(
     seen
 }
 
-/// The motion that B predicts for a base with these rim speeds, to be added to the arm's remaining reference.
-pub fn rolled(jacobian: &InputJacobian, rims: &Rims, period: f64) -> Reference {
+/// The motion that B predicts for a base with these inputs, to be added to the arm's remaining reference.
+pub fn rolled(drive: &Drive, jacobian: &InputJacobian, base: &BaseInputs, period: f64) -> Reference {
     let mut rolled = Reference::zeros();
     let mut so_far = nalgebra::Vector6::zeros();
-    for (t, rims) in rims.iter().enumerate() {
-        so_far += (jacobian.column(0) * rims[0] + jacobian.column(1) * rims[1]) * period;
+    for (t, input) in base.iter().enumerate() {
+        let mut rate = jacobian.column(0) * input.x + jacobian.column(1) * input.y;
+        if drive.is_omnidirectional() {
+            rate += jacobian.column(2) * input.z;
+        }
+        so_far += rate * period;
         rolled.set_column(t, &so_far);
     }
     rolled
@@ -209,7 +237,7 @@ mod tests {
     use crate::world::World;
     use std::f64::consts::FRAC_PI_2;
 
-    const DRIVE: Drive = Drive { track: 0.37, wheel_radius: 0.06, rim_speed_limit: 1.0, base_radius: 0.25 };
+    const DRIVE: Drive = crate::control::DIFFERENTIAL;
     const PERIOD: f64 = 0.2;
 
     /// The path of a grasp that goes round a corner of `angle` (rad) and is `walked` (m) past it.
@@ -230,7 +258,15 @@ mod tests {
     }
 
     fn follower<'w>(way: &'w [Point], speeds: [f64; 2], obstacles: &'w RobotObstacles) -> Follower<'w> {
-        Follower { way, speeds, acceleration: 0.9, rim_acceleration: 1.2, distance: 0.8, obstacles }
+        Follower {
+            way,
+            speeds,
+            acceleration: 0.9,
+            rim_acceleration: 1.2,
+            distance: 0.8,
+            bearing: 0.0,
+            obstacles,
+        }
     }
 
     fn off_the_way(base: &PlanarPose, way: &[Point]) -> f64 {
@@ -243,20 +279,20 @@ mod tests {
         let obstacles = no_obstacles();
         for angle in [0.0, 0.5, -1.0, 1.5] {
             let mut base = PlanarPose { position: Point::new(-1.8, 0.0), yaw: 0.0 };
-            let mut rims = [0.5; 2];
+            let mut rims = BaseInput::new(0.5, 0.5, 0.0);
             for tick in 0..40 {
                 let walked = -1.0 + 0.1 * f64::from(tick);
                 let way = corner(angle, walked);
                 let follower = follower(&way, [0.5; 2], &obstacles);
                 let before = rims;
-                rims = follower.rims(&DRIVE, &base, rims, PERIOD)[0];
-                for (rim, before) in rims.iter().zip(before) {
+                rims = follower.inputs(&DRIVE, &base, rims, PERIOD)[0];
+                for (rim, before) in rims.iter().zip(&before) {
                     assert!(
                         rim.abs() <= 1.0
                             && (rim - before).abs() <= follower.rim_acceleration * PERIOD + 1e-12
                     );
                 }
-                base = DRIVE.roll(&base, rims.map(|rim| rim * PERIOD));
+                base = DRIVE.roll(&base, &(rims * PERIOD));
                 let off = off_the_way(&base, &way);
                 // at full speed; a team slows before a bend
                 assert!(off < 0.15, "{angle}: {off} m off the way");
@@ -278,13 +314,13 @@ mod tests {
         for angle in [0.0, 0.5, -1.0] {
             let start = Point::from(direction(angle) * 0.4);
             let mut base = PlanarPose { position: start, yaw: angle };
-            let mut rims = [0.0; 2];
+            let mut rims = BaseInput::zeros();
             for tick in 0..40 {
                 let walked = 1.2 - 0.06 * f64::from(tick);
                 let way = corner(angle, walked);
                 let follower = follower(&way, [-0.3; 2], &obstacles);
-                rims = follower.rims(&DRIVE, &base, rims, PERIOD)[0];
-                base = DRIVE.roll(&base, rims.map(|rim| rim * PERIOD));
+                rims = follower.inputs(&DRIVE, &base, rims, PERIOD)[0];
+                base = DRIVE.roll(&base, &(rims * PERIOD));
                 let off = off_the_way(&base, &way);
                 assert!(off < 0.12, "{angle}: {off} m off the way");
             }
@@ -301,11 +337,11 @@ mod tests {
         let least_clearance = |obstacles: &RobotObstacles| {
             let wall = self::obstacles(wall);
             let mut base = PlanarPose { position: Point::new(-1.8, 0.0), yaw: 0.0 };
-            let mut rims = [0.5; 2];
+            let mut rims = BaseInput::new(0.5, 0.5, 0.0);
             let clearances = (0..40).map(|tick| {
                 let way = corner(FRAC_PI_2, -1.0 + 0.05 * f64::from(tick));
-                rims = follower(&way, [0.25; 2], obstacles).rims(&DRIVE, &base, rims, PERIOD)[0];
-                base = DRIVE.roll(&base, rims.map(|rim| rim * PERIOD));
+                rims = follower(&way, [0.25; 2], obstacles).inputs(&DRIVE, &base, rims, PERIOD)[0];
+                base = DRIVE.roll(&base, &(rims * PERIOD));
                 wall.clearance(base.position, DRIVE.base_radius)
             });
             clearances.fold(f64::INFINITY, f64::min)
@@ -319,17 +355,17 @@ mod tests {
     fn closed_form_what_is_left_for_the_arm() {
         let grasp = PlanarPose { position: Point::new(1.0, 0.2), yaw: 0.3 }.at_height(0.7);
         let base = PlanarPose { position: Point::new(0.1, 0.0), yaw: 0.2 };
-        let rims: Rims = std::array::from_fn(|t| [0.1 * t as f64, 0.5]);
+        let rims: BaseInputs = std::array::from_fn(|t| BaseInput::new(0.1 * t as f64, 0.5, 0.0));
         let mut reference = Reference::zeros();
         let mut at = base;
         for (t, rim) in rims.iter().enumerate() {
-            at = DRIVE.roll(&at, rim.map(|rim| rim * PERIOD));
+            at = DRIVE.roll(&at, &(rim * PERIOD));
             let carried = at.at_height(0.0) * base.at_height(0.0).inverse() * grasp;
             reference.set_column(t, &pose_difference(&carried, &grasp));
         }
         let left = seen_from_base(&reference, &grasp, &base, &DRIVE, &rims, PERIOD);
         assert!(left.norm() < 1e-12, "{left}");
-        let still = seen_from_base(&reference, &grasp, &base, &DRIVE, &[[0.0; 2]; HORIZON], PERIOD);
+        let still = seen_from_base(&reference, &grasp, &base, &DRIVE, &[BaseInput::zeros(); HORIZON], PERIOD);
         assert!((still - reference).norm() < 1e-12);
     }
 }

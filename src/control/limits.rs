@@ -1,19 +1,20 @@
 //! The constraints of eq. (7): the robot's limits over the horizon.
 
 use super::{HORIZON, Inputs};
-use crate::robot::{Configuration, InputVector, JointVector, Robot};
+use crate::robot::{BaseInput, Configuration, Drive, InputVector, JointVector, Robot};
 
 /// The violation (m/s, rad/s; for half-planes m) below which a constraint counts as satisfied.
 pub const TOLERANCE: f64 = 1e-9;
 
-/// Rim speeds of the base over the horizon, left and right, m/s.
-pub type Rims = [[f64; 2]; HORIZON];
+/// Inputs of the base over the horizon.
+pub type BaseInputs = [BaseInput; HORIZON];
 
 /// The constraints on u(0..H-1): rates, joint positions, and half-planes for base and arm.
 #[derive(Clone, Debug)]
 pub struct Limits {
-    /// Number of inputs that the robot has.
+    /// Number of inputs that the robot has, and that its base has.
     inputs: usize,
+    base: usize,
     /// Largest magnitude of each input, for u(0) and u(1..).
     rates: InputVector,
     /// The part of the first rates that the motion to another configuration already takes, m/s and rad/s.
@@ -25,11 +26,11 @@ pub struct Limits {
     pub half_planes: Vec<HalfPlane>,
 }
 
-/// A linear bound on the inputs: on the position of a point of the robot after some periods, or on a rim
-/// speed.
+/// A linear bound on the inputs: on the position of a point of the robot after some periods, or on an input
+/// of the base.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfPlane {
-    /// Coefficients of the inputs, one column per step; s (for a rim speed 1).
+    /// Coefficients of the inputs, one column per step; s (for an input of the base 1).
     pub coefficients: Inputs,
     /// Largest weighted sum, m (m/s).
     pub bound: f64,
@@ -42,11 +43,11 @@ pub struct HalfPlane {
 
 impl HalfPlane {
     /// Treats the base's inputs as given; the remaining bounds apply to the arm's inputs.
-    pub fn settle_base(&mut self, rims: &Rims) {
-        for (t, rims) in rims.iter().enumerate() {
-            for (side, rim) in rims.iter().enumerate() {
-                self.bound -= self.coefficients[(side, t)] * rim;
-                self.coefficients[(side, t)] = 0.0;
+    pub fn settle_base(&mut self, drive: &Drive, given: &BaseInputs) {
+        for (t, given) in given.iter().enumerate() {
+            for (i, rate) in given.iter().enumerate().take(drive.inputs()) {
+                self.bound -= self.coefficients[(i, t)] * rate;
+                self.coefficients[(i, t)] = 0.0;
             }
         }
     }
@@ -66,15 +67,11 @@ pub enum Row {
 impl Limits {
     /// Limits to be filled by [`Limits::set`].
     pub fn new(robot: &Robot) -> Self {
-        let mut rates = InputVector::zeros();
-        rates[0] = robot.drive.rim_speed_limit;
-        rates[1] = robot.drive.rim_speed_limit;
-        for (rate, joint) in rates.iter_mut().skip(2).zip(&robot.joints) {
-            *rate = joint.rate_limit;
-        }
+        let base = robot.drive.inputs();
         Self {
-            inputs: 2 + robot.joint_count(),
-            rates,
+            inputs: base + robot.joint_count(),
+            base,
+            rates: robot.input_limits(),
             taken: InputVector::zeros(),
             room: [JointVector::zeros(); 2],
             half_planes: Vec::new(),
@@ -106,7 +103,8 @@ impl Limits {
     }
 
     fn position_bound(&self, input: usize, sign: f64) -> f64 {
-        if sign > 0.0 { self.room[1][input - 2] } else { -self.room[0][input - 2] }
+        let joint = input - self.base;
+        if sign > 0.0 { self.room[1][joint] } else { -self.room[0][joint] }
     }
 
     /// The bound b of a row.
@@ -131,7 +129,7 @@ impl Limits {
                 }
             }
             let mut sum = 0.0;
-            for step in (0..HORIZON).filter(|_| input >= 2) {
+            for step in (0..HORIZON).filter(|_| input >= self.base) {
                 sum += u[(input, step)];
                 let sign = sum.signum();
                 let excess = sign * sum - self.position_bound(input, sign);
@@ -188,7 +186,7 @@ impl Limits {
             let value = u[(input, 0)];
             let sign = value.signum();
             let mut bound = self.rate_bound(input, 0, sign);
-            if input >= 2 {
+            if input >= self.base {
                 bound = bound.min(self.position_bound(input, sign));
             }
             if value.abs() > bound {

@@ -7,6 +7,7 @@ mod active_set;
 mod candidates;
 mod closed_form;
 mod follow;
+mod holonomic;
 mod intent;
 mod limits;
 mod mpc;
@@ -25,7 +26,7 @@ pub use candidates::{Candidate, CandidateSet, Neighbourhood};
 pub use closed_form::ClosedForm;
 pub use follow::{Follower, hold_base_to, rolled, seen_from_base, set_base};
 pub use intent::Intent;
-pub use limits::{HalfPlane, Limits, Rims};
+pub use limits::{BaseInputs, HalfPlane, Limits};
 pub use mpc::{Failure, Mpc, Plan, SolveOutcome};
 pub use obstacles::{Avoid, RobotObstacles};
 pub use pose::{Considered, PoseChoice, PoseOptimiser, PoseProblem, manipulability, motion_cost};
@@ -64,6 +65,17 @@ pub fn reference(
     }
     reference
 }
+
+/// A differential drive for tests.
+#[cfg(test)]
+const DIFFERENTIAL: crate::robot::Drive = crate::robot::Drive {
+    kind: crate::robot::DriveKind::Differential,
+    track: 0.37,
+    wheel_radius: 0.06,
+    rim_speed_limit: 1.0,
+    turn_rate_limit: 2.0,
+    base_radius: 0.25,
+};
 
 #[cfg(test)]
 mod tests;

@@ -5,7 +5,7 @@ use super::reaching::{ArmJacobian, Reaching};
 use super::rolling::Rolling;
 use super::{HORIZON, Inputs};
 use crate::geometry::{Bounds, Footprint, PlanarPose, Point, Vector};
-use crate::robot::{Configuration, Drive, MAX_JOINTS, PointJacobian, Robot};
+use crate::robot::{Configuration, Drive, MAX_BASE_INPUTS, MAX_JOINTS, PointJacobian, Robot};
 use crate::world::World;
 use nalgebra::Vector3;
 
@@ -147,7 +147,8 @@ impl RobotObstacles {
         let base = q.base;
         let reaching = Reaching::new(&robot.drive, &base, inputs, period);
         let carried = |point: &Vector3<f64>| point.xy() - base.position.coords;
-        let arm_of = |jacobian: &PointJacobian| jacobian.fixed_view::<2, MAX_JOINTS>(0, 2).into_owned();
+        let first = robot.drive.inputs();
+        let arm_of = |jacobian: &PointJacobian| jacobian.fixed_view::<2, MAX_JOINTS>(0, first).into_owned();
         // the arm's chain leads from the base to its last point, the grasp
         let (mut to_grasp, mut grasp_arm) = (Vector::zeros(), ArmJacobian::zeros());
         robot.arm_points(q, |point, jacobian| (to_grasp, grasp_arm) = (carried(&point), arm_of(jacobian)));
@@ -177,11 +178,12 @@ impl RobotObstacles {
                         (distance, away) = outline.beside(at, *chain).unwrap_or((distance, away));
                     }
                     let mut coefficients = Inputs::zeros();
-                    let rims = reaching.rolling.gradient_at(t, -away, lever);
-                    coefficients.fixed_rows_mut::<2>(0).copy_from(&rims);
+                    let of_base = reaching.rolling.gradient_at(t, -away, lever);
+                    coefficients.fixed_rows_mut::<MAX_BASE_INPUTS>(0).copy_from(&of_base);
                     let joints = arm.tr_mul(&(reaching.turned(t).inverse() * -away)) * period;
+                    // the third row is a joint's where the base has two inputs
                     for step in 0..=t {
-                        coefficients.fixed_view_mut::<MAX_JOINTS, 1>(2, step).copy_from(&joints);
+                        coefficients.fixed_view_mut::<MAX_JOINTS, 1>(first, step).copy_from(&joints);
                     }
                     let bound = coefficients.dot(inputs) + distance - ARM_RADIUS_M - MARGIN_M;
                     limits.half_planes.push(HalfPlane { coefficients, bound, price, is_guide: false });

@@ -8,8 +8,8 @@ use super::candidates::{Candidate, Neighbourhood};
 use super::follow::set_base;
 use super::limits::Limits;
 use super::obstacles::{Avoid, RobotObstacles};
-use super::{ClosedForm, Mpc, PoseCriterion, Reference, Rims, Settings, SolveOutcome};
-use crate::robot::{Configuration, InputJacobian, Kinematics, MAX_JOINTS, Robot};
+use super::{BaseInputs, ClosedForm, Mpc, PoseCriterion, Reference, Settings, SolveOutcome};
+use crate::robot::{Configuration, Kinematics, Robot};
 
 /// The difference below which costs are equal. The earlier candidate then wins: the present configuration
 /// first, then those nearest to it.
@@ -72,9 +72,9 @@ pub struct PoseProblem<'a> {
     pub weights: &'a [f64],
     /// The obstacles, and the parts of the robot that are kept off them.
     pub obstacles: Option<(&'a RobotObstacles, Avoid)>,
-    /// The base's rim speeds, if given. The references then cover the arm's part only, and only the arm is
+    /// The base's inputs, if given. The references then cover the arm's part only, and only the arm is
     /// optimised.
-    pub rims: Option<&'a Rims>,
+    pub base: Option<&'a BaseInputs>,
     /// Control period, s.
     pub period: f64,
     /// The share of the rate limits that the change of configuration may use, up to 1.
@@ -108,7 +108,7 @@ impl PoseOptimiser {
             }
         };
         let candidate = self.candidates[index];
-        let motion_cost = motion_cost(&candidate, configuration, settings);
+        let motion_cost = motion_cost(robot, &candidate, configuration, settings);
         PoseChoice { index, candidate, motion_cost, candidates: self.candidates.len(), solved }
     }
 
@@ -128,9 +128,7 @@ impl PoseOptimiser {
 
     fn most_manipulable(&mut self, robot: &Robot) -> usize {
         self.totals.clear();
-        self.totals.extend(
-            self.candidates.iter().map(|c| -manipulability(&robot.kinematics(&c.configuration).jacobian)),
-        );
+        self.totals.extend(self.candidates.iter().map(|c| -manipulability(robot, &c.configuration)));
         first_within_tie(&self.totals)
     }
 
@@ -140,12 +138,12 @@ impl PoseOptimiser {
         self.totals.clear();
         for candidate in &self.candidates {
             let mut jacobian = problem.robot.kinematics(&candidate.configuration).jacobian;
-            if problem.rims.is_some() {
-                jacobian.fixed_columns_mut::<2>(0).fill(0.0);
+            if problem.base.is_some() {
+                jacobian.columns_mut(0, problem.robot.drive.inputs()).fill(0.0);
             }
             let form =
                 ClosedForm::new(&(jacobian * problem.period), settings.state_weight, settings.input_weight);
-            let mut total = motion_cost(candidate, problem.configuration, settings);
+            let mut total = motion_cost(problem.robot, candidate, problem.configuration, settings);
             for (reference, weight) in problem.references.iter().zip(problem.weights) {
                 let bound = if *weight > 0.0 { weight * form.cost(reference) } else { 0.0 };
                 self.bounds.push(bound);
@@ -185,8 +183,8 @@ impl PoseOptimiser {
                 }
                 if let Some((obstacles, avoid)) = problem.obstacles {
                     let (q, mut inputs) = (&candidate.configuration, form.inputs(reference));
-                    if let Some(rims) = problem.rims {
-                        set_base(&mut inputs, rims);
+                    if let Some(base) = problem.base {
+                        set_base(&problem.robot.drive, &mut inputs, base);
                     }
                     let confidence = problem.confidence;
                     obstacles.half_planes(
@@ -198,8 +196,9 @@ impl PoseOptimiser {
                         confidence,
                         limits,
                     );
-                    if let Some(rims) = problem.rims {
-                        limits.half_planes.iter_mut().for_each(|plane| plane.settle_base(rims));
+                    if let Some(base) = problem.base {
+                        let drive = &problem.robot.drive;
+                        limits.half_planes.iter_mut().for_each(|plane| plane.settle_base(drive, base));
                     }
                 }
                 let without = self.totals[c] - self.bounds[c * options + o];
@@ -219,14 +218,14 @@ impl PoseOptimiser {
 
 /// kappa ||q - q_c||^2. The motion of the base is priced by its rates, like an input. Without a price, the
 /// optimiser would move the base for free.
-pub fn motion_cost(candidate: &Candidate, from: &Configuration, settings: &Settings) -> f64 {
+pub fn motion_cost(robot: &Robot, candidate: &Candidate, from: &Configuration, settings: &Settings) -> f64 {
     let arm = (candidate.configuration.joints - from.joints).norm_squared();
-    settings.pose_weight * (arm + candidate.rates.fixed_rows::<2>(0).norm_squared())
+    settings.pose_weight * (arm + robot.base_input(&candidate.rates).norm_squared())
 }
 
-/// Yoshikawa's measure of the arm, sqrt(det(J J')), from the whole-body Jacobian.
-pub fn manipulability(jacobian: &InputJacobian) -> f64 {
-    let arm = jacobian.fixed_columns::<MAX_JOINTS>(2);
+/// Yoshikawa's measure of the arm, sqrt(det(J J')).
+pub fn manipulability(robot: &Robot, q: &Configuration) -> f64 {
+    let arm = robot.arm_jacobian(&robot.kinematics(q).jacobian);
     (arm * arm.transpose()).determinant().max(0.0).sqrt()
 }
 

@@ -21,7 +21,7 @@ impl<'r> Reaching<'r> {
     pub fn new(drive: &Drive, base: &PlanarPose, inputs: &'r Inputs, period: f64) -> Self {
         let mut so_far = JointVector::zeros();
         let moved = std::array::from_fn(|t| {
-            so_far += inputs.fixed_view::<MAX_JOINTS, 1>(2, t) * period;
+            so_far += inputs.fixed_view::<MAX_JOINTS, 1>(drive.inputs(), t) * period;
             so_far
         });
         Self { base: *base, rolling: Rolling::new(drive, base, inputs, period), moved }

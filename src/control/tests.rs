@@ -311,7 +311,7 @@ fn brute_force(problem: &PoseProblem, settings: &Settings, found: &[Candidate]) 
             .iter()
             .zip(problem.weights)
             .map(|(reference, weight)| weight * mpc.solve(&free, &limits, reference).cost);
-        costs.sum::<f64>() + motion_cost(candidate, problem.configuration, settings)
+        costs.sum::<f64>() + motion_cost(problem.robot, candidate, problem.configuration, settings)
     };
     found.iter().map(total).collect()
 }
@@ -333,7 +333,7 @@ fn the_pose_chosen_is_the_exact_minimum_over_candidates() {
             references: &references,
             weights: &weights,
             obstacles: None,
-            rims: None,
+            base: None,
             period: PERIOD,
             share: 1.0,
             confidence: 1.0,
@@ -367,7 +367,7 @@ fn in_the_planar_posture_both_ways_out_are_equal_and_the_first_is_taken() {
         references: &[straight],
         weights: &[1.0],
         obstacles: None,
-        rims: None,
+        base: None,
         period: PERIOD,
         share: 1.0,
         confidence: 1.0,

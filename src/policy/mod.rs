@@ -19,7 +19,7 @@ use crate::coordination::{Mode, OptionTick, robot_choice};
 use crate::geometry::{PlanarPose, Point, Pose};
 use crate::human::HumanDecision;
 use crate::options::{OptionSet, Progress};
-use crate::robot::{Configuration, InputVector};
+use crate::robot::{Configuration, InputVector, without_last};
 use crate::saved::{NotRestored, Saved};
 use crate::simulation::Observation;
 use serde::{Deserialize, Serialize};
@@ -124,8 +124,8 @@ pub enum Motion {
     /// Eq. (7) with the policy's reference: poses of the grasp on the floor, one per control period, from the
     /// end of this one on.
     Reference([PlanarPose; HORIZON]),
-    /// The policy's inputs u: rim speeds, m/s, then joint rates, rad/s (prismatic: m/s).
-    Inputs(InputVector),
+    /// The policy's inputs u: the base's inputs, then joint rates, rad/s (prismatic: m/s).
+    Inputs(#[serde(with = "without_last")] InputVector),
 }
 
 impl Decision {

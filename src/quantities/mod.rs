@@ -34,7 +34,7 @@ pub use episode::EPISODE;
 pub use event::{Event, Severity};
 pub use preparation::PREPARATION;
 pub use tick::{
-    CONTROL, COORDINATION, COST, INTERACTION, JOINTS, OPTION, OPTIONS, OptionView, STEP, TICK, TIME,
+    BASE, CONTROL, COORDINATION, COST, INTERACTION, JOINTS, OPTION, OPTIONS, OptionView, STEP, TICK, TIME,
 };
 
 use crate::episode::Episode;

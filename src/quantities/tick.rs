@@ -21,6 +21,13 @@ impl View<'_> {
         self.tick().robot.as_ref()
     }
 
+    /// The base's inputs, for an omnidirectional base or for others.
+    fn base_input(&self, is_omnidirectional: bool) -> Option<[f64; 3]> {
+        let (robot, tick) = (self.stage.robot()?, self.robot_tick()?);
+        let is_asked = robot.drive.is_omnidirectional() == is_omnidirectional;
+        is_asked.then(|| robot.base_input(&tick.input).into())
+    }
+
     pub(super) fn preparation(&self) -> Option<Preparation> {
         self.robot_tick()?.preparation
     }
@@ -55,7 +62,8 @@ impl View<'_> {
 }
 
 /// The quantities of a control period in one row: all except those of the controller's preparation.
-pub const TICK: [&[Quantity]; 8] = [STEP, TIME, COORDINATION, COST, CONTROL, INTERACTION, OPTIONS, JOINTS];
+pub const TICK: [&[Quantity]; 9] =
+    [STEP, TIME, COORDINATION, COST, CONTROL, BASE, INTERACTION, OPTIONS, JOINTS];
 
 /// The number of the step.
 pub const STEP: &[Quantity] = quantities! {
@@ -121,8 +129,16 @@ pub const CONTROL: &[Quantity] = quantities! {
     "tracking_cost", PLAIN, "||x - s||_Q^2 at the end of the step", |v| v.robot_tick().map(|r| r.tracking_cost);
     "effort_cost", PLAIN, "||u||_R^2", |v| v.robot_tick().map(|r| r.effort_cost);
     "pose_cost", PLAIN, "kappa ||q* - q_c||^2", |v| v.robot_tick().map(|r| r.pose_cost);
-    "left_rim_m_per_s", METRES_PER_SECOND, "u of the left wheel's rim", |v| v.robot_tick().map(|r| r.input[0]);
-    "right_rim_m_per_s", METRES_PER_SECOND, "u of the right wheel's rim", |v| v.robot_tick().map(|r| r.input[1]);
+    "left_rim_m_per_s", METRES_PER_SECOND, "u of the left wheel's rim", |v| v.base_input(false).map(|u| u[0]);
+    "right_rim_m_per_s", METRES_PER_SECOND, "u of the right wheel's rim", |v| v.base_input(false).map(|u| u[1]);
+};
+
+/// The inputs of an omnidirectional base, which has no rim speeds. Missing for other drives.
+#[rustfmt::skip]
+pub const BASE: &[Quantity] = quantities! {
+    "base_ahead_m_per_s", METRES_PER_SECOND, "u of an omnidirectional base ahead; it has no rim speeds", |v| v.base_input(true).map(|u| u[0]);
+    "base_left_m_per_s", METRES_PER_SECOND, "u of an omnidirectional base to its left", |v| v.base_input(true).map(|u| u[1]);
+    "base_turn_rad_per_s", RADIANS_PER_SECOND, "u of an omnidirectional base's turning", |v| v.base_input(true).map(|u| u[2]);
 };
 
 /// Bodies and forces on the physical plant. Missing on the others.
@@ -238,8 +254,9 @@ pub(super) const PRISMATIC: &[OfJoint] = quantities! {
 
 fn joints(view: &View) -> Vec<Value> {
     let (Some(robot), Some(tick)) = (view.stage.robot(), view.robot_tick()) else { return Vec::new() };
+    let rates = robot.joint_rates(&tick.input);
     let joints = robot.joints.iter().enumerate().map(|(i, joint)| {
-        let view = JointView { joint, position: tick.configuration.joints[i], rate: tick.input[i + 2] };
+        let view = JointView { joint, position: tick.configuration.joints[i], rate: rates[i] };
         json(read(if joint.motion == Motion::Revolute { REVOLUTE } else { PRISMATIC }, &view))
     });
     joints.collect()

@@ -1,8 +1,8 @@
 //! The channels of a recording: topic, schema and encoding of each.
 
 use crate::quantities::{
-    CONTROL, COORDINATION, COST, EPISODE, INTERACTION, JOINTS, OPTIONS, PREPARATION, Quantity, Record, STEP,
-    json, schema,
+    BASE, CONTROL, COORDINATION, COST, EPISODE, INTERACTION, JOINTS, OPTIONS, PREPARATION, Quantity, Record,
+    STEP, json, schema,
 };
 use foxglove::messages::{FrameTransforms, JointStates, Log, SceneUpdate};
 use foxglove::{Encode, Schema};
@@ -31,6 +31,8 @@ pub enum Channel {
     Coordination,
     /// The controller's decision and its tracking error.
     Control,
+    /// The inputs of an omnidirectional base.
+    Base,
     /// The controller's inputs: references, and the candidates of eq. (8).
     Preparation,
     /// Forces.
@@ -43,7 +45,7 @@ pub enum Channel {
 
 impl Channel {
     /// All channels, in the order in which files define them.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Transforms,
         Self::World,
         Self::Team,
@@ -54,6 +56,7 @@ impl Channel {
         Self::Options,
         Self::Coordination,
         Self::Control,
+        Self::Base,
         Self::Preparation,
         Self::Interaction,
         Self::Cost,
@@ -78,6 +81,7 @@ impl Channel {
             Self::Options => "/options",
             Self::Coordination => "/coordination",
             Self::Control => "/control",
+            Self::Base => "/base",
             Self::Preparation => "/preparation",
             Self::Interaction => "/interaction",
             Self::Cost => "/cost",
@@ -107,6 +111,7 @@ impl Channel {
             Self::Options => &[STEP, OPTIONS],
             Self::Coordination => &[STEP, COORDINATION],
             Self::Control => &[STEP, CONTROL, JOINTS],
+            Self::Base => &[STEP, BASE],
             Self::Preparation => &[STEP, PREPARATION],
             Self::Interaction => &[STEP, INTERACTION],
             Self::Cost => &[STEP, COST],

@@ -49,6 +49,7 @@ impl<'a> Encoder<'a> {
             | Channel::Joints
             | Channel::Control
             | Channel::Preparation => self.stage.robot().is_some(),
+            Channel::Base => self.has_free_base(),
             Channel::Interaction => episode.observation().is_some(),
             _ => true,
         };
@@ -97,6 +98,9 @@ impl<'a> Encoder<'a> {
         self.state(episode, to);
         if has_robot && tick.robot.is_some() {
             self.json(Channel::Control, to, episode);
+            if self.has_free_base() {
+                self.json(Channel::Base, to, episode);
+            }
         }
         if let Some(seen) = episode.observation() {
             self.json(Channel::Interaction, to, episode);
@@ -121,6 +125,11 @@ impl<'a> Encoder<'a> {
         ended.for_each(|(_, value)| *value = ending.name().into());
         self.messages.push(Message::json(Channel::Outcome, time, outcome));
         &self.messages
+    }
+
+    /// Whether there is an omnidirectional base.
+    fn has_free_base(&self) -> bool {
+        self.stage.robot().is_some_and(|robot| robot.drive.is_omnidirectional())
     }
 
     /// The simulated time at the beginning of a step, ns.

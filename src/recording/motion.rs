@@ -4,7 +4,7 @@ use super::frames::{GRASP_GOAL, HAND, HUMAN, OBJECT, ODOM, TORSO, WORLD, link_fr
 use super::human::{Stance, upright};
 use crate::episode::Episode;
 use crate::geometry::{PlanarPose, Pose, direction};
-use crate::robot::Robot;
+use crate::robot::{BaseInput, Robot};
 use crate::scenario::PreparedScenario;
 use crate::simulation::{Observation, TORSO_AHEAD, TORSO_HEIGHT};
 use foxglove::messages::{FrameTransforms, JointState, JointStates};
@@ -43,11 +43,13 @@ pub(super) fn transforms(episode: &Episode, stage: &PreparedScenario, time: u64)
     };
     let seen = episode.observation();
     let mut transforms = vec![transform(WORLD, ODOM, &Pose::identity(), time)];
-    let turned = seen.map_or([0.0; 2], |seen| seen.wheel_angles);
+    let rolled = seen.map_or(BaseInput::zeros(), |seen| seen.rolled);
     let world_from_link = |i: usize| {
-        let wheel = robot.wheel_links.iter().position(|&wheel| wheel == i);
+        let wheel = robot.wheels.iter().find(|wheel| wheel.link == i);
         match (wheel, &robot.links[i].joint) {
-            (Some(wheel), Some(joint)) => poses[i] * Rotation3::from_axis_angle(&joint.axis, turned[wheel]),
+            (Some(wheel), Some(joint)) => {
+                poses[i] * Rotation3::from_axis_angle(&joint.axis, wheel.of(&rolled))
+            }
             _ => poses[i],
         }
     };
@@ -94,16 +96,16 @@ pub(super) fn joints(episode: &Episode, robot: &Robot, time: u64) -> JointStates
     let arm = robot.joints.iter().enumerate().map(|(j, joint)| JointState {
         name: joint.name.clone(),
         position: positions.map(|p| p[j]),
-        velocity: seen.map(|s| s.joint_rates[j]).or(commanded.map(|u| u[2 + j])),
+        velocity: seen.map(|s| s.joint_rates[j]).or(commanded.map(|u| robot.joint_rates(&u)[j])),
         acceleration: None,
         // there are no efforts before the first step
         effort: seen.filter(|s| s.time > 0.0).map(|s| s.joint_efforts[j]),
     });
-    let wheels = robot.wheel_links.iter().enumerate().map(|(w, &link)| JointState {
-        name: robot.links[link].joint.as_ref().map_or(String::new(), |j| j.name.clone()),
-        position: seen.map(|s: &Observation| s.wheel_angles[w]),
-        velocity: (seen.map(|s| s.rim_speeds[w]).or(commanded.map(|u| u[w])))
-            .map(|rim| rim / robot.drive.wheel_radius),
+    let wheels = robot.wheels.iter().map(|wheel| JointState {
+        name: robot.links[wheel.link].joint.as_ref().map_or(String::new(), |j| j.name.clone()),
+        position: seen.map(|s: &Observation| wheel.of(&s.rolled)),
+        velocity: (seen.map(|s| s.base_rates).or(commanded.map(|u| robot.base_input(&u))))
+            .map(|rates| wheel.of(&robot.drive.rolling(&rates))),
         acceleration: None,
         effort: None,
     });

@@ -149,7 +149,7 @@ fn movable(urdf: Urdf, links: &[Link], path: &[usize]) -> Result<Vec<usize>, Rob
 pub(super) fn held(
     urdf: Urdf,
     links: &[Link],
-    wheels: [usize; 2],
+    wheels: &[usize],
     holds: &[Hold],
 ) -> Result<BTreeMap<usize, f64>, Vec<RobotError>> {
     let (mut held, mut faults) = (BTreeMap::new(), Vec::new());
@@ -166,7 +166,7 @@ pub(super) fn held(
 fn held_position(
     urdf: Urdf,
     links: &[Link],
-    wheels: [usize; 2],
+    wheels: &[usize],
     hold: &Hold,
 ) -> Result<(usize, f64), RobotError> {
     let moving = (0..links.len()).filter(|i| !wheels.contains(i));

@@ -37,7 +37,9 @@ pub(super) fn complete(robot: &mut Robot) -> Vec<RobotNote> {
     let mut notes = Vec::new();
     let body = bodies(robot);
     let of_body = |robot: &Robot, at: usize| -> Vec<usize> {
-        (0..robot.links.len()).filter(|&i| body[i] == at && !robot.wheel_links.contains(&i)).collect()
+        (0..robot.links.len())
+            .filter(|&i| body[i] == at && !robot.wheels.iter().any(|wheel| wheel.link == i))
+            .collect()
     };
     let shapes = |robot: &Robot, at: usize| {
         of_body(robot, at).into_iter().flat_map(|i| robot.links[i].collisions.clone()).collect::<Vec<_>>()

@@ -24,6 +24,9 @@ pub struct Draft {
 /// Heights tried in this order, m.
 const HEIGHTS_M: [f64; 7] = [0.7, 0.8, 0.9, 0.6, 1.0, 1.1, 0.5];
 
+/// Room of a posture, as [`Found`] has it, with which no other height is tried.
+const ENOUGH_ROOM: f64 = 0.2;
+
 impl Draft {
     /// A robot file for a URDF. `named` is how the file names the URDF, and `file` is its own name in errors.
     /// The same URDF gives the same text.
@@ -42,7 +45,7 @@ impl Draft {
         let toml = |text: &str| toml::Value::String(text.to_owned()).to_string();
         let heights: Vec<f64> = request.grasp_height.map_or(HEIGHTS_M.to_vec(), |h| vec![h]);
         let head = |width: f64, height: f64, rpy: Vector3<f64>| {
-            let Parts { base, tool, wheels, radius, rate, .. } = &parts;
+            let Parts { base, tool, drive, radius, rate, .. } = &parts;
             let mut text = format!(
                 "# Drafted by `cocarry robot init`. Check it with `cocarry robot check`.\nname = {}\nurdf = {}\nbase_link = {}\n",
                 toml(&name),
@@ -56,7 +59,7 @@ impl Draft {
                     rpy.x, rpy.y, rpy.z
                 );
             }
-            text += &format!("left_wheel = {}\nright_wheel = {}\n", toml(&wheels[0]), toml(&wheels[1]));
+            drive.iter().for_each(|line| text += &format!("{line}\n"));
             radius
                 .iter()
                 .for_each(|r| text += &format!("wheel_radius_m = {r:.4}   # measured on its mesh\n"));
@@ -73,12 +76,21 @@ impl Draft {
         let robot = bare(0.5, heights[0], plain)?;
         let width = match robot.base_extent() {
             Some(extent) => (2.0 * extent * 100.0).ceil() / 100.0,
-            None => robot.drive.track + 0.1,
+            None => robot.drive.track.max(0.4) + 0.1,
         };
-        let found = heights.iter().find_map(|&height| {
-            let found = postures::search(&robot, height, width / 2.0);
-            (!found.is_empty()).then_some((height, found))
-        });
+        let room = |found: &Option<(f64, Vec<Found>)>| {
+            found.as_ref().and_then(|(_, postures)| postures.first()).map_or(0.0, |best| best.room)
+        };
+        let mut found = None;
+        for &height in &heights {
+            let here = Some((height, postures::search(&robot, height, width / 2.0)));
+            if room(&here) > room(&found) {
+                found = here;
+            }
+            if room(&found) >= ENOUGH_ROOM {
+                break;
+            }
+        }
         let Some((height, found)) = found else {
             let heights = heights.iter().map(|h| h.to_string()).collect::<Vec<_>>().join(", ");
             let hint =

@@ -1,5 +1,6 @@
 //! What is asked of the draft of a robot file, and why there may be none.
 
+use super::drive::DriveKind;
 use super::error::RobotError;
 use thiserror::Error;
 
@@ -8,6 +9,8 @@ use thiserror::Error;
 pub struct DraftRequest {
     /// The link at the end of the arm.
     pub tool: Option<String>,
+    /// The drive.
+    pub drive: Option<DriveKind>,
     /// The joints of the left and of the right driven wheel.
     pub wheels: Option<[String; 2]>,
     /// Height at which the object is held, m.
@@ -22,7 +25,7 @@ pub enum DraftError {
     Robot(#[from] RobotError),
     /// No pair of driven wheels.
     #[error(
-        "{file}: no pair of driven wheels: expected two continuous joints about the base's y axis, one on either side; {seen}"
+        "{file}: no pair of driven wheels: expected two continuous joints about the base's y axis, one on either side; {seen}; an omnidirectional base needs --drive omnidirectional"
     )]
     NoWheels {
         /// The URDF.
@@ -32,7 +35,7 @@ pub enum DraftError {
     },
     /// More than one pair of wheels.
     #[error(
-        "{file}: {count} wheels could be driven: {names}; a base with more than two driven wheels (skid-steer, mecanum, omnidirectional) cannot be expressed; if only two are driven, name them with --left-wheel and --right-wheel"
+        "{file}: {count} wheels could be driven: {names}; say which drive it has: --drive skid-steer, --drive omnidirectional (mecanum), or, if only two are driven and the others roll freely, --drive differential with --left-wheel and --right-wheel"
     )]
     ManyWheels {
         /// The URDF.

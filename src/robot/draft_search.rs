@@ -1,7 +1,9 @@
 //! The base, the driven wheels and the tool of a URDF, found by what they are and then by their names.
 
+use super::draft_drive::{Found, common, drive, joint_name, standing};
 use super::draft_request::{DraftError, DraftRequest};
 use super::link::{Joint, JointKind, Link, Shape};
+use super::wheel_search::poses;
 use super::{MAX_JOINTS, hull};
 use crate::geometry::Pose;
 use nalgebra::{Point3, Rotation3, Vector3};
@@ -11,7 +13,8 @@ use nalgebra::{Point3, Rotation3, Vector3};
 pub(super) struct Parts {
     pub base: String,
     pub tool: String,
-    pub wheels: [String; 2],
+    /// The keys of the drive, a line each.
+    pub drive: Vec<String>,
     /// Radius of the wheels where the loader would not find it, m.
     pub radius: Option<f64>,
     /// Assumed rate limit of the wheels where the URDF gives none, rad/s.
@@ -23,8 +26,6 @@ pub(super) struct Parts {
     pub assumed: Vec<String>,
 }
 
-/// Largest difference of two wheels that are mirror images, m.
-const MIRRORED_M: f64 = 5e-3;
 /// Speed of a base whose wheels have no limit, m/s.
 const ASSUMED_SPEED: f64 = 1.0;
 /// Parts of the names of tools, the likeliest first.
@@ -51,30 +52,12 @@ const NO_TOOLS: [&str; 16] = [
 pub(super) fn find(file: &str, links: &[Link], request: &DraftRequest) -> Result<Parts, DraftError> {
     let poses = poses(links);
     let mut assumed = Vec::new();
-    let joint_name = |i: usize| links[i].joint.as_ref().map_or("", |j| j.name.as_str());
-    let given = request
-        .wheels
-        .as_ref()
-        .map(|names| names.each_ref().map(|name| (0..links.len()).find(|&i| joint_name(i) == name.as_str())));
-    let wheels = match given {
-        Some([Some(left), Some(right)]) => [left, right],
-        Some(_) => {
-            let all =
-                (0..links.len()).filter(|&i| is_wheel(links, &poses, i)).map(joint_name).collect::<Vec<_>>();
-            let seen = format!("no joint has the name given; wheels are: {}", all.join(", "));
-            return Err(DraftError::NoWheels { file: file.to_owned(), seen });
-        }
-        None => {
-            let wheels = pair(file, links, &poses)?;
-            let [left, right] = wheels.map(joint_name);
-            assumed.push(format!("the driven wheels are `{left}` and `{right}`"));
-            wheels
-        }
+    let drive = drive(file, links, &poses, request, &mut assumed)?;
+    let wheels = drive.wheels();
+    let base = match wheels[..] {
+        [] => standing(links),
+        _ => common(links, &wheels),
     };
-    let above =
-        |i: usize| -> Vec<usize> { std::iter::successors(links[i].parent, |&at| links[at].parent).collect() };
-    let of_right = above(wheels[1]);
-    let base = above(wheels[0]).into_iter().find(|at| of_right.contains(at)).unwrap_or(0);
     assumed.push(format!("the base is `{}`, with x ahead", links[base].name));
     let tool = match &request.tool {
         // an unknown name is an error of the robot file
@@ -92,35 +75,36 @@ pub(super) fn find(file: &str, links: &[Link], request: &DraftRequest) -> Result
         let shapes = links[i].collisions.iter().chain(&links[i].visuals);
         shapes.into_iter().any(|g| matches!(g.shape, Shape::Cylinder { .. } | Shape::Sphere { .. }))
     };
-    let radius = match measurable(wheels[0]) {
-        true => None,
-        false => Some(mesh_radius(&links[wheels[0]]).ok_or_else(|| DraftError::NoRadius {
-            file: file.to_owned(),
-            wheel: joint_name(wheels[0]).to_owned(),
+    let radius = match wheels.first() {
+        Some(&wheel) if !measurable(wheel) => Some(mesh_radius(&links[wheel]).ok_or_else(|| {
+            DraftError::NoRadius { file: file.to_owned(), wheel: joint_name(links, wheel).to_owned() }
         })?),
+        _ => None,
     };
-    let has_rate =
-        links[wheels[0]].joint.as_ref().is_some_and(|j| j.limits.rate > 0.0 && j.limits.rate.is_finite());
-    let rate = (!has_rate).then(|| ASSUMED_SPEED / radius.unwrap_or(0.1));
+    let has_rate = wheels.iter().all(|&wheel| {
+        links[wheel].joint.as_ref().is_some_and(|j| j.limits.rate > 0.0 && j.limits.rate.is_finite())
+    });
+    let needs_rate = !matches!(drive, Found::Omnidirectional { .. }) && !has_rate;
+    let rate = needs_rate.then(|| ASSUMED_SPEED / radius.unwrap_or(0.1));
     if rate.is_some() {
         assumed.push("the URDF does not limit the wheels' rate; it is assumed".to_owned());
     }
-    let suspension = suspension(links, base, wheels);
+    let suspension = suspension(links, base, &wheels);
     if !suspension.is_empty() {
         let names = suspension.iter().map(|joint| format!("`{}`", joint.name)).collect::<Vec<_>>().join(", ");
         assumed.push(format!("the wheels' suspension stays fixed: {names} (under [hold])"));
     }
     let holds = suspension.into_iter().map(held).collect();
     let base = links[base].name.clone();
-    let wheels = wheels.map(|i| joint_name(i).to_owned());
-    Ok(Parts { base, tool: tool_name, wheels, radius, rate, holds, tool_from_grasp, assumed })
+    let drive = drive.keys(links);
+    Ok(Parts { base, tool: tool_name, drive, radius, rate, holds, tool_from_grasp, assumed })
 }
 
 /// The joints that move between the base and its wheels.
-fn suspension(links: &[Link], base: usize, wheels: [usize; 2]) -> Vec<&Joint> {
+fn suspension<'l>(links: &'l [Link], base: usize, wheels: &[usize]) -> Vec<&'l Joint> {
     let above = |wheel: usize| std::iter::successors(links[wheel].parent, |&at| links[at].parent);
     let between = |wheel| above(wheel).take_while(|&at| at != base).filter_map(|at| links[at].joint.as_ref());
-    let moving = wheels.into_iter().flat_map(between).filter(|joint| joint.kind != JointKind::Fixed);
+    let moving = wheels.iter().copied().flat_map(between).filter(|joint| joint.kind != JointKind::Fixed);
     moving.filter(|joint| joint.mimic.is_none()).collect()
 }
 
@@ -134,75 +118,6 @@ fn held(joint: &Joint) -> String {
     }
 }
 
-/// Poses of the links in the root's frame with all joints at 0.
-fn poses(links: &[Link]) -> Vec<Pose> {
-    let mut poses: Vec<Pose> = Vec::with_capacity(links.len());
-    for link in links {
-        poses.push(match (link.parent, &link.joint) {
-            (Some(parent), Some(joint)) => poses[parent] * joint.parent_from_joint,
-            _ => Pose::identity(),
-        });
-    }
-    poses
-}
-
-/// Whether a link turns without limits about the root's y axis, beside its x axis, and is not a caster's.
-fn is_wheel(links: &[Link], poses: &[Pose], i: usize) -> bool {
-    let Some(joint) = &links[i].joint else { return false };
-    let axis = poses[i].rotation * joint.axis.into_inner();
-    let is_named =
-        |part: &str| joint.name.to_lowercase().contains(part) || links[i].name.to_lowercase().contains(part);
-    joint.kind == JointKind::Continuous
-        && joint.mimic.is_none()
-        && axis.y.abs() > 0.999
-        && poses[i].translation.y.abs() > 0.02
-        && !is_named("caster")
-        && !has_moving(links, i)
-}
-
-/// Whether a joint moves below a link, as below the joints of arms.
-fn has_moving(links: &[Link], at: usize) -> bool {
-    (at + 1..links.len()).any(|i| {
-        let above = std::iter::successors(links[i].parent, |&p| links[p].parent);
-        let moves = links[i].joint.as_ref().is_some_and(|j| j.kind != JointKind::Fixed);
-        moves && above.into_iter().any(|p| p == at)
-    })
-}
-
-/// The only pair of wheels that mirror each other, left first.
-fn pair(file: &str, links: &[Link], poses: &[Pose]) -> Result<[usize; 2], DraftError> {
-    let name = |i: usize| links[i].joint.as_ref().map_or("", |j| j.name.as_str());
-    let wheels: Vec<usize> = (0..links.len()).filter(|&i| is_wheel(links, poses, i)).collect();
-    let at = |i: usize| poses[i].translation.vector;
-    let mut pairs = Vec::new();
-    for &left in wheels.iter().filter(|&&i| at(i).y > 0.0) {
-        let mirrored = Vector3::new(at(left).x, -at(left).y, at(left).z);
-        pairs.extend(
-            wheels.iter().filter(|&&i| (at(i) - mirrored).amax() < MIRRORED_M).map(|&right| [left, right]),
-        );
-    }
-    match pairs[..] {
-        [only] => Ok(only),
-        [] => {
-            let turning = links.iter().filter_map(|l| l.joint.as_ref());
-            let turning =
-                turning.filter(|j| j.kind == JointKind::Continuous).map(|j| format!("`{}`", j.name));
-            let turning = turning.take(8).collect::<Vec<_>>().join(", ");
-            let seen = match turning.is_empty() {
-                true => {
-                    "the URDF has no continuous joint: fix the arm to a base with two wheels, or make the wheels' joints continuous".to_owned()
-                }
-                false => format!("its continuous joints are {turning}"),
-            };
-            Err(DraftError::NoWheels { file: file.to_owned(), seen })
-        }
-        _ => {
-            let names = wheels.iter().map(|&i| format!("`{}`", name(i))).collect::<Vec<_>>().join(", ");
-            Err(DraftError::ManyWheels { file: file.to_owned(), count: wheels.len(), names })
-        }
-    }
-}
-
 /// Whether a name says that its link does not hold an object. Short words must stand alone: `left_` has `ft_`
 /// in it.
 fn is_no_tool(name: &str) -> bool {
@@ -213,7 +128,7 @@ fn is_no_tool(name: &str) -> bool {
 
 /// The link at the end of an arm of at most [`MAX_JOINTS`] joints: by its name, then by the length of its
 /// arm.
-fn tool(links: &[Link], base: usize, wheels: &[usize; 2]) -> Option<usize> {
+fn tool(links: &[Link], base: usize, wheels: &[usize]) -> Option<usize> {
     let arm = |tool: usize| -> Option<usize> {
         let path = std::iter::successors(Some(tool), |&at| links[at].parent);
         let path: Vec<usize> = path.take_while(|&at| at != base).collect();

@@ -1,6 +1,6 @@
 //! Errors in a robot file or its URDF, each with its file, item and numbers.
 
-use super::fault::{ArmFault, PostureFault, TreeFault, WheelFault};
+use super::fault::{ArmFault, DriveFault, PostureFault, TreeFault, WheelFault};
 use crate::located::{FileError, Place};
 use crate::suggestion::{self, hint_of_listed};
 use std::path::Path;
@@ -41,7 +41,7 @@ pub enum RobotError {
     },
     /// A URDF without a robot file.
     #[error(
-        "{urdf}: needs a robot file beside it, {needed}, which names urdf, base_link, grasp_frame, left_wheel, right_wheel, base_width_m, grasp_height_m and a [[posture]]; `cocarry robot init {urdf}` drafts one"
+        "{urdf}: needs a robot file beside it, {needed}, which names urdf, base_link, grasp_frame, left_wheel and right_wheel (or another drive), base_width_m, grasp_height_m and a [[posture]]; `cocarry robot init {urdf}` drafts one"
     )]
     NoRobotFile {
         /// The URDF.
@@ -134,6 +134,26 @@ pub enum RobotError {
         place: Place,
         /// The fault.
         why: WheelFault,
+    },
+    /// A key that the robot's drive does not have.
+    #[error("{place}: {key} does not apply to drive = \"{drive}\"; {instead}")]
+    NoKey {
+        /// Where.
+        place: Place,
+        /// The key.
+        key: &'static str,
+        /// The drive.
+        drive: &'static str,
+        /// What applies.
+        instead: &'static str,
+    },
+    /// A base that moves in another way than its robot file says.
+    #[error("{place}: {why}")]
+    OtherDrive {
+        /// The drive, or a wheel.
+        place: Place,
+        /// The fault.
+        why: DriveFault,
     },
     /// A lower limit that is not below the upper one.
     #[error("{place}: invalid limits: lower {lower} must be below upper {upper}")]

@@ -110,6 +110,29 @@ pub enum PostureFault {
     },
 }
 
+/// The reason why a base cannot move as its robot file says.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum DriveFault {
+    /// Mecanum or omnidirectional wheels on a base with another drive.
+    #[error(
+        "this base has mecanum or omnidirectional wheels: {wheels}; it is not a {drive} one; write drive = \"omnidirectional\""
+    )]
+    Mecanum {
+        /// Their joints.
+        wheels: String,
+        /// The drive that the robot file gives.
+        drive: &'static str,
+    },
+    /// More wheels than the two that are named, and no word on the drive.
+    #[error(
+        "this base has other wheels that may be driven: {wheels}; say which drive it has: drive = \"skid-steer\", \"omnidirectional\" (mecanum), or \"differential\" if they roll freely"
+    )]
+    OtherWheels {
+        /// Their joints.
+        wheels: String,
+    },
+}
+
 /// The reason why a joint is not a wheel.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum WheelFault {
@@ -150,6 +173,16 @@ pub enum WheelFault {
         joint: String,
         /// That joint's kind.
         kind: &'static str,
+    },
+    /// A wheel of an omnidirectional base whose axis is not level.
+    #[error("its axis is ({x:.4}, {y:.4}, {z:.4}) in the base; it must be level")]
+    NotLevel {
+        /// x.
+        x: f64,
+        /// y.
+        y: f64,
+        /// z.
+        z: f64,
     },
     /// Its axis has another direction.
     #[error("its axis is ({x:.4}, {y:.4}, {z:.4}) in the base; it must be along the base's y")]

@@ -1,5 +1,6 @@
 //! A robot file as written, each item with its line.
 
+use super::drive::DriveKind;
 use super::error::RobotError;
 use crate::located::Source;
 use serde::Deserialize;
@@ -15,13 +16,22 @@ pub(super) struct RobotFile {
     pub urdf: Spanned<String>,
     pub base_link: Spanned<String>,
     pub grasp_frame: Spanned<String>,
-    pub left_wheel: Spanned<String>,
-    pub right_wheel: Spanned<String>,
+    pub drive: Option<Spanned<DriveKind>>,
+    pub left_wheel: Option<Spanned<String>>,
+    pub right_wheel: Option<Spanned<String>>,
+    pub left_wheels: Option<Vec<Spanned<String>>>,
+    pub right_wheels: Option<Vec<Spanned<String>>>,
+    pub mecanum_wheels: Option<Vec<Spanned<String>>>,
+    pub omni_wheels: Option<Vec<Spanned<String>>>,
     pub base_width_m: Spanned<f64>,
     pub grasp_height_m: Spanned<f64>,
     pub wheel_radius_m: Option<Spanned<f64>>,
     pub wheel_separation_m: Option<Spanned<f64>>,
     pub wheel_rate_limit_rad_s: Option<Spanned<f64>>,
+    pub wheel_separation_multiplier: Option<Spanned<f64>>,
+    pub base_speed_limit_m_s: Option<Spanned<f64>>,
+    pub base_turn_limit_rad_s: Option<Spanned<f64>>,
+    pub base_height_m: Option<Spanned<f64>>,
     pub grasp_xyz_m: Option<Spanned<[f64; 3]>>,
     pub grasp_rpy_deg: Option<Spanned<[f64; 3]>>,
     #[serde(default)]

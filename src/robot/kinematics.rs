@@ -1,8 +1,7 @@
 //! The grasp's pose and the whole-body Jacobian at a [`Configuration`]. No allocation.
 
-use super::{Configuration, Drive, InputJacobian, InputVector, MAX_JOINTS, Motion, PointJacobian, Robot};
-use crate::geometry::{PlanarPose, Pose, direction, wrap_angle};
-use crate::math;
+use super::{Configuration, InputJacobian, InputVector, MAX_JOINTS, Motion, PointJacobian, Robot};
+use crate::geometry::{Pose, direction, left_of};
 use nalgebra::{Rotation3, Vector3};
 
 /// The pose of the grasp and its Jacobian at one configuration.
@@ -50,8 +49,12 @@ impl Robot {
             let mut angular = jacobian.fixed_view_mut::<3, 1>(3, axis.column);
             angular += axis.direction;
         }
-        jacobian[(5, 0)] = -1.0 / self.drive.track;
-        jacobian[(5, 1)] = 1.0 / self.drive.track;
+        if self.drive.is_omnidirectional() {
+            jacobian[(5, 2)] = 1.0;
+        } else {
+            jacobian[(5, 0)] = -1.0 / self.drive.track;
+            jacobian[(5, 1)] = 1.0 / self.drive.track;
+        }
         Kinematics { grasp, jacobian }
     }
 
@@ -73,6 +76,7 @@ impl Robot {
         mut on_joint: impl FnMut(Vector3<f64>, &[Axis]),
     ) -> ([Axis; 2 * MAX_JOINTS], Pose) {
         let mut axes = [Axis::NONE; 2 * MAX_JOINTS];
+        let first = self.drive.inputs();
         let mut frame = q.base.at_height(0.0);
         for (i, link) in self.chain.iter().enumerate() {
             frame *= link.before_from_joint;
@@ -81,7 +85,7 @@ impl Robot {
             let direction = frame.rotation * link.axis.into_inner();
             let position = link.ratio * q.joints[link.joint] + link.offset;
             let motion = link.motion;
-            axes[i] = Axis { column: link.joint + 2, motion, origin, direction: direction * link.ratio };
+            axes[i] = Axis { column: link.joint + first, motion, origin, direction: direction * link.ratio };
             match motion {
                 Motion::Revolute => frame.rotation *= Rotation3::from_axis_angle(&link.axis, position),
                 Motion::Prismatic => frame.translation.vector += direction * position,
@@ -90,7 +94,7 @@ impl Robot {
         (axes, frame * self.last_from_grasp)
     }
 
-    /// The Jacobian of a point at `at` (m, world frame) that the wheels and the joints of these axes carry.
+    /// The Jacobian of a point at `at` (m, world frame) that the base and the joints of these axes carry.
     fn point_jacobian(&self, q: &Configuration, at: &Vector3<f64>, axes: &[Axis]) -> PointJacobian {
         let mut jacobian = PointJacobian::zeros();
         for axis in axes {
@@ -102,6 +106,12 @@ impl Robot {
         }
         let ahead = direction(q.base.yaw);
         let lever = at.xy() - q.base.position.coords;
+        if self.drive.is_omnidirectional() {
+            for (column, slope) in [ahead, left_of(ahead), left_of(lever)].iter().enumerate() {
+                jacobian.fixed_view_mut::<2, 1>(0, column).copy_from(slope);
+            }
+            return jacobian;
+        }
         for (column, side) in [(0, -1.0), (1, 1.0)] {
             let turn = side / self.drive.track;
             jacobian[(0, column)] = ahead.x / 2.0 - lever.y * turn;
@@ -110,12 +120,12 @@ impl Robot {
         jacobian
     }
 
-    /// The configuration after `seconds` of constant input. The wheels roll without sideways motion on an
-    /// exact arc; the joints move at constant rates.
+    /// The configuration after `seconds` of constant input. The base moves on an exact arc; the joints move at
+    /// constant rates.
     pub fn advance(&self, q: &Configuration, input: &InputVector, seconds: f64) -> Configuration {
-        let joints = input.fixed_rows::<MAX_JOINTS>(2) * seconds;
+        let joints = self.joint_rates(input) * seconds;
         Configuration {
-            base: self.drive.roll(&q.base, [input[0] * seconds, input[1] * seconds]),
+            base: self.drive.roll(&q.base, &(self.base_input(input) * seconds)),
             joints: q.joints + joints,
         }
     }
@@ -131,7 +141,7 @@ impl Robot {
             if error.norm() <= tolerance {
                 return Some(q);
             }
-            let arm = jacobian.fixed_columns::<MAX_JOINTS>(2);
+            let arm = self.arm_jacobian(&jacobian);
             // least-norm step; the damping is far below the square of any singular value that matters
             let gram = arm * arm.transpose() + nalgebra::Matrix6::identity() * 1e-12;
             q.joints += arm.transpose() * gram.cholesky()?.solve(&error);
@@ -145,20 +155,4 @@ pub fn pose_difference(to: &Pose, from: &Pose) -> nalgebra::Vector6<f64> {
     let linear = to.translation.vector - from.translation.vector;
     let angular = crate::geometry::rotation_vector(&(to.rotation * from.rotation.inverse()));
     nalgebra::Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
-}
-
-impl Drive {
-    /// The pose of the base after the left and the right rim have rolled these distances (m) at constant
-    /// speed, on an exact arc.
-    pub fn roll(&self, base: &PlanarPose, [left, right]: [f64; 2]) -> PlanarPose {
-        let turn = (right - left) / self.track;
-        let half = turn / 2.0;
-        // the chord of the arc: its ratio to the arc length is sin(half) / half
-        let ratio = if half.abs() < 1e-4 { 1.0 - half * half / 6.0 } else { math::sin(half) / half };
-        let chord = (left + right) / 2.0 * ratio;
-        PlanarPose {
-            position: base.position + direction(base.yaw + half) * chord,
-            yaw: wrap_angle(base.yaw + turn),
-        }
-    }
 }

@@ -8,7 +8,7 @@ use super::mesh::MeshFolders;
 use super::note::RobotNote;
 use super::urdf::{Hulls, Links, Urdf, is_xacro};
 use super::wheels::Wheels;
-use super::{Posture, Robot, collision, posture};
+use super::{Posture, Robot, collision, driven, posture};
 use crate::geometry::Pose;
 use crate::located::{self, LARGEST_SETTINGS, Place, Source};
 use nalgebra::{Rotation3, Vector3};
@@ -312,14 +312,12 @@ fn assemble(
     faults.0.extend(of_links);
     let base = faults.keep(link(source, &links, "base_link", &entries.base_link));
     let grasp = faults.keep(link(source, &links, "grasp_frame", &entries.grasp_frame));
-    let left = faults.keep(carried_by(source, &links, "left_wheel", &entries.left_wheel));
-    let right = faults.keep(carried_by(source, &links, "right_wheel", &entries.right_wheel));
+    let named = faults.keep_all(driven::named(source, urdf, &links, entries));
     // what follows from a broken link or a wrong name would say nothing
-    let (Some(base), Some(grasp), Some(left), Some(right), true) = (base, grasp, left, right, is_sound)
-    else {
+    let (Some(base), Some(grasp), Some(named), true) = (base, grasp, named, is_sound) else {
         return Err(faults.0);
     };
-    let wheel_links = [left, right];
+    let wheel_links = named.links();
     let holds: Vec<Hold> = entries
         .hold
         .iter()
@@ -330,13 +328,13 @@ fn assemble(
             place: source.place(spanned, format!("hold `{joint}`")),
         })
         .collect();
-    let held = faults.keep_all(arm::held(urdf, &links, wheel_links, &holds));
+    let held = faults.keep_all(arm::held(urdf, &links, &wheel_links, &holds));
     let held = held.unwrap_or_default();
     let joint_of = |&link: &usize| links[link].joint.as_ref().map_or("", |j| j.name.as_str());
     let wheels = Wheels {
         base,
         grasp,
-        links: wheel_links,
+        named,
         radius: radius.flatten(),
         track: track.flatten(),
         rate: rate.flatten(),
@@ -344,7 +342,7 @@ fn assemble(
         held: held.iter().map(|(link, position)| (joint_of(link), *position)).collect(),
     };
     let measured = faults.keep_all(wheels.measure(urdf, &links));
-    let drive_from_base = measured.as_ref().map_or(Pose::identity(), |(_, pose, _)| *pose);
+    let drive_from_base = measured.as_ref().map_or(Pose::identity(), |measured| measured.drive_from_base);
     let grasp = match tool.flatten() {
         None => grasp,
         Some(pose) => {
@@ -355,22 +353,22 @@ fn assemble(
     let place = source.place(&entries.grasp_frame, format!("link `{}`", entries.grasp_frame.get_ref()));
     let ends = Ends { base, grasp, drive_from_base, place };
     let arm = faults.keep(Arm::new(urdf, &mut links, &ends, &held));
-    let (Some((drive, _, of_wheels)), Some(arm), Some(grasp_height)) = (measured, arm, grasp_height) else {
+    let (Some(measured), Some(arm), Some(grasp_height)) = (measured, arm, grasp_height) else {
         return Err(faults.0);
     };
     let Arm { joints, chain, last_from_grasp } = arm;
-    notes.extend(of_wheels);
+    notes.extend(measured.notes);
     let mut robot = Robot {
         name: entries.name.clone(),
         texts: texts.clone(),
-        drive,
+        drive: measured.drive,
         joints,
         grasp_height,
         postures: Vec::new(),
         links,
         base_link: base,
         grasp_link: grasp,
-        wheel_links,
+        wheels: measured.wheels,
         notes: Vec::new(),
         drive_from_base,
         chain,
@@ -463,24 +461,5 @@ fn link(source: Source, links: &[Link], key: &str, name: &Spanned<String>) -> Re
         kind: "link",
         name: name.get_ref().clone(),
         known: known(links.iter().map(|l| l.name.as_str())),
-    })
-}
-
-/// The child link of the joint of this name.
-fn carried_by(
-    source: Source,
-    links: &[Link],
-    key: &str,
-    name: &Spanned<String>,
-) -> Result<usize, RobotError> {
-    let joint_name = |l: &Link| l.joint.as_ref().map(|j| j.name.clone());
-    links.iter().position(|l| joint_name(l).as_ref() == Some(name.get_ref())).ok_or_else(|| {
-        let names: Vec<String> = links.iter().filter_map(joint_name).collect();
-        RobotError::Unknown {
-            place: source.place(name, key),
-            kind: "joint",
-            name: name.get_ref().clone(),
-            known: known(names.iter().map(String::as_str)),
-        }
     })
 }

@@ -1,14 +1,16 @@
-//! A validated [`Robot`] from a robot file and its URDF: differential drive, arm, grasp, forward kinematics
-//! and B(q).
+//! A validated [`Robot`] from a robot file and its URDF: drive, arm, grasp, forward kinematics and B(q).
 //!
-//! Frames: `world` is on the floor, z up. `drive` is on the floor midway between the wheels, x ahead, y to
-//! the left; its pose is the base's. `grasp` is where the object is held, x ahead.
+//! Frames: `world` is on the floor, z up. `drive` is on the floor midway between the wheels (below the base
+//! link, where an omnidirectional base names none), x ahead, y to the left; its pose is the base's. `grasp` is where the object is held, x ahead.
 
 mod arm;
 mod collision;
 mod draft;
+mod draft_drive;
 mod draft_request;
 mod draft_search;
+mod drive;
+mod driven;
 mod error;
 mod fault;
 mod file;
@@ -23,12 +25,15 @@ mod postures;
 mod reach;
 mod tree;
 mod urdf;
+mod wheel_search;
 mod wheels;
 
 pub use draft::Draft;
 pub use draft_request::{DraftError, DraftRequest};
+pub(crate) use drive::without_last;
+pub use drive::{BaseInput, BaseTwist, Drive, DriveKind, MAX_BASE_INPUTS, SlowDrive, Wheel};
 pub use error::RobotError;
-pub use fault::{ArmFault, PostureFault, TreeFault, WheelFault};
+pub use fault::{ArmFault, DriveFault, PostureFault, TreeFault, WheelFault};
 pub use kinematics::{Kinematics, pose_difference};
 pub use link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
 pub use load::RobotTexts;
@@ -37,17 +42,16 @@ pub use reach::Reach;
 
 use crate::geometry::{PlanarPose, Pose};
 use nalgebra::{SMatrix, SVector, Unit, Vector3};
-use thiserror::Error;
 
 /// The largest number of independently moving arm joints: seven and a lift.
 pub const MAX_JOINTS: usize = 8;
-/// The largest number of inputs: two wheels, then the joints.
-pub const MAX_INPUTS: usize = MAX_JOINTS + 2;
+/// The largest number of inputs: the base's, then the joints'.
+pub const MAX_INPUTS: usize = MAX_JOINTS + MAX_BASE_INPUTS;
 
 /// One number per joint, in the order of [`Robot::joints`]; further entries are 0.
 pub type JointVector = SVector<f64, MAX_JOINTS>;
-/// The input u: rim speeds of the left and the right wheel, m/s, then joint rates, rad/s (prismatic: m/s);
-/// further entries are 0.
+/// The input u: the base's inputs ([`BaseInput`], as many as [`Drive::inputs`]), then joint rates, rad/s
+/// (prismatic: m/s); further entries are 0.
 pub type InputVector = SVector<f64, MAX_INPUTS>;
 /// The Jacobian d(grasp twist) / du. Rows are the grasp's linear velocity (m/s) and angular velocity (rad/s)
 /// in world axes; columns as in [`InputVector`], further columns are 0.
@@ -56,14 +60,14 @@ pub type InputJacobian = SMatrix<f64, 6, MAX_INPUTS>;
 /// The Jacobian d(velocity of a point) / du in world axes; columns as in [`InputJacobian`].
 pub type PointJacobian = SMatrix<f64, 3, MAX_INPUTS>;
 
-/// A mobile manipulator on two driven wheels.
+/// A mobile manipulator.
 #[derive(Clone, Debug)]
 pub struct Robot {
     /// Name.
     pub name: String,
     /// The source texts.
     pub texts: RobotTexts,
-    /// The differential drive.
+    /// The drive.
     pub drive: Drive,
     /// The independently moving joints of the arm, from the base to the grasp. At most [`MAX_JOINTS`].
     pub joints: Vec<ArmJoint>,
@@ -78,8 +82,8 @@ pub struct Robot {
     pub base_link: usize,
     /// The link whose frame is the grasp frame: index into [`Robot::links`].
     pub grasp_link: usize,
-    /// The links of the left and the right wheel: indices into [`Robot::links`].
-    pub wheel_links: [usize; 2],
+    /// The driven wheels: those of the left side first. An omnidirectional base may have none.
+    pub wheels: Vec<Wheel>,
     /// What its files lack and what stands in for it.
     pub notes: Vec<RobotNote>,
     /// From the drive's frame to the base link's; the two differ by a translation.
@@ -88,37 +92,6 @@ pub struct Robot {
     pub(crate) chain: Vec<ChainLink>,
     /// From the frame of the last joint of the chain to the grasp.
     pub(crate) last_from_grasp: Pose,
-}
-
-/// A differential drive: two independently driven wheels on one axle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drive {
-    /// Distance between the wheels' centres, m.
-    pub track: f64,
-    /// Radius of the wheels, m.
-    pub wheel_radius: f64,
-    /// Largest rim speed, m/s.
-    pub rim_speed_limit: f64,
-    /// Radius of a disc around the middle of the axle that must stay clear of obstacles, m.
-    pub base_radius: f64,
-}
-
-/// A warning: the drive is slower than the team's walking speed.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[error(
-    "robot `{robot}`: its wheels drive {limit:.3} m/s at most (their limit velocity of {:.2} rad/s times their radius of {wheel_radius} m), \
-     but the team walks at {speed} m/s: the robot cannot keep up",
-    limit / wheel_radius
-)]
-pub struct SlowDrive {
-    /// Name of the robot.
-    pub robot: String,
-    /// Largest rim speed, m/s.
-    pub limit: f64,
-    /// Radius of its wheels, m.
-    pub wheel_radius: f64,
-    /// Walking speed of the team, m/s.
-    pub speed: f64,
 }
 
 /// An independently moving joint of the arm.
@@ -187,9 +160,37 @@ impl Robot {
         self.joints.len()
     }
 
-    /// A warning if the wheels are too slow for a team that walks at `speed` (m/s).
+    /// The base's part of an input.
+    pub fn base_input(&self, input: &InputVector) -> BaseInput {
+        let third = if self.drive.inputs() == MAX_BASE_INPUTS { input[2] } else { 0.0 };
+        BaseInput::new(input[0], input[1], third)
+    }
+
+    /// The arm's part of an input: joint rates.
+    pub fn joint_rates(&self, input: &InputVector) -> JointVector {
+        input.fixed_rows::<MAX_JOINTS>(self.drive.inputs()).into_owned()
+    }
+
+    /// The arm's columns of a Jacobian.
+    pub fn arm_jacobian(&self, jacobian: &InputJacobian) -> SMatrix<f64, 6, MAX_JOINTS> {
+        jacobian.fixed_columns::<MAX_JOINTS>(self.drive.inputs()).into_owned()
+    }
+
+    /// The largest magnitude of every input: m/s and rad/s.
+    pub fn input_limits(&self) -> InputVector {
+        let mut limits = InputVector::zeros();
+        let base = self.drive.inputs();
+        limits.rows_mut(0, base).copy_from(&self.drive.limits().rows(0, base));
+        for (limit, joint) in limits.iter_mut().skip(base).zip(&self.joints) {
+            *limit = joint.rate_limit;
+        }
+        limits
+    }
+
+    /// A warning if the drive is too slow for a team that walks at `speed` (m/s).
     pub fn slow_drive(&self, speed: f64) -> Option<SlowDrive> {
         let Drive { rim_speed_limit: limit, wheel_radius, .. } = self.drive;
+        let wheel_radius = if self.drive.is_omnidirectional() { 0.0 } else { wheel_radius };
         let robot = self.name.clone();
         (limit < speed).then_some(SlowDrive { robot, limit, wheel_radius, speed })
     }

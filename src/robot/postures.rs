@@ -1,6 +1,6 @@
 //! Postures solved by inverse kinematics from random starts, ranked by their room to move.
 
-use super::{JointVector, MAX_JOINTS, Motion, Robot, pose_difference};
+use super::{JointVector, Motion, Robot, pose_difference};
 use crate::geometry::Pose;
 use nalgebra::{Matrix6, Rotation3, Vector3};
 use rand::RngExt;
@@ -16,12 +16,13 @@ pub(super) struct Found {
     pub ahead: f64,
     /// Turn of the grasp about its x axis that the posture needs, rad: a multiple of a right angle.
     pub roll: f64,
-    /// Room to move: distance from limits as a share, less near singular configurations; 0 to 1.
-    room: f64,
+    /// Room to move: distance from limits as a share, less near singular configurations, near the ends of the reach,
+    /// and where the arm stands out beside the base; 0 to 1.
+    pub room: f64,
 }
 
 /// Starts for every place of the grasp and every roll.
-const STARTS: usize = 6;
+const STARTS: usize = 16;
 /// Places of the grasp, ahead of the base's edge, m.
 const AHEAD_M: [f64; 6] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7];
 const MOST_STEPS: usize = 150;
@@ -33,6 +34,18 @@ const DEXTEROUS: f64 = 0.15;
 /// Postures in a robot file, and how far one of their joints differs (rad or m).
 const MOST_POSTURES: usize = 3;
 const DIFFERENT: f64 = 0.7;
+/// Postures whose reach is looked at, the best of all that were found.
+const MOST_REACHES: usize = 80;
+/// Reach ahead, back and to the sides that is enough, m, and turning of the grasp, rad: as the base follows its path, the
+/// grasp moves against it by this much.
+const ENOUGH_REACH_M: f64 = 0.25;
+const ENOUGH_TURN_RAD: f64 = 0.8;
+/// Steps of the search for the ends of the reach, as shares of what is enough.
+const REACH_STEPS: u32 = 10;
+/// Distance of the arm beside the base's edge at which there is no room left, m.
+const FARTHEST_BESIDE_M: f64 = 0.4;
+/// Least factor of room for reach and width, so that a posture without either is better than none.
+const LEAST_SHARE: f64 = 0.05;
 /// Radius of the arm in checks against the base, m.
 const ARM_RADIUS_M: f64 = 0.05;
 
@@ -40,7 +53,7 @@ const ARM_RADIUS_M: f64 = 0.05;
 /// is none. The arm stays above the base's edge of this radius (m).
 pub(super) fn search(robot: &Robot, height: f64, base_radius: f64) -> Vec<Found> {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
-    let mut all = Vec::new();
+    let mut all: Vec<Found> = Vec::new();
     for ahead in AHEAD_M.map(|d| base_radius + d) {
         for roll in [0.0, FRAC_PI_2, PI, -FRAC_PI_2] {
             let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), roll);
@@ -51,7 +64,13 @@ pub(super) fn search(robot: &Robot, height: f64, base_radius: f64) -> Vec<Found>
             }
         }
     }
-    all.sort_by(|a: &Found, b| b.room.total_cmp(&a.room));
+    let by_room = |a: &Found, b: &Found| b.room.total_cmp(&a.room);
+    all.sort_by(by_room);
+    all.truncate(MOST_REACHES);
+    for found in &mut all {
+        found.room *= reach_share(robot, found) * width_share(robot, &found.joints, base_radius);
+    }
+    all.sort_by(by_room);
     let mut best: Vec<Found> = Vec::new();
     for found in all {
         let is_new =
@@ -83,7 +102,7 @@ fn solve(robot: &Robot, goal: &Pose, mut joints: JointVector) -> Option<JointVec
         if error.norm() <= TOLERANCE {
             return Some(joints);
         }
-        let arm = kinematics.jacobian.fixed_columns::<MAX_JOINTS>(2);
+        let arm = robot.arm_jacobian(&kinematics.jacobian);
         let damping = DAMPING * error.norm().min(1.0);
         let gram = arm * arm.transpose() + Matrix6::identity() * (damping + 1e-12);
         let step: JointVector = arm.transpose() * gram.cholesky()?.solve(&error);
@@ -109,6 +128,37 @@ fn judge(robot: &Robot, mut joints: JointVector, ahead: f64, roll: f64, base_rad
     }
     let room = clearance.min(0.5) * (robot.dexterity(&joints) / DEXTEROUS).min(1.0);
     Some(Found { joints, ahead, roll, room })
+}
+
+/// How far the grasp can move ahead, back and to either side and turn, the least of all, as a share of what is enough.
+fn reach_share(robot: &Robot, found: &Found) -> f64 {
+    let start = Robot::at_origin(&found.joints);
+    let grasp = robot.grasp_pose(&start);
+    let share = |way: Vector3<f64>, turn: f64| {
+        let (mut at, mut reached) = (start, 0);
+        for step in 1..=REACH_STEPS {
+            let share = f64::from(step) / f64::from(REACH_STEPS);
+            let mut goal = grasp;
+            goal.translation.vector += way * share;
+            goal.rotation = Rotation3::from_axis_angle(&Vector3::z_axis(), turn * share) * goal.rotation;
+            let closed = robot.close(&at, &goal, TOLERANCE);
+            let Some(closed) = closed.filter(|q| robot.is_within_limits(&q.joints)) else { break };
+            (at, reached) = (closed, step);
+        }
+        f64::from(reached) / f64::from(REACH_STEPS)
+    };
+    let ways = [Vector3::x(), -Vector3::x(), Vector3::y(), -Vector3::y()];
+    let ways = ways.into_iter().map(|way| share(way * ENOUGH_REACH_M, 0.0));
+    let turns = [ENOUGH_TURN_RAD, -ENOUGH_TURN_RAD].map(|turn| share(Vector3::zeros(), turn));
+    ways.chain(turns).fold(1.0, f64::min).max(LEAST_SHARE)
+}
+
+/// 1 for an arm that is no wider than the base, less for an elbow that stands out.
+fn width_share(robot: &Robot, joints: &JointVector, base_radius: f64) -> f64 {
+    let mut widest: f64 = 0.0;
+    robot.arm_points(&Robot::at_origin(joints), |at, _| widest = widest.max(at.y.abs()));
+    let beside = widest + ARM_RADIUS_M - base_radius;
+    (1.0 - beside / FARTHEST_BESIDE_M).clamp(LEAST_SHARE, 1.0)
 }
 
 /// Whether the arm, as thick segments between its joints, comes below the first of them within the base's

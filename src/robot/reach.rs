@@ -1,6 +1,6 @@
 //! How far a robot can carry, and how much room a posture leaves.
 
-use super::{Configuration, JointVector, MAX_JOINTS, Posture, Robot, collision};
+use super::{Configuration, JointVector, Posture, Robot, collision};
 use crate::geometry::{PlanarPose, Point, Pose};
 use nalgebra::SMatrix;
 
@@ -76,7 +76,7 @@ impl Robot {
     /// cannot move its grasp in some direction.
     pub fn dexterity(&self, joints: &JointVector) -> f64 {
         let jacobian = self.kinematics(&Self::at_origin(joints)).jacobian;
-        let arm = jacobian.fixed_columns::<MAX_JOINTS>(2);
+        let arm = self.arm_jacobian(&jacobian);
         let gram: SMatrix<f64, 6, 6> = arm * arm.transpose();
         gram.symmetric_eigenvalues().min().max(0.0).sqrt()
     }

@@ -1,13 +1,12 @@
-//! The differential drive, found from its two wheel joints.
+//! The drive, measured at its wheels.
 
-use super::Drive;
+use super::drive::{BaseInput, Drive, DriveKind, Wheel as DrivenWheel};
 use super::error::RobotError;
 use super::fault::WheelFault;
 use super::link::{Geometry, JointKind, Link, Shape};
 use super::note::RobotNote;
 use super::urdf::Urdf;
 use crate::geometry::Pose;
-use crate::located::Place;
 use crate::math;
 use nalgebra::{Point3, Rotation3, Vector3};
 use std::collections::BTreeMap;
@@ -23,6 +22,8 @@ const SAME_DIRECTION_RAD: f64 = 1e-3;
 struct Wheel {
     /// Centre in the base's frame, m.
     middle: Point3<f64>,
+    /// Axis in the base's frame.
+    axis: Vector3<f64>,
     radius: f64,
     /// The radius measured, where the robot file gives another.
     replaced: Option<f64>,
@@ -30,11 +31,35 @@ struct Wheel {
     rate: f64,
 }
 
-/// The wheels that the robot file names: indices of their links, left first, and the places of their names.
+/// The wheels that the robot file names: indices of their links.
+pub(super) enum Named {
+    /// Those of the left and of the right side, as many on either.
+    Sides {
+        /// Left and right.
+        wheels: [Vec<usize>; 2],
+        /// The factor of the track of wheels that skid.
+        multiplier: Option<f64>,
+    },
+    /// Those of an omnidirectional base.
+    Omnidirectional(Omnidirectional),
+}
+
+/// The wheels of an omnidirectional base and what its robot file says of it.
+pub(super) struct Omnidirectional {
+    pub wheels: Vec<usize>,
+    /// Whether they are mecanum wheels, with rollers at 45 degrees.
+    pub is_mecanum: bool,
+    /// Height of the base link's origin above the floor, m; measured at the wheels if not given.
+    pub height: Option<f64>,
+    /// Largest speed, m/s, and turning rate, rad/s.
+    pub limits: [f64; 2],
+}
+
+/// The drive to measure.
 pub(super) struct Wheels<'a> {
     pub base: usize,
     pub grasp: usize,
-    pub links: [usize; 2],
+    pub named: Named,
     /// The radius given in the robot file, m.
     pub radius: Option<f64>,
     /// The distance between the wheels given in the robot file, m.
@@ -46,72 +71,198 @@ pub(super) struct Wheels<'a> {
     pub held: BTreeMap<&'a str, f64>,
 }
 
+/// A measured drive.
+pub(super) struct Measured {
+    pub drive: Drive,
+    /// `drive_from_base`.
+    pub drive_from_base: Pose,
+    pub wheels: Vec<DrivenWheel>,
+    pub notes: Vec<RobotNote>,
+}
+
+impl Named {
+    /// All wheels.
+    pub fn links(&self) -> Vec<usize> {
+        match self {
+            Self::Sides { wheels, .. } => wheels.concat(),
+            Self::Omnidirectional(of) => of.wheels.clone(),
+        }
+    }
+}
+
 impl Wheels<'_> {
-    /// The drive, `drive_from_base`, and notes; the drive's frame is on the floor, midway between the wheels'
-    /// centres. The error is the first fault of each wheel, or of the two together.
-    pub fn measure(
-        &self,
-        urdf: Urdf,
-        links: &[Link],
-    ) -> Result<(Drive, Pose, Vec<RobotNote>), Vec<RobotError>> {
-        let name = |i: usize| links[i].joint.as_ref().map_or("", |j| j.name.as_str());
-        let place = |i: usize| -> Place { urdf.place(format!("joint `{}`", name(i))) };
-        let [left, right] = [0, 1].map(|side| {
-            let fault = |why| RobotError::NotAWheel { place: place(self.links[side]), why };
-            self.wheel(links, self.links[side]).map_err(fault)
-        });
-        let (left, right) = match (left, right) {
-            (Ok(left), Ok(right)) => (left, right),
-            (left, right) => return Err([left.err(), right.err()].into_iter().flatten().collect()),
+    /// The drive; its frame is on the floor, midway between the wheels' centres, or below the base link if an
+    /// omnidirectional base names no wheels. The error is the first fault of each wheel, or of all together.
+    pub fn measure(&self, urdf: Urdf, links: &[Link]) -> Result<Measured, Vec<RobotError>> {
+        let mut found = Vec::new();
+        let mut faults = Vec::new();
+        for &i in &self.named.links() {
+            match self.wheel(links, i) {
+                Ok(wheel) => found.push((i, wheel)),
+                Err(why) => faults.push(self.fault(urdf, links, i, why)),
+            }
+        }
+        if !faults.is_empty() {
+            return Err(faults);
+        }
+        let measured = match &self.named {
+            Named::Sides { wheels: [left, _], multiplier } => {
+                let (left, right) = found.split_at(left.len());
+                self.sides(links, left, right, *multiplier)
+            }
+            Named::Omnidirectional(of) => self.omnidirectional(links, &found, of),
         };
-        let sides = [(left.middle.y, "left", "positive"), (-right.middle.y, "right", "negative")];
-        for (i, (y, side, sign)) in self.links.into_iter().zip(sides) {
-            if y <= 0.0 {
-                let y = if side == "left" { y } else { -y };
-                let why = WheelFault::Side { y, side, sign };
-                return Err(vec![RobotError::NotAWheel { place: place(i), why }]);
+        measured.map_err(|(i, why)| vec![self.fault(urdf, links, i, why)])
+    }
+
+    fn fault(&self, urdf: Urdf, links: &[Link], i: usize, why: WheelFault) -> RobotError {
+        RobotError::NotAWheel { place: urdf.place(format!("joint `{}`", name(links, i))), why }
+    }
+
+    /// Two driven sides. Wheels of one side are alike, and mirror images of those of the other.
+    fn sides(
+        &self,
+        links: &[Link],
+        left: &[(usize, Wheel)],
+        right: &[(usize, Wheel)],
+        multiplier: Option<f64>,
+    ) -> Result<Measured, (usize, WheelFault)> {
+        for (side, sign, named, wheels) in
+            [("left", "positive", 1.0, left), ("right", "negative", -1.0, right)]
+        {
+            for (i, wheel) in wheels {
+                let y = wheel.middle.y;
+                if named * y <= 0.0 {
+                    return Err((*i, WheelFault::Side { y, side, sign }));
+                }
             }
         }
-        for (what, left, right, tolerance, rule) in [
-            ("x in the base (m)", left.middle.x, right.middle.x, SAME_LENGTH_M, "they must be the same"),
-            (
-                "distance from the middle of the base (m)",
-                left.middle.y,
-                -right.middle.y,
-                SAME_LENGTH_M,
-                "they must be the same",
-            ),
-            ("z in the base (m)", left.middle.z, right.middle.z, SAME_LENGTH_M, "they must be the same"),
-            ("radius (m)", left.radius, right.radius, 1e-6, "they must be the same"),
-            ("limit velocity (rad/s)", left.rate, right.rate, 1e-6, "they must be the same"),
-        ] {
-            if (left - right).abs() > tolerance {
-                let left_joint = name(self.links[0]).to_owned();
-                let why = WheelFault::Unlike { what, left_joint, left, right, rule };
-                return Err(vec![RobotError::NotAWheel { place: place(self.links[1]), why }]);
+        let pairs = left.iter().zip(right);
+        let along = left.iter().skip(1).map(|other| (&left[0], other));
+        for (i, ((first, a), (second, b))) in pairs.chain(along).enumerate() {
+            let is_pair = i < left.len();
+            for (what, left, right, tolerance) in [
+                ("x in the base (m)", a.middle.x, b.middle.x, SAME_LENGTH_M),
+                (
+                    "distance from the middle of the base (m)",
+                    a.middle.y,
+                    if is_pair { -b.middle.y } else { b.middle.y },
+                    SAME_LENGTH_M,
+                ),
+                ("z in the base (m)", a.middle.z, b.middle.z, SAME_LENGTH_M),
+                ("radius (m)", a.radius, b.radius, 1e-6),
+                ("limit velocity (rad/s)", a.rate, b.rate, 1e-6),
+            ] {
+                let is_along = !is_pair && what.starts_with('x');
+                if !is_along && (left - right).abs() > tolerance {
+                    let (left_joint, rule) = (name(links, *first).to_owned(), "they must be the same");
+                    return Err((*second, WheelFault::Unlike { what, left_joint, left, right, rule }));
+                }
             }
         }
-        let middle = nalgebra::center(&left.middle, &right.middle);
-        let measured = left.middle.y - right.middle.y;
+        let ((_, first), (_, opposite)) = (&left[0], &right[0]);
+        let mut middle = nalgebra::center(&first.middle, &opposite.middle);
+        let pairs = left.len() as f64;
+        if left.len() > 1 {
+            middle.x = left.iter().map(|(_, wheel)| wheel.middle.x).sum::<f64>() / pairs;
+        }
+        let measured = first.middle.y - opposite.middle.y;
         let mut notes = Vec::new();
-        if let Some(measured) = left.replaced {
-            notes.push(RobotNote::Calibrated { key: "wheel_radius_m", given: left.radius, measured });
+        if let Some(measured) = first.replaced {
+            notes.push(RobotNote::Calibrated { key: "wheel_radius_m", given: first.radius, measured });
         }
         if let Some(given) = self.track.filter(|&given| given != measured) {
             if (given - measured).abs() > CALIBRATION * measured {
-                let why = WheelFault::Track { measured, given };
-                return Err(vec![RobotError::NotAWheel { place: place(self.links[0]), why }]);
+                return Err((left[0].0, WheelFault::Track { measured, given }));
             }
             notes.push(RobotNote::Calibrated { key: "wheel_separation_m", given, measured });
         }
+        let track = self.track.unwrap_or(measured);
+        let rim_speed_limit = first.rate * first.radius;
+        let (kind, track) = match multiplier {
+            None => (DriveKind::Differential, track),
+            Some(multiplier) => (DriveKind::SkidSteer, track * multiplier),
+        };
         let drive = Drive {
-            track: self.track.unwrap_or(measured),
-            wheel_radius: left.radius,
-            rim_speed_limit: left.rate * left.radius,
+            kind,
+            track,
+            wheel_radius: first.radius,
+            rim_speed_limit,
+            turn_rate_limit: 2.0 * rim_speed_limit / track,
             base_radius: self.base_radius,
         };
-        let floor = Vector3::new(middle.x, middle.y, middle.z - left.radius);
-        Ok((drive, Pose::from_parts((-floor).into(), Rotation3::identity()), notes))
+        let spin = |wheel: &Wheel, side: usize| {
+            let mut spin = BaseInput::zeros();
+            spin[side] = wheel.axis.y.signum();
+            spin
+        };
+        let of_side = |side: usize| {
+            move |(link, wheel): &(usize, Wheel)| DrivenWheel { link: *link, spin: spin(wheel, side) }
+        };
+        let wheels = left.iter().map(of_side(0)).chain(right.iter().map(of_side(1))).collect();
+        Ok(Measured { drive, drive_from_base: above(middle, first.radius), wheels, notes })
+    }
+
+    /// An omnidirectional base. Its wheels, if it names any, are drawn turning; they have one radius.
+    fn omnidirectional(
+        &self,
+        links: &[Link],
+        found: &[(usize, Wheel)],
+        of: &Omnidirectional,
+    ) -> Result<Measured, (usize, WheelFault)> {
+        let [rim_speed_limit, turn_rate_limit] = of.limits;
+        let mut drive = Drive {
+            kind: DriveKind::Omnidirectional,
+            track: 0.0,
+            wheel_radius: 0.0,
+            rim_speed_limit,
+            turn_rate_limit,
+            base_radius: self.base_radius,
+        };
+        let Some((first, like)) = found.first() else {
+            let floor = Point3::new(0.0, 0.0, -of.height.unwrap_or(0.0));
+            let (wheels, notes) = (Vec::new(), Vec::new());
+            return Ok(Measured { drive, drive_from_base: above(floor, 0.0), wheels, notes });
+        };
+        for (i, wheel) in &found[1..] {
+            for (what, left, right, tolerance) in [
+                ("z in the base (m)", like.middle.z, wheel.middle.z, SAME_LENGTH_M),
+                ("radius (m)", like.radius, wheel.radius, 1e-6),
+            ] {
+                if (left - right).abs() > tolerance {
+                    let (left_joint, rule) = (name(links, *first).to_owned(), "they must be the same");
+                    return Err((*i, WheelFault::Unlike { what, left_joint, left, right, rule }));
+                }
+            }
+        }
+        drive.wheel_radius = like.radius;
+        let sum: Vector3<f64> = found.iter().map(|(_, wheel)| wheel.middle.coords).sum();
+        let mut middle = Point3::from(sum / found.len() as f64);
+        if let Some(height) = of.height {
+            middle.z = like.radius - height;
+        }
+        let spin = |wheel: &Wheel| {
+            let at = wheel.middle - middle;
+            // the direction in which it rolls when it turns about its axis
+            let ahead = wheel.axis.cross(&Vector3::z());
+            // a roller does not slide along its axle: the hub's velocity along it is the wheel's. Mecanum
+            // wheels stand such that the rollers on the floor point away from the base's middle
+            let along = match of.is_mecanum {
+                true => Vector3::new(1.0, -(at.x * at.y).signum(), 0.0),
+                false => ahead,
+            };
+            let per_turn = along.dot(&ahead) * wheel.radius;
+            BaseInput::new(along.x, along.y, along.y * at.x - along.x * at.y) / per_turn
+        };
+        let wheels =
+            found.iter().map(|(link, wheel)| DrivenWheel { link: *link, spin: spin(wheel) }).collect();
+        let calibrated = like.replaced.map(|measured| RobotNote::Calibrated {
+            key: "wheel_radius_m",
+            given: like.radius,
+            measured,
+        });
+        let notes = calibrated.into_iter().collect();
+        Ok(Measured { drive, drive_from_base: above(middle, like.radius), wheels, notes })
     }
 
     fn wheel(&self, links: &[Link], i: usize) -> Result<Wheel, WheelFault> {
@@ -143,11 +294,17 @@ impl Wheels<'_> {
             at = parent;
         }
         let axis = base_from_wheel.rotation * joint.axis.into_inner();
-        if math::hypot(axis.x, axis.z) > SAME_DIRECTION_RAD {
-            return Err(WheelFault::Axis { x: axis.x, y: axis.y, z: axis.z });
+        let [x, y, z] = axis.into();
+        let is_free = matches!(&self.named, Named::Omnidirectional(of) if !of.is_mecanum);
+        if is_free && z.abs() > SAME_DIRECTION_RAD {
+            return Err(WheelFault::NotLevel { x, y, z });
+        }
+        if !is_free && math::hypot(x, z) > SAME_DIRECTION_RAD {
+            return Err(WheelFault::Axis { x, y, z });
         }
         let rate = self.rate.unwrap_or(joint.limits.rate);
-        if !(rate > 0.0 && rate.is_finite()) {
+        let needs_rate = matches!(self.named, Named::Sides { .. });
+        if needs_rate && !(rate > 0.0 && rate.is_finite()) {
             return Err(WheelFault::Rate { rate });
         }
         let found = rolling(&links[i].collisions).or_else(|| rolling(&links[i].visuals));
@@ -162,8 +319,19 @@ impl Wheels<'_> {
                 (given.unwrap_or(measured), given.map(|_| measured), middle)
             }
         };
-        Ok(Wheel { middle: base_from_wheel * Point3::from(middle), radius, replaced, rate })
+        Ok(Wheel { middle: base_from_wheel * Point3::from(middle), axis, radius, replaced, rate })
     }
+}
+
+/// The name of the joint that carries a link.
+fn name(links: &[Link], i: usize) -> &str {
+    links[i].joint.as_ref().map_or("", |joint| joint.name.as_str())
+}
+
+/// `drive_from_base` for a drive whose origin is on the floor, below this point of the base (m) by a `radius`.
+fn above(middle: Point3<f64>, radius: f64) -> Pose {
+    let floor = Vector3::new(middle.x, middle.y, middle.z - radius);
+    Pose::from_parts((-floor).into(), Rotation3::identity())
 }
 
 /// The cylinder or sphere of the largest radius, and that radius.

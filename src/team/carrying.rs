@@ -5,15 +5,15 @@ use super::team_path::{FreeSpace, Turned};
 use super::tick::{Preparation, RobotTick};
 use super::{Situation, Step, Team, Travel, Walk};
 use crate::control::{
-    self, Avoid, Candidate, ClosedForm, Intent, Limits, Mpc, PoseCriterion, PoseOptimiser, PoseProblem,
-    Reference, Rims, RobotObstacles, hold_base_to, reference, rolled, seen_from_base, set_base,
+    self, Avoid, BaseInputs, Candidate, ClosedForm, Intent, Limits, Mpc, PoseCriterion, PoseOptimiser,
+    PoseProblem, Reference, RobotObstacles, hold_base_to, reference, rolled, seen_from_base, set_base,
 };
 use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose};
 use crate::options::OptionSet;
 use crate::policy::Motion;
 use crate::robot::{
-    Configuration, InputJacobian, InputVector, JointVector, Kinematics, MAX_JOINTS, Robot, pose_difference,
+    Configuration, InputJacobian, InputVector, JointVector, Kinematics, Robot, pose_difference,
 };
 use crate::saved::{NotRestored, Saved};
 use crate::simulation::Observation;
@@ -24,15 +24,15 @@ use nalgebra::Vector6;
 const RECONFIGURATION_SHARE: f64 = 0.25;
 
 /// Factor of the weight of the arm's half-planes from one step to the next, for bodies. Where the base
-/// follows its path at given rim speeds, the arm turns by radians within the horizon while it swings round a
+/// follows its path with given inputs, the arm turns by radians within the horizon while it swings round a
 /// corner.
 const CONFIDENCE: f64 = 0.7;
 /// Largest correction (m and rad) of the linear model of eq. (7).
 const LARGEST_CORRECTION: f64 = 0.01;
 
 /// The confidence in the arm's half-planes.
-fn confidence(rims: Option<&Rims>) -> f64 {
-    if rims.is_some() { CONFIDENCE } else { 1.0 }
+fn confidence(base: Option<&BaseInputs>) -> f64 {
+    if base.is_some() { CONFIDENCE } else { 1.0 }
 }
 
 /// The robot, its starting posture and its controller.
@@ -89,14 +89,14 @@ pub(super) trait Bodies: Clone + std::fmt::Debug + Send + Sync {
     /// s(1..H) of the grasp along a path at this speed (m/s), relative to the grasp.
     fn reference(&self, path_ahead: &PathAhead, speed: f64, walk: &Walk, grasp: &Pose) -> Reference;
 
-    /// Rim speeds with which the base follows the path of the grasp; none where the base is free.
+    /// Inputs with which the base follows the path of the grasp; none where the base is free.
     fn base_on_path(
         &mut self,
         path_ahead: &PathAhead,
         speed: f64,
         manipulator: &Manipulator,
         walk: &Walk,
-    ) -> Option<Rims>;
+    ) -> Option<BaseInputs>;
 
     /// See [`Team::walkable`].
     fn walkable(&self, path: Path, free_space: FreeSpace) -> Path;
@@ -270,7 +270,7 @@ impl<'a, B: Bodies> Carrying<'a, B> {
     fn prepare(
         &mut self,
         at: &Kinematics,
-        rims: Option<&Rims>,
+        base: Option<&BaseInputs>,
         tracked: Option<usize>,
         tick: &mut RobotTick,
     ) {
@@ -283,10 +283,10 @@ impl<'a, B: Bodies> Carrying<'a, B> {
             references: &self.references,
             weights: &self.weights,
             obstacles: (control.avoid != Avoid::Nothing).then_some((obstacles, control.avoid)),
-            rims,
+            base,
             period: self.walk.period,
-            share: if rims.is_some() { RECONFIGURATION_SHARE } else { 1.0 },
-            confidence: confidence(rims),
+            share: if base.is_some() { RECONFIGURATION_SHARE } else { 1.0 },
+            confidence: confidence(base),
         };
         let chosen = self.poses.choose(&problem, &control, &mut self.limits, &mut self.mpc);
         tick.preparation = Some(Preparation {
@@ -303,10 +303,11 @@ impl<'a, B: Bodies> Carrying<'a, B> {
     /// minus the grasp by the model. Its norm is at most [`LARGEST_CORRECTION`], m and rad.
     fn model_error(&self, jacobian: &InputJacobian, input: &InputVector, grasp: &Pose) -> Vector6<f64> {
         let Candidate { configuration: target, .. } = self.target;
-        let moved: JointVector = input.fixed_rows::<MAX_JOINTS>(2) * self.walk.period;
+        let robot = self.manipulator.robot;
+        let moved: JointVector = robot.joint_rates(input) * self.walk.period;
         let reached = Configuration { base: target.base, joints: target.joints + moved };
-        let reached = pose_difference(&self.manipulator.robot.grasp_pose(&reached), grasp);
-        let model_error = reached - jacobian.fixed_columns::<MAX_JOINTS>(2) * moved;
+        let reached = pose_difference(&robot.grasp_pose(&reached), grasp);
+        let model_error = reached - robot.arm_jacobian(jacobian) * moved;
         model_error * (LARGEST_CORRECTION / model_error.norm()).min(1.0)
     }
 
@@ -314,10 +315,12 @@ impl<'a, B: Bodies> Carrying<'a, B> {
     /// stretched, its axes turn by so much in a period that those at the beginning do not describe the motion.
     fn jacobian_half_way(&self, jacobian: &InputJacobian, input: &InputVector) -> InputJacobian {
         let Candidate { configuration: target, .. } = self.target;
-        let moved: JointVector = input.fixed_rows::<MAX_JOINTS>(2) * (0.5 * self.walk.period);
+        let robot = self.manipulator.robot;
+        let moved: JointVector = robot.joint_rates(input) * (0.5 * self.walk.period);
         let half_way = Configuration { base: target.base, joints: target.joints + moved };
-        let mut there = self.manipulator.robot.kinematics(&half_way).jacobian;
-        there.fixed_columns_mut::<2>(0).copy_from(&jacobian.fixed_columns::<2>(0));
+        let mut there = robot.kinematics(&half_way).jacobian;
+        let base = robot.drive.inputs();
+        there.columns_mut(0, base).copy_from(&jacobian.columns(0, base));
         there
     }
 
@@ -326,7 +329,7 @@ impl<'a, B: Bodies> Carrying<'a, B> {
     fn track(
         &mut self,
         reference: usize,
-        rims: Option<&Rims>,
+        base: Option<&BaseInputs>,
         follows: bool,
         grasp: &Pose,
         tick: &mut RobotTick,
@@ -338,15 +341,15 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         let free = ClosedForm::new(&(jacobian * period), control.state_weight, control.input_weight);
         self.limits.set(robot, &target, &rates, period);
         let mut to_track = self.references[reference];
-        if let Some(rims) = rims {
-            to_track += rolled(&jacobian, rims, period);
+        if let Some(base) = base {
+            to_track += rolled(&robot.drive, &jacobian, base, period);
         }
         if control.avoid != Avoid::Nothing {
             let mut about = free.inputs(&to_track);
-            if let Some(rims) = rims {
-                set_base(&mut about, rims);
+            if let Some(base) = base {
+                set_base(&robot.drive, &mut about, base);
             }
-            let confidence = confidence(rims);
+            let confidence = confidence(base);
             obstacles.half_planes(
                 control.avoid,
                 robot,
@@ -357,17 +360,17 @@ impl<'a, B: Bodies> Carrying<'a, B> {
                 &mut self.limits,
             );
         }
-        if let Some(rims) = rims {
-            hold_base_to(rims, &mut self.limits);
+        if let Some(base) = base {
+            hold_base_to(&robot.drive, base, &mut self.limits);
         }
         let mut plan = self.mpc.solve(&free, &self.limits, &to_track);
         let (mut jacobian, mut free) = (jacobian, free);
-        if rims.is_some() && follows {
+        if base.is_some() && follows {
             jacobian = self.jacobian_half_way(&jacobian, &plan.inputs.column(0).into_owned());
             free = ClosedForm::new(&(jacobian * period), control.state_weight, control.input_weight);
             plan = self.mpc.solve(&free, &self.limits, &to_track);
         }
-        if rims.is_some() {
+        if base.is_some() {
             let model_error = self.model_error(&jacobian, &plan.inputs.column(0).into_owned(), grasp);
             let mut first = to_track.column_mut(0);
             first -= model_error;
@@ -421,17 +424,17 @@ impl<B: Bodies> Team for Carrying<'_, B> {
             let tracked = self.set_references(situation, &path_ahead, &at.grasp);
             // on the physical plant, the base follows the path of the grasp, and the arm does the rest
             let speed = self.bodies.observed_speed(&self.intent, travel, &self.walk);
-            let rims = self.bodies.base_on_path(&path_ahead, speed, &self.manipulator, &self.walk);
-            if let Some(rims) = &rims {
+            let base = self.bodies.base_on_path(&path_ahead, speed, &self.manipulator, &self.walk);
+            if let Some(base) = &base {
                 for reference in &mut self.references {
                     let period = self.walk.period;
-                    *reference = seen_from_base(reference, &at.grasp, &q.base, &robot.drive, rims, period);
+                    *reference = seen_from_base(reference, &at.grasp, &q.base, &robot.drive, base, period);
                 }
             }
             if tracked.is_some() || control.prepare_while_leading {
-                self.prepare(&at, rims.as_ref(), tracked, &mut tick);
+                self.prepare(&at, base.as_ref(), tracked, &mut tick);
             }
-            self.track(tracked.unwrap_or(0), rims.as_ref(), tracked.is_some(), &at.grasp, &mut tick);
+            self.track(tracked.unwrap_or(0), base.as_ref(), tracked.is_some(), &at.grasp, &mut tick);
         }
         tick.input = self.input;
         tick.effort_cost = control.input_weight * self.input.norm_squared();

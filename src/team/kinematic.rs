@@ -4,7 +4,7 @@
 use super::carrying::{Bodies, Manipulator, Moved, PathAhead};
 use super::team_path::{FreeSpace, Turned};
 use super::{Step, Travel, Walk};
-use crate::control::{Candidate, HORIZON, Intent, Reference, Rims, reference};
+use crate::control::{BaseInputs, Candidate, HORIZON, Intent, Reference, reference};
 use crate::geometry::{Path, PlanarPose, Point, Pose};
 use crate::options::{nominal_trajectory, turned};
 use crate::robot::{Configuration, InputVector, Robot, pose_difference};
@@ -62,7 +62,7 @@ impl Bodies for Kinematic<'_> {
         reference(trajectory, grasp, self.robot.grasp_height)
     }
 
-    fn base_on_path(&mut self, _: &PathAhead, _: f64, _: &Manipulator, _: &Walk) -> Option<Rims> {
+    fn base_on_path(&mut self, _: &PathAhead, _: f64, _: &Manipulator, _: &Walk) -> Option<BaseInputs> {
         None
     }
 

@@ -5,7 +5,7 @@ use super::carrying::{Bodies, Manipulator, Moved, PathAhead};
 use super::team_path::{BODY_ROOM_M, FreeSpace, TeamPath, Turned};
 use super::tick::{PhysicsTick, on_floor};
 use super::{Situation, Step, Travel, Walk};
-use crate::control::{Candidate, Follower, HORIZON, Intent, Reference, Rims, reference};
+use crate::control::{BaseInputs, Candidate, Follower, HORIZON, Intent, Reference, reference};
 use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose, Widening, angle_of, direction, nearest, wrap_angle};
 use crate::human::Stance;
@@ -92,6 +92,8 @@ pub(super) struct Physical {
     height: f64,
     /// Initial distance of the base behind the grasp, m, which the base keeps.
     distance: f64,
+    /// Initial angle of the grasp beside straight ahead of the base, rad.
+    bearing: f64,
     /// Acceleration of the rims that the base plans with, m/s^2.
     rim_acceleration: f64,
     /// Buffers: an option's path as the team walks it, and the past path of the grasp.
@@ -130,9 +132,12 @@ impl Physical {
         let plant = PhysicalPlant::new(world, robot, &posture, start, physics, seed)?;
         let at_origin = PlanarPose { position: Point::origin(), yaw: 0.0 };
         let configuration = Configuration { base: at_origin, joints: posture };
+        let held = robot.grasp_pose(&configuration).translation.vector.xy();
+        let is_free = robot.drive.is_omnidirectional();
         Ok(Self {
             height: robot.grasp_height,
-            distance: robot.grasp_pose(&configuration).translation.vector.x,
+            distance: if is_free { held.norm() } else { held.x },
+            bearing: if is_free { angle_of(held) } else { 0.0 },
             rim_acceleration: RIM_SHARE * physics.rim_acceleration,
             widened: Path::with_capacity(64),
             widening: Widening::default(),
@@ -322,7 +327,7 @@ impl Bodies for Physical {
         speed: f64,
         manipulator: &Manipulator,
         walk: &Walk,
-    ) -> Option<Rims> {
+    ) -> Option<BaseInputs> {
         let Manipulator { robot, obstacles, .. } = *manipulator;
         let yielding = self.yielding(path_ahead.mode);
         let (position, speed) = self.path_position(path_ahead, speed);
@@ -339,9 +344,10 @@ impl Bodies for Physical {
             acceleration: TEAM_ACCELERATION,
             rim_acceleration: self.rim_acceleration,
             distance: self.distance,
+            bearing: self.bearing,
             obstacles,
         };
-        Some(follower.rims(&robot.drive, &seen.configuration.base, seen.rim_speeds, walk.period))
+        Some(follower.inputs(&robot.drive, &seen.configuration.base, seen.base_rates, walk.period))
     }
 
     fn walkable(&self, path: Path, free_space: FreeSpace) -> Path {

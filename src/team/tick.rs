@@ -2,7 +2,7 @@
 
 use crate::control::SolveOutcome;
 use crate::geometry::{PlanarPose, Point, Pose};
-use crate::robot::{Configuration, InputVector};
+use crate::robot::{Configuration, InputVector, without_last};
 use crate::simulation::{BodyKind, Clearance, Observation};
 use serde::{Deserialize, Serialize};
 
@@ -16,7 +16,8 @@ pub struct RobotTick {
     pub grasp_goal: PlanarPose,
     /// The prepared configuration: while the human leads, or in every step if so configured.
     pub preparation: Option<Preparation>,
-    /// u: rim speeds, m/s, and joint rates, rad/s (prismatic: m/s).
+    /// u: the base's inputs and joint rates.
+    #[serde(with = "without_last")]
     pub input: InputVector,
     /// How eq. (7) was solved.
     pub outcome: SolveOutcome,

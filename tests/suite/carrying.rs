@@ -151,7 +151,7 @@ fn closed_form_eq_8_can_be_worked_out_from_what_a_step_tells() {
             let jacobian = robot.kinematics(&candidate.configuration).jacobian * settings.period;
             let form = control::ClosedForm::new(&jacobian, control.state_weight, control.input_weight);
             limits.set(&robot, &candidate.configuration, &candidate.rates, settings.period);
-            let mut total = control::motion_cost(candidate, &tick.configuration, &control);
+            let mut total = control::motion_cost(&robot, candidate, &tick.configuration, &control);
             let mut floor = total;
             for (reference, weight) in decision.references.iter().zip(decision.weights) {
                 total += weight * mpc.solve(&form, &limits, reference).cost;

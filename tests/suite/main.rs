@@ -13,6 +13,7 @@ mod command_line;
 mod crowded_worlds;
 mod detection;
 mod determinism;
+mod drives;
 mod fitting;
 mod floors;
 mod forged_snapshots;

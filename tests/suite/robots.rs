@@ -4,7 +4,8 @@ use crate::support::{random_configuration, repository};
 use cocarry::geometry::{PlanarPose, Point, Pose};
 use cocarry::math;
 use cocarry::robot::{
-    Configuration, InputVector, JointKind, JointVector, MAX_INPUTS, Motion, Robot, Shape, pose_difference,
+    BaseInput, Configuration, InputVector, JointKind, JointVector, MAX_INPUTS, Motion, Robot, Shape,
+    pose_difference,
 };
 use nalgebra::{Rotation3, Vector3};
 use rand::RngExt;
@@ -210,7 +211,7 @@ fn property_a_roll_is_many_short_ones() {
             1 => left + 1e-5 * rng.random_range(-1.0..1.0),
             _ => rng.random_range(-0.5..0.5),
         };
-        let rolled = drive.roll(&base, [left, right]);
+        let rolled = drive.roll(&base, &BaseInput::new(left, right, 0.0));
         let steps = 20_000;
         let (length, turn) =
             ((left + right) / 2.0 / f64::from(steps), (right - left) / drive.track / f64::from(steps));
@@ -237,7 +238,7 @@ fn property_link_poses_end_at_the_grasp() {
             let difference = pose_difference(&poses[robot.grasp_link], &robot.grasp_pose(&q));
             assert!(difference.norm() < 1e-12, "{}: {}", robot.name, difference.norm());
             // wheels stand on the floor, on either side of the drive's origin
-            for (wheel, side) in robot.wheel_links.into_iter().zip([0.5, -0.5]) {
+            for (wheel, side) in robot.wheels.iter().map(|wheel| wheel.link).zip([0.5, -0.5]) {
                 let axle = q.base.at_height(robot.drive.wheel_radius);
                 let middle = axle * nalgebra::Point3::new(0.0, side * robot.drive.track, 0.0);
                 let at = poses[wheel].translation.vector;

@@ -178,15 +178,18 @@ def _prismatic(recording: Recording) -> set[str]:
 
 
 def _motion(recording: Recording) -> Signal:
-    """u: rim speeds and joint rates."""
+    """u: the base's inputs and joint rates."""
     control = Columns(recording.table("/control"))
-    rims = ["left_rim_m_per_s", "right_rim_m_per_s"]
     assert recording.scenario.robot is not None
+    base = {
+        "omnidirectional": {"base_ahead_m_per_s": "m/s", "base_left_m_per_s": "m/s", "base_turn_rad_per_s": "rad/s"},
+    }.get(recording.scenario.robot.drive, {"left_rim_m_per_s": "m/s", "right_rim_m_per_s": "m/s"})
     lengths = _prismatic(recording)
     rates = [f"joints[{j}].rate_{'m' if j in lengths else 'rad'}_per_s" for j in recording.scenario.robot.joints]
-    units = ["m/s", "m/s", *("m/s" if rate.endswith("rate_m_per_s") else "rad/s" for rate in rates)]
-    names = [*rims, *(rate.replace("joints[", "joint[").replace("].rate", "]") for rate in rates)]
-    return Signal(names, units, control.numbers(*rims, *rates))
+    units = [*base.values(), *("m/s" if rate.endswith("rate_m_per_s") else "rad/s" for rate in rates)]
+    names = [*base, *(rate.replace("joints[", "joint[").replace("].rate", "]") for rate in rates)]
+    of_base = Columns(recording.table("/base")) if "base_turn_rad_per_s" in base else control
+    return Signal(names, units, np.hstack([of_base.numbers(*base), control.numbers(*rates)]))
 
 
 def _options(table: Columns, names: list[str], count: int, executed: Any) -> Signal:

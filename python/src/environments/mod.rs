@@ -245,6 +245,7 @@ impl Lanes {
             given: GivenPerception { alpha, gamma },
             options: bases.iter().map(|base| base.options().options().len()).max().unwrap_or(0),
             joints: robot.map_or(0, |robot| robot.joints.len()),
+            base: robot.map_or(2, |robot| robot.drive.inputs()),
             limits,
             weights,
             most_steps,

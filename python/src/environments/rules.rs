@@ -54,6 +54,8 @@ pub(super) struct Rules {
     /// The largest number of options of a world.
     pub(super) options: usize,
     pub(super) joints: usize,
+    /// The number of inputs of the base.
+    pub(super) base: usize,
     /// What an action of 1 stands for; none for options.
     pub(super) limits: Vec<f64>,
     /// Weights of J, J^ and C in the reward.
@@ -68,7 +70,7 @@ impl Rules {
     pub(super) fn size(&self) -> usize {
         match self.task {
             Task::Options | Task::Both => self.options * (OPTION.len() - 1 + 1) + COMMON.len(),
-            Task::Inputs | Task::Reference => 2 * self.joints + 2 + 3 + 2 * AHEAD + 3 + 2 + 3 + 3 + 3,
+            Task::Inputs | Task::Reference => 2 * self.joints + self.base + 3 + 2 * AHEAD + 3 + 2 + 3 + 3 + 3,
         }
     }
 
@@ -93,7 +95,7 @@ impl Rules {
                 let wide = [-LARGEST, LARGEST];
                 let mut add = |name: String, bounds| layout.push((name, bounds));
                 (0..self.joints).for_each(|i| add(format!("joint[{i}]"), wide));
-                (0..self.joints + 2).for_each(|i| add(format!("last_input[{i}]"), wide));
+                (0..self.joints + self.base).for_each(|i| add(format!("last_input[{i}]"), wide));
                 let planar = |name: &str| ["x_m", "y_m", "yaw_rad"].map(|part| format!("{name}_{part}"));
                 planar("goal").into_iter().for_each(|name| add(name, wide));
                 (1..=AHEAD).for_each(|i| {
@@ -156,7 +158,7 @@ impl Rules {
         let mut numbers = Vec::with_capacity(into.len());
         let whole = configuration_vector(configuration, self.joints);
         numbers.extend(&whole[3..]);
-        numbers.extend((0..self.joints + 2).map(|i| robot.map_or(0.0, |robot| robot.input[i])));
+        numbers.extend((0..self.joints + self.base).map(|i| robot.map_or(0.0, |robot| robot.input[i])));
         let goal = episode.human().copied().or(robot.map(|robot| robot.grasp_goal)).unwrap_or(grasp);
         numbers.extend(seen_from(&grasp, &goal));
         let settings = &stage.scenario().settings;

@@ -21,6 +21,8 @@ use std::sync::Arc;
 pub(super) struct Basis {
     pub(super) names: Arc<[String]>,
     pub(super) joints: usize,
+    /// The number of inputs of the base.
+    pub(super) base: usize,
     pub(super) seed: u64,
     pub(super) has_robot: bool,
 }
@@ -30,7 +32,8 @@ impl Basis {
         let names = stage.options().options().iter().map(|option| option.name.clone()).collect();
         let joints = stage.robot().map_or(0, |robot| robot.joints.len());
         let seed = stage.scenario().seed;
-        Self { names, joints, seed, has_robot: stage.robot().is_some() }
+        let base = stage.robot().map_or(2, |robot| robot.drive.inputs());
+        Self { names, joints, base, seed, has_robot: stage.robot().is_some() }
     }
 
     /// The option of an index or a name.
@@ -61,11 +64,11 @@ fn field<'py>(given: &Bound<'py, PyAny>, name: &str) -> PyResult<Option<Bound<'p
     Ok(Some(given.getattr(name)?).filter(|value| !value.is_none()))
 }
 
-/// A motion of the robot: a reference of shape (8, 3), or inputs of shape (2 + joints,).
+/// A motion of the robot: a reference of shape (8, 3), or inputs of shape (base + joints,).
 fn motion(
     reference: Option<&Bound<'_, PyAny>>,
     inputs: Option<&Bound<'_, PyAny>>,
-    joints: usize,
+    (base, joints): (usize, usize),
 ) -> Result<Motion, String> {
     if let Some(given) = reference {
         let rows = given.extract::<PyReadonlyArray2<'_, f64>>().ok().and_then(|rows| numbers::<3>(&rows));
@@ -79,7 +82,7 @@ fn motion(
     }
     if let Some(given) = inputs {
         let found = given.extract::<PyReadonlyArray1<'_, f64>>().ok().map(|array| array.as_array().to_vec());
-        let found = found.filter(|u| u.len() == joints + 2 && u.iter().all(|number| number.is_finite()));
+        let found = found.filter(|u| u.len() == base + joints && u.iter().all(|number| number.is_finite()));
         return match found {
             Some(found) => {
                 let mut u = InputVector::zeros();
@@ -87,9 +90,14 @@ fn motion(
                 Ok(Motion::Inputs(u))
             }
             None => Err(format!(
-                "inputs = {}; it must be a float64 array of shape ({},) of finite numbers: the left and the right rim speed (m/s), then {joints} joint rates (rad/s, prismatic m/s)",
+                "inputs = {}; it must be a float64 array of shape ({},) of finite numbers: {}, then {joints} joint rates (rad/s, prismatic m/s)",
                 repr(given),
-                joints + 2
+                base + joints,
+                if base == 2 {
+                    "the left and the right rim speed (m/s)"
+                } else {
+                    "the base's velocity ahead and to the left (m/s) and its turning rate (rad/s)"
+                },
             )),
         };
     }
@@ -124,7 +132,7 @@ pub(super) fn decision(basis: &Basis, given: &Bound<'_, PyAny>) -> PyResult<Deci
                 .to_owned(),
         ));
     }
-    let motion = motion(reference.as_ref(), inputs.as_ref(), basis.joints).map_err(wrong)?;
+    let motion = motion(reference.as_ref(), inputs.as_ref(), (basis.base, basis.joints)).map_err(wrong)?;
     Ok(Decision { lead, motion })
 }
 

@@ -1,7 +1,7 @@
 //! The robot as a rapier multibody that follows commanded rates with limited efforts.
 //!
-//! The base is a planar joint with velocity motors: it moves along its heading and turns, never sideways. The
-//! arm's motors are springs and dampers that follow an integrated position reference with the commanded rate.
+//! The base is a planar joint with velocity motors: it moves as its drive does, so never sideways if that has
+//! two driven sides. The arm's motors are springs and dampers that follow an integrated position reference with the commanded rate.
 //! They are part of the multibody's own equations, which are solved exactly; rapier's motor constraints would
 //! need hundreds of solver iterations to hold up an object that outweighs the wrist. Links have no weight:
 //! gravity compensation is assumed perfect, so the motors carry only the object and the dynamics.
@@ -11,8 +11,11 @@ use super::motor::{Motor, joint_data};
 use super::parts::{Group, Parts};
 use super::ramp::Ramp;
 use super::{BodyKind, PhysicsSettings};
-use crate::geometry::{PlanarPose, Point, Pose, Vector, direction, wrap_angle};
-use crate::robot::{Configuration, InputVector, JointVector, MAX_JOINTS, Robot};
+use crate::geometry::{PlanarPose, Point, Pose, Vector, direction, left_of, wrap_angle};
+use crate::robot::{
+    BaseInput, BaseTwist, Configuration, Drive, DriveKind, InputVector, JointVector, MAX_JOINTS, Robot,
+    without_last,
+};
 use crate::simulation::convert::{self, to_matrix, to_vector};
 use rapier3d::prelude::{
     GenericJoint, GenericJointBuilder, JointAxesMask, JointAxis, MassProperties, MotorModel,
@@ -38,21 +41,28 @@ pub(super) struct Articulation {
     gripper: (RigidBodyHandle, Pose),
     /// Reference positions of the arm's joints.
     reference: JointVector,
-    /// Reference rates of rims (m/s) and joints.
+    /// Reference rates of base and joints.
     ramp: Ramp,
+    #[serde(with = "without_last")]
     rate_limits: InputVector,
-    /// Present reference speeds of the rims, m/s; the wheels' motors change them with limited acceleration.
-    rims: [f64; 2],
+    /// Present reference inputs of the base; the wheels' motors change them with limited acceleration.
+    #[serde(rename = "rims", with = "without_last")]
+    base: BaseInput,
     rim_acceleration: f64,
     track: f64,
     wheel_radius: f64,
-    wheel_angles: [f64; 2],
+    /// See [`Observation::rolled`](super::Observation::rolled).
+    #[serde(rename = "wheel_angles", with = "without_last")]
+    rolled: BaseInput,
+    /// Radius of an omnidirectional base, m; none for a drive with two driven sides.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    omnidirectional: Option<f64>,
 }
 
 /// The measured state of a robot.
 pub(super) struct Measured {
     pub configuration: Configuration,
-    pub rim_speeds: [f64; 2],
+    pub base_rates: BaseInput,
     pub joint_rates: JointVector,
     pub joint_efforts: JointVector,
 }
@@ -94,11 +104,6 @@ impl Articulation {
                 links[*link] = (*handle, *at);
             }
         }
-        let mut rate_limits = InputVector::zeros();
-        rate_limits.fixed_rows_mut::<2>(0).fill(robot.drive.rim_speed_limit);
-        for (limit, joint) in rate_limits.iter_mut().skip(2).zip(&robot.joints) {
-            *limit = joint.rate_limit;
-        }
         let articulation = Self {
             drive,
             motors,
@@ -111,12 +116,13 @@ impl Articulation {
             links,
             reference: start.joints,
             ramp: Ramp::new(),
-            rate_limits,
-            rims: [0.0; 2],
+            rate_limits: robot.input_limits(),
+            base: BaseInput::zeros(),
             rim_acceleration: settings.rim_acceleration,
             track: robot.drive.track,
             wheel_radius: robot.drive.wheel_radius,
-            wheel_angles: [0.0; 2],
+            rolled: BaseInput::zeros(),
+            omnidirectional: robot.drive.is_omnidirectional().then_some(robot.drive.base_radius),
         };
         articulation.settle(world, start)?;
         Some(articulation)
@@ -160,23 +166,28 @@ impl Articulation {
     /// Sets all motors for a step of `dt` seconds. `None` if the bodies are gone.
     pub fn drive(&mut self, world: &mut PhysicsWorld, dt: f64) -> Option<()> {
         let wanted = self.ramp.next();
-        let most = self.rim_acceleration * dt;
-        for (rim, wanted) in self.rims.iter_mut().zip(&wanted) {
-            *rim += (wanted - *rim).clamp(-most, most);
+        let drive = self.of_drive();
+        let most = drive.accelerations(self.rim_acceleration) * dt;
+        for (i, rate) in self.base.iter_mut().enumerate().take(drive.inputs()) {
+            *rate += (wanted[i] - *rate).clamp(-most[i], most[i]);
         }
-        let [left, right] = self.rims;
-        let (speed, turn) = ((left + right) / 2.0, (right - left) / self.track);
+        let BaseTwist { velocity, turn } = drive.twist(&self.base);
+        let first = drive.inputs();
         let (body, id) = world.multibody_joints.get_mut(self.drive)?;
         let drive = body.link_mut(id)?;
         let heading = drive.joint().coords()[5];
         // the heading at the middle of the step
-        let velocity = direction(heading + turn * dt / 2.0) * speed;
+        let ahead = direction(heading + turn * dt / 2.0);
+        let mut in_world = ahead * velocity.x;
+        if self.omnidirectional.is_some() {
+            in_world += left_of(ahead) * velocity.y;
+        }
         let data = &mut drive.joint.data;
-        set_velocity(data, JointAxis::LinX, velocity.x, BASE_FORCE);
-        set_velocity(data, JointAxis::LinY, velocity.y, BASE_FORCE);
+        set_velocity(data, JointAxis::LinX, in_world.x, BASE_FORCE);
+        set_velocity(data, JointAxis::LinY, in_world.y, BASE_FORCE);
         set_velocity(data, JointAxis::AngZ, turn, BASE_TORQUE);
 
-        let rates = wanted.fixed_rows::<MAX_JOINTS>(2).into_owned();
+        let rates = wanted.fixed_rows::<MAX_JOINTS>(first).into_owned();
         self.reference += rates * dt;
         for motor in &mut self.motors {
             motor.drive(world, &mut self.reference, &rates, dt)?;
@@ -186,15 +197,26 @@ impl Articulation {
 
     /// Turns the wheels after a step of `dt` seconds.
     pub fn roll(&mut self, world: &PhysicsWorld, dt: f64) {
-        let speeds = self.rim_speeds(world);
-        for (angle, speed) in self.wheel_angles.iter_mut().zip(speeds) {
-            *angle += speed * dt / self.wheel_radius;
-        }
+        let rates = self.base_rates(world);
+        // as one expression, for the bits of earlier recordings
+        let per = if self.omnidirectional.is_some() { 1.0 } else { self.wheel_radius };
+        self.rolled = self.rolled.zip_map(&rates, |rolled, rate| rolled + rate * dt / per);
     }
 
-    /// Angles of the left and the right wheel, rad.
-    pub fn wheel_angles(&self) -> [f64; 2] {
-        self.wheel_angles
+    /// See [`Observation::rolled`](super::Observation::rolled).
+    pub fn rolled(&self) -> BaseInput {
+        self.rolled
+    }
+
+    /// The drive, as far as its motion depends on it.
+    fn of_drive(&self) -> Drive {
+        let kind = match self.omnidirectional {
+            Some(_) => DriveKind::Omnidirectional,
+            None => DriveKind::Differential,
+        };
+        let (track, wheel_radius) = (self.track, self.wheel_radius);
+        let base_radius = self.omnidirectional.unwrap_or(1.0);
+        Drive { kind, track, wheel_radius, rim_speed_limit: 0.0, turn_rate_limit: 0.0, base_radius }
     }
 
     /// The measured state.
@@ -208,7 +230,7 @@ impl Articulation {
             (joints[j], joint_rates[j], joint_efforts[j]) = (position, rate, motor.effort(position, rate));
         }
         let configuration = Configuration { base: self.base(world), joints };
-        Measured { configuration, rim_speeds: self.rim_speeds(world), joint_rates, joint_efforts }
+        Measured { configuration, base_rates: self.base_rates(world), joint_rates, joint_efforts }
     }
 
     /// The largest motor effort in the last step as a share of its limit.
@@ -246,12 +268,13 @@ impl Articulation {
         PlanarPose { position: Point::new(coords[0], coords[1]), yaw: wrap_angle(coords[5]) }
     }
 
-    fn rim_speeds(&self, world: &PhysicsWorld) -> [f64; 2] {
-        let Some((body, id)) = world.multibody_joints.get(self.drive) else { return [0.0; 2] };
-        let Some(link) = body.link(id) else { return [0.0; 2] };
+    fn base_rates(&self, world: &PhysicsWorld) -> BaseInput {
+        let Some((body, id)) = world.multibody_joints.get(self.drive) else { return BaseInput::zeros() };
+        let Some(link) = body.link(id) else { return BaseInput::zeros() };
         let rates = body.joint_velocity(link);
-        let speed = Vector::new(rates[0], rates[1]).dot(&direction(link.joint().coords()[5]));
-        [-0.5, 0.5].map(|side| speed + side * self.track * rates[2])
+        let (in_world, ahead) = (Vector::new(rates[0], rates[1]), direction(link.joint().coords()[5]));
+        let velocity = Vector::new(in_world.dot(&ahead), in_world.dot(&left_of(ahead)));
+        self.of_drive().input(&BaseTwist { velocity, turn: rates[2] })
     }
 }
 

@@ -73,8 +73,8 @@ impl PhysicalPlant {
         Ok(plant)
     }
 
-    /// Simulates one control period (s, at most a minute) with these mean rates (rims m/s, joints rad/s or
-    /// m/s) and this command of the human. The rates are clamped to the robot's limits and change smoothly
+    /// Simulates one control period (s, at most a minute) with these mean rates (inputs of the base, joints
+    /// rad/s or m/s) and this command of the human. The rates are clamped to the robot's limits and change smoothly
     /// from those of the last period. A plant that failed with [`Failure::NonFinite`] no longer changes.
     pub fn step(&mut self, rates: &InputVector, human: &HumanCommand, period: f64) -> Observation {
         let goal = match human {
@@ -119,11 +119,11 @@ impl PhysicalPlant {
         Observation {
             time: self.steps as f64 * self.settings.step(),
             configuration: measured.configuration,
-            rim_speeds: measured.rim_speeds,
+            base_rates: measured.base_rates,
             joint_rates: measured.joint_rates,
             joint_efforts: measured.joint_efforts,
             effort_share: self.accumulator.effort_share(),
-            wheel_angles: self.robot.wheel_angles(),
+            rolled: self.robot.rolled(),
             grasp: self.robot.grasp(&self.world),
             object: pose(self.object),
             object_twist: [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z],

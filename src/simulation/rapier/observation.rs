@@ -1,7 +1,7 @@
 //! The observation of the physical plant after a control period. Vectors in world axes, SI units.
 
 use crate::geometry::{PlanarPose, Pose};
-use crate::robot::{Configuration, JointVector};
+use crate::robot::{BaseInput, Configuration, JointVector, without_last};
 use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -12,8 +12,9 @@ pub struct Observation {
     pub time: f64,
     /// The measured configuration of the robot.
     pub configuration: Configuration,
-    /// Measured speeds of the left and the right rim, m/s.
-    pub rim_speeds: [f64; 2],
+    /// Measured rates of the base: those of its inputs.
+    #[serde(rename = "rim_speeds", with = "without_last")]
+    pub base_rates: BaseInput,
     /// Measured joint rates, rad/s or m/s.
     pub joint_rates: JointVector,
     /// Efforts of the joints' motors in the last step, Nm or N. `effort_share` tells how exactly they keep
@@ -23,8 +24,10 @@ pub struct Observation {
     /// such limits. It may slightly exceed 1: a motor is clamped to its limit as if its joint kept its rate
     /// during the step, but the effort follows from the rate at the end of the step.
     pub effort_share: f64,
-    /// Angles of the left and the right wheel since the start, rad.
-    pub wheel_angles: [f64; 2],
+    /// What turns the wheels, since the start: angles of the left and the right wheels, rad. Omnidirectional:
+    /// distances ahead and to the left, m, and the angle turned, rad. See [`Wheel::of`](crate::robot::Wheel::of).
+    #[serde(rename = "wheel_angles", with = "without_last")]
+    pub rolled: BaseInput,
     /// `world_from_grasp`.
     pub grasp: Pose,
     /// `world_from_object`; the origin is the object's centre, x points from the robot's end to the human's.

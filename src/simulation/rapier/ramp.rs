@@ -1,6 +1,6 @@
 //! Smooth rates over the physics steps of a control period.
 
-use crate::robot::InputVector;
+use crate::robot::{InputVector, without_last};
 use serde::{Deserialize, Serialize};
 
 /// Share of a period during which rates change.
@@ -11,7 +11,9 @@ const TRANSITION_SHARE: f64 = 0.25;
 /// allow.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Ramp {
+    #[serde(with = "without_last")]
     from: InputVector,
+    #[serde(with = "without_last")]
     to: InputVector,
     /// Number of physics steps of the transition, and how many of them are over.
     steps: f64,

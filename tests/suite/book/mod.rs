@@ -48,6 +48,7 @@ pages! {
     the_page_of_the_model_can_be_followed: "book/src/model.md",
     the_page_of_worlds_can_be_followed: "book/src/worlds.md",
     the_page_of_robots_can_be_followed: "book/src/robots.md",
+    the_page_of_published_robots_can_be_followed: "book/src/gallery.md",
     the_page_of_humans_can_be_followed: "book/src/humans.md",
     the_page_of_policies_can_be_followed: "book/src/policies.md",
     the_page_of_studies_can_be_followed: "book/src/studies.md",

@@ -2,8 +2,8 @@
 
 use super::{read, settle};
 use cocarry::quantities::{
-    CONTROL, COORDINATION, COST, EPISODE, INTERACTION, JOINTS, Kind, OPTION, OPTIONS, PREPARATION, Quantity,
-    STEP, TIME,
+    BASE, CONTROL, COORDINATION, COST, EPISODE, INTERACTION, JOINTS, Kind, OPTION, OPTIONS, PREPARATION,
+    Quantity, STEP, TIME,
 };
 use cocarry::scenario::{Applies, SETTINGS, Scenario};
 use std::process::Command;
@@ -70,12 +70,13 @@ fn the_reference_of_settings_is_the_table_of_settings() {
 }
 
 /// Groups of the quantities of a step: heading, channel of recordings, quantities.
-const STEPS: [(&str, &str, &[Quantity]); 8] = [
+const STEPS: [(&str, &str, &[Quantity]); 9] = [
     ("Step", "every channel of JSON", STEP),
     ("Time", "the time stamp of every message", TIME),
     ("Coordination", "`/coordination`", COORDINATION),
     ("Cost", "`/cost`", COST),
     ("Control", "`/control`", CONTROL),
+    ("Omnidirectional base", "`/base`", BASE),
     ("Interaction", "`/interaction`", INTERACTION),
     ("Options", "`/options`", OPTIONS),
     ("Joints", "`/control`", JOINTS),

@@ -199,7 +199,7 @@ fn the_base_goes_as_told_and_never_sideways() {
     assert!((gone.x - 2.0).abs() < 0.01 && gone.y.abs() < 1e-3, "{gone:?}");
     assert!(base.yaw.abs() < 0.01, "{}", base.yaw);
     // the wheels have rolled that far
-    for angle in seen.wheel_angles {
+    for angle in seen.rolled.iter().take(2) {
         assert!((angle * robot.drive.wheel_radius - gone.x).abs() < 0.01, "{angle}");
     }
     let start = base;
@@ -256,7 +256,7 @@ fn joints_track_their_rates_and_keep_their_limits() {
         let mut rates = wheels(&robot, 9.0, 0.0);
         rates[7] = -50.0;
         let seen = plant.step(&rates, &HumanCommand::Follow, PERIOD);
-        most = [most[0].max(seen.rim_speeds[0]), most[1].max(seen.joint_rates[5].abs())];
+        most = [most[0].max(seen.base_rates[0]), most[1].max(seen.joint_rates[5].abs())];
         for (joint, effort) in robot.joints.iter().zip(seen.joint_efforts.iter()) {
             assert!(effort.abs() <= 1.2 * joint.effort_limit, "{}: {effort}", joint.name);
         }

@@ -24,7 +24,8 @@ fn what_is_read_is_what_was_written() {
     let contents = Contents::read(&mut Reader::new(&bytes[..], "test").unwrap()).unwrap();
     assert_eq!(contents.provenance["seed"], "1");
     assert_eq!(contents.outcome.expect("an outcome")["outcome"], "arrived");
-    for channel in Channel::ALL {
+    // of omnidirectional bases only
+    for channel in Channel::ALL.into_iter().filter(|channel| *channel != Channel::Base) {
         assert!(contents.channels[channel.topic()].messages > 0, "{channel:?}");
     }
 }
