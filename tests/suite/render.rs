@@ -284,10 +284,8 @@ fn a_filmstrip_is_as_wide_as_asked_with_legible_type() {
             let (_, layout) = svg.split_once("viewBox=\"0 0 ").expect("a view box");
             let layout: f64 = layout.split(' ').next().unwrap().parse().unwrap();
             let points = 72.0 * inches / layout;
-            // indices of symbols are smaller, as everywhere
-            let sizes =
-                svg.split("<text ").skip(1).map(|text| attribute(&format!(" {text}"), "font-size")[0]);
-            let smallest = sizes.fold(f64::MAX, f64::min);
+            // of lines and of indices
+            let smallest = attribute(&svg, "font-size").into_iter().fold(f64::MAX, f64::min);
             assert!(smallest * points >= 7.0, "{name}: {smallest} px at {points} pt a px");
             assert!((instants - 1..=instants).contains(&(svg.matches("class=\"team\"").count())), "{name}");
             assert!(svg.contains("stubbornness") && svg.contains("threshold 1"), "{name}");
