@@ -17,9 +17,11 @@ const BASE_RANGE_M: f64 = 0.5;
 
 /// Weight of the squared violation (m) of a bound: a thousand times that of the same tracking error.
 const VIOLATION_PRICE: f64 = 1e6;
-/// Radius (m) of the balls around the arm's joints that stand for the arm: half a link's width and a little
-/// more.
+/// Radius (m) of the balls around points of the arm that stand for the arm: half a link's width and a little
+/// more. The points are its joints, and points between them where a link is longer than the spacing (m), so
+/// that nothing wider than 9 cm fits between two balls.
 const ARM_RADIUS_M: f64 = 0.08;
+const ARM_SPACING_M: f64 = 0.25;
 /// Distances (m) beyond which an obstacle sets no bound: from a joint of the arm for that joint, and from the
 /// base for the whole arm.
 const ARM_RANGE_M: f64 = 0.6;
@@ -81,7 +83,7 @@ impl RobotObstacles {
         Self { outlines: world.obstacles.iter().map(|o| outline(&o.footprint, o.height)).collect() }
     }
 
-    /// Replaces the half-planes in `limits`. They separate the base, and the joints of the arm, from each
+    /// Replaces the half-planes in `limits`. They separate the base, and points of the arm, from each
     /// near obstacle at each step, for a robot that starts at `q` and moves by `inputs`. They are linear in
     /// the inputs about these.
     ///
@@ -105,7 +107,8 @@ impl RobotObstacles {
         limits: &mut Limits,
     ) {
         limits.half_planes.clear();
-        limits.half_planes.reserve(HORIZON * self.outlines.len() * (2 + 2 * robot.joint_count()));
+        let points = 2 + robot.arm_point_count(ARM_SPACING_M);
+        limits.half_planes.reserve(HORIZON * self.outlines.len() * points);
         if avoid != Avoid::Nothing {
             self.keep_base_off(&robot.drive, &q.base, inputs, period, limits);
         }
@@ -151,11 +154,13 @@ impl RobotObstacles {
         let arm_of = |jacobian: &PointJacobian| jacobian.fixed_view::<2, MAX_JOINTS>(0, first).into_owned();
         // the arm's chain leads from the base to its last point, the grasp
         let (mut to_grasp, mut grasp_arm) = (Vector::zeros(), ArmJacobian::zeros());
-        robot.arm_points(q, |point, jacobian| (to_grasp, grasp_arm) = (carried(&point), arm_of(jacobian)));
+        robot.arm_points(q, f64::INFINITY, |point, jacobian| {
+            (to_grasp, grasp_arm) = (carried(&point), arm_of(jacobian));
+        });
         let chain: [_; HORIZON] = std::array::from_fn(|t| {
             [reaching.rolling.pose(t).position, reaching.place(to_grasp, &grasp_arm, t).1]
         });
-        robot.arm_points(q, |point, jacobian| {
+        robot.arm_points(q, ARM_SPACING_M, |point, jacobian| {
             let from_base = carried(&point);
             // the bounds of the base also cover what is above it
             if from_base.norm() + ARM_RADIUS_M <= robot.drive.base_radius {
@@ -274,7 +279,7 @@ mod tests {
         let elbow_out = robot.postures.iter().find(|p| p.name == "elbow-out").unwrap();
         let q = Configuration { base, joints: elbow_out.joints };
         let mut elbow = Point::origin();
-        robot.arm_points(&q, |point, _| {
+        robot.arm_points(&q, f64::INFINITY, |point, _| {
             if point.y.abs() > elbow.y.abs() {
                 elbow = point.xy().into();
             }

@@ -33,6 +33,11 @@ impl Axis {
     };
 }
 
+/// Number of points on a link with this offset between its joints, the last one included.
+fn points_of_link(link: &Pose, spacing: f64) -> usize {
+    ((link.translation.vector.norm() / spacing).ceil() as usize).max(1)
+}
+
 impl Robot {
     /// `world_from_grasp` at a configuration.
     pub fn grasp_pose(&self, q: &Configuration) -> Pose {
@@ -58,14 +63,35 @@ impl Robot {
         Kinematics { grasp, jacobian }
     }
 
-    /// Calls `on_point` for every moving joint of the arm, from the base outward, and finally for the grasp.
-    /// The arguments are the point's position (m, world frame) and the derivative of the position with
-    /// respect to the inputs, one column per input as in [`InputVector`]. No allocation.
-    pub fn arm_points(&self, q: &Configuration, mut on_point: impl FnMut(Vector3<f64>, &PointJacobian)) {
-        let (axes, grasp) =
-            self.follow_chain(q, |at, before| on_point(at, &self.point_jacobian(q, &at, before)));
-        let at = grasp.translation.vector;
-        on_point(at, &self.point_jacobian(q, &at, &axes[..self.chain.len()]));
+    /// Calls `on_point` for every moving joint of the arm, from the base outward, and finally for the grasp;
+    /// and for points between two of them, evenly spaced, where the link is longer than `spacing` (m). The
+    /// arguments are the point's position (m, world frame) and the derivative of the position with respect to
+    /// the inputs, one column per input as in [`InputVector`]. No allocation.
+    pub fn arm_points(
+        &self,
+        q: &Configuration,
+        spacing: f64,
+        mut on_point: impl FnMut(Vector3<f64>, &PointJacobian),
+    ) {
+        let mut last = None;
+        let mut on_link = |at: Vector3<f64>, link: &Pose, axes: &[Axis]| {
+            let from = last.replace(at).unwrap_or(at);
+            let parts = if from == at { 1 } else { points_of_link(link, spacing) };
+            for part in 1..=parts {
+                let point = if part < parts { from + (at - from) * (part as f64 / parts as f64) } else { at };
+                on_point(point, &self.point_jacobian(q, &point, axes));
+            }
+        };
+        let (axes, grasp) = self.follow_chain(q, |at, before| {
+            on_link(at, &self.chain[before.len()].before_from_joint, before);
+        });
+        on_link(grasp.translation.vector, &self.last_from_grasp, &axes[..self.chain.len()]);
+    }
+
+    /// The largest number of points that [`Robot::arm_points`] has.
+    pub fn arm_point_count(&self, spacing: f64) -> usize {
+        let links = self.chain.iter().map(|link| &link.before_from_joint).chain([&self.last_from_grasp]);
+        links.map(|link| points_of_link(link, spacing)).sum()
     }
 
     /// The axes of the chain's joints (as many as it has) and `world_from_grasp`. `on_joint` receives the

@@ -156,7 +156,7 @@ fn reach_share(robot: &Robot, found: &Found) -> f64 {
 /// 1 for an arm that is no wider than the base, less for an elbow that stands out.
 fn width_share(robot: &Robot, joints: &JointVector, base_radius: f64) -> f64 {
     let mut widest: f64 = 0.0;
-    robot.arm_points(&Robot::at_origin(joints), |at, _| widest = widest.max(at.y.abs()));
+    robot.arm_points(&Robot::at_origin(joints), f64::INFINITY, |at, _| widest = widest.max(at.y.abs()));
     let beside = widest + ARM_RADIUS_M - base_radius;
     (1.0 - beside / FARTHEST_BESIDE_M).clamp(LEAST_SHARE, 1.0)
 }
@@ -165,7 +165,7 @@ fn width_share(robot: &Robot, joints: &JointVector, base_radius: f64) -> f64 {
 /// radius, or below the floor.
 fn passes_through_base(robot: &Robot, joints: &JointVector, base_radius: f64) -> bool {
     let mut points = Vec::new();
-    robot.arm_points(&Robot::at_origin(joints), |at, _| points.push(at));
+    robot.arm_points(&Robot::at_origin(joints), f64::INFINITY, |at, _| points.push(at));
     let Some(shoulder) = points.iter().map(|p| p.xy()).next() else { return false };
     let first = points.iter().position(|p| (p.xy() - shoulder).norm() > 0.05).unwrap_or(0);
     let floor = points.get(first.saturating_sub(1)).map_or(0.0, |p| p.z) - 2.0 * ARM_RADIUS_M;

@@ -45,12 +45,13 @@ fn altered(changes: &[(&str, &str)]) -> Robot {
 }
 
 /// Mimics in the arm: one slides with a joint that itself mimics, and follows it backwards.
-fn carrier_that_mimics() -> Robot {
+/// Its torso slides and its forearm turns as other joints do; their own efforts are those of a gear, 1 N or Nm.
+pub fn carrier_that_mimics() -> Robot {
     altered(&[
         (
             "<joint name=\"torso_joint\" type=\"fixed\">",
             "<joint name=\"torso_joint\" type=\"prismatic\"><axis xyz=\"0 0.6 0.8\"/>
-             <limit lower=\"-0.2\" upper=\"0.2\" effort=\"400\" velocity=\"0.1\"/>
+             <limit lower=\"-0.2\" upper=\"0.2\" effort=\"1\" velocity=\"0.1\"/>
              <mimic joint=\"forearm_roll_joint\" multiplier=\"-0.04\"/>",
         ),
         (
@@ -376,12 +377,14 @@ fn property_the_arms_points_and_their_jacobians_agree_with_finite_differences() 
             let q = random_configuration(&robot, &mut rng);
             let points = |q: &Configuration| {
                 let mut found = Vec::new();
-                robot.arm_points(q, |point, jacobian| found.push((point, *jacobian)));
+                robot.arm_points(q, 0.1, |point, jacobian| found.push((point, *jacobian)));
                 found
             };
             let here = points(&q);
             let grasp = robot.grasp_pose(&q).translation.vector;
             assert!((here.last().expect("the grasp").0 - grasp).norm() < 1e-12);
+            assert!(here.windows(2).all(|pair| (pair[1].0 - pair[0].0).norm() < 0.1 + 1e-12));
+            assert!(here.len() <= robot.arm_point_count(0.1));
             for input in 0..robot.joint_count() + 2 {
                 let mut u = InputVector::zeros();
                 u[input] = 1.0;

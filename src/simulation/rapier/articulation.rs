@@ -189,10 +189,27 @@ impl Articulation {
 
         let rates = wanted.fixed_rows::<MAX_JOINTS>(first).into_owned();
         self.reference += rates * dt;
-        for motor in &mut self.motors {
-            motor.drive(world, &mut self.reference, &rates, dt)?;
+        let geared = self.geared(world);
+        let mut states = [[0.0; 2]; MAX_JOINTS];
+        for motor in self.motors.iter_mut().filter(|m| m.is_own) {
+            let j = motor.joint;
+            states[j] = motor.state(world)?.into();
+            motor.drive(world, &mut self.reference[j], rates[j], geared[j], dt)?;
+        }
+        for gear in self.motors.iter_mut().filter(|m| !m.is_own) {
+            gear.follow(world, states[gear.joint], dt)?;
         }
         Some(())
+    }
+
+    /// What the gears of mimicking joints loaded every motor with in the last step, Nm or N.
+    fn geared(&self, world: &PhysicsWorld) -> JointVector {
+        let mut geared = JointVector::zeros();
+        for gear in self.motors.iter().filter(|m| !m.is_own) {
+            let effort = gear.state(world).map_or(0.0, |(at, rate)| gear.effort(at, rate));
+            geared[gear.joint] += gear.ratio * effort;
+        }
+        geared
     }
 
     /// Turns the wheels after a step of `dt` seconds.
@@ -223,11 +240,12 @@ impl Articulation {
     pub fn measure(&self, world: &PhysicsWorld) -> Measured {
         let mut joints = JointVector::zeros();
         let mut joint_rates = JointVector::zeros();
-        let mut joint_efforts = JointVector::zeros();
+        let mut joint_efforts = self.geared(world);
         for motor in self.motors.iter().filter(|m| m.is_own) {
             let Some((position, rate)) = motor.state(world) else { continue };
             let j = motor.joint;
-            (joints[j], joint_rates[j], joint_efforts[j]) = (position, rate, motor.effort(position, rate));
+            (joints[j], joint_rates[j]) = (position, rate);
+            joint_efforts[j] += motor.effort(position, rate);
         }
         let configuration = Configuration { base: self.base(world), joints };
         Measured { configuration, base_rates: self.base_rates(world), joint_rates, joint_efforts }
@@ -235,8 +253,12 @@ impl Articulation {
 
     /// The largest motor effort in the last step as a share of its limit.
     pub fn effort_share(&self, world: &PhysicsWorld) -> f64 {
-        let share = |motor: &Motor| motor.state(world).map_or(0.0, |(at, rate)| motor.share(at, rate));
-        self.motors.iter().map(share).fold(0.0, f64::max)
+        let geared = self.geared(world);
+        let share = |motor: &Motor| {
+            let (at, rate) = motor.state(world)?;
+            Some(motor.share(motor.effort(at, rate) + geared[motor.joint]))
+        };
+        self.motors.iter().filter(|m| m.is_own).filter_map(share).fold(0.0, f64::max)
     }
 
     /// `world_from_grasp`.

@@ -1,7 +1,8 @@
-//! The motor of an arm joint: a spring and a damper with a limited effort.
+//! The motor of an arm joint: a spring and a damper with a limited effort. A joint that mimics another has a
+//! gear in its place: a stiff spring to where the other joint is, whose load that joint's motor bears.
 
 use crate::geometry::Pose;
-use crate::robot::{ArmJoint, Joint, JointKind, JointVector, Robot};
+use crate::robot::{ArmJoint, Joint, JointKind, Robot};
 use crate::simulation::convert::{to_rapier, to_vector};
 use rapier3d::prelude::{
     GenericJoint, GenericJointBuilder, JointAxesMask, JointAxis, MultibodyJointHandle, PhysicsWorld,
@@ -45,9 +46,11 @@ pub(super) struct Motor {
 }
 
 impl Motor {
-    /// The motor of `joint`, which is or mimics the robot's arm joint `driver`.
+    /// The motor of `joint`, which is the robot's arm joint `driver`, or the gear from it to one that mimics it.
     pub fn new(handle: MultibodyJointHandle, joint: &Joint, driver: usize, robot: &Robot) -> Self {
-        let effort = if joint.limits.effort > 0.0 { joint.limits.effort.min(NO_LIMIT) } else { NO_LIMIT };
+        let is_own = joint.mimic.is_none();
+        let limit = joint.limits.effort;
+        let effort = if is_own && limit > 0.0 { limit.min(NO_LIMIT) } else { NO_LIMIT };
         let stiffness = STIFFNESS_PER_EFFORT * effort.min(UNLIMITED_EFFORT);
         let ArmJoint { lower, upper, .. } = robot.joints[driver];
         Self {
@@ -56,7 +59,7 @@ impl Motor {
             ratio: joint.coupling.ratio,
             offset: joint.coupling.offset,
             slides: joint.kind == JointKind::Prismatic,
-            is_own: joint.mimic.is_none(),
+            is_own,
             most: effort,
             stiffness,
             damping: stiffness / STIFFNESS_PER_DAMPING,
@@ -65,35 +68,40 @@ impl Motor {
         }
     }
 
-    /// Sets the motor for a step of `dt` seconds toward the joint's `reference` with its rate. Pulls back a
-    /// reference that the motor cannot follow. `None` if the bodies no longer exist.
+    /// Sets the motor for a step of `dt` seconds toward the joint's `reference` with its `rate`. Its effort and
+    /// the load of its gears, `geared`, stay within its limit together. Pulls back a reference that it cannot
+    /// follow. `None` if the bodies no longer exist.
     pub fn drive(
         &mut self,
         world: &mut PhysicsWorld,
-        reference: &mut JointVector,
-        rates: &JointVector,
+        reference: &mut f64,
+        rate: f64,
+        geared: f64,
         dt: f64,
     ) -> Option<()> {
-        let (position, moving) = self.state(world)?;
-        let wanted = &mut reference[self.joint];
-        if self.is_own {
-            let within = wanted.clamp(position - WINDUP_LIMIT, position + WINDUP_LIMIT);
-            *wanted = within.clamp(self.limits[0], self.limits[1]);
-        }
-        self.set_spring(
-            self.ratio * *wanted + self.offset,
-            self.ratio * rates[self.joint],
-            position,
-            moving,
-            dt,
-        );
+        let state = self.state(world)?;
+        let [lower, upper] = self.limits;
+        let within = reference.clamp(state.0 - WINDUP_LIMIT, state.0 + WINDUP_LIMIT);
+        *reference = within.clamp(lower, upper);
+        self.set_spring([*reference, rate], state, geared, dt);
+        // a stop costs a constraint in every step, so add it only near the limit
+        let is_near = state.0 < lower + STOP_DISTANCE || state.0 > upper - STOP_DISTANCE;
+        self.apply(world, if is_near { self.axis().into() } else { JointAxesMask::empty() })
+    }
+
+    /// Sets the gear for a step of `dt` seconds, to where the joint that it follows goes from its position and
+    /// rate.
+    pub fn follow(&mut self, world: &mut PhysicsWorld, [at, rate]: [f64; 2], dt: f64) -> Option<()> {
+        let state = self.state(world)?;
+        self.set_spring([self.ratio * (at + dt * rate) + self.offset, self.ratio * rate], state, 0.0, dt);
+        self.apply(world, JointAxesMask::empty())
+    }
+
+    fn apply(&self, world: &mut PhysicsWorld, stop: JointAxesMask) -> Option<()> {
         let (body, id) = world.multibody_joints.get_mut(self.handle)?;
         let joint = &mut body.link_mut(id)?.joint;
         joint.set_spring(self.coordinate(), self.stiffness, self.rest);
-        // a stop costs a constraint in every step, so add it only near the limit
-        let [lower, upper] = self.limits;
-        let is_near = self.is_own && (position < lower + STOP_DISTANCE || position > upper - STOP_DISTANCE);
-        joint.data.limit_axes = if is_near { self.axis().into() } else { JointAxesMask::empty() };
+        joint.data.limit_axes = stop;
         Some(())
     }
 
@@ -110,18 +118,20 @@ impl Motor {
         self.stiffness * (self.rest - position) - self.damping * rate
     }
 
-    /// The effort as a share of its limit; 0 without a limit.
-    pub fn share(&self, position: f64, rate: f64) -> f64 {
-        if self.most < NO_LIMIT { self.effort(position, rate).abs() / self.most } else { 0.0 }
+    /// An effort as a share of its limit; 0 without a limit.
+    pub fn share(&self, effort: f64) -> f64 {
+        if self.most < NO_LIMIT { effort.abs() / self.most } else { 0.0 }
     }
 
-    /// Sets the spring for a step of `dt` seconds toward a position and a rate. The implicit effort is
-    /// clamped to its limit for a joint that keeps its rate; a change of rate during the step adds to it.
-    fn set_spring(&mut self, target: f64, rate: f64, position: f64, moving: f64, dt: f64) {
+    /// Sets the spring for a step of `dt` seconds toward a position and a rate. The implicit effort and
+    /// `geared` are clamped to its limit for a joint that keeps its rate; a change of rate during the step adds
+    /// to it.
+    fn set_spring(&mut self, [target, rate]: [f64; 2], (position, moving): (f64, f64), geared: f64, dt: f64) {
         let Self { stiffness, damping, most, .. } = *self;
         let rest = target + damping / stiffness * rate;
         let without = position + dt * moving + damping / stiffness * moving;
-        self.rest = without + (rest - without).clamp(-most / stiffness, most / stiffness);
+        let [least, most] = [-most, most].map(|limit| (limit - geared) / stiffness);
+        self.rest = without + (rest - without).clamp(least, most);
     }
 
     fn axis(&self) -> JointAxis {
