@@ -27,11 +27,13 @@
 
 mod episode;
 mod event;
+mod learned;
 mod preparation;
 mod tick;
 
 pub use episode::EPISODE;
 pub use event::{Event, Severity};
+pub use learned::LEARNED;
 pub use preparation::PREPARATION;
 pub use tick::{
     BASE, CONTROL, COORDINATION, COST, INTERACTION, JOINTS, OPTION, OPTIONS, OptionView, STEP, TICK, TIME,
@@ -182,8 +184,9 @@ mod tests {
         fn of<Getter>(quantities: &[Quantity<Getter>]) -> Vec<(&'static str, Kind)> {
             quantities.iter().map(|quantity| (quantity.key, quantity.kind)).collect()
         }
-        let nested = [of(OPTION), of(tick::REVOLUTE), of(tick::PRISMATIC), preparation::nested()];
-        TICK.into_iter().chain([PREPARATION, EPISODE]).map(of).chain(nested).flatten().collect()
+        let nested =
+            [of(OPTION), of(tick::REVOLUTE), of(tick::PRISMATIC), of(learned::HUMAN), preparation::nested()];
+        TICK.into_iter().chain([PREPARATION, LEARNED, EPISODE]).map(of).chain(nested).flatten().collect()
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! The channels of a recording: topic, schema and encoding of each.
 
 use crate::quantities::{
-    BASE, CONTROL, COORDINATION, COST, EPISODE, INTERACTION, JOINTS, OPTIONS, PREPARATION, Quantity, Record,
-    STEP, json, schema,
+    BASE, CONTROL, COORDINATION, COST, EPISODE, INTERACTION, JOINTS, LEARNED, OPTIONS, PREPARATION, Quantity,
+    Record, STEP, json, schema,
 };
 use foxglove::messages::{FrameTransforms, JointStates, Log, SceneUpdate};
 use foxglove::{Encode, Schema};
@@ -35,6 +35,8 @@ pub enum Channel {
     Base,
     /// The controller's inputs: references, and the candidates of eq. (8).
     Preparation,
+    /// What the robot has learned of the human.
+    Learned,
     /// Forces.
     Interaction,
     /// Running totals.
@@ -45,7 +47,7 @@ pub enum Channel {
 
 impl Channel {
     /// All channels, in the order in which files define them.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Transforms,
         Self::World,
         Self::Team,
@@ -58,6 +60,7 @@ impl Channel {
         Self::Control,
         Self::Base,
         Self::Preparation,
+        Self::Learned,
         Self::Interaction,
         Self::Cost,
         Self::Outcome,
@@ -83,6 +86,7 @@ impl Channel {
             Self::Control => "/control",
             Self::Base => "/base",
             Self::Preparation => "/preparation",
+            Self::Learned => "/learned",
             Self::Interaction => "/interaction",
             Self::Cost => "/cost",
             Self::Outcome => "/outcome",
@@ -113,6 +117,7 @@ impl Channel {
             Self::Control => &[STEP, CONTROL, JOINTS],
             Self::Base => &[STEP, BASE],
             Self::Preparation => &[STEP, PREPARATION],
+            Self::Learned => &[STEP, LEARNED],
             Self::Interaction => &[STEP, INTERACTION],
             Self::Cost => &[STEP, COST],
             Self::Outcome => &[EPISODE],

@@ -7,6 +7,8 @@ use super::meshes::Meshes;
 use super::{motion, scene};
 use crate::episode::Episode;
 use crate::geometry::Point;
+use crate::learning::Learner;
+use crate::preference::Learned;
 use crate::quantities::{Record, View};
 use crate::scenario::PreparedScenario;
 
@@ -19,7 +21,22 @@ pub struct Encoder<'a> {
     team: Option<Vec<u8>>,
     events: Events,
     walked: Vec<Point>,
+    /// What was learned of the human, as of the last message about it.
+    learned: Option<Known>,
     messages: Vec<Message>,
+}
+
+/// What a belief depends on.
+#[derive(Clone, Debug, PartialEq)]
+struct Known {
+    perception: Learned,
+    tasks: Vec<[f64; 2]>,
+}
+
+impl Known {
+    fn of(learner: &Learner) -> Self {
+        Self { perception: learner.perception().learned(), tasks: learner.tolerance().tasks().to_vec() }
+    }
 }
 
 impl<'a> Encoder<'a> {
@@ -31,6 +48,7 @@ impl<'a> Encoder<'a> {
             team: None,
             events: Events::default(),
             walked: Vec::new(),
+            learned: None,
             messages: Vec::new(),
         }
     }
@@ -50,6 +68,7 @@ impl<'a> Encoder<'a> {
             | Channel::Control
             | Channel::Preparation => self.stage.robot().is_some(),
             Channel::Base => self.has_free_base(),
+            Channel::Learned => episode.learner().is_some(),
             Channel::Interaction => episode.observation().is_some(),
             _ => true,
         };
@@ -95,6 +114,7 @@ impl<'a> Encoder<'a> {
         if has_robot && episode.considerations().is_some() {
             self.json(Channel::Preparation, from, episode);
         }
+        self.learned(episode, from);
         self.state(episode, to);
         if has_robot && tick.robot.is_some() {
             self.json(Channel::Control, to, episode);
@@ -140,6 +160,15 @@ impl<'a> Encoder<'a> {
     fn json(&mut self, channel: Channel, time: u64, episode: &Episode) {
         let record = self.record(channel, episode);
         self.messages.push(Message::json(channel, time, record));
+    }
+
+    /// Adds what was learned, where that changed.
+    fn learned(&mut self, episode: &Episode, time: u64) {
+        let known = episode.learner().map(Known::of);
+        if known.is_some() && known != self.learned {
+            self.json(Channel::Learned, time, episode);
+            self.learned = known;
+        }
     }
 
     /// Adds the message with a channel's quantities.

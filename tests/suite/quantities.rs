@@ -2,7 +2,7 @@
 
 use crate::recording::path;
 use crate::support::{cocarry, json, stderr};
-use cocarry::quantities::{EPISODE, OPTION, PREPARATION, TICK};
+use cocarry::quantities::{EPISODE, LEARNED, OPTION, PREPARATION, TICK};
 use cocarry::recording::{Channel, Reader};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
@@ -130,7 +130,7 @@ fn every_quantity_is_in_the_schema_of_a_channel() {
         let schema: Value = serde_json::from_slice(&channel.schema().data).expect("JSON");
         described.extend(of_object(&schema["properties"]));
     }
-    let further = [PREPARATION, EPISODE].into_iter().flatten().map(|quantity| quantity.key);
+    let further = [PREPARATION, LEARNED, EPISODE].into_iter().flatten().map(|quantity| quantity.key);
     assert_eq!(described, &of_ticks() | &keys(further));
 }
 

@@ -24,10 +24,54 @@ fn what_is_read_is_what_was_written() {
     let contents = Contents::read(&mut Reader::new(&bytes[..], "test").unwrap()).unwrap();
     assert_eq!(contents.provenance["seed"], "1");
     assert_eq!(contents.outcome.expect("an outcome")["outcome"], "arrived");
-    // of omnidirectional bases only
-    for channel in Channel::ALL.into_iter().filter(|channel| *channel != Channel::Base) {
+    // of omnidirectional bases and robots that learn only
+    let others = [Channel::Base, Channel::Learned];
+    for channel in Channel::ALL.into_iter().filter(|channel| !others.contains(channel)) {
         assert!(contents.channels[channel.topic()].messages > 0, "{channel:?}");
     }
+}
+
+/// A message for every change of the belief, with its figures; its density means the same over the grid.
+#[test]
+fn what_the_robot_learns_of_the_human_is_recorded_as_it_changes() {
+    let mut scenario = example(Plant::Point);
+    scenario.settings.learning = Some(Default::default());
+    let mut last = None;
+    let (bytes, _) = encoded(scenario, |episode| last = episode.learner().cloned());
+    let learned: Vec<Value> = messages(&bytes)
+        .iter()
+        .filter(|(topic, ..)| topic == "/learned")
+        .map(|(_, _, data)| serde_json::from_slice(data).expect("JSON"))
+        .collect();
+    assert!(learned.len() > 20, "{}", learned.len());
+    let numbers = |human: &Value, key: &str| -> Vec<f64> {
+        human[key].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+    };
+    let mut shares = Vec::new();
+    for message in &learned {
+        let human = &message["human"];
+        let density = numbers(human, "density");
+        assert_eq!(density.len(), 32 * 32);
+        let [alphas, gammas] = ["alpha_range", "gamma_range"].map(|key| numbers(human, key));
+        let total: f64 = density.iter().sum();
+        let middle = |range: &[f64], i: usize| range[0] + (range[1] - range[0]) * (i as f64 + 0.5) / 32.0;
+        let mean = |of: &dyn Fn(usize) -> f64| {
+            density.iter().enumerate().map(|(cell, d)| d * of(cell)).sum::<f64>() / total
+        };
+        let [alpha, gamma] =
+            [mean(&|cell| middle(&alphas, cell / 32)), mean(&|cell| middle(&gammas, cell % 32))];
+        for (key, on_grid) in [("alpha_mean", alpha), ("gamma_mean", gamma)] {
+            let exact = human[key].as_f64().unwrap();
+            assert!((exact - on_grid).abs() < 0.01, "{key}: {exact}, on the grid {on_grid}");
+        }
+        shares.push(human["region_share"].as_f64().unwrap());
+    }
+    let mut learner = last.expect("a robot that learns");
+    let estimate = learner.perception_mut().estimate();
+    let human = &learned.last().unwrap()["human"];
+    assert_eq!(human["alpha_variance"], estimate.covariance[0]);
+    assert_eq!(human["eta_mean"], learner.tolerance().moments()[0]);
+    assert!(shares[shares.len() - 1] < 0.6 * shares[0], "{shares:?}");
 }
 
 /// The poses of a `/tf` message's frames in the world. Every frame has one parent, which comes before it.
