@@ -155,3 +155,5 @@ pub mod suggestion;
 pub mod table;
 pub mod team;
 pub mod world;
+#[cfg(feature = "studies")]
+pub mod zarr;

@@ -18,7 +18,7 @@ use crate::fit::{
 use crate::learning;
 use crate::options::OptionSet;
 use crate::scenario::{INITIAL_STUBBORNNESS, Plant, Scenario};
-use anyhow::anyhow;
+use anyhow::{Context, anyhow};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -39,6 +39,7 @@ use std::process::ExitCode;
 #[command(after_help = examples(&[
     ("cocarry infer answers.csv", "alpha and gamma of every participant, and of all"),
     ("cocarry infer answers.csv switches.csv --csv people.csv", "eta too, with a row for every participant"),
+    ("cocarry infer answers.csv --arviz people.zarr.zip", "draws from the posterior, for ArviZ"),
     ("cocarry infer docs/data/table-1-humans.csv --means-of 20 --normalise", "a population from mean answers"),
 ]))]
 pub(super) struct InferArguments {
@@ -80,6 +81,9 @@ pub(super) struct InferArguments {
     /// Write a row for every participant into this CSV file
     #[arg(long, value_name = "FILE", value_parser = csv_file, conflicts_with = "means_of")]
     csv: Option<PathBuf>,
+    /// Write draws from posterior and prior for ArviZ into this file, which must end in .zarr.zip
+    #[arg(long, value_name = "FILE", value_parser = zarr_file, conflicts_with = "means_of")]
+    arviz: Option<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArguments,
 }
@@ -93,7 +97,8 @@ struct Read {
 
 pub(super) fn run(arguments: &InferArguments) -> Result<ExitCode, Failure> {
     let read = read(arguments)?;
-    let outputs = arguments.overwrite.outputs(read.inputs.iter().map(PathBuf::as_path), &arguments.csv)?;
+    let files = arguments.csv.iter().chain(&arguments.arviz);
+    let outputs = arguments.overwrite.outputs(read.inputs.iter().map(PathBuf::as_path), files)?;
     let model = InferenceModel {
         belief: arguments.model.predictor()?.belief().clone(),
         risk_weight: arguments.model.risk_weight,
@@ -130,6 +135,11 @@ pub(super) fn run(arguments: &InferArguments) -> Result<ExitCode, Failure> {
         .map_err(input)?;
     if let Some(path) = &arguments.csv {
         write_file(&outputs, path, text::people(&inference).csv())?;
+    }
+    if let Some(path) = &arguments.arviz {
+        let store = inference.store(read.answers.as_ref(), switches, &settings);
+        let bytes = store.zipped().with_context(|| path.display().to_string()).map_err(Failure::Output)?;
+        write_file(&outputs, path, bytes)?;
     }
     if arguments.common.json {
         print_json(&json!({
@@ -227,4 +237,12 @@ fn switches(arguments: &InferArguments, path: &Path, read: &mut Read) -> Result<
 fn positive(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number| *number > 0.0 && *number <= 1e6);
     number.ok_or_else(|| "must be greater than 0 and at most 1000000".to_owned())
+}
+
+/// A parser of the name of a Zarr store in a ZIP file.
+fn zarr_file(name: &str) -> Result<PathBuf, String> {
+    match name.ends_with(".zarr.zip") {
+        true => Ok(PathBuf::from(name)),
+        false => Err("its ending must be .zarr.zip, which is what is written".to_owned()),
+    }
 }

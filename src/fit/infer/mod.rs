@@ -3,6 +3,7 @@
 //!
 //! The model and its assumptions are in the book, `book/src/participants.md`.
 
+mod arviz;
 mod draws;
 mod evidence;
 mod held_out;
