@@ -153,6 +153,16 @@ pub enum FitError {
         /// The world.
         world: String,
     },
+    /// A walk that no alpha and gamma of the belief explain without lapses.
+    #[error(
+        "{file}: participant `{participant}`: no alpha and gamma of the belief agree with this walk and the rest; give a --lapse-rate above 0"
+    )]
+    Walk {
+        /// The recording.
+        file: String,
+        /// The participant.
+        participant: String,
+    },
     /// Switches that no eta explains without lapses.
     #[error(
         "{file}: participant `{participant}`: no eta agrees with all episodes; give a --lapse-rate above 0"

@@ -21,7 +21,7 @@ pub use error::FitError;
 pub use eta::{Eta, EtaFit, Evidence, fit_eta};
 pub use infer::{
     CHAINS, Draws, Figure, HeldOut, Inference, Means, MeansRow, Model as InferenceModel, OptionCheck, Person,
-    Population, QUANTITIES, Score, Settings as InferenceSettings, Switches, infer, infer_means,
+    Population, QUANTITIES, Score, Settings as InferenceSettings, Switches, Walk, infer, infer_means,
 };
 pub use kind::Kind;
 pub use lognormal::{LEAST_BOUNDED, LEAST_DRAWS, LogNormal, NoInterval};

@@ -23,7 +23,7 @@ def infer(*arguments):
 def opened(path):
     if zarr.__version__.startswith("2."):
         return arviz.from_zarr(zarr.ZipStore(str(path), mode="r"))
-    tree = xarray.open_datatree(zarr.storage.ZipStore(str(path), mode="r"), engine="zarr", consolidated=False)
+    tree = xarray.open_datatree(zarr.storage.ZipStore(str(path), mode="r"), engine="zarr")
     return arviz.InferenceData.from_datatree(tree)
 
 

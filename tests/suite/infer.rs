@@ -171,3 +171,43 @@ fn outputs_are_refused_before_the_work_and_written_whole() {
     assert!(!store.exists());
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
 }
+
+/// A recorded walk says what the robot of `--belief learn` learns in the same episode.
+#[test]
+fn recorded_walks_are_seen_as_the_learning_robot_sees_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let record = |name: &str, more: &[&str]| {
+        let (_, path) = file(folder.path(), name);
+        let fixed = ["run", "environment-4", "--plant", "point", "--record", &path];
+        assert!(cocarry(&[&fixed[..], more].concat()).status.success());
+        path
+    };
+    let anna = record("anna.mcap", &["--method", "human-led", "--alpha", "0.6", "--gamma", "0.9"]);
+    let ben = record("ben.mcap", &["--eta", "5"]);
+    let found = json(&["infer", &anna, &ben, "--json", "--draws", "100"]);
+    let people = found["people"].as_array().unwrap();
+    assert_eq!(people.len(), 2);
+    assert!(people[0]["participant"] == "anna" && people[0]["looks"].as_u64().unwrap() > 5, "{found}");
+    assert!(people[0]["eta"].is_null() && people[0]["information"].as_f64().unwrap() > 0.3, "{found}");
+    let inside = |figure: &serde_json::Value, truth: f64| {
+        let [low, high] = [0, 1].map(|end| figure["interval"][end].as_f64().unwrap());
+        assert!(low <= truth && truth <= high, "{truth}: {figure}");
+    };
+    inside(&people[0]["alpha"], 0.6);
+    inside(&people[0]["gamma"], 0.9);
+    inside(&people[1]["eta"], 5.0);
+    assert!(found["population"].is_object());
+    // the switch at this step, from a file
+    let switch =
+        written(folder.path(), "ben.csv", "participant,world,method,step\nben,environment-4,mutual,22\n");
+    let listed = json(&["infer", &switch, "--json", "--draws", "100"]);
+    let [one, other] = [&people[1], &listed["people"][0]].map(|p| p["eta"]["mean"].as_f64().unwrap());
+    assert!((one / other - 1.0).abs() < 1e-6, "{one} {other}");
+    let other = record("other.mcap", &["--risk-weight", "5"]);
+    refused(&["infer", &other], &["other.mcap", "risk_weight_m = 5", "--risk-weight 5"]);
+    assert!(cocarry(&["infer", &other, "--risk-weight", "5", "--draws", "100"]).status.success());
+    let learns = record("learns.mcap", &["--belief", "learn"]);
+    refused(&["infer", &learns], &["learns.mcap", "--belief learn"]);
+    let broken = written(folder.path(), "broken.mcap", "no recording");
+    refused(&["infer", &broken], &["broken.mcap"]);
+}

@@ -10,13 +10,14 @@ use super::output::{
 use super::reproduce::Common;
 use super::settings::number;
 use crate::coordination;
-use crate::episode;
+use crate::episode::{self, Watch};
 use crate::fit::{
     AnswerFile, Answers, InferenceModel, InferenceSettings, Kind, Situation, Switch, SwitchFile, Switches,
-    infer, infer_means,
+    Walk, infer, infer_means,
 };
 use crate::learning;
 use crate::options::OptionSet;
+use crate::recording::{Reader, rerun, scenario};
 use crate::scenario::{INITIAL_STUBBORNNESS, Plant, Scenario};
 use anyhow::{Context, anyhow};
 use clap::Args;
@@ -26,9 +27,10 @@ use std::process::ExitCode;
 
 /// Infer alpha, gamma and eta of participants, and of their population
 ///
-/// Files are those of `cocarry fit`: answers (CSV with the columns participant, world, option and percent) and
-/// switches (CSV with the columns participant, world, option or method, and step); give one of each, or one.
-/// A participant of both files has one name.
+/// Files are those of `cocarry fit`, answers (CSV with the columns participant, world, option and percent) and
+/// switches (CSV with the columns participant, world, option or method, and step), and recordings of walks
+/// (MCAP). Give one file of answers, one of switches, any number of recordings, or several of these. A
+/// participant has the same name in all; that of a recording is its file's, without the ending.
 ///
 /// An answer is taken as one choice, distributed as the participant says; with the lapse rate, it says nothing
 /// about them. Every participant's posterior of alpha and gamma is exact, with the belief as prior; that of eta
@@ -39,12 +41,13 @@ use std::process::ExitCode;
 #[command(after_help = examples(&[
     ("cocarry infer answers.csv", "alpha and gamma of every participant, and of all"),
     ("cocarry infer answers.csv switches.csv --csv people.csv", "eta too, with a row for every participant"),
+    ("cocarry infer anna.mcap ben.mcap", "from recorded walks"),
     ("cocarry infer answers.csv --arviz people.zarr.zip", "draws from the posterior, for ArviZ"),
     ("cocarry infer docs/data/table-1-humans.csv --means-of 20 --normalise", "a population from mean answers"),
 ]))]
 pub(super) struct InferArguments {
-    /// Answers (CSV), switches (CSV), or one of each
-    #[arg(required = true, num_args = 1..=2)]
+    /// Answers (CSV), switches (CSV), recordings (MCAP)
+    #[arg(required = true)]
     files: Vec<PathBuf>,
     #[command(flatten)]
     common: Common,
@@ -90,6 +93,7 @@ pub(super) struct InferArguments {
 
 /// The files, read and matched with their worlds.
 struct Read {
+    walks: Vec<Walk>,
     answers: Option<Answers>,
     switches: Option<(String, Vec<Switch>)>,
     inputs: Vec<PathBuf>,
@@ -130,7 +134,7 @@ pub(super) fn run(arguments: &InferArguments) -> Result<ExitCode, Failure> {
     let inference = arguments
         .common
         .with_progress(3 * answered, "participants", |done| {
-            infer(read.answers.as_ref(), switches, &model, &settings, done)
+            infer(read.answers.as_ref(), switches, &read.walks, &model, &settings, done)
         })?
         .map_err(input)?;
     if let Some(path) = &arguments.csv {
@@ -150,6 +154,7 @@ pub(super) fn run(arguments: &InferArguments) -> Result<ExitCode, Failure> {
                 "median_interval": fit.median_interval,
                 "no_interval": fit.no_interval,
             })),
+            "unexplained_lines": inference.tolerances.as_ref().map(|fit| &fit.unexplained_lines),
             "held_out": inference.held_out,
             "checks": inference.checks,
             "lapse_rate": settings.lapse_rate,
@@ -165,6 +170,7 @@ pub(super) fn run(arguments: &InferArguments) -> Result<ExitCode, Failure> {
         }
         shown += &table_with_notes(&table);
     }
+    shown += &text::notes(read.answers.as_ref(), &inference);
     print(&shown)?;
     Ok(ExitCode::SUCCESS)
 }
@@ -183,8 +189,13 @@ fn json_of_means(
 }
 
 fn read(arguments: &InferArguments) -> Result<Read, Failure> {
-    let mut read = Read { answers: None, switches: None, inputs: Vec::new() };
+    let mut read = Read { walks: Vec::new(), answers: None, switches: None, inputs: Vec::new() };
     for file in &arguments.files {
+        if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mcap")) {
+            read.walks.push(walk(arguments, file)?);
+            read.inputs.push(file.clone());
+            continue;
+        }
         let kind = Kind::of(file).map_err(input)?;
         let is_second = match kind {
             Kind::Answers => read.answers.is_some(),
@@ -232,6 +243,29 @@ fn switches(arguments: &InferArguments, path: &Path, read: &mut Read) -> Result<
     read.inputs.extend(inputs(path, &stages, &arguments.model.belief));
     read.switches = Some((path.display().to_string(), file.matched(&stages).map_err(input)?));
     Ok(())
+}
+
+/// What the robot could see of the human in a recording, whose name is the participant's.
+fn walk(arguments: &InferArguments, path: &Path) -> Result<Walk, Failure> {
+    let file = path.display().to_string();
+    let scenario = scenario(&mut Reader::open(path).map_err(input)?).map_err(input)?;
+    let (recorded, ours) = (scenario.settings.predictor.risk_weight(), arguments.model.risk_weight);
+    if recorded != ours {
+        return Err(input(anyhow!(
+            "{file}: recorded with risk_weight_m = {recorded}, not {ours}; give --risk-weight {recorded}"
+        )));
+    }
+    if scenario.settings.learning.is_some() {
+        return Err(input(anyhow!(
+            "{file}: recorded with --belief learn: it does not hold the P_o of the prior, by which discomfort grows"
+        )));
+    }
+    let phi = scenario.settings.coordination.initial_stubbornness;
+    let mut watch =
+        Watch::new(learning::Settings::default(), phi).context(file.clone()).map_err(Failure::Input)?;
+    rerun(&mut Reader::open(path).map_err(input)?, |episode| watch.see(episode)).map_err(input)?;
+    let participant = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(Walk { file, participant, looks: watch.looks().to_vec(), etas: watch.etas() })
 }
 
 fn positive(text: &str) -> Result<f64, String> {

@@ -40,7 +40,8 @@ pub(super) fn people(inference: &Inference) -> Table {
     let within = |which: usize| move |p: &Person| p.within_population.map(|figures| figures[which]);
     let columns = Columns::of(&inference.people)
         .text("participant", "participant", |p| p.participant.clone())
-        .count("answers", "answers", |p| p.answers as u64);
+        .count("answers", "answers", |p| p.answers as u64)
+        .count("looks", "looks", |p| p.looks as u64);
     let columns = figure(columns, "alpha", "alpha", 3, |p| Some(p.alpha));
     let columns = figure(columns, "gamma", "gamma", 3, |p| Some(p.gamma))
         .data("correlation", |p| p.correlation)
@@ -55,11 +56,15 @@ pub(super) fn people(inference: &Inference) -> Table {
 /// What a terminal shows.
 pub(super) fn tables(inference: &Inference, settings: &InferenceSettings) -> Vec<Table> {
     let mut tables = Vec::new();
-    let answered: Vec<&Person> = inference.people.iter().filter(|p| p.answers > 0).collect();
+    let answered: Vec<&Person> = inference.people.iter().filter(|p| p.answers + p.looks > 0).collect();
     if !answered.is_empty() {
         let columns = Columns::of(&answered)
             .text("participant", "participant", |p| p.participant.clone())
             .count("answers", "answers", |p| p.answers as u64);
+        let columns = match answered.iter().any(|p| p.looks > 0) {
+            true => columns.count("looks", "looks", |p| p.looks as u64),
+            false => columns,
+        };
         let columns = figure(columns, "alpha", "alpha", 2, |p| Some(p.alpha));
         let table = figure(columns, "gamma", "gamma", 2, |p| Some(p.gamma))
             .table("answers", "alpha and gamma of each participant, from their own answers");
@@ -171,9 +176,27 @@ pub(super) fn of_means(means: &Means, answers: &Answers, people: u64) -> String 
     let rows = rows
         .table("rows", format!("Mean answers of {people} people, and what the populations give"))
         .with_note("posterior, prior: means over the populations, lapses included.");
-    let scaled = answers.scaled.iter().map(|(participant, world, sum)| {
-        format!("The answer of `{participant}` in {world} summed to {sum} %: scaled to 100 %.\n")
-    });
-    let scaled: String = scaled.collect();
+    let scaled = scaled(answers);
     format!("{}{scaled}\n{}", table_with_notes(&of_population(&means.population)), table_with_notes(&rows))
+}
+
+/// The answers that were scaled.
+fn scaled(answers: &Answers) -> String {
+    let line = |(participant, world, sum): &(String, String, f64)| {
+        format!("The answer of `{participant}` in {world} summed to {sum} %: scaled to 100 %.\n")
+    };
+    answers.scaled.iter().map(line).collect()
+}
+
+/// What was scaled or left out.
+pub(super) fn notes(answers: Option<&Answers>, inference: &Inference) -> String {
+    let lines = inference.tolerances.iter().flat_map(|fit| &fit.unexplained_lines);
+    let lines: Vec<String> = lines.map(u64::to_string).collect();
+    let left_out = match lines.is_empty() {
+        true => String::new(),
+        false => {
+            format!("Left out: no eta explains a switch before any discomfort; line {}.\n", lines.join(", "))
+        }
+    };
+    answers.map_or(String::new(), scaled) + &left_out
 }

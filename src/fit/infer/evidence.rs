@@ -1,8 +1,9 @@
 //! What a participant's answers and switches say: likelihoods, and the exact posterior from them.
 
-use super::Settings;
+use super::inputs::{Settings, Walk};
+use crate::episode::Look;
 use crate::fit::set::{Set, hull, intersection};
-use crate::fit::{Answers, FitError, Situation, Switch};
+use crate::fit::{Answers, FitError, Situation};
 use crate::learning::Tolerance;
 use crate::math;
 use crate::preference::{Belief, ChoiceDistribution, Posterior, PreferenceError, Prospect};
@@ -42,23 +43,49 @@ pub(super) struct Perceived {
     pub log_evidence: f64,
     /// Number of answers.
     pub answers: usize,
+    /// Number of looks at walks.
+    pub looks: usize,
 }
 
 impl Perceived {
     pub fn new(belief: &Belief, risk_weight: f64) -> Result<Self, PreferenceError> {
-        Ok(Self { posterior: Posterior::new(belief.clone(), risk_weight)?, log_evidence: 0.0, answers: 0 })
+        Ok(Self {
+            posterior: Posterior::new(belief.clone(), risk_weight)?,
+            log_evidence: 0.0,
+            answers: 0,
+            looks: 0,
+        })
     }
 
-    /// Learns from the likelihood of one answer. False, and no change, if no human of the belief gives it.
-    pub fn learn(&mut self, prospects: &[Prospect], likelihoods: &[f64]) -> bool {
-        match self.posterior.observe(prospects, None, likelihoods) {
+    /// Learns from the likelihood of what was seen, by option. False, and no change, if no human of the belief
+    /// gives it.
+    pub fn learn(&mut self, prospects: &[Prospect], current: Option<usize>, likelihoods: &[f64]) -> bool {
+        match self.posterior.observe(prospects, current, likelihoods) {
             Ok(evidence) => {
                 self.log_evidence += math::ln(evidence);
-                self.answers += 1;
                 true
             }
             Err(_) => false,
         }
+    }
+
+    /// Learns from the looks at a walk.
+    ///
+    /// # Errors
+    /// [`FitError::Walk`].
+    pub fn see(&mut self, walk: &Walk, lapse_rate: f64) -> Result<(), FitError> {
+        for Look { prospects, current, looks_like } in &walk.looks {
+            let alike = looks_like.iter().filter(|looks| **looks).count() as f64;
+            let lapsed = lapse_rate * alike / looks_like.len() as f64;
+            let likelihood = |looks: &bool| lapsed + if *looks { 1.0 - lapse_rate } else { 0.0 };
+            let likelihoods: Vec<f64> = looks_like.iter().map(likelihood).collect();
+            if !self.learn(prospects, Some(*current), &likelihoods) {
+                let (file, participant) = (walk.file.clone(), walk.participant.clone());
+                return Err(FitError::Walk { file, participant });
+            }
+            self.looks += 1;
+        }
+        Ok(())
     }
 
     /// The belief after a participant's answers in all worlds but one.
@@ -76,7 +103,8 @@ impl Perceived {
         for (w, shares) in answers.shares[participant].iter().enumerate() {
             let Some(shares) = shares.as_ref().filter(|_| without != Some(w)) else { continue };
             let situation = &answers.situations[w];
-            if !perceived.learn(&situation.prospects, &likelihoods(shares, lapse_rate)) {
+            perceived.answers += 1;
+            if !perceived.learn(&situation.prospects, None, &likelihoods(shares, lapse_rate)) {
                 return Err(FitError::Contradiction {
                     file: answers.file.clone(),
                     participant: answers.participants[participant].clone(),
@@ -95,10 +123,10 @@ impl Perceived {
 pub(super) fn tolerance(
     file: &str,
     participant: &str,
-    switches: &[&Switch],
+    sets: Vec<Set>,
     settings: &Settings,
 ) -> Result<Tolerance, FitError> {
-    let sets: Vec<Set> = switches.iter().map(|s| s.etas.clone()).filter(|set| !set.is_empty()).collect();
+    let sets: Vec<Set> = sets.into_iter().filter(|set| !set.is_empty()).collect();
     let contradicts = !sets.is_empty() && intersection(&sets).is_empty();
     if settings.lapse_rate == 0.0 && contradicts {
         return Err(FitError::Tolerances { file: file.to_owned(), participant: participant.to_owned() });

@@ -2,7 +2,7 @@
 //! answers for every option as predicted.
 
 use super::evidence::{Perceived, predicted, with_lapses};
-use super::{Model, Settings};
+use super::inputs::{Model, Settings};
 use crate::fit::{Answers, FitError, RiskWeightSettings, fit_risk_weight};
 use crate::math;
 use crate::parallel::{OnDone, in_parallel};

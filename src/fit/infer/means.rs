@@ -3,8 +3,8 @@
 //! The percentages are taken as numbers of choices: as many people as there are, each choosing one option.
 
 use super::evidence::Perceived;
+use super::inputs::{Model, Settings};
 use super::population::{Grid, Population, weights};
-use super::{Model, Settings};
 use crate::fit::{Answers, FitError};
 use crate::math;
 use crate::parallel::{OnDone, in_parallel};
@@ -59,7 +59,7 @@ pub fn infer_means(
         let is_own: Vec<f64> =
             (0..worlds[w].options.len()).map(|other| f64::from(u8::from(other == o))).collect();
         let mut own = prior.clone();
-        match own.learn(&worlds[w].prospects, &is_own) {
+        match own.learn(&worlds[w].prospects, None, &is_own) {
             false => vec![0.0; grid.len()],
             true => {
                 let share = math::exp(own.log_evidence);

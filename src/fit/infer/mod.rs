@@ -7,62 +7,24 @@ mod arviz;
 mod draws;
 mod evidence;
 mod held_out;
+mod inputs;
 mod means;
 mod population;
 
 pub use draws::{CHAINS, Draws};
 pub use held_out::{HeldOut, OptionCheck, Score};
+pub use inputs::{Model, Settings, Switches, Walk};
 pub use means::{Means, MeansRow, infer_means};
 pub use population::{Figure, Population, QUANTITIES};
 
-use super::{Answers, EtaFit, FitError, Switch, fit_eta};
-use crate::learning::{self, Tolerance, TolerancePrior};
+use super::{Answers, EtaFit, FitError, Set, fit_eta};
+use crate::learning::Tolerance;
 use crate::parallel::{OnDone, in_parallel};
 use crate::preference::Belief;
 use draws::{Crowd, Source};
 use evidence::Perceived;
 use population::{Grid, Integrals};
 use serde::Serialize;
-
-/// Settings of an inference.
-#[derive(Clone, Copy, Debug)]
-pub struct Settings {
-    /// The probability that an answer, or a time of taking over, says nothing about its participant.
-    pub lapse_rate: f64,
-    /// The prior of eta.
-    pub tolerance: TolerancePrior,
-    /// Whether participants are drawn from a common population; otherwise each has the belief as prior.
-    pub has_population: bool,
-    /// Draws of each of [`CHAINS`] chains.
-    pub draws: usize,
-    /// Seed of the draws.
-    pub seed: u64,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        let learning::Settings { lapse_rate, tolerance, .. } = learning::Settings::default();
-        Self { lapse_rate, tolerance, has_population: true, draws: 1000, seed: 0 }
-    }
-}
-
-/// The belief about people before their answers, and c_r.
-#[derive(Clone, Debug)]
-pub struct Model {
-    /// The prior of every participant; of a population, its ranges.
-    pub belief: Belief,
-    /// c_r, m.
-    pub risk_weight: f64,
-}
-
-/// The switches of a file.
-#[derive(Clone, Copy, Debug)]
-pub struct Switches<'a> {
-    /// The file.
-    pub file: &'a str,
-    /// Its episodes.
-    pub switches: &'a [Switch],
-}
 
 /// What is known of one participant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -71,6 +33,8 @@ pub struct Person {
     pub participant: String,
     /// Number of answers.
     pub answers: usize,
+    /// Number of looks at recorded walks.
+    pub looks: usize,
     /// alpha, from the own answers alone.
     pub alpha: Figure,
     /// gamma, from the own answers alone.
@@ -115,6 +79,7 @@ pub struct Inference {
 pub fn infer(
     answers: Option<&Answers>,
     switches: Option<Switches>,
+    walks: &[Walk],
     model: &Model,
     settings: &Settings,
     on_done: OnDone,
@@ -122,30 +87,46 @@ pub fn infer(
     let prior = Perceived::new(&model.belief, model.risk_weight)?;
     Tolerance::new(settings.tolerance, settings.lapse_rate)?;
     let mut names: Vec<&String> = answers.iter().flat_map(|answers| &answers.participants).collect();
-    for switch in switches.iter().flat_map(|s| s.switches) {
-        if !names.contains(&&switch.participant) {
-            names.push(&switch.participant);
+    let watched = switches.iter().flat_map(|s| s.switches).map(|switch| &switch.participant);
+    for name in watched.chain(walks.iter().map(|walk| &walk.participant)) {
+        if !names.contains(&name) {
+            names.push(name);
         }
     }
-    let perceived = |p: usize| match answers {
-        Some(answers) if p < answers.participants.len() => prior.after(answers, p, None, settings.lapse_rate),
-        _ => Ok(prior.clone()),
+    let perceived = |p: usize| -> Result<Perceived, FitError> {
+        let mut perceived = match answers {
+            Some(answers) if p < answers.participants.len() => {
+                prior.after(answers, p, None, settings.lapse_rate)?
+            }
+            _ => prior.clone(),
+        };
+        for walk in walks.iter().filter(|walk| walk.participant == *names[p]) {
+            perceived.see(walk, settings.lapse_rate)?;
+        }
+        Ok(perceived)
     };
     let people: Vec<Perceived> =
         in_parallel(names.len(), on_done, perceived).into_iter().collect::<Result<_, _>>()?;
-    let own = |name: &String| -> Vec<&Switch> {
-        switches.iter().flat_map(|s| s.switches).filter(|s| s.participant == *name).collect()
+    // the sets of eta of a participant's episodes with a robot that leads
+    let own = |name: &String| -> Vec<Set> {
+        let switched = switches.iter().flat_map(|s| s.switches).filter(|s| s.participant == *name);
+        let is_led = |walk: &&Walk| walk.participant == *name && walk.etas != [0.0, f64::INFINITY];
+        let walked = walks.iter().filter(is_led).map(|walk| vec![walk.etas]);
+        switched.map(|s| s.etas.clone()).chain(walked).collect()
     };
-    let tolerances: Vec<Tolerance> = match switches {
-        None => Vec::new(),
-        Some(Switches { file, .. }) => names
+    let has_episodes = names.iter().any(|name| !own(name).is_empty());
+    let file = switches.map(|s| s.file).or(walks.first().map(|walk| walk.file.as_str())).unwrap_or_default();
+    let tolerances: Vec<Tolerance> = match has_episodes {
+        false => Vec::new(),
+        true => names
             .iter()
-            .map(|name| evidence::tolerance(file, name, &own(name), settings))
+            .map(|name| evidence::tolerance(file, name, own(name), settings))
             .collect::<Result<_, _>>()?,
     };
     let grid = Grid::new(model.belief.ranges())?;
     let is_sampled = matches!(model.belief, Belief::Samples(_));
-    let has_population = settings.has_population && answers.is_some() && names.len() > 1 && !is_sampled;
+    let is_asked = people.iter().any(|person| person.answers + person.looks > 0);
+    let has_population = settings.has_population && is_asked && names.len() > 1 && !is_sampled;
     let integrals: Vec<Integrals> = match has_population {
         false => Vec::new(),
         true => in_parallel(people.len(), on_done, |p| {
@@ -185,6 +166,7 @@ pub fn infer(
         Person {
             participant: (*name).clone(),
             answers: known.answers,
+            looks: known.looks,
             alpha: figure(0, variance_alpha, estimate.alpha),
             gamma: figure(1, variance_gamma, estimate.gamma),
             correlation: covariance / (variance_alpha * variance_gamma).sqrt(),

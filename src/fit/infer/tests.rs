@@ -49,7 +49,7 @@ fn answers(humans: &[Perception], lapse_rate: f64, rng: &mut ChaCha8Rng) -> Answ
 }
 
 fn inferred(answers: &Answers, settings: &Settings) -> Inference {
-    infer(Some(answers), None, &model(), settings, &|| ()).unwrap()
+    infer(Some(answers), None, &[], &model(), settings, &|| ()).unwrap()
 }
 
 fn few_draws(lapse_rate: f64) -> Settings {
@@ -193,7 +193,7 @@ fn closed_form_contradictions_are_named() {
         answers(&[Perception { alpha: 0.7, gamma: 0.8 }], 0.0, &mut ChaCha8Rng::seed_from_u64(1));
     answers.shares[0][0] = Some(vec![1.0, 0.0, 0.0, 0.0]);
     let settings = few_draws(0.0);
-    let error = infer(Some(&answers), None, &model(), &settings, &|| ()).unwrap_err().to_string();
+    let error = infer(Some(&answers), None, &[], &model(), &settings, &|| ()).unwrap_err().to_string();
     for part in ["answers.csv", "`person 0`", "world 0", "--lapse-rate"] {
         assert!(error.contains(part), "{error}");
     }
