@@ -74,7 +74,7 @@ pub(super) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::from(u8::from(!checks.iter().all(|check| check.is_calibrated))))
 }
 
-fn lapse_rate(text: &str) -> Result<f64, String> {
+pub(super) fn lapse_rate(text: &str) -> Result<f64, String> {
     let rate = text.parse().map_err(|_| "must be a number".to_owned())?;
     let settings = learning::Settings { lapse_rate: rate, ..Default::default() };
     settings.check().map_err(|error| format!("must be {}", error.expected))?;

@@ -6,6 +6,7 @@ mod cluster;
 mod episode_report;
 mod export;
 mod fit;
+mod infer;
 mod inspect;
 mod interrupt;
 mod live;
@@ -76,6 +77,7 @@ enum Command {
     Replay(replay::ReplayArguments),
     #[command(subcommand)]
     Fit(fit::Parameter),
+    Infer(infer::InferArguments),
     Calibrate(calibrate::CalibrateArguments),
     #[command(subcommand)]
     Regress(regress::Action),
@@ -153,6 +155,7 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Replay(arguments)) => replay::run(&arguments),
         Some(Command::Fit(parameter)) => fit::run(&parameter),
+        Some(Command::Infer(arguments)) => infer::run(&arguments),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
         Some(Command::Regress(action)) => regress::run(&action),
         Some(Command::Completions(arguments)) => shell::completions(&arguments, command()),

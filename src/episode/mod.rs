@@ -12,6 +12,7 @@ mod state;
 mod step;
 mod tick;
 mod view;
+mod watch;
 
 pub use crate::coordination::OptionTick;
 pub use crate::human::PreferenceChange;
@@ -23,6 +24,7 @@ pub use outcome::{
 pub use settings::Settings;
 pub use state::State;
 pub use tick::Tick;
+pub use watch::{Look, Watch};
 
 use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose};

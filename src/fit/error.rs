@@ -1,6 +1,8 @@
 //! Errors in a file of answers or switches, each with its file, line, column and value.
 
+use crate::learning::LearningError;
 use crate::located::FileError;
+use crate::preference::PreferenceError;
 use crate::scenario::ScenarioError;
 use thiserror::Error;
 
@@ -129,4 +131,60 @@ pub enum FitError {
         /// Largest c_r tried, m.
         upper: f64,
     },
+    /// A file of neither answers nor switches.
+    #[error(
+        "{file}: neither answers nor switches; found the columns {found}, expected participant, world, option and percent (answers), or participant, world, option or method, and step (switches)"
+    )]
+    Kind {
+        /// The file.
+        file: String,
+        /// The columns found.
+        found: String,
+    },
+    /// Answers that no alpha and gamma of the belief explain without lapses.
+    #[error(
+        "{file}: participant `{participant}`: no alpha and gamma of the belief agree with the answer in {world} and the others; without lapses, every answer must be 100 percent for the option that the model's human prefers: give a --lapse-rate above 0"
+    )]
+    Contradiction {
+        /// The file.
+        file: String,
+        /// The participant.
+        participant: String,
+        /// The world.
+        world: String,
+    },
+    /// A walk that no alpha and gamma of the belief explain without lapses.
+    #[error(
+        "{file}: participant `{participant}`: no alpha and gamma of the belief agree with this walk and the rest; give a --lapse-rate above 0"
+    )]
+    Walk {
+        /// The recording.
+        file: String,
+        /// The participant.
+        participant: String,
+    },
+    /// Switches that no eta explains without lapses.
+    #[error(
+        "{file}: participant `{participant}`: no eta agrees with all episodes; give a --lapse-rate above 0"
+    )]
+    Tolerances {
+        /// The file.
+        file: String,
+        /// The participant.
+        participant: String,
+    },
+    /// Mean answers that no population explains without lapses.
+    #[error(
+        "{file}: no population gives these mean answers without lapses: an option was chosen that no alpha and gamma of the belief prefers; give a --lapse-rate above 0"
+    )]
+    Population {
+        /// The file.
+        file: String,
+    },
+    /// A number of the belief or of the lapses is out of its range.
+    #[error(transparent)]
+    Learning(#[from] LearningError),
+    /// The belief is not valid.
+    #[error(transparent)]
+    Preference(#[from] PreferenceError),
 }

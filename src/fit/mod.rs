@@ -5,6 +5,8 @@ mod answers;
 mod calibration;
 mod error;
 mod eta;
+mod infer;
+mod kind;
 mod lognormal;
 mod minimum;
 mod risk_weight;
@@ -17,6 +19,11 @@ pub use answers::{AnswerFile, Answers, SUM_TOLERANCE, Situation};
 pub use calibration::{Calibration, Check, LEVELS, PARAMETERS, Replication, checks};
 pub use error::FitError;
 pub use eta::{Eta, EtaFit, Evidence, fit_eta};
+pub use infer::{
+    CHAINS, Draws, Figure, HeldOut, Inference, Means, MeansRow, Model as InferenceModel, OptionCheck, Person,
+    Population, QUANTITIES, Score, Settings as InferenceSettings, Switches, Walk, infer, infer_means,
+};
+pub use kind::Kind;
 pub use lognormal::{LEAST_BOUNDED, LEAST_DRAWS, LogNormal, NoInterval};
 pub use risk_weight::{
     CELL_ERROR, Errors, Estimate, LEAST_SQUARES_CAUTION, RiskWeightFit, RiskWeightSettings, Row,

@@ -90,6 +90,6 @@ pub use reader::{Entry, Reader, Recorded};
 pub use recorder::{FileRecorder, Recorder};
 pub use records::Attachment;
 pub use recover::{RecoverError, Recovered, recover};
-pub use replay::{Replay, Verdict, replay};
+pub use replay::{Replay, Verdict, replay, rerun};
 pub use schema::{Definition, SchemaText};
 pub use table::{columns, rows};

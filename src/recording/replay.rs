@@ -5,7 +5,9 @@ use super::encoder::Encoder;
 use super::ending::Ending;
 use super::provenance::{ARITHMETIC, METADATA, RECOVERED, scenario};
 use super::{Channel, Difference, Entry, Message, ReadError, Reader, decode};
+use crate::episode::Episode;
 use crate::robot::Robot;
+use crate::scenario::Scenario;
 use std::io::Read;
 
 /// The result of a replay.
@@ -72,6 +74,27 @@ pub fn replay<R: Read>(mut first: Reader<R>, second: Reader<R>) -> Result<Replay
         recorded.end()?;
     }
     Ok(recorded.replay)
+}
+
+/// Runs a recording's scenario again, with the logged decisions of own partners, and calls `on_step` after every
+/// step. Returns the scenario. Nothing is compared.
+///
+/// # Errors
+/// As [`replay`].
+pub fn rerun<R: Read>(
+    reader: &mut Reader<R>,
+    mut on_step: impl FnMut(&Episode),
+) -> Result<Scenario, ReadError> {
+    let file = reader.name().to_owned();
+    let invalid = |source| ReadError::Scenario { file: file.clone(), source };
+    let stage = scenario(reader)?.prepare().map_err(invalid)?;
+    let Known { stopped, decisions, .. } = known(reader)?;
+    let mut episode = stage.episode_of(decisions.partners(&stage)).map_err(invalid)?;
+    while stopped != Some(episode.summary().steps) && episode.step().is_none() {
+        on_step(&episode);
+    }
+    drop(episode);
+    Ok(stage.scenario().clone())
 }
 
 /// What a replay takes from the recording.

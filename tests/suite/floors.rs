@@ -25,7 +25,7 @@ const FLOORS: [&[&str]; 24] = [
     &["quantities"],
     &["recording", "drawing"],
     &["rendering"],
-    &["statistics", "table", "parallel", "columns"],
+    &["statistics", "table", "parallel", "columns", "zarr"],
     &["paper"],
     &["study", "fit", "regression"],
     &["report", "cluster"],

@@ -17,6 +17,7 @@ mod drives;
 mod fitting;
 mod floors;
 mod forged_snapshots;
+mod infer;
 mod learning;
 mod limits;
 mod object_lost;

@@ -2,7 +2,7 @@
 
 mod eta;
 mod risk_weight;
-mod worlds;
+pub(super) mod worlds;
 
 use super::output::Failure;
 use clap::Subcommand;

@@ -8,14 +8,18 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 /// The files that a fit reads: the answers in `file`, their worlds, and the samples of the belief.
-pub(super) fn inputs<T>(file: &Path, worlds: &[(String, T)], belief: &BeliefArguments) -> Vec<PathBuf> {
+pub(in crate::cli) fn inputs<T>(
+    file: &Path,
+    worlds: &[(String, T)],
+    belief: &BeliefArguments,
+) -> Vec<PathBuf> {
     let folder = file.parent().unwrap_or(Path::new(""));
     let worlds = worlds.iter().flat_map(|(world, _)| [folder.join(world), PathBuf::from(world)]);
     worlds.chain([file.to_owned()]).chain(belief.belief_samples.clone()).collect()
 }
 
 /// What `prepared` makes of the worlds that `file` names, each with the first line that names it.
-pub(super) fn load<T, E: Error + Send + Sync + 'static>(
+pub(in crate::cli) fn load<T, E: Error + Send + Sync + 'static>(
     file: &Path,
     worlds: Vec<(String, u64)>,
     prepared: impl Fn(World) -> Result<T, E>,

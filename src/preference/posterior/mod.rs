@@ -255,6 +255,15 @@ impl Posterior {
         }
     }
 
+    /// The density at one gamma relative to the prior's, as a step function of alpha: every alpha at which it
+    /// steps, ascending, and the step. The first alpha is the least of the prior. Empty for samples.
+    pub fn steps_at(&self, gamma: f64) -> Vec<(f64, f64)> {
+        match &self.model {
+            Model::Independent(model) => model.plane.steps_at(gamma),
+            Model::Samples { .. } => Vec::new(),
+        }
+    }
+
     /// The probability of an alpha up to `alpha`, and of a gamma up to `gamma`.
     pub fn marginals(&self, Perception { alpha, gamma }: Perception) -> [f64; 2] {
         match &self.model {

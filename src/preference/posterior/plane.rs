@@ -236,6 +236,17 @@ impl Plane {
         self.segments.iter().filter(is_below).map(|segment| segment.step).sum::<f64>().max(0.0)
     }
 
+    /// The density at one gamma: every alpha at which it steps, ascending, and the step. The first alpha is the
+    /// least one.
+    pub fn steps_at(&self, gamma: f64) -> Vec<(f64, f64)> {
+        let last = self.last_gamma();
+        let has = |s: &&Segment| s.from <= gamma && (gamma < s.to || s.to == last && gamma == last);
+        let step = |s: &Segment| (self.lines[s.line as usize].alpha(gamma), s.step);
+        let mut steps: Vec<(f64, f64)> = self.segments.iter().filter(has).map(step).collect();
+        steps.sort_by(|a, b| a.0.total_cmp(&b.0));
+        steps
+    }
+
     fn last_gamma(&self) -> f64 {
         self.segments.iter().map(|segment| segment.to).fold(0.0, f64::max)
     }

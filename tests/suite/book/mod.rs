@@ -55,6 +55,7 @@ pages! {
     the_page_of_recordings_can_be_followed: "book/src/recordings.md",
     the_page_of_snapshots_can_be_followed: "book/src/snapshots.md",
     the_page_of_fits_can_be_followed: "book/src/fits.md",
+    the_page_of_participants_can_be_followed: "book/src/participants.md",
     the_page_of_regression_can_be_followed: "book/src/regression.md",
     the_page_of_the_library_can_be_followed: "book/src/library.md",
     the_page_of_python_can_be_followed: "book/src/python.md",
