@@ -148,6 +148,11 @@ fn what_is_wrong_with_files_and_flags_is_named() {
     refused(&["infer", &twice, "--lapse-rate", "0"], &["twice.csv", "participant `a`", "no eta agrees"]);
     assert!(cocarry(&["infer", &twice]).status.success());
     refused(&["infer", &twice, "--means-of", "20"], &["--means-of 20", "answers"]);
+    refused(
+        &["infer", TABLE_1, SWITCHES, "--normalise", "--means-of", "20"],
+        &["--means-of 20", "nothing else"],
+    );
+    refused(&["infer", TABLE_1, "--means-of", "20", "--draws", "200"], &["--means-of", "--draws"]);
     refused(&["infer", ANSWERS, "--lapse-rate", "0.7"], &["--lapse-rate", "at most 0.5"]);
     refused(&["infer", ANSWERS, "--eta-median", "0"], &["--eta-median", "greater than 0"]);
     refused(&["infer", ANSWERS, "--draws", "10"], &["--draws", "100"]);

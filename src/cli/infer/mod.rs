@@ -57,10 +57,10 @@ pub(super) struct InferArguments {
     #[arg(long, value_name = "RATE", value_parser = super::calibrate::lapse_rate, allow_negative_numbers = true, default_value_t = learning::Settings::default().lapse_rate)]
     lapse_rate: f64,
     /// Median of eta a priori
-    #[arg(long, value_name = "ETA", value_parser = positive, allow_negative_numbers = true, default_value_t = learning::TolerancePrior::default().median)]
+    #[arg(long, conflicts_with = "means_of", value_name = "ETA", value_parser = positive, allow_negative_numbers = true, default_value_t = learning::TolerancePrior::default().median)]
     eta_median: f64,
     /// Standard deviation of the logarithm of eta a priori
-    #[arg(long, value_name = "STD", value_parser = positive, allow_negative_numbers = true, default_value_t = learning::TolerancePrior::default().log_std)]
+    #[arg(long, conflicts_with = "means_of", value_name = "STD", value_parser = positive, allow_negative_numbers = true, default_value_t = learning::TolerancePrior::default().log_std)]
     eta_log_std: f64,
     /// Stubbornness phi(0) at the start, between 0 and 1
     #[arg(long, value_name = "PHI", default_value_t = coordination::Settings::default().initial_stubbornness, value_parser = number(&INITIAL_STUBBORNNESS), allow_negative_numbers = true)]
@@ -76,10 +76,10 @@ pub(super) struct InferArguments {
     #[arg(long)]
     normalise: bool,
     /// Draws of each of four chains
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(100..=100_000))]
+    #[arg(long, conflicts_with = "means_of", value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(100..=100_000))]
     draws: u64,
     /// Seed of the draws
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, conflicts_with = "means_of", default_value_t = 0)]
     seed: u64,
     /// Write a row for every participant into this CSV file
     #[arg(long, value_name = "FILE", value_parser = csv_file, conflicts_with = "means_of")]
@@ -115,8 +115,8 @@ pub(super) fn run(arguments: &InferArguments) -> Result<ExitCode, Failure> {
         seed: arguments.seed,
     };
     if let Some(people) = arguments.means_of {
-        let Some(answers) = &read.answers else {
-            return Err(input(anyhow!("--means-of {people}: it needs a file of answers")));
+        let (Some(answers), None, []) = (&read.answers, &read.switches, read.walks.as_slice()) else {
+            return Err(input(anyhow!("--means-of {people}: it needs a file of answers, and nothing else")));
         };
         let units = answers.situations.iter().map(|s| s.options.len()).sum();
         let means = arguments
