@@ -331,6 +331,9 @@ impl Drop for OutputFile {
             // if the removal fails, the first error is the one to report
             let _ = std::fs::remove_file(&self.partial);
         }
+        // closing releases a lock only when no program that is being started has a copy of the file any more
+        let _ = self.writer.flush();
+        let _ = self.as_file().unlock();
     }
 }
 

@@ -173,6 +173,18 @@ pub enum FitError {
         /// The participant.
         participant: String,
     },
+    /// More episodes of a participant than the belief over eta holds.
+    #[error("{file}: participant `{participant}`: {count} episodes with a robot that leads; at most {most}")]
+    Episodes {
+        /// The file.
+        file: String,
+        /// The participant.
+        participant: String,
+        /// Number of episodes.
+        count: usize,
+        /// The most.
+        most: usize,
+    },
     /// Mean answers that no population explains without lapses.
     #[error(
         "{file}: no population gives these mean answers without lapses: an option was chosen that no alpha and gamma of the belief prefers; give a --lapse-rate above 0"

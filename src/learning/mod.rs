@@ -4,7 +4,7 @@
 
 mod tolerance;
 
-pub use tolerance::{Tolerance, TolerancePrior, discomfort_limit, eta_interval};
+pub use tolerance::{MOST_TASKS, Tolerance, TolerancePrior, discomfort_limit, eta_interval};
 
 use crate::preference::{
     Belief, ChoiceDistribution, Learned, Perception, Posterior, PreferenceError, Prospect,

@@ -69,7 +69,7 @@ fn normal_between(from: f64, to: f64) -> f64 {
 }
 
 /// The most tasks that are remembered; beyond them the first are forgotten.
-const MOST_TASKS: usize = 256;
+pub const MOST_TASKS: usize = 256;
 
 /// Deviations beyond which the prior is not integrated.
 const FARTHEST: f64 = 9.0;

@@ -147,6 +147,9 @@ fn what_is_wrong_with_files_and_flags_is_named() {
     let twice = at("twice.csv", text);
     refused(&["infer", &twice, "--lapse-rate", "0"], &["twice.csv", "participant `a`", "no eta agrees"]);
     assert!(cocarry(&["infer", &twice]).status.success());
+    let many: String = (0..257).map(|trial| format!("a,environment-4,1,20,{trial}\n")).collect();
+    let many = at("many.csv", &format!("participant,world,option,step,trial\n{many}"));
+    refused(&["infer", &many], &["many.csv", "participant `a`", "257 episodes", "at most 256"]);
     refused(&["infer", &twice, "--means-of", "20"], &["--means-of 20", "answers"]);
     refused(
         &["infer", TABLE_1, SWITCHES, "--normalise", "--means-of", "20"],

@@ -4,7 +4,7 @@ use super::inputs::{Settings, Walk};
 use crate::episode::Look;
 use crate::fit::set::{Set, hull, intersection};
 use crate::fit::{Answers, FitError, Situation};
-use crate::learning::Tolerance;
+use crate::learning::{MOST_TASKS, Tolerance};
 use crate::math;
 use crate::preference::{Belief, ChoiceDistribution, Posterior, PreferenceError, Prospect};
 
@@ -119,7 +119,8 @@ impl Perceived {
 /// The belief over a participant's eta. Episodes that no eta explains are left out.
 ///
 /// # Errors
-/// [`FitError::Tolerances`] if the episodes contradict each other and there are no lapses.
+/// [`FitError::Tolerances`] if the episodes contradict each other and there are no lapses;
+/// [`FitError::Episodes`] if there are too many.
 pub(super) fn tolerance(
     file: &str,
     participant: &str,
@@ -130,6 +131,10 @@ pub(super) fn tolerance(
     let contradicts = !sets.is_empty() && intersection(&sets).is_empty();
     if settings.lapse_rate == 0.0 && contradicts {
         return Err(FitError::Tolerances { file: file.to_owned(), participant: participant.to_owned() });
+    }
+    if sets.len() > MOST_TASKS {
+        let (file, participant) = (file.to_owned(), participant.to_owned());
+        return Err(FitError::Episodes { file, participant, count: sets.len(), most: MOST_TASKS });
     }
     let mut tolerance = Tolerance::new(settings.tolerance, settings.lapse_rate)?;
     for interval in sets.iter().filter_map(hull) {
