@@ -24,7 +24,7 @@
 //! fit            parameters from observed answers and switches
 //! regression     recorded figures of episodes, compared with new runs
 //! paper          the paper's figures and claims, one file per claim
-//! statistics     means, intervals, tests; tables of results and their columns; Zarr stores; work on all threads
+//! statistics     means, intervals, tests; tables of results, their columns; Zarr stores; work on all threads
 //! rendering      recordings as pages and pictures that open anywhere
 //! drawing        maps and curves as SVG
 //! recording      episodes as MCAP files: writing, reading, replay, recovery; live viewing

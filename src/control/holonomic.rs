@@ -5,8 +5,8 @@ use crate::geometry::{PlanarPose, Vector, angle_of, wrap_angle};
 use crate::robot::{BaseInput, BaseTwist, Drive};
 use nalgebra::Rotation2;
 
-/// Look-ahead distances along the path, m. A base that need not turn first can look out less far than one that
-/// does, and cuts corners less.
+/// Look-ahead distances along the path, m. A base that need not turn first can look out less far than one
+/// that does, and cuts corners less.
 pub(super) const LOOK_AHEADS_M: [f64; 2] = [0.45, 0.3];
 
 /// What a base sees of its path in a step.

@@ -3,11 +3,25 @@
 //! The human's own discomfort keeps the P_o of the prior, eq. (5): what the robot believes does not change the
 //! human. The robot's choices, eq. (6) and (8), use the belief.
 
-use super::Episode;
+use super::{Episode, Tick};
 use crate::coordination::{Mode, is_misaligned, misalignment};
 use crate::human::{HumanDecision, Stance};
 use crate::learning::Learner;
 use crate::policy::Lead;
+
+/// Whether a human on each option would walk as this human does in a step; `None` where the human does not
+/// choose the way.
+pub(super) fn looks_like(tick: &Tick, lead: Lead) -> Option<impl Iterator<Item = bool> + '_> {
+    let is_free = match lead {
+        Lead::Robot(_) => false,
+        Lead::Human => true,
+        // the option was chosen at the start
+        Lead::HumanKeepingOption => tick.step == 0,
+    };
+    let toward = tick.options[tick.executed].remaining.next;
+    let looks_like = tick.options.iter().map(move |o| !is_misaligned(toward, o.remaining.next));
+    (is_free && tick.reverses_for.is_none()).then_some(looks_like)
+}
 
 impl<'a> Episode<'a> {
     /// The same episode with a robot that goes on with what `learner` knows of this human. Call it before the
@@ -34,17 +48,7 @@ impl<'a> Episode<'a> {
     pub(super) fn learn_from_walk(&mut self) {
         let Some(learner) = self.learner.as_deref_mut() else { return };
         let Some((_, decision)) = &self.decided else { return };
-        let is_free = match decision.lead {
-            Lead::Robot(_) => false,
-            Lead::Human => true,
-            // the option was chosen at the start
-            Lead::HumanKeepingOption => self.tick.step == 0,
-        };
-        if !is_free || self.tick.reverses_for.is_some() {
-            return;
-        }
-        let toward = self.tick.options[self.tick.executed].remaining.next;
-        let looks_like = self.tick.options.iter().map(|o| !is_misaligned(toward, o.remaining.next));
+        let Some(looks_like) = looks_like(&self.tick, decision.lead) else { return };
         // impossible only without lapses: such a look is then left out
         drop(learner.see_walk(&self.prospects, Some(self.tick.executed), looks_like));
     }

@@ -1,10 +1,10 @@
 //! What can be seen of the human in an episode: the same as the robot of `--belief learn` sees.
 
+use super::learn::looks_like;
 use super::{Episode, prospect};
-use crate::coordination::{Mode, is_misaligned, misalignment};
+use crate::coordination::{Mode, misalignment};
 use crate::human::Stance;
 use crate::learning::{Learner, LearningError, Settings};
-use crate::policy::Lead;
 use crate::preference::{Belief, Prospect};
 
 /// A look at a human who leads.
@@ -46,17 +46,8 @@ impl Watch {
         if was_led {
             self.learner.see_led_step(misalignment(&tick.options), human.stance == Stance::TakeOver);
         }
-        let is_free = match decision.lead {
-            Lead::Robot(_) => false,
-            Lead::Human => true,
-            Lead::HumanKeepingOption => tick.step == 0,
-        };
-        if !is_free || tick.reverses_for.is_some() {
-            return;
-        }
+        let Some(looks_like) = looks_like(tick, decision.lead) else { return };
         let is_look = self.learner.is_look();
-        let toward = tick.options[tick.executed].remaining.next;
-        let looks_like = tick.options.iter().map(|o| !is_misaligned(toward, o.remaining.next));
         let looks_like: Vec<bool> = looks_like.collect();
         let prospects: Vec<Prospect> = tick.options.iter().map(|o| prospect(o.remaining)).collect();
         // only the count of steps matters: this learner's alpha and gamma are not used
@@ -71,7 +62,8 @@ impl Watch {
         &self.looks
     }
 
-    /// The eta that agree with when the human took over, or did not; from 0 to infinity if the robot never led.
+    /// The eta that agree with when the human took over, or did not; from 0 to infinity if the robot never
+    /// led.
     pub fn etas(&self) -> [f64; 2] {
         self.learner.tolerance().tasks().last().copied().unwrap_or([0.0, f64::INFINITY])
     }

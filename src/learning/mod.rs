@@ -50,6 +50,21 @@ fn check_rate(name: &'static str, value: f64) -> Result<(), LearningError> {
     }
 }
 
+/// The likelihoods of a look if the human prefers each option: `looks_like` says whether a human on it would
+/// have moved so. A lapse looks like any option, as often as there are options that look so.
+pub(crate) fn likelihoods_of_look(
+    looks_like: impl Iterator<Item = bool>,
+    lapse_rate: f64,
+    likelihoods: &mut Vec<f64>,
+) {
+    likelihoods.clear();
+    likelihoods.extend(looks_like.map(|looks| f64::from(u8::from(looks))));
+    let share = likelihoods.iter().sum::<f64>() / likelihoods.len() as f64;
+    for likelihood in likelihoods {
+        *likelihood = (1.0 - lapse_rate) * *likelihood + lapse_rate * share;
+    }
+}
+
 impl Settings {
     /// The least change rate: with it, the belief stays exact however often the human contradicts it.
     pub const LEAST_CHANGE_RATE: f64 = 1e-4;
@@ -203,13 +218,7 @@ impl Learner {
         current: Option<usize>,
         looks_like: impl Iterator<Item = bool>,
     ) -> Result<(), PreferenceError> {
-        self.likelihoods.clear();
-        self.likelihoods.extend(looks_like.map(|looks| f64::from(u8::from(looks))));
-        let share = self.likelihoods.iter().sum::<f64>() / self.likelihoods.len() as f64;
-        let lapse_rate = self.settings.lapse_rate;
-        for likelihood in &mut self.likelihoods {
-            *likelihood = (1.0 - lapse_rate) * *likelihood + lapse_rate * share;
-        }
+        likelihoods_of_look(looks_like, self.settings.lapse_rate, &mut self.likelihoods);
         self.perception.mix_with_prior(self.settings.change_rate)?;
         self.perception.observe(prospects, current, &self.likelihoods).map(drop)
     }

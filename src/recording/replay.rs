@@ -76,8 +76,8 @@ pub fn replay<R: Read>(mut first: Reader<R>, second: Reader<R>) -> Result<Replay
     Ok(recorded.replay)
 }
 
-/// Runs a recording's scenario again, with the logged decisions of own partners, and calls `on_step` after every
-/// step. Returns the scenario. Nothing is compared.
+/// Runs a recording's scenario again, with the logged decisions of own partners, and calls `on_step` after
+/// every step. Returns the scenario. Nothing is compared.
 ///
 /// # Errors
 /// As [`replay`].

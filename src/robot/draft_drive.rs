@@ -2,6 +2,7 @@
 
 use super::draft_request::{DraftError, DraftRequest};
 use super::drive::DriveKind;
+use super::driven::SKID_MULTIPLIER;
 use super::link::{JointKind, Link};
 use super::wheel_search::{self, is_mecanum, is_wheel};
 use crate::geometry::Pose;
@@ -117,10 +118,9 @@ pub(super) fn drive(
             }
             let [left, right] = sides.each_ref().map(|side| listed(links, side));
             assumed.push(format!("the driven wheels are {left} on the left and {right} on the right"));
-            assumed.push(
-                "in turns they skid as if they were 1.5 times as far apart (wheel_separation_multiplier)"
-                    .to_owned(),
-            );
+            assumed.push(format!(
+                "in turns they skid as if they were {SKID_MULTIPLIER} times as far apart (wheel_separation_multiplier)"
+            ));
             Ok(Found::SkidSteer(sides))
         }
         Some(DriveKind::Omnidirectional) => {

@@ -137,8 +137,9 @@ impl Drive {
 pub struct Wheel {
     /// Its link: index into [`Robot::links`](super::Robot::links).
     pub link: usize,
-    /// Its angle (rad) is the sum of these times what has rolled: the angles of the left and the right wheels,
-    /// or the distances of an omnidirectional base ahead and to the left, m, and the angle that it has turned.
+    /// Its angle (rad) is the sum of these times what has rolled: the angles of the left and the right
+    /// wheels, or the distances of an omnidirectional base ahead and to the left, m, and the angle that it has
+    /// turned.
     pub spin: BaseInput,
 }
 

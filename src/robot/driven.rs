@@ -11,9 +11,9 @@ use super::wheels::{Named, Omnidirectional};
 use crate::located::{Place, Source};
 use toml::Spanned;
 
-/// Track of a skid-steer drive as a multiple of the distance between its wheels, where the robot file gives none.
-/// The published controllers of Jackal and Husky use 1.5 and 1.875.
-const SKID_MULTIPLIER: f64 = 1.5;
+/// Track of a skid-steer drive as a multiple of the distance between its wheels, where the robot file gives
+/// none. The published controllers of Jackal and Husky have 1.5 and 1.875.
+pub(super) const SKID_MULTIPLIER: f64 = 1.5;
 
 /// The wheels that the robot file names, or all faults.
 pub(super) fn named(

@@ -1,7 +1,8 @@
 //! A validated [`Robot`] from a robot file and its URDF: drive, arm, grasp, forward kinematics and B(q).
 //!
 //! Frames: `world` is on the floor, z up. `drive` is on the floor midway between the wheels (below the base
-//! link, where an omnidirectional base names none), x ahead, y to the left; its pose is the base's. `grasp` is where the object is held, x ahead.
+//! link, where an omnidirectional base names none), x ahead, y to the left; its pose is the base's. `grasp` is
+//! where the object is held, x ahead.
 
 mod arm;
 mod collision;

@@ -16,8 +16,8 @@ pub(super) struct Found {
     pub ahead: f64,
     /// Turn of the grasp about its x axis that the posture needs, rad: a multiple of a right angle.
     pub roll: f64,
-    /// Room to move: distance from limits as a share, less near singular configurations, near the ends of the reach,
-    /// and where the arm stands out beside the base; 0 to 1.
+    /// Room to move: distance from limits as a share, less near singular configurations, near the ends of the
+    /// reach, and where the arm stands out beside the base; 0 to 1.
     pub room: f64,
 }
 
@@ -36,8 +36,8 @@ const MOST_POSTURES: usize = 3;
 const DIFFERENT: f64 = 0.7;
 /// Postures whose reach is looked at, the best of all that were found.
 const MOST_REACHES: usize = 80;
-/// Reach ahead, back and to the sides that is enough, m, and turning of the grasp, rad: as the base follows its path, the
-/// grasp moves against it by this much.
+/// Reach ahead, back and to the sides that is enough, m, and turning of the grasp, rad: as the base follows
+/// its path, the grasp moves against it by this much.
 const ENOUGH_REACH_M: f64 = 0.25;
 const ENOUGH_TURN_RAD: f64 = 0.8;
 /// Steps of the search for the ends of the reach, as shares of what is enough.
@@ -130,7 +130,8 @@ fn judge(robot: &Robot, mut joints: JointVector, ahead: f64, roll: f64, base_rad
     Some(Found { joints, ahead, roll, room })
 }
 
-/// How far the grasp can move ahead, back and to either side and turn, the least of all, as a share of what is enough.
+/// How far the grasp can move ahead, back and to either side and turn, the least of all, as a share of what is
+/// enough.
 fn reach_share(robot: &Robot, found: &Found) -> f64 {
     let start = Robot::at_origin(&found.joints);
     let grasp = robot.grasp_pose(&start);

@@ -137,24 +137,18 @@ impl Wheels<'_> {
                 }
             }
         }
-        let pairs = left.iter().zip(right);
-        let along = left.iter().skip(1).map(|other| (&left[0], other));
-        for (i, ((first, a), (second, b))) in pairs.chain(along).enumerate() {
-            let is_pair = i < left.len();
+        let pairs = left.iter().zip(right).map(|pair| (pair, true));
+        let along = left.iter().skip(1).map(|other| ((&left[0], other), false));
+        for (((first, a), (second, b)), is_pair) in pairs.chain(along) {
+            let (x, y) = if is_pair { (b.middle.x, -b.middle.y) } else { (a.middle.x, b.middle.y) };
             for (what, left, right, tolerance) in [
-                ("x in the base (m)", a.middle.x, b.middle.x, SAME_LENGTH_M),
-                (
-                    "distance from the middle of the base (m)",
-                    a.middle.y,
-                    if is_pair { -b.middle.y } else { b.middle.y },
-                    SAME_LENGTH_M,
-                ),
+                ("x in the base (m)", a.middle.x, x, SAME_LENGTH_M),
+                ("distance from the middle of the base (m)", a.middle.y, y, SAME_LENGTH_M),
                 ("z in the base (m)", a.middle.z, b.middle.z, SAME_LENGTH_M),
                 ("radius (m)", a.radius, b.radius, 1e-6),
                 ("limit velocity (rad/s)", a.rate, b.rate, 1e-6),
             ] {
-                let is_along = !is_pair && what.starts_with('x');
-                if !is_along && (left - right).abs() > tolerance {
+                if (left - right).abs() > tolerance {
                     let (left_joint, rule) = (name(links, *first).to_owned(), "they must be the same");
                     return Err((*second, WheelFault::Unlike { what, left_joint, left, right, rule }));
                 }
@@ -328,7 +322,8 @@ fn name(links: &[Link], i: usize) -> &str {
     links[i].joint.as_ref().map_or("", |joint| joint.name.as_str())
 }
 
-/// `drive_from_base` for a drive whose origin is on the floor, below this point of the base (m) by a `radius`.
+/// `drive_from_base` for a drive whose origin is on the floor, below this point of the base (m) by a
+/// `radius`.
 fn above(middle: Point3<f64>, radius: f64) -> Pose {
     let floor = Vector3::new(middle.x, middle.y, middle.z - radius);
     Pose::from_parts((-floor).into(), Rotation3::identity())

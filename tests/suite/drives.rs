@@ -1,12 +1,11 @@
 //! Drives: bases on two wheels, bases that skid, and bases that move in any direction, as robot files give
 //! them, in B(q), on both plants, in the program and in recordings.
 
+use crate::robots::assert_the_jacobian_is_the_slope_of_the_pose;
 use crate::spoiled_robot::{Files, TOML, URDF};
-use crate::support::{cocarry, json, random_configuration, repository, stderr, stdout};
+use crate::support::{cocarry, json, repository, stderr, stdout};
 use cocarry::geometry::{PlanarPose, Point, direction, left_of, wrap_angle};
-use cocarry::robot::{
-    BaseInput, Draft, DraftRequest, DriveKind, InputVector, MAX_INPUTS, Robot, pose_difference,
-};
+use cocarry::robot::{BaseInput, Draft, DraftRequest, DriveKind, InputVector, Robot};
 use cocarry::simulation::{HumanCommand, PhysicalPlant, PhysicsSettings};
 use cocarry::world::World;
 use rand::RngExt;
@@ -52,25 +51,10 @@ fn loaded(files: &Files) -> Robot {
 /// B(q) against the pose after a short input to either side.
 #[test]
 fn property_the_jacobian_of_every_drive_is_the_slope_of_the_pose() {
-    let h = 1e-5;
     for robot in [omni(), loaded(&skid_steer())] {
         let inputs = robot.drive.inputs() + robot.joint_count();
         assert_eq!(inputs, if robot.drive.is_omnidirectional() { 10 } else { 9 });
-        let mut rng = ChaCha8Rng::seed_from_u64(7);
-        for _ in 0..100 {
-            let q = random_configuration(&robot, &mut rng);
-            let kinematics = robot.kinematics(&q);
-            for column in 0..MAX_INPUTS {
-                let mut input = InputVector::zeros();
-                if column < inputs {
-                    input[column] = 1.0;
-                }
-                let [ahead, back] = [h, -h].map(|s| robot.grasp_pose(&robot.advance(&q, &(input * s), 1.0)));
-                let slope = pose_difference(&ahead, &back) / (2.0 * h);
-                let error = (slope - kinematics.jacobian.column(column)).norm();
-                assert!(error < 1e-6, "{}: column {column}: off by {error}", robot.name);
-            }
-        }
+        assert_the_jacobian_is_the_slope_of_the_pose(&robot);
     }
 }
 

@@ -45,7 +45,7 @@ fn altered(changes: &[(&str, &str)]) -> Robot {
 }
 
 /// Mimics in the arm: one slides with a joint that itself mimics, and follows it backwards.
-/// Its torso slides and its forearm turns as other joints do; their own efforts are those of a gear, 1 N or Nm.
+/// Its torso slides and its forearm turns as other joints do; the torso's own effort limit is 1 N.
 pub fn carrier_that_mimics() -> Robot {
     altered(&[
         (
@@ -176,26 +176,31 @@ fn closed_form_both_postures_hold_the_grasp_at_one_pose() {
 }
 
 /// The Jacobian against the pose after a short input to either side, wheels included.
+/// The whole-body Jacobian against central differences of the grasp's pose.
+pub fn assert_the_jacobian_is_the_slope_of_the_pose(robot: &Robot) {
+    let h = 1e-5;
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    for _ in 0..200 {
+        let q = random_configuration(robot, &mut rng);
+        let kinematics = robot.kinematics(&q);
+        assert!(pose_difference(&kinematics.grasp, &robot.grasp_pose(&q)).norm() < 1e-12);
+        for column in 0..MAX_INPUTS {
+            let mut input = InputVector::zeros();
+            if column < robot.drive.inputs() + robot.joint_count() {
+                input[column] = 1.0;
+            }
+            let [ahead, back] = [h, -h].map(|s| robot.grasp_pose(&robot.advance(&q, &(input * s), 1.0)));
+            let slope = pose_difference(&ahead, &back) / (2.0 * h);
+            let error = (slope - kinematics.jacobian.column(column)).norm();
+            assert!(error < 1e-6, "{}: column {column}: off by {error}", robot.name);
+        }
+    }
+}
+
 #[test]
 fn property_the_jacobian_is_the_slope_of_the_pose() {
-    let h = 1e-5;
     for robot in [carrier(), six(), carrier_that_mimics()] {
-        let mut rng = ChaCha8Rng::seed_from_u64(7);
-        for _ in 0..200 {
-            let q = random_configuration(&robot, &mut rng);
-            let kinematics = robot.kinematics(&q);
-            assert!(pose_difference(&kinematics.grasp, &robot.grasp_pose(&q)).norm() < 1e-12);
-            for column in 0..MAX_INPUTS {
-                let mut input = InputVector::zeros();
-                if column < robot.joint_count() + 2 {
-                    input[column] = 1.0;
-                }
-                let [ahead, back] = [h, -h].map(|s| robot.grasp_pose(&robot.advance(&q, &(input * s), 1.0)));
-                let slope = pose_difference(&ahead, &back) / (2.0 * h);
-                let error = (slope - kinematics.jacobian.column(column)).norm();
-                assert!(error < 1e-6, "{}: column {column}: off by {error}", robot.name);
-            }
-        }
+        assert_the_jacobian_is_the_slope_of_the_pose(&robot);
     }
 }
 

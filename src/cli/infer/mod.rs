@@ -27,16 +27,16 @@ use std::process::ExitCode;
 
 /// Infer alpha, gamma and eta of participants, and of their population
 ///
-/// Files are those of `cocarry fit`, answers (CSV with the columns participant, world, option and percent) and
-/// switches (CSV with the columns participant, world, option or method, and step), and recordings of walks
-/// (MCAP). Give one file of answers, one of switches, any number of recordings, or several of these. A
+/// Files are those of `cocarry fit`, answers (CSV with the columns participant, world, option and percent)
+/// and switches (CSV with the columns participant, world, option or method, and step), and recordings of
+/// walks (MCAP). Give one file of answers, one of switches, any number of recordings, or several of these. A
 /// participant has the same name in all; that of a recording is its file's, without the ending.
 ///
-/// An answer is taken as one choice, distributed as the participant says; with the lapse rate, it says nothing
-/// about them. Every participant's posterior of alpha and gamma is exact, with the belief as prior; that of eta
-/// too, with a log-normal prior. With two participants or more, alpha and gamma also have a population:
-/// independent truncated normals on the belief's ranges, whose means and spreads are inferred. With two worlds or
-/// more, each is held out in turn, and its answers are predicted from the others.
+/// An answer is taken as one choice, distributed as the participant says; with the lapse rate, it says
+/// nothing about them. Every participant's posterior of alpha and gamma is exact, with the belief as prior;
+/// that of eta too, with a log-normal prior. With two participants or more, alpha and gamma also have a
+/// population: independent truncated normals on the belief's ranges, whose means and spreads are inferred.
+/// With two worlds or more, each is held out in turn, and its answers are predicted from the others.
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry infer answers.csv", "alpha and gamma of every participant, and of all"),
@@ -57,10 +57,10 @@ pub(super) struct InferArguments {
     #[arg(long, value_name = "RATE", value_parser = super::calibrate::lapse_rate, allow_negative_numbers = true, default_value_t = learning::Settings::default().lapse_rate)]
     lapse_rate: f64,
     /// Median of eta a priori
-    #[arg(long, conflicts_with = "means_of", value_name = "ETA", value_parser = positive, allow_negative_numbers = true, default_value_t = learning::TolerancePrior::default().median)]
+    #[arg(long, conflicts_with = "means_of", value_name = "ETA", value_parser = of_eta, allow_negative_numbers = true, default_value_t = learning::TolerancePrior::default().median)]
     eta_median: f64,
     /// Standard deviation of the logarithm of eta a priori
-    #[arg(long, conflicts_with = "means_of", value_name = "STD", value_parser = positive, allow_negative_numbers = true, default_value_t = learning::TolerancePrior::default().log_std)]
+    #[arg(long, conflicts_with = "means_of", value_name = "STD", value_parser = of_eta, allow_negative_numbers = true, default_value_t = learning::TolerancePrior::default().log_std)]
     eta_log_std: f64,
     /// Stubbornness phi(0) at the start, between 0 and 1
     #[arg(long, value_name = "PHI", default_value_t = coordination::Settings::default().initial_stubbornness, value_parser = number(&INITIAL_STUBBORNNESS), allow_negative_numbers = true)]
@@ -268,9 +268,13 @@ fn walk(arguments: &InferArguments, path: &Path) -> Result<Walk, Failure> {
     Ok(Walk { file, participant, looks: watch.looks().to_vec(), etas: watch.etas() })
 }
 
-fn positive(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number| *number > 0.0 && *number <= 1e6);
-    number.ok_or_else(|| "must be greater than 0 and at most 1000000".to_owned())
+/// A parser of a number of the prior of eta; both have one range.
+fn of_eta(text: &str) -> Result<f64, String> {
+    let number = text.parse().map_err(|_| "must be a number".to_owned())?;
+    let tolerance = learning::TolerancePrior { median: number, log_std: number };
+    let settings = learning::Settings { tolerance, ..Default::default() };
+    settings.check().map_err(|error| format!("must be {}", error.expected))?;
+    Ok(number)
 }
 
 /// A parser of the name of a Zarr store in a ZIP file.

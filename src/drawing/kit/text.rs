@@ -19,8 +19,8 @@ const ADVANCES: [u16; 95] = [
 ];
 /// Width of bold letters relative to regular ones.
 const BOLD: f64 = 1.13;
-/// Size of a subscript relative to the line, and its drop, em. Lines are 7.2 pt high in a picture 3.5 in wide,
-/// and nothing may be below 7 pt.
+/// Size of a subscript relative to the line, and its drop, em. Lines are 7.2 pt high in a picture 3.5 in
+/// wide, and nothing may be below 7 pt.
 const SUB_SIZE: f64 = 0.98;
 const SUB_DROP: f64 = 0.2;
 

@@ -28,7 +28,8 @@ pub struct Draws {
     pub gamma: Vec<Vec<f64>>,
     /// By person; empty without switches.
     pub eta: Vec<Vec<f64>>,
-    /// The logarithm of the joint density of population, alpha, gamma and answers.
+    /// The logarithm of the joint density of population (by means and logarithms of spreads), alpha, gamma and
+    /// answers, up to a constant.
     pub log_density: Vec<f64>,
 }
 

@@ -4,7 +4,7 @@ use super::inputs::{Settings, Walk};
 use crate::episode::Look;
 use crate::fit::set::{Set, hull, intersection};
 use crate::fit::{Answers, FitError, Situation};
-use crate::learning::{MOST_TASKS, Tolerance};
+use crate::learning::{MOST_TASKS, Tolerance, likelihoods_of_look};
 use crate::math;
 use crate::preference::{Belief, ChoiceDistribution, Posterior, PreferenceError, Prospect};
 
@@ -57,8 +57,8 @@ impl Perceived {
         })
     }
 
-    /// Learns from the likelihood of what was seen, by option. False, and no change, if no human of the belief
-    /// gives it.
+    /// Learns from the likelihood of what was seen, by option. False, and no change, if no human of the
+    /// belief gives it.
     pub fn learn(&mut self, prospects: &[Prospect], current: Option<usize>, likelihoods: &[f64]) -> bool {
         match self.posterior.observe(prospects, current, likelihoods) {
             Ok(evidence) => {
@@ -74,11 +74,9 @@ impl Perceived {
     /// # Errors
     /// [`FitError::Walk`].
     pub fn see(&mut self, walk: &Walk, lapse_rate: f64) -> Result<(), FitError> {
+        let mut likelihoods = Vec::new();
         for Look { prospects, current, looks_like } in &walk.looks {
-            let alike = looks_like.iter().filter(|looks| **looks).count() as f64;
-            let lapsed = lapse_rate * alike / looks_like.len() as f64;
-            let likelihood = |looks: &bool| lapsed + if *looks { 1.0 - lapse_rate } else { 0.0 };
-            let likelihoods: Vec<f64> = looks_like.iter().map(likelihood).collect();
+            likelihoods_of_look(looks_like.iter().copied(), lapse_rate, &mut likelihoods);
             if !self.learn(prospects, Some(*current), &likelihoods) {
                 let (file, participant) = (walk.file.clone(), walk.participant.clone());
                 return Err(FitError::Walk { file, participant });

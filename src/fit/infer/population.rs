@@ -1,8 +1,8 @@
 //! The population of alpha and gamma: independent truncated normals on the belief's ranges.
 //!
 //! Means are uniform on the range a priori, and the logarithms of the spreads are uniform. A person's
-//! likelihood steps at the borders of the options' regions only, so the integral over alpha is exact: a sum of
-//! distribution functions. The integral over gamma is a sum over narrow rows. The integral over the
+//! likelihood steps at the borders of the options' regions only, so the integral over alpha is exact: a sum
+//! of distribution functions. The integral over gamma is a sum over narrow rows. The integral over the
 //! population's four parameters is a sum over all nodes.
 
 use crate::math;

@@ -236,8 +236,8 @@ impl Plane {
         self.segments.iter().filter(is_below).map(|segment| segment.step).sum::<f64>().max(0.0)
     }
 
-    /// The density at one gamma: every alpha at which it steps, ascending, and the step. The first alpha is the
-    /// least one.
+    /// The density at one gamma: every alpha at which it steps, ascending, and the step. The first alpha is
+    /// the least one.
     pub fn steps_at(&self, gamma: f64) -> Vec<(f64, f64)> {
         let last = self.last_gamma();
         let has = |s: &&Segment| s.from <= gamma && (gamma < s.to || s.to == last && gamma == last);

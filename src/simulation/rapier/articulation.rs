@@ -1,10 +1,11 @@
 //! The robot as a rapier multibody that follows commanded rates with limited efforts.
 //!
 //! The base is a planar joint with velocity motors: it moves as its drive does, so never sideways if that has
-//! two driven sides. The arm's motors are springs and dampers that follow an integrated position reference with the commanded rate.
-//! They are part of the multibody's own equations, which are solved exactly; rapier's motor constraints would
-//! need hundreds of solver iterations to hold up an object that outweighs the wrist. Links have no weight:
-//! gravity compensation is assumed perfect, so the motors carry only the object and the dynamics.
+//! two driven sides. The arm's motors are springs and dampers that follow an integrated position reference
+//! with the commanded rate. They are part of the multibody's own equations, which are solved exactly;
+//! rapier's motor constraints would need hundreds of solver iterations to hold up an object that outweighs
+//! the wrist. Links have no weight: gravity compensation is assumed perfect, so the motors carry only the
+//! object and the dynamics.
 
 use super::clusters::{Cluster, clusters, moving};
 use super::motor::{Motor, joint_data};

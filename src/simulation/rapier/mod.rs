@@ -74,8 +74,9 @@ impl PhysicalPlant {
     }
 
     /// Simulates one control period (s, at most a minute) with these mean rates (inputs of the base, joints
-    /// rad/s or m/s) and this command of the human. The rates are clamped to the robot's limits and change smoothly
-    /// from those of the last period. A plant that failed with [`Failure::NonFinite`] no longer changes.
+    /// rad/s or m/s) and this command of the human. The rates are clamped to the robot's limits and change
+    /// smoothly from those of the last period. A plant that failed with [`Failure::NonFinite`] no longer
+    /// changes.
     pub fn step(&mut self, rates: &InputVector, human: &HumanCommand, period: f64) -> Observation {
         let goal = match human {
             HumanCommand::Walk { hand } => [hand.position.x, hand.position.y, hand.yaw],

@@ -46,7 +46,8 @@ pub(super) struct Motor {
 }
 
 impl Motor {
-    /// The motor of `joint`, which is the robot's arm joint `driver`, or the gear from it to one that mimics it.
+    /// The motor of `joint`, which is the robot's arm joint `driver`, or the gear from it to one that mimics
+    /// it.
     pub fn new(handle: MultibodyJointHandle, joint: &Joint, driver: usize, robot: &Robot) -> Self {
         let is_own = joint.mimic.is_none();
         let limit = joint.limits.effort;
@@ -68,9 +69,9 @@ impl Motor {
         }
     }
 
-    /// Sets the motor for a step of `dt` seconds toward the joint's `reference` with its `rate`. Its effort and
-    /// the load of its gears, `geared`, stay within its limit together. Pulls back a reference that it cannot
-    /// follow. `None` if the bodies no longer exist.
+    /// Sets the motor for a step of `dt` seconds toward the joint's `reference` with its `rate`. Its effort
+    /// and the load of its gears, `geared`, stay within its limit together. Pulls back a reference that it
+    /// cannot follow. `None` if the bodies no longer exist.
     pub fn drive(
         &mut self,
         world: &mut PhysicsWorld,
@@ -89,8 +90,8 @@ impl Motor {
         self.apply(world, if is_near { self.axis().into() } else { JointAxesMask::empty() })
     }
 
-    /// Sets the gear for a step of `dt` seconds, to where the joint that it follows goes from its position and
-    /// rate.
+    /// Sets the gear for a step of `dt` seconds, to where the joint that it follows goes from its position
+    /// and rate.
     pub fn follow(&mut self, world: &mut PhysicsWorld, [at, rate]: [f64; 2], dt: f64) -> Option<()> {
         let state = self.state(world)?;
         self.set_spring([self.ratio * (at + dt * rate) + self.offset, self.ratio * rate], state, 0.0, dt);
@@ -124,8 +125,8 @@ impl Motor {
     }
 
     /// Sets the spring for a step of `dt` seconds toward a position and a rate. The implicit effort and
-    /// `geared` are clamped to its limit for a joint that keeps its rate; a change of rate during the step adds
-    /// to it.
+    /// `geared` are clamped to its limit for a joint that keeps its rate; a change of rate during the step
+    /// adds to it.
     fn set_spring(&mut self, [target, rate]: [f64; 2], (position, moving): (f64, f64), geared: f64, dt: f64) {
         let Self { stiffness, damping, most, .. } = *self;
         let rest = target + damping / stiffness * rate;

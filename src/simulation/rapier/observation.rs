@@ -25,7 +25,8 @@ pub struct Observation {
     /// during the step, but the effort follows from the rate at the end of the step.
     pub effort_share: f64,
     /// What turns the wheels, since the start: angles of the left and the right wheels, rad. Omnidirectional:
-    /// distances ahead and to the left, m, and the angle turned, rad. See [`Wheel::of`](crate::robot::Wheel::of).
+    /// distances ahead and to the left, m, and the angle turned, rad. See
+    /// [`Wheel::of`](crate::robot::Wheel::of).
     #[serde(rename = "wheel_angles", with = "without_last")]
     pub rolled: BaseInput,
     /// `world_from_grasp`.

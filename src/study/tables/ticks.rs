@@ -35,7 +35,7 @@ pub(in crate::study) struct Ticks {
     folder: PathBuf,
     partial: PathBuf,
     overwrite: bool,
-    _lock: File,
+    lock: File,
     origin: Origin,
     episodes: Range<u64>,
     covered: u64,
@@ -146,7 +146,7 @@ impl Ticks {
         let mut ticks = Self {
             folder: folder.to_owned(),
             overwrite,
-            _lock: lock,
+            lock,
             origin: study.origin(),
             covered: 0,
             layout: Layout::of(study),
@@ -282,6 +282,8 @@ impl Drop for Ticks {
             let _ = std::fs::remove_file(self.partial.join(LOCK));
             let _ = std::fs::remove_dir(&self.partial);
         }
+        // as for an output file
+        let _ = self.lock.unlock();
     }
 }
 

@@ -114,8 +114,8 @@ fn closed_form_links_are_where_the_kinematics_say() {
     }
 }
 
-/// Joints that mimic others stay with them, and the motors of the others bear their load: at rest, the efforts
-/// are what the Jacobian makes of the grip's force.
+/// Joints that mimic others stay with them, and the motors of the others bear their load: at rest, the
+/// efforts are what the Jacobian makes of the grip's force.
 #[test]
 fn closed_form_mimicking_joints_stay_with_the_joints_that_bear_their_load() {
     let robot = crate::robots::carrier_that_mimics();
