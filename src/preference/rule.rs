@@ -26,7 +26,7 @@ pub(super) struct Rule {
     /// Rows that give the interpolating polynomial at the fine points.
     interpolation: [Samples; FINE],
     /// Rows that give the coefficients of the interpolating polynomial, the constant one first.
-    powers: [Samples; NODES],
+    pub powers: [Samples; NODES],
 }
 
 /// Ascending Gauss-Legendre nodes on `[-1, 1]` with their weights.
@@ -118,10 +118,10 @@ impl Rule {
 }
 
 /// The coefficients of every node's Lagrange polynomial, by power.
-fn powers(nodes: &Samples) -> [Samples; NODES] {
-    let mut rows = [[0.0; NODES]; NODES];
+pub(super) fn powers<const N: usize>(nodes: &[f64; N]) -> [[f64; N]; N] {
+    let mut rows = [[0.0; N]; N];
     for (q, node) in nodes.iter().enumerate() {
-        let mut product = [0.0; NODES];
+        let mut product = [0.0; N];
         product[0] = 1.0;
         for (degree, other) in nodes.iter().enumerate().filter(|(r, _)| *r != q).map(|(_, n)| n).enumerate() {
             let scale = 1.0 / (node - other);
@@ -130,7 +130,7 @@ fn powers(nodes: &Samples) -> [Samples; NODES] {
                 product[power] = scale * (lower - other * product[power]);
             }
         }
-        for power in 0..NODES {
+        for power in 0..N {
             rows[power][q] = product[power];
         }
     }

@@ -15,6 +15,8 @@ pub(super) struct Independent {
     pub front: Vec<Curve>,
     pub strips: Strips,
     single: Vec<f64>,
+    /// What the front and the outline are of.
+    outlined: (Vec<Prospect>, Option<usize>),
 }
 
 impl Independent {
@@ -26,12 +28,26 @@ impl Independent {
         let mut strips = Strips::new();
         strips.outline = Some(Default::default());
         let plane = Plane::new(&rule, &domain);
-        Self { domain, rule, plane, front: Vec::new(), strips, single: Vec::new() }
+        Self {
+            domain,
+            rule,
+            plane,
+            front: Vec::new(),
+            strips,
+            single: Vec::new(),
+            outlined: Default::default(),
+        }
     }
 
-    /// Finds the regions of these options. False if one option is the cheapest everywhere: `front` then has
+    /// Finds the regions of these options, unless they are those of the last call. False if one option is the cheapest everywhere: `front` then has
     /// only that.
     pub fn outline(&mut self, prospects: &[Prospect], risk_weight: f64, current: Option<usize>) -> bool {
+        if self.outlined.0 == prospects && self.outlined.1 == current {
+            return self.front.len() >= 2;
+        }
+        self.outlined.0.clear();
+        self.outlined.0.extend_from_slice(prospects);
+        self.outlined.1 = current;
         pareto_front(prospects, risk_weight > 0.0, current, &mut self.front);
         if self.front.len() < 2 {
             return false;

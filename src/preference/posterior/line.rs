@@ -10,6 +10,10 @@ const TIE: f64 = 1e-12;
 /// Equally spaced points at which two borders are compared before a crossing is searched for.
 const POINTS: usize = 6;
 
+/// A crossing is found where the borders are nearer than this in alpha. What is between them counts on the wrong
+/// side, from there to the crossing: an area of the order of the square of this.
+const NEAR: f64 = 1e-9;
+
 /// The most crossings of two borders that are told apart.
 const MOST_CROSSINGS: usize = 2 * POINTS;
 
@@ -39,6 +43,11 @@ impl Sides {
         let mut ends = [0.0; MOST_CROSSINGS + 2];
         (ends[0], ends[1]) = (from, to);
         Self { ends, parts: 1, first_is_below: is_below }
+    }
+
+    /// No part.
+    pub fn none() -> Self {
+        Self { ends: [0.0; MOST_CROSSINGS + 2], parts: 0, first_is_below: false }
     }
 
     /// From, to, and whether the newer border is below.
@@ -89,14 +98,74 @@ impl Line {
         line
     }
 
+    /// The same alphas as of a line of one alpha, on another range.
+    pub fn between(&self, from: f64, to: f64) -> Self {
+        Self { middle: 0.5 * (from + to), half: 0.5 * (to - from), ..*self }
+    }
+
+    /// Whether the line lies in a panel of gamma. No line but the least alpha lies in several.
+    pub fn is_in(&self, panel: &[f64]) -> bool {
+        panel[0] < self.middle && self.middle < panel[1]
+    }
+
+    /// gamma at the nodes.
+    pub fn gammas(&self, rule: &Rule) -> Samples {
+        rule.nodes.map(|node| self.middle + self.half * node)
+    }
+
+    /// alpha at the nodes.
+    pub fn alphas(&self, rule: &Rule) -> Samples {
+        horners(&self.alpha, &rule.nodes)
+    }
+
+    /// Weights of the nodes for the integral over gamma of a function times a step function, which is given by
+    /// its parts: from, to and value.
+    pub fn weights(&self, parts: impl Iterator<Item = (f64, f64, f64)>, rule: &Rule) -> Samples {
+        // the integrals of the powers of x, times power + 1
+        let mut sums = [0.0; NODES];
+        let mut add = |gamma: f64, value: f64| {
+            let x = (gamma - self.middle) / self.half;
+            let mut at = value;
+            for sum in &mut sums {
+                at *= x;
+                *sum += at;
+            }
+        };
+        let mut last = (self.middle, 0.0);
+        for (from, to, value) in parts {
+            match last.0 == from {
+                true => add(from, last.1 - value),
+                false => {
+                    add(last.0, last.1);
+                    add(from, -value);
+                }
+            }
+            last = (to, value);
+        }
+        add(last.0, last.1);
+        let mut weights = [0.0; NODES];
+        for (power, sum) in sums.iter().enumerate() {
+            let integral = self.half * sum / (power + 1) as f64;
+            for (weight, coefficient) in weights.iter_mut().zip(&rule.powers[power]) {
+                *weight += coefficient * integral;
+            }
+        }
+        weights
+    }
+
     pub fn alpha(&self, gamma: f64) -> f64 {
         horner(&self.alpha, (gamma - self.middle) / self.half)
     }
 
     /// The integral over gamma of the probability up to alpha, times the density of gamma.
     pub fn mass(&self, from: f64, to: f64) -> f64 {
-        let at = |gamma: f64| horner(&self.integral, (gamma - self.middle) / self.half);
-        at(to) - at(from)
+        let [from, to] = horners(&self.integral, &[from, to].map(|gamma| (gamma - self.middle) / self.half));
+        to - from
+    }
+
+    /// The same from the line's middle on.
+    pub fn mass_to(&self, gamma: f64) -> f64 {
+        horner(&self.integral, (gamma - self.middle) / self.half)
     }
 
     /// Where between `from` and `to` the line `newer` is below this one, or on it.
@@ -110,7 +179,11 @@ impl Line {
         let excess = |gamma: f64| newer.alpha(gamma) - self.alpha(gamma) - TIE;
         let spacing = (to - from) / (POINTS - 1) as f64;
         let at = |point: usize| if point + 1 == POINTS { to } else { from + spacing * point as f64 };
-        let values: [f64; POINTS] = std::array::from_fn(|point| excess(at(point)));
+        let gammas: [f64; POINTS] = std::array::from_fn(at);
+        let alphas =
+            |line: &Self| horners(&line.alpha, &gammas.map(|gamma| (gamma - line.middle) / line.half));
+        let (mine, others) = (alphas(self), alphas(newer));
+        let values: [f64; POINTS] = std::array::from_fn(|point| others[point] - mine[point] - TIE);
         let mut sides = Sides::same(from, to, values[0] <= 0.0);
         for point in 1..POINTS {
             let (left, right) = ((at(point - 1), values[point - 1]), (at(point), values[point]));
@@ -164,7 +237,7 @@ fn crossing(function: &impl Fn(f64) -> f64, left: (f64, f64), right: (f64, f64))
         let at = a.0 - a.1 * (b.0 - a.0) / (b.1 - a.1);
         let at = if at > a.0 && at < b.0 { at } else { 0.5 * (a.0 + b.0) };
         let value = function(at);
-        if value.abs() < 1e-15 || b.0 - a.0 < 1e-13 {
+        if value.abs() < NEAR || b.0 - a.0 < 1e-13 {
             return at;
         }
         if (value <= 0.0) == (a.1 <= 0.0) {
@@ -182,6 +255,16 @@ fn crossing(function: &impl Fn(f64) -> f64, left: (f64, f64), right: (f64, f64))
         }
     }
     0.5 * (a.0 + b.0)
+}
+
+fn horners<const N: usize>(coefficients: &[f64], x: &[f64; N]) -> [f64; N] {
+    let mut sums = [0.0; N];
+    for coefficient in coefficients.iter().rev() {
+        for (sum, x) in sums.iter_mut().zip(x) {
+            *sum = *sum * x + coefficient;
+        }
+    }
+    sums
 }
 
 fn horner(coefficients: &[f64], x: f64) -> f64 {

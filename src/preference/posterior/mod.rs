@@ -14,7 +14,7 @@ use independent::Independent;
 use line::Line;
 pub use moments::Estimate;
 use moments::Moments;
-use plane::{Plane, Segment};
+use plane::{Plane, SAME, Segment};
 use serde::{Deserialize, Serialize};
 
 /// A belief over `(alpha, gamma)` that learns from choices, by Bayes' rule.
@@ -22,9 +22,9 @@ use serde::{Deserialize, Serialize};
 /// Each observation multiplies the prior density, on the region R_o of every option, by the likelihood of what
 /// was seen if the human prefers o. The product is constant between the borders of all regions seen so far.
 /// The borders and the steps across them are kept, so probabilities are exact up to about 1e-8, nearly like
-/// those of the [`Predictor`](super::Predictor), without a grid or particles. Steps below 1e-11 of the mean
-/// density are dropped, and beyond 2048 steps the least ones. Once warm, no call but [`Posterior::estimate`]
-/// allocates.
+/// those of the [`Predictor`](super::Predictor), without a grid or particles. Steps that change no probability
+/// by more than 1e-12 are dropped, and beyond 2048 steps the least ones. Once warm, no call but
+/// [`Posterior::estimate`] allocates.
 ///
 /// ```
 /// use cocarry::preference::{Belief, ChoiceDistribution, Posterior, Prospect};
@@ -44,8 +44,9 @@ pub struct Posterior {
     risk_weight: f64,
     model: Model,
     masses: Vec<f64>,
-    moments: Option<Moments>,
-    spare: Moments,
+    moments: Moments,
+    /// Whether the moments are those of what was learned.
+    is_filled: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -80,8 +81,8 @@ impl Posterior {
                 Model::Samples { set: set.clone(), weights }
             }
         };
-        let spare = Moments::default();
-        Ok(Self { belief, risk_weight, model, masses: Vec::new(), moments: None, spare })
+        let (masses, moments) = (Vec::new(), Moments::default());
+        Ok(Self { belief, risk_weight, model, masses, moments, is_filled: false })
     }
 
     /// The prior.
@@ -132,7 +133,7 @@ impl Posterior {
                 }
             }
         };
-        self.forget_moments();
+        self.is_filled = false;
         evidence.ok_or(PreferenceError::Impossible)
     }
 
@@ -154,14 +155,8 @@ impl Posterior {
                 }
             }
         }
-        self.forget_moments();
+        self.is_filled = false;
         Ok(())
-    }
-
-    fn forget_moments(&mut self) {
-        if let Some(moments) = self.moments.take() {
-            self.spare = moments;
-        }
     }
 
     /// Probability `P_o` that each option has the lowest subjective cost (eq. 4 over what was learned), as
@@ -187,7 +182,7 @@ impl Posterior {
                     let outline = strips.outline.as_ref();
                     for border in outline.iter().flat_map(|outline| &outline.borders) {
                         let line = Line::of(border, rule);
-                        let mass = plane.mass_below(&line, |from, to| line.mass(from, to), border.gamma);
+                        let mass = plane.mass_below(&line, |gamma| line.mass_to(gamma), border.gamma);
                         masses[border.options[0]] += mass;
                         masses[border.options[1]] -= mass;
                     }
@@ -227,12 +222,10 @@ impl Posterior {
 
     fn moments(&mut self) -> Option<&Moments> {
         let Model::Independent(model) = &self.model else { return None };
-        if self.moments.is_none() {
-            let mut moments = std::mem::take(&mut self.spare);
-            moments.fill(&model.plane, &model.domain, &model.rule);
-            self.moments = Some(moments);
+        if !std::mem::replace(&mut self.is_filled, true) {
+            self.moments.fill(&model.plane, &model.domain, &model.rule);
         }
-        self.moments.as_ref()
+        Some(&self.moments)
     }
 
     /// The density at a perception relative to the prior's: 1 where nothing was learned, 0 outside the prior.
@@ -280,10 +273,10 @@ impl Posterior {
 
     /// The probability of all perceptions with a density above `density`, and with at least it.
     pub fn credibility(&self, density: f64) -> [f64; 2] {
-        let near = 1e-9 * density;
+        let near = SAME * density;
         match &self.model {
             Model::Independent(model) => [density + near, density - near]
-                .map(|least| model.plane.integral_of(&model.domain, |w| if w >= least { w } else { 0.0 })),
+                .map(|least| model.plane.integral_of(|w| if w >= least { w } else { 0.0 })),
             Model::Samples { set, weights } => [density + near, density - near].map(|least| {
                 let pairs = set.samples().iter().zip(weights);
                 pairs.filter(|(s, weight)| *weight / s.weight >= least).map(|(_, weight)| weight).sum()
@@ -301,11 +294,10 @@ impl Posterior {
 
     /// Mean, covariance, 95 % intervals and region, and information.
     pub fn estimate(&mut self) -> Estimate {
-        let filled = self.moments().cloned();
-        match (&self.model, filled) {
-            (Model::Independent(model), Some(moments)) => model.estimate(&moments),
-            (Model::Samples { set, weights }, _) => moments::of_samples(set, weights),
-            _ => Estimate::default(),
+        self.moments();
+        match &self.model {
+            Model::Independent(model) => model.estimate(&self.moments),
+            Model::Samples { set, weights } => moments::of_samples(set, weights),
         }
     }
 
@@ -339,10 +331,17 @@ impl Posterior {
                             .iter()
                             .all(|x| x.is_finite())
                 };
-                let fits = lines.first() == model.plane.lines.first() && segments.iter().all(is_known);
+                let in_order = segments.is_sorted_by(|a, b| (a.line, a.from) < (b.line, b.from));
+                let fits = lines.first() == model.plane.lines.first()
+                    && segments.iter().all(is_known)
+                    && in_order
+                    && segments.first().is_some_and(|first| first.line == 0);
                 if fits {
-                    model.plane.lines.clone_from(lines);
-                    model.plane.segments.clone_from(segments);
+                    let Independent { plane, domain, .. } = model.as_mut();
+                    plane.lines.clone_from(lines);
+                    plane.segments.clear();
+                    let line = |segment: &Segment| &lines[segment.line as usize];
+                    plane.segments.extend(segments.iter().map(|s| s.weighed(line(s), domain)));
                 }
                 fits
             }
@@ -355,7 +354,7 @@ impl Posterior {
             }
             _ => false,
         };
-        self.forget_moments();
+        self.is_filled = false;
         is_restored
     }
 }

@@ -2,22 +2,15 @@
 
 use super::independent::Independent;
 use super::line::Line;
-use super::plane::{Plane, Segment};
+use super::plane::{Plane, SAME, Segment};
 use crate::math;
-use crate::preference::rule::{Rule, gauss_legendre};
+use crate::preference::rule::{NODES, Rule, Samples, gauss_legendre, powers};
 use crate::preference::strips::Domain;
 use crate::preference::{Marginal, Perception, Prospect, SampleSet};
 use std::num::NonZeroUsize;
 
 /// Nodes per panel; a mean of a polynomial of a smaller degree is exact.
-const POINTS: usize = 14;
-
-/// Nodes on a short segment: exact where the border is straight and the prior uniform.
-const FEW: usize = 8;
-
-/// Segments shorter than this part of a panel, in alpha and in gamma, are short. Borders are nearly straight
-/// there.
-const SHORT: f64 = 0.1;
+const POINTS: usize = 12;
 
 /// A belief about one human in figures.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -40,136 +33,111 @@ pub struct Estimate {
 }
 
 /// The marginals as nodes and weights, and the mean of alpha times gamma.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct Moments {
     alpha: Vec<(f64, f64)>,
     gamma: Vec<(f64, f64)>,
     product: f64,
-    nodes: Vec<(f64, f64)>,
-    few: Vec<(f64, f64)>,
+    rule: PanelRule,
+    alpha_sums: Vec<Sums>,
+    gamma_sums: Vec<Sums>,
+}
+
+/// Gauss-Legendre nodes and weights, and the coefficients of every node's Lagrange polynomial, by power.
+#[derive(Debug, Clone)]
+struct PanelRule {
+    nodes: [(f64, f64); POINTS],
+    powers: [[f64; POINTS]; POINTS],
+}
+
+/// Sums of the powers of a place in a panel, by degree, for every node of a line.
+type Sums = [Samples; POINTS + 1];
+
+impl Default for Moments {
+    fn default() -> Self {
+        let found = gauss_legendre(NonZeroUsize::new(POINTS).unwrap_or(NonZeroUsize::MIN));
+        let nodes: [(f64, f64); POINTS] = std::array::from_fn(|i| found[i]);
+        let rule = PanelRule { nodes, powers: powers(&nodes.map(|(node, _)| node)) };
+        let (alpha, gamma, alpha_sums, gamma_sums) = Default::default();
+        Self { alpha, gamma, product: 0.0, rule, alpha_sums, gamma_sums }
+    }
 }
 
 impl Moments {
     /// Computes the marginals of a density.
+    ///
+    /// Where the density steps along a line, the step counts for all alphas above the line. The integral over
+    /// gamma of what that adds is taken over the nodes of the line.
     pub fn fill(&mut self, plane: &Plane, domain: &Domain, rule: &Rule) {
-        if self.nodes.is_empty() {
-            [self.nodes, self.few] =
-                [POINTS, FEW].map(|n| gauss_legendre(NonZeroUsize::new(n).unwrap_or(NonZeroUsize::MIN)));
-        }
         self.product = 0.0;
+        for (sums, panels) in
+            [(&mut self.alpha_sums, &domain.alpha_panels), (&mut self.gamma_sums, &domain.gamma_panels)]
+        {
+            sums.clear();
+            sums.resize(panels.len() - 1, Sums::default());
+        }
+        for segments in plane.by_line() {
+            let line = &plane.lines[segments[0].line as usize];
+            for (index, panel) in domain.gamma_panels.windows(2).enumerate() {
+                if segments[0].line == 0 {
+                    let clipped = |s: &Segment| (s.from.max(panel[0]), s.to.min(panel[1]), s.step);
+                    let level = line.between(panel[0], panel[1]);
+                    let parts = segments.iter().map(clipped).filter(|(from, to, _)| from < to);
+                    self.add(&level, &level.weights(parts, rule), index, domain, rule);
+                } else if line.is_in(panel) {
+                    let parts = segments.iter().map(|s| (s.from, s.to, s.step));
+                    self.add(line, &line.weights(parts, rule), index, domain, rule);
+                }
+            }
+        }
         self.alpha.clear();
         self.gamma.clear();
-        let whole = [domain.gamma.lower(), domain.gamma.upper()];
-        for panel in domain.alpha_panels.windows(2) {
-            let top = Line::constant(rule, whole, panel[1], domain);
-            let bottom = Line::constant(rule, whole, panel[0], domain);
-            let mut means = [0.0; POINTS];
-            for segment in &plane.segments {
-                let line = &plane.lines[segment.line as usize];
-                // where the line is within the panel, and where it is below it
-                for (from, to, top_is_below) in line.sides(&top, segment.from, segment.to).parts() {
-                    if top_is_below {
-                        continue;
-                    }
-                    for (from, to, _) in line.sides(&bottom, from, to).parts() {
-                        let part = Segment { from, to, ..*segment };
-                        self.product += self.add_alpha(&part, line, panel, domain, &mut means);
-                    }
+        for (panel, sums) in domain.alpha_panels.windows(2).zip(&self.alpha_sums) {
+            let mut means = sums.map(|nodes| nodes.iter().sum::<f64>());
+            if let Some(density) = density_if_uniform(&domain.alpha, panel) {
+                // the sums are of the ends: the integral of t^j from t to 1 is (1 - t^(j+1)) / (j + 1)
+                means = std::array::from_fn(|j| match means.get(j + 1) {
+                    Some(end) => density * (means[0] - end) / (j + 1) as f64,
+                    None => 0.0,
+                });
+            }
+            self.rule.add_nodes(&means, panel, &mut self.alpha);
+        }
+        for (panel, sums) in domain.gamma_panels.windows(2).zip(&self.gamma_sums) {
+            let means = sums.map(|nodes| nodes.iter().sum::<f64>());
+            self.rule.add_nodes(&means, panel, &mut self.gamma);
+        }
+    }
+
+    /// Adds what the steps along a line amount to. It lies in one panel of gamma and in one of alpha.
+    fn add(&mut self, line: &Line, weights: &Samples, gamma_panel: usize, domain: &Domain, rule: &Rule) {
+        let (gammas, alphas) = (line.gammas(rule), line.alphas(rule));
+        let each = |value: &dyn Fn(usize) -> f64| -> Samples { std::array::from_fn(value) };
+        let weights = each(&|q| weights[q] * domain.gamma.density(gammas[q]));
+        let above = each(&|q| weights[q] * (1.0 - domain.alpha.cdf(alphas[q])));
+        let (half, middle) = halves(&domain.gamma_panels[gamma_panel..]);
+        add_powers(&mut self.gamma_sums[gamma_panel], &above, &gammas.map(|gamma| (gamma - middle) / half));
+        for (sums, panel) in self.alpha_sums.iter_mut().zip(domain.alpha_panels.windows(2)) {
+            let (half, middle) = halves(panel);
+            let from = alphas.map(|alpha| ((alpha - middle) / half).clamp(-1.0, 1.0));
+            if from == [1.0; NODES] {
+                continue;
+            }
+            let mut mean = [0.0; NODES];
+            if let Some(density) = density_if_uniform(&domain.alpha, panel) {
+                add_powers(sums, &weights, &from);
+                mean = from.map(|t| density * (1.0 - t) * (middle + 0.5 * half * (1.0 + t)));
+            } else {
+                for (node, weight) in &self.rule.nodes {
+                    let at = from.map(|from| 0.5 * (from + 1.0) + 0.5 * (1.0 - from) * node);
+                    let alphas = at.map(|t| middle + half * t);
+                    let part =
+                        each(&|q| 0.5 * (1.0 - from[q]) * weight * half * domain.alpha.density(alphas[q]));
+                    add_powers(sums, &each(&|q| weights[q] * part[q]), &at);
+                    mean = each(&|q| mean[q] + part[q] * alphas[q]);
                 }
             }
-            let [low, high] = [panel[0], panel[1]];
-            to_weights(&self.nodes, &means, low, high, &mut self.alpha);
-        }
-        for panel in domain.gamma_panels.windows(2) {
-            let mut means = [0.0; POINTS];
-            for segment in &plane.segments {
-                let (from, to) = (segment.from.max(panel[0]), segment.to.min(panel[1]));
-                if from < to {
-                    let line = &plane.lines[segment.line as usize];
-                    self.add_gamma(&Segment { from, to, ..*segment }, line, panel, domain, &mut means);
-                }
-            }
-            to_weights(&self.nodes, &means, panel[0], panel[1], &mut self.gamma);
-        }
-    }
-
-    /// Adds a segment's part of the means of Legendre's polynomials of alpha over a panel. Returns its part of
-    /// the mean of alpha times gamma.
-    fn add_alpha(
-        &self,
-        segment: &Segment,
-        line: &Line,
-        panel: &[f64],
-        domain: &Domain,
-        means: &mut [f64; POINTS],
-    ) -> f64 {
-        let (half, middle) = halves(segment.from, segment.to);
-        let (panel_half, panel_middle) = halves(panel[0], panel[1]);
-        let mut product = 0.0;
-        let range = domain.gamma.upper() - domain.gamma.lower();
-        for (node, weight) in self.rule(segment, line, range, panel_half) {
-            let gamma = middle + half * node;
-            let weight = segment.step * half * weight * domain.gamma.density(gamma);
-            let from = ((line.alpha(gamma) - panel_middle) / panel_half).clamp(-1.0, 1.0);
-            let tails = self.tails(from, panel_half, panel_middle, &domain.alpha);
-            for (mean, tail) in means.iter_mut().zip(tails) {
-                *mean += weight * tail;
-            }
-            product += weight * gamma * (panel_middle * tails[0] + panel_half * tails[1]);
-        }
-        product
-    }
-
-    /// The rule for a segment. `gammas` is what counts as a whole range of gamma, `alphas` half a range of
-    /// alpha.
-    fn rule(&self, segment: &Segment, line: &Line, gammas: f64, alphas: f64) -> &[(f64, f64)] {
-        let rise = (line.alpha(segment.to) - line.alpha(segment.from)).abs();
-        let is_short = segment.to - segment.from < SHORT * gammas && rise < 2.0 * SHORT * alphas;
-        if is_short { &self.few } else { &self.nodes }
-    }
-
-    /// Integrals of Legendre's polynomials times the density of alpha, from a place in `[-1, 1]` to 1.
-    fn tails(&self, from: f64, half: f64, middle: f64, alpha: &Marginal) -> [f64; POINTS] {
-        let mut tails = [0.0; POINTS];
-        if alpha.normal_shape().is_some() {
-            let (part, centre) = halves(from, 1.0);
-            for (node, weight) in &self.nodes {
-                let t = centre + part * node;
-                let weight = part * weight * half * alpha.density(middle + half * t);
-                legendre(t, |degree, value, _| tails[degree] += weight * value);
-            }
-            return tails;
-        }
-        let density = half / (alpha.upper() - alpha.lower());
-        let mut before = [0.0; 2];
-        legendre(from, |degree, value, next| {
-            // the integral of P_j is (P_(j+1) - P_(j-1)) / (2 j + 1)
-            let earlier = if degree == 0 { 1.0 } else { before[1] };
-            tails[degree] = match degree {
-                0 => density * (1.0 - from),
-                _ => density * (earlier - next) * PER_DEGREE[degree],
-            };
-            before = [before[1], value];
-        });
-        tails
-    }
-
-    fn add_gamma(
-        &self,
-        segment: &Segment,
-        line: &Line,
-        panel: &[f64],
-        domain: &Domain,
-        means: &mut [f64; POINTS],
-    ) {
-        let (half, middle) = halves(segment.from, segment.to);
-        let (panel_half, panel_middle) = halves(panel[0], panel[1]);
-        let range = domain.alpha.upper() - domain.alpha.lower();
-        for (node, weight) in self.rule(segment, line, 2.0 * panel_half, 0.5 * range) {
-            let gamma = middle + half * node;
-            let above = 1.0 - domain.alpha.cdf(line.alpha(gamma));
-            let weight = segment.step * half * weight * domain.gamma.density(gamma) * above;
-            legendre((gamma - panel_middle) / panel_half, |degree, value, _| means[degree] += weight * value);
+            self.product += (0..NODES).map(|q| weights[q] * gammas[q] * mean[q]).sum::<f64>();
         }
     }
 
@@ -194,54 +162,39 @@ impl Moments {
     }
 }
 
-fn halves(from: f64, to: f64) -> (f64, f64) {
-    (0.5 * (to - from), 0.5 * (from + to))
+/// Half of a panel's width, and its middle.
+fn halves(panel: &[f64]) -> (f64, f64) {
+    (0.5 * (panel[1] - panel[0]), 0.5 * (panel[0] + panel[1]))
+}
+
+/// The density of a uniform prior for a panel of length 2.
+fn density_if_uniform(prior: &Marginal, panel: &[f64]) -> Option<f64> {
+    prior.normal_shape().is_none().then(|| halves(panel).0 / (prior.upper() - prior.lower()))
+}
+
+fn add_powers(sums: &mut Sums, weights: &Samples, x: &Samples) {
+    let mut at = *weights;
+    for sum in sums {
+        for q in 0..NODES {
+            sum[q] += at[q];
+            at[q] *= x[q];
+        }
+    }
+}
+
+impl PanelRule {
+    /// Adds nodes on a panel whose weights give these means of the powers.
+    fn add_nodes(&self, means: &[f64; POINTS + 1], panel: &[f64], nodes: &mut Vec<(f64, f64)>) {
+        let (half, middle) = halves(panel);
+        nodes.extend(self.nodes.iter().enumerate().map(|(i, (node, _))| {
+            let weight = self.powers.iter().zip(means).map(|(of_node, mean)| of_node[i] * mean).sum();
+            (middle + half * node, weight)
+        }));
+    }
 }
 
 fn mean(nodes: &[(f64, f64)], function: impl Fn(f64) -> f64) -> f64 {
     nodes.iter().map(|&(value, weight)| weight * function(value)).sum()
-}
-
-/// (2 k + 1) / (k + 1) and k / (k + 1) for k = degree + 1.
-const RECURRENCE: [[f64; 2]; POINTS] = {
-    let mut table = [[0.0; 2]; POINTS];
-    let mut degree = 0;
-    while degree < POINTS {
-        let k = (degree + 1) as f64;
-        table[degree] = [(2.0 * k + 1.0) / (k + 1.0), k / (k + 1.0)];
-        degree += 1;
-    }
-    table
-};
-
-/// 1 / (2 degree + 1).
-const PER_DEGREE: [f64; POINTS] = {
-    let mut table = [0.0; POINTS];
-    let mut degree = 0;
-    while degree < POINTS {
-        table[degree] = 1.0 / (2 * degree + 1) as f64;
-        degree += 1;
-    }
-    table
-};
-
-/// Calls `each` with the degree, P_degree(x) and P_(degree + 1)(x).
-fn legendre(x: f64, mut each: impl FnMut(usize, f64, f64)) {
-    let (mut value, mut next) = (1.0, x);
-    for (degree, [ahead, back]) in RECURRENCE.into_iter().enumerate() {
-        each(degree, value, next);
-        (value, next) = (next, ahead * x * next - back * value);
-    }
-}
-
-/// Adds nodes on a panel whose weights give these means of Legendre's polynomials.
-fn to_weights(rule: &[(f64, f64)], means: &[f64; POINTS], low: f64, high: f64, nodes: &mut Vec<(f64, f64)>) {
-    let (half, middle) = halves(low, high);
-    nodes.extend(rule.iter().map(|(node, weight)| {
-        let mut sum = 0.0;
-        legendre(*node, |degree, value, _| sum += (degree as f64 + 0.5) * value * means[degree]);
-        (middle + half * node, weight * sum)
-    }));
 }
 
 /// The share of a distribution on each side of a 95 % interval.
@@ -253,7 +206,7 @@ impl Independent {
         let alpha = alpha.clamp(self.domain.alpha.lower(), self.domain.alpha.upper());
         let line = Line::constant(&self.rule, [low, high], alpha, &self.domain);
         let (share, gammas) = (self.domain.alpha.cdf(alpha), &self.domain.gamma);
-        let line_mass = |from, to| share * (gammas.cdf(to) - gammas.cdf(from));
+        let line_mass = |gamma| share * gammas.cdf(gamma);
         let below = self.plane.mass_below(&line, line_mass, [low, high]);
         [below, self.plane.mass_between(low, gamma.clamp(low, high), &self.domain)]
     }
@@ -277,8 +230,7 @@ impl Independent {
         };
         let interval = |range, which| [TAIL, 1.0 - TAIL].map(|share| quantile(range, which, share));
         let (region_density, region_share) = self.region(1.0 - 2.0 * TAIL);
-        let information =
-            self.plane.integral_of(&self.domain, |w| if w > 0.0 { w * math::ln(w) } else { 0.0 }).max(0.0);
+        let information = self.plane.integral_of(|w| if w > 0.0 { w * math::ln(w) } else { 0.0 }).max(0.0);
         Estimate {
             mean: [alpha, gamma],
             covariance: [alpha_var, moments.product - alpha * gamma, gamma_var],
@@ -296,12 +248,11 @@ impl Independent {
         let values = self.plane.segments.iter().flat_map(|s| [s.below, s.below + s.step]);
         let mut values: Vec<f64> = values.filter(|value| *value > 0.0).collect();
         values.sort_unstable_by(f64::total_cmp);
-        let near = |least: f64| least * (1.0 - 1e-9);
-        let mass =
-            |least: f64| self.plane.integral_of(&self.domain, |w| if w >= near(least) { w } else { 0.0 });
+        let near = |least: f64| least * (1.0 - SAME);
+        let mass = |least: f64| self.plane.integral_of(|w| if w >= near(least) { w } else { 0.0 });
         let enough = values.partition_point(|least| mass(*least) >= probability);
         let least = values.get(enough.saturating_sub(1)).copied().unwrap_or(0.0);
-        let share = self.plane.integral_of(&self.domain, |w| if w >= near(least) { 1.0 } else { 0.0 });
+        let share = self.plane.integral_of(|w| if w >= near(least) { 1.0 } else { 0.0 });
         (least, share.clamp(0.0, 1.0))
     }
 }

@@ -5,14 +5,21 @@
 //! from pairs of segments: a step of one is multiplied by the value of the other at its place. Every pair is
 //! compared once, so rounding at a crossing changes the two products consistently.
 
-use super::line::Line;
+use super::line::{Line, Sides};
 use crate::preference::rule::Rule;
 use crate::preference::strips::{Domain, Outline};
 use serde::{Deserialize, Serialize};
 
-/// Steps below this are dropped; the density has mean 1. A thousand of them change a probability by 1e-8 at
-/// most, and by 1e-6 after the belief has turned against a change rate of 1e-3.
-const LEAST_STEP: f64 = 1e-11;
+/// Steps that change no probability by more than this are dropped, and steps along a line that differ by no more
+/// are joined. All of that changes a probability by about 1e-9, and by 1e-6 after the belief has turned against a
+/// change rate of 1e-3.
+const LEAST_MASS: f64 = 1e-12;
+
+/// The most by which that changes the density at a place.
+const LEAST_STEP: f64 = 1e-9;
+
+/// Densities that differ by less than this part of them are of one place, seen from its borders.
+pub(super) const SAME: f64 = 1e-6;
 
 /// The most steps that are kept; beyond it the least ones are dropped.
 const MOST_STEPS: usize = 2048;
@@ -30,6 +37,47 @@ pub(super) struct Segment {
     pub below: f64,
     /// The density just above it, minus that below it.
     pub step: f64,
+    /// The prior's probability of its range of gamma above the border.
+    #[serde(skip)]
+    pub above: f64,
+    /// The prior's probability of its range of gamma below the border.
+    #[serde(skip)]
+    pub under: f64,
+}
+
+impl Segment {
+    /// The part of this segment between two gammas.
+    fn part(&self, from: f64, to: f64, line: &Line, domain: &Domain) -> Self {
+        if (from, to) == (self.from, self.to) {
+            *self
+        } else {
+            Self { from, to, ..*self }.weighed(line, domain)
+        }
+    }
+
+    /// The probability of its range of gamma.
+    fn gammas(&self) -> f64 {
+        self.above + self.under
+    }
+
+    /// One segment in place of this one and the next on the line, if that changes no probability by more than
+    /// `least`.
+    fn joined(&self, next: &Self, least: f64, line: &Line, domain: &Domain) -> Option<Self> {
+        let change = (self.step - next.step).abs() + (self.below - next.below).abs();
+        let [first, second] = [self.gammas(), next.gammas()];
+        let is_near =
+            self.line == next.line && self.to == next.from && is_least(change, first.min(second), least);
+        let share = second / (first + second);
+        let mean = |a: f64, b: f64| a + share * (b - a);
+        let (step, below) = (mean(self.step, next.step), mean(self.below, next.below));
+        is_near.then(|| Self { step, below, ..self.part(self.from, next.to, line, domain) })
+    }
+
+    /// The segment with its probabilities.
+    pub fn weighed(self, line: &Line, domain: &Domain) -> Self {
+        let under = line.mass(self.from, self.to);
+        Self { above: domain.gamma.cdf(self.to) - domain.gamma.cdf(self.from) - under, under, ..self }
+    }
 }
 
 /// The density, and the memory to update it.
@@ -72,8 +120,14 @@ impl Plane {
             places: Vec::with_capacity(MOST_STEPS),
         };
         plane.lines.push(Line::constant(rule, [from, to], domain.alpha.lower(), domain));
-        plane.segments.push(Segment { line: 0, from, to, below: 0.0, step: 1.0 });
+        let whole = Segment { line: 0, from, to, below: 0.0, step: 1.0, above: 0.0, under: 0.0 };
+        plane.segments.push(whole.weighed(&plane.lines[0], domain));
         plane
+    }
+
+    /// The segments of every line.
+    pub fn by_line(&self) -> impl Iterator<Item = &[Segment]> {
+        self.segments.chunk_by(|a, b| a.line == b.line)
     }
 
     /// Mixes the density with the prior: `rate` times 1, plus the rest times the density.
@@ -100,29 +154,49 @@ impl Plane {
         self.set_pieces(outline, factors, rule);
         self.next.clear();
         self.crossings.clear();
-        for segment in &self.segments {
-            let line = &self.lines[segment.line as usize];
+        for run in self.segments.chunk_by(|a, b| a.line == b.line) {
+            let line = &self.lines[run[0].line as usize];
             self.events.clear();
             for (index, piece) in self.pieces.iter().enumerate() {
-                let (from, to) = (piece.from.max(segment.from), piece.to.min(segment.to));
-                if from >= to {
-                    continue;
-                }
-                for (from, to, is_below) in line.sides(&piece.line, from, to).parts() {
+                for (from, to, is_below) in overlap(run, line, &piece.line, [piece.from, piece.to]).parts() {
                     if is_below {
                         self.events.extend([(from, piece.step), (to, -piece.step)]);
                     } else if !piece.is_base {
-                        let index = index as u32;
-                        self.crossings.extend([(index, from, segment.step), (index, to, -segment.step)]);
+                        let mut last = (from, 0.0);
+                        for (segment, from, to) in clipped(run, from, to) {
+                            if last.0 == from {
+                                self.crossings.push((index as u32, from, segment.step - last.1));
+                            } else {
+                                self.crossings.push((index as u32, last.0, -last.1));
+                                self.crossings.push((index as u32, from, segment.step));
+                            }
+                            last = (to, segment.step);
+                        }
+                        self.crossings.push((index as u32, last.0, -last.1));
                     }
                 }
             }
             self.events.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-            let whole = (segment.from, segment.to);
-            sweep(whole, self.events.iter().copied(), |from, to, factor| {
-                let (below, step) = (segment.below * factor, segment.step * factor);
-                push(&mut self.next, Segment { line: segment.line, from, to, below, step });
-            });
+            let (mut events, mut sum) = (self.events.iter().peekable(), 0.0);
+            for segment in run {
+                let mut start = segment.from;
+                let mut add = |from, to, sum: f64| {
+                    // the sum of steps is the factor of a region, but for rounding
+                    let near = |a: &f64, b: &f64| (a - sum).abs().total_cmp(&(b - sum).abs());
+                    let factor = factors.iter().copied().min_by(near).unwrap_or(sum);
+                    let (below, step) = (segment.below * factor, segment.step * factor);
+                    let part = Segment { below, step, ..segment.part(from, to, line, domain) };
+                    self.next.push(part);
+                };
+                while let Some((at, change)) = events.next_if(|(at, _)| *at < segment.to - SHORTEST) {
+                    if *at > start + SHORTEST {
+                        add(start, *at, sum);
+                        start = *at;
+                    }
+                    sum += change;
+                }
+                add(start, segment.to, sum);
+            }
         }
         self.crossings.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let mut rest = self.crossings.as_slice();
@@ -133,10 +207,11 @@ impl Plane {
             self.lines.push(piece.line);
             sweep((piece.from, piece.to), own.iter().map(|event| (event.1, event.2)), |from, to, density| {
                 let (below, step) = (density * piece.below, density * piece.step);
-                push(&mut self.next, Segment { line, from, to, below, step });
+                let part = Segment { line, from, to, below, step, above: 0.0, under: 0.0 };
+                self.next.push(part.weighed(&piece.line, domain));
             });
         }
-        let total: f64 = self.next.iter().map(|segment| self.lines.above(segment, domain)).sum();
+        let total: f64 = self.next.iter().map(|segment| segment.step * segment.above).sum();
         let is_possible = total > 1e-250 && total.is_finite();
         if is_possible {
             std::mem::swap(&mut self.segments, &mut self.next);
@@ -144,7 +219,7 @@ impl Plane {
                 segment.below /= total;
                 segment.step /= total;
             }
-            self.drop_least();
+            self.drop_least(domain);
         }
         self.drop_unused_lines();
         is_possible.then_some(total)
@@ -169,12 +244,30 @@ impl Plane {
         }
     }
 
-    fn drop_least(&mut self) {
-        let mut least = LEAST_STEP;
-        self.segments.retain(|segment| segment.line == 0 || segment.step.abs() > least);
-        while self.segments.len() > MOST_STEPS && least < 1e-6 {
+    fn drop_least(&mut self, domain: &Domain) {
+        let mut least = LEAST_MASS;
+        loop {
+            let mut kept = 0_usize;
+            for index in 0..self.segments.len() {
+                let segment = self.segments[index];
+                if segment.line != 0 && is_least(segment.step.abs(), segment.gammas(), least) {
+                    continue;
+                }
+                let line = &self.lines[segment.line as usize];
+                let before = kept.checked_sub(1).map(|last| self.segments[last]);
+                match before.and_then(|before| before.joined(&segment, least, line, domain)) {
+                    Some(joined) => self.segments[kept - 1] = joined,
+                    None => {
+                        self.segments[kept] = segment;
+                        kept += 1;
+                    }
+                }
+            }
+            self.segments.truncate(kept);
+            if self.segments.len() <= MOST_STEPS || least > 1e-8 {
+                return;
+            }
             least *= 10.0;
-            self.segments.retain(|segment| segment.line == 0 || segment.step.abs() > least);
         }
     }
 
@@ -185,7 +278,7 @@ impl Plane {
         for segment in &self.segments {
             self.places[segment.line as usize] = 0;
         }
-        let mut kept = 0;
+        let mut kept = 0_usize;
         for line in 0..self.lines.len() {
             if self.places[line] != u32::MAX {
                 self.lines[kept] = self.lines[line];
@@ -199,18 +292,22 @@ impl Plane {
         }
     }
 
-    /// Probability between two gammas and below a line. `line_mass` is the prior's between two gammas.
-    pub fn mass_below(&self, line: &Line, line_mass: impl Fn(f64, f64) -> f64, [from, to]: [f64; 2]) -> f64 {
+    /// Probability between two gammas and below a line. `line_mass` is the prior's up to a gamma.
+    pub fn mass_below(&self, line: &Line, line_mass: impl Fn(f64) -> f64, range: [f64; 2]) -> f64 {
         let mut mass = 0.0;
-        for segment in &self.segments {
-            let own = &self.lines[segment.line as usize];
-            let (from, to) = (from.max(segment.from), to.min(segment.to));
-            if from >= to {
-                continue;
-            }
-            for (from, to, is_below) in own.sides(line, from, to).parts() {
-                if !is_below {
-                    mass += segment.step * (line_mass(from, to) - own.mass(from, to));
+        for run in self.by_line() {
+            let own = &self.lines[run[0].line as usize];
+            for (from, to, is_below) in overlap(run, own, line, range).parts() {
+                if is_below {
+                    continue;
+                }
+                let mut last = (from, line_mass(from));
+                for (segment, from, to) in clipped(run, from, to) {
+                    let is_whole = (from, to) == (segment.from, segment.to);
+                    let under = if is_whole { segment.under } else { own.mass(from, to) };
+                    let start = if last.0 == from { last.1 } else { line_mass(from) };
+                    last = (to, line_mass(to));
+                    mass += segment.step * (last.1 - start - under);
                 }
             }
         }
@@ -221,7 +318,8 @@ impl Plane {
     pub fn mass_between(&self, from: f64, to: f64, domain: &Domain) -> f64 {
         let part = |segment: &Segment| {
             let (from, to) = (from.max(segment.from), to.min(segment.to));
-            if from < to { self.lines.above(&Segment { from, to, ..*segment }, domain) } else { 0.0 }
+            let line = &self.lines[segment.line as usize];
+            if from < to { segment.step * segment.part(from, to, line, domain).above } else { 0.0 }
         };
         self.segments.iter().map(part).sum()
     }
@@ -253,28 +351,31 @@ impl Plane {
 
     /// The prior's probability of all places with `function(density) = 1`, weighted: the integral of a function
     /// of the density over the prior.
-    pub fn integral_of(&self, domain: &Domain, function: impl Fn(f64) -> f64) -> f64 {
+    pub fn integral_of(&self, function: impl Fn(f64) -> f64) -> f64 {
         let of = |segment: &Segment| {
             let above = function((segment.below + segment.step).max(0.0));
             // below the least alpha there is nothing
             let below = if segment.line == 0 { 0.0 } else { function(segment.below.max(0.0)) };
-            self.lines.above(&Segment { step: above - below, ..*segment }, domain)
+            (above - below) * segment.above
         };
         self.segments.iter().map(of).sum()
     }
 }
 
-trait Above {
-    /// The integral of a segment's step over the prior above it.
-    fn above(&self, segment: &Segment, domain: &Domain) -> f64;
+/// Whether a change of the density on so much of gamma changes no probability by more than `least`.
+fn is_least(change: f64, gammas: f64, least: f64) -> bool {
+    change * gammas <= least && change <= LEAST_STEP / LEAST_MASS * least
 }
 
-impl Above for Vec<Line> {
-    fn above(&self, segment: &Segment, domain: &Domain) -> f64 {
-        let Segment { line, from, to, step, .. } = *segment;
-        let strip = domain.gamma.cdf(to) - domain.gamma.cdf(from);
-        step * (strip - self[line as usize].mass(from, to))
-    }
+/// Where the segments of a line lie below another line, and where above it, in a range of gamma.
+fn overlap(run: &[Segment], own: &Line, other: &Line, [from, to]: [f64; 2]) -> Sides {
+    let (from, to) = (from.max(run[0].from), to.min(run[run.len() - 1].to));
+    if from < to { own.sides(other, from, to) } else { Sides::none() }
+}
+
+/// The segments of a line within a range of gamma, with the part of each.
+fn clipped(run: &[Segment], from: f64, to: f64) -> impl Iterator<Item = (&Segment, f64, f64)> {
+    run.iter().map(move |s| (s, from.max(s.from), to.min(s.to))).filter(|(_, from, to)| from < to)
 }
 
 /// Calls `part` for every part of a range on which the sum of the events up to it is constant.
@@ -293,24 +394,5 @@ fn sweep(
     }
     if to > start + SHORTEST {
         part(start, to, value);
-    }
-}
-
-/// Adds a segment, or makes the last one longer if nothing changes between them.
-fn push(segments: &mut Vec<Segment>, segment: Segment) {
-    if segment.step == 0.0 && segment.line != 0 {
-        return;
-    }
-    let is_near = |a: f64, b: f64| (a - b).abs() <= 4.0 * f64::EPSILON * a.abs().max(b.abs());
-    match segments.last_mut() {
-        Some(last)
-            if last.line == segment.line
-                && last.to == segment.from
-                && is_near(last.step, segment.step)
-                && is_near(last.below, segment.below) =>
-        {
-            last.to = segment.to;
-        }
-        _ => segments.push(segment),
     }
 }
