@@ -4,13 +4,15 @@
 //! Robots are compared with the same humans in the same worlds. Some humans are of the model that the robot
 //! learns with, others are not.
 
+mod control;
 mod people;
 
+pub use control::{ControlRow, METHODS, MOST_HUMANS};
 pub use people::{HumanKind, RATIONALITY};
 
 use super::{BuiltInError, prepared};
 use crate::coordination::{self, Mode, robot_choice};
-use crate::episode::{Episode, Outcome, Settings, Tick};
+use crate::episode::{Episode, LOSS_DISTANCE_M, Outcome, Settings, Tick};
 use crate::learning::{self, Learner, LearningError, TolerancePrior};
 use crate::math;
 use crate::parallel::{OnDone, in_parallel};
@@ -73,6 +75,8 @@ impl RobotKind {
 pub struct Study<'a> {
     /// The episode's settings; method, eta and belief are replaced.
     pub settings: &'a Settings,
+    /// The kinematic plant, for control costs.
+    pub plant: &'a Plant,
     /// Humans of each kind in each group of worlds.
     pub humans: usize,
     /// Random worlds with two options or more; the humans of their group take them in turn.
@@ -122,13 +126,15 @@ pub struct LearningRow {
     pub transitions: usize,
 }
 
-/// The rows of both tables.
+/// The rows of all tables.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Findings {
     /// Humans of the model, by world.
     pub by_world: Vec<LearningRow>,
     /// All worlds, by kind of human.
     pub by_human: Vec<LearningRow>,
+    /// Humans of the model with a robot that has an arm, by method and world.
+    pub control: Vec<ControlRow>,
 }
 
 /// Why there are no findings.
@@ -169,6 +175,8 @@ struct Task {
     objective_cost: f64,
     share_off_preference: f64,
     took_over: bool,
+    control_cost: f64,
+    lost_object: bool,
 }
 
 /// The tasks of one person with each robot.
@@ -177,7 +185,8 @@ type Tasks = [Vec<Task>; RobotKind::ALL.len()];
 impl Study<'_> {
     /// Units of work, for a progress bar.
     pub fn units(&self) -> usize {
-        (BUILT_IN_WORLDS.len() + usize::from(self.worlds > 0)) * HumanKind::ALL.len() * self.humans
+        let groups = BUILT_IN_WORLDS.len() + usize::from(self.worlds > 0);
+        groups * HumanKind::ALL.len() * self.humans + self.control_units()
     }
 
     /// Runs all tasks. The result does not depend on the number of threads.
@@ -207,28 +216,38 @@ impl Study<'_> {
         for rows in [&mut by_world, &mut by_human] {
             statistics::correct(rows.iter_mut().flat_map(LearningRow::comparisons));
         }
-        Ok(Findings { by_world, by_human })
+        Ok(Findings { by_world, by_human, control: self.control(on_done)? })
     }
 
-    /// The built-in worlds, each by itself, and random ones.
+    /// The built-in worlds, each by itself.
+    fn built_in(&self, method: Method, plant: &Plant) -> Result<Vec<Group>, ScenarioError> {
+        let worlds = BUILT_IN_WORLDS.into_iter().map(|world| {
+            let text = (world.name.to_owned(), world.text.to_owned());
+            Ok(Group { name: world.name.to_owned(), worlds: vec![self.stage(text, method, plant)?] })
+        });
+        worlds.collect()
+    }
+
+    fn stage(
+        &self,
+        (file, text): (String, String),
+        method: Method,
+        plant: &Plant,
+    ) -> Result<PreparedScenario, ScenarioError> {
+        let predict_while_human_leads = plant.robot_setup().is_some();
+        let settings =
+            Settings { method, predict_while_human_leads, learning: None, ..self.settings.clone() };
+        prepared(WorldText { file, text }, &settings, plant)
+    }
+
+    /// The built-in worlds and random ones, with the team as a point.
     fn groups(&self) -> Result<Vec<Group>, StudyError> {
-        let settings = Settings {
-            method: Method::MUTUAL,
-            predict_while_human_leads: false,
-            learning: None,
-            ..self.settings.clone()
-        };
-        let prepare =
-            |file: String, text: String| prepared(WorldText { file, text }, &settings, &Plant::Point);
-        let mut groups = Vec::new();
-        for world in BUILT_IN_WORLDS {
-            let worlds = vec![prepare(world.name.to_owned(), world.text.to_owned())?];
-            groups.push(Group { name: world.name.to_owned(), worlds });
-        }
+        let mut groups = self.built_in(Method::MUTUAL, &Plant::Point)?;
         let mut rng = self.stream(0);
         let mut worlds = Vec::new();
         while worlds.len() < self.worlds {
-            match prepare(RANDOM_WORLDS.to_owned(), super::cycles::random_world(&mut rng)) {
+            let text = (RANDOM_WORLDS.to_owned(), super::cycles::random_world(&mut rng));
+            match self.stage(text, Method::MUTUAL, &Plant::Point) {
                 // the start or target is inside an obstacle, or enclosed
                 Err(ScenarioError::World(_) | ScenarioError::Options(_)) => {}
                 world => worlds.extend(Some(world?).filter(|world| world.options().options().len() > 1)),
@@ -274,7 +293,8 @@ impl Study<'_> {
                 let human = person.perceptions[task];
                 let prepared = world.prepare(Scenario { human, settings, ..base.clone() })?;
                 let partners = Partners { human: Some(person.human(&prepared, task)), policy: None };
-                let mut episode = prepared.episode_of(partners)?;
+                // the paper simulates no object
+                let mut episode = prepared.episode_of(partners)?.ignoring_loss();
                 if let Some(learner) = learner.take() {
                     episode = episode.with_learner(learner);
                 }
@@ -378,6 +398,8 @@ fn carry(episode: &mut Episode, settings: &Settings, human: Perception) -> Task 
         objective_cost: summary.accumulated_cost,
         share_off_preference: summary.human.share_off_preference(summary.steps),
         took_over: summary.transition.is_some(),
+        control_cost: summary.control.map_or(0.0, |control| control.cost()),
+        lost_object: summary.control.is_some_and(|control| control.largest_error > LOSS_DISTANCE_M),
     }
 }
 

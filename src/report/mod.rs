@@ -37,6 +37,7 @@ pub const PARTS: &[Part] = &[
     cycles::PART,
     cycles::WITH_BODIES,
     preparation::PART,
+    learning::PART,
 ];
 
 /// The whole report. Equal plans give byte-identical reports on any number of threads.

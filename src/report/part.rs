@@ -5,7 +5,7 @@ use crate::episode::Settings;
 use crate::fit::FitError;
 use crate::options::OptionError;
 use crate::paper::BuiltInError;
-use crate::paper::{contacts, cycles as locked, h2, h3};
+use crate::paper::{contacts, cycles as locked, h2, h3, h4};
 use crate::parallel::OnDone;
 use crate::robot::Robot;
 use crate::table::Table;
@@ -29,6 +29,8 @@ pub struct Plan<'a> {
     pub worlds_with_bodies: usize,
     /// Number of walks through each opening from each angle.
     pub walks: usize,
+    /// Number of people of each kind in each group of worlds, who the robot learns.
+    pub people: usize,
     /// Seed of all random draws.
     pub seed: u64,
 }
@@ -44,6 +46,7 @@ impl<'a> Plan<'a> {
             worlds: locked::WORLDS,
             worlds_with_bodies: locked::WORLDS_WITH_BODIES,
             walks: contacts::WALKS,
+            people: h4::HUMANS,
             seed: 0,
         }
     }
@@ -117,6 +120,9 @@ pub enum ReportError {
     /// An error of the fit of c_r.
     #[error(transparent)]
     Fit(#[from] FitError),
+    /// An error of the study of learning.
+    #[error(transparent)]
+    Learning(#[from] h4::StudyError),
 }
 
 impl From<WorldError> for ReportError {

@@ -3,6 +3,7 @@
 use crate::support::{load, repository};
 use cocarry::control::{self, RobotObstacles, SolveOutcome};
 use cocarry::episode::{Episode, Manipulator, Settings};
+use cocarry::learning;
 use cocarry::paper::EXAMPLE_HUMAN;
 use cocarry::policy::Method;
 use cocarry::robot::Robot;
@@ -16,6 +17,34 @@ fn a_warm_control_tick_allocates_nothing() {
     assert!(free > 100, "{free} ticks without an active limit");
     let slow = count(0.15);
     assert!(limited + slow.1 > 50, "{} ticks with active limits", limited + slow.1);
+}
+
+#[test]
+fn a_warm_tick_of_a_robot_that_learns_allocates_nothing() {
+    let robot = Robot::built_in().expect("the built-in robot");
+    let (world, options) = load(&repository("worlds/environment-4.toml"));
+    let obstacles = RobotObstacles::new(&world);
+    let control = control::Settings::default();
+    let manipulator =
+        Manipulator { robot: &robot, posture: robot.postures[0].joints, control, obstacles: &obstacles };
+    let learning = Some(learning::Settings { look_steps: 3, ..learning::Settings::default() });
+    let settings = Settings { method: Method::HUMAN_LED, learning, ..Settings::default() };
+    let mut episode = Episode::new(&options, &settings, EXAMPLE_HUMAN).with_robot(manipulator);
+    let mut looks = 0;
+    loop {
+        let before = episode.learner().map_or(0, |learner| learner.perception().size());
+        let mut ended = false;
+        let allocated = allocation_counter::measure(|| ended = episode.step().is_some());
+        if ended {
+            break;
+        }
+        let step = episode.tick().step;
+        if step > WARM {
+            assert_eq!(allocated.count_total, 0, "step {step}");
+            looks += usize::from(episode.learner().is_some_and(|l| l.perception().size() != before));
+        }
+    }
+    assert!(looks > 10, "{looks} looks that changed the belief");
 }
 
 /// Runs episodes whose joints have this share of their speed, and asserts that no warm tick allocates. How

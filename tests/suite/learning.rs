@@ -155,5 +155,22 @@ fn h4_pairs_the_same_people_and_a_robot_that_knows_them_has_no_regret() {
         of.map(|row| row["regret"].as_f64().expect("a number")).sum::<f64>()
     };
     assert!(total("prior") > 1.0, "the paper's robot does not know them: {}", total("prior"));
+    // 2 methods, 5 worlds and all of them
+    let control = rows("control");
+    assert_eq!(control.len(), 96);
+    let cost = |method: &str, robot: &str| {
+        let is_it = |row: &&serde_json::Value| {
+            row["world"] == "all" && row["method"] == method && row["robot"] == robot && row["task"] == 2
+        };
+        control.iter().find(is_it).and_then(|row| row["control_cost"].as_f64()).expect("a cost")
+    };
+    for method in ["human-led", "mutual"] {
+        assert!(cost(method, "prior") > 10.0);
+    }
+    // the way is the same, and the posture is chosen for it sooner
+    for robot in ["learns", "knows"] {
+        let [knows, prior] = [cost("human-led", robot), cost("human-led", "prior")];
+        assert!(knows < 0.9 * prior, "{robot}: {knows} and {prior}");
+    }
     assert_eq!(h4("1"), found, "the figures do not depend on the threads");
 }

@@ -37,6 +37,9 @@ pub(in super::super) struct AllArguments {
     /// Walks with bodies through each of 9 openings from each of 3 angles [default: 30]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     walks: Option<u64>,
+    /// People of each of 6 kinds in each of 6 groups of worlds, who the robot learns [default: 200]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
+    people: Option<u64>,
     /// Seed of everything random
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -59,6 +62,7 @@ pub(super) fn run(arguments: &AllArguments) -> Result<(), Failure> {
     given(&mut plan.worlds, arguments.worlds);
     given(&mut plan.worlds_with_bodies, arguments.worlds_with_bodies);
     given(&mut plan.walks, arguments.walks);
+    given(&mut plan.people, arguments.people);
     plan.seed = arguments.seed;
 
     let begun = Instant::now();

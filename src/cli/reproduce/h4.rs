@@ -1,10 +1,12 @@
 //! `cocarry reproduce h4`: whether it pays that the robot learns who it carries with.
 
 use super::super::output::{Failure, examples, input, print, print_json, table_with_notes};
+use super::super::robot::load_robot;
 use super::common::Common;
 use crate::episode::Settings;
 use crate::paper::h4::{FORGETFUL, HUMANS, RATIONALITY, Study, TASKS, WORLDS};
 use crate::report::learning_tables;
+use crate::scenario::{Plant, PlantKind, RobotSetup};
 use clap::Args;
 use serde_json::json;
 
@@ -31,8 +33,10 @@ pub(in super::super) struct H4Arguments {
 
 pub(super) fn run(arguments: &H4Arguments) -> Result<(), Failure> {
     let settings = Settings::default();
+    let plant = Plant::new(PlantKind::Kinematic, RobotSetup::new(&load_robot(None)?));
     let study = Study {
         settings: &settings,
+        plant: &plant,
         humans: arguments.humans as usize,
         worlds: arguments.worlds as usize,
         tasks: arguments.tasks as usize,
@@ -54,6 +58,7 @@ pub(super) fn run(arguments: &H4Arguments) -> Result<(), Failure> {
             "forgetful": { "lapse_rate": lapse_rate, "change_rate": change_rate },
             "by_world": findings.by_world,
             "by_human": findings.by_human,
+            "control": findings.control,
         }));
     }
     print(&learning_tables(&findings).map(|table| table_with_notes(&table)).join("\n"))
