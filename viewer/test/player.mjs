@@ -76,11 +76,74 @@ async function labels(tab, name) {
   return shown.length;
 }
 
+// The panel of what the robot has learned has the recording's figures; its region falls over the episode.
+async function learned(recording) {
+  const page = join(folder, "learned.html");
+  cocarry("render", recording, "-o", page);
+  const { tab, faults } = await open(page, "play=0");
+  assert.match(await tab.locator("#learned").textContent(), /α, perception of distance.*γ, perception of risk/);
+  const rows = table(recording, "/learned");
+  const changes = rows.filter((row, i) => i === 0 || row["human.region_share"] !== rows[i - 1]["human.region_share"]);
+  assert.ok(changes.length > 3, "the belief changes");
+  const areas = [];
+  for (const row of changes) {
+    await tab.locator("#time").evaluate((input, value) => {
+      input.value = value;
+      input.dispatchEvent(new Event("input"));
+    }, row.time_s);
+    const number = (key) => Number(row[`human.${key}`]);
+    const share = number("region_share");
+    assert.equal(await shown(tab, "learned.region_share"), `${(100 * share).toFixed(1)} % of the prior`);
+    assert.equal(await shown(tab, "learned.information_nats"), `${number("information_nats").toFixed(2)} nats`);
+    for (const key of ["alpha", "gamma"]) {
+      const ends = [0, 1].map((k) => number(`${key}_interval[${k}]`).toFixed(2)).join(" to ");
+      assert.equal(await shown(tab, `learned.${key}`), `${number(`${key}_mean`).toFixed(3)} (${ends})`);
+    }
+    assert.ok((await shown(tab, "learned.eta")).startsWith(number("eta_mean").toFixed(1)));
+    // what the border encloses: rows of points, inside after an odd number of upright edges
+    const area = await tab.evaluate(() => {
+      const uprights = [...document.querySelector("#learned .border").getAttribute("d").matchAll(/M([\d.]+) ([\d.]+)V([\d.]+)/g)]
+        .map(([, x, from, to]) => [x, from, to].map(Number));
+      const frame = document.querySelector("#learned .frame");
+      const [left, top, width, height] = ["x", "y", "width", "height"].map((name) => Number(frame.getAttribute(name)));
+      let inside = 0;
+      for (let i = 0; i < 64; i++) {
+        for (let j = 0; j < 64; j++) {
+          const x = left + ((i + 0.5) * width) / 64, y = top + ((j + 0.5) * height) / 64;
+          const crossed = uprights.filter(([at, a, b]) => at < x && Math.min(a, b) < y && y < Math.max(a, b));
+          inside += crossed.length % 2;
+        }
+      }
+      return inside / 4096;
+    });
+    // cells lie on a border with their whole area
+    assert.ok(Math.abs(area - share) < 0.08, `the border encloses ${area}, recorded ${share}`);
+    // dot and cross are where mean and human are
+    const marks = await tab.evaluate(() => [".mean", ".human"].map((mark) => document.querySelector(`#learned ${mark}`).getAttribute("transform")));
+    assert.ok(marks.every((mark) => /^translate\([\d.]+ [\d.]+\)$/.test(mark)), marks.join());
+    areas.push(area);
+  }
+  assert.equal(areas[0], 1, "the prior");
+  assert.ok(areas.every((area, i) => i === 0 || area <= areas[i - 1]) && areas[areas.length - 1] < 0.5, `areas ${areas}`);
+  assert.deepEqual(faults, []);
+  await tab.close();
+  for (const [name, options] of [["learned", {}], ["learned-dark", { scheme: "dark" }], ["learned-phone", { width: 390, height: 844 }]]) {
+    const { tab } = await open(page, `play=0&t=${changes[changes.length - 1].time_s}`, options);
+    assert.ok(await tab.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${name}: nothing is wider than the screen`);
+    await tab.locator("#learned").scrollIntoViewIfNeeded();
+    await tab.screenshot({ path: join(screenshots, `${name}.png`) });
+    await tab.locator("#learned").screenshot({ path: join(screenshots, `${name}-panel.png`) });
+    await tab.close();
+  }
+  console.log(`learned: the region falls from 1 to ${areas[areas.length - 1].toFixed(3)} of the prior`);
+}
+
 async function check(name, recording) {
   const page = join(folder, `${name}.html`);
   cocarry("render", recording, "-o", page);
   const { tab, faults, drawn } = await open(page, "play=0");
   assert.ok(await labels(tab, name) > 2, `${name}: labels`);
+  assert.equal(await tab.locator("#learned").count(), 0, `${name}: no panel without /learned`);
   const events = table(recording, "/log");
   const transition = events.find((event) => event.name === "mode");
   assert.ok(transition, `${name}: the human takes the lead`);
@@ -135,6 +198,10 @@ try {
   const shipped = [1, 2, 3, 4].map((n) => [`environment-${n}`, join(repository, `recordings/environment-${n}.mcap`)]);
   const checked = {};
   for (const [name, recording] of [...shipped, ...made]) checked[name] = await check(name, recording);
+
+  const learns = join(folder, "learns.mcap");
+  cocarry("run", "environment-4", "--seed", "5", "--plant", "point", "--method", "human-led", "--belief", "learn", "--record", learns);
+  await learned(learns);
 
   const { page, transition } = checked["environment-4"];
   const phone = { width: 390, height: 844 };
