@@ -77,7 +77,7 @@ async function labels(tab, name) {
 }
 
 // The panel of what the robot has learned has the recording's figures; its region falls over the episode.
-async function learned(recording) {
+async function learned(recording, human) {
   const page = join(folder, "learned.html");
   cocarry("render", recording, "-o", page);
   const { tab, faults } = await open(page, "play=0");
@@ -100,27 +100,34 @@ async function learned(recording) {
       assert.equal(await shown(tab, `learned.${key}`), `${number(`${key}_mean`).toFixed(3)} (${ends})`);
     }
     assert.ok((await shown(tab, "learned.eta")).startsWith(number("eta_mean").toFixed(1)));
-    // what the border encloses: rows of points, inside after an odd number of upright edges
-    const area = await tab.evaluate(() => {
-      const uprights = [...document.querySelector("#learned .border").getAttribute("d").matchAll(/M([\d.]+) ([\d.]+)V([\d.]+)/g)]
+    // the middles of cells that the border encloses have an odd number of upright edges on their left
+    const { enclosed, marks } = await tab.evaluate(() => {
+      const find = (selector) => document.querySelector(`#learned ${selector}`);
+      const uprights = [...find(".border").getAttribute("d").matchAll(/M([\d.]+) ([\d.]+)V([\d.]+)/g)]
         .map(([, x, from, to]) => [x, from, to].map(Number));
-      const frame = document.querySelector("#learned .frame");
-      const [left, top, width, height] = ["x", "y", "width", "height"].map((name) => Number(frame.getAttribute(name)));
-      let inside = 0;
-      for (let i = 0; i < 64; i++) {
-        for (let j = 0; j < 64; j++) {
-          const x = left + ((i + 0.5) * width) / 64, y = top + ((j + 0.5) * height) / 64;
-          const crossed = uprights.filter(([at, a, b]) => at < x && Math.min(a, b) < y && y < Math.max(a, b));
-          inside += crossed.length % 2;
-        }
-      }
-      return inside / 4096;
+      const [left, top, width, height] = ["x", "y", "width", "height"].map((name) => Number(find(".frame").getAttribute(name)));
+      const enclosed = Array.from({ length: 1024 }, (_, cell) => {
+        const x = left + ((Math.floor(cell / 32) + 0.5) * width) / 32, y = top + ((31.5 - (cell % 32)) * height) / 32;
+        return uprights.filter(([at, a, b]) => at < x && Math.min(a, b) < y && y < Math.max(a, b)).length % 2 === 1;
+      });
+      // as parts of the ranges
+      const marks = [".mean", ".human"].map((mark) => {
+        const [x, y] = find(mark).getAttribute("transform").match(/-?[\d.]+/g).map(Number);
+        return [(x - left) / width, (top + height - y) / height];
+      });
+      return { enclosed, marks };
     });
+    const level = number("region_density") * (1 - 1e-9);
+    assert.deepEqual(enclosed, enclosed.map((_, cell) => number(`density[${cell}]`) >= level), "the cells within the border");
+    const area = enclosed.filter(Boolean).length / 1024;
     // cells lie on a border with their whole area
-    assert.ok(Math.abs(area - share) < 0.08, `the border encloses ${area}, recorded ${share}`);
-    // dot and cross are where mean and human are
-    const marks = await tab.evaluate(() => [".mean", ".human"].map((mark) => document.querySelector(`#learned ${mark}`).getAttribute("transform")));
-    assert.ok(marks.every((mark) => /^translate\([\d.]+ [\d.]+\)$/.test(mark)), marks.join());
+    assert.ok(Math.abs(area - share) < 0.02, `the border encloses ${area}, recorded ${share}`);
+    ["alpha", "gamma"].forEach((key, axis) => {
+      const [low, high] = [0, 1].map((k) => number(`${key}_range[${k}]`));
+      const near = (part, value) => assert.ok(Math.abs(low + part * (high - low) - value) < 1e-6, `${key}: ${part}, not ${value}`);
+      near(marks[0][axis], number(`${key}_mean`));
+      near(marks[1][axis], human[key]);
+    });
     areas.push(area);
   }
   assert.equal(areas[0], 1, "the prior");
@@ -200,8 +207,8 @@ try {
   for (const [name, recording] of [...shipped, ...made]) checked[name] = await check(name, recording);
 
   const learns = join(folder, "learns.mcap");
-  cocarry("run", "environment-4", "--seed", "5", "--plant", "point", "--method", "human-led", "--belief", "learn", "--record", learns);
-  await learned(learns);
+  cocarry("run", "environment-4", "--alpha", "0.63", "--gamma", "0.929", "--plant", "point", "--method", "human-led", "--belief", "learn", "--record", learns);
+  await learned(learns, { alpha: 0.63, gamma: 0.929 });
 
   const { page, transition } = checked["environment-4"];
   const phone = { width: 390, height: 844 };
