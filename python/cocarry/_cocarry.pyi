@@ -224,6 +224,11 @@ class Episode:
     def summary(self) -> dict[str, Any]:
         """The figures of the episode so far, as ``quantities("episode")`` has them; missing values are None.
         """
+    @property
+    def learned(self) -> dict[str, Any] | None:
+        """The belief over this human as of now, as ``/learned`` of a recording has it: means, variances,
+        covariance and 95 % intervals of alpha, gamma and eta, information (nats), densities. None without
+        ``belief_update="learn"``."""
     def __getitem__(self, key: str, /) -> Any:
         """One quantity of the last step."""
     def __iter__(self) -> Episode: ...

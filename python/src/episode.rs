@@ -8,7 +8,7 @@ use crate::table::Table;
 use crate::value;
 use cocarry::episode::{self, Outcome};
 use cocarry::human::Human;
-use cocarry::quantities::{EPISODE, Record, TICK, View};
+use cocarry::quantities::{EPISODE, LEARNED, Record, TICK, View};
 use cocarry::recording::{self, Ending, FileRecorder, Recorder};
 use cocarry::scenario::{Partners, PreparedScenario, ScenarioError as ScenarioRefused, Snapshot};
 use numpy::PyArray1;
@@ -311,6 +311,15 @@ impl Episode {
         let record =
             self.with(py, |stage, running| View { stage, episode: &running.episode }.read(EPISODE))?;
         value::record(py, record)
+    }
+
+    /// The belief over this human, as of now; `None` if the robot does not learn.
+    #[getter]
+    fn learned<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let record =
+            self.with(py, |stage, running| View { stage, episode: &running.episode }.read(LEARNED))?;
+        let found = record.into_iter().next().map(|(_, human)| human).unwrap_or_default();
+        value::to_python(py, &found)
     }
 
     /// One quantity of the last step.

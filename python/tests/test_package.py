@@ -124,6 +124,35 @@ def test_snapshots_pickles_and_copies_continue_with_the_same_bits(plant):
     assert all(other.tick == episode.tick for other in others)
 
 
+def test_what_the_robot_has_learned():
+    scenario = cocarry.Scenario("environment-4", seed=5, plant="point", belief_update="learn", method="human-led")
+    episode = cocarry.Episode(scenario)
+    prior = episode.learned
+    assert prior["information_nats"] == 0 and prior["region_share"] == 1
+    assert set(prior["density"]) == {1}
+    episode.run(45)
+    resumed = cocarry.Episode.resume(episode.snapshot())
+    assert resumed.learned == episode.learned
+    for each in (episode, resumed):
+        each.run()
+    assert resumed.snapshot() == episode.snapshot()
+    assert resumed.summary == episode.summary
+    learned = episode.learned
+    assert learned == resumed.learned
+    assert learned["information_nats"] > 0.1 and learned["region_share"] < 1
+    # the figures agree with the densities of the cells, to their width
+    cells = np.array(learned["density"]).reshape(32, 32)
+    middles = [np.linspace(*learned[f"{name}_range"], 65)[1::2] for name in ("alpha", "gamma")]
+    weights = cells / cells.sum()
+    alpha, gamma = (weights.sum(1 - axis) @ middles[axis] for axis in (0, 1))
+    covariance = (middles[0] - alpha) @ weights @ (middles[1] - gamma)
+    assert abs(alpha - learned["alpha_mean"]) < 0.005 and abs(gamma - learned["gamma_mean"]) < 0.008
+    assert abs(covariance - learned["alpha_gamma_covariance"]) < 0.0005
+    assert learned["alpha_interval"][0] < learned["alpha_mean"] < learned["alpha_interval"][1]
+    assert learned["gamma_variance"] < prior["gamma_variance"] and learned["eta_mean"] > 0
+    assert cocarry.Episode(example()).learned is None
+
+
 def test_scenarios_worlds_and_tables_pickle():
     scenario = example("kinematic", eta=7)
     assert pickle.loads(pickle.dumps(scenario)) == scenario == cocarry.Scenario.parse(scenario.text)

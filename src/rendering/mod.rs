@@ -7,6 +7,7 @@
 mod error;
 mod film;
 mod layout;
+mod learned;
 mod outlines;
 mod pictures;
 mod player;

@@ -1,6 +1,7 @@
 //! The 3-D player: one self-contained HTML page, which is the built page of `viewer/` with the episode in it.
 
 use super::RenderError;
+use super::learned::learned;
 use crate::drawing::{option_colour, option_dash, risk_colour};
 use crate::geometry::{Footprint, Point, Pose};
 use crate::located;
@@ -57,7 +58,7 @@ fn episode(playback: &Playback, title: &str, robot: Option<&Robot>) -> Result<Va
     let shapes: Vec<Vec<Value>> =
         links.iter().map(|link| shapes(link, &mut meshes)).collect::<Result<_, _>>()?;
     let drawn: Vec<usize> = (0..links.len()).filter(|&link| !shapes[link].is_empty()).collect();
-    Ok(json!({
+    let mut episode = json!({
         "title": title,
         "world": world_json(world),
         "facts": {
@@ -88,7 +89,11 @@ fn episode(playback: &Playback, title: &str, robot: Option<&Robot>) -> Result<Va
             "time_s": seconds(event.time), "about": event.about, "sentence": event.sentence,
         })).collect::<Vec<_>>(),
         "outcome": playback.outcome,
-    }))
+    });
+    if let Some(learned) = learned(playback) {
+        episode["learned"] = learned;
+    }
+    Ok(episode)
 }
 
 fn seconds(time: u64) -> f64 {

@@ -4,7 +4,7 @@ import { escaped } from "./episode.js";
 const LEFT = 34, RIGHT = 8, TOP = 8, BOTTOM = 20;
 const line = "http://www.w3.org/2000/svg";
 
-function element(name, attributes, parent) {
+export function element(name, attributes, parent) {
   const made = document.createElementNS(line, name);
   for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
   parent?.append(made);

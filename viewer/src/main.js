@@ -4,6 +4,7 @@ import { Cameras } from "./cameras.js";
 import { Charts, led } from "./charts.js";
 import { Episode, symbol } from "./episode.js";
 import { Labels } from "./labels.js";
+import { Learned } from "./learned.js";
 import { Stage } from "./scene.js";
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4, 8];
@@ -19,7 +20,7 @@ const episode = new Episode(JSON.parse($("episode").textContent));
 const asked = new URLSearchParams(location.hash.slice(1));
 const isStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
 const state = { time: 0, isPlaying: false, speed: 1 };
-let renderer, stage, charts, cameras, labels, isDirty = true, before = null;
+let renderer, stage, charts, learned, cameras, labels, isDirty = true, before = null;
 
 const redraw = () => (isDirty = true);
 const { seed, method, plant, robot, alpha, gamma } = episode.facts;
@@ -64,6 +65,7 @@ function scene() {
     cameras.resize(width / height);
     labels.measure();
     charts?.layout();
+    learned?.layout();
     show();
   };
   new ResizeObserver(resize).observe($("stage"));
@@ -76,6 +78,7 @@ function scene() {
 // Makes what the first picture does without.
 function finish() {
   charts = new Charts($("charts"), episode, seek);
+  if (episode.learned) learned = new Learned($("charts"), episode);
   stage?.finish();
   show();
 }
@@ -178,6 +181,7 @@ function show() {
   const { time } = state, step = episode.step(time), isHuman = episode.isHumanLed(step);
   const preferred = episode.steps.preferred[step];
   charts?.update(time, step);
+  learned?.update(time);
   $("clock").textContent = `${time.toFixed(1)} / ${episode.duration.toFixed(1)} s`;
   $("time").value = time;
   $("time").setAttribute("aria-valuetext", `${time.toFixed(1)} seconds, the ${isHuman ? "human" : "robot"} leads`);

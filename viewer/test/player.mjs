@@ -76,11 +76,81 @@ async function labels(tab, name) {
   return shown.length;
 }
 
+// The panel of what the robot has learned has the recording's figures; its region falls over the episode.
+async function learned(recording, human) {
+  const page = join(folder, "learned.html");
+  cocarry("render", recording, "-o", page);
+  const { tab, faults } = await open(page, "play=0");
+  assert.match(await tab.locator("#learned").textContent(), /α, perception of distance.*γ, perception of risk/);
+  const rows = table(recording, "/learned");
+  const changes = rows.filter((row, i) => i === 0 || row["human.region_share"] !== rows[i - 1]["human.region_share"]);
+  assert.ok(changes.length > 3, "the belief changes");
+  const areas = [];
+  for (const row of changes) {
+    await tab.locator("#time").evaluate((input, value) => {
+      input.value = value;
+      input.dispatchEvent(new Event("input"));
+    }, row.time_s);
+    const number = (key) => Number(row[`human.${key}`]);
+    const share = number("region_share");
+    assert.equal(await shown(tab, "learned.region_share"), `${(100 * share).toFixed(1)} % of the prior`);
+    assert.equal(await shown(tab, "learned.information_nats"), `${number("information_nats").toFixed(2)} nats`);
+    for (const key of ["alpha", "gamma"]) {
+      const ends = [0, 1].map((k) => number(`${key}_interval[${k}]`).toFixed(2)).join(" to ");
+      assert.equal(await shown(tab, `learned.${key}`), `${number(`${key}_mean`).toFixed(3)} (${ends})`);
+    }
+    assert.ok((await shown(tab, "learned.eta")).startsWith(number("eta_mean").toFixed(1)));
+    // the middles of cells that the border encloses have an odd number of upright edges on their left
+    const { enclosed, marks } = await tab.evaluate(() => {
+      const find = (selector) => document.querySelector(`#learned ${selector}`);
+      const uprights = [...find(".border").getAttribute("d").matchAll(/M([\d.]+) ([\d.]+)V([\d.]+)/g)]
+        .map(([, x, from, to]) => [x, from, to].map(Number));
+      const [left, top, width, height] = ["x", "y", "width", "height"].map((name) => Number(find(".frame").getAttribute(name)));
+      const enclosed = Array.from({ length: 1024 }, (_, cell) => {
+        const x = left + ((Math.floor(cell / 32) + 0.5) * width) / 32, y = top + ((31.5 - (cell % 32)) * height) / 32;
+        return uprights.filter(([at, a, b]) => at < x && Math.min(a, b) < y && y < Math.max(a, b)).length % 2 === 1;
+      });
+      // as parts of the ranges
+      const marks = [".mean", ".human"].map((mark) => {
+        const [x, y] = find(mark).getAttribute("transform").match(/-?[\d.]+/g).map(Number);
+        return [(x - left) / width, (top + height - y) / height];
+      });
+      return { enclosed, marks };
+    });
+    const level = number("region_density") * (1 - 1e-9);
+    assert.deepEqual(enclosed, enclosed.map((_, cell) => number(`density[${cell}]`) >= level), "the cells within the border");
+    const area = enclosed.filter(Boolean).length / 1024;
+    // cells lie on a border with their whole area
+    assert.ok(Math.abs(area - share) < 0.02, `the border encloses ${area}, recorded ${share}`);
+    ["alpha", "gamma"].forEach((key, axis) => {
+      const [low, high] = [0, 1].map((k) => number(`${key}_range[${k}]`));
+      const near = (part, value) => assert.ok(Math.abs(low + part * (high - low) - value) < 1e-6, `${key}: ${part}, not ${value}`);
+      near(marks[0][axis], number(`${key}_mean`));
+      near(marks[1][axis], human[key]);
+    });
+    areas.push(area);
+  }
+  assert.equal(areas[0], 1, "the prior");
+  assert.ok(areas.every((area, i) => i === 0 || area <= areas[i - 1]) && areas[areas.length - 1] < 0.5, `areas ${areas}`);
+  assert.deepEqual(faults, []);
+  await tab.close();
+  for (const [name, options] of [["learned", {}], ["learned-dark", { scheme: "dark" }], ["learned-phone", { width: 390, height: 844 }]]) {
+    const { tab } = await open(page, `play=0&t=${changes[changes.length - 1].time_s}`, options);
+    assert.ok(await tab.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${name}: nothing is wider than the screen`);
+    await tab.locator("#learned").scrollIntoViewIfNeeded();
+    await tab.screenshot({ path: join(screenshots, `${name}.png`) });
+    await tab.locator("#learned").screenshot({ path: join(screenshots, `${name}-panel.png`) });
+    await tab.close();
+  }
+  console.log(`learned: the region falls from 1 to ${areas[areas.length - 1].toFixed(3)} of the prior`);
+}
+
 async function check(name, recording) {
   const page = join(folder, `${name}.html`);
   cocarry("render", recording, "-o", page);
   const { tab, faults, drawn } = await open(page, "play=0");
   assert.ok(await labels(tab, name) > 2, `${name}: labels`);
+  assert.equal(await tab.locator("#learned").count(), 0, `${name}: no panel without /learned`);
   const events = table(recording, "/log");
   const transition = events.find((event) => event.name === "mode");
   assert.ok(transition, `${name}: the human takes the lead`);
@@ -135,6 +205,10 @@ try {
   const shipped = [1, 2, 3, 4].map((n) => [`environment-${n}`, join(repository, `recordings/environment-${n}.mcap`)]);
   const checked = {};
   for (const [name, recording] of [...shipped, ...made]) checked[name] = await check(name, recording);
+
+  const learns = join(folder, "learns.mcap");
+  cocarry("run", "environment-4", "--alpha", "0.63", "--gamma", "0.929", "--plant", "point", "--method", "human-led", "--belief", "learn", "--record", learns);
+  await learned(learns, { alpha: 0.63, gamma: 0.929 });
 
   const { page, transition } = checked["environment-4"];
   const phone = { width: 390, height: 844 };

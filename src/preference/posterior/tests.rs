@@ -1,5 +1,7 @@
 //! The belief against a fine grid of rows, closed forms and itself.
 
+mod closed_forms;
+
 use super::*;
 use crate::preference::Marginal;
 use rand::{RngExt, SeedableRng};
@@ -173,8 +175,18 @@ fn assert_is_grid(belief: &Belief, seen: &[Seen], rate: f64, rows: usize, tolera
     assert!((estimate.region_share - share).abs() < 2e-3, "{} {share}", estimate.region_share);
     let [above, from] = posterior.credibility(estimate.region_density);
     assert!(from >= 0.95 - 1e-9 && above < 0.95 + 1e-9, "{above} {from}");
-    let interval = estimate.alpha.map(|alpha| posterior.marginals(Perception { alpha, gamma: 0.7 })[0]);
-    assert!((interval[0] - 0.025).abs() < 1e-6 && (interval[1] - 0.975).abs() < 1e-6, "{interval:?}");
+    let least = estimate.region_density * (1.0 - 1e-7);
+    let share: f64 = grid.parts.iter().filter(|part| part.4 >= least).map(|part| part.3).sum();
+    assert!(
+        (estimate.region_share - share).abs() < tolerance,
+        "region {} and {share}",
+        estimate.region_share
+    );
+    let ends = [0, 1].map(|end| Perception { alpha: estimate.alpha[end], gamma: estimate.gamma[end] });
+    let [low, high] = ends.map(|end| posterior.marginals(end));
+    for axis in [0, 1] {
+        assert!((low[axis] - 0.025).abs() < 1e-6 && (high[axis] - 0.975).abs() < 1e-6, "{low:?} {high:?}");
+    }
 }
 
 fn math_ln(x: f64) -> f64 {

@@ -1,0 +1,71 @@
+//! What a robot that learns knew of its human at every time, for the 3-D player.
+
+use crate::recording::{Channel, Playback};
+use serde_json::{Value, json};
+
+/// The human model whose alpha and gamma decide nothing.
+const SCRIPTED: &str = "scripted";
+/// The figures of a message that the player shows.
+const FIGURES: [&str; 8] = [
+    "alpha_mean",
+    "gamma_mean",
+    "alpha_interval",
+    "gamma_interval",
+    "region_share",
+    "information_nats",
+    "eta_mean",
+    "eta_interval",
+];
+
+/// The belief over time and the human as they are; `None` if the recording's robot does not learn.
+pub(super) fn learned(playback: &Playback) -> Option<Value> {
+    let messages = playback.messages(Channel::Learned);
+    let (_, first) = messages.first()?;
+    // the plane changes seldom, and is large; eta changes in every step under the robot's lead
+    let mut planes: Vec<(&Value, Value)> = Vec::new();
+    let mut beliefs = Vec::new();
+    for (time, message) in messages {
+        let human = &message["human"];
+        let density = &human["density"];
+        if planes.last().is_none_or(|(last, _)| *last != density) {
+            planes.push((density, plane(density, &human["region_density"])));
+        }
+        let mut belief = json!({ "time_s": *time as f64 / 1e9, "plane": planes.len() - 1 });
+        for key in FIGURES {
+            belief[key] = human[key].clone();
+        }
+        beliefs.push(belief);
+    }
+    Some(json!({
+        "ranges": [first["human"]["alpha_range"], first["human"]["gamma_range"]],
+        "planes": planes.into_iter().map(|(_, plane)| plane).collect::<Vec<_>>(),
+        "beliefs": beliefs,
+        "humans": humans(playback),
+    }))
+}
+
+/// The densities of the cells, for shading, and which cells are in the 95 % region: 1, else 0.
+fn plane(densities: &Value, least: &Value) -> Value {
+    let densities = || densities.as_array().into_iter().flatten().filter_map(Value::as_f64);
+    // a cell on the region's level is in it, whatever its last digits
+    let least = least.as_f64().unwrap_or_default() * (1.0 - 1e-9);
+    json!({
+        "density": densities().map(|density| (density * 1e3).round() / 1e3).collect::<Vec<_>>(),
+        "region": densities().map(|density| if density >= least { '1' } else { '0' }).collect::<String>(),
+    })
+}
+
+/// The true alpha and gamma and the times (s) from which they hold; none of a human who has none.
+fn humans(playback: &Playback) -> Vec<Value> {
+    let scenario = playback.prepared.scenario();
+    if scenario.human_model.model().name == SCRIPTED {
+        return Vec::new();
+    }
+    let mut changes: Vec<_> =
+        scenario.changes.iter().map(|change| (change.step, change.perception)).collect();
+    // of several at the same step, the last one applies
+    changes.sort_by_key(|(step, _)| *step);
+    let all = std::iter::once((0, scenario.human)).chain(changes);
+    all.map(|(step, human)| json!([step as f64 * scenario.settings.period, human.alpha, human.gamma]))
+        .collect()
+}
