@@ -48,7 +48,7 @@ pub(super) fn learned(playback: &Playback) -> Option<Value> {
 fn plane(densities: &Value, least: &Value) -> Value {
     let densities = || densities.as_array().into_iter().flatten().filter_map(Value::as_f64);
     // a cell on the region's level is in it, whatever its last digits
-    let least = least.as_f64().unwrap_or_default() * (1.0 - 1e-9);
+    let least = least.as_f64().unwrap_or_default() * (1.0 - 1e-6);
     json!({
         "density": densities().map(|density| (density * 1e3).round() / 1e3).collect::<Vec<_>>(),
         "region": densities().map(|density| if density >= least { '1' } else { '0' }).collect::<String>(),

@@ -270,3 +270,31 @@ fn horners<const N: usize>(coefficients: &[f64], x: &[f64; N]) -> [f64; N] {
 fn horner(coefficients: &[f64], x: f64) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::preference::Marginal;
+
+    #[test]
+    fn closed_form_a_dip_between_two_points_is_seen() {
+        let rule = Rule::new();
+        let uniform = |low, high| Marginal::uniform(low, high).unwrap();
+        let (alpha, gamma) = (uniform(0.5, 0.9), uniform(0.5, 1.5));
+        let domain = Domain { alpha, alpha_panels: vec![0.5, 0.9], gamma, gamma_panels: vec![0.5, 1.5] };
+        let level = Line::constant(&rule, [0.5, 1.5], 0.7, &domain);
+        // the points lie at 0.9 and 1.1
+        for [from, to] in [[0.95, 1.05], [0.91, 0.93], [0.999, 1.001]] {
+            let alphas = rule.nodes.map(|x| 0.7 + (1.0 + 0.5 * x - from) * (1.0 + 0.5 * x - to));
+            let line = Line::through(&rule, [0.5, 1.5], &alphas, &alphas);
+            let sides = level.sides(&line, 0.5, 1.5);
+            let found: Vec<_> = sides.parts().collect();
+            let wanted = [(0.5, from, false), (from, to, true), (to, 1.5, false)];
+            assert_eq!(found.len(), 3, "{found:?}");
+            for (found, wanted) in found.iter().zip(wanted) {
+                let is_near = (found.0 - wanted.0).abs() < 1e-6 && (found.1 - wanted.1).abs() < 1e-6;
+                assert!(is_near && found.2 == wanted.2, "{found:?} {wanted:?}");
+            }
+        }
+    }
+}
