@@ -69,6 +69,8 @@ fn ties_go_to_the_current_option() {
         for (current, chosen, other) in [(None, 0, 1), (Some(0), 0, 1), (Some(1), 1, 0)] {
             let mut posterior = Posterior::new(belief.clone(), RISK_WEIGHT).unwrap();
             let mut choice = ChoiceDistribution::default();
+            // whatever was asked before
+            posterior.predict_from(&prospects, Some(other), &mut choice);
             posterior.predict_from(&prospects, current, &mut choice);
             assert_eq!(choice.probabilities()[other], 0.0, "{current:?}");
             let prior = choice.probabilities()[chosen];
