@@ -221,7 +221,7 @@ impl Study<'_> {
 
     /// The built-in worlds, each by itself.
     fn built_in(&self, method: Method, plant: &Plant) -> Result<Vec<Group>, ScenarioError> {
-        let worlds = BUILT_IN_WORLDS.into_iter().map(|world| {
+        let worlds = BUILT_IN_WORLDS.iter().map(|world| {
             let text = (world.name.to_owned(), world.text.to_owned());
             Ok(Group { name: world.name.to_owned(), worlds: vec![self.stage(text, method, plant)?] })
         });
