@@ -1,8 +1,11 @@
 //! H4: what it pays to learn who the robot carries with.
 
 use super::pairs::{difference, is_significant, rounded};
-use super::part::{Block, Finding, Part, Plan, ReportError, Section};
-use crate::paper::h4::{ControlRow, Findings, HumanKind, LearningRow, RobotKind, Study, TASKS, WORLDS};
+use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
+use crate::drawing::{MeanPanel, MeanRow, means};
+use crate::paper::h4::{
+    ControlRow, Findings, HumanKind, LearningRow, METHODS, RobotKind, Study, TASKS, WORLDS,
+};
 use crate::parallel::OnDone;
 use crate::scenario::{Plant, PlantKind, RobotSetup};
 use crate::statistics::Paired;
@@ -24,14 +27,58 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     let text = "The paper's robot keeps the prior over people for the whole task. Here, one person carries twice in a row with a robot that learns alpha, gamma \
                 and \u{3b7} from what the person does, and keeps that for the second task. It is compared with the paper's robot and with one that knows the \
                 person, with the same people. Some are not of the model that the robot learns with.";
+    let [by_world, by_human, control] = learning_tables(&findings).map(Block::Table);
+    let [regret, cost] = pictures(&findings)?.map(Block::Figure);
     Ok(Section {
         title: "H4: learning who the robot carries with (not in the paper)".to_owned(),
         finding: finding(&findings),
-        blocks: [Block::Text(text.to_owned())]
-            .into_iter()
-            .chain(learning_tables(&findings).map(Block::Table))
-            .collect(),
+        blocks: vec![Block::Text(text.to_owned()), by_world, by_human, regret, control, cost],
     })
+}
+
+/// Differences to the robot with the prior in the last task: regret by kind of human, and control cost by world.
+fn pictures(findings: &Findings) -> Result<[Figure; 2], ReportError> {
+    let last = |task: usize| task == TASKS;
+    let by_human = findings.by_human.iter().filter(|row| last(row.task));
+    let regret = by_human.map(|row| (row.humans.name(), row.robot, row.regret_against_prior));
+    let control = METHODS.map(|method| {
+        let name = method.to_string();
+        let rows = findings.control.iter().filter(|row| last(row.task) && row.method == name);
+        let cells = rows.map(|row| (row.world.as_str(), row.robot, row.control_cost_against_prior));
+        panel(&name, cells)
+    });
+    let series: Vec<String> = RobotKind::ALL[1..].iter().map(|robot| robot.name().to_owned()).collect();
+    let figure = |name: &str, caption: &str, panels: &[MeanPanel], axis: &str| {
+        let (name, caption) = (name.to_owned(), caption.to_owned());
+        Ok::<_, ReportError>(Figure { name, caption, is_half: false, svg: means(panels, &series, axis)? })
+    };
+    Ok([
+        figure(
+            "learning-regret",
+            "H4, all worlds, second task: regret minus that with the prior, the same people; left of 0, learning pays. 95 % intervals.",
+            &[panel("kind of human", regret)],
+            "regret minus that with the prior",
+        )?,
+        figure(
+            "learning-control",
+            "H4, humans of the model, second task: control cost C minus that with the prior, the same people; left of 0, learning pays. 95 % intervals.",
+            &control,
+            "C minus that with the prior",
+        )?,
+    ])
+}
+
+/// The rows of one label after the other, each with the robots but the one with the prior.
+fn panel<'a>(title: &str, cells: impl Iterator<Item = (&'a str, RobotKind, Option<Paired>)>) -> MeanPanel {
+    let mut rows: Vec<MeanRow> = Vec::new();
+    for (label, robot, paired) in cells {
+        if robot == RobotKind::Prior {
+            rows.push(MeanRow { label: label.to_owned(), means: Vec::new() });
+        } else if let Some(row) = rows.last_mut() {
+            row.means.push(paired.map(|p| (p.difference.mean, p.difference.interval)));
+        }
+    }
+    MeanPanel { title: title.to_owned(), rows }
 }
 
 fn finding(findings: &Findings) -> Finding {

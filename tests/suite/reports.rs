@@ -33,7 +33,7 @@ const TABLES: [&str; 19] = [
     "learning-control",
 ];
 
-const FIGURES: [&str; 16] = [
+const FIGURES: [&str; 18] = [
     "preference-regions",
     "perception",
     "environment-1",
@@ -50,6 +50,8 @@ const FIGURES: [&str; 16] = [
     "table-2-bodies",
     "contacts",
     "table-3-ratios",
+    "learning-regret",
+    "learning-control",
 ];
 
 /// Runs as little as there can be, with these arguments besides.

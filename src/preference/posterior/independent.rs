@@ -39,8 +39,8 @@ impl Independent {
         }
     }
 
-    /// Finds the regions of these options, unless they are those of the last call. False if one option is the cheapest everywhere: `front` then has
-    /// only that.
+    /// Finds the regions of these options, unless they are those of the last call. False if one option is the
+    /// cheapest everywhere: `front` then has only that.
     pub fn outline(&mut self, prospects: &[Prospect], risk_weight: f64, current: Option<usize>) -> bool {
         if self.outlined.0 == prospects && self.outlined.1 == current {
             return self.front.len() >= 2;

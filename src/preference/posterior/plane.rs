@@ -10,9 +10,9 @@ use crate::preference::rule::Rule;
 use crate::preference::strips::{Domain, Outline};
 use serde::{Deserialize, Serialize};
 
-/// Steps that change no probability by more than this are dropped, and steps along a line that differ by no more
-/// are joined. All of that changes a probability by about 1e-9, and by 1e-6 after the belief has turned against a
-/// change rate of 1e-3.
+/// Steps that change no probability by more than this are dropped, and steps along a line that differ by no
+/// more are joined. All of that changes a probability by about 1e-9, and by 1e-6 after the belief has turned
+/// against a change rate of 1e-3.
 const LEAST_MASS: f64 = 1e-12;
 
 /// The most by which that changes the density at a place.
