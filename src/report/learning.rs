@@ -4,7 +4,7 @@ use super::pairs::{difference, is_significant, rounded};
 use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
 use crate::drawing::{MeanPanel, MeanRow, means};
 use crate::paper::h4::{
-    ControlRow, Findings, HumanKind, LearningRow, METHODS, RobotKind, Study, TASKS, WORLDS,
+    ALL_WORLDS, ControlRow, Findings, HumanKind, LearningRow, METHODS, RobotKind, Study, TASKS, WORLDS,
 };
 use crate::parallel::OnDone;
 use crate::scenario::{Plant, PlantKind, RobotSetup};
@@ -95,6 +95,18 @@ fn finding(findings: &Findings) -> Finding {
     let learns = of(RobotKind::Learns);
     let regret = learns.is_some_and(|row| pays(row.regret_against_prior));
     let human = learns.is_some_and(|row| pays(row.human_cost_against_prior));
+    let costs = METHODS.map(|method| {
+        let name = method.to_string();
+        let cost = |robot: RobotKind| {
+            let is_it = |row: &&ControlRow| {
+                row.world == ALL_WORLDS && row.method == name && row.task == last && row.robot == robot
+            };
+            findings.control.iter().find(is_it).map_or(f64::NAN, |row| row.control_cost)
+        };
+        let [learns, prior] = [RobotKind::Learns, RobotKind::Prior].map(cost);
+        format!("{learns:.1} instead of {prior:.1} ({name})")
+    });
+    let costs = format!("control cost {}", costs.join(", "));
     Finding {
         claim: "H4: with a person met before, a robot that learns does better than one with the prior (not in the paper)",
         verdict: match (regret, human) {
@@ -106,7 +118,7 @@ fn finding(findings: &Findings) -> Finding {
         .to_owned(),
         figures: of(RobotKind::Prior).zip(learns).map_or(String::new(), |(prior, learns)| {
             format!(
-                "task {last}, people of the model: mean regret {:.2} instead of {:.2}, the human's cost {:.1} instead of {:.1}",
+                "task {last}, people of the model: mean regret {:.2} instead of {:.2}, the human's cost {:.1} instead of {:.1}; {costs}",
                 learns.regret, prior.regret, learns.human_cost, prior.human_cost
             )
         }),
