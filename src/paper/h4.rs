@@ -185,8 +185,11 @@ type Tasks = [Vec<Task>; RobotKind::ALL.len()];
 impl Study<'_> {
     /// Units of work, for a progress bar.
     pub fn units(&self) -> usize {
-        let groups = BUILT_IN_WORLDS.len() + usize::from(self.worlds > 0);
-        groups * HumanKind::ALL.len() * self.humans + self.control_units()
+        self.group_count() * HumanKind::ALL.len() * self.humans + self.control_units()
+    }
+
+    fn group_count(&self) -> usize {
+        BUILT_IN_WORLDS.len() + usize::from(self.worlds > 0)
     }
 
     /// Runs all tasks. The result does not depend on the number of threads.
@@ -194,7 +197,7 @@ impl Study<'_> {
     /// # Errors
     /// [`StudyError`], if a setting is out of its range.
     pub fn run(&self, on_done: OnDone) -> Result<Findings, StudyError> {
-        let groups = self.groups()?;
+        let groups = self.groups(Method::MUTUAL, &Plant::Point)?;
         let (kinds, n) = (HumanKind::ALL.len(), self.humans);
         let all = in_parallel(groups.len() * kinds * n, on_done, |i| {
             let (group, kind, human) = (i / n / kinds, i / n % kinds, i % n);
@@ -240,17 +243,21 @@ impl Study<'_> {
         prepared(WorldText { file, text }, &settings, plant)
     }
 
-    /// The built-in worlds and random ones, with the team as a point.
-    fn groups(&self) -> Result<Vec<Group>, StudyError> {
-        let mut groups = self.built_in(Method::MUTUAL, &Plant::Point)?;
+    /// The built-in worlds and random ones. These are the same for every method and plant.
+    fn groups(&self, method: Method, plant: &Plant) -> Result<Vec<Group>, StudyError> {
+        let mut groups = self.built_in(method, plant)?;
         let mut rng = self.stream(0);
         let mut worlds = Vec::new();
         while worlds.len() < self.worlds {
             let text = (RANDOM_WORLDS.to_owned(), super::cycles::random_world(&mut rng));
-            match self.stage(text, Method::MUTUAL, &Plant::Point) {
+            match self.stage(text.clone(), Method::MUTUAL, &Plant::Point) {
                 // the start or target is inside an obstacle, or enclosed
                 Err(ScenarioError::World(_) | ScenarioError::Options(_)) => {}
-                world => worlds.extend(Some(world?).filter(|world| world.options().options().len() > 1)),
+                world => {
+                    if world?.options().options().len() > 1 {
+                        worlds.push(self.stage(text, method, plant)?);
+                    }
+                }
             }
         }
         if !worlds.is_empty() {

@@ -155,9 +155,9 @@ fn h4_pairs_the_same_people_and_a_robot_that_knows_them_has_no_regret() {
         of.map(|row| row["regret"].as_f64().expect("a number")).sum::<f64>()
     };
     assert!(total("prior") > 1.0, "the paper's robot does not know them: {}", total("prior"));
-    // 2 methods, 5 worlds and all of them
+    // 2 methods, 5 worlds, the random ones and all of them
     let control = rows("control");
-    assert_eq!(control.len(), 96);
+    assert_eq!(control.len(), 112);
     let cost = |method: &str, robot: &str| {
         let is_it = |row: &&serde_json::Value| {
             row["world"] == "all" && row["method"] == method && row["robot"] == robot && row["task"] == 2

@@ -4,7 +4,6 @@ use super::{ALL_WORLDS, HumanKind, RobotKind, Study, StudyError, Tasks};
 use crate::parallel::{OnDone, in_parallel};
 use crate::policy::Method;
 use crate::statistics::{self, Paired, mean_and_std};
-use crate::world::BUILT_IN_WORLDS;
 use serde::Serialize;
 
 /// The most humans in each world who carry with an arm; their control takes most of the time.
@@ -16,7 +15,7 @@ pub const METHODS: [Method; 2] = [Method::HUMAN_LED, Method::MUTUAL];
 /// One robot with humans of the model, in one of their tasks, on the kinematic plant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ControlRow {
-    /// The world, or [`ALL_WORLDS`].
+    /// The world, [`RANDOM_WORLDS`](super::RANDOM_WORLDS) or [`ALL_WORLDS`].
     pub world: String,
     /// Who leads.
     pub method: String,
@@ -46,18 +45,19 @@ impl Study<'_> {
     }
 
     pub(super) fn control_units(&self) -> usize {
-        METHODS.len() * BUILT_IN_WORLDS.len() * self.humans_with_arm()
+        METHODS.len() * self.group_count() * self.humans_with_arm()
     }
 
-    /// The control costs in the built-in worlds.
+    /// The control costs, by method and world.
     pub(super) fn control(&self, on_done: OnDone) -> Result<Vec<ControlRow>, StudyError> {
         let n = self.humans_with_arm();
         let mut rows = Vec::new();
         for method in METHODS {
-            let groups = self.built_in(method, self.plant)?;
+            let groups = self.groups(method, self.plant)?;
             let all = in_parallel(groups.len() * n, on_done, |i| {
                 let person = self.person(i / n, HumanKind::Model, i % n);
-                self.tasks_of(&groups[i / n].worlds[0], &person)
+                let worlds = &groups[i / n].worlds;
+                self.tasks_of(&worlds[i % n % worlds.len()], &person)
             });
             let all = all.into_iter().collect::<Result<Vec<Tasks>, StudyError>>()?;
             for (group, people) in groups.iter().zip(all.chunks(n)) {
