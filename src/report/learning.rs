@@ -36,7 +36,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     })
 }
 
-/// Differences to the robot with the prior in the last task: regret by kind of human, and control cost by world.
+/// Differences to the robot with the prior in the last task: regret by kind of human, control cost by world.
 fn pictures(findings: &Findings) -> Result<[Figure; 2], ReportError> {
     let last = |task: usize| task == TASKS;
     let by_human = findings.by_human.iter().filter(|row| last(row.task));

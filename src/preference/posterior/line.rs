@@ -10,8 +10,8 @@ const TIE: f64 = 1e-12;
 /// Equally spaced points at which two borders are compared before a crossing is searched for.
 const POINTS: usize = 6;
 
-/// A crossing is found where the borders are nearer than this in alpha. What is between them counts on the wrong
-/// side, from there to the crossing: an area of the order of the square of this.
+/// A crossing is found where the borders are nearer than this in alpha. From there to the crossing, what is
+/// between them counts on the wrong side: an area of the order of the square of this.
 const NEAR: f64 = 1e-9;
 
 /// The most crossings of two borders that are told apart.
@@ -257,6 +257,7 @@ fn crossing(function: &impl Fn(f64) -> f64, left: (f64, f64), right: (f64, f64))
     0.5 * (a.0 + b.0)
 }
 
+/// A polynomial at several places at once.
 fn horners<const N: usize>(coefficients: &[f64], x: &[f64; N]) -> [f64; N] {
     let mut sums = [0.0; N];
     for coefficient in coefficients.iter().rev() {
