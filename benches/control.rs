@@ -75,7 +75,6 @@ fn problem<'a>(robot: &'a Robot, state: &'a State) -> PoseProblem<'a> {
         base: None,
         period: PERIOD,
         share: 1.0,
-        confidence: 1.0,
     }
 }
 

@@ -199,7 +199,8 @@ impl EpisodeReport<'_> {
             )
         });
         let slow = self.stage.slow_drive().map(|slow| slow.to_string());
-        slow.into_iter().chain(self.stage.robot_warnings()).chain(off).collect()
+        let touched = self.view().self_contact();
+        slow.into_iter().chain(self.stage.robot_warnings()).chain(off).chain(touched).collect()
     }
 
     /// The events, one line each. In a resumed episode, earlier preference changes and the transition are

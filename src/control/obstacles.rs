@@ -5,7 +5,7 @@ use super::reaching::{ArmJacobian, Reaching};
 use super::rolling::Rolling;
 use super::{HORIZON, Inputs};
 use crate::geometry::{Bounds, Footprint, PlanarPose, Point, Vector};
-use crate::robot::{Configuration, Drive, MAX_BASE_INPUTS, MAX_JOINTS, PointJacobian, Robot};
+use crate::robot::{Configuration, Drive, InputVector, MAX_BASE_INPUTS, MAX_JOINTS, PointJacobian, Robot};
 use crate::world::World;
 use nalgebra::Vector3;
 
@@ -17,11 +17,17 @@ const BASE_RANGE_M: f64 = 0.5;
 
 /// Weight of the squared violation (m) of a bound: a thousand times that of the same tracking error.
 const VIOLATION_PRICE: f64 = 1e6;
+/// The same for the arm: the balls around its points are wider than its links, so that a centimetre less of the
+/// space between is not worth the object.
+const ARM_PRICE: f64 = 1e5;
 /// Radius (m) of the balls around points of the arm that stand for the arm: half a link's width and a little
 /// more. The points are its joints, and points between them where a link is longer than the spacing (m), so
 /// that nothing wider than 9 cm fits between two balls.
 const ARM_RADIUS_M: f64 = 0.08;
 const ARM_SPACING_M: f64 = 0.25;
+/// Factor of the weight of the arm's half-planes from one step to the next where the base's inputs are given:
+/// while the base swings round a corner, the arm turns by radians within the horizon.
+const CONFIDENCE: f64 = 0.7;
 /// Distances (m) beyond which an obstacle sets no bound: from a joint of the arm for that joint, and from the
 /// base for the whole arm.
 const ARM_RANGE_M: f64 = 0.6;
@@ -90,11 +96,14 @@ impl RobotObstacles {
     /// Let p(t) be a point's position after t periods T along `inputs`, and n the gradient of the obstacle's
     /// distance d. The bound is n . (p(t) + dp(t)/du (u - inputs)) >= n . p(t) - (d - radius - margin). The
     /// base rolls on arcs and carries the arm's points, which move relative to it by their Jacobians at `q`.
-    /// Where such a point would be too close, n points to the side on which the arm's chain from base to
-    /// grasp passes the obstacle, and d is measured along n.
+    /// Where such a point would be in an obstacle, or too close on its far side, n points to the side on which
+    /// the arm's chain from base to grasp passes the obstacle, and d is measured along n.
     ///
-    /// The arm's planes are linear in its joints. The weight of each step is that of the previous step times
-    /// `confidence`, because a linear plan is less accurate the farther the arm has turned.
+    /// The arm's planes are linear in its joints, and less accurate the farther the arm has turned. Where the
+    /// base's inputs are given, the weight of each step is 0.7 of that of the previous step. Where the base is
+    /// free, eq. (7) predicts with B(q) for the whole horizon: the weight decreases with the distance between
+    /// p(t) and where B(q) puts the point, to none at the radius of the arm, because a plane about p(t) then
+    /// says nothing about that plan.
     #[expect(clippy::too_many_arguments)]
     pub fn half_planes(
         &self,
@@ -103,7 +112,7 @@ impl RobotObstacles {
         q: &Configuration,
         inputs: &Inputs,
         period: f64,
-        confidence: f64,
+        is_base_given: bool,
         limits: &mut Limits,
     ) {
         limits.half_planes.clear();
@@ -113,7 +122,7 @@ impl RobotObstacles {
             self.keep_base_off(&robot.drive, &q.base, inputs, period, limits);
         }
         if avoid == Avoid::Robot {
-            self.keep_arm_off(robot, q, inputs, period, confidence, limits);
+            self.keep_arm_off(robot, q, inputs, period, is_base_given, limits);
         }
     }
 
@@ -144,7 +153,7 @@ impl RobotObstacles {
         q: &Configuration,
         inputs: &Inputs,
         period: f64,
-        confidence: f64,
+        is_base_given: bool,
         limits: &mut Limits,
     ) {
         let base = q.base;
@@ -160,6 +169,11 @@ impl RobotObstacles {
         let chain: [_; HORIZON] = std::array::from_fn(|t| {
             [reaching.rolling.pose(t).position, reaching.place(to_grasp, &grasp_arm, t).1]
         });
+        let mut so_far = InputVector::zeros();
+        let moved: [InputVector; HORIZON] = std::array::from_fn(|t| {
+            so_far += inputs.column(t) * period;
+            so_far
+        });
         robot.arm_points(q, ARM_SPACING_M, |point, jacobian| {
             let from_base = carried(&point);
             // the bounds of the base also cover what is above it
@@ -172,15 +186,28 @@ impl RobotObstacles {
                 if is_below || outline.near(base.position, ARM_REACH_M).is_none() {
                     continue;
                 }
-                let mut price = VIOLATION_PRICE / confidence;
+                let mut faded = ARM_PRICE / CONFIDENCE;
                 for (t, chain) in chain.iter().enumerate() {
-                    price *= confidence;
                     let (lever, at) = reaching.place(from_base, &arm, t);
+                    faded *= CONFIDENCE;
+                    let price = match is_base_given {
+                        true => faded,
+                        false => {
+                            let predicted = point.xy() + (jacobian * moved[t]).xy();
+                            ARM_PRICE * (1.0 - (at.coords - predicted).norm() / ARM_RADIUS_M)
+                        }
+                    };
+                    if price <= 0.0 {
+                        continue;
+                    }
                     let Some((mut distance, mut away)) = outline.near(at, ARM_RADIUS_M + ARM_RANGE_M) else {
                         continue;
                     };
                     if distance < ARM_RADIUS_M + MARGIN_M {
-                        (distance, away) = outline.beside(at, *chain).unwrap_or((distance, away));
+                        let beside = outline.beside(at, *chain);
+                        // from outside, on the right side of it, the nearest place is the one to keep off
+                        let is_astray = |(_, side): &(f64, Vector)| distance < 0.0 || away.dot(side) < 0.0;
+                        (distance, away) = beside.filter(is_astray).unwrap_or((distance, away));
                     }
                     let mut coefficients = Inputs::zeros();
                     let of_base = reaching.rolling.gradient_at(t, -away, lever);
@@ -243,7 +270,7 @@ mod tests {
             }
             let planes = |avoid, inputs: &Inputs| {
                 let mut limits = Limits::new(&robot);
-                obstacles.half_planes(avoid, &robot, &q, inputs, 0.2, 1.0, &mut limits);
+                obstacles.half_planes(avoid, &robot, &q, inputs, 0.2, false, &mut limits);
                 limits.half_planes
             };
             let distance = |plane: &HalfPlane, inputs: &Inputs| plane.bound - plane.coefficients.dot(inputs);
@@ -296,7 +323,7 @@ mod tests {
         let mut inputs = Inputs::zeros();
         inputs.fixed_rows_mut::<2>(0).fill(0.5);
         let mut limits = Limits::new(&robot);
-        obstacles.half_planes(Avoid::Robot, &robot, &q, &inputs, 0.2, 1.0, &mut limits);
+        obstacles.half_planes(Avoid::Robot, &robot, &q, &inputs, 0.2, false, &mut limits);
         let overstepped =
             limits.half_planes.iter().map(|plane| plane.coefficients.dot(&inputs) - plane.bound);
         let most = overstepped.fold(0.0, f64::max);

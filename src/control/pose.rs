@@ -79,9 +79,6 @@ pub struct PoseProblem<'a> {
     pub period: f64,
     /// The share of the rate limits that the change of configuration may use, up to 1.
     pub share: f64,
-    /// Factor of the weight of the arm's half-planes from one step to the next: see
-    /// [`RobotObstacles::half_planes`].
-    pub confidence: f64,
 }
 
 impl PoseOptimiser {
@@ -186,14 +183,13 @@ impl PoseOptimiser {
                     if let Some(base) = problem.base {
                         set_base(&problem.robot.drive, &mut inputs, base);
                     }
-                    let confidence = problem.confidence;
                     obstacles.half_planes(
                         avoid,
                         problem.robot,
                         q,
                         &inputs,
                         problem.period,
-                        confidence,
+                        problem.base.is_some(),
                         limits,
                     );
                     if let Some(base) = problem.base {

@@ -336,7 +336,6 @@ fn the_pose_chosen_is_the_exact_minimum_over_candidates() {
             base: None,
             period: PERIOD,
             share: 1.0,
-            confidence: 1.0,
         };
         let choice = poses.choose(&problem, &settings, &mut limits, &mut mpc);
         let totals = brute_force(&problem, &settings, poses.candidates());
@@ -370,7 +369,6 @@ fn in_the_planar_posture_both_ways_out_are_equal_and_the_first_is_taken() {
         base: None,
         period: PERIOD,
         share: 1.0,
-        confidence: 1.0,
     };
     let (mut poses, mut mpc, mut limits) = (PoseOptimiser::default(), Mpc::default(), Limits::new(&robot));
     let choice = poses.choose(&problem, &Settings::default(), &mut limits, &mut mpc);

@@ -215,6 +215,12 @@ pub struct ControlSummary {
     pub overlapping_steps: u64,
     /// Smallest distance between the base and an obstacle, m; infinite without obstacles.
     pub least_clearance: f64,
+    /// Steps at whose end the robot touched itself.
+    #[serde(default)]
+    pub self_contact_steps: u64,
+    /// The first two links that did: indices into [`Robot::links`](crate::robot::Robot::links).
+    #[serde(default)]
+    pub self_contact: Option<[usize; 2]>,
 }
 
 impl Default for ControlSummary {
@@ -230,6 +236,8 @@ impl Default for ControlSummary {
             pose_changes: 0,
             overlapping_steps: 0,
             least_clearance: f64::INFINITY,
+            self_contact_steps: 0,
+            self_contact: None,
         }
     }
 }
@@ -259,6 +267,8 @@ impl ControlSummary {
         self.pose_changes += u64::from(tick.preparation.is_some_and(|p| p.candidate != 0));
         self.overlapping_steps += u64::from(tick.base_clearance < 0.0);
         self.least_clearance = self.least_clearance.min(tick.base_clearance);
+        self.self_contact_steps += u64::from(tick.self_contact.is_some());
+        self.self_contact = self.self_contact.or(tick.self_contact);
     }
 }
 

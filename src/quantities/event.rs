@@ -155,7 +155,8 @@ impl Event {
             Some(Outcome::NonFinite) => "did not arrive: the physics broke down",
         };
         let severity = if outcome == Some(Outcome::Arrived) { Severity::Info } else { Severity::Error };
-        let sentence = format!("{end} on option {} after {walked:.2} m", view.option(last_option));
+        let mut sentence = format!("{end} on option {} after {walked:.2} m", view.option(last_option));
+        sentence.extend(view.self_contact().map(|told| format!("; {told}")));
         Self::of_step(steps, severity, "end", sentence)
     }
 }

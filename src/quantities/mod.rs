@@ -78,6 +78,19 @@ impl View<'_> {
         read(quantities, self)
     }
 
+    /// Two links of the robot, by their names.
+    fn links(&self, links: Option<[usize; 2]>) -> Option<String> {
+        let robot = self.stage.robot()?;
+        links.map(|pair| pair.map(|link| robot.links[link].name.as_str()).join(", "))
+    }
+
+    /// What to say of an episode in which the robot touched itself.
+    pub fn self_contact(&self) -> Option<String> {
+        let control = self.episode.summary().control.as_ref()?;
+        let links = self.links(control.self_contact)?;
+        Some(format!("the robot touched itself in {} steps, first: {links}", control.self_contact_steps))
+    }
+
     fn option(&self, option: usize) -> &str {
         &self.stage.options().options()[option].name
     }

@@ -129,6 +129,7 @@ pub const CONTROL: &[Quantity] = quantities! {
     "tracking_cost", PLAIN, "||x - s||_Q^2 at the end of the step", |v| v.robot_tick().map(|r| r.tracking_cost);
     "effort_cost", PLAIN, "||u||_R^2", |v| v.robot_tick().map(|r| r.effort_cost);
     "pose_cost", PLAIN, "kappa ||q* - q_c||^2", |v| v.robot_tick().map(|r| r.pose_cost);
+    "self_contact", Text, "two links of the robot that touch each other at the end of the step; missing if none do", |v| v.links(v.robot_tick().and_then(|r| r.self_contact));
     "left_rim_m_per_s", METRES_PER_SECOND, "u of the left wheel's rim", |v| v.base_input(false).map(|u| u[0]);
     "right_rim_m_per_s", METRES_PER_SECOND, "u of the right wheel's rim", |v| v.base_input(false).map(|u| u[1]);
 };

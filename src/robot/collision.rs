@@ -21,7 +21,7 @@ fn is_usable(geometry: &Geometry) -> bool {
 
 /// For every link, the link whose joint moves the body that it is part of: the link itself, one above it, or
 /// the base. No other joint between the two moves with the arm.
-fn bodies(robot: &Robot) -> Vec<usize> {
+pub(super) fn bodies(robot: &Robot) -> Vec<usize> {
     let mut body: Vec<usize> = Vec::with_capacity(robot.links.len());
     for (i, link) in robot.links.iter().enumerate() {
         let moves = link.joint.as_ref().is_some_and(|joint| joint.coupling.joint.is_some());

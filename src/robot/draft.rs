@@ -3,6 +3,7 @@
 
 use super::draft_request::{DraftError, DraftRequest};
 use super::draft_search::{self, Parts};
+use super::level::FULL;
 use super::load::{self, RobotTexts};
 use super::postures::{self, Found};
 use super::{Motion, Robot};
@@ -94,7 +95,7 @@ impl Draft {
         let Some((height, found)) = found else {
             let heights = heights.iter().map(|h| h.to_string()).collect::<Vec<_>>().join(", ");
             let hint =
-                if robot.joint_count() < 6 { "; an arm of fewer than six joints rarely can" } else { "" };
+                if robot.freedom() < FULL { "; the arm cannot place its grasp in any pose" } else { "" };
             return Err(DraftError::NoPosture { file: urdf_file, tool: parts.tool, heights, hint });
         };
         let roll = found[0].roll;
@@ -129,9 +130,14 @@ fn euler(rotation: &Rotation3<f64>) -> Vector3<f64> {
 
 /// A `[[posture]]`.
 fn entry(robot: &Robot, found: &Found, number: usize) -> String {
-    let ahead = found.ahead;
-    let mut text =
-        format!("\n[[posture]]   # the grasp {ahead:.2} m ahead of the axle\nname = \"posture-{number}\"\n");
+    let Found { ahead, beside, .. } = *found;
+    let beside = match beside.abs() < 0.005 {
+        true => String::new(),
+        false => format!(" and {:.2} m to the {}", beside.abs(), if beside > 0.0 { "left" } else { "right" }),
+    };
+    let mut text = format!(
+        "\n[[posture]]   # the grasp {ahead:.2} m ahead of the axle{beside}\nname = \"posture-{number}\"\n"
+    );
     for (motion, key) in [(Motion::Revolute, "angles_deg"), (Motion::Prismatic, "positions_m")] {
         let of = robot.joints.iter().zip(found.joints.iter()).filter(|(joint, _)| joint.motion == motion);
         let lines: String = of

@@ -84,6 +84,19 @@ pub enum PostureFault {
     /// No solution near the given angles.
     #[error("no angles near the given ones achieve that")]
     NoSolution,
+    /// An arm that cannot place its grasp in any pose cannot hold it level either, not even nearly.
+    #[error(
+        "the arm moves its grasp in {free} of 6 directions, and does not come within {height} m and {turn} rad of that; \
+         give closer angles or another grasp_height_m"
+    )]
+    NotFree {
+        /// Degrees of freedom of the arm.
+        free: usize,
+        /// Tolerance of the height, m.
+        height: f64,
+        /// Tolerance of the orientation, rad.
+        turn: f64,
+    },
     /// The solution is too far from the given angles.
     #[error("`{joint}` would have to move by {by:.4}, more than {most} (rad or m); give closer angles")]
     Far {

@@ -6,6 +6,7 @@ use super::file::{RobotFile, number};
 use super::link::{Coupling, Joint, JointKind, Limits, Link};
 use super::mesh::MeshFolders;
 use super::note::RobotNote;
+use super::self_contact::SelfContacts;
 use super::urdf::{Hulls, Links, Urdf, is_xacro};
 use super::wheels::Wheels;
 use super::{Posture, Robot, collision, driven, posture};
@@ -373,6 +374,7 @@ fn assemble(
         drive_from_base,
         chain,
         last_from_grasp,
+        self_contacts: SelfContacts::default(),
     };
     let (of_inertias, about_inertias) = collision::check_inertias(urdf, &robot);
     faults.0.extend(of_inertias);
@@ -384,6 +386,7 @@ fn assemble(
     if !faults.0.is_empty() {
         return Err(faults.0);
     }
+    robot.self_contacts = SelfContacts::new(&robot);
     Ok((robot, parsed))
 }
 

@@ -17,6 +17,7 @@ mod fault;
 mod file;
 mod hull;
 mod kinematics;
+mod level;
 mod link;
 mod load;
 mod mesh;
@@ -24,6 +25,7 @@ mod note;
 mod posture;
 mod postures;
 mod reach;
+mod self_contact;
 mod tree;
 mod urdf;
 mod wheel_search;
@@ -93,6 +95,8 @@ pub struct Robot {
     pub(crate) chain: Vec<ChainLink>,
     /// From the frame of the last joint of the chain to the grasp.
     pub(crate) last_from_grasp: Pose,
+    /// Its bodies, for contacts with itself.
+    self_contacts: self_contact::SelfContacts,
 }
 
 /// An independently moving joint of the arm.
@@ -186,6 +190,11 @@ impl Robot {
             *limit = joint.rate_limit;
         }
         limits
+    }
+
+    /// Width of the base, for clearances, m.
+    pub fn width(&self) -> f64 {
+        2.0 * self.drive.base_radius
     }
 
     /// A warning if the drive is too slow for a team that walks at `speed` (m/s).

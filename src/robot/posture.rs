@@ -3,6 +3,7 @@
 use super::error::{RobotError, known};
 use super::fault::PostureFault;
 use super::file::PostureEntry;
+use super::level::{FULL, HEIGHT_TOLERANCE_M, TURN_TOLERANCE_RAD};
 use super::{Configuration, JointVector, Motion, Posture, Robot};
 use crate::geometry::{PlanarPose, Point, Pose};
 use crate::located::Source;
@@ -18,7 +19,8 @@ const LARGEST_TURN_RAD: f64 = 0.2;
 const LARGEST_SLIDE_M: f64 = 0.05;
 
 /// Reads a posture and closes it. x and y of the grasp stay as the given angles place them; height and
-/// orientation become what the object needs.
+/// orientation become what the object needs. An arm that cannot place its grasp in any pose comes as near to these as
+/// it can ([`Robot::level`]), and x and y are free.
 pub(super) fn read(
     source: Source,
     spanned: &Spanned<PostureEntry>,
@@ -44,9 +46,19 @@ pub(super) fn read(
             why,
         }
     };
-    let closed = robot.close(&start, &level, TOLERANCE).ok_or_else(|| fault(PostureFault::NoSolution))?;
+    let closed = match robot.freedom() {
+        free @ 0..FULL => {
+            let (height, turn) = (HEIGHT_TOLERANCE_M, TURN_TOLERANCE_RAD);
+            let none = || fault(PostureFault::NotFree { free, height, turn });
+            robot.level(given, robot.grasp_height, &Rotation3::identity()).ok_or_else(none)?
+        }
+        _ => {
+            let closed = robot.close(&start, &level, TOLERANCE);
+            closed.ok_or_else(|| fault(PostureFault::NoSolution))?.joints
+        }
+    };
     for (i, joint) in robot.joints.iter().enumerate() {
-        let position = closed.joints[i];
+        let position = closed[i];
         let by = (position - given[i]).abs();
         let most = if joint.motion == Motion::Prismatic { LARGEST_SLIDE_M } else { LARGEST_TURN_RAD };
         if by > most {
@@ -57,7 +69,7 @@ pub(super) fn read(
             return Err(fault(PostureFault::Limit { joint: joint.name.clone(), position, lower, upper }));
         }
     }
-    Ok(Posture { name: entry.name.clone(), joints: closed.joints })
+    Ok(Posture { name: entry.name.clone(), joints: closed })
 }
 
 /// The given positions, one for every arm joint, rad or m.

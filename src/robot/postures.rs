@@ -1,19 +1,21 @@
 //! Postures solved by inverse kinematics from random starts, ranked by their room to move.
 
+use super::level::FULL;
 use super::{JointVector, Motion, Robot, pose_difference};
 use crate::geometry::Pose;
 use nalgebra::{Matrix6, Rotation3, Vector3};
-use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// A posture that holds the grasp level, straight ahead of the middle of the axle.
+/// A posture that holds the grasp level, straight ahead of the middle of the axle, or where an arm that
+/// is not free can.
 #[derive(Clone, Debug)]
 pub(super) struct Found {
     pub joints: JointVector,
-    /// x of the grasp in the drive's frame, m.
+    /// x and y of the grasp in the drive's frame, m.
     pub ahead: f64,
+    pub beside: f64,
     /// Turn of the grasp about its x axis that the posture needs, rad: a multiple of a right angle.
     pub roll: f64,
     /// Room to move: distance from limits as a share, less near singular configurations, near the ends of the
@@ -25,6 +27,11 @@ pub(super) struct Found {
 const STARTS: usize = 16;
 /// Places of the grasp, ahead of the base's edge, m.
 const AHEAD_M: [f64; 6] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7];
+/// Least distance of the grasp from the base's edge, ahead or beside, m: the object goes on from it ahead.
+const LEAST_AHEAD_M: f64 = 0.1;
+const LEAST_BESIDE_M: f64 = 0.15;
+/// A grasp so far beside the axis halves the room, m.
+const BESIDE_HALF_M: f64 = 0.3;
 const MOST_STEPS: usize = 150;
 const TOLERANCE: f64 = 1e-9;
 /// Least distance from a limit as a share of half the range.
@@ -54,13 +61,19 @@ const ARM_RADIUS_M: f64 = 0.05;
 pub(super) fn search(robot: &Robot, height: f64, base_radius: f64) -> Vec<Found> {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut all: Vec<Found> = Vec::new();
+    let is_full = robot.freedom() == FULL;
+    let mut poses = Vec::new();
     for ahead in AHEAD_M.map(|d| base_radius + d) {
         for roll in [0.0, FRAC_PI_2, PI, -FRAC_PI_2] {
             let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), roll);
             let goal = Pose::from_parts(Vector3::new(ahead, 0.0, height).into(), turn);
             for _ in 0..STARTS {
-                let joints = solve(robot, &goal, start(robot, &mut rng));
-                all.extend(joints.and_then(|joints| judge(robot, joints, ahead, roll, base_radius)));
+                let start = robot.random_joints(&mut rng);
+                let joints = match is_full {
+                    true => solve(robot, &goal, start),
+                    false => robot.level(start, height, &turn),
+                };
+                all.extend(joints.and_then(|joints| judge(robot, joints, roll, base_radius, &mut poses)));
             }
         }
     }
@@ -80,16 +93,6 @@ pub(super) fn search(robot: &Robot, height: f64, base_radius: f64) -> Vec<Found>
         }
     }
     best
-}
-
-/// Random positions, within the limits and a turn.
-fn start(robot: &Robot, rng: &mut ChaCha8Rng) -> JointVector {
-    let mut joints = JointVector::zeros();
-    for (at, joint) in joints.iter_mut().zip(&robot.joints) {
-        let (lower, upper) = (joint.lower.max(-PI), joint.upper.min(PI));
-        *at = lower + (upper - lower).max(0.0) * rng.random::<f64>();
-    }
-    joints
 }
 
 /// Damped least squares towards the goal, kept within the limits. `None` if it does not get there.
@@ -114,8 +117,18 @@ fn solve(robot: &Robot, goal: &Pose, mut joints: JointVector) -> Option<JointVec
     None
 }
 
-/// The posture with its room; `None` if it has too little, or the arm passes through the base.
-fn judge(robot: &Robot, mut joints: JointVector, ahead: f64, roll: f64, base_radius: f64) -> Option<Found> {
+/// The posture with its room; `None` if it has too little, the object would be above the base, or the arm
+/// touches itself or passes through the base.
+fn judge(
+    robot: &Robot,
+    mut joints: JointVector,
+    roll: f64,
+    base_radius: f64,
+    poses: &mut Vec<Pose>,
+) -> Option<Found> {
+    let grasp = robot.drive_from_grasp(&joints).translation.vector;
+    let is_clear = grasp.x >= base_radius + LEAST_AHEAD_M
+        || grasp.x >= 0.0 && grasp.y.abs() >= base_radius + LEAST_BESIDE_M;
     for (at, joint) in joints.iter_mut().zip(&robot.joints) {
         // continuous joints within a turn
         if joint.motion == Motion::Revolute && joint.upper.is_infinite() {
@@ -123,16 +136,24 @@ fn judge(robot: &Robot, mut joints: JointVector, ahead: f64, roll: f64, base_rad
         }
     }
     let clearance = robot.limit_clearance(&joints).map_or(1.0, |(_, share)| share);
-    if clearance < LEAST_CLEARANCE || passes_through_base(robot, &joints, base_radius) {
+    if !is_clear || clearance < LEAST_CLEARANCE || passes_through_base(robot, &joints, base_radius) {
+        return None;
+    }
+    if robot.self_contact(&joints, poses).is_some() {
         return None;
     }
     let room = clearance.min(0.5) * (robot.dexterity(&joints) / DEXTEROUS).min(1.0);
-    Some(Found { joints, ahead, roll, room })
+    let room = room / (1.0 + grasp.y.abs() / BESIDE_HALF_M);
+    Some(Found { joints, ahead: grasp.x, beside: grasp.y, roll, room })
 }
 
 /// How far the grasp can move ahead, back and to either side and turn, the least of all, as a share of what is
 /// enough.
 fn reach_share(robot: &Robot, found: &Found) -> f64 {
+    // an arm that is not free leaves most of it to the base
+    if robot.freedom() < FULL {
+        return 1.0;
+    }
     let start = Robot::at_origin(&found.joints);
     let grasp = robot.grasp_pose(&start);
     let share = |way: Vector3<f64>, turn: f64| {

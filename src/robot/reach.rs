@@ -2,7 +2,6 @@
 
 use super::{Configuration, JointVector, Posture, Robot, collision};
 use crate::geometry::{PlanarPose, Point, Pose};
-use nalgebra::SMatrix;
 
 /// Step of the search for the ends of the reach, m.
 const STEP_M: f64 = 0.01;
@@ -73,12 +72,9 @@ impl Robot {
     }
 
     /// The least singular value of the arm's Jacobian (m/s and rad/s per unit of joint rate): 0 where the arm
-    /// cannot move its grasp in some direction.
+    /// cannot move its grasp in some direction. Directions in which it never can do not count.
     pub fn dexterity(&self, joints: &JointVector) -> f64 {
-        let jacobian = self.kinematics(&Self::at_origin(joints)).jacobian;
-        let arm = self.arm_jacobian(&jacobian);
-        let gram: SMatrix<f64, 6, 6> = arm * arm.transpose();
-        gram.symmetric_eigenvalues().min().max(0.0).sqrt()
+        self.squared_singular_values(joints)[self.freedom().clamp(1, 6) - 1].max(0.0).sqrt()
     }
 
     /// The largest distance of the base's collision shapes from the middle of the axle, seen from above, m.

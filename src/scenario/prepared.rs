@@ -10,9 +10,6 @@ use crate::robot::{Robot, SlowDrive};
 use crate::world::World;
 use std::sync::Arc;
 
-/// The largest difference between a robot's width and that of its world that is not told, m.
-const WIDTH_TOLERANCE_M: f64 = 1e-6;
-
 /// A scenario with its world, options and robot: it owns what its episode borrows.
 #[derive(Clone, Debug)]
 pub struct PreparedScenario {
@@ -51,15 +48,6 @@ impl Scenario {
     /// As [`Scenario::prepare`], but shares equal worlds and robots with `other`.
     fn prepare_beside(self, other: Option<&PreparedScenario>) -> Result<PreparedScenario, ScenarioError> {
         self.check()?;
-        let scene = match other.filter(|other| self.has_scene_of(&other.scenario)) {
-            Some(other) => Arc::clone(&other.scene),
-            None => {
-                let world = World::parse(&self.world.file, &self.world.text)?;
-                let options = OptionSet::new(&world, self.settings.predictor.risk_weight())?;
-                let obstacles = RobotObstacles::new(&world);
-                Arc::new(Scene { world, options, obstacles })
-            }
-        };
         let robot = match self.plant.robot_setup() {
             None => None,
             Some(setup) => {
@@ -79,14 +67,28 @@ impl Scenario {
                 Some(robot)
             }
         };
+        let width = robot.as_deref().map_or(0.0, Robot::width);
+        let scene = match other.filter(|other| self.has_scene_of(other, width)) {
+            Some(other) => Arc::clone(&other.scene),
+            None => {
+                let world = World::parse_for(&self.world.file, &self.world.text, width)?;
+                let options = OptionSet::new(&world, self.settings.predictor.risk_weight())?;
+                let obstacles = RobotObstacles::new(&world);
+                Arc::new(Scene { world, options, obstacles })
+            }
+        };
         let stage = PreparedScenario { scenario: self, scene, robot };
         stage.human()?;
         Ok(stage)
     }
 
-    fn has_scene_of(&self, other: &Self) -> bool {
+    /// Whether a robot of this width (m) in this scenario meets the scene of another.
+    fn has_scene_of(&self, other: &PreparedScenario, width: f64) -> bool {
         let risk_weight = |scenario: &Self| scenario.settings.predictor.risk_weight();
-        self.world == other.world && risk_weight(self) == risk_weight(other)
+        let others = other.robot().map_or(0.0, Robot::width);
+        self.world == other.scenario.world
+            && risk_weight(self) == risk_weight(&other.scenario)
+            && width == others
     }
 }
 
@@ -125,22 +127,21 @@ impl PreparedScenario {
         self.robot()?.slow_drive(self.scenario.settings.speed)
     }
 
-    /// What a user of this robot in this world should know: that the world's openings are for narrower
-    /// robots; and, on the plant with contacts, which shapes are missing and what collides in their place.
+    /// What a user of this robot in this world should know: that the world is planned for its width in place
+    /// of a smaller one; and, on the plant with contacts, which shapes are missing and what collides in their
+    /// place.
     pub fn robot_warnings(&self) -> Vec<String> {
         let Some(robot) = self.robot() else { return Vec::new() };
         let has_contacts = self.scenario.plant.physics().is_some();
-        let (width, expected) = (2.0 * robot.drive.base_radius, self.world().robot_width);
-        let is_wide = width > expected + WIDTH_TOLERANCE_M;
-        let too_wide = is_wide.then(|| {
+        let widened = self.world().is_widened.then(|| {
+            let (name, file, width) = (&robot.name, &self.scenario.world.file, robot.width());
             format!(
-                "robot `{}` is {width:.2} m wide (base_width_m), but {} is for robots of {expected} m (robot_width_m): \
-                 it may be too wide for openings and touch obstacles",
-                robot.name, self.scenario.world.file,
+                "robot `{name}` is {width:.2} m wide (base_width_m), more than robot_width_m of {file}: its openings, \
+                 their risks and all clearances are for {width:.2} m"
             )
         });
         let notes = robot.notes.iter().filter(|note| has_contacts && note.is_about_missing_shapes());
-        too_wide.into_iter().chain(notes.map(ToString::to_string)).collect()
+        widened.into_iter().chain(notes.map(ToString::to_string)).collect()
     }
 
     /// The robot in the form that an episode needs; `None` on the planning level alone.

@@ -6,7 +6,8 @@ use super::tick::{Preparation, RobotTick};
 use super::{Situation, Step, Team, Travel, Walk};
 use crate::control::{
     self, Avoid, BaseInputs, Candidate, ClosedForm, Intent, Limits, Mpc, PoseCriterion, PoseOptimiser,
-    PoseProblem, Reference, RobotObstacles, hold_base_to, reference, rolled, seen_from_base, set_base,
+    PoseProblem, Reference, RobotObstacles, SolveOutcome, hold_base_to, reference, rolled, seen_from_base,
+    set_base,
 };
 use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose};
@@ -23,17 +24,8 @@ use nalgebra::Vector6;
 /// stays within the range of eq. (7)'s linear model, and rates are left for the grasp.
 const RECONFIGURATION_SHARE: f64 = 0.25;
 
-/// Factor of the weight of the arm's half-planes from one step to the next, for bodies. Where the base
-/// follows its path with given inputs, the arm turns by radians within the horizon while it swings round a
-/// corner.
-const CONFIDENCE: f64 = 0.7;
 /// Largest correction (m and rad) of the linear model of eq. (7).
 const LARGEST_CORRECTION: f64 = 0.01;
-
-/// The confidence in the arm's half-planes.
-fn confidence(base: Option<&BaseInputs>) -> f64 {
-    if base.is_some() { CONFIDENCE } else { 1.0 }
-}
 
 /// The robot, its starting posture and its controller.
 #[derive(Clone, Copy, Debug)]
@@ -175,6 +167,8 @@ pub(super) struct Carrying<'a, B> {
     /// The decision of the step: q* with the rates that lead there, and u.
     target: Candidate,
     input: InputVector,
+    /// Memory for the poses of the robot's bodies.
+    body_poses: Vec<Pose>,
 }
 
 impl<'a, B: Bodies> Carrying<'a, B> {
@@ -196,6 +190,7 @@ impl<'a, B: Bodies> Carrying<'a, B> {
             weights: Vec::with_capacity(options),
             target: Candidate { configuration, rates: InputVector::zeros() },
             input: InputVector::zeros(),
+            body_poses: Vec::with_capacity(manipulator.robot.links.len()),
         }
     }
 
@@ -286,7 +281,6 @@ impl<'a, B: Bodies> Carrying<'a, B> {
             base,
             period: self.walk.period,
             share: if base.is_some() { RECONFIGURATION_SHARE } else { 1.0 },
-            confidence: confidence(base),
         };
         let chosen = self.poses.choose(&problem, &control, &mut self.limits, &mut self.mpc);
         tick.preparation = Some(Preparation {
@@ -324,8 +318,9 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         there
     }
 
-    /// u of eq. (7) that tracks one of the references. For bodies it is solved twice, the second time with
-    /// the error of the linear model. Where the robot `follows`, it is solved with B half-way in between.
+    /// u of eq. (7) that tracks one of the references. Where limits are active, it is solved again with the
+    /// obstacles' half-planes about the first solution. For bodies it is solved twice, the second time with
+    /// the error of the linear model; where the robot `follows`, with B half-way in between.
     fn track(
         &mut self,
         reference: usize,
@@ -349,14 +344,13 @@ impl<'a, B: Bodies> Carrying<'a, B> {
             if let Some(base) = base {
                 set_base(&robot.drive, &mut about, base);
             }
-            let confidence = confidence(base);
             obstacles.half_planes(
                 control.avoid,
                 robot,
                 &target,
                 &about,
                 period,
-                confidence,
+                base.is_some(),
                 &mut self.limits,
             );
         }
@@ -364,6 +358,12 @@ impl<'a, B: Bodies> Carrying<'a, B> {
             hold_base_to(&robot.drive, base, &mut self.limits);
         }
         let mut plan = self.mpc.solve(&free, &self.limits, &to_track);
+        let is_limited = matches!(plan.outcome, SolveOutcome::Constrained { active, .. } if active > 0);
+        if base.is_none() && control.avoid != Avoid::Nothing && is_limited {
+            let about = plan.inputs;
+            obstacles.half_planes(control.avoid, robot, &target, &about, period, false, &mut self.limits);
+            plan = self.mpc.solve(&free, &self.limits, &to_track);
+        }
         let (mut jacobian, mut free) = (jacobian, free);
         if base.is_some() && follows {
             jacobian = self.jacobian_half_way(&jacobian, &plan.inputs.column(0).into_owned());
@@ -450,6 +450,8 @@ impl<B: Bodies> Team for Carrying<'_, B> {
             tick.orientation_error = moved.error.fixed_rows::<3>(3).norm();
             tick.tracking_cost = self.manipulator.control.state_weight * moved.error.norm_squared();
             tick.physics = moved.physics;
+            let joints = &self.bodies.configuration().joints;
+            tick.self_contact = self.manipulator.robot.self_contact(joints, &mut self.body_poses);
         }
         moved.along
     }

@@ -7,7 +7,9 @@ use super::tick::{PhysicsTick, on_floor};
 use super::{Situation, Step, Travel, Walk};
 use crate::control::{BaseInputs, Candidate, Follower, HORIZON, Intent, Reference, reference};
 use crate::coordination::Mode;
-use crate::geometry::{Path, PlanarPose, Point, Pose, Widening, angle_of, direction, nearest, wrap_angle};
+use crate::geometry::{
+    Path, PlanarPose, Point, Pose, Widening, angle_of, direction, left_of, nearest, wrap_angle,
+};
 use crate::human::Stance;
 use crate::options::turned;
 use crate::robot::{Configuration, InputVector, pose_difference};
@@ -27,6 +29,8 @@ const RIM_SHARE: f64 = 0.8;
 const TURNING_LAG_RAD: [f64; 2] = [0.1, 0.4];
 /// Speed at which position errors are corrected, as a multiple of the walking speed.
 const CATCH_UP_FACTOR: f64 = 1.5;
+/// The least distance of the grasp beside a differential base's axis that counts, m.
+const LEAST_BESIDE_M: f64 = 1e-3;
 /// Number of points kept of the path walked, enough to reach back to the base.
 const TRAIL_POINTS: u32 = 50;
 /// Speed of a reversing team, m/s.
@@ -92,8 +96,10 @@ pub(super) struct Physical {
     height: f64,
     /// Initial distance of the base behind the grasp, m, which the base keeps.
     distance: f64,
-    /// Initial angle of the grasp beside straight ahead of the base, rad.
+    /// Initial angle of the grasp beside straight ahead of the base, rad; 0 on a differential base.
     bearing: f64,
+    /// How far a differential base is to the right of the grasp's path, m: as at the start.
+    beside: f64,
     /// Acceleration of the rims that the base plans with, m/s^2.
     rim_acceleration: f64,
     /// Buffers: an option's path as the team walks it, and the past path of the grasp.
@@ -138,6 +144,7 @@ impl Physical {
             height: robot.grasp_height,
             distance: if is_free { held.norm() } else { held.x },
             bearing: if is_free { angle_of(held) } else { 0.0 },
+            beside: if is_free || held.y.abs() < LEAST_BESIDE_M { 0.0 } else { held.y },
             rim_acceleration: RIM_SHARE * physics.rim_acceleration,
             widened: Path::with_capacity(64),
             widening: Widening::default(),
@@ -338,6 +345,7 @@ impl Bodies for Physical {
         self.walked.clear();
         let behind = (0..TRAIL_POINTS).rev().map(|i| team_path.half() + Follower::STEP * f64::from(i));
         self.walked.extend(behind.map(|behind| team_path.point(path_ahead.path, position - behind)));
+        shift_right(&mut self.walked, self.beside);
         let follower = Follower {
             way: &self.walked,
             speeds: [speed.min(walk.speed), path_ahead.travel.speed(walk) * share],
@@ -423,6 +431,20 @@ impl std::fmt::Debug for Physical {
             .field("path_position", path_position)
             .field("seen", seen)
             .finish_non_exhaustive()
+    }
+}
+
+/// Shifts the points of a way to the right of its direction by `by` (m; negative: to the left).
+fn shift_right(way: &mut [Point], by: f64) {
+    if by == 0.0 {
+        return;
+    }
+    let mut before = way.first().copied().unwrap_or_default();
+    for i in 0..way.len() {
+        let (here, next) = (way[i], way[(i + 1).min(way.len() - 1)]);
+        let ahead = (next - before).try_normalize(1e-9).unwrap_or_default();
+        before = here;
+        way[i] = here - left_of(ahead) * by;
     }
 }
 

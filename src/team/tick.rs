@@ -36,6 +36,10 @@ pub struct RobotTick {
     /// Distance between the base and the nearest obstacle at the beginning of the step, m; negative where
     /// they overlap, infinite without obstacles.
     pub base_clearance: f64,
+    /// Two links of the robot that touch each other at the end of the step: indices into
+    /// [`Robot::links`](crate::robot::Robot::links).
+    #[serde(default)]
+    pub self_contact: Option<[usize; 2]>,
     /// Further observations on the physical plant.
     pub physics: Option<PhysicsTick>,
 }
@@ -143,6 +147,7 @@ impl RobotTick {
             effort_cost: 0.0,
             pose_cost: 0.0,
             base_clearance: 0.0,
+            self_contact: None,
             physics: None,
         }
     }

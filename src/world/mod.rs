@@ -41,6 +41,9 @@ pub const DEFAULT_OPTION_LIMIT: usize = 8;
 /// Largest value of `option_limit`.
 pub const LARGEST_OPTION_LIMIT: usize = 64;
 
+/// The least difference of a robot's width from that of its world that counts, m.
+const WIDTH_TOLERANCE_M: f64 = 1e-6;
+
 /// A scene: obstacles, openings, start and target, and the carried object.
 #[derive(Clone, Debug)]
 pub struct World {
@@ -54,6 +57,8 @@ pub struct World {
     pub note: String,
     /// Robot width d_r, m. Paths keep half of it clear of every obstacle.
     pub robot_width: f64,
+    /// Whether that is the width of a robot that is wider than the file's `robot_width_m`.
+    pub is_widened: bool,
     /// Start A.
     pub start: Point,
     /// Target B.
@@ -113,11 +118,22 @@ impl World {
     /// # Errors
     /// As [`World::load`].
     pub fn parse(file: &str, text: &str) -> Result<Self, WorldError> {
+        Self::parse_for(file, text, 0.0)
+    }
+
+    /// As [`World::parse`], for a robot of at least this width (m): a wider robot takes the place of
+    /// `robot_width_m`.
+    ///
+    /// # Errors
+    /// As [`World::load`].
+    pub fn parse_for(file: &str, text: &str, width: f64) -> Result<Self, WorldError> {
         let source = Source { file, text };
         let entries: WorldFile = source.parse("world file")?;
         let top = |spanned: &Spanned<f64>, item: &str| source.place(spanned, item);
-        let robot_width = Check { place: &top(&entries.robot_width_m, "world") }
+        let given = Check { place: &top(&entries.robot_width_m, "world") }
             .size("robot_width_m", *entries.robot_width_m.get_ref())?;
+        let is_widened = width > given + WIDTH_TOLERANCE_M;
+        let robot_width = if is_widened { width } else { given };
         let object = entries.object.as_ref().map(|entry| CarriedObject::from_entry(source, entry));
         let object = object.transpose()?.unwrap_or_default();
         let obstacles = obstacles(source, &entries)?;
@@ -137,6 +153,7 @@ impl World {
             name: entries.name,
             note: entries.note,
             robot_width,
+            is_widened,
             start,
             target,
             object,

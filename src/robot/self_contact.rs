@@ -1,0 +1,206 @@
+//! Contacts of a robot with itself: parts of its arm that touch each other or the base.
+
+use super::collision::bodies;
+use super::link::{Geometry, Shape};
+use super::{Configuration, JointVector, Robot};
+use crate::geometry::{PlanarPose, Point, Pose};
+use nalgebra::{Point3, Rotation3, UnitQuaternion};
+use parry3d::math;
+use parry3d::query::contact;
+use parry3d::shape::SharedShape;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use std::f64::consts::FRAC_PI_2;
+
+/// How deep two bodies have to be in each other to count as touching, m: the convex hulls are larger than the
+/// meshes that they stand for.
+const DEPTH_M: f64 = 0.01;
+/// Random configurations for which pairs are tried, and the share of them in which a pair that touches by
+/// design does so at least.
+const SAMPLES: usize = 40;
+const BY_DESIGN: f64 = 0.5;
+
+/// The pairs of a robot's bodies that can touch each other and should not. A body is the links that move as
+/// one.
+///
+/// Neighbours in the chain are left out, because they touch by design, and so are pairs that touch in half of
+/// all random configurations.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SelfContacts {
+    bodies: Vec<Body>,
+    pairs: Vec<[usize; 2]>,
+}
+
+/// Links that move as one.
+#[derive(Clone, Debug)]
+struct Body {
+    /// The link that a joint moves, or the base: index into [`Robot::links`].
+    link: usize,
+    /// The body that carries it, and the joint's frame in it; `None` for the base.
+    parent: Option<(usize, Pose)>,
+    shapes: Vec<(math::Pose, SharedShape)>,
+    /// A ball around all shapes: its centre in the body's frame, and its radius, m; negative without shapes.
+    center: Point3<f64>,
+    radius: f64,
+}
+
+impl SelfContacts {
+    /// The pairs of a robot whose joints, links and limits are known.
+    pub fn new(robot: &Robot) -> Self {
+        let bodies = found(robot);
+        let is_solid = |i: usize| !bodies[i].shapes.is_empty();
+        // the nearest body with shapes that carries it
+        let carrier = |i: usize| {
+            let parents =
+                std::iter::successors(bodies[i].parent.as_ref(), |(at, _)| bodies[*at].parent.as_ref());
+            parents.map(|(at, _)| *at).find(|&at| is_solid(at))
+        };
+        let solid: Vec<usize> = (0..bodies.len()).filter(|&i| is_solid(i)).collect();
+        let mut pairs = Vec::new();
+        for (n, &b) in solid.iter().enumerate() {
+            let others = solid[..n].iter().filter(|&&a| carrier(b) != Some(a) && carrier(a) != Some(b));
+            pairs.extend(others.map(|&a| [a, b]));
+        }
+        let mut contacts = Self { bodies, pairs };
+        contacts.leave_out_by_design(robot);
+        contacts
+    }
+
+    fn leave_out_by_design(&mut self, robot: &Robot) {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut poses = Vec::new();
+        let mut touched = vec![0usize; self.pairs.len()];
+        for _ in 0..SAMPLES {
+            let joints = robot.random_joints(&mut rng);
+            self.place(robot, &joints, &mut poses);
+            for (count, pair) in touched.iter_mut().zip(&self.pairs) {
+                *count += usize::from(self.touch(*pair, &poses));
+            }
+        }
+        let mut touched = touched.into_iter();
+        self.pairs.retain(|_| touched.next().is_none_or(|count| (count as f64) < BY_DESIGN * SAMPLES as f64));
+    }
+
+    /// The poses of all bodies in the frame of the base link.
+    fn place(&self, robot: &Robot, joints: &JointVector, poses: &mut Vec<Pose>) {
+        poses.clear();
+        for body in &self.bodies {
+            let pose = match (&body.parent, &robot.links[body.link].joint) {
+                (Some((parent, parent_from_frame)), Some(joint)) => {
+                    let coupling = joint.coupling;
+                    let position =
+                        coupling.joint.map_or(0.0, |j| coupling.ratio * joints[j]) + coupling.offset;
+                    poses[*parent] * parent_from_frame * joint.parent_from_link(position)
+                }
+                _ => Pose::identity(),
+            };
+            poses.push(pose);
+        }
+    }
+
+    fn touch(&self, [a, b]: [usize; 2], poses: &[Pose]) -> bool {
+        let (first, second) = (&self.bodies[a], &self.bodies[b]);
+        let near = first.radius + second.radius - DEPTH_M;
+        let between = poses[b] * second.center - poses[a] * first.center;
+        if between.norm_squared() >= near * near {
+            return false;
+        }
+        let [at_first, at_second] = [a, b].map(|i| to_parry(&poses[i]));
+        first.shapes.iter().any(|(first_at, first_shape)| {
+            second.shapes.iter().any(|(second_at, second_shape)| {
+                let (one, other) = (at_first * *first_at, at_second * *second_at);
+                // parry has contacts of all convex shapes
+                let found = contact(&one, &**first_shape, &other, &**second_shape, 0.0);
+                found.ok().flatten().is_some_and(|contact| contact.dist < -DEPTH_M)
+            })
+        })
+    }
+
+    /// The first pair of bodies that touch.
+    pub fn first(&self, robot: &Robot, joints: &JointVector, poses: &mut Vec<Pose>) -> Option<[usize; 2]> {
+        self.place(robot, joints, poses);
+        let pair = self.pairs.iter().find(|pair| self.touch(**pair, poses))?;
+        Some(pair.map(|i| self.bodies[i].link))
+    }
+}
+
+impl Robot {
+    /// Two links of the robot that touch each other with these joint positions, by more than a centimetre:
+    /// indices into [`Robot::links`]. Links that do not move relative to each other, neighbours in the chain,
+    /// and links that touch in half of all configurations do not count. Meshes are their convex hulls.
+    /// `poses` is memory for the calculation, kept between calls.
+    pub fn self_contact(&self, joints: &JointVector, poses: &mut Vec<Pose>) -> Option<[usize; 2]> {
+        self.self_contacts.first(self, joints, poses)
+    }
+}
+
+/// The bodies with their shapes, parents before children.
+fn found(robot: &Robot) -> Vec<Body> {
+    let base = PlanarPose { position: Point::origin(), yaw: 0.0 };
+    let rest = robot.link_poses(&Configuration { base, joints: JointVector::zeros() });
+    let body_of = bodies(robot);
+    let own: Vec<usize> =
+        (0..robot.links.len()).filter(|&i| body_of[i] == i || i == robot.base_link).collect();
+    // the base first: links that stand above it in the URDF are part of it
+    let order: Vec<usize> =
+        std::iter::once(robot.base_link).chain(own.into_iter().filter(|&i| i != robot.base_link)).collect();
+    order
+        .iter()
+        .map(|&link| {
+            let parent = robot.links[link].parent.filter(|_| link != robot.base_link).and_then(|above| {
+                let carrier = order.iter().position(|&body| body == body_of[above])?;
+                Some((carrier, rest[body_of[above]].inverse() * rest[above]))
+            });
+            let members = (0..robot.links.len()).filter(|&i| body_of[i] == link);
+            let shapes: Vec<(math::Pose, SharedShape)> = members
+                .flat_map(|i| robot.links[i].collisions.iter().map(move |geometry| (i, geometry)))
+                .filter_map(|(i, geometry)| {
+                    solid(&(rest[link].inverse() * rest[i] * geometry.link_from_shape), geometry)
+                })
+                .collect();
+            let boxes = shapes.iter().map(|(at, shape)| shape.compute_aabb(at));
+            let whole = boxes.reduce(|a, b| parry3d::bounding_volume::BoundingVolume::merged(&a, &b));
+            let (center, radius) = whole.map_or((Point3::origin(), -1.0), |whole| {
+                let middle = whole.center();
+                (Point3::new(middle.x, middle.y, middle.z), whole.half_extents().length())
+            });
+            Body { link, parent, shapes, center, radius }
+        })
+        .collect()
+}
+
+/// A shape for parry with its pose; `None` for a mesh without a hull.
+fn solid(body_from_shape: &Pose, geometry: &Geometry) -> Option<(math::Pose, SharedShape)> {
+    // parry's cylinders are aligned with y
+    let upright = Pose::from_parts(
+        Default::default(),
+        Rotation3::from_axis_angle(&nalgebra::Vector3::x_axis(), FRAC_PI_2),
+    );
+    let (shape, at) = match &geometry.shape {
+        Shape::Box { size } => {
+            (SharedShape::cuboid(size.x / 2.0, size.y / 2.0, size.z / 2.0), *body_from_shape)
+        }
+        Shape::Cylinder { radius, length } => {
+            (SharedShape::cylinder(length / 2.0, *radius), body_from_shape * upright)
+        }
+        Shape::Capsule { radius, length } => {
+            (SharedShape::capsule_z(length / 2.0, *radius), *body_from_shape)
+        }
+        Shape::Sphere { radius } => (SharedShape::ball(*radius), *body_from_shape),
+        Shape::Mesh { hull, .. } => {
+            let points: Vec<_> = hull.iter().map(|p| math::Vector::new(p.x, p.y, p.z)).collect();
+            let hull = if points.len() < 4 { None } else { SharedShape::convex_hull(&points) };
+            (hull?, *body_from_shape)
+        }
+    };
+    Some((to_parry(&at), shape))
+}
+
+fn to_parry(pose: &Pose) -> math::Pose {
+    let turn = UnitQuaternion::from_rotation_matrix(&pose.rotation);
+    let at = pose.translation.vector;
+    math::Pose::from_parts(
+        math::Vector::new(at.x, at.y, at.z),
+        math::Rotation::from_xyzw(turn.i, turn.j, turn.k, turn.w),
+    )
+}
