@@ -22,6 +22,7 @@ mod learning;
 mod limits;
 mod object_lost;
 mod outputs;
+mod own_robots;
 mod paths;
 mod physical_carrying;
 mod physics;
