@@ -35,6 +35,7 @@ mod regress;
 mod render;
 mod reports;
 mod robot_files;
+mod robot_page;
 mod robots;
 mod scenarios;
 mod seams;
