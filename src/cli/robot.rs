@@ -89,7 +89,7 @@ pub(super) fn sway_of(plant: &Plant) -> f64 {
 /// The error of a robot's name where a file belongs.
 pub(super) fn check_is_file(flag: &str, file: &Path) -> Result<(), Failure> {
     let named = |name: &&str| file == Path::new(*name) && !file.is_file();
-    let said = if [ROBOT, "built-in"].iter().any(|name| named(&name)) && flag == "--robot" {
+    let said = if [ROBOT, "built-in"].iter().any(named) && flag == "--robot" {
         format!(
             "the built-in robot is the default; leave --robot out, or write its files with `cocarry export {ROBOT}`"
         )
