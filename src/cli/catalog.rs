@@ -1,18 +1,18 @@
 //! The files that the program contains: worlds, robots, studies and answers.
 
+use super::catalog_robots::ROBOTS;
 use crate::world::BUILT_IN_WORLDS;
 
 /// A built-in file, or files that belong together.
 pub(super) struct BuiltIn {
     pub name: &'static str,
     pub about: &'static str,
-    /// Names and texts of its files.
-    pub files: Vec<(String, &'static str)>,
+    /// Names and contents of its files. Those of meshes begin with a folder.
+    pub files: Vec<(String, &'static [u8])>,
 }
 
 /// The name of the built-in robot.
 pub(super) const ROBOT: &str = "carrier";
-pub(super) const ROBOT_FILE: &str = include_str!("../../assets/robots/carrier.toml");
 pub(super) const ROBOT_URDF: &str = include_str!("../../assets/robots/carrier.urdf");
 
 /// Names, descriptions and texts of the studies.
@@ -28,25 +28,17 @@ const STUDIES: [[&str; 3]; 3] = [
 
 /// Everything built in: worlds, robots, studies, answers.
 pub(super) fn all() -> Vec<BuiltIn> {
-    let file = |name: &str, ending: &str, text| (format!("{name}.{ending}"), text);
+    let file = |name: &str, ending: &str, text: &'static str| (format!("{name}.{ending}"), text.as_bytes());
     let worlds = BUILT_IN_WORLDS.iter().map(|world| BuiltIn {
         name: world.name,
         about: "World: see `cocarry worlds`",
         files: vec![file(world.name, "toml", world.text)],
     });
-    let omni_carrier = BuiltIn {
-        name: "omni-carrier",
-        about: "The same robot on an omnidirectional base: robot file and URDF",
-        files: vec![
-            file("omni-carrier", "toml", include_str!("../../assets/robots/omni-carrier.toml")),
-            file("omni-carrier", "urdf", include_str!("../../assets/robots/omni-carrier.urdf")),
-        ],
-    };
-    let robot = BuiltIn {
-        name: ROBOT,
-        about: "The built-in robot: robot file and URDF",
-        files: vec![file(ROBOT, "toml", ROBOT_FILE), file(ROBOT, "urdf", ROBOT_URDF)],
-    };
+    let robots = ROBOTS.iter().map(|robot| BuiltIn {
+        name: robot.name,
+        about: robot.about,
+        files: robot.files.iter().map(|(name, bytes)| ((*name).to_owned(), *bytes)).collect(),
+    });
     let studies =
         STUDIES.map(|[name, about, text]| BuiltIn { name, about, files: vec![file(name, "toml", text)] });
     let answers = BuiltIn {
@@ -54,5 +46,5 @@ pub(super) fn all() -> Vec<BuiltIn> {
         about: "Answers of the paper's participants, for `cocarry fit risk-weight`",
         files: vec![file("table-1-humans", "csv", include_str!("../../docs/data/table-1-humans.csv"))],
     };
-    worlds.chain([robot, omni_carrier]).chain(studies).chain([answers]).collect()
+    worlds.chain(robots).chain(studies).chain([answers]).collect()
 }

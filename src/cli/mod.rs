@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod catalog;
+mod catalog_robots;
 mod cluster;
 mod episode_report;
 mod export;

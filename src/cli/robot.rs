@@ -2,6 +2,7 @@
 //! each other.
 
 use super::catalog::ROBOT;
+use super::catalog_robots::ROBOTS;
 use super::output::{Failure, input};
 use super::settings::{SettingArguments, number, plants};
 use crate::robot::Robot;
@@ -85,15 +86,24 @@ pub(super) fn sway_of(plant: &Plant) -> f64 {
     plant.physics().map_or(0.0, |physics| physics.human.sway_lateral)
 }
 
+/// The error of a robot's name where a file belongs.
+pub(super) fn check_is_file(flag: &str, file: &Path) -> Result<(), Failure> {
+    let named = |name: &&str| file == Path::new(*name) && !file.is_file();
+    let said = if [ROBOT, "built-in"].iter().any(named) && flag == "--robot" {
+        format!(
+            "the built-in robot is the default; leave --robot out, or write its files with `cocarry export {ROBOT}`"
+        )
+    } else if let Some(name) = ROBOTS.iter().map(|robot| robot.name).find(named) {
+        format!("not a file; `cocarry export {name}` writes this robot's files, then `{flag} {name}.toml`")
+    } else {
+        return Ok(());
+    };
+    Err(input(anyhow!("{flag} {}: {said}", file.display())))
+}
+
 /// The robot in a file, or the built-in one.
 pub(super) fn load_robot(file: Option<&Path>) -> Result<Robot, Failure> {
-    let is_built_in = |file: &&Path| [ROBOT, "built-in"].iter().any(|name| file.as_os_str() == *name);
-    match file {
-        None => Robot::built_in().map_err(input),
-        Some(file) if is_built_in(&file) && !file.exists() => Err(input(anyhow!(
-            "--robot {0}: the built-in robot is the default; leave --robot out, or write its files with `cocarry export {ROBOT}`",
-            file.display()
-        ))),
-        Some(file) => Robot::load(file).map_err(input),
-    }
+    let Some(file) = file else { return Robot::built_in().map_err(input) };
+    check_is_file("--robot", file)?;
+    Robot::load(file).map_err(input)
 }

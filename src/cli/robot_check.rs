@@ -1,12 +1,16 @@
 //! `cocarry robot check`: all faults of a robot's files, or what the program makes of them.
 
-use super::output::{Failure, examples, input, print, print_json, table, table_text, tell};
+use super::output::{
+    Failure, OverwriteArguments, examples, input, print, print_json, table, table_text, tell, write_file,
+};
+use super::robot::check_is_file;
 use crate::geometry::Pose;
+use crate::rendering;
 use crate::robot::{Drive, DriveKind, Motion, Posture, Robot, RobotError};
 use anyhow::{Error, anyhow};
 use clap::Args;
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Show all faults of a robot's files; or its drive, masses, joints, reach, and the shapes that are missing
@@ -17,7 +21,8 @@ use std::process::ExitCode;
 #[command(after_help = examples(&[
     ("cocarry robot check robot.toml", ""),
     ("cocarry robot check robot.toml --json", "the same for programs"),
-    ("cocarry run --robot robot.toml --render robot.html", "to see the robot, carrying"),
+    ("cocarry robot check robot.toml --render robot.html", "its postures and shapes in a 3-D page, without a network"),
+    ("cocarry run --robot robot.toml --render run.html", "to see the robot, carrying"),
 ]))]
 pub(super) struct CheckArguments {
     /// Robot file (TOML), or a URDF with a robot file of the same name beside it
@@ -25,13 +30,40 @@ pub(super) struct CheckArguments {
     /// Print one JSON object instead of text
     #[arg(long)]
     json: bool,
+    /// Write a page (.html) that shows the robot in its postures, as drawn and as it collides
+    #[arg(long, value_name = "FILE", value_parser = page)]
+    render: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
+}
+
+/// The name of a page.
+fn page(name: &str) -> Result<PathBuf, String> {
+    let file = PathBuf::from(name);
+    let is_page = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html"));
+    is_page.then_some(file).ok_or_else(|| "expected a name that ends in .html".to_owned())
 }
 
 pub(super) fn run(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
-    match Robot::check(&arguments.robot) {
-        Ok(robot) if arguments.json => print_json(&as_json(&robot))?,
-        Ok(robot) => print(&as_text(&robot))?,
+    check_is_file("robot check", &arguments.robot)?;
+    let outputs = arguments.overwrite.outputs([arguments.robot.as_path()], &arguments.render)?;
+    let robot = match Robot::check(&arguments.robot) {
+        Ok(robot) => robot,
         Err(faults) => return refused(arguments, faults),
+    };
+    if let Some(file) = &arguments.render {
+        // the robot file and the URDF are inputs by whichever name
+        let inputs = [&robot.texts.file, &robot.texts.urdf_file].map(Path::new);
+        arguments.overwrite.outputs(inputs, [file])?;
+        let page = rendering::robot_page(&robot, &drive_text(&robot.drive), &remarks(&robot));
+        write_file(&outputs, file, page.map_err(input)?)?;
+    }
+    match arguments.json {
+        true => print_json(&as_json(&robot))?,
+        false => print(&as_text(&robot))?,
+    }
+    if let Some(file) = arguments.render.as_ref().filter(|_| !arguments.json) {
+        print(&format!("\nwrote {}\n", file.display()))?;
     }
     Ok(ExitCode::SUCCESS)
 }

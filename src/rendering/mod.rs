@@ -11,8 +11,10 @@ mod learned;
 mod outlines;
 mod pictures;
 mod player;
+mod robot;
 
 pub use error::RenderError;
 pub use layout::viewer_layout;
 pub use pictures::{Pixels, Width, filmstrip_png, filmstrip_svg, last_picture, moving_gif};
 pub use player::player;
+pub use robot::robot_page;

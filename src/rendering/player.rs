@@ -33,10 +33,27 @@ const SAGITTA: f64 = 0.01;
 /// # Errors
 /// [`RenderError`]: the robot is another one, or a mesh cannot be read.
 pub fn player(playback: &Playback, title: &str, robot: Option<&Robot>) -> Result<String, RenderError> {
-    let episode = episode(playback, title, robot)?;
+    Ok(filled(&episode(playback, title, robot)?))
+}
+
+/// The page with what it shows.
+pub(super) fn filled(episode: &Value) -> String {
     // inside a script element `</` would end it
     let text = episode.to_string().replace("</", "<\\/");
-    Ok(PAGE.replacen(PLACE, &text, 1))
+    PAGE.replacen(PLACE, &text, 1)
+}
+
+/// The colours of bodies.
+pub(super) fn colours() -> Value {
+    json!({
+        "robot": hex(palette::ROBOT),
+        "object": hex(palette::OBJECT),
+        "human": hex(palette::HUMAN),
+        "hair": hex(palette::HAIR),
+        "skin": hex(palette::SKIN),
+        "trousers": hex(palette::TROUSERS),
+        "shoes": hex(palette::SHOES),
+    })
 }
 
 fn episode(playback: &Playback, title: &str, robot: Option<&Robot>) -> Result<Value, RenderError> {
@@ -69,15 +86,7 @@ fn episode(playback: &Playback, title: &str, robot: Option<&Robot>) -> Result<Va
             "gamma": scenario.human.gamma,
             "robot": recorded.map(|robot| &robot.name),
         },
-        "colours": {
-            "robot": hex(palette::ROBOT),
-            "object": hex(palette::OBJECT),
-            "human": hex(palette::HUMAN),
-            "hair": hex(palette::HAIR),
-            "skin": hex(palette::SKIN),
-            "trousers": hex(palette::TROUSERS),
-            "shoes": hex(palette::SHOES),
-        },
+        "colours": colours(),
         "period_s": scenario.settings.period,
         "options": options(playback),
         "robot": drawn.iter().map(|&l| json!({ "name": links[l].name, "shapes": shapes[l] })).collect::<Vec<_>>(),
@@ -111,7 +120,7 @@ fn point(p: Point) -> Value {
 }
 
 /// Position (m) and quaternion (x, y, z, w).
-fn pose(pose: &Pose) -> [f64; 7] {
+pub(super) fn pose(pose: &Pose) -> [f64; 7] {
     let (at, q) = (pose.translation.vector, UnitQuaternion::from_rotation_matrix(&pose.rotation));
     [at.x, at.y, at.z, q.i, q.j, q.k, q.w].map(rounded)
 }
@@ -246,11 +255,11 @@ fn steps(playback: &Playback) -> Value {
 
 /// The meshes of a robot: the bytes of each file once.
 #[derive(Default)]
-struct Meshes {
-    can_be_found: bool,
+pub(super) struct Meshes {
+    pub can_be_found: bool,
     known: BTreeMap<PathBuf, usize>,
     /// Format and base64 of each.
-    data: Vec<Value>,
+    pub data: Vec<Value>,
 }
 
 impl Meshes {
@@ -273,14 +282,14 @@ impl Meshes {
 
 /// The shapes of a link to draw: the visual ones; the collision shapes where those are meshes that cannot be
 /// found.
-fn shapes(link: &Link, meshes: &mut Meshes) -> Result<Vec<Value>, RenderError> {
+pub(super) fn shapes(link: &Link, meshes: &mut Meshes) -> Result<Vec<Value>, RenderError> {
     let can_be_found = meshes.can_be_found;
     let is_drawn = |g: &&Geometry| can_be_found || !matches!(g.shape, Shape::Mesh { .. });
     let shown = if link.visuals.iter().any(|g| is_drawn(&g)) { &link.visuals } else { &link.collisions };
     shown.iter().filter(is_drawn).map(|geometry| shape(geometry, meshes)).collect()
 }
 
-fn shape(geometry: &Geometry, meshes: &mut Meshes) -> Result<Value, RenderError> {
+pub(super) fn shape(geometry: &Geometry, meshes: &mut Meshes) -> Result<Value, RenderError> {
     let mut drawn = match &geometry.shape {
         Shape::Box { size } => json!({ "box": [size.x, size.y, size.z] }),
         Shape::Cylinder { radius, length } => json!({ "cylinder": [radius, length] }),

@@ -1,9 +1,10 @@
 """Published robots of `example-robot-data`: drafted, compared with pinocchio, and carrying on both plants.
 
-    python check.py PROGRAM FOLDER [--seeds N]
+    python check.py PROGRAM FOLDER [--seeds N] [--only NAME ...] [--pages] [--pictures]
 
 PROGRAM is `cocarry`, FOLDER the data's `robots`. Arms without a base stand on a differential base made here.
-Exits with 1 if anything differs from what is expected.
+The project's own robots with meshes are compared and carry too. `--pages` writes the book's pages of the robots.
+`--pictures` writes their pictures; alone, it compares nothing and no robot carries. Exits with 1 if anything differs from what is expected.
 """
 
 import argparse
@@ -23,6 +24,7 @@ import xml.etree.ElementTree as ET
 import cbor2
 import coal
 import numpy
+import pages
 import pinocchio
 
 # URDF, and the arguments of `robot init`
@@ -65,6 +67,9 @@ REFUSED = {
     "tiago_pro": ("tiago_pro_description/robots/tiago_pro.urdf", ["4 wheels", "mecanum", "wheel_front_left_joint"]),
     "pr2": ("pr2_description/urdf/pr2.urdf", ["no pair of driven wheels", "--drive omnidirectional"]),
 }
+# This project's own robots with meshes, in assets/robots
+OWN = ["porter", "shuttle"]
+ROBOTS = pathlib.Path(__file__).resolve().parents[2] / "assets/robots"
 WORLDS = [f"environment-{i}" for i in (1, 2, 3, 4)]
 LARGEST_DIFFERENCE = 1e-9
 # of a hull from its mesh, as a share of the mesh's diagonal
@@ -203,6 +208,8 @@ class Gallery:
         self.faults: list[str] = []
         # the drives of the robots that pass
         self.passed: list[str] = []
+        # what the book's pages tell, by robot
+        self.told: dict[str, dict] = {}
 
     def cocarry(self, *arguments: str) -> subprocess.CompletedProcess:
         command = [self.program, *map(str, arguments)]
@@ -220,6 +227,18 @@ class Gallery:
         self.check(all(part in said.stderr for part in parts), f"{name}: {said.stderr}")
         print(f"{name:14} refused: {' '.join(said.stderr.split('robots/')[-1].split())[:90]}...")
 
+    def own(self, name: str) -> None:
+        """One of the project's own robots: its files are what the script writes, and it carries."""
+        folder = self.work / "own"
+        if not folder.exists():
+            folder.mkdir()
+            (folder / "make.py").write_bytes((ROBOTS / "make.py").read_bytes())
+            subprocess.run([sys.executable, folder / "make.py"], check=True)
+        for file in [ROBOTS / f"{name}.urdf", *sorted((ROBOTS / name).iterdir())]:
+            made = folder / file.relative_to(ROBOTS)
+            self.check(made.exists() and made.read_bytes() == file.read_bytes(), f"{name}: {file.name} is not what make.py writes")
+        self.examine(name, ROBOTS / f"{name}.urdf", [], ROBOTS / f"{name}.toml")
+
     def carries(self, name: str, urdf: pathlib.Path, arguments: list[str]) -> None:
         """Drafts the robot file, compares it with pinocchio, and carries in the four environments."""
         file = self.work / f"{name}.toml"
@@ -236,22 +255,30 @@ class Gallery:
             text = file.read_text()
             text = text if "[hold]" in text else text.replace("\n[[posture]]", "\n[hold]\n\n[[posture]]", 1)
             file.write_text(text.replace("[hold]\n", "[hold]\n" + "".join(lines)))
+        self.examine(name, urdf, arguments, file)
+
+    def examine(self, name: str, urdf: pathlib.Path, arguments: list[str], file: pathlib.Path) -> None:
+        """Compares a robot with pinocchio, and carries in the four environments."""
         said = self.cocarry("robot", "check", file, "--json")
         if said.returncode != 0:
             self.check(False, f"{name}: {said.stderr}")
             return
         checked = json.loads(said.stdout)
+        self.told[name] = {"checked": checked, "file": file, "urdf": urdf, "arguments": arguments}
+        if self.seeds == 0:
+            return
         differs = differences(urdf, file, checked)
         self.check(max(differs.values()) <= LARGEST_DIFFERENCE, f"{name}: differs from pinocchio: {differs}")
         width = checked["base"]["width_m"]
         snapshot = self.work / f"{name}.snapshot"
         self.cocarry("run", "environment-1", "--plant", "kinematic", "--robot", file, "--save-at", "1", snapshot)
-        hulls = hull_differences(snapshot, self.robots.parents[1])
+        hulls = hull_differences(snapshot, ROBOTS if name in OWN else self.robots.parents[1])
         self.check(max(hulls) <= LARGEST_HULL_DIFFERENCE, f"{name}: hulls differ from their meshes: {hulls}")
         rows = self.episodes(name, file, width)
         arrived = [row for row in rows if row["outcome"] == "arrived"]
         error = max((float(row["position_error_rms_m"]) for row in arrived), default=0.0)
         others = collections.Counter((row["plant"], row["outcome"]) for row in rows if row not in arrived)
+        self.told[name] |= {"rows": rows, "arrived": len(arrived), "error_m": error, "others": others}
         least = SHORT.get(name, LEAST_SHARE_ARRIVED)
         self.check(len(arrived) >= least * len(rows), f"{name}: {len(arrived)} of {len(rows)} arrived: {others}")
         if rows and len(arrived) >= LEAST_SHARE_ARRIVED * len(rows):
@@ -288,12 +315,16 @@ def main() -> None:
     parser.add_argument("program", type=pathlib.Path)
     parser.add_argument("robots", type=pathlib.Path)
     parser.add_argument("--seeds", type=int, default=5)
+    parser.add_argument("--pages", action="store_true", help="write the book's pages of the robots")
+    parser.add_argument("--pictures", action="store_true", help="write the pictures of the pages; needs Chromium and npm")
     parser.add_argument("--only", nargs="*", help="names of robots")
     arguments = parser.parse_args()
     is_asked = lambda name: not arguments.only or name in arguments.only
     with tempfile.TemporaryDirectory() as folder:
         work, robots = pathlib.Path(folder), arguments.robots.resolve()
-        gallery = Gallery(str(arguments.program.resolve()), robots, work, arguments.seeds)
+        are_pictures_all = arguments.pictures and not arguments.pages
+        seeds = 0 if are_pictures_all else arguments.seeds
+        gallery = Gallery(str(arguments.program.resolve()), robots, work, seeds)
         for world in WORLDS:
             gallery.check(gallery.cocarry("export", world).returncode == 0, f"no {world}")
         for name, (urdf, options) in filter(lambda item: is_asked(item[0]), MOBILE.items()):
@@ -306,9 +337,17 @@ def main() -> None:
             file = work / f"{name}_omni.urdf"
             on_base(robots / urdf, at, file, MECANUM)
             gallery.carries(f"{name}_omni", file, options)
+        for name in filter(is_asked, OWN):
+            gallery.own(name)
+        if arguments.pictures:
+            pages.pictures(gallery.told, gallery.cocarry, work)
+        if arguments.pages:
+            pages.write(gallery.told, robots, arguments.seeds, is_all=not arguments.only)
         for name, (urdf, parts) in filter(lambda item: is_asked(item[0]), REFUSED.items()):
             gallery.refused(name, robots / urdf, parts)
     free = gallery.passed.count("omnidirectional")
+    if are_pictures_all:
+        sys.exit("\n".join(gallery.faults) or None)
     print(f"{len(gallery.passed)} robots reach {LEAST_SHARE_ARRIVED:.0%}, {free} of them omnidirectional")
     if not arguments.only:
         gallery.check(len(gallery.passed) >= LEAST_ROBOTS and free >= LEAST_OMNIDIRECTIONAL, "too few robots pass")

@@ -4,12 +4,12 @@ use crate::support::{cocarry, json, repository, stderr, stdout};
 use std::path::Path;
 use std::process::{Command, Output};
 
-fn run_in(folder: &Path, arguments: &[&str]) -> Output {
+pub fn run_in(folder: &Path, arguments: &[&str]) -> Output {
     let mut program = Command::new(env!("CARGO_BIN_EXE_cocarry"));
     program.args(arguments).env_remove("COLUMNS").current_dir(folder).output().expect("it starts")
 }
 
-fn succeeds(folder: &Path, arguments: &[&str]) -> String {
+pub fn succeeds(folder: &Path, arguments: &[&str]) -> String {
     let output = run_in(folder, arguments);
     assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
     stdout(&output)

@@ -19,11 +19,34 @@ export class Cameras {
     this.anchor = null;
   }
 
+  // A robot from a corner, from its side and from above, as large as the picture allows.
+  frameRobot() {
+    const { camera, controls, stage } = this;
+    const from = { overview: new Vector3(0.75, -1, 0.5), follow: new Vector3(0, -1, 0.06), shoulder: new Vector3(-0.001, 0, 1) }[this.name].normalize();
+    const { low, high } = stage.robotBox();
+    const corners = [low.x, high.x].flatMap((x) => [low.y, high.y].flatMap((y) => [low.z, high.z].map((z) => new Vector3(x, y, z))));
+    controls.target.addVectors(low, high).multiplyScalar(0.5);
+    let near = 0.2, far = 20;
+    for (let i = 0; i < 30; i++) {
+      const distance = (near + far) / 2;
+      camera.position.copy(controls.target).addScaledVector(from, distance);
+      camera.lookAt(controls.target);
+      camera.updateMatrixWorld();
+      camera.updateProjectionMatrix();
+      const fits = corners.every((corner) => {
+        const { x, y, z } = corner.clone().project(camera);
+        return z < 1 && Math.abs(x) < 0.92 && Math.abs(y) < 0.8;
+      });
+      if (fits) far = distance;
+      else near = distance;
+    }
+  }
+
   // Chooses a camera and puts it where it begins.
   choose(name) {
     this.name = name;
     this.isTouched = false;
-    this.camera.fov = name === "shoulder" ? 58 : 42;
+    this.camera.fov = this.stage.episode.postures ? 30 : name === "shoulder" ? 58 : 42;
     this.home();
   }
 
@@ -43,8 +66,11 @@ export class Cameras {
 
   home() {
     const { camera, controls } = this;
-    this.anchor = this.name === "overview" ? null : this.moving();
-    if (!this.anchor) {
+    const isRobot = this.stage.episode.postures;
+    this.anchor = this.name === "overview" || isRobot ? null : this.moving();
+    if (isRobot) {
+      this.frameRobot();
+    } else if (!this.anchor) {
       this.frameAll();
     } else {
       const [from, to] = this.name === "shoulder"

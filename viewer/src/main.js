@@ -5,6 +5,7 @@ import { Charts, led } from "./charts.js";
 import { Episode, symbol } from "./episode.js";
 import { Labels } from "./labels.js";
 import { Learned } from "./learned.js";
+import { Postures, mark, robotControls } from "./postures.js";
 import { Stage } from "./scene.js";
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4, 8];
@@ -24,9 +25,9 @@ let renderer, stage, charts, learned, cameras, labels, isDirty = true, before = 
 
 const redraw = () => (isDirty = true);
 const { seed, method, plant, robot, alpha, gamma } = episode.facts;
-document.title = `${episode.world.name}: ${episode.title}`;
+document.title = episode.postures ? episode.title : `${episode.world.name}: ${episode.title}`;
 $("title").textContent = episode.world.name;
-$("facts").textContent = [
+$("facts").textContent = episode.facts.about ?? [
   `method ${method}`, PLANTS[plant] ?? plant, robot && `robot ${robot}`, `human α ${round(alpha)}, γ ${round(gamma)}`, `seed ${seed}`,
 ].filter(Boolean).join(" · ");
 
@@ -41,6 +42,7 @@ try {
 if (!stage) finish();
 seek(Number(asked.get("t")) || 0);
 if (cameras) choose(asked.get("camera") ?? "overview");
+if (episode.postures) collide(asked.get("shapes") === "collisions");
 play(asked.get("play") !== "0" && !isStill);
 requestAnimationFrame(frame);
 
@@ -49,13 +51,17 @@ function round(value) {
 }
 
 function scene() {
-  renderer = new WebGLRenderer({ canvas: $("view"), antialias: true });
+  // a picture for another page has that page's background
+  const isPicture = asked.has("picture");
+  if (isPicture) $("player").classList.add("picture");
+  renderer = new WebGLRenderer({ canvas: $("view"), antialias: true, alpha: isPicture });
   // asking for errors waits for every shader
   renderer.debug.checkShaderErrors = false;
   renderer.shadowMap.enabled = true;
   renderer.shadowMap.type = PCFShadowMap;
   renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
   stage = new Stage(episode, redraw);
+  if (isPicture) stage.bare();
   stage.update(0);
   cameras = new Cameras($("view"), stage, redraw);
   labels = new Labels($("labels"), stage);
@@ -71,19 +77,21 @@ function scene() {
   new ResizeObserver(resize).observe($("stage"));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
     stage.paint();
+    if (isPicture) stage.bare();
     redraw();
   });
 }
 
 // Makes what the first picture does without.
 function finish() {
-  charts = new Charts($("charts"), episode, seek);
+  charts = episode.postures ? new Postures($("charts"), episode) : new Charts($("charts"), episode, seek);
   if (episode.learned) learned = new Learned($("charts"), episode);
   stage?.finish();
   show();
 }
 
 function controls() {
+  if (episode.postures) robotControls(collide);
   $("time").max = episode.duration;
   $("time").addEventListener("input", () => seek(Number($("time").value)));
   $("play").addEventListener("click", () => play(!state.isPlaying));
@@ -146,6 +154,7 @@ function key(event) {
     3: () => choose("shoulder"),
     n: () => jump(1),
     p: () => jump(-1),
+    c: episode.postures && (() => collide(!stage?.isColliding)),
   };
   const act = actions[event.key.length === 1 ? event.key.toLowerCase() : event.key];
   // a focused button or list has its own space and arrows
@@ -170,6 +179,13 @@ function choose(name) {
   redraw();
 }
 
+// Shows the shapes of a robot that collide, or those that are drawn.
+function collide(isColliding) {
+  mark(isColliding);
+  stage?.collide(isColliding);
+  redraw();
+}
+
 function seek(time) {
   state.time = Math.min(episode.duration, Math.max(0, time));
   show();
@@ -180,7 +196,7 @@ function seek(time) {
 function show() {
   const { time } = state, step = episode.step(time), isHuman = episode.isHumanLed(step);
   const preferred = episode.steps.preferred[step];
-  charts?.update(time, step);
+  charts?.update(episode.postures ? episode.between(time) : time, step);
   learned?.update(time);
   $("clock").textContent = `${time.toFixed(1)} / ${episode.duration.toFixed(1)} s`;
   $("time").value = time;
@@ -192,9 +208,9 @@ function show() {
   const newest = episode.event(time);
   const event = episode.events[newest];
   const together = episode.events.filter((other) => event && other.time_s === event.time_s);
-  const words = event ? `${event.time_s.toFixed(1)} s: ${together.map((e) => e.sentence).join("; ")}` : "";
+  const words = event?.about === "posture" ? `Posture ${event.sentence}` : event ? `${event.time_s.toFixed(1)} s: ${together.map((e) => e.sentence).join("; ")}` : "";
   if ($("caption").textContent !== words) $("caption").textContent = words;
-  $("caption").classList.toggle("old", !event || time - event.time_s > 4);
+  $("caption").classList.toggle("old", !episode.postures && (!event || time - event.time_s > 4));
   document.querySelectorAll("#events button").forEach((button, i) => button.setAttribute("aria-current", together.includes(episode.events[i])));
   stage?.update(time);
   redraw();

@@ -5,8 +5,10 @@ import {
   LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, Object3D, PlaneGeometry, Quaternion, Scene,
   Shape, SphereGeometry, Vector2, Vector3,
 } from "three";
+import { ConvexGeometry } from "three/examples/jsm/geometries/ConvexGeometry.js";
 import { Human } from "./human.js";
 import { addMeshes } from "./meshes.js";
+import { marks } from "./postures.js";
 
 Object3D.DEFAULT_UP.set(0, 0, 1);
 
@@ -27,8 +29,11 @@ export class Stage {
     this.ground();
     episode.world.obstacles.forEach((obstacle) => this.wall(obstacle));
     episode.world.openings.forEach((opening) => this.opening(opening));
-    this.end("A", episode.world.start);
-    this.end("B", episode.world.target);
+    this.ends = [];
+    if (!episode.postures) {
+      this.end("A", episode.world.start);
+      this.end("B", episode.world.target);
+    }
     this.options();
     this.team(redraw);
     this.paint();
@@ -94,7 +99,7 @@ export class Stage {
     const disc = new Mesh(new CircleGeometry(0.16, 40), new MeshBasicMaterial());
     disc.position.set(x, y, 0.006);
     this.scene.add(disc);
-    this.ends = [...(this.ends ?? []), disc];
+    this.ends.push(disc);
     this.labels.push({ kind: "end", name, at: new Vector3(x, y, 0.02) });
   }
 
@@ -122,7 +127,11 @@ export class Stage {
     const colour = (rgba) => (rgba ? new Color().setRGB(rgba[0], rgba[1], rgba[2], "srgb") : new Color(episode.colours.robot));
     this.links = episode.robot.map((link) => {
       const group = new Group();
-      for (const shape of link.shapes) {
+      const drawn = new Group(), colliding = new Group();
+      group.add(drawn, colliding);
+      colliding.visible = false;
+      const all = [...link.shapes.map((shape) => [shape, drawn]), ...(link.collisions ?? []).map((shape) => [shape, colliding])];
+      for (const [shape, shapes] of all) {
         const material = new MeshLambertMaterial({ color: colour(shape.colour) });
         const part = new Group();
         part.position.fromArray(shape.pose);
@@ -141,11 +150,19 @@ export class Stage {
           const given = shape.colour && material;
           this.later.push(() => addMeshes(part, episode.meshes[shape.mesh], shape.scale, given, episode.colours.robot, redraw));
         }
-        group.add(part);
+        if (shape.hull) solid(new ConvexGeometry(shape.hull.map((place) => new Vector3(...place))));
+        shapes.add(part);
       }
       this.scene.add(group);
       return group;
     });
+    if (episode.postures) {
+      const { ring, grasp } = marks(episode.world.robot_width_m);
+      this.object = grasp;
+      this.guides = [ring, grasp];
+      this.scene.add(ring, grasp);
+      return;
+    }
     this.object = new Mesh(new BoxGeometry(...episode.world.object_m), new MeshLambertMaterial({ color: episode.colours.object }));
     this.object.castShadow = this.object.receiveShadow = true;
     this.object.add(new LineSegments(new EdgesGeometry(this.object.geometry), new LineBasicMaterial({ color: "#5e3f17" })));
@@ -179,11 +196,18 @@ export class Stage {
     this.later.splice(0).forEach((make) => make());
   }
 
+  // Shows the shapes that collide, or those that are drawn.
+  collide(isColliding) {
+    this.isColliding = isColliding;
+    for (const { children: [drawn, colliding] } of this.links) [drawn.visible, colliding.visible] = [!isColliding, isColliding];
+  }
+
   // Shows a time.
   update(time) {
     const { episode } = this, place = episode.between(time), step = episode.step(time);
     this.links.forEach((link, i) => episode.place(link, episode.frames.links[i], place));
     episode.place(this.object, episode.frames.object, place);
+    if (episode.postures) return;
     episode.place(this.hand, episode.frames.hand, place);
     episode.place(this.torso, episode.frames.torso, place);
     this.human.update(place, this.torso, this.hand);
@@ -198,8 +222,24 @@ export class Stage {
     this.dots.instanceMatrix.needsUpdate = true;
   }
 
+  // The box around a robot in all its postures, as far as its links' frames and its base tell.
+  robotBox() {
+    const { frames, world } = this.episode, box = new Box3();
+    const margin = world.robot_width_m / 2 + 0.02;
+    box.expandByPoint(new Vector3(-margin, -margin, 0)).expandByPoint(new Vector3(margin, margin, 0.3));
+    for (const poses of [...frames.links, frames.object]) {
+      for (let i = 0; i < poses.length; i += 7) {
+        const at = new Vector3().fromArray(poses, i);
+        box.expandByPoint(at.clone().addScalar(0.08)).expandByPoint(at.addScalar(-0.08));
+      }
+    }
+    box.min.z = 0;
+    return { low: box.min, high: box.max };
+  }
+
   // Places around the team: the human from head to foot, and the robot's end of the object.
   outline() {
+    if (this.episode.postures) return [];
     const person = [[-0.25, 0, 1.72], [0.25, 0, 1.72], [-0.25, 0, 0], [0.25, 0, 0]];
     const places = person.map(([x, y, z]) => new Vector3(x, y, 0).applyQuaternion(this.torso.quaternion).add(this.torso.position).setZ(z));
     const length = this.episode.world.object_m[0];
@@ -237,8 +277,15 @@ export class Stage {
     this.ends.forEach((disc) => disc.material.color.set(colour("ink")));
   }
 
+  // Leaves the bodies alone: no floor, no sky.
+  bare() {
+    [this.scene.background, this.scene.fog] = [null, null];
+    for (const part of [this.floor, this.grid, ...(this.guides ?? [])]) part.visible = false;
+  }
+
   // Walls that hide the team from the camera become glass. Returns whether any is still changing.
   clear(camera) {
+    if (!this.walls.length) return false;
     const eyes = [this.object, this.torso].map(({ position }) => position);
     let isChanging = false;
     for (const part of this.walls) {
@@ -355,6 +402,6 @@ function bounds({ world: { obstacles, start, target }, frames: { object }, optio
   const center = all.getCenter(new Vector3()).setZ(0), size = all.getSize(new Vector3());
   return {
     all: { low: all.min, high: all.max }, ways: { low: ways.min, high: ways.max },
-    center, radius: Math.max(2, 0.5 * Math.hypot(size.x, size.y)),
+    center, radius: Math.max(options.length ? 2 : 1.6, 0.5 * Math.hypot(size.x, size.y)),
   };
 }
