@@ -167,7 +167,7 @@ fn closed_form_at_rest_the_grips_share_the_weight() {
                 grip.deflection,
                 hand.deflection
             );
-            assert!(grip.step_change < 0.01 && hand.step_change < 0.01, "{name}: {grip:?}");
+            assert!(grip.noise < 0.01 && hand.noise < 0.01, "{name}: {grip:?}");
             let from = *settled.get_or_insert(seen.object);
             let drift = pose_difference(&seen.object, &from).norm();
             assert!(drift < 1e-4, "{name}: {drift}");
