@@ -330,11 +330,10 @@ fn insert(world: &mut PhysicsWorld, parts: &mut Parts, robot: &Robot, cluster: &
 fn moved(robot: &Robot, start: &Configuration) -> (f64, f64) {
     let at = PlanarPose { position: Point::origin(), yaw: 0.0 };
     let poses = robot.link_poses(&Configuration { base: at, joints: start.joints });
-    let sums = clusters(robot).iter().fold((0.0, 0.0), |(mass, inertia), cluster| {
+    clusters(robot).iter().fold((0.0, 0.0), |(mass, inertia), cluster| {
         let pose = if cluster.parent.is_none() { Pose::identity() } else { poses[cluster.link] };
         let away = (pose * nalgebra::Point3::from(cluster.center)).xy().coords.norm_squared();
         let turned = pose.rotation.matrix() * cluster.inertia * pose.rotation.matrix().transpose();
         (mass + cluster.mass, inertia + turned[(2, 2)] + cluster.mass * away)
-    });
-    sums
+    })
 }

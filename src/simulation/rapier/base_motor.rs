@@ -1,7 +1,7 @@
 //! The motor of one degree of freedom of the base: a damper toward a wanted rate with a limited force.
 //!
-//! It is part of the multibody's own equations, as the arm's motors are. Three motor constraints in its place
-//! take a tenth of a step, and couple with the grip only as well as the solver converges.
+//! It is part of the multibody's own equations, as the arm's motors are. Motor constraints in its place
+//! take longer, and couple with the grip only as well as the solver converges.
 
 use rapier3d::prelude::{MultibodyJointHandle, PhysicsWorld};
 use serde::{Deserialize, Serialize};

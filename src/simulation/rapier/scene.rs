@@ -92,7 +92,6 @@ impl Scene<'_> {
         let parameters = &mut world.integration_parameters;
         parameters.num_solver_iterations = SOLVER_ITERATIONS;
         parameters.num_internal_pgs_iterations = settings.solver_iterations;
-        if let Ok(v) = std::env::var("CO_STAB") { parameters.num_internal_stabilization_iterations = v.parse().unwrap(); }
         // no body is fast enough to pass through a wall in one step
         parameters.max_ccd_substeps = 0;
         // reported depths must be current
