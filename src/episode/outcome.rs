@@ -145,9 +145,9 @@ pub struct InteractionSummary {
     pub squared_hand_force: f64,
     /// Largest force in either grip, N.
     pub peak_force: f64,
-    /// Sums of squared changes of the robot's and of the human's force between physics steps, N^2 (in each
-    /// planning step the mean square).
-    pub squared_force_change: [f64; 2],
+    /// Sums of the squares of the noise of the robot's and of the human's force, its part above 10 Hz, N^2 (in
+    /// each planning step the mean square).
+    pub squared_force_noise: [f64; 2],
     /// Work that the robot and the human did on the object, J.
     pub work: [f64; 2],
     /// Integral of the square of the object's jerk, m^2/s^5.
@@ -164,8 +164,8 @@ impl InteractionSummary {
         self.hand_force += tick.hand_force;
         self.squared_hand_force += tick.hand_force * tick.hand_force;
         self.peak_force = self.peak_force.max(tick.peak_force);
-        for (sum, change) in self.squared_force_change.iter_mut().zip(tick.force_change) {
-            *sum += change * change;
+        for (sum, noise) in self.squared_force_noise.iter_mut().zip(tick.force_noise) {
+            *sum += noise * noise;
         }
         self.work[0] += tick.work[0];
         self.work[1] += tick.work[1];
@@ -184,10 +184,10 @@ impl InteractionSummary {
         (self.squared_hand_force / self.steps.max(1) as f64).sqrt()
     }
 
-    /// The noise of the forces: root mean square of the change of a grip's force between physics steps, N;
-    /// the larger of the two grips'.
+    /// The noise of the forces: root mean square of a grip's force above 10 Hz, N; the larger of the two
+    /// grips'. See [`Forces::noise`](crate::simulation::Forces::noise).
     pub fn force_noise(&self) -> f64 {
-        let [robot, human] = self.squared_force_change;
+        let [robot, human] = self.squared_force_noise;
         (robot.max(human) / self.steps.max(1) as f64).sqrt()
     }
 }

@@ -80,7 +80,7 @@ pub const EPISODE: &[Quantity] = quantities! {
     "robot_work_j", JOULES, "work that the robot did on the object", |v| v.interaction().map(|i| i.work[0]);
     "human_work_j", JOULES, "work that the human did on the object", |v| v.interaction().map(|i| i.work[1]);
     "squared_jerk_m2_per_s5", SQUARED_JERK, "integral of the square of the object's jerk", |v| v.interaction().map(|i| i.squared_jerk);
-    "force_noise_rms_n", NEWTONS, "root mean square of a grip's force change between two physics steps, the larger of the two grips'", |v| v.interaction().map(InteractionSummary::force_noise);
+    "force_above_10_hz_rms_n", NEWTONS, "noise: root mean square of a grip's force above 10 Hz, the larger of the two grips'", |v| v.interaction().map(InteractionSummary::force_noise);
     "largest_grip_deflection_m", METRES, "largest deflection of either grip", |v| v.interaction().map(|i| i.deflection);
     "largest_effort_share", PLAIN, "the most that a motor of the arm exerted, as a share of its effort limit", |v| v.interaction().map(|i| i.effort_share);
     "lost_by", Text, "robot or human: who lost the object; missing if nobody did", |v| v.loss().map(|l| l.by.name());

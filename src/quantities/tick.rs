@@ -173,8 +173,8 @@ pub const INTERACTION: &[Quantity] = quantities! {
     "hand_mean_torque_z_nm", NEWTON_METRES, "mean torque of the human on the object, world z", |v| v.seen().map(|s| s.hand_grip.mean.torque.z);
     "grip_deflection_m", METRES, "largest deflection of the robot's grip", |v| v.physics().map(|p| p.deflection[0]);
     "hand_deflection_m", METRES, "largest deflection of the human's grip", |v| v.physics().map(|p| p.deflection[1]);
-    "grip_force_change_n", NEWTONS, "root mean square of the robot's force change between two physics steps", |v| v.physics().map(|p| p.force_change[0]);
-    "hand_force_change_n", NEWTONS, "root mean square of the human's force change between two physics steps", |v| v.physics().map(|p| p.force_change[1]);
+    "grip_force_above_10_hz_n", NEWTONS, "noise: root mean square of the robot's force above 10 Hz", |v| v.physics().map(|p| p.force_noise[0]);
+    "hand_force_above_10_hz_n", NEWTONS, "noise: root mean square of the human's force above 10 Hz", |v| v.physics().map(|p| p.force_noise[1]);
     "effort_share", PLAIN, "the most that a motor of the arm exerted, as a share of its effort limit", |v| v.physics().map(|p| p.effort_share);
     "grip_work_j", JOULES, "work that the robot did on the object in the step", |v| v.physics().map(|p| p.work[0]);
     "hand_work_j", JOULES, "work that the human did on the object in the step", |v| v.physics().map(|p| p.work[1]);

@@ -59,9 +59,9 @@ pub struct PhysicsTick {
     pub hand_force: f64,
     /// The larger of the two forces' peaks, N.
     pub peak_force: f64,
-    /// Root mean square of the change of the robot's and of the human's force on the object between physics
-    /// steps, N.
-    pub force_change: [f64; 2],
+    /// Noise of the robot's and of the human's force on the object: root mean square of its part above 10 Hz,
+    /// N.
+    pub force_noise: [f64; 2],
     /// Largest deflection of the robot's and of the human's grip, m.
     pub deflection: [f64; 2],
     /// Largest motor effort of the arm in a physics step, as a share of the URDF's effort limit; 0 without
@@ -92,7 +92,7 @@ impl PhysicsTick {
             grip_force: seen.grip.rms,
             hand_force: seen.hand_grip.rms,
             peak_force: seen.grip.peak.max(seen.hand_grip.peak),
-            force_change: [seen.grip.step_change, seen.hand_grip.step_change],
+            force_noise: [seen.grip.noise, seen.hand_grip.noise],
             deflection: [seen.grip.deflection, seen.hand_grip.deflection],
             effort_share: seen.effort_share,
             work: [seen.grip.work, seen.hand_grip.work],

@@ -252,7 +252,7 @@ fn forces_do_not_chatter_while_walking() {
     let mut changes = Vec::new();
     while episode.step().is_none() {
         let seen = episode.observation().expect("physics");
-        changes.push(seen.grip.step_change.max(seen.hand_grip.step_change));
+        changes.push(seen.grip.noise.max(seen.hand_grip.noise));
     }
     changes.sort_by(f64::total_cmp);
     // the root mean square over a control period; the largest where the way turns

@@ -1,6 +1,7 @@
 //! Means, peaks, work and jerk of a control period, accumulated over its physics steps.
 
 use super::grip::WrenchSample;
+use super::noise::{Coefficients, HighPass};
 use super::touch::Touches;
 use super::{Forces, Wrench};
 use nalgebra::Vector3;
@@ -25,12 +26,14 @@ struct Sum {
     force: Vector3<f64>,
     torque: Vector3<f64>,
     squared: f64,
-    squared_change: f64,
+    squared_noise: f64,
     peak: f64,
     work: f64,
     deflection: f64,
     /// The wrench of the last step; kept between periods. `None` before the first step.
     last: Option<Wrench>,
+    /// What the force's noise is filtered with; kept between periods.
+    filter: HighPass,
 }
 
 impl Accumulator {
@@ -40,15 +43,20 @@ impl Accumulator {
         self.squared_jerk = 0.0;
         self.effort_share = 0.0;
         for sum in &mut self.grips {
-            *sum = Sum { last: sum.last, ..Sum::default() };
+            *sum = Sum { last: sum.last, filter: sum.filter, ..Sum::default() };
         }
     }
 
-    /// Adds a step of `dt` seconds: the samples of gripper and hand, and the object's velocity after the
-    /// step.
-    pub fn add(&mut self, samples: &[WrenchSample; 2], velocity: Vector3<f64>, dt: f64) {
+    /// Adds a step of `dt` seconds, with the noise filter of such steps: the samples of gripper and hand, and
+    /// the object's velocity after the step.
+    pub fn add(
+        &mut self,
+        samples: &[WrenchSample; 2],
+        velocity: Vector3<f64>,
+        (dt, noise): (f64, &Coefficients),
+    ) {
         for (sum, sample) in self.grips.iter_mut().zip(samples) {
-            sum.add(sample, dt);
+            sum.add(sample, (dt, noise));
         }
         let acceleration = (velocity - self.velocity) / dt;
         self.squared_jerk += (acceleration - self.acceleration).norm_squared() / dt;
@@ -80,7 +88,7 @@ impl Accumulator {
 }
 
 impl Sum {
-    fn add(&mut self, sample: &WrenchSample, dt: f64) {
+    fn add(&mut self, sample: &WrenchSample, (dt, noise): (f64, &Coefficients)) {
         let Wrench { force, torque } = sample.wrench;
         self.steps += 1.0;
         self.force += force;
@@ -89,9 +97,7 @@ impl Sum {
         self.peak = self.peak.max(force.norm());
         self.deflection = self.deflection.max(sample.deflection);
         self.work += (force.dot(&sample.velocity) + torque.dot(&sample.turning)) * dt;
-        if let Some(last) = self.last {
-            self.squared_change += (force - last.force).norm_squared();
-        }
+        self.squared_noise += self.filter.next(&force, noise).norm_squared();
         self.last = Some(sample.wrench);
     }
 
@@ -102,7 +108,7 @@ impl Sum {
             last: self.last.unwrap_or_default(),
             peak: self.peak,
             rms: (self.squared / steps).sqrt(),
-            step_change: (self.squared_change / steps).sqrt(),
+            noise: (self.squared_noise / steps).sqrt(),
             work: self.work,
             deflection: self.deflection,
         }

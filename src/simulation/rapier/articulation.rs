@@ -1,12 +1,13 @@
 //! The robot as a rapier multibody that follows commanded rates with limited efforts.
 //!
-//! The base is a planar joint with velocity motors: it moves as its drive does, so never sideways if that has
+//! The base is a planar joint with dampers as motors: it moves as its drive does, so never sideways if that has
 //! two driven sides. The arm's motors are springs and dampers that follow an integrated position reference
-//! with the commanded rate. They are part of the multibody's own equations, which are solved exactly;
+//! with the commanded rate. All are part of the multibody's own equations, which are solved exactly;
 //! rapier's motor constraints would need hundreds of solver iterations to hold up an object that outweighs
 //! the wrist. Links have no weight: gravity compensation is assumed perfect, so the motors carry only the
 //! object and the dynamics.
 
+use super::base_motor::BaseMotor;
 use super::clusters::{Cluster, clusters, moving};
 use super::motor::{Motor, joint_data};
 use super::parts::{Group, Parts};
@@ -19,20 +20,21 @@ use crate::robot::{
 };
 use crate::simulation::convert::{self, to_matrix, to_vector};
 use rapier3d::prelude::{
-    GenericJoint, GenericJointBuilder, JointAxesMask, JointAxis, MassProperties, MotorModel,
-    MultibodyJointHandle, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle,
+    GenericJointBuilder, JointAxesMask, MassProperties, MultibodyJointHandle, PhysicsWorld, RigidBodyBuilder,
+    RigidBodyHandle,
 };
 use serde::{Deserialize, Serialize};
 
-/// The base motors: damping per unit of velocity, and the largest force along each axis (N) and torque (Nm),
-/// which the wheels' grip on the floor bears.
-const BASE_DAMPING: f64 = 100_000.0;
+/// The base's motors: the largest force along each axis (N) and torque (Nm), which the wheels' grip on the
+/// floor bears.
 const BASE_FORCE: f64 = 800.0;
 const BASE_TORQUE: f64 = 400.0;
 /// The robot as a multibody of rapier.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Articulation {
     drive: MultibodyJointHandle,
+    /// The base's motors along x and y in the world, and about z.
+    base_motors: [BaseMotor; 3],
     motors: Vec<Motor>,
     /// The body of every cluster with the name of its first link, for failure messages.
     bodies: Vec<(String, RigidBodyHandle)>,
@@ -105,8 +107,14 @@ impl Articulation {
                 links[*link] = (*handle, *at);
             }
         }
+        let (mass, inertia) = moved(robot, start);
         let articulation = Self {
             drive,
+            base_motors: [
+                BaseMotor::new((0, 0), BASE_FORCE, mass),
+                BaseMotor::new((1, 1), BASE_FORCE, mass),
+                BaseMotor::new((5, 2), BASE_TORQUE, inertia),
+            ],
             motors,
             bodies: clusters
                 .iter()
@@ -151,6 +159,7 @@ impl Articulation {
         body.update_rigid_bodies(&mut world.bodies, true);
         // by default rapier adds 0.1 Nms/rad to every joint
         body.damping_mut().fill(0.0);
+        body.damping_mut().rows_mut(first, 3).fill(BaseMotor::DAMPING);
         for (motor, id) in self.motors.iter().zip(ids_of_motors) {
             let first = body.link(id)?.assembly_id();
             *body.damping_mut().get_mut(first)? = motor.damping;
@@ -174,19 +183,17 @@ impl Articulation {
         }
         let BaseTwist { velocity, turn } = drive.twist(&self.base);
         let first = drive.inputs();
-        let (body, id) = world.multibody_joints.get_mut(self.drive)?;
-        let drive = body.link_mut(id)?;
-        let heading = drive.joint().coords()[5];
+        let (body, id) = world.multibody_joints.get(self.drive)?;
+        let heading = body.link(id)?.joint().coords()[5];
         // the heading at the middle of the step
         let ahead = direction(heading + turn * dt / 2.0);
         let mut in_world = ahead * velocity.x;
         if self.omnidirectional.is_some() {
             in_world += left_of(ahead) * velocity.y;
         }
-        let data = &mut drive.joint.data;
-        set_velocity(data, JointAxis::LinX, in_world.x, BASE_FORCE);
-        set_velocity(data, JointAxis::LinY, in_world.y, BASE_FORCE);
-        set_velocity(data, JointAxis::AngZ, turn, BASE_TORQUE);
+        for (motor, rate) in self.base_motors.iter_mut().zip([in_world.x, in_world.y, turn]) {
+            motor.drive(world, self.drive, rate, dt)?;
+        }
 
         let rates = wanted.fixed_rows::<MAX_JOINTS>(first).into_owned();
         self.reference += rates * dt;
@@ -319,8 +326,14 @@ fn insert(world: &mut PhysicsWorld, parts: &mut Parts, robot: &Robot, cluster: &
     body
 }
 
-fn set_velocity(data: &mut GenericJoint, axis: JointAxis, velocity: f64, most: f64) {
-    data.set_motor_model(axis, MotorModel::ForceBased);
-    data.set_motor_velocity(axis, velocity, BASE_DAMPING);
-    data.set_motor_max_force(axis, most);
+/// Mass (kg) of a robot, and its inertia (kg m^2) about the base's upright axis in a configuration.
+fn moved(robot: &Robot, start: &Configuration) -> (f64, f64) {
+    let at = PlanarPose { position: Point::origin(), yaw: 0.0 };
+    let poses = robot.link_poses(&Configuration { base: at, joints: start.joints });
+    clusters(robot).iter().fold((0.0, 0.0), |(mass, inertia), cluster| {
+        let pose = if cluster.parent.is_none() { Pose::identity() } else { poses[cluster.link] };
+        let away = (pose * nalgebra::Point3::from(cluster.center)).xy().coords.norm_squared();
+        let turned = pose.rotation.matrix() * cluster.inertia * pose.rotation.matrix().transpose();
+        (mass + cluster.mass, inertia + turned[(2, 2)] + cluster.mass * away)
+    })
 }

@@ -164,7 +164,8 @@ impl Walker {
                 (walk.at, walk.velocity * share, walk.yaw_rate * share)
             }
             None => {
-                let share = dt / (ADOPTION_TIME + dt);
+                // of what was sensed a step ago, so that the delay is the time constant whatever the step
+                let share = (dt / ADOPTION_TIME).min(1.0);
                 self.led.0 += (sensed.velocity - self.led.0) * share;
                 self.led.1 += (sensed.yaw_rate - self.led.1) * share;
                 (sensed.end, self.led.0, self.led.1)

@@ -8,12 +8,14 @@
 
 mod accumulator;
 mod articulation;
+mod base_motor;
 mod clusters;
 mod dimensions;
 mod error;
 mod grip;
 mod human;
 mod motor;
+mod noise;
 mod observation;
 mod parts;
 mod ramp;
@@ -36,6 +38,7 @@ use crate::math;
 use crate::robot::{InputVector, JointVector, Robot};
 use crate::world::World;
 use human::SensedObject;
+use noise::Coefficients;
 use rapier3d::prelude::{PhysicsPipeline, PhysicsWorld, RigidBodyHandle};
 use scene::Scene;
 
@@ -96,8 +99,9 @@ impl PhysicalPlant {
         let steps = (period * self.settings.rate_hz).round() as u64;
         self.robot.command(rates, steps);
         self.human.begin(human, steps as f64 * dt);
+        let noise = Coefficients::new(dt);
         for _ in 0..steps {
-            if self.substep(dt).is_none() {
+            if self.substep(dt, &noise).is_none() {
                 break;
             }
         }
@@ -152,7 +156,7 @@ impl PhysicalPlant {
     }
 
     /// One physics step of a sound state. `None` if the result is not sound.
-    fn substep(&mut self, dt: f64) -> Option<()> {
+    fn substep(&mut self, dt: f64, noise: &Coefficients) -> Option<()> {
         let sensed = self.sensed_object()?;
         self.human.step(&sensed, dt);
         let hand = self.human.hand(self.height);
@@ -171,7 +175,7 @@ impl PhysicalPlant {
         let samples =
             [self.gripper.sample(&self.world, &gripper, dt)?, self.hand.sample(&self.world, &hand, dt)?];
         let velocity = convert::vector(self.world.bodies.get(self.object)?.linvel());
-        self.accumulator.add(&samples, velocity, dt);
+        self.accumulator.add(&samples, velocity, (dt, noise));
         self.accumulator.touches.add(&self.world, dt);
         Some(())
     }

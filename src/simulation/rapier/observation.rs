@@ -97,8 +97,9 @@ pub struct Forces {
     pub peak: f64,
     /// Root mean square of the magnitude of the force, N.
     pub rms: f64,
-    /// Root mean square of the change of the force between physics steps, N.
-    pub step_change: f64,
+    /// Noise: root mean square of the force's part above 10 Hz (a Butterworth high-pass filter of second order,
+    /// whose gain is r^2 / sqrt(1 + r^4) at r times 10 Hz), N. It does not depend on the physics step.
+    pub noise: f64,
     /// Work done on the object, J.
     pub work: f64,
     /// Largest distance between the two points that the grip joins, m.

@@ -32,7 +32,7 @@ pub struct PhysicsSettings {
 impl Default for PhysicsSettings {
     fn default() -> Self {
         Self {
-            rate_hz: 240.0,
+            rate_hz: 120.0,
             solver_iterations: 4,
             rim_acceleration: 1.5,
             gripper_stiffness: gripper_stiffness(),

@@ -167,7 +167,7 @@ fn closed_form_at_rest_the_grips_share_the_weight() {
                 grip.deflection,
                 hand.deflection
             );
-            assert!(grip.step_change < 0.01 && hand.step_change < 0.01, "{name}: {grip:?}");
+            assert!(grip.noise < 0.01 && hand.noise < 0.01, "{name}: {grip:?}");
             let from = *settled.get_or_insert(seen.object);
             let drift = pose_difference(&seen.object, &from).norm();
             assert!(drift < 1e-4, "{name}: {drift}");
@@ -424,6 +424,46 @@ fn oracle_the_default_solver_iterations_suffice() {
         let spoiled = spoiled_by(solver_iterations, mass);
         assert!(spoiled[0] < bounds[0] && spoiled[1] < bounds[1], "{mass} kg: {spoiled:?}");
     }
+}
+
+/// Around a corner with a human who follows, at a rate (Hz): where the object is after each control period, and
+/// the noise of gripper and hand, rms over the way (N).
+fn at_rate(rate_hz: f64) -> (Vec<Vector3<f64>>, [f64; 2]) {
+    let robot = carrier();
+    let world = world("");
+    let reach = world.object.size[0] / 2.0;
+    let mut plant = plant(&robot, &world, &PhysicsSettings { rate_hz, ..PhysicsSettings::default() });
+    let mut seen = plant.observe();
+    let (mut places, mut squares) = (Vec::new(), [0.0; 2]);
+    for tick in 1..=45 {
+        let rates = around(&robot, &seen, f64::from(tick - 1) * PERIOD, reach);
+        seen = plant.step(&rates, &HumanCommand::Follow, PERIOD);
+        places.push(seen.object.translation.vector);
+        squares[0] += math::squared(seen.grip.noise) / 45.0;
+        squares[1] += math::squared(seen.hand_grip.noise) / 45.0;
+    }
+    (places, squares.map(f64::sqrt))
+}
+
+/// The change of a force from one step to the next would double with the step.
+#[test]
+fn the_noise_of_forces_does_not_depend_on_the_step() {
+    let exact = at_rate(960.0).1;
+    for rate_hz in [60.0, 120.0, 240.0, 480.0] {
+        let noise = at_rate(rate_hz).1;
+        for (found, expected) in noise.iter().zip(&exact) {
+            assert!(*expected > 0.01, "{exact:?}");
+            assert!((found / expected - 1.0).abs() < 0.25, "{rate_hz} Hz: {noise:?}, {exact:?}");
+        }
+    }
+}
+
+#[test]
+fn oracle_the_default_step_is_short_enough() {
+    let exact = at_rate(960.0).0;
+    let default = at_rate(PhysicsSettings::default().rate_hz).0;
+    let off = default.iter().zip(&exact).map(|(at, exact)| (at - exact).norm()).fold(0.0, f64::max);
+    assert!(off < 0.002, "{off} m");
 }
 
 const WALL: &str = "[[obstacle]]\nname = \"wall\"\nshape = \"box\"\ncenter_m = [WALL, 0]\nsize_m = [0.2, 3]\nheight_m = 1.2\n";
