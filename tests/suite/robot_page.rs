@@ -1,4 +1,4 @@
-//! The page of `robot check --render`: every link, posture and colliding shape, and the rules of output files.
+//! The page of `robot check --render`: every link, posture and colliding shape; the rules of output files.
 
 use crate::starting::{run_in, succeeds};
 use crate::support::{repository, stderr};
