@@ -42,6 +42,7 @@ pub use link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mim
 pub use load::RobotTexts;
 pub use note::RobotNote;
 pub use reach::Reach;
+pub(crate) use self_contact::SelfContacts;
 
 use crate::geometry::{PlanarPose, Pose};
 use nalgebra::{SMatrix, SVector, Unit, Vector3};
@@ -96,7 +97,7 @@ pub struct Robot {
     /// From the frame of the last joint of the chain to the grasp.
     pub(crate) last_from_grasp: Pose,
     /// Its bodies, for contacts with itself.
-    self_contacts: self_contact::SelfContacts,
+    self_contacts: SelfContacts,
 }
 
 /// An independently moving joint of the arm.

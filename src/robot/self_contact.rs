@@ -26,7 +26,7 @@ const BY_DESIGN: f64 = 0.5;
 /// Neighbours in the chain are left out, because they touch by design, and so are pairs that touch in half of
 /// all random configurations.
 #[derive(Clone, Debug, Default)]
-pub(super) struct SelfContacts {
+pub(crate) struct SelfContacts {
     bodies: Vec<Body>,
     pairs: Vec<[usize; 2]>,
 }

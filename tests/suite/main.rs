@@ -23,6 +23,7 @@ mod limits;
 mod object_lost;
 mod outputs;
 mod own_robots;
+mod own_shape;
 mod paths;
 mod physical_carrying;
 mod physics;

@@ -3,6 +3,7 @@
 use crate::spoiled_robot::{Files, TOML, URDF};
 use crate::support::{cocarry, stderr, stdout};
 use cocarry::robot::{Draft, DraftRequest, Robot, RobotNote, Shape};
+use cocarry::world::World;
 
 fn said(robot: &Robot) -> String {
     robot.notes.iter().map(|note| format!("{note}\n")).collect()
@@ -264,15 +265,34 @@ fn a_drafted_robot_holds_its_suspension() {
     assert!((draft.robot.drive.track - 0.374).abs() < 1e-12);
 }
 
+/// The world is planned for the robot, not for the narrower one of its file: openings that are too narrow are
+/// none, and the others have a higher risk.
 #[test]
-fn a_base_wider_than_the_world_is_for_is_told() {
+fn a_base_wider_than_the_world_is_for_takes_the_place_of_its_width() {
     let files = Files::new().with(TOML, "base_width_m = 0.5", "base_width_m = 0.6");
     let _ = files.load(TOML);
     let file = files.folder.path().join(TOML).display().to_string();
     let output = cocarry(&["run", "environment-1", "--plant", "kinematic", "--robot", &file]);
     let said = stderr(&output);
     assert!(
-        said.contains("is 0.60 m wide (base_width_m), but environment-1 is for robots of 0.5 m"),
+        said.contains("is 0.60 m wide (base_width_m), more than robot_width_m of environment-1"),
         "{said}"
     );
+    let text = include_str!("../../worlds/environment-1.toml");
+    let [given, wide] = [0.5, 0.6].map(|width| World::parse_for("w.toml", text, width).unwrap());
+    assert_eq!((given.robot_width, given.is_widened), (0.5, false));
+    assert_eq!((wide.robot_width, wide.is_widened), (0.6, true));
+    for (given, wide) in given.openings.iter().zip(&wide.openings) {
+        assert!(wide.risk(0.6) > given.risk(0.5), "{}", given.name);
+    }
+    // openings of 0.56 m are too narrow for 0.6 m: at the outset, not half-way through
+    let narrow = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [-5, 0]\ntarget_m = [5, 0]\n";
+    let wall = |name: &str, y: f64| {
+        format!(
+            "[[obstacle]]\nname = \"{name}\"\nshape = \"box\"\ncenter_m = [0, {y}]\nsize_m = [0.1, 8]\nheight_m = 1\n"
+        )
+    };
+    let narrow = format!("{narrow}{}{}", wall("left", 4.28), wall("right", -4.28));
+    let openings = |width| World::parse_for("w.toml", &narrow, width).unwrap().openings.len();
+    assert_eq!([openings(0.5), openings(0.6)], [1, 0]);
 }
