@@ -2,7 +2,7 @@
 
 use super::level::FULL;
 use super::{JointVector, Motion, Robot, pose_difference};
-use crate::geometry::Pose;
+use crate::geometry::{Pose, wrap_angle};
 use nalgebra::{Matrix6, Rotation3, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -86,13 +86,22 @@ pub(super) fn search(robot: &Robot, height: f64, base_radius: f64) -> Vec<Found>
     all.sort_by(by_room);
     let mut best: Vec<Found> = Vec::new();
     for found in all {
-        let is_new =
-            |kept: &Found| kept.roll == found.roll && (kept.joints - found.joints).amax() > DIFFERENT;
+        let is_new = |kept: &Found| kept.roll == found.roll && difference(robot, kept, &found) > DIFFERENT;
         if best.iter().all(is_new) && best.len() < MOST_POSTURES {
             best.push(found);
         }
     }
     best
+}
+
+/// The largest difference of a joint between two postures, rad or m; full turns are none.
+fn difference(robot: &Robot, one: &Found, other: &Found) -> f64 {
+    let by = one.joints - other.joints;
+    let of = robot.joints.iter().zip(by.iter()).map(|(joint, by)| match joint.motion {
+        Motion::Revolute => wrap_angle(*by).abs(),
+        Motion::Prismatic => by.abs(),
+    });
+    of.fold(0.0, f64::max)
 }
 
 /// Damped least squares towards the goal, kept within the limits. `None` if it does not get there.
