@@ -20,17 +20,16 @@ const PERIOD: f64 = 0.2;
 const BUDGET: Duration = Duration::from_micros(1500);
 const TICKS: usize = 200;
 const EPISODES: usize = 5;
-/// Physics steps per second and solver iterations: with four iterations all rates, then others at the plant's.
-const CHOICES: [(f64, usize); 11] = [
-    (60.0, 4),
-    (80.0, 4),
-    (100.0, 4),
+/// Physics steps per second and solver iterations: with twelve iterations all rates, then others at the plant's.
+const CHOICES: [(f64, usize); 10] = [
+    (60.0, 12),
+    (80.0, 12),
+    (100.0, 12),
+    (120.0, 12),
+    (160.0, 12),
+    (240.0, 12),
+    (480.0, 12),
     (120.0, 4),
-    (160.0, 4),
-    (240.0, 4),
-    (480.0, 4),
-    (120.0, 1),
-    (120.0, 2),
     (120.0, 8),
     (120.0, 16),
 ];

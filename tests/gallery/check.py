@@ -76,7 +76,7 @@ LARGEST_DIFFERENCE = 1e-9
 LARGEST_HULL_DIFFERENCE = 0.02
 LEAST_SHARE_ARRIVED = 0.95
 # Robots known to stay below it, with what they reach; the book's page says why
-SHORT = {"tiago_dual": 0.5, "panda": 0.75, "ur5": 0.875, "z1": 0.875}
+SHORT = {"tiago_dual": 0.5, "panda": 0.75}
 # An arm for which no posture is found
 NO_POSTURE = ["talos_arm"]
 LEAST_ROBOTS, LEAST_OMNIDIRECTIONAL = 8, 3
