@@ -25,37 +25,46 @@ fn an_arm_that_reaches_into_the_robot_touches_it() {
     assert_eq!(inside[0], "base_link", "{inside:?}");
 }
 
-/// Five joints, the shoulder 10 cm to the left, and an axis that is tilted by calibration: the grasp is as level as
-/// the arm can hold it, and the base keeps its place beside the object on both plants.
-#[test]
-fn an_arm_of_five_joints_beside_the_axis_carries() {
-    let mut files = Files::new().with(
-        URDF,
-        "<origin xyz=\"0.12 0 0.349\"/>",
-        "<origin xyz=\"0.12 0.1 0.349\" rpy=\"0.0004 0.0003 0\"/>",
-    );
-    for joint in ["upperarm_roll_joint", "forearm_roll_joint"] {
-        let (from, to) =
-            (format!("name=\"{joint}\" type=\"continuous\""), format!("name=\"{joint}\" type=\"fixed\""));
-        files = files.with(URDF, &from, &to);
+/// The carrier with its shoulder 10 cm to the left and turned as in a calibrated URDF, one posture, and these
+/// joints fixed.
+fn beside(roll: f64, fixed: &[&str]) -> Files {
+    let origin = format!("<origin xyz=\"0.12 0.1 0.349\" rpy=\"{roll} 0.0003 0\"/>");
+    let mut files = Files::new().with(URDF, "<origin xyz=\"0.12 0 0.349\"/>", &origin);
+    for joint in fixed {
+        let of = |kind: &str| format!("name=\"{joint}\" type=\"{kind}\"");
+        files = files.with(URDF, &of("continuous"), &of("fixed"));
     }
-    files = files.with(TOML, "upperarm_roll_joint = 0.0\n", "").with(TOML, "forearm_roll_joint = 0.0\n", "");
-    // the first posture alone
     let postures: Vec<usize> = files.toml.match_indices("[[posture]]").map(|(at, _)| at).collect();
     files.toml.truncate(postures[1]);
-    let robot = files.load(TOML).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(robot.joint_count(), 5);
+    let is_free = |line: &&str| !fixed.iter().any(|joint| line.starts_with(joint));
+    files.toml = files.toml.lines().filter(is_free).map(|line| format!("{line}\n")).collect();
+    files
+}
+
+/// With four joints, nothing makes up for a shoulder that is turned about x: a little is within the tolerance.
+#[test]
+fn an_arm_of_four_joints_is_as_level_as_it_can_be() {
+    let fixed = ["upperarm_roll_joint", "forearm_roll_joint", "wrist_roll_joint"];
+    let robot = beside(0.003, &fixed).load(TOML).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(robot.joint_count(), 4);
     let grasp = robot.drive_from_grasp(&robot.postures[0].joints);
     let tilt = grasp.rotation.angle();
-    assert!((1e-6..0.005).contains(&tilt), "{tilt} rad");
+    assert!((0.002..0.005).contains(&tilt), "{tilt} rad");
     assert!((grasp.translation.z - 0.7).abs() < 0.002, "{grasp}");
+    beside(0.02, &fixed).says(&["moves its grasp in 4 of 6 directions", "0.002 m and 0.005 rad"]);
+}
+
+/// A grasp beside the axis of a differential base: the base keeps its place beside the object.
+#[test]
+fn a_base_beside_its_object_stays_there() {
+    let files = beside(0.0, &[]);
+    let robot = files.load(TOML).unwrap_or_else(|e| panic!("{e}"));
+    let grasp = robot.drive_from_grasp(&robot.postures[0].joints);
     assert!((grasp.translation.y - 0.1).abs() < 0.01, "{grasp}");
     let file = files.folder.path().join(TOML).display().to_string();
-    for plant in ["kinematic", "rapier"] {
-        let output =
-            cocarry(&["run", "environment-1", "--plant", plant, "--robot", &file, "--seed", "1", "--json"]);
-        let said: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("JSON");
-        let summary = said.to_string();
-        assert!(summary.contains("\"arrived\""), "{plant}: {summary:.600}");
-    }
+    let output = cocarry(&["run", "environment-1", "--robot", &file, "--seed", "1", "--json"]);
+    let said: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    assert_eq!(said["outcome"], "arrived");
+    let error = said["position_error_rms_m"].as_f64().expect("a number");
+    assert!(error < 0.01, "{error} m");
 }

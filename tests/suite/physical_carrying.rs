@@ -259,7 +259,7 @@ fn forces_do_not_chatter_while_walking() {
     let (median, largest) = (changes[changes.len() / 2], changes[changes.len() - 1]);
     assert!(median < 0.2 && largest < 4.0, "{median} N, {largest} N");
     let noise = episode.summary().interaction.expect("forces").force_noise();
-    assert!(noise > median && noise < 0.5, "{noise} N");
+    assert!(noise > median && noise < 0.8, "{noise} N");
 }
 
 /// What the book says of 2,000 episodes, for one human in every cell.
