@@ -37,10 +37,10 @@ class Settings(TypedDict, total=False):
     """Parts of the robot that its MPC keeps out of obstacles. Default: robot."""
 
     physics_rate_hz: float
-    """Physics steps per second; a control period takes the nearest whole number of them. Default: 240.0."""
+    """Physics steps per second; a control period takes the nearest whole number of them. Default: 120.0."""
 
     solver_iterations: int
-    """Solver iterations in a physics step over grips, contacts and the base's motors; the arm is solved exactly. Default: 4."""
+    """Solver iterations in a physics step over grips, contacts and the base's motors; the arm is solved exactly. Default: 12."""
 
     rim_acceleration_m_per_s2: float
     """Largest acceleration of a wheel's rim, in metres per second squared. Default: 1.5."""
