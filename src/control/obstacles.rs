@@ -254,7 +254,7 @@ mod tests {
         let obstacles = RobotObstacles::new(&world);
         let mut rng = ChaCha8Rng::seed_from_u64(5);
         let mut compared = 0;
-        for _ in 0..20 {
+        for _ in 0..30 {
             let base = PlanarPose {
                 position: Point::new(rng.random_range(-0.2..0.2), rng.random_range(-0.3..0.3)),
                 yaw: rng.random_range(-0.6..0.6),
