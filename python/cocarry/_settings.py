@@ -40,7 +40,7 @@ class Settings(TypedDict, total=False):
     """Physics steps per second; a control period takes the nearest whole number of them. Default: 120.0."""
 
     solver_iterations: int
-    """Solver iterations in a physics step over grips, contacts and the base's motors; the arm is solved exactly. Default: 12."""
+    """Solver iterations in a physics step over grips and contacts; arm and base are solved exactly. Default: 12."""
 
     rim_acceleration_m_per_s2: float
     """Largest acceleration of a wheel's rim, in metres per second squared. Default: 1.5."""

@@ -19,8 +19,8 @@ const LARGEST_TURN_RAD: f64 = 0.2;
 const LARGEST_SLIDE_M: f64 = 0.05;
 
 /// Reads a posture and closes it. x and y of the grasp stay as the given angles place them; height and
-/// orientation become what the object needs. An arm that cannot place its grasp in any pose comes as near to these as
-/// it can ([`Robot::level`]), and x and y are free.
+/// orientation become what the object needs. An arm that cannot place its grasp in any pose comes as near to
+/// these as it can ([`Robot::level`]), and x and y are free.
 pub(super) fn read(
     source: Source,
     spanned: &Spanned<PostureEntry>,

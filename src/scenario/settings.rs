@@ -228,7 +228,7 @@ pub const SETTINGS: &[Setting] = &[
         flag: "solver-iterations",
         path: "physics.solver_iterations",
         group: Group::Physics,
-        about: "Solver iterations in a physics step over grips, contacts and the base's motors; the arm is solved exactly",
+        about: "Solver iterations in a physics step over grips and contacts; arm and base are solved exactly",
         applies: Applies::Bodies,
         kind: Kind::Count(
             PhysicsSettings::MOST_ITERATIONS as u64,

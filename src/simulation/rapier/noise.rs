@@ -5,13 +5,13 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-/// The corner frequency, Hz: above the gait (0.9 and 1.8), the control periods (5) and the hold of the hand (4).
+/// The corner frequency, Hz: above the gait (0.9 and 1.8), the control periods (5) and the hand's hold (4).
 pub(super) const NOISE_FREQUENCY: f64 = 10.0;
 
 /// A Butterworth high-pass filter of second order, by the bilinear transform that is exact at its corner.
 ///
-/// A sine of frequency f, in steps of dt seconds, leaves it with the gain w^2 / sqrt(1 + w^4), where w = tan(pi f dt) /
-/// tan(pi fc dt): f / fc in the limit of short steps. A constant leaves nothing, nor does a ramp that goes on.
+/// A sine of frequency f, in steps of dt seconds, leaves it with the gain w^2 / sqrt(1 + w^4), where
+/// w = tan(pi f dt) / tan(pi fc dt): f / fc in the limit of short steps. A constant leaves nothing, nor does a ramp that goes on.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct HighPass {
     /// The two state vectors of the transposed direct form; `None` before the first value.
@@ -38,7 +38,8 @@ impl Coefficients {
 }
 
 impl HighPass {
-    /// The part of the next value above the corner frequency. The first value counts as having been there always.
+    /// The part of the next value above the corner frequency. The first value counts as having been there
+    /// always.
     pub fn next(&mut self, value: &Vector3<f64>, of: &Coefficients) -> Vector3<f64> {
         let Coefficients { feed, back } = *of;
         let fed = value * feed;
