@@ -4,6 +4,7 @@
 use crate::spoiled_robot::{Files, TOML, URDF};
 use crate::support::{cocarry, stdout};
 use cocarry::robot::{JointVector, Robot};
+use std::collections::BTreeMap;
 
 fn touching(robot: &Robot, angles_deg: [f64; 7]) -> Option<[String; 2]> {
     let mut joints = JointVector::zeros();
@@ -62,9 +63,27 @@ fn a_base_beside_its_object_stays_there() {
     let grasp = robot.drive_from_grasp(&robot.postures[0].joints);
     assert!((grasp.translation.y - 0.1).abs() < 0.01, "{grasp}");
     let file = files.folder.path().join(TOML).display().to_string();
-    let output = cocarry(&["run", "environment-1", "--robot", &file, "--seed", "1", "--json"]);
+    let ticks = files.folder.path().join("ticks.csv").display().to_string();
+    let output =
+        cocarry(&["run", "environment-1", "--robot", &file, "--seed", "1", "--json", "--ticks", &ticks]);
     let said: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     assert_eq!(said["outcome"], "arrived");
     let error = said["position_error_rms_m"].as_f64().expect("a number");
     assert!(error < 0.01, "{error} m");
+    // how far the base is to the left of the object's axis
+    let mut rows = csv::Reader::from_path(&ticks).expect("ticks");
+    let mut beside: Vec<f64> = rows
+        .deserialize::<BTreeMap<String, String>>()
+        .map(|row| {
+            let row = row.expect("a row");
+            let number = |key: &str| row[key].parse::<f64>().expect("a number");
+            let (sin, cos) = number("object_yaw_deg").to_radians().sin_cos();
+            let [x, y] =
+                ["x_m", "y_m"].map(|key| number(&format!("base_{key}")) - number(&format!("object_{key}")));
+            cos * y - sin * x
+        })
+        .collect();
+    beside.sort_by(f64::total_cmp);
+    let median = beside[beside.len() / 2];
+    assert!((median + 0.1).abs() < 0.03, "{median} m");
 }
