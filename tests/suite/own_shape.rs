@@ -3,6 +3,7 @@
 
 use crate::spoiled_robot::{Files, TOML, URDF};
 use crate::support::{cocarry, stdout};
+use cocarry::math;
 use cocarry::robot::{JointVector, Robot};
 use std::collections::BTreeMap;
 
@@ -77,7 +78,7 @@ fn a_base_beside_its_object_stays_there() {
         .map(|row| {
             let row = row.expect("a row");
             let number = |key: &str| row[key].parse::<f64>().expect("a number");
-            let (sin, cos) = number("object_yaw_deg").to_radians().sin_cos();
+            let (sin, cos) = math::sin_cos(number("object_yaw_deg").to_radians());
             let [x, y] =
                 ["x_m", "y_m"].map(|key| number(&format!("base_{key}")) - number(&format!("object_{key}")));
             cos * y - sin * x
