@@ -179,7 +179,7 @@ fn mpc(c: &mut Criterion) {
     group.bench_function("with active limits", |bench| {
         bench.iter(|| black_box(solver.solve(&free, &limits, &hurried)));
     });
-    let candidate = Candidate { configuration: state.q, rates: InputVector::zeros() };
+    let candidate = Candidate::at_rest(&state.q, &state.at);
     group.bench_function("naive, with active limits", |bench| {
         bench.iter(|| black_box(naive_mpc(&robot, &b, &candidate, &hurried)));
     });

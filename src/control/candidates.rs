@@ -24,6 +24,15 @@ pub struct Candidate {
     pub configuration: Configuration,
     /// Mean rates over one period that lead there, as inputs.
     pub rates: InputVector,
+    /// The whole-body Jacobian J there.
+    pub jacobian: InputJacobian,
+}
+
+impl Candidate {
+    /// The present configuration, with its kinematics.
+    pub fn at_rest(configuration: &Configuration, at: &Kinematics) -> Self {
+        Self { configuration: *configuration, rates: InputVector::zeros(), jacobian: at.jacobian }
+    }
 }
 
 /// Number of candidates on either side of the present configuration; with the present one, the paper's |Q| =
@@ -61,7 +70,7 @@ impl Neighbourhood<'_> {
     /// the grasp to its pose.
     pub fn candidates(&self, set: CandidateSet, found: &mut Vec<Candidate>) {
         found.clear();
-        found.push(Candidate { configuration: *self.configuration, rates: InputVector::zeros() });
+        found.push(Candidate::at_rest(self.configuration, self.kinematics));
         let arm_only = match set {
             CandidateSet::None => return,
             CandidateSet::Arm => true,
@@ -99,7 +108,9 @@ impl Neighbourhood<'_> {
         for level in 1..=levels {
             let step = outermost * (level as f64 / levels as f64);
             let guess = robot.advance(q, &(step + correction), period);
-            let Some(closed) = robot.close(&guess, &kinematics.grasp, GRASP_TOLERANCE) else { break };
+            let Some((closed, there)) = robot.close(&guess, &kinematics.grasp, GRASP_TOLERANCE) else {
+                break;
+            };
             let mut rates = step;
             rates
                 .fixed_rows_mut::<MAX_JOINTS>(robot.drive.inputs())
@@ -110,7 +121,7 @@ impl Neighbourhood<'_> {
             if !joints.into_iter().all(|(joint, there)| (joint.lower..=joint.upper).contains(there)) {
                 break;
             }
-            found.push(Candidate { configuration: closed, rates });
+            found.push(Candidate { configuration: closed, rates, jacobian: there.jacobian });
         }
         excess
     }
@@ -156,20 +167,16 @@ fn self_motions(robot: &Robot, jacobian: &InputJacobian, arm_only: bool) -> Basi
     let base = robot.drive.inputs();
     let first = if arm_only { base } else { 0 };
     j.columns_mut(0, base).scale_mut(if arm_only { 0.0 } else { 1.0 });
-    let eigen = (j * j.transpose()).symmetric_eigen();
-    let largest = eigen.eigenvalues.max();
+    let qr = j.transpose().col_piv_qr();
+    let (rows, scales) = (qr.q(), qr.r().diagonal().abs());
+    let rank = scales.iter().filter(|scale| **scale > 1e-5 * scales[0]).count();
     let mut projector = SMatrix::<f64, MAX_INPUTS, MAX_INPUTS>::zeros();
     let last = base + robot.joint_count();
     for i in first..last {
         projector[(i, i)] = 1.0;
     }
-    let mut rank = 0;
-    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-        if *value > 1e-10 * largest {
-            let row = j.tr_mul(&vector);
-            projector -= row * row.transpose() / *value;
-            rank += 1;
-        }
+    for row in rows.column_iter().take(rank) {
+        projector -= row * row.transpose();
     }
     let count = (last - first).saturating_sub(rank).min(PER_SIDE);
     let mut basis = Basis { vectors: [InputVector::zeros(); MAX_INPUTS], count: 0 };

@@ -23,7 +23,7 @@ mod rolling;
 mod settings;
 
 pub use candidates::{Candidate, CandidateSet, Neighbourhood};
-pub use closed_form::ClosedForm;
+pub use closed_form::{ClosedForm, ModalReference};
 pub use follow::{Follower, hold_base_to, rolled, seen_from_base, set_base};
 pub use intent::Intent;
 pub use limits::{BaseInputs, HalfPlane, Limits};

@@ -6,10 +6,9 @@
 //! active-set method, or by clarabel if that does not converge.
 
 use super::active_set::{ActiveSet, slack};
-use super::closed_form::InverseHessian;
 use super::limits::{Limits, Row};
 use super::qp::Qp;
-use super::{ClosedForm, Inputs, Reference};
+use super::{ClosedForm, Inputs, ModalReference, Reference};
 
 /// Largest number of rounds that add violated constraints; each round adds at least one.
 const ROUNDS: usize = 40;
@@ -96,7 +95,8 @@ enum Stopped {
 
 /// The optimum without limits, if it is finite.
 fn finite_optimum(free: &ClosedForm, reference: &Reference) -> Option<Plan> {
-    let (inputs, cost) = (free.inputs(reference), free.cost(reference));
+    let reference = ModalReference::new(reference);
+    let (inputs, cost) = (free.inputs(&reference), free.cost(&reference));
     let is_finite = cost.is_finite() && inputs.iter().all(|u| u.is_finite());
     is_finite.then_some(Plan { inputs, cost, outcome: SolveOutcome::Unconstrained })
 }
@@ -146,7 +146,6 @@ impl Mpc {
         if limits.allow(&optimum.inputs) {
             return Ok(optimum);
         }
-        let inverse = free.inverse_hessian();
         self.rows.clear();
         self.responses.clear();
         self.excess.clear();
@@ -154,7 +153,7 @@ impl Mpc {
         self.dual.clear();
         self.find_joining(limits, &optimum.inputs);
         for _ in 0..ROUNDS {
-            self.join(&inverse, limits, &optimum.inputs);
+            self.join(free, limits, &optimum.inputs);
             if self.solve_dual().is_none() {
                 return Err(Stopped::Unsolved);
             }
@@ -216,11 +215,11 @@ impl Mpc {
     }
 
     /// Adds the joining rows, which are expected to be active, and extends D by them.
-    fn join(&mut self, inverse: &InverseHessian, limits: &Limits, optimum: &Inputs) {
+    fn join(&mut self, free: &ClosedForm, limits: &Limits, optimum: &Inputs) {
         let joined = self.joining.len();
         for row in self.joining.drain(..) {
             self.rows.push(row);
-            self.responses.push(inverse.apply(&limits.coefficients(row)));
+            self.responses.push(free.inverse_hessian_times(&limits.coefficients(row)));
             self.excess.push(limits.product(row, optimum) - limits.bound(row));
             self.positive.push(true);
         }

@@ -8,8 +8,8 @@ use super::candidates::{Candidate, Neighbourhood};
 use super::follow::set_base;
 use super::limits::Limits;
 use super::obstacles::{Avoid, RobotObstacles};
-use super::{BaseInputs, ClosedForm, Mpc, PoseCriterion, Reference, Settings, SolveOutcome};
-use crate::robot::{Configuration, Kinematics, Robot};
+use super::{BaseInputs, ClosedForm, ModalReference, Mpc, PoseCriterion, Reference, Settings, SolveOutcome};
+use crate::robot::{Configuration, InputJacobian, Kinematics, Robot};
 
 /// The difference below which costs are equal. The earlier candidate then wins: the present configuration
 /// first, then those nearest to it.
@@ -48,6 +48,7 @@ pub struct Considered<'a> {
 pub struct PoseOptimiser {
     candidates: Vec<Candidate>,
     forms: Vec<ClosedForm>,
+    modal: Vec<ModalReference>,
     /// Lower bounds of weight times cost: one row of options per candidate.
     bounds: Vec<f64>,
     /// Objective of each candidate: first a lower bound, later the value.
@@ -125,7 +126,7 @@ impl PoseOptimiser {
 
     fn most_manipulable(&mut self, robot: &Robot) -> usize {
         self.totals.clear();
-        self.totals.extend(self.candidates.iter().map(|c| -manipulability(robot, &c.configuration)));
+        self.totals.extend(self.candidates.iter().map(|c| -manipulability(robot, &c.jacobian)));
         first_within_tie(&self.totals)
     }
 
@@ -133,15 +134,17 @@ impl PoseOptimiser {
         self.forms.clear();
         self.bounds.clear();
         self.totals.clear();
+        self.modal.clear();
+        self.modal.extend(problem.references.iter().map(ModalReference::new));
         for candidate in &self.candidates {
-            let mut jacobian = problem.robot.kinematics(&candidate.configuration).jacobian;
+            let mut jacobian = candidate.jacobian;
             if problem.base.is_some() {
                 jacobian.columns_mut(0, problem.robot.drive.inputs()).fill(0.0);
             }
             let form =
                 ClosedForm::new(&(jacobian * problem.period), settings.state_weight, settings.input_weight);
             let mut total = motion_cost(problem.robot, candidate, problem.configuration, settings);
-            for (reference, weight) in problem.references.iter().zip(problem.weights) {
+            for (reference, weight) in self.modal.iter().zip(problem.weights) {
                 let bound = if *weight > 0.0 { weight * form.cost(reference) } else { 0.0 };
                 self.bounds.push(bound);
                 total += bound;
@@ -179,7 +182,7 @@ impl PoseOptimiser {
                     continue;
                 }
                 if let Some((obstacles, avoid)) = problem.obstacles {
-                    let (q, mut inputs) = (&candidate.configuration, form.inputs(reference));
+                    let (q, mut inputs) = (&candidate.configuration, form.inputs(&self.modal[o]));
                     if let Some(base) = problem.base {
                         set_base(&problem.robot.drive, &mut inputs, base);
                     }
@@ -219,9 +222,9 @@ pub fn motion_cost(robot: &Robot, candidate: &Candidate, from: &Configuration, s
     settings.pose_weight * (arm + robot.base_input(&candidate.rates).norm_squared())
 }
 
-/// Yoshikawa's measure of the arm, sqrt(det(J J')).
-pub fn manipulability(robot: &Robot, q: &Configuration) -> f64 {
-    let arm = robot.arm_jacobian(&robot.kinematics(q).jacobian);
+/// Yoshikawa's measure of the arm, sqrt(det(J J')), for a whole-body Jacobian.
+pub fn manipulability(robot: &Robot, jacobian: &InputJacobian) -> f64 {
+    let arm = robot.arm_jacobian(jacobian);
     (arm * arm.transpose()).determinant().max(0.0).sqrt()
 }
 

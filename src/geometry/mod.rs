@@ -17,7 +17,7 @@ pub use bend::Bend;
 pub use footprint::{Bounds, Footprint};
 pub use nearby::Nearby;
 pub use path::{Path, Piece};
-pub use spatial::{PlanarPose, Pose, rotation_vector};
+pub use spatial::{PlanarPose, Pose, rotation_vector, turn_about_z};
 pub use tandem::{Tandem, nearest};
 pub use turning::{Arc, write_turn_onto};
 pub use widening::Widening;
@@ -34,7 +34,8 @@ pub fn left_of(v: Vector) -> Vector {
 
 /// The unit vector at `angle` (rad).
 pub fn direction(angle: f64) -> Vector {
-    Vector::new(math::cos(angle), math::sin(angle))
+    let (sin, cos) = math::sin_cos(angle);
+    Vector::new(cos, sin)
 }
 
 /// The angle of `v` in (-pi, pi], rad.

@@ -26,7 +26,21 @@ impl PlanarPose {
     /// The level pose in space at this position, `height` (m) above the floor.
     pub fn at_height(&self, height: f64) -> Pose {
         let translation = Vector3::new(self.position.x, self.position.y, height);
-        Pose::from_parts(translation.into(), Rotation3::from_axis_angle(&Vector3::z_axis(), self.yaw))
+        let mut rotation = Rotation3::identity();
+        turn_about_z(&mut rotation, self.yaw);
+        Pose::from_parts(translation.into(), rotation)
+    }
+}
+
+/// Turns a rotation by `angle` (rad) about its own z.
+#[inline]
+pub fn turn_about_z(rotation: &mut Rotation3<f64>, angle: f64) {
+    let (sin, cos) = math::sin_cos(angle);
+    let turned = rotation.matrix_mut_unchecked();
+    for row in 0..3 {
+        let (x, y) = (turned[(row, 0)], turned[(row, 1)]);
+        turned[(row, 0)] = x * cos + y * sin;
+        turned[(row, 1)] = y * cos - x * sin;
     }
 }
 
@@ -40,7 +54,8 @@ pub fn rotation_vector(rotation: &Rotation3<f64>) -> Vector3<f64> {
     if cos < -0.9 {
         return UnitQuaternion::from_rotation_matrix(rotation).scaled_axis();
     }
-    if sin < 1e-12 { sine } else { sine * (math::atan2(sin, cos) / sin) }
+    // of a small angle, the next term of the arcsine, 3/40 of the sine to the fourth, is below rounding
+    if sin < 1e-4 { sine * (1.0 + sin * sin / 6.0) } else { sine * (math::atan2(sin, cos) / sin) }
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use super::urdf::Urdf;
 use super::{ArmJoint, ChainLink, MAX_JOINTS, Motion};
 use crate::geometry::Pose;
 use crate::located::Place;
+use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::collections::BTreeMap;
 
 /// A joint under `[hold]`.
@@ -79,15 +80,15 @@ impl Arm {
             if joint.mimic.is_some() {
                 tighten(urdf, joint, &mut joints[follows])?;
             }
+            let joint_from_axis = frame_about(&joint.axis);
             chain.push(ChainLink {
-                before_from_joint: before * joint.parent_from_joint,
-                axis: joint.axis,
+                before_from_joint: before * joint.parent_from_joint * joint_from_axis,
                 motion: motion(joint.kind),
                 joint: follows,
                 ratio,
                 offset,
             });
-            before = Pose::identity();
+            before = Pose::from_parts(Default::default(), joint_from_axis.inverse());
         }
         let (count, most) = (chain.len(), 2 * MAX_JOINTS);
         if count > most {
@@ -95,6 +96,14 @@ impl Arm {
         }
         Ok(Self { joints, chain, last_from_grasp: before })
     }
+}
+
+/// A rotation that takes z to `axis`; exact for an axis along a coordinate.
+fn frame_about(axis: &Vector3<f64>) -> Rotation3<f64> {
+    let mut across = Vector3::zeros();
+    across[axis.iamin()] = 1.0;
+    let y = axis.cross(&across).normalize();
+    Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[y.cross(axis), y, *axis]))
 }
 
 fn joint(links: &[Link], i: usize) -> Option<&Joint> {

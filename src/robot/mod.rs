@@ -13,6 +13,7 @@ mod draft_search;
 mod drive;
 mod driven;
 mod error;
+mod factor;
 mod fault;
 mod file;
 mod hull;
@@ -36,6 +37,7 @@ pub use draft_request::{DraftError, DraftRequest};
 pub(crate) use drive::without_last;
 pub use drive::{BaseInput, BaseTwist, Drive, DriveKind, MAX_BASE_INPUTS, SlowDrive, Wheel};
 pub use error::RobotError;
+pub(crate) use factor::{Factor, Lanes};
 pub use fault::{ArmFault, DriveFault, PostureFault, TreeFault, WheelFault};
 pub use kinematics::{Kinematics, pose_difference};
 pub use link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
@@ -45,7 +47,7 @@ pub use reach::Reach;
 pub(crate) use self_contact::SelfContacts;
 
 use crate::geometry::{PlanarPose, Pose};
-use nalgebra::{SMatrix, SVector, Unit, Vector3};
+use nalgebra::{SMatrix, SVector};
 
 /// The largest number of independently moving arm joints: seven and a lift.
 pub const MAX_JOINTS: usize = 8;
@@ -138,10 +140,9 @@ pub struct Posture {
 /// A moving joint between the base and the grasp. Fixed joints are part of the constant transforms.
 #[derive(Clone, Debug)]
 pub(crate) struct ChainLink {
-    /// From the previous frame (the drive's, for the first) to this joint's frame at position 0.
+    /// From the previous frame (the drive's, for the first) to this joint's frame at position 0. The joint's
+    /// axis is the frame's z, as in the notation of Denavit and Hartenberg: a turn then mixes two columns.
     pub before_from_joint: Pose,
-    /// Axis in the joint's frame.
-    pub axis: Unit<Vector3<f64>>,
     pub motion: Motion,
     /// The arm joint that moves it: index into [`Robot::joints`].
     pub joint: usize,

@@ -54,7 +54,7 @@ pub(super) fn read(
         }
         _ => {
             let closed = robot.close(&start, &level, TOLERANCE);
-            closed.ok_or_else(|| fault(PostureFault::NoSolution))?.joints
+            closed.ok_or_else(|| fault(PostureFault::NoSolution))?.0.joints
         }
     };
     for (i, joint) in robot.joints.iter().enumerate() {

@@ -173,7 +173,7 @@ fn reach_share(robot: &Robot, found: &Found) -> f64 {
             goal.translation.vector += way * share;
             goal.rotation = Rotation3::from_axis_angle(&Vector3::z_axis(), turn * share) * goal.rotation;
             let closed = robot.close(&at, &goal, TOLERANCE);
-            let Some(closed) = closed.filter(|q| robot.is_within_limits(&q.joints)) else { break };
+            let Some((closed, _)) = closed.filter(|(q, _)| robot.is_within_limits(&q.joints)) else { break };
             (at, reached) = (closed, step);
         }
         f64::from(reached) / f64::from(REACH_STEPS)

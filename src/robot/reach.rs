@@ -45,7 +45,7 @@ impl Robot {
             while end.abs() < FARTHEST_M {
                 let mut next = pose;
                 next.translation.x = end + by;
-                let Some(closed) = self.close(&at, &next, TOLERANCE) else { break };
+                let Some((closed, _)) = self.close(&at, &next, TOLERANCE) else { break };
                 if !self.is_within_limits(&closed.joints) {
                     break;
                 }

@@ -38,10 +38,34 @@ struct Body {
     link: usize,
     /// The body that carries it, and the joint's frame in it; `None` for the base.
     parent: Option<(usize, Pose)>,
-    shapes: Vec<(math::Pose, SharedShape)>,
-    /// A ball around all shapes: its centre in the body's frame, and its radius, m; negative without shapes.
+    shapes: Vec<Solid>,
+    /// Around all shapes; its radius is negative without shapes.
+    ball: Ball,
+}
+
+/// A convex shape of a body.
+#[derive(Clone, Debug)]
+struct Solid {
+    body_from_shape: math::Pose,
+    shape: SharedShape,
+    ball: Ball,
+}
+
+/// A ball that holds a shape: two shapes can be no deeper in each other than their balls.
+#[derive(Clone, Copy, Debug)]
+struct Ball {
+    /// Centre in the body's frame, m.
     center: Point3<f64>,
+    /// Radius, m.
     radius: f64,
+}
+
+impl Ball {
+    fn may_touch(&self, at: &Pose, other: &Self, other_at: &Pose) -> bool {
+        let near = self.radius + other.radius - DEPTH_M;
+        let between = other_at * other.center - at * self.center;
+        between.norm_squared() < near * near
+    }
 }
 
 impl SelfContacts {
@@ -100,17 +124,19 @@ impl SelfContacts {
 
     fn touch(&self, [a, b]: [usize; 2], poses: &[Pose]) -> bool {
         let (first, second) = (&self.bodies[a], &self.bodies[b]);
-        let near = first.radius + second.radius - DEPTH_M;
-        let between = poses[b] * second.center - poses[a] * first.center;
-        if between.norm_squared() >= near * near {
+        let [at_first, at_second] = [&poses[a], &poses[b]];
+        if !first.ball.may_touch(at_first, &second.ball, at_second) {
             return false;
         }
-        let [at_first, at_second] = [a, b].map(|i| to_parry(&poses[i]));
-        first.shapes.iter().any(|(first_at, first_shape)| {
-            second.shapes.iter().any(|(second_at, second_shape)| {
-                let (one, other) = (at_first * *first_at, at_second * *second_at);
+        let (from_first, from_second) = (to_parry(at_first), to_parry(at_second));
+        first.shapes.iter().any(|one| {
+            second.shapes.iter().any(|other| {
+                if !one.ball.may_touch(at_first, &other.ball, at_second) {
+                    return false;
+                }
+                let (at, other_at) = (from_first * one.body_from_shape, from_second * other.body_from_shape);
                 // parry has contacts of all convex shapes
-                let found = contact(&one, &**first_shape, &other, &**second_shape, 0.0);
+                let found = contact(&at, &*one.shape, &other_at, &*other.shape, 0.0);
                 found.ok().flatten().is_some_and(|contact| contact.dist < -DEPTH_M)
             })
         })
@@ -152,25 +178,25 @@ fn found(robot: &Robot) -> Vec<Body> {
                 Some((carrier, rest[body_of[above]].inverse() * rest[above]))
             });
             let members = (0..robot.links.len()).filter(|&i| body_of[i] == link);
-            let shapes: Vec<(math::Pose, SharedShape)> = members
+            let shapes: Vec<Solid> = members
                 .flat_map(|i| robot.links[i].collisions.iter().map(move |geometry| (i, geometry)))
                 .filter_map(|(i, geometry)| {
                     solid(&(rest[link].inverse() * rest[i] * geometry.link_from_shape), geometry)
                 })
                 .collect();
-            let boxes = shapes.iter().map(|(at, shape)| shape.compute_aabb(at));
+            let boxes = shapes.iter().map(|solid| solid.shape.compute_aabb(&solid.body_from_shape));
             let whole = boxes.reduce(|a, b| parry3d::bounding_volume::BoundingVolume::merged(&a, &b));
-            let (center, radius) = whole.map_or((Point3::origin(), -1.0), |whole| {
-                let middle = whole.center();
-                (Point3::new(middle.x, middle.y, middle.z), whole.half_extents().length())
+            let ball = whole.map_or(Ball { center: Point3::origin(), radius: -1.0 }, |whole| Ball {
+                center: from_parry(whole.center()),
+                radius: whole.half_extents().length(),
             });
-            Body { link, parent, shapes, center, radius }
+            Body { link, parent, shapes, ball }
         })
         .collect()
 }
 
-/// A shape for parry with its pose; `None` for a mesh without a hull.
-fn solid(body_from_shape: &Pose, geometry: &Geometry) -> Option<(math::Pose, SharedShape)> {
+/// A shape for parry; `None` for a mesh without a hull.
+fn solid(body_from_shape: &Pose, geometry: &Geometry) -> Option<Solid> {
     // parry's cylinders are aligned with y
     let upright = Pose::from_parts(
         Default::default(),
@@ -193,7 +219,14 @@ fn solid(body_from_shape: &Pose, geometry: &Geometry) -> Option<(math::Pose, Sha
             (hull?, *body_from_shape)
         }
     };
-    Some((to_parry(&at), shape))
+    let body_from_shape = to_parry(&at);
+    let sphere = shape.compute_bounding_sphere(&body_from_shape);
+    let ball = Ball { center: from_parry(sphere.center), radius: sphere.radius };
+    Some(Solid { body_from_shape, shape, ball })
+}
+
+fn from_parry(point: math::Vector) -> Point3<f64> {
+    Point3::new(point.x, point.y, point.z)
 }
 
 fn to_parry(pose: &Pose) -> math::Pose {

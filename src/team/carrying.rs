@@ -5,9 +5,9 @@ use super::team_path::{FreeSpace, Turned};
 use super::tick::{Preparation, RobotTick};
 use super::{Situation, Step, Team, Travel, Walk};
 use crate::control::{
-    self, Avoid, BaseInputs, Candidate, ClosedForm, Intent, Limits, Mpc, PoseCriterion, PoseOptimiser,
-    PoseProblem, Reference, RobotObstacles, SolveOutcome, hold_base_to, reference, rolled, seen_from_base,
-    set_base,
+    self, Avoid, BaseInputs, Candidate, ClosedForm, Intent, Limits, ModalReference, Mpc, PoseCriterion,
+    PoseOptimiser, PoseProblem, Reference, RobotObstacles, SolveOutcome, hold_base_to, reference, rolled,
+    seen_from_base, set_base,
 };
 use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose};
@@ -188,7 +188,7 @@ impl<'a, B: Bodies> Carrying<'a, B> {
             paths: (0..options).map(|_| Path::with_capacity(64)).collect(),
             references: Vec::with_capacity(options),
             weights: Vec::with_capacity(options),
-            target: Candidate { configuration, rates: InputVector::zeros() },
+            target: Candidate::at_rest(&configuration, &manipulator.robot.kinematics(&configuration)),
             input: InputVector::zeros(),
             body_poses: Vec::with_capacity(manipulator.robot.links.len()),
         }
@@ -331,8 +331,7 @@ impl<'a, B: Bodies> Carrying<'a, B> {
     ) {
         let Manipulator { robot, control, obstacles, .. } = self.manipulator;
         let period = self.walk.period;
-        let Candidate { configuration: target, rates } = self.target;
-        let jacobian = robot.kinematics(&target).jacobian;
+        let Candidate { configuration: target, rates, jacobian } = self.target;
         let free = ClosedForm::new(&(jacobian * period), control.state_weight, control.input_weight);
         self.limits.set(robot, &target, &rates, period);
         let mut to_track = self.references[reference];
@@ -340,7 +339,7 @@ impl<'a, B: Bodies> Carrying<'a, B> {
             to_track += rolled(&robot.drive, &jacobian, base, period);
         }
         if control.avoid != Avoid::Nothing {
-            let mut about = free.inputs(&to_track);
+            let mut about = free.inputs(&ModalReference::new(&to_track));
             if let Some(base) = base {
                 set_base(&robot.drive, &mut about, base);
             }
@@ -410,11 +409,11 @@ impl<B: Bodies> Team for Carrying<'_, B> {
         let Manipulator { robot, control, obstacles, .. } = self.manipulator;
         let q = *self.bodies.configuration();
         let mut tick = RobotTick::at(&q, self.bodies.grasp_goal());
-        self.target = Candidate { configuration: q, rates: InputVector::zeros() };
+        let at = robot.kinematics(&q);
+        self.target = Candidate::at_rest(&q, &at);
         if let Motion::Inputs(input) = situation.motion {
             self.input = *input;
         } else {
-            let at = robot.kinematics(&q);
             let Situation { mode, travel, path, along, .. } = *situation;
             let lead = match mode {
                 Mode::RobotLed => 0.0,
