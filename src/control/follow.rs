@@ -7,7 +7,7 @@
 use super::holonomic;
 use super::limits::{BaseInputs, HalfPlane, Limits};
 use super::{Inputs, Reference, RobotObstacles};
-use crate::geometry::{PlanarPose, Point, Pose, Vector, angle_of, nearest_on_segment, wrap_angle};
+use crate::geometry::{Footprint, PlanarPose, Point, Pose, Vector, angle_of, nearest_on_segment, wrap_angle};
 use crate::math;
 use crate::robot::{BaseInput, BaseTwist, Drive, InputJacobian, pose_difference};
 use nalgebra::Rotation3;
@@ -17,7 +17,8 @@ use nalgebra::Rotation3;
 const LOOK_AHEADS_M: [f64; 3] = [0.65, 0.45, 0.3];
 /// Number of periods over which the base looks out for obstacles.
 const LOOK_OUT_PERIODS: usize = 6;
-/// How far (m) the base may be nearer to an obstacle than its radius: the base is narrower than its disc.
+/// How far (m) the base may overlap an obstacle: the base is narrower than its disc, or than the polygon around
+/// its shapes.
 const LOOK_OUT_TOLERANCE_M: f64 = 0.005;
 /// Gain of the spacing between base and grasp, 1/s.
 const SPACING_GAIN: f64 = 1.0;
@@ -43,6 +44,8 @@ pub struct Follower<'w> {
     pub distance: f64,
     /// Angle of the grasp beside straight ahead of the base, rad: an omnidirectional base keeps it.
     pub bearing: f64,
+    /// The outline of the base.
+    pub footprint: &'w Footprint,
     /// What the base keeps off.
     pub obstacles: &'w RobotObstacles,
 }
@@ -54,7 +57,6 @@ impl Follower<'_> {
     /// Inputs of the base by pure pursuit (Coulter 1992) of a point ahead on the path, at the speed that
     /// keeps the distance, within the limits of the drive. `input` is the present one.
     pub fn inputs(&self, drive: &Drive, base: &PlanarPose, input: BaseInput, period: f64) -> BaseInputs {
-        let room = drive.base_radius - LOOK_OUT_TOLERANCE_M;
         let mut chosen = BaseInputs::default();
         let look_aheads: &[f64] =
             if drive.is_omnidirectional() { &holonomic::LOOK_AHEADS_M } else { &LOOK_AHEADS_M };
@@ -66,7 +68,7 @@ impl Follower<'_> {
                 if let Some(input) = chosen.get_mut(i) {
                     *input = pursuit.input;
                 }
-                is_clear &= self.obstacles.is_clear(pursuit.at.position, room);
+                is_clear &= self.obstacles.has_room(&pursuit.at, self.footprint, LOOK_OUT_TOLERANCE_M);
             }
             if is_clear {
                 break;
@@ -238,6 +240,7 @@ mod tests {
     use std::f64::consts::FRAC_PI_2;
 
     const DRIVE: Drive = crate::control::DIFFERENTIAL;
+    const DISC: Footprint = Footprint::Disc { center: Point::new(0.0, 0.0), radius: DRIVE.base_radius };
     const PERIOD: f64 = 0.2;
 
     /// The path of a grasp that goes round a corner of `angle` (rad) and is `walked` (m) past it.
@@ -265,6 +268,7 @@ mod tests {
             rim_acceleration: 1.2,
             distance: 0.8,
             bearing: 0.0,
+            footprint: &DISC,
             obstacles,
         }
     }
@@ -342,7 +346,7 @@ mod tests {
                 let way = corner(FRAC_PI_2, -1.0 + 0.05 * f64::from(tick));
                 rims = follower(&way, [0.25; 2], obstacles).inputs(&DRIVE, &base, rims, PERIOD)[0];
                 base = DRIVE.roll(&base, &(rims * PERIOD));
-                wall.clearance(base.position, DRIVE.base_radius)
+                wall.clearance(&base, &DISC)
             });
             clearances.fold(f64::INFINITY, f64::min)
         };

@@ -4,8 +4,8 @@ use super::limits::{HalfPlane, Limits};
 use super::reaching::{ArmJacobian, Reaching};
 use super::rolling::Rolling;
 use super::{HORIZON, Inputs};
-use crate::geometry::{Bounds, Footprint, PlanarPose, Point, Vector};
-use crate::robot::{Configuration, Drive, InputVector, MAX_BASE_INPUTS, MAX_JOINTS, PointJacobian, Robot};
+use crate::geometry::{Bounds, Footprint, Placed, PlanarPose, Point, Vector};
+use crate::robot::{Configuration, InputVector, MAX_BASE_INPUTS, MAX_JOINTS, PointJacobian, Robot};
 use crate::world::World;
 use nalgebra::Vector3;
 
@@ -14,6 +14,9 @@ use nalgebra::Vector3;
 const MARGIN_M: f64 = 0.01;
 /// Distance (m) from the base beyond which an obstacle sets no bound for the base.
 const BASE_RANGE_M: f64 = 0.5;
+/// How much farther (m) than the nearest corner another one of a base may be that still has a bound. A side
+/// turns against a flat wall about either of its ends.
+const CORNERS_RANGE_M: f64 = 0.15;
 
 /// Weight of the squared violation (m) of a bound: a thousand times that of the same tracking error.
 const VIOLATION_PRICE: f64 = 1e6;
@@ -49,6 +52,8 @@ pub enum Avoid {
 #[derive(Clone, Debug)]
 pub struct RobotObstacles {
     outlines: Vec<Outline>,
+    /// The largest number of corners of an outline.
+    most_corners: usize,
 }
 
 #[derive(Clone, Debug)]
@@ -86,12 +91,22 @@ impl RobotObstacles {
             bounds: footprint.bounds(),
             height,
         };
-        Self { outlines: world.obstacles.iter().map(|o| outline(&o.footprint, o.height)).collect() }
+        let corners = world.obstacles.iter().map(|o| match &o.footprint {
+            Footprint::Polygon(corners) => corners.len(),
+            Footprint::Disc { .. } => 1,
+        });
+        let most_corners = corners.max().unwrap_or(0);
+        let outlines = world.obstacles.iter().map(|o| outline(&o.footprint, o.height)).collect();
+        Self { outlines, most_corners }
     }
 
     /// Replaces the half-planes in `limits`. They separate the base, and points of the arm, from each
     /// near obstacle at each step, for a robot that starts at `q` and moves by `inputs`. They are linear in
     /// the inputs about these.
+    ///
+    /// A base that is a polygon has a bound for every corner of it that is nearly nearest to an obstacle, and
+    /// for every corner of the obstacle that is so near beside one of its sides. Where the two overlap, n is the
+    /// direction of least penetration.
     ///
     /// Let p(t) be a point's position after t periods T along `inputs`, and n the gradient of the obstacle's
     /// distance d. The bound is n . (p(t) + dp(t)/du (u - inputs)) >= n . p(t) - (d - radius - margin). The
@@ -117,9 +132,13 @@ impl RobotObstacles {
     ) {
         limits.half_planes.clear();
         let points = 2 + robot.arm_point_count(ARM_SPACING_M);
-        limits.half_planes.reserve(HORIZON * self.outlines.len() * points);
+        let corners = match &robot.footprint {
+            Footprint::Polygon(corners) => corners.len() + self.most_corners,
+            Footprint::Disc { .. } => 0,
+        };
+        limits.half_planes.reserve(HORIZON * self.outlines.len() * (points + corners));
         if avoid != Avoid::Nothing {
-            self.keep_base_off(&robot.drive, &q.base, inputs, period, limits);
+            self.keep_base_off(robot, &q.base, inputs, period, limits);
         }
         if avoid == Avoid::Robot {
             self.keep_arm_off(robot, q, inputs, period, is_base_given, limits);
@@ -128,21 +147,37 @@ impl RobotObstacles {
 
     fn keep_base_off(
         &self,
-        drive: &Drive,
+        robot: &Robot,
         base: &PlanarPose,
         inputs: &Inputs,
         period: f64,
         limits: &mut Limits,
     ) {
-        let rolling = Rolling::new(drive, base, inputs, period);
+        let rolling = Rolling::new(&robot.drive, base, inputs, period);
+        let radius = robot.drive.base_radius;
         for t in 0..HORIZON {
-            let at = rolling.pose(t).position;
+            let at = rolling.pose(t);
             for outline in &self.outlines {
-                let Some((distance, away)) = outline.near(at, drive.base_radius + BASE_RANGE_M) else {
+                let Some((distance, away)) = outline.near(at.position, radius + BASE_RANGE_M) else {
                     continue;
                 };
-                let room = distance - drive.base_radius - MARGIN_M;
-                limits.half_planes.push(rolling.bound(t, -away, room, VIOLATION_PRICE));
+                if let Footprint::Disc { .. } = robot.footprint {
+                    let room = distance - radius - MARGIN_M;
+                    limits.half_planes.push(rolling.bound(t, -away, room, VIOLATION_PRICE));
+                    continue;
+                }
+                let placed = Placed::new(&robot.footprint, at);
+                let nearest = placed.separation(&outline.footprint).distance;
+                if nearest > BASE_RANGE_M {
+                    continue;
+                }
+                placed.witnesses(&outline.footprint, |witness| {
+                    if witness.distance <= nearest + CORNERS_RANGE_M {
+                        let room = witness.distance - MARGIN_M;
+                        let bound = rolling.bound_at(t, -witness.away, witness.lever, room, VIOLATION_PRICE);
+                        limits.half_planes.push(bound);
+                    }
+                });
             }
         }
     }
@@ -158,6 +193,7 @@ impl RobotObstacles {
     ) {
         let base = q.base;
         let reaching = Reaching::new(&robot.drive, &base, inputs, period);
+        let placed = Placed::new(&robot.footprint, &base);
         let carried = |point: &Vector3<f64>| point.xy() - base.position.coords;
         let first = robot.drive.inputs();
         let arm_of = |jacobian: &PointJacobian| jacobian.fixed_view::<2, MAX_JOINTS>(0, first).into_owned();
@@ -177,7 +213,14 @@ impl RobotObstacles {
         robot.arm_points(q, ARM_SPACING_M, |point, jacobian| {
             let from_base = carried(&point);
             // the bounds of the base also cover what is above it
-            if from_base.norm() + ARM_RADIUS_M <= robot.drive.base_radius {
+            let is_above = match &robot.footprint {
+                Footprint::Disc { radius, .. } => from_base.norm() + ARM_RADIUS_M <= *radius,
+                outline => {
+                    let of_base = placed.inside_frame(base.position + from_base);
+                    outline.separation(of_base).0 <= -ARM_RADIUS_M
+                }
+            };
+            if is_above {
                 return;
             }
             let arm = arm_of(jacobian);
@@ -224,11 +267,25 @@ impl RobotObstacles {
         });
     }
 
-    /// Distance (m) between the base and the nearest obstacle, negative where they overlap; infinite without
-    /// obstacles.
-    pub fn clearance(&self, base: Point, radius: f64) -> f64 {
-        let separations = self.outlines.iter().map(|o| o.footprint.separation(base).0);
-        separations.map(|distance| distance - radius).fold(f64::INFINITY, f64::min)
+    /// Distance (m) between a base at this pose and the nearest obstacle, negative where they overlap; infinite
+    /// without obstacles.
+    pub fn clearance(&self, base: &PlanarPose, footprint: &Footprint) -> f64 {
+        let placed = Placed::new(footprint, base);
+        let separations = self.outlines.iter().map(|o| placed.separation(&o.footprint).distance);
+        separations.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether a base at this pose overlaps no obstacle by `tolerance` (m) or more.
+    pub fn has_room(&self, base: &PlanarPose, footprint: &Footprint, tolerance: f64) -> bool {
+        let (corners, radius) = match footprint {
+            Footprint::Disc { radius, .. } => return self.is_clear(base.position, radius - tolerance),
+            Footprint::Polygon(corners) => (corners, 0.0),
+        };
+        let radius = corners.iter().map(|c| c.coords.norm_squared()).fold(radius, f64::max).sqrt();
+        let placed = Placed::new(footprint, base);
+        self.outlines.iter().all(|o| {
+            o.near(base.position, radius).is_none() || placed.separation(&o.footprint).distance > -tolerance
+        })
     }
 
     /// Whether every obstacle is farther than `room` (m, not negative) from `p`.
@@ -340,7 +397,9 @@ mod tests {
             let at = Point::new(rng.random_range(-2.0..12.0), rng.random_range(-6.0..6.0));
             let room = rng.random_range(0.0..1.0);
             let is_clear = obstacles.is_clear(at, room);
-            assert_eq!(is_clear, obstacles.clearance(at, 0.0) > room, "{at} {room}");
+            let pose = PlanarPose { position: at, yaw: 0.0 };
+            let disc = Footprint::Disc { center: Point::origin(), radius: 0.0 };
+            assert_eq!(is_clear, obstacles.clearance(&pose, &disc) > room, "{at} {room}");
             clear += u32::from(is_clear);
         }
         assert!((500..4500).contains(&clear), "{clear}");

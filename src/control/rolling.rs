@@ -55,6 +55,15 @@ impl<'i> Rolling<'i> {
         HalfPlane { coefficients, bound: coefficients.dot(self.inputs) + room, price, is_guide: false }
     }
 
+    /// The bound that keeps a point of the base, at the offset `lever` (m), from moving farther than `room` (m)
+    /// in the direction `toward` until after step `t`.
+    pub fn bound_at(&self, t: usize, toward: Vector, lever: Vector, room: f64, price: f64) -> HalfPlane {
+        let mut coefficients = Inputs::zeros();
+        let of_base = self.gradient_at(t, toward, lever);
+        coefficients.fixed_rows_mut::<MAX_BASE_INPUTS>(0).copy_from(&of_base);
+        HalfPlane { coefficients, bound: coefficients.dot(self.inputs) + room, price, is_guide: false }
+    }
+
     /// The gradient of `toward . p` for a point that the base carries at the offset `arm` (m), with respect
     /// to the base's inputs.
     pub fn gradient_at(&self, t: usize, toward: Vector, arm: Vector) -> Gradient {

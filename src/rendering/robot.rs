@@ -40,7 +40,7 @@ pub fn robot_page(robot: &Robot, about: &str, remarks: &[String]) -> Result<Stri
     Ok(filled(&json!({
         "title": robot.name,
         "world": {
-            "name": robot.name, "robot_width_m": 2.0 * robot.drive.base_radius,
+            "name": robot.name, "robot_width_m": robot.width(),
             "start": [-0.3, -0.3], "target": [0.9, 0.3], "object_m": [0.0, 0.0, 0.0],
             "obstacles": [], "openings": [],
         },

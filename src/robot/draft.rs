@@ -3,10 +3,13 @@
 
 use super::draft_request::{DraftError, DraftRequest};
 use super::draft_search::{self, Parts};
+use super::footprint;
 use super::level::FULL;
 use super::load::{self, RobotTexts};
+use super::note::RobotNote;
 use super::postures::{self, Found};
 use super::{Motion, Robot};
+use crate::geometry::{Footprint, Point};
 use crate::math;
 use nalgebra::{Rotation3, Vector3};
 use std::path::Path;
@@ -24,6 +27,9 @@ pub struct Draft {
 
 /// Heights tried in this order, m.
 const HEIGHTS_M: [f64; 7] = [0.7, 0.8, 0.9, 0.6, 1.0, 1.1, 0.5];
+
+/// A base whose disc is this many times as wide as the base itself is drafted with its own outline.
+const NARROWER: f64 = 1.1;
 
 /// Room of a posture, as [`Found`] has it, with which no other height is tried.
 const ENOUGH_ROOM: f64 = 0.2;
@@ -45,7 +51,7 @@ impl Draft {
         let name = name.trim_end_matches(".urdf").to_owned();
         let toml = |text: &str| toml::Value::String(text.to_owned()).to_string();
         let heights: Vec<f64> = request.grasp_height.map_or(HEIGHTS_M.to_vec(), |h| vec![h]);
-        let head = |width: f64, height: f64, rpy: Vector3<f64>| {
+        let head = |base_size: &BaseSize, height: f64, rpy: Vector3<f64>| {
             let Parts { base, tool, drive, radius, rate, .. } = &parts;
             let mut text = format!(
                 "# Drafted by `cocarry robot init`. Check it with `cocarry robot check`.\nname = {}\nurdf = {}\nbase_link = {}\n",
@@ -65,26 +71,25 @@ impl Draft {
                 .iter()
                 .for_each(|r| text += &format!("wheel_radius_m = {r:.4}   # measured on its mesh\n"));
             rate.iter().for_each(|r| text += &format!("wheel_rate_limit_rad_s = {r:.2}   # assumed\n"));
-            text += &format!("base_width_m = {width:.2}\ngrasp_height_m = {height}\n");
+            text += &format!("base_width_m = {:.2}\n", base_size.width);
+            if let Footprint::Polygon(_) = base_size.footprint {
+                text += "base_footprint = \"collision\"\n";
+            }
+            text += &format!("grasp_height_m = {height}\n");
             if !parts.holds.is_empty() {
                 text += &format!("\n[hold]\n{}\n", parts.holds.join("\n"));
             }
             text
         };
-        let bare =
-            |width: f64, height: f64, rpy| load::without_postures(&texts.with(head(width, height, rpy)));
         let plain = euler(&parts.tool_from_grasp);
-        let robot = bare(0.5, heights[0], plain)?;
-        let width = match robot.base_extent() {
-            Some(extent) => (2.0 * extent * 100.0).ceil() / 100.0,
-            None => robot.drive.track.max(0.4) + 0.1,
-        };
+        let robot = load::without_postures(&texts.with(head(&BaseSize::disc(0.5), heights[0], plain)))?;
+        let base_size = BaseSize::of(&robot);
         let room = |found: &Option<(f64, Vec<Found>)>| {
             found.as_ref().and_then(|(_, postures)| postures.first()).map_or(0.0, |best| best.room)
         };
         let mut found = None;
         for &height in &heights {
-            let here = Some((height, postures::search(&robot, height, width / 2.0)));
+            let here = Some((height, postures::search(&robot, height, &base_size.footprint)));
             if room(&here) > room(&found) {
                 found = here;
             }
@@ -101,19 +106,52 @@ impl Draft {
         let roll = found[0].roll;
         let level = Rotation3::from_axis_angle(&Vector3::x_axis(), -roll);
         let rpy = euler(&(parts.tool_from_grasp * level));
-        let mut text = head(width, height, rpy);
+        let mut text = head(&base_size, height, rpy);
         for (i, posture) in found.iter().filter(|f| f.roll == roll).enumerate() {
             text += &entry(&robot, posture, i + 1);
         }
         if let Some(height) = request.grasp_height.is_none().then_some(height) {
             assumed.push(format!("the object is held {height} m above the floor (--grasp-height)"));
         }
-        assumed.push(format!(
-            "the base is {width:.2} m wide: a disc about the axle around its collision shapes"
-        ));
+        let width = base_size.width;
+        assumed.push(match base_size.footprint {
+            Footprint::Disc { .. } => {
+                format!("the base is {width:.2} m wide: a disc about the axle around its collision shapes")
+            }
+            Footprint::Polygon(_) => format!(
+                "the base is {width:.2} m wide, its collision shapes seen from above: a disc about the axle would be {:.2} m wide",
+                2.0 * robot.base_extent().unwrap_or_default()
+            ),
+        });
         let texts = texts.with(text.clone());
         let robot = load::complete(texts).map_err(|mut faults| faults.swap_remove(0))?;
         Ok(Self { text, assumed, robot })
+    }
+}
+
+/// The outline of a base, and its width, m.
+struct BaseSize {
+    width: f64,
+    footprint: Footprint,
+}
+
+impl BaseSize {
+    fn disc(width: f64) -> Self {
+        Self { width, footprint: Footprint::Disc { center: Point::origin(), radius: width / 2.0 } }
+    }
+
+    /// A disc, or the polygon around the base's shapes where that is much narrower.
+    fn of(robot: &Robot) -> Self {
+        let centimetres = |width: f64| (width * 100.0).ceil() / 100.0;
+        let Some(extent) = robot.base_extent() else { return Self::disc(robot.drive.track.max(0.4) + 0.1) };
+        let disc = Self::disc(centimetres(2.0 * extent));
+        if robot.notes.iter().any(|note| matches!(note, RobotNote::Footprint { .. })) {
+            return disc;
+        }
+        let Ok(corners) = footprint::around_shapes(robot) else { return disc };
+        let footprint = Footprint::Polygon(corners);
+        let width = centimetres(footprint::across(&footprint));
+        if 2.0 * extent <= NARROWER * width { disc } else { Self { width, footprint } }
     }
 }
 

@@ -1,8 +1,9 @@
 //! Postures solved by inverse kinematics from random starts, ranked by their room to move.
 
+use super::footprint::across;
 use super::level::FULL;
 use super::{JointVector, Motion, Robot, pose_difference};
-use crate::geometry::{Pose, wrap_angle};
+use crate::geometry::{Footprint, Pose, Vector, wrap_angle};
 use nalgebra::{Matrix6, Rotation3, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -57,13 +58,14 @@ const LEAST_SHARE: f64 = 0.05;
 const ARM_RADIUS_M: f64 = 0.05;
 
 /// The best postures with the grasp at this height, best first; all have the roll of the best. Empty if there
-/// is none. The arm stays above the base's edge of this radius (m).
-pub(super) fn search(robot: &Robot, height: f64, base_radius: f64) -> Vec<Found> {
+/// is none. The arm stays above the base's outline.
+pub(super) fn search(robot: &Robot, height: f64, footprint: &Footprint) -> Vec<Found> {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut all: Vec<Found> = Vec::new();
     let is_full = robot.freedom() == FULL;
     let mut poses = Vec::new();
-    for ahead in AHEAD_M.map(|d| base_radius + d) {
+    let edge = footprint.reach(Vector::x());
+    for ahead in AHEAD_M.map(|d| edge + d) {
         for roll in [0.0, FRAC_PI_2, PI, -FRAC_PI_2] {
             let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), roll);
             let goal = Pose::from_parts(Vector3::new(ahead, 0.0, height).into(), turn);
@@ -73,7 +75,7 @@ pub(super) fn search(robot: &Robot, height: f64, base_radius: f64) -> Vec<Found>
                     true => solve(robot, &goal, start),
                     false => robot.level(start, height, &turn),
                 };
-                all.extend(joints.and_then(|joints| judge(robot, joints, roll, base_radius, &mut poses)));
+                all.extend(joints.and_then(|joints| judge(robot, joints, roll, footprint, &mut poses)));
             }
         }
     }
@@ -81,7 +83,7 @@ pub(super) fn search(robot: &Robot, height: f64, base_radius: f64) -> Vec<Found>
     all.sort_by(by_room);
     all.truncate(MOST_REACHES);
     for found in &mut all {
-        found.room *= reach_share(robot, found) * width_share(robot, &found.joints, base_radius);
+        found.room *= reach_share(robot, found) * width_share(robot, &found.joints, footprint);
     }
     all.sort_by(by_room);
     let mut best: Vec<Found> = Vec::new();
@@ -132,12 +134,13 @@ fn judge(
     robot: &Robot,
     mut joints: JointVector,
     roll: f64,
-    base_radius: f64,
+    footprint: &Footprint,
     poses: &mut Vec<Pose>,
 ) -> Option<Found> {
     let grasp = robot.drive_from_grasp(&joints).translation.vector;
-    let is_clear = grasp.x >= base_radius + LEAST_AHEAD_M
-        || grasp.x >= 0.0 && grasp.y.abs() >= base_radius + LEAST_BESIDE_M;
+    let (ahead, beside) = (footprint.reach(Vector::x()), across(footprint) / 2.0);
+    let is_clear =
+        grasp.x >= ahead + LEAST_AHEAD_M || grasp.x >= 0.0 && grasp.y.abs() >= beside + LEAST_BESIDE_M;
     for (at, joint) in joints.iter_mut().zip(&robot.joints) {
         // continuous joints within a turn
         if joint.motion == Motion::Revolute && joint.upper.is_infinite() {
@@ -145,7 +148,7 @@ fn judge(
         }
     }
     let clearance = robot.limit_clearance(&joints).map_or(1.0, |(_, share)| share);
-    if !is_clear || clearance < LEAST_CLEARANCE || passes_through_base(robot, &joints, base_radius) {
+    if !is_clear || clearance < LEAST_CLEARANCE || passes_through_base(robot, &joints, footprint) {
         return None;
     }
     if robot.self_contact(&joints, poses).is_some() {
@@ -185,16 +188,16 @@ fn reach_share(robot: &Robot, found: &Found) -> f64 {
 }
 
 /// 1 for an arm that is no wider than the base, less for an elbow that stands out.
-fn width_share(robot: &Robot, joints: &JointVector, base_radius: f64) -> f64 {
+fn width_share(robot: &Robot, joints: &JointVector, footprint: &Footprint) -> f64 {
     let mut widest: f64 = 0.0;
     robot.arm_points(&Robot::at_origin(joints), f64::INFINITY, |at, _| widest = widest.max(at.y.abs()));
-    let beside = widest + ARM_RADIUS_M - base_radius;
+    let beside = widest + ARM_RADIUS_M - across(footprint) / 2.0;
     (1.0 - beside / FARTHEST_BESIDE_M).clamp(LEAST_SHARE, 1.0)
 }
 
 /// Whether the arm, as thick segments between its joints, comes below the first of them within the base's
-/// radius, or below the floor.
-fn passes_through_base(robot: &Robot, joints: &JointVector, base_radius: f64) -> bool {
+/// outline, or below the floor.
+fn passes_through_base(robot: &Robot, joints: &JointVector, footprint: &Footprint) -> bool {
     let mut points = Vec::new();
     robot.arm_points(&Robot::at_origin(joints), f64::INFINITY, |at, _| points.push(at));
     let Some(shoulder) = points.iter().map(|p| p.xy()).next() else { return false };
@@ -203,7 +206,8 @@ fn passes_through_base(robot: &Robot, joints: &JointVector, base_radius: f64) ->
     points[first..].windows(2).any(|pair| {
         (0..=10).any(|i| {
             let p = pair[0] + (pair[1] - pair[0]) * (f64::from(i) / 10.0);
-            p.z < ARM_RADIUS_M || (p.z < floor.min(0.6) && p.xy().norm() < base_radius + ARM_RADIUS_M)
+            let is_above_base = || footprint.separation(p.xy().into()).0 < ARM_RADIUS_M;
+            p.z < ARM_RADIUS_M || (p.z < floor.min(0.6) && is_above_base())
         })
     })
 }

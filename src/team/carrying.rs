@@ -437,7 +437,7 @@ impl<B: Bodies> Team for Carrying<'_, B> {
         }
         tick.input = self.input;
         tick.effort_cost = control.input_weight * self.input.norm_squared();
-        tick.base_clearance = obstacles.clearance(q.base.position, robot.drive.base_radius);
+        tick.base_clearance = obstacles.clearance(&q.base, &robot.footprint);
         Some(tick)
     }
 
