@@ -4,7 +4,7 @@ use super::limits::{HalfPlane, Limits};
 use super::reaching::{ArmJacobian, Reaching};
 use super::rolling::Rolling;
 use super::{HORIZON, Inputs};
-use crate::geometry::{Bounds, Footprint, Placed, PlanarPose, Point, Vector};
+use crate::geometry::{Bounds, Footprint, Placed, PlanarPose, Point, Vector, wrap_angle};
 use crate::robot::{Configuration, InputVector, MAX_BASE_INPUTS, MAX_JOINTS, PointJacobian, Robot};
 use crate::world::World;
 use nalgebra::Vector3;
@@ -17,6 +17,8 @@ const BASE_RANGE_M: f64 = 0.5;
 /// How much farther (m) than the nearest corner another one of a base may be that still has a bound. A side
 /// turns against a flat wall about either of its ends.
 const CORNERS_RANGE_M: f64 = 0.15;
+/// The parts into which a step is divided for a base near an obstacle.
+const PARTS_OF_STEP: usize = 3;
 
 /// Weight of the squared violation (m) of a bound: a thousand times that of the same tracking error.
 const VIOLATION_PRICE: f64 = 1e6;
@@ -105,8 +107,8 @@ impl RobotObstacles {
     /// the inputs about these.
     ///
     /// A base that is a polygon has a bound for every corner of it that is nearly nearest to an obstacle, and
-    /// for every corner of the obstacle that is so near beside one of its sides. Where the two overlap, n is the
-    /// direction of least penetration.
+    /// for every corner of the obstacle that is so near beside one of its sides. Where the two overlap, or do so
+    /// one step earlier or later, n is the direction of least penetration. Near an obstacle, steps are divided.
     ///
     /// Let p(t) be a point's position after t periods T along `inputs`, and n the gradient of the obstacle's
     /// distance d. The bound is n . (p(t) + dp(t)/du (u - inputs)) >= n . p(t) - (d - radius - margin). The
@@ -133,7 +135,7 @@ impl RobotObstacles {
         limits.half_planes.clear();
         let points = 2 + robot.arm_point_count(ARM_SPACING_M);
         let corners = match &robot.footprint {
-            Footprint::Polygon(corners) => corners.len() + self.most_corners,
+            Footprint::Polygon(corners) => PARTS_OF_STEP * (corners.len() + self.most_corners),
             Footprint::Disc { .. } => 0,
         };
         limits.half_planes.reserve(HORIZON * self.outlines.len() * (points + corners));
@@ -167,17 +169,34 @@ impl RobotObstacles {
                     continue;
                 }
                 let placed = Placed::new(&robot.footprint, at);
-                let nearest = placed.separation(&outline.footprint).distance;
-                if nearest > BASE_RANGE_M {
+                let distance = placed.separation(&outline.footprint).distance;
+                if distance > BASE_RANGE_M {
                     continue;
                 }
-                placed.witnesses(&outline.footprint, |witness| {
-                    if witness.distance <= nearest + CORNERS_RANGE_M {
-                        let room = witness.distance - MARGIN_M;
-                        let bound = rolling.bound_at(t, -witness.away, witness.lever, room, VIOLATION_PRICE);
-                        limits.half_planes.push(bound);
-                    }
-                });
+                let step = rolling.pose_after(t as f64);
+                let length =
+                    (at.position - step.position).norm() + radius * wrap_angle(at.yaw - step.yaw).abs();
+                // within a step that is longer than the distance, a corner may pass through the end of a wall
+                let parts = if distance <= 2.0 * length { PARTS_OF_STEP } else { 1 };
+                for part in 1..=parts {
+                    let share = part as f64 / parts as f64;
+                    let placed =
+                        |by: f64| Placed::new(&robot.footprint, &rolling.pose_after(t as f64 + share + by));
+                    let (here, motion) = (placed(0.0), [placed(-1.0), placed(1.0)]);
+                    let motion = if parts > 1 { motion.as_slice() } else { &[] };
+                    let mut nearest = f64::INFINITY;
+                    here.witnesses_on_motion(&outline.footprint, motion, |witness| {
+                        nearest = nearest.min(witness.distance);
+                    });
+                    here.witnesses_on_motion(&outline.footprint, motion, |witness| {
+                        if witness.distance <= nearest + CORNERS_RANGE_M {
+                            let (at, room) = ((t, share), witness.distance - MARGIN_M);
+                            let (toward, lever) = (-witness.away, witness.lever);
+                            let bound = rolling.bound_within(at, toward, lever, room, VIOLATION_PRICE);
+                            limits.half_planes.push(bound);
+                        }
+                    });
+                }
             }
         }
     }

@@ -59,44 +59,53 @@ impl<'f> Placed<'f> {
     /// apart: every corner of the moving outline, and those of `other` that are beside one of its sides.
     /// Where they overlap: the corners along the direction of least penetration. The distance of each changes
     /// with the pose of the moving outline as that of its nearest point along `away` does.
-    pub fn witnesses(&self, other: &Footprint, mut on_witness: impl FnMut(Witness)) {
+    pub fn witnesses(&self, other: &Footprint, on_witness: impl FnMut(Witness)) {
+        self.witnesses_on_motion(other, &[], on_witness);
+    }
+
+    /// As [`Placed::witnesses`], of an outline that is also at the poses of `motion`, before and after: where
+    /// any of them overlaps `other`, the direction is that of least penetration of all. A corner that is
+    /// before a wall now, and in its end the next time, is beside that end.
+    pub fn witnesses_on_motion(
+        &self,
+        other: &Footprint,
+        motion: &[Placed],
+        mut on_witness: impl FnMut(Witness),
+    ) {
         let corners = match self.outline {
             Footprint::Disc { center, radius } => {
                 let lever = self.turned(center.coords);
                 let (distance, away) = other.separation(self.position + lever);
-                return on_witness(Witness {
-                    distance: distance - radius,
-                    away,
-                    lever: lever - away * *radius,
-                });
+                let lever = lever - away * *radius;
+                return on_witness(Witness { distance: distance - radius, away, lever });
             }
             Footprint::Polygon(corners) => corners,
         };
-        let others = match other {
-            Footprint::Disc { center, radius } => {
-                let center = self.inside_frame(*center);
-                let (distance, outward) = self.outline.separation(center);
-                let foot = center.coords - outward * distance;
-                return on_witness(self.seen(distance - radius, outward, foot));
-            }
-            Footprint::Polygon(others) => others,
+        let side = match other {
+            Footprint::Polygon(others) => self.overlap(corners, others, motion),
+            Footprint::Disc { center, radius } => self.overlap_of_disc(*center, *radius, motion),
         };
-        match self.overlap(corners, others) {
-            Some(Side::Other(a, outward)) => {
+        match (side, other) {
+            (Some(Side::Other(a, outward)), _) => {
                 for corner in corners {
                     let lever = self.turned(corner.coords);
                     let distance = (self.position + lever - a).dot(&outward);
                     on_witness(Witness { distance, away: outward, lever });
                 }
             }
-            Some(Side::Own(a, outward)) => {
+            (_, Footprint::Disc { center, radius }) => {
+                let center = self.inside_frame(*center);
+                let (distance, outward) = self.outline.separation(center);
+                on_witness(self.seen(distance - radius, outward, center.coords - outward * distance));
+            }
+            (Some(Side::Own(a, outward)), Footprint::Polygon(others)) => {
                 for q in others {
                     let q = self.inside_frame(*q);
                     let distance = (q - a).dot(&outward);
                     on_witness(self.seen(distance, outward, q.coords - outward * distance));
                 }
             }
-            None => {
+            (None, Footprint::Polygon(others)) => {
                 for corner in corners {
                     let lever = self.turned(corner.coords);
                     let (distance, away) = other.separation(self.position + lever);
@@ -123,8 +132,18 @@ impl<'f> Placed<'f> {
         Witness { distance, away: -self.turned(outward), lever: self.turned(foot) }
     }
 
+    /// The least coordinate along `n` of the corners, here and at the poses of `motion`, m.
+    fn least(&self, corners: &[Point], motion: &[Placed], n: Vector) -> f64 {
+        let places = std::iter::once(self).chain(motion);
+        places.fold(f64::INFINITY, |least, place| {
+            let n_inside = Vector::new(n.dot(&place.ahead), n.dot(&left_of(place.ahead)));
+            let of = corners.iter().map(|c| c.coords.dot(&n_inside)).fold(f64::INFINITY, f64::min);
+            least.min(place.position.coords.dot(&n) + of)
+        })
+    }
+
     /// The side along whose normal the outlines overlap least; `None` where a side separates them.
-    fn overlap(&self, corners: &[Point], others: &[Point]) -> Option<Side> {
+    fn overlap(&self, corners: &[Point], others: &[Point], motion: &[Placed]) -> Option<Side> {
         let mut best: Option<(f64, Side)> = None;
         let mut keep = |depth: f64, side: Side| match best {
             Some((least, _)) if depth <= least => {}
@@ -132,27 +151,47 @@ impl<'f> Placed<'f> {
         };
         for (a, b) in edges(others) {
             let outward = -left_of((b - a).normalize());
-            let of = |corner: &Point| (self.position + self.turned(corner.coords) - a).dot(&outward);
-            let least = corners.iter().map(of).fold(f64::INFINITY, f64::min);
-            if least >= 0.0 {
+            let depth = self.least(corners, motion, outward) - a.coords.dot(&outward);
+            if depth >= 0.0 {
                 return None;
             }
-            keep(least, Side::Other(a, outward));
+            keep(depth, Side::Other(a, outward));
         }
         for (a, b) in edges(corners) {
             let outward = -left_of((b - a).normalize());
-            let of = |q: &Point| (self.inside_frame(*q) - a).dot(&outward);
-            let least = others.iter().map(of).fold(f64::INFINITY, f64::min);
-            if least >= 0.0 {
+            let toward = -self.turned(outward);
+            let reach = others.iter().map(|q| q.coords.dot(&toward)).fold(f64::NEG_INFINITY, f64::max);
+            let depth = self.least(corners, motion, toward) - reach;
+            if depth >= 0.0 {
                 return None;
             }
-            keep(least, Side::Own(a, outward));
+            keep(depth, Side::Own(a, outward));
         }
         best.map(|(_, side)| side)
+    }
+
+    /// As [`Placed::overlap`] for a disc, but `None` where it is not on the way, or least deep as it is here.
+    fn overlap_of_disc(&self, center: Point, radius: f64, motion: &[Placed]) -> Option<Side> {
+        let Footprint::Polygon(corners) = self.outline else { return None };
+        let mut best: Option<(f64, Option<Side>)> = None;
+        for place in std::iter::once(self).chain(motion) {
+            let (_, outward) = self.outline.separation(place.inside_frame(center));
+            let away = -place.turned(outward);
+            let depth = self.least(corners, motion, away) - center.coords.dot(&away) - radius;
+            if depth >= 0.0 {
+                return None;
+            }
+            if best.as_ref().is_none_or(|(least, _)| depth > *least) {
+                let is_here = std::ptr::eq(place, self);
+                best = Some((depth, (!is_here).then(|| Side::Other(center + away * radius, away))));
+            }
+        }
+        best.and_then(|(_, side)| side)
     }
 }
 
 /// A side by one of its points and its outward normal.
+#[derive(Clone, Copy)]
 enum Side {
     /// Of the outline that stands, in the world.
     Other(Point, Vector),
@@ -366,6 +405,37 @@ mod tests {
             }
         }
         assert!(compared > 700, "{compared}");
+    }
+
+    /// A corner 2 cm before the face of a wall's end, 1 cm too far to its side: a step later it is in the end.
+    #[test]
+    fn closed_form_a_corner_on_its_way_into_the_end_of_a_wall_is_beside_the_end() {
+        let (base, wall) = (rectangle(0.9, 0.5), rectangle(0.1, 2.0));
+        let poses = [-0.62, -0.52, -0.42].map(|x| at(x, 1.24, 0.0));
+        let [before, here, after] = poses.map(|pose| Placed::new(&base, &pose));
+        assert!((here.separation(&wall).away + Vector::x()).norm() < 1e-12);
+        let mut lowest = f64::INFINITY;
+        here.witnesses_on_motion(&wall, &[before, after], |witness| {
+            assert!((witness.away - Vector::y()).norm() < 1e-12, "{witness:?}");
+            lowest = lowest.min(witness.distance);
+        });
+        assert!((lowest + 0.01).abs() < 1e-12, "{lowest}");
+        // on its way along the wall's face, and straight into it, it is before the face
+        for (by, x) in [(at(0.0, 0.1, 0.0), -0.52), (at(0.1, 0.0, 0.0), -0.52)] {
+            let straight = at(x, 0.3, 0.0);
+            let moved = PlanarPose { position: straight.position + by.position.coords, yaw: 0.0 };
+            let here = Placed::new(&base, &straight);
+            here.witnesses_on_motion(&wall, &[Placed::new(&base, &moved)], |witness| {
+                assert!(witness.distance > 0.3 || (witness.away + Vector::x()).norm() < 1e-12, "{witness:?}");
+            });
+        }
+        // a pillar that the corner comes into from the side
+        let pillar = Footprint::Disc { center: Point::new(0.05, 0.0), radius: 0.05 };
+        let [here, after] = [-0.46, -0.36].map(|x| Placed::new(&base, &at(x, 0.29, 0.0)));
+        assert!(here.separation(&pillar).distance > 0.0);
+        here.witnesses_on_motion(&pillar, &[after], |witness| {
+            assert!(witness.away.y > 0.9, "{witness:?}");
+        });
     }
 
     #[test]
