@@ -6,7 +6,7 @@
 
 use super::holonomic;
 use super::limits::{BaseInputs, HalfPlane, Limits};
-use super::{Inputs, Reference, RobotObstacles};
+use super::{HORIZON, Inputs, Reference, RobotObstacles};
 use crate::geometry::{Footprint, PlanarPose, Point, Pose, Vector, angle_of, nearest_on_segment, wrap_angle};
 use crate::math;
 use crate::robot::{BaseInput, BaseTwist, Drive, InputJacobian, pose_difference};
@@ -26,6 +26,9 @@ const SPACING_GAIN: f64 = 1.0;
 const TURN_GAIN: f64 = 3.0;
 /// Largest rate at which the base turns, rad/s. The arm holds the grasp up to a metre away, in place.
 const TURN_RATE_LIMIT: f64 = 1.3;
+/// Gain of a free base's turning toward the grasp, 1/s, and the weight of the squared deviation (rad/s) from it.
+const FREE_TURN_GAIN: f64 = 1.0;
+const TURN_PRICE: f64 = 100.0;
 /// Weight of the squared deviation (m/s, rad/s) from the base's inputs that follow the path.
 const GUIDE_PRICE: f64 = 1e4;
 
@@ -184,6 +187,25 @@ pub fn hold_base_to(drive: &Drive, base: &BaseInputs, limits: &mut Limits) {
     }
 }
 
+/// Adds bounds to `limits` that turn an omnidirectional base toward the grasp, which is off its bearing by this
+/// angle (rad). They are far softer than those that keep it off obstacles.
+///
+/// DEVIATION (eq. 7): a base that is free moves sideways as well as ahead. One that is longer than wide does not
+/// fit sideways through an opening for its width.
+pub fn turn_toward_grasp(off: f64, period: f64, limits: &mut Limits) {
+    let mut left = off;
+    for t in 0..HORIZON {
+        let rate = FREE_TURN_GAIN * left;
+        left -= rate * period;
+        for sign in [1.0, -1.0] {
+            let mut coefficients = Inputs::zeros();
+            coefficients[(2, t)] = sign;
+            let bound = sign * rate;
+            limits.half_planes.push(HalfPlane { coefficients, bound, price: TURN_PRICE, is_guide: true });
+        }
+    }
+}
+
 /// Replaces the base's part of the inputs.
 pub fn set_base(drive: &Drive, inputs: &mut Inputs, base: &BaseInputs) {
     for (t, input) in base.iter().enumerate() {
@@ -234,7 +256,6 @@ pub fn rolled(drive: &Drive, jacobian: &InputJacobian, base: &BaseInputs, period
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::control::HORIZON;
     use crate::geometry::direction;
     use crate::world::World;
     use std::f64::consts::FRAC_PI_2;

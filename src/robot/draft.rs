@@ -28,8 +28,10 @@ pub struct Draft {
 /// Heights tried in this order, m.
 const HEIGHTS_M: [f64; 7] = [0.7, 0.8, 0.9, 0.6, 1.0, 1.1, 0.5];
 
-/// A base whose disc is this many times as wide as the base itself is drafted with its own outline.
+/// A base is drafted with its own outline if a disc is more than this many times as wide.
 const NARROWER: f64 = 1.1;
+/// Radius of the balls around an arm's joints that eq. (7) keeps off obstacles, m.
+const ARM_RADIUS_M: f64 = 0.08;
 
 /// Room of a posture, as [`Found`] has it, with which no other height is tried.
 const ENOUGH_ROOM: f64 = 0.2;
@@ -83,21 +85,19 @@ impl Draft {
         };
         let plain = euler(&parts.tool_from_grasp);
         let robot = load::without_postures(&texts.with(head(&BaseSize::disc(0.5), heights[0], plain)))?;
-        let base_size = BaseSize::of(&robot);
-        let room = |found: &Option<(f64, Vec<Found>)>| {
-            found.as_ref().and_then(|(_, postures)| postures.first()).map_or(0.0, |best| best.room)
-        };
-        let mut found = None;
-        for &height in &heights {
-            let here = Some((height, postures::search(&robot, height, &base_size.footprint)));
-            if room(&here) > room(&found) {
-                found = here;
-            }
-            if room(&found) >= ENOUGH_ROOM {
-                break;
-            }
-        }
-        let Some((height, found)) = found else {
+        let disc = BaseSize::disc_around(&robot);
+        // a narrow base, unless its arm stands out as far as the disc
+        let narrow = BaseSize::polygon_around(&robot, &disc).and_then(|mut polygon| {
+            let best = best_postures(&robot, &heights, &polygon.footprint)?;
+            let of_arm = 2.0 * (postures::widest(&robot, &best.1[0].joints) + ARM_RADIUS_M);
+            polygon.width = polygon.width.max(centimetres(of_arm));
+            (NARROWER * polygon.width < disc.width).then_some((polygon, best))
+        });
+        let found = narrow.or_else(|| {
+            let best = best_postures(&robot, &heights, &disc.footprint)?;
+            Some((disc, best))
+        });
+        let Some((base_size, (height, found))) = found else {
             let heights = heights.iter().map(|h| h.to_string()).collect::<Vec<_>>().join(", ");
             let hint =
                 if robot.freedom() < FULL { "; the arm cannot place its grasp in any pose" } else { "" };
@@ -118,10 +118,14 @@ impl Draft {
             Footprint::Disc { .. } => {
                 format!("the base is {width:.2} m wide: a disc about the axle around its collision shapes")
             }
-            Footprint::Polygon(_) => format!(
-                "the base is {width:.2} m wide, its collision shapes seen from above: a disc about the axle would be {:.2} m wide",
-                2.0 * robot.base_extent().unwrap_or_default()
-            ),
+            Footprint::Polygon(_) => {
+                let across = centimetres(footprint::across(&base_size.footprint));
+                let arm = if across < width { format!(", and {width:.2} m with its arm") } else { String::new() };
+                format!(
+                    "the base is {across:.2} m wide{arm}: its collision shapes seen from above; a disc about the axle would be {:.2} m wide",
+                    2.0 * robot.base_extent().unwrap_or_default()
+                )
+            }
         });
         let texts = texts.with(text.clone());
         let robot = load::complete(texts).map_err(|mut faults| faults.swap_remove(0))?;
@@ -129,7 +133,31 @@ impl Draft {
     }
 }
 
-/// The outline of a base, and its width, m.
+/// The first height at which there is a posture with enough room, or the height with the most room, and its
+/// postures; `None` without postures.
+fn best_postures(robot: &Robot, heights: &[f64], outline: &Footprint) -> Option<(f64, Vec<Found>)> {
+    let room = |found: &Option<(f64, Vec<Found>)>| {
+        found.as_ref().and_then(|(_, postures)| postures.first()).map_or(0.0, |best| best.room)
+    };
+    let mut found = None;
+    for &height in heights {
+        let here = Some((height, postures::search(robot, height, outline)));
+        if room(&here) > room(&found) {
+            found = here;
+        }
+        if room(&found) >= ENOUGH_ROOM {
+            break;
+        }
+    }
+    found
+}
+
+/// A width (m), rounded up.
+fn centimetres(width: f64) -> f64 {
+    (width * 100.0).ceil() / 100.0
+}
+
+/// The outline of a base, and the width that its robot needs, m.
 struct BaseSize {
     width: f64,
     footprint: Footprint,
@@ -140,18 +168,22 @@ impl BaseSize {
         Self { width, footprint: Footprint::Disc { center: Point::origin(), radius: width / 2.0 } }
     }
 
-    /// A disc, or the polygon around the base's shapes where that is much narrower.
-    fn of(robot: &Robot) -> Self {
-        let centimetres = |width: f64| (width * 100.0).ceil() / 100.0;
-        let Some(extent) = robot.base_extent() else { return Self::disc(robot.drive.track.max(0.4) + 0.1) };
-        let disc = Self::disc(centimetres(2.0 * extent));
+    /// A disc around the base's shapes.
+    fn disc_around(robot: &Robot) -> Self {
+        Self::disc(match robot.base_extent() {
+            Some(extent) => centimetres(2.0 * extent),
+            None => robot.drive.track.max(0.4) + 0.1,
+        })
+    }
+
+    /// The polygon around the base's shapes where it is much narrower than a disc.
+    fn polygon_around(robot: &Robot, disc: &Self) -> Option<Self> {
         if robot.notes.iter().any(|note| matches!(note, RobotNote::Footprint { .. })) {
-            return disc;
+            return None;
         }
-        let Ok(corners) = footprint::around_shapes(robot) else { return disc };
-        let footprint = Footprint::Polygon(corners);
+        let footprint = Footprint::Polygon(footprint::around_shapes(robot).ok()?);
         let width = centimetres(footprint::across(&footprint));
-        if 2.0 * extent <= NARROWER * width { disc } else { Self { width, footprint } }
+        (NARROWER * width < disc.width).then_some(Self { width, footprint })
     }
 }
 

@@ -187,11 +187,16 @@ fn reach_share(robot: &Robot, found: &Found) -> f64 {
     ways.chain(turns).fold(1.0, f64::min).max(LEAST_SHARE)
 }
 
-/// 1 for an arm that is no wider than the base, less for an elbow that stands out.
-fn width_share(robot: &Robot, joints: &JointVector, footprint: &Footprint) -> f64 {
+/// The largest distance of a joint of the arm, or of the grasp, beside the middle of the base, m.
+pub(super) fn widest(robot: &Robot, joints: &JointVector) -> f64 {
     let mut widest: f64 = 0.0;
     robot.arm_points(&Robot::at_origin(joints), f64::INFINITY, |at, _| widest = widest.max(at.y.abs()));
-    let beside = widest + ARM_RADIUS_M - across(footprint) / 2.0;
+    widest
+}
+
+/// 1 for an arm that is no wider than the base, less for an elbow that stands out.
+fn width_share(robot: &Robot, joints: &JointVector, footprint: &Footprint) -> f64 {
+    let beside = widest(robot, joints) + ARM_RADIUS_M - across(footprint) / 2.0;
     (1.0 - beside / FARTHEST_BESIDE_M).clamp(LEAST_SHARE, 1.0)
 }
 

@@ -7,10 +7,10 @@ use super::{Situation, Step, Team, Travel, Walk};
 use crate::control::{
     self, Avoid, BaseInputs, Candidate, ClosedForm, Intent, Limits, ModalReference, Mpc, PoseCriterion,
     PoseOptimiser, PoseProblem, Reference, RobotObstacles, SolveOutcome, hold_base_to, reference, rolled,
-    seen_from_base, set_base,
+    seen_from_base, set_base, turn_toward_grasp,
 };
 use crate::coordination::Mode;
-use crate::geometry::{Path, PlanarPose, Point, Pose};
+use crate::geometry::{Footprint, Path, PlanarPose, Point, Pose, angle_of, wrap_angle};
 use crate::options::OptionSet;
 use crate::policy::Motion;
 use crate::robot::{
@@ -318,6 +318,18 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         there
     }
 
+    /// Bounds that turn a free omnidirectional base toward its grasp, unless it is a disc.
+    fn turn_free_base(&mut self, grasp: &Pose) {
+        let robot = self.manipulator.robot;
+        if robot.drive.is_omnidirectional() && matches!(robot.footprint, Footprint::Polygon(_)) {
+            let held = robot.drive_from_grasp(&self.manipulator.posture).translation.vector.xy();
+            let base = self.target.configuration.base;
+            let to_grasp = grasp.translation.vector.xy() - base.position.coords;
+            let off = wrap_angle(angle_of(to_grasp) - angle_of(held) - base.yaw);
+            turn_toward_grasp(off, self.walk.period, &mut self.limits);
+        }
+    }
+
     /// u of eq. (7) that tracks one of the references. Where limits are active, it is solved again with the
     /// obstacles' half-planes about the first solution. For bodies it is solved twice, the second time with
     /// the error of the linear model; where the robot `follows`, with B half-way in between.
@@ -353,14 +365,16 @@ impl<'a, B: Bodies> Carrying<'a, B> {
                 &mut self.limits,
             );
         }
-        if let Some(base) = base {
-            hold_base_to(&robot.drive, base, &mut self.limits);
+        match base {
+            Some(base) => hold_base_to(&robot.drive, base, &mut self.limits),
+            None => self.turn_free_base(grasp),
         }
         let mut plan = self.mpc.solve(&free, &self.limits, &to_track);
         let is_limited = matches!(plan.outcome, SolveOutcome::Constrained { active, .. } if active > 0);
         if base.is_none() && control.avoid != Avoid::Nothing && is_limited {
             let about = plan.inputs;
             obstacles.half_planes(control.avoid, robot, &target, &about, period, false, &mut self.limits);
+            self.turn_free_base(grasp);
             plan = self.mpc.solve(&free, &self.limits, &to_track);
         }
         let (mut jacobian, mut free) = (jacobian, free);
