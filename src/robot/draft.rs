@@ -89,7 +89,7 @@ impl Draft {
         // a narrow base, unless its arm stands out as far as the disc
         let narrow = BaseSize::polygon_around(&robot, &disc).and_then(|mut polygon| {
             let best = best_postures(&robot, &heights, &polygon.footprint)?;
-            let of_arm = 2.0 * (postures::widest(&robot, &best.1[0].joints) + ARM_RADIUS_M);
+            let of_arm = 2.0 * postures::beside(&robot, &best.1[0].joints, ARM_RADIUS_M);
             polygon.width = polygon.width.max(centimetres(of_arm));
             (NARROWER * polygon.width < disc.width).then_some((polygon, best))
         });

@@ -2,9 +2,9 @@
 
 use super::footprint::across;
 use super::level::FULL;
-use super::{JointVector, Motion, Robot, pose_difference};
+use super::{JointVector, Motion, Robot, collision, pose_difference};
 use crate::geometry::{Footprint, Pose, Vector, wrap_angle};
-use nalgebra::{Matrix6, Rotation3, Vector3};
+use nalgebra::{Matrix6, Point3, Rotation3, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -52,6 +52,8 @@ const ENOUGH_TURN_RAD: f64 = 0.8;
 const REACH_STEPS: u32 = 10;
 /// Distance of the arm beside the base's edge at which there is no room left, m.
 const FARTHEST_BESIDE_M: f64 = 0.4;
+/// The same for a base that is a polygon.
+const FARTHEST_BESIDE_NARROW_M: f64 = 0.2;
 /// Least factor of room for reach and width, so that a posture without either is better than none.
 const LEAST_SHARE: f64 = 0.05;
 /// Radius of the arm in checks against the base, m.
@@ -187,17 +189,38 @@ fn reach_share(robot: &Robot, found: &Found) -> f64 {
     ways.chain(turns).fold(1.0, f64::min).max(LEAST_SHARE)
 }
 
-/// The largest distance of a joint of the arm, or of the grasp, beside the middle of the base, m.
-pub(super) fn widest(robot: &Robot, joints: &JointVector) -> f64 {
+/// How far the arm is beside the middle of the base, m: its joints with balls of this radius (m) around them, and
+/// the collision shapes of the links from the base to the grasp.
+pub(super) fn beside(robot: &Robot, joints: &JointVector, radius: f64) -> f64 {
+    let q = Robot::at_origin(joints);
     let mut widest: f64 = 0.0;
-    robot.arm_points(&Robot::at_origin(joints), f64::INFINITY, |at, _| widest = widest.max(at.y.abs()));
+    robot.arm_points(&q, f64::INFINITY, |at, _| widest = widest.max(at.y.abs() + radius));
+    let poses = robot.link_poses(&q);
+    let links = std::iter::successors(Some(robot.grasp_link), |&at| robot.links[at].parent);
+    for at in links.take_while(|&at| at != robot.base_link) {
+        for shape in &robot.links[at].collisions {
+            let world_from_shape = poses[at] * shape.link_from_shape;
+            for (corner, radius) in collision::corners(&shape.shape) {
+                widest = widest.max((world_from_shape * Point3::from(corner)).y.abs() + radius);
+            }
+        }
+    }
     widest
 }
 
-/// 1 for an arm that is no wider than the base, less for an elbow that stands out.
+/// 1 for an arm that is no wider than the base, less for an elbow that stands out. Beside a disc, joints count;
+/// beside a polygon, which is as narrow as the base itself, shapes do.
 fn width_share(robot: &Robot, joints: &JointVector, footprint: &Footprint) -> f64 {
-    let beside = widest(robot, joints) + ARM_RADIUS_M - across(footprint) / 2.0;
-    (1.0 - beside / FARTHEST_BESIDE_M).clamp(LEAST_SHARE, 1.0)
+    let (widest, farthest) = match footprint {
+        Footprint::Disc { .. } => {
+            let mut widest: f64 = 0.0;
+            let q = Robot::at_origin(joints);
+            robot.arm_points(&q, f64::INFINITY, |at, _| widest = widest.max(at.y.abs()));
+            (widest + ARM_RADIUS_M, FARTHEST_BESIDE_M)
+        }
+        Footprint::Polygon(_) => (beside(robot, joints, ARM_RADIUS_M), FARTHEST_BESIDE_NARROW_M),
+    };
+    (1.0 - (widest - across(footprint) / 2.0) / farthest).clamp(LEAST_SHARE, 1.0)
 }
 
 /// Whether the arm, as thick segments between its joints, comes below the first of them within the base's
