@@ -52,8 +52,10 @@ const ENOUGH_TURN_RAD: f64 = 0.8;
 const REACH_STEPS: u32 = 10;
 /// Distance of the arm beside the base's edge at which there is no room left, m.
 const FARTHEST_BESIDE_M: f64 = 0.4;
-/// The same for a base that is a polygon.
+/// The same for a base that is a polygon, where the room is less from this far inside its edge on: on its way
+/// through openings for the base, the arm needs some.
 const FARTHEST_BESIDE_NARROW_M: f64 = 0.2;
+const ROOM_INSIDE_M: f64 = 0.1;
 /// Least factor of room for reach and width, so that a posture without either is better than none.
 const LEAST_SHARE: f64 = 0.05;
 /// Radius of the arm in checks against the base, m.
@@ -218,7 +220,10 @@ fn width_share(robot: &Robot, joints: &JointVector, footprint: &Footprint) -> f6
             robot.arm_points(&q, f64::INFINITY, |at, _| widest = widest.max(at.y.abs()));
             (widest + ARM_RADIUS_M, FARTHEST_BESIDE_M)
         }
-        Footprint::Polygon(_) => (beside(robot, joints, ARM_RADIUS_M), FARTHEST_BESIDE_NARROW_M),
+        Footprint::Polygon(_) => {
+            let widest = beside(robot, joints, ARM_RADIUS_M) + ROOM_INSIDE_M;
+            (widest, FARTHEST_BESIDE_NARROW_M + ROOM_INSIDE_M)
+        }
     };
     (1.0 - (widest - across(footprint) / 2.0) / farthest).clamp(LEAST_SHARE, 1.0)
 }
