@@ -89,8 +89,11 @@ impl Draft {
         // a narrow base, unless its arm stands out as far as the disc
         let narrow = BaseSize::polygon_around(&robot, &disc).and_then(|mut polygon| {
             let best = best_postures(&robot, &heights, &polygon.footprint)?;
-            let of_arm = 2.0 * postures::beside(&robot, &best.1[0].joints, ARM_RADIUS_M);
-            polygon.width = polygon.width.max(centimetres(of_arm));
+            let joints = &best.1[0].joints;
+            let beside = postures::beside(&robot, joints, ARM_RADIUS_M);
+            // nothing but balls is kept off obstacles as the arm moves
+            let outside = postures::outside_balls(&robot, joints, ARM_RADIUS_M);
+            polygon.width = polygon.width.max(centimetres(2.0 * (beside + outside)));
             (NARROWER * polygon.width < disc.width).then_some((polygon, best))
         });
         let found = narrow.or_else(|| {

@@ -2,6 +2,7 @@
 
 use super::footprint::across;
 use super::level::FULL;
+use super::link::JointKind;
 use super::{JointVector, Motion, Robot, collision, pose_difference};
 use crate::geometry::{Footprint, Pose, Vector, wrap_angle};
 use nalgebra::{Matrix6, Point3, Rotation3, Vector3};
@@ -60,6 +61,8 @@ const ROOM_INSIDE_M: f64 = 0.1;
 const LEAST_SHARE: f64 = 0.05;
 /// Radius of the arm in checks against the base, m.
 const ARM_RADIUS_M: f64 = 0.05;
+/// The spacing of the balls of eq. (7), m.
+const BALL_SPACING_M: f64 = 0.25;
 
 /// The best postures with the grasp at this height, best first; all have the roll of the best. Empty if there
 /// is none. The arm stays above the base's outline.
@@ -194,20 +197,50 @@ fn reach_share(robot: &Robot, found: &Found) -> f64 {
 /// How far the arm is beside the middle of the base, m: its joints with balls of this radius (m) around them, and
 /// the collision shapes of the links from the base to the grasp.
 pub(super) fn beside(robot: &Robot, joints: &JointVector, radius: f64) -> f64 {
-    let q = Robot::at_origin(joints);
     let mut widest: f64 = 0.0;
+    let q = Robot::at_origin(joints);
     robot.arm_points(&q, f64::INFINITY, |at, _| widest = widest.max(at.y.abs() + radius));
-    let poses = robot.link_poses(&q);
+    on_arm_corners(robot, joints, |corner, radius| widest = widest.max(corner.y.abs() + radius));
+    widest
+}
+
+/// How far the arm's collision shapes are outside the balls of this radius (m) that eq. (7) keeps off obstacles, m.
+/// What is nearest to the grasp does not count: it is ahead.
+pub(super) fn outside_balls(robot: &Robot, joints: &JointVector, radius: f64) -> f64 {
+    let mut balls = Vec::new();
+    robot.arm_points(&Robot::at_origin(joints), BALL_SPACING_M, |at, _| balls.push(at));
+    let mut farthest = radius;
+    on_arm_corners(robot, joints, |corner, of_corner| {
+        let distances = balls.iter().map(|ball| (ball - corner).norm()).enumerate();
+        if let Some((nearest, distance)) = distances.min_by(|a, b| a.1.total_cmp(&b.1))
+            && nearest + 1 < balls.len()
+        {
+            farthest = farthest.max(distance + of_corner);
+        }
+    });
+    farthest - radius
+}
+
+/// Calls `on_corner` for points of the collision shapes of the links from the base to the grasp, each with a radius
+/// around it, m.
+fn on_arm_corners(robot: &Robot, joints: &JointVector, mut on_corner: impl FnMut(Vector3<f64>, f64)) {
+    let poses = robot.link_poses(&Robot::at_origin(joints));
     let links = std::iter::successors(Some(robot.grasp_link), |&at| robot.links[at].parent);
-    for at in links.take_while(|&at| at != robot.base_link) {
+    let path: Vec<usize> = links.take_while(|&at| at != robot.base_link).collect();
+    // a lift's own shapes stay above the base
+    let turns = |at: &usize| {
+        let joint = robot.links[*at].joint.as_ref();
+        joint.is_some_and(|j| j.coupling.joint.is_some() && j.kind != JointKind::Prismatic)
+    };
+    let of_arm = path.iter().rposition(turns).map_or(0, |first| first + 1);
+    for &at in &path[..of_arm] {
         for shape in &robot.links[at].collisions {
             let world_from_shape = poses[at] * shape.link_from_shape;
             for (corner, radius) in collision::corners(&shape.shape) {
-                widest = widest.max((world_from_shape * Point3::from(corner)).y.abs() + radius);
+                on_corner((world_from_shape * Point3::from(corner)).coords, radius);
             }
         }
     }
-    widest
 }
 
 /// 1 for an arm that is no wider than the base, less for an elbow that stands out. Beside a disc, joints count;
