@@ -5,7 +5,7 @@
 //! is free, so on the physical plant the base follows it.
 
 use super::holonomic;
-use super::limits::{BaseInputs, HalfPlane, Limits};
+use super::limits::BaseInputs;
 use super::{Inputs, Reference, RobotObstacles};
 use crate::geometry::{PlanarPose, Point, Pose, Vector, angle_of, nearest_on_segment, wrap_angle};
 use crate::math;
@@ -26,7 +26,7 @@ const TURN_GAIN: f64 = 3.0;
 /// Largest rate at which the base turns, rad/s. The arm holds the grasp up to a metre away, in place.
 const TURN_RATE_LIMIT: f64 = 1.3;
 /// Weight of the squared deviation (m/s, rad/s) from the base's inputs that follow the path.
-const GUIDE_PRICE: f64 = 1e4;
+pub const GUIDE_PRICE: f64 = 1e4;
 
 /// A base that follows a path.
 pub struct Follower<'w> {
@@ -160,25 +160,6 @@ impl Pursuit {
         let change = follower.rim_acceleration * period;
         *last = last.zip_map(&rims, |last, rim| (rim * scale).clamp(last - change, last + change));
         *at = drive.roll(at, &(*last * period));
-    }
-}
-
-/// Adds bounds to `limits` that hold the base to these inputs. They are softer than the bounds that keep it
-/// off obstacles.
-pub fn hold_base_to(drive: &Drive, base: &BaseInputs, limits: &mut Limits) {
-    for (t, input) in base.iter().enumerate() {
-        for (i, rate) in input.iter().enumerate().take(drive.inputs()) {
-            for sign in [1.0, -1.0] {
-                let mut coefficients = Inputs::zeros();
-                coefficients[(i, t)] = sign;
-                limits.half_planes.push(HalfPlane {
-                    coefficients,
-                    bound: sign * rate,
-                    price: GUIDE_PRICE,
-                    is_guide: true,
-                });
-            }
-        }
     }
 }
 

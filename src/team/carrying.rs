@@ -5,9 +5,9 @@ use super::team_path::{FreeSpace, Turned};
 use super::tick::{Preparation, RobotTick};
 use super::{Situation, Step, Team, Travel, Walk};
 use crate::control::{
-    self, Avoid, BaseInputs, Candidate, ClosedForm, Intent, Limits, ModalReference, Mpc, PoseCriterion,
-    PoseOptimiser, PoseProblem, Reference, RobotObstacles, SolveOutcome, hold_base_to, reference, rolled,
-    seen_from_base, set_base,
+    self, Avoid, BaseInputs, Candidate, ClosedForm, GUIDE_PRICE, Intent, Limits, ModalReference, Mpc,
+    PoseCriterion, PoseOptimiser, PoseProblem, Reference, RobotObstacles, SolveOutcome, least_singular_value,
+    reference, rolled, seen_from_base,
 };
 use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose};
@@ -332,17 +332,22 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         let Manipulator { robot, control, obstacles, .. } = self.manipulator;
         let period = self.walk.period;
         let Candidate { configuration: target, rates, jacobian } = self.target;
-        let free = ClosedForm::new(&(jacobian * period), control.state_weight, control.input_weight);
+        let form = |jacobian: &InputJacobian| {
+            let b = jacobian * period;
+            let weights = [control.state_weight, control.input_weight];
+            match base {
+                Some(base) => ClosedForm::guided(&b, weights, &robot.drive, base, GUIDE_PRICE),
+                None => ClosedForm::new(&b, weights[0], weights[1]),
+            }
+        };
+        let free = form(&jacobian);
         self.limits.set(robot, &target, &rates, period);
         let mut to_track = self.references[reference];
         if let Some(base) = base {
             to_track += rolled(&robot.drive, &jacobian, base, period);
         }
         if control.avoid != Avoid::Nothing {
-            let mut about = free.inputs(&ModalReference::new(&to_track));
-            if let Some(base) = base {
-                set_base(&robot.drive, &mut about, base);
-            }
+            let about = free.inputs(&ModalReference::new(&to_track));
             obstacles.half_planes(
                 control.avoid,
                 robot,
@@ -353,11 +358,8 @@ impl<'a, B: Bodies> Carrying<'a, B> {
                 &mut self.limits,
             );
         }
-        if let Some(base) = base {
-            hold_base_to(&robot.drive, base, &mut self.limits);
-        }
         let mut plan = self.mpc.solve(&free, &self.limits, &to_track);
-        let is_limited = matches!(plan.outcome, SolveOutcome::Constrained { active, .. } if active > 0);
+        let is_limited = matches!(plan.outcome, SolveOutcome::Constrained { active } if active > 0);
         if base.is_none() && control.avoid != Avoid::Nothing && is_limited {
             let about = plan.inputs;
             obstacles.half_planes(control.avoid, robot, &target, &about, period, false, &mut self.limits);
@@ -366,7 +368,7 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         let (mut jacobian, mut free) = (jacobian, free);
         if base.is_some() && follows {
             jacobian = self.jacobian_half_way(&jacobian, &plan.inputs.column(0).into_owned());
-            free = ClosedForm::new(&(jacobian * period), control.state_weight, control.input_weight);
+            free = form(&jacobian);
             plan = self.mpc.solve(&free, &self.limits, &to_track);
         }
         if base.is_some() {
@@ -377,7 +379,7 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         }
         self.input = plan.inputs.column(0).into_owned();
         tick.outcome = plan.outcome;
-        tick.least_singular_value = free.least_singular_value();
+        tick.least_singular_value = least_singular_value(&(jacobian * period));
     }
 }
 
