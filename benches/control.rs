@@ -5,8 +5,8 @@
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, ZeroConeT};
 use cocarry::control::{
-    Candidate, ClosedForm, HORIZON, Limits, Mpc, PoseOptimiser, PoseProblem, Reference, RobotObstacles,
-    Settings, SolveOutcome, motion_cost,
+    Candidate, ClosedForm, HORIZON, Limits, ModalReference, Mpc, PoseOptimiser, PoseProblem, Reference,
+    RobotObstacles, Settings, SolveOutcome, motion_cost,
 };
 use cocarry::episode::{self, Episode, Manipulator};
 use cocarry::geometry::{PlanarPose, Point, direction};
@@ -172,7 +172,10 @@ fn mpc(c: &mut Criterion) {
     limits.set(&robot, &state.q, &InputVector::zeros(), PERIOD);
     let mut group = c.benchmark_group("mpc");
     group.bench_function("closed form, factors and solution", |bench| {
-        bench.iter(|| black_box(ClosedForm::new(&b, 1000.0, 1.0).inputs(&state.references[0])));
+        bench.iter(|| {
+            let reference = ModalReference::new(&state.references[0]);
+            black_box(ClosedForm::new(&b, 1000.0, 1.0).inputs(&reference))
+        });
     });
     let free = ClosedForm::new(&b, 1000.0, 1.0);
     let (mut solver, hurried) = (Mpc::default(), state.references[0] * 4.0);

@@ -29,14 +29,14 @@ const CHOICES: [(f64, usize); 10] = [
     (160.0, 12),
     (240.0, 12),
     (480.0, 12),
-    (120.0, 4),
-    (120.0, 8),
-    (120.0, 16),
+    (100.0, 4),
+    (100.0, 8),
+    (100.0, 16),
 ];
 /// What others are measured against.
 const FINE: (f64, usize) = (1920.0, 64);
 /// The rates that `--peer` prints.
-const PEER: [f64; 4] = [60.0, 120.0, 240.0, 480.0];
+const PEER: [f64; 4] = [60.0, 100.0, 240.0, 480.0];
 /// How often `--peer` takes times.
 const ROUNDS: usize = 3;
 

@@ -5,8 +5,8 @@
 //! is free, so on the physical plant the base follows it.
 
 use super::holonomic;
-use super::limits::{BaseInputs, HalfPlane, Limits};
-use super::{HORIZON, Inputs, Reference, RobotObstacles};
+use super::limits::BaseInputs;
+use super::{Inputs, Reference, RobotObstacles};
 use crate::geometry::{Footprint, PlanarPose, Point, Pose, Vector, angle_of, nearest_on_segment, wrap_angle};
 use crate::math;
 use crate::robot::{BaseInput, BaseTwist, Drive, InputJacobian, pose_difference};
@@ -26,11 +26,12 @@ const SPACING_GAIN: f64 = 1.0;
 const TURN_GAIN: f64 = 3.0;
 /// Largest rate at which the base turns, rad/s. The arm holds the grasp up to a metre away, in place.
 const TURN_RATE_LIMIT: f64 = 1.3;
-/// Gain of a free base's turning toward the grasp, 1/s, and the weight of the squared deviation (rad/s) from it.
+/// Gain of a free base's turning toward the grasp, 1/s.
 const FREE_TURN_GAIN: f64 = 1.0;
-const TURN_PRICE: f64 = 100.0;
+/// Weight of the squared deviation (rad/s) from that turning.
+pub const TURN_PRICE: f64 = 100.0;
 /// Weight of the squared deviation (m/s, rad/s) from the base's inputs that follow the path.
-const GUIDE_PRICE: f64 = 1e4;
+pub const GUIDE_PRICE: f64 = 1e4;
 
 /// A base that follows a path.
 pub struct Follower<'w> {
@@ -168,42 +169,18 @@ impl Pursuit {
     }
 }
 
-/// Adds bounds to `limits` that hold the base to these inputs. They are softer than the bounds that keep it
-/// off obstacles.
-pub fn hold_base_to(drive: &Drive, base: &BaseInputs, limits: &mut Limits) {
-    for (t, input) in base.iter().enumerate() {
-        for (i, rate) in input.iter().enumerate().take(drive.inputs()) {
-            for sign in [1.0, -1.0] {
-                let mut coefficients = Inputs::zeros();
-                coefficients[(i, t)] = sign;
-                limits.half_planes.push(HalfPlane {
-                    coefficients,
-                    bound: sign * rate,
-                    price: GUIDE_PRICE,
-                    is_guide: true,
-                });
-            }
-        }
-    }
-}
-
-/// Adds bounds to `limits` that turn an omnidirectional base toward the grasp, which is off its bearing by this
-/// angle (rad). They are far softer than those that keep it off obstacles.
+/// Inputs that turn an omnidirectional base toward the grasp, which is off its bearing by this angle (rad). Only the
+/// turning rates count.
 ///
 /// DEVIATION (eq. 7): a base that is free moves sideways as well as ahead. One that is longer than wide does not
 /// fit sideways through an opening for its width.
-pub fn turn_toward_grasp(off: f64, period: f64, limits: &mut Limits) {
+pub fn turn_toward_grasp(off: f64, period: f64) -> BaseInputs {
     let mut left = off;
-    for t in 0..HORIZON {
+    BaseInputs::default().map(|_| {
         let rate = FREE_TURN_GAIN * left;
         left -= rate * period;
-        for sign in [1.0, -1.0] {
-            let mut coefficients = Inputs::zeros();
-            coefficients[(2, t)] = sign;
-            let bound = sign * rate;
-            limits.half_planes.push(HalfPlane { coefficients, bound, price: TURN_PRICE, is_guide: true });
-        }
-    }
+        BaseInput::new(0.0, 0.0, rate)
+    })
 }
 
 /// Replaces the base's part of the inputs.

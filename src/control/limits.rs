@@ -26,19 +26,15 @@ pub struct Limits {
     pub half_planes: Vec<HalfPlane>,
 }
 
-/// A linear bound on the inputs: on the position of a point of the robot after some periods, or on an input
-/// of the base.
+/// A linear bound on the inputs: on the position of a point of the robot after some periods.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfPlane {
-    /// Coefficients of the inputs, one column per step; s (for an input of the base 1).
+    /// Coefficients of the inputs, one column per step; s.
     pub coefficients: Inputs,
-    /// Largest weighted sum, m (m/s).
+    /// Largest weighted sum, m.
     pub bound: f64,
     /// Weight of the squared excess in the cost.
     pub price: f64,
-    /// Whether the bound guides the base along its path. Such a bound is no physical limit and keeps nothing
-    /// off obstacles.
-    pub is_guide: bool,
 }
 
 impl HalfPlane {
@@ -144,11 +140,6 @@ impl Limits {
                 on_violation(Row::Place(i), excess);
             }
         }
-    }
-
-    /// Whether a row guides the base along its path ([`HalfPlane::is_guide`]).
-    pub fn is_guide(&self, row: Row) -> bool {
-        matches!(row, Row::Place(i) if self.half_planes[i].is_guide)
     }
 
     /// Whether `u` violates no constraint.

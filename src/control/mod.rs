@@ -24,12 +24,14 @@ mod settings;
 
 pub use candidates::{Candidate, CandidateSet, Neighbourhood};
 pub use closed_form::{ClosedForm, ModalReference};
-pub use follow::{Follower, hold_base_to, rolled, seen_from_base, set_base, turn_toward_grasp};
+pub use follow::{Follower, GUIDE_PRICE, TURN_PRICE, rolled, seen_from_base, set_base, turn_toward_grasp};
 pub use intent::Intent;
 pub use limits::{BaseInputs, HalfPlane, Limits};
 pub use mpc::{Failure, Mpc, Plan, SolveOutcome};
 pub use obstacles::{Avoid, RobotObstacles};
-pub use pose::{Considered, PoseChoice, PoseOptimiser, PoseProblem, manipulability, motion_cost};
+pub use pose::{
+    Considered, PoseChoice, PoseOptimiser, PoseProblem, least_singular_value, manipulability, motion_cost,
+};
 pub use qp::Qp;
 pub use settings::{PoseCriterion, Settings};
 

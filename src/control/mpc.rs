@@ -35,8 +35,6 @@ pub enum SolveOutcome {
     Constrained {
         /// Number of active limits of joints and wheels and of half-planes that keep the robot off obstacles.
         active: usize,
-        /// Number of active bounds that guide the base along its path, on the physical plant.
-        guides: usize,
     },
     /// Not found. The first input of the optimum without limits is scaled down into the limits and applied
     /// once; if that is not finite, no input is applied.
@@ -165,12 +163,8 @@ impl Mpc {
             // with some of the constraints only, the optimum is a lower bound
             let cost = optimum.cost + self.dual_value();
             if self.joining.is_empty() {
-                let positive = self.multipliers.iter().zip(&self.rows).filter(|(m, _)| **m > 0.0);
-                let (mut active, mut guides) = (0, 0);
-                for (_, row) in positive {
-                    *if limits.is_guide(*row) { &mut guides } else { &mut active } += 1;
-                }
-                return Ok(Plan { inputs, cost, outcome: SolveOutcome::Constrained { active, guides } });
+                let active = self.multipliers.iter().filter(|m| **m > 0.0).count();
+                return Ok(Plan { inputs, cost, outcome: SolveOutcome::Constrained { active } });
             }
             if cost > cutoff {
                 return Err(Stopped::Above);

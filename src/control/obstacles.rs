@@ -280,7 +280,7 @@ impl RobotObstacles {
                         coefficients.fixed_view_mut::<MAX_JOINTS, 1>(first, step).copy_from(&joints);
                     }
                     let bound = coefficients.dot(inputs) + distance - ARM_RADIUS_M - MARGIN_M;
-                    limits.half_planes.push(HalfPlane { coefficients, bound, price, is_guide: false });
+                    limits.half_planes.push(HalfPlane { coefficients, bound, price });
                 }
             }
         });

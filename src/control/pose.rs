@@ -222,6 +222,11 @@ pub fn motion_cost(robot: &Robot, candidate: &Candidate, from: &Configuration, s
     settings.pose_weight * (arm + robot.base_input(&candidate.rates).norm_squared())
 }
 
+/// The smallest singular value of B, m or rad for a unit input.
+pub fn least_singular_value(input_matrix: &InputJacobian) -> f64 {
+    (input_matrix * input_matrix.transpose()).symmetric_eigenvalues().min().max(0.0).sqrt()
+}
+
 /// Yoshikawa's measure of the arm, sqrt(det(J J')), for a whole-body Jacobian.
 pub fn manipulability(robot: &Robot, jacobian: &InputJacobian) -> f64 {
     let arm = robot.arm_jacobian(jacobian);

@@ -53,7 +53,7 @@ impl<'i> Rolling<'i> {
     pub fn bound(&self, t: usize, toward: Vector, room: f64, price: f64) -> HalfPlane {
         let mut coefficients = Inputs::zeros();
         coefficients.fixed_rows_mut::<MAX_BASE_INPUTS>(0).copy_from(&self.gradient(t, toward));
-        HalfPlane { coefficients, bound: coefficients.dot(self.inputs) + room, price, is_guide: false }
+        HalfPlane { coefficients, bound: coefficients.dot(self.inputs) + room, price }
     }
 
     /// The pose of the base after so many steps, on the chords of its way; before the first step and after the
@@ -86,7 +86,7 @@ impl<'i> Rolling<'i> {
         }
         let mut coefficients = Inputs::zeros();
         coefficients.fixed_rows_mut::<MAX_BASE_INPUTS>(0).copy_from(&of_base);
-        HalfPlane { coefficients, bound: coefficients.dot(self.inputs) + room, price, is_guide: false }
+        HalfPlane { coefficients, bound: coefficients.dot(self.inputs) + room, price }
     }
 
     /// The gradient of `toward . p` for a point that the base carries at the offset `arm` (m), with respect

@@ -261,7 +261,7 @@ impl ControlSummary {
         self.largest_error = self.largest_error.max(tick.position_error);
         match tick.outcome {
             SolveOutcome::Unconstrained => {}
-            SolveOutcome::Constrained { active, .. } => self.constrained_steps += u64::from(active > 0),
+            SolveOutcome::Constrained { active } => self.constrained_steps += u64::from(active > 0),
             SolveOutcome::Fallback(_) => self.fallback_steps += 1,
         }
         self.pose_changes += u64::from(tick.preparation.is_some_and(|p| p.candidate != 0));

@@ -52,11 +52,11 @@ impl View<'_> {
         self.so_far().interaction.as_ref().map(|interaction| interaction.work)
     }
 
-    /// Limits and guides active in the solution of eq. (7).
-    fn active(&self) -> Option<[usize; 2]> {
+    /// Limits active in the solution of eq. (7).
+    fn active(&self) -> Option<usize> {
         self.robot_tick().map(|robot| match robot.outcome {
-            SolveOutcome::Constrained { active, guides } => [active, guides],
-            _ => [0, 0],
+            SolveOutcome::Constrained { active } => active,
+            _ => 0,
         })
     }
 }
@@ -121,8 +121,7 @@ pub const CONTROL: &[Quantity] = quantities! {
     "pose_candidates", Count, "|Q|; missing where eq. (8) was not asked", |v| v.preparation().map(|p| p.candidates);
     "pose_constrained_problems", Count, "problems of eq. (8) solved with limits; missing where it was not asked", |v| v.preparation().map(|p| p.constrained);
     "mpc_outcome", Text, "how eq. (7) was solved: unconstrained, constrained, or fallback with the reason", |v| v.robot_tick().map(|r| solved(&r.outcome));
-    "mpc_active_limits", Count, "limits of joints, wheels and obstacles active in its solution", |v| v.active().map(|a| a[0]);
-    "mpc_active_guides", Count, "bounds active in it that hold the base to its path; physical plant only", |v| v.active().map(|a| a[1]);
+    "mpc_active_limits", Count, "limits of joints, wheels and obstacles active in its solution", |v| v.active();
     "least_singular_value", PLAIN, "least singular value of B(q*), m or rad for a unit input", |v| v.robot_tick().map(|r| r.least_singular_value);
     "position_error_m", METRES, "distance between grasp and reference at the end of the step", |v| v.robot_tick().map(|r| r.position_error);
     "orientation_error_deg", DEGREES, "angle between grasp and reference at the end of the step", |v| v.robot_tick().map(|r| r.orientation_error.to_degrees());

@@ -5,16 +5,16 @@ use super::team_path::{FreeSpace, Turned};
 use super::tick::{Preparation, RobotTick};
 use super::{Situation, Step, Team, Travel, Walk};
 use crate::control::{
-    self, Avoid, BaseInputs, Candidate, ClosedForm, Intent, Limits, ModalReference, Mpc, PoseCriterion,
-    PoseOptimiser, PoseProblem, Reference, RobotObstacles, SolveOutcome, hold_base_to, reference, rolled,
-    seen_from_base, set_base, turn_toward_grasp,
+    self, Avoid, BaseInputs, Candidate, ClosedForm, GUIDE_PRICE, Intent, Limits, ModalReference, Mpc,
+    PoseCriterion, PoseOptimiser, PoseProblem, Reference, RobotObstacles, SolveOutcome, TURN_PRICE,
+    least_singular_value, reference, rolled, seen_from_base, turn_toward_grasp,
 };
 use crate::coordination::Mode;
 use crate::geometry::{Footprint, Path, PlanarPose, Point, Pose, angle_of, wrap_angle};
 use crate::options::OptionSet;
 use crate::policy::Motion;
 use crate::robot::{
-    Configuration, InputJacobian, InputVector, JointVector, Kinematics, Robot, pose_difference,
+    BaseInput, Configuration, InputJacobian, InputVector, JointVector, Kinematics, Robot, pose_difference,
 };
 use crate::saved::{NotRestored, Saved};
 use crate::simulation::Observation;
@@ -318,16 +318,17 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         there
     }
 
-    /// Bounds that turn a free omnidirectional base toward its grasp, unless it is a disc.
-    fn turn_free_base(&mut self, grasp: &Pose) {
+    /// Inputs that turn a free omnidirectional base toward its grasp, unless it is a disc.
+    fn turning_free_base(&self, grasp: &Pose) -> Option<BaseInputs> {
         let robot = self.manipulator.robot;
-        if robot.drive.is_omnidirectional() && matches!(robot.footprint, Footprint::Polygon(_)) {
-            let held = robot.drive_from_grasp(&self.manipulator.posture).translation.vector.xy();
-            let base = self.target.configuration.base;
-            let to_grasp = grasp.translation.vector.xy() - base.position.coords;
-            let off = wrap_angle(angle_of(to_grasp) - angle_of(held) - base.yaw);
-            turn_toward_grasp(off, self.walk.period, &mut self.limits);
+        if !robot.drive.is_omnidirectional() || matches!(robot.footprint, Footprint::Disc { .. }) {
+            return None;
         }
+        let held = robot.drive_from_grasp(&self.manipulator.posture).translation.vector.xy();
+        let base = self.target.configuration.base;
+        let to_grasp = grasp.translation.vector.xy() - base.position.coords;
+        let off = wrap_angle(angle_of(to_grasp) - angle_of(held) - base.yaw);
+        Some(turn_toward_grasp(off, self.walk.period))
     }
 
     /// u of eq. (7) that tracks one of the references. Where limits are active, it is solved again with the
@@ -344,17 +345,25 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         let Manipulator { robot, control, obstacles, .. } = self.manipulator;
         let period = self.walk.period;
         let Candidate { configuration: target, rates, jacobian } = self.target;
-        let free = ClosedForm::new(&(jacobian * period), control.state_weight, control.input_weight);
+        let turning = if base.is_none() { self.turning_free_base(grasp) } else { None };
+        let form = |jacobian: &InputJacobian| {
+            let b = jacobian * period;
+            let weights = [control.state_weight, control.input_weight];
+            let guided = |base, prices| ClosedForm::guided(&b, weights, &robot.drive, base, prices);
+            match (base, &turning) {
+                (Some(base), _) => guided(base, &BaseInput::repeat(GUIDE_PRICE)),
+                (None, Some(turning)) => guided(turning, &BaseInput::new(0.0, 0.0, TURN_PRICE)),
+                (None, None) => ClosedForm::new(&b, weights[0], weights[1]),
+            }
+        };
+        let free = form(&jacobian);
         self.limits.set(robot, &target, &rates, period);
         let mut to_track = self.references[reference];
         if let Some(base) = base {
             to_track += rolled(&robot.drive, &jacobian, base, period);
         }
         if control.avoid != Avoid::Nothing {
-            let mut about = free.inputs(&ModalReference::new(&to_track));
-            if let Some(base) = base {
-                set_base(&robot.drive, &mut about, base);
-            }
+            let about = free.inputs(&ModalReference::new(&to_track));
             obstacles.half_planes(
                 control.avoid,
                 robot,
@@ -365,22 +374,17 @@ impl<'a, B: Bodies> Carrying<'a, B> {
                 &mut self.limits,
             );
         }
-        match base {
-            Some(base) => hold_base_to(&robot.drive, base, &mut self.limits),
-            None => self.turn_free_base(grasp),
-        }
         let mut plan = self.mpc.solve(&free, &self.limits, &to_track);
-        let is_limited = matches!(plan.outcome, SolveOutcome::Constrained { active, .. } if active > 0);
+        let is_limited = matches!(plan.outcome, SolveOutcome::Constrained { active } if active > 0);
         if base.is_none() && control.avoid != Avoid::Nothing && is_limited {
             let about = plan.inputs;
             obstacles.half_planes(control.avoid, robot, &target, &about, period, false, &mut self.limits);
-            self.turn_free_base(grasp);
             plan = self.mpc.solve(&free, &self.limits, &to_track);
         }
         let (mut jacobian, mut free) = (jacobian, free);
         if base.is_some() && follows {
             jacobian = self.jacobian_half_way(&jacobian, &plan.inputs.column(0).into_owned());
-            free = ClosedForm::new(&(jacobian * period), control.state_weight, control.input_weight);
+            free = form(&jacobian);
             plan = self.mpc.solve(&free, &self.limits, &to_track);
         }
         if base.is_some() {
@@ -391,7 +395,7 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         }
         self.input = plan.inputs.column(0).into_owned();
         tick.outcome = plan.outcome;
-        tick.least_singular_value = free.least_singular_value();
+        tick.least_singular_value = least_singular_value(&(jacobian * period));
     }
 }
 

@@ -155,7 +155,7 @@ fn closed_form_eq_8_can_be_worked_out_from_what_a_step_tells() {
             let mut floor = total;
             for (reference, weight) in decision.references.iter().zip(decision.weights) {
                 total += weight * mpc.solve(&form, &limits, reference).cost;
-                floor += weight * form.cost(reference);
+                floor += weight * form.cost(&control::ModalReference::new(reference));
             }
             let near = |a: f64, b: f64| (a - b).abs() < 1e-9 * b.max(1.0);
             assert!(considered.floor.is_some_and(|told| near(told, floor)), "{considered:?} {floor}");

@@ -104,7 +104,7 @@ fn a_base_without_shapes_collides_as_its_corners() {
 #[test]
 fn property_separations_of_footprints_agree_with_parry() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
-    let mut polygon = |rng: &mut ChaCha8Rng| loop {
+    let polygon = |rng: &mut ChaCha8Rng| loop {
         let corner = |_| Point::new(rng.random_range(-0.6..0.6), rng.random_range(-0.5..0.5));
         let hull = cocarry::geometry::convex_hull(&(0..8).map(corner).collect::<Vec<_>>());
         if hull.len() >= 3 {

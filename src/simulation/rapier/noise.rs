@@ -71,7 +71,7 @@ mod tests {
 
     #[test]
     fn closed_form_a_sine_passes_with_the_gain_of_its_frequency() {
-        for rate in [60.0, 120.0, 240.0, 960.0] {
+        for rate in [60.0, 100.0, 240.0, 960.0] {
             let tan = |f: f64| math::sin(PI * f / rate) / math::cos(PI * f / rate);
             for frequency in [1.0, 2.0, 5.0, 10.0, 20.0] {
                 let w = math::squared(tan(frequency) / tan(NOISE_FREQUENCY));
@@ -85,7 +85,7 @@ mod tests {
     #[test]
     fn the_gain_hardly_depends_on_the_step() {
         for frequency in [1.0, 5.0, 10.0, 20.0] {
-            let [coarse, fine] = [120.0, 960.0].map(|rate| gain(frequency, rate));
+            let [coarse, fine] = [100.0, 960.0].map(|rate| gain(frequency, rate));
             assert!((coarse - fine).abs() < 0.01, "{frequency} Hz: {coarse} and {fine}");
         }
     }

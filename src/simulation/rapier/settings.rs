@@ -11,7 +11,7 @@ pub struct PhysicsSettings {
     /// them.
     pub rate_hz: f64,
     /// Solver iterations over all constraints in a step: the grips and contacts. Arm and base are solved
-    /// exactly. With twelve iterations at 120 Hz, forces are within 1e-3 N of those with a hundred, and within
+    /// exactly. With twelve iterations at 100 Hz, forces are within 1e-3 N of those with a hundred, and within
     /// 0.02 N for an object of half a kilogram (tested); they take 5 % longer than four, with which a light
     /// object's forces are off by 0.3 N.
     pub solver_iterations: usize,
@@ -33,7 +33,7 @@ pub struct PhysicsSettings {
 impl Default for PhysicsSettings {
     fn default() -> Self {
         Self {
-            rate_hz: 120.0,
+            rate_hz: 100.0,
             solver_iterations: 12,
             rim_acceleration: 1.5,
             gripper_stiffness: gripper_stiffness(),
