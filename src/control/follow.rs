@@ -233,6 +233,7 @@ pub fn rolled(drive: &Drive, jacobian: &InputJacobian, base: &BaseInputs, period
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::control::HORIZON;
     use crate::geometry::direction;
     use crate::world::World;
     use std::f64::consts::FRAC_PI_2;
@@ -350,6 +351,15 @@ mod tests {
         };
         let (free, beside) = (least_clearance(&no_obstacles()), least_clearance(&obstacles(wall)));
         assert!(free < -0.05 && beside > -0.02, "{free} {beside}");
+    }
+
+    #[test]
+    fn closed_form_a_free_base_turns_as_the_angle_left_decreases() {
+        let turning = turn_toward_grasp(0.5, PERIOD);
+        let turned: f64 = turning.iter().map(|input| input.z * PERIOD).sum();
+        let left = (0..HORIZON).fold(0.5, |left, _| left * (1.0 - FREE_TURN_GAIN * PERIOD));
+        assert!((0.5 - turned - left).abs() < 1e-12, "{turned} {left}");
+        assert!(turning.iter().all(|input| input.xy() == Vector::zeros()));
     }
 
     /// The arm does everything if the base stands still, and nothing if the base moves as the reference does.

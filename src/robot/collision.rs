@@ -1,7 +1,6 @@
 //! Shapes in place of collision shapes that are missing, and the check of inertias on merged bodies.
 
 use super::error::RobotError;
-use super::footprint::Asked;
 use super::link::{Geometry, Inertial, Link, Shape};
 use super::note::{RobotNote, some_of};
 use super::urdf::Urdf;
@@ -34,8 +33,8 @@ pub(super) fn bodies(robot: &Robot) -> Vec<usize> {
 }
 
 /// Gives shapes to the base and to moving links of the chain that have none, and says so. A base with any mesh
-/// that is missing gets its footprint beside its other shapes.
-pub(super) fn complete(robot: &mut Robot, asked: &Asked) -> Vec<RobotNote> {
+/// that is missing gets its `footprint`, or a cylinder, beside its other shapes.
+pub(super) fn complete(robot: &mut Robot, footprint: Option<&[Point]>) -> Vec<RobotNote> {
     let mut notes = Vec::new();
     let body = bodies(robot);
     let of_body = |robot: &Robot, at: usize| -> Vec<usize> {
@@ -57,9 +56,9 @@ pub(super) fn complete(robot: &mut Robot, asked: &Asked) -> Vec<RobotNote> {
             true => format!("`{}` has no collision shape", robot.links[robot.base_link].name),
             false => format!("the base lacks collision meshes of {}", some_of(&names)),
         };
-        let (shape, named) = match asked {
-            Asked::Corners(corners) => (prism(corners), "its base_footprint"),
-            Asked::Disc | Asked::Collision(_) => {
+        let (shape, named) = match footprint {
+            Some(corners) => (prism(corners), "its base_footprint"),
+            None => {
                 let shape = Shape::Cylinder { radius: robot.width() / 2.0, length: FOOTPRINT_HEIGHT_M };
                 (shape, "a cylinder as wide as base_width_m")
             }

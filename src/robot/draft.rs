@@ -32,6 +32,9 @@ const HEIGHTS_M: [f64; 7] = [0.7, 0.8, 0.9, 0.6, 1.0, 1.1, 0.5];
 const NARROWER: f64 = 1.1;
 /// Radius of the balls around an arm's joints that eq. (7) keeps off obstacles, m.
 const ARM_RADIUS_M: f64 = 0.08;
+/// How far an arm's shapes may be outside these balls for a base that is narrower than its disc, m. In an opening as
+/// narrow as the base, such an arm would touch the walls.
+const MOST_OUTSIDE_M: f64 = 0.05;
 
 /// Room of a posture, as [`Found`] has it, with which no other height is tried.
 const ENOUGH_ROOM: f64 = 0.2;
@@ -86,7 +89,7 @@ impl Draft {
         let plain = euler(&parts.tool_from_grasp);
         let robot = load::without_postures(&texts.with(head(&BaseSize::disc(0.5), heights[0], plain)))?;
         let disc = BaseSize::disc_around(&robot);
-        // a narrow base, unless its arm stands out as far as the disc
+        // a narrow base, unless its arm needs the room of the disc
         let narrow = BaseSize::polygon_around(&robot, &disc).and_then(|mut polygon| {
             let best = best_postures(&robot, &heights, &polygon.footprint)?;
             let joints = &best.1[0].joints;
@@ -94,7 +97,8 @@ impl Draft {
             // nothing but balls is kept off obstacles as the arm moves
             let outside = postures::outside_balls(&robot, joints, ARM_RADIUS_M);
             polygon.width = polygon.width.max(centimetres(2.0 * (beside + outside)));
-            (NARROWER * polygon.width < disc.width).then_some((polygon, best))
+            let is_narrow = outside <= MOST_OUTSIDE_M && NARROWER * polygon.width < disc.width;
+            is_narrow.then_some((polygon, best))
         });
         let found = narrow.or_else(|| {
             let best = best_postures(&robot, &heights, &disc.footprint)?;

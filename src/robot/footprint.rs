@@ -36,6 +36,16 @@ pub(super) enum Asked {
     Corners(Vec<Point>),
 }
 
+impl Asked {
+    /// The corners that are given.
+    pub fn corners(&self) -> Option<&[Point]> {
+        match self {
+            Self::Corners(corners) => Some(corners),
+            Self::Disc | Self::Collision(_) => None,
+        }
+    }
+}
+
 /// What the key asks for.
 pub(super) fn asked(source: Source, entry: &Option<Spanned<Value>>) -> Result<Asked, RobotError> {
     let Some(spanned) = entry else { return Ok(Asked::Disc) };

@@ -386,7 +386,7 @@ fn assemble(
     if let Some(asked) = asked {
         let has_shapes = collision::has_shapes(&robot);
         if hulls.is_some() {
-            notes.extend(collision::complete(&mut robot, &asked));
+            notes.extend(collision::complete(&mut robot, asked.corners()));
         }
         faults.keep(footprint::set(&mut robot, asked, has_shapes));
     }

@@ -150,9 +150,7 @@ fn footprints_that_are_no_outline_of_a_base() {
         let given = format!("base_width_m = 0.5\nbase_footprint = {value}");
         toml("base_width_m = 0.5", &given, &[&[":8: robot: "], said.as_slice()].concat());
     }
-    let collision = "    <collision>\n      <origin xyz=\"0 0 0.21\"/>\n      \
-                     <geometry><cylinder radius=\"0.25\" length=\"0.36\"/></geometry>\n    </collision>\n";
-    let bare = Files::new().with(URDF, collision, "");
+    let bare = Files::new().without_base_shapes();
     let given = "base_width_m = 0.5\nbase_footprint = \"collision\"";
     bare.with(TOML, "base_width_m = 0.5", given).says(&[
         ":8: robot: base_footprint = \"collision\"",

@@ -86,9 +86,7 @@ fn closed_form_the_footprint_around_collision_shapes() {
 
 #[test]
 fn a_base_without_shapes_collides_as_its_corners() {
-    let collision =
-        format!("    <collision>\n      <origin xyz=\"0 0 0.21\"/>\n      {CYLINDER}\n    </collision>\n");
-    let files = Files::new().with(URDF, &collision, "");
+    let files = Files::new().without_base_shapes();
     let list = footprint("[[0.5, 0.25], [-0.4, -0.25], [-0.4, 0.25], [0.5, -0.25]]");
     let robot = files.with(TOML, WIDTH, &list).load(TOML).expect("a robot");
     let said: Vec<String> = robot.notes.iter().map(ToString::to_string).collect();
