@@ -37,7 +37,7 @@ class Settings(TypedDict, total=False):
     """Parts of the robot that its MPC keeps out of obstacles. Default: robot."""
 
     physics_rate_hz: float
-    """Physics steps per second; a control period takes the nearest whole number of them. Default: 120.0."""
+    """Physics steps per second; a control period takes the nearest whole number of them. Default: 100.0."""
 
     solver_iterations: int
     """Solver iterations in a physics step over grips and contacts; arm and base are solved exactly. Default: 12."""

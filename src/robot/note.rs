@@ -33,6 +33,19 @@ pub enum RobotNote {
         /// The links.
         links: String,
     },
+    /// A collision mesh that fills less than half of its convex hull.
+    #[error(
+        "link `{link}`: its collision mesh `{mesh}` fills {percent:.0} % of its convex hull, as which it collides; \
+         split it into convex meshes if contacts count there"
+    )]
+    Hollow {
+        /// The link.
+        link: String,
+        /// The mesh as the URDF names it.
+        mesh: String,
+        /// The share of the hull's volume, %.
+        percent: f64,
+    },
     /// A base that collides as a cylinder or its footprint, because a shape of it is missing.
     #[error("{why}; the base collides as {shape}, {height} m high")]
     Footprint {

@@ -2,7 +2,7 @@
 //! `xml`, its first parser.
 
 use super::error::RobotError;
-use super::hull;
+use super::hull::{self, Hull};
 use super::link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
 use super::mesh::{self, MeshFolders};
 use super::note::{RobotNote, some_of};
@@ -24,6 +24,8 @@ const MOST_PIECES: usize = 500_000;
 /// The largest total length of namespaces and their prefixes, bytes; the parser copies them into every
 /// element after them.
 const LONGEST_NAMESPACES: usize = 4096;
+/// The share of its convex hull that a collision mesh fills at least, without a note.
+const LEAST_FILLED: f64 = 0.5;
 /// The namespace of namespaces.
 const XMLNS: &str = "http://www.w3.org/2000/xmlns/";
 
@@ -135,10 +137,15 @@ impl Urdf<'_> {
             let Some(mesh) = mesh_name(geometry).filter(|mesh| !hulls.contains_key(*mesh)) else { continue };
             let Some(found) = self.file_of(geometry) else { continue };
             let found = found.map_err(|why| format!("searched for {why}"));
-            match found
-                .and_then(|file| hull::vertices(&file).map_err(|why| format!("{}: {why}", file.display())))
+            match found.and_then(|file| hull::read(&file).map_err(|why| format!("{}: {why}", file.display())))
             {
-                Ok(vertices) => drop(hulls.insert(mesh.to_owned(), vertices)),
+                Ok(Hull { vertices, filled }) => {
+                    hulls.insert(mesh.to_owned(), vertices);
+                    if let Some(filled) = filled.filter(|filled| *filled < LEAST_FILLED) {
+                        let (link, mesh) = (link.clone(), mesh.to_owned());
+                        notes.push(RobotNote::Hollow { link, mesh, percent: 100.0 * filled });
+                    }
+                }
                 Err(why) => notes.push(RobotNote::NoHull { link: link.clone(), mesh: mesh.to_owned(), why }),
             }
         }
