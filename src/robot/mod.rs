@@ -204,11 +204,6 @@ impl Robot {
         self.base_width
     }
 
-    /// Twice the largest distance of the footprint beside the middle of the base, m.
-    pub fn footprint_across(&self) -> f64 {
-        footprint::across(&self.footprint)
-    }
-
     /// A warning if the drive is too slow for a team that walks at `speed` (m/s).
     pub fn slow_drive(&self, speed: f64) -> Option<SlowDrive> {
         let Drive { rim_speed_limit: limit, wheel_radius, .. } = self.drive;
