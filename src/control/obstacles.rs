@@ -446,7 +446,7 @@ mod tests {
         let mut robot = Robot::built_in().unwrap();
         let corners = [(-0.45, -0.25), (0.45, -0.25), (0.45, 0.25), (-0.45, 0.25)];
         robot.footprint = Footprint::Polygon(corners.map(|(x, y)| Point::new(x, y)).to_vec());
-        robot.drive.base_radius = 0.45f64.hypot(0.25);
+        robot.drive.base_radius = crate::math::hypot(0.45, 0.25);
         let q = Configuration {
             base: PlanarPose { position: Point::origin(), yaw: 0.0 },
             joints: robot.postures[0].joints,

@@ -201,7 +201,7 @@ fn closed_form_a_guided_base_has_the_optimum_with_the_deviation_in_the_cost() {
                 .iter()
                 .enumerate()
                 .map(|(t, given)| {
-                    (0..2).map(|i| prices[i] * (inputs[(i, t)] - given[i]).powi(2)).sum::<f64>()
+                    (0..2).map(|i| prices[i] * crate::math::squared(inputs[(i, t)] - given[i])).sum::<f64>()
                 })
                 .sum();
             let cost = rolled_out(&b, &references[0], &inputs) + off;

@@ -3,6 +3,7 @@
 use crate::spoiled_robot::{Files, TOML, URDF, original};
 use crate::support::{cocarry, repository, stdout};
 use cocarry::geometry::{Footprint, Placed, PlanarPose, Point};
+use cocarry::math;
 use cocarry::robot::Robot;
 use parry3d::math::{Pose, Vec3};
 use parry3d::query::{contact, distance};
@@ -52,7 +53,7 @@ fn closed_form_corners_give_their_hull() {
     let expected = [(-0.4, -0.25), (0.5, -0.25), (0.5, 0.25), (-0.4, 0.25)];
     assert_eq!(corners(&robot), expected.map(|(x, y)| Point::new(x, y)));
     assert_eq!((robot.width(), robot.footprint_across()), (0.5, 0.5));
-    assert!((robot.drive.base_radius - 0.5f64.hypot(0.25)).abs() < 1e-15);
+    assert!((robot.drive.base_radius - math::hypot(0.5, 0.25)).abs() < 1e-15);
 }
 
 /// A box beside the axle, and a disc with its wheels inside: no shape stands out, and no corner by more than
@@ -95,7 +96,7 @@ fn a_base_without_shapes_collides_as_its_corners() {
         "{said:?}"
     );
     let extent = robot.base_extent().expect("a shape");
-    assert!((extent - 0.5f64.hypot(0.25)).abs() < 1e-9, "{extent}");
+    assert!((extent - math::hypot(0.5, 0.25)).abs() < 1e-9, "{extent}");
 }
 
 /// Parry's distances and depths of prisms, which reach 10 m up and down so that they overlap sidewards.
