@@ -3,6 +3,7 @@
 use crate::support::{load, repository};
 use cocarry::control::{self, RobotObstacles, SolveOutcome};
 use cocarry::episode::{Episode, Manipulator, Settings};
+use cocarry::geometry::{Footprint, Point};
 use cocarry::learning;
 use cocarry::paper::EXAMPLE_HUMAN;
 use cocarry::policy::Method;
@@ -13,10 +14,22 @@ const WARM: u64 = 60;
 
 #[test]
 fn a_warm_control_tick_allocates_nothing() {
-    let (free, limited) = count(1.0);
+    let (free, limited) = count(1.0, |_| ());
     assert!(free > 100, "{free} ticks without an active limit");
-    let slow = count(0.15);
+    let slow = count(0.15, |_| ());
     assert!(limited + slow.1 > 50, "{} ticks with active limits", limited + slow.1);
+}
+
+/// A base of 0.9 m by 0.5 m, whose corners have half-planes of their own.
+#[test]
+fn a_warm_control_tick_of_a_long_base_allocates_nothing() {
+    let corners = [(-0.45, -0.25), (0.45, -0.25), (0.45, 0.25), (-0.45, 0.25)];
+    let corners = corners.map(|(x, y)| Point::new(x, y)).to_vec();
+    let (_, limited) = count(1.0, |robot| {
+        robot.footprint = Footprint::Polygon(corners.clone());
+        robot.drive.base_radius = 0.52;
+    });
+    assert!(limited > 10, "{limited} ticks with active limits");
 }
 
 #[test]
@@ -47,10 +60,11 @@ fn a_warm_tick_of_a_robot_that_learns_allocates_nothing() {
     assert!(looks > 5, "{looks} looks that changed the belief");
 }
 
-/// Runs episodes whose joints have this share of their speed, and asserts that no warm tick allocates. How
+/// Runs episodes of the built-in robot `with` a change, whose joints have this share of their speed, and asserts that no warm tick allocates. How
 /// many of these had no limit active, and how many had.
-fn count(share: f64) -> (usize, usize) {
+fn count(share: f64, with: impl Fn(&mut Robot)) -> (usize, usize) {
     let mut robot = Robot::built_in().expect("the built-in robot");
+    with(&mut robot);
     for joint in &mut robot.joints {
         joint.rate_limit *= share;
     }
