@@ -6,8 +6,8 @@ use super::tick::{Preparation, RobotTick};
 use super::{Situation, Step, Team, Travel, Walk};
 use crate::control::{
     self, Avoid, BaseInputs, Candidate, ClosedForm, GUIDE_PRICE, Intent, Limits, ModalReference, Mpc,
-    PoseCriterion, PoseOptimiser, PoseProblem, Reference, RobotObstacles, SolveOutcome, least_singular_value,
-    reference, rolled, seen_from_base,
+    PoseCriterion, PoseOptimiser, PoseProblem, Reference, RobotObstacles, SolveOutcome, reference, rolled,
+    seen_from_base,
 };
 use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose};
@@ -379,7 +379,7 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         }
         self.input = plan.inputs.column(0).into_owned();
         tick.outcome = plan.outcome;
-        tick.least_singular_value = least_singular_value(&(jacobian * period));
+        tick.input_matrix = jacobian * period;
     }
 }
 
