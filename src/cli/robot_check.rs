@@ -4,7 +4,7 @@ use super::output::{
     Failure, OverwriteArguments, examples, input, print, print_json, table, table_text, tell, write_file,
 };
 use super::robot::check_is_file;
-use crate::geometry::Pose;
+use crate::geometry::{Footprint, Pose};
 use crate::rendering;
 use crate::robot::{Drive, DriveKind, Motion, Posture, Robot, RobotError};
 use anyhow::{Error, anyhow};
@@ -129,12 +129,24 @@ const ON_AXIS_M: f64 = 0.01;
 /// What a user should know, beside the notes of the files.
 fn remarks(robot: &Robot) -> Vec<String> {
     let mut remarks: Vec<String> = robot.notes.iter().map(ToString::to_string).collect();
-    let width = 2.0 * robot.drive.base_radius;
-    if let Some(extent) = robot.base_extent().filter(|extent| 2.0 * extent > width + 0.005) {
-        remarks.push(format!(
-            "base_width_m = {width}, but a disc about the axle around the base's collision shapes is {:.2} m wide",
-            2.0 * extent
-        ));
+    let width = robot.width();
+    match &robot.footprint {
+        Footprint::Disc { .. } => {
+            if let Some(extent) = robot.base_extent().filter(|extent| 2.0 * extent > width + 0.005) {
+                remarks.push(format!(
+                    "base_width_m = {width}, but a disc about the axle around the base's collision shapes is {:.2} m wide",
+                    2.0 * extent
+                ));
+            }
+        }
+        Footprint::Polygon(_) => {
+            let across = robot.footprint_across();
+            if across > width + 0.005 {
+                remarks.push(format!(
+                    "base_width_m = {width}, but base_footprint is {across:.2} m wide about the middle of the drive: it may not fit through openings"
+                ));
+            }
+        }
     }
     for row in rows(robot).iter().filter(|row| row.beside.abs() > ON_AXIS_M) {
         remarks.push(format!(
@@ -172,7 +184,14 @@ fn as_text(robot: &Robot) -> String {
     let [arm, all] = masses(robot);
     let mut text = format!("{} ({}, {})\n\n", robot.name, robot.texts.file, robot.texts.urdf_file);
     text += &format!("drive  {}\n", drive_text(drive));
-    text += &format!("base   {:.2} m wide for clearances, {:.1} kg\n", 2.0 * drive.base_radius, all - arm);
+    let outline = match &robot.footprint {
+        Footprint::Disc { .. } => String::new(),
+        Footprint::Polygon(corners) => {
+            let length = robot.footprint.bounds().size().x;
+            format!(" and {length:.2} m long, a polygon of {} corners", corners.len())
+        }
+    };
+    text += &format!("base   {:.2} m wide{outline} for clearances, {:.1} kg\n", robot.width(), all - arm);
     text +=
         &format!("arm    {} joints, {arm:.1} kg; holds at {} m\n\n", robot.joint_count(), robot.grasp_height);
     let mut joints = table(["joint", "from", "to", "rate", "effort"], 1);
@@ -231,6 +250,10 @@ fn joints_of(robot: &Robot, posture: &Posture) -> Value {
 
 fn as_json(robot: &Robot) -> Value {
     let drive = &robot.drive;
+    let footprint = match &robot.footprint {
+        Footprint::Disc { .. } => None,
+        Footprint::Polygon(corners) => Some(corners.iter().map(|c| [c.x, c.y]).collect::<Vec<_>>()),
+    };
     let [arm, all] = masses(robot);
     let limit = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
     let joints: Vec<Value> = robot
@@ -283,7 +306,8 @@ fn as_json(robot: &Robot) -> Value {
         "base": {
             "link": robot.links[robot.base_link].name,
             "drive_from_base": transform(&robot.drive_from_base()),
-            "width_m": 2.0 * drive.base_radius,
+            "width_m": robot.width(),
+            "footprint_m": footprint,
             "extent_m": robot.base_extent(),
             "mass_kg": all - arm,
         },

@@ -10,7 +10,7 @@
 use super::follow::rolled;
 use super::{BaseInputs, HORIZON, Inputs, Reference};
 use crate::math;
-use crate::robot::{Drive, Factor, InputJacobian, Lanes};
+use crate::robot::{BaseInput, Drive, Factor, InputJacobian, Lanes};
 use nalgebra::{SMatrix, SVector};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
@@ -65,12 +65,12 @@ pub struct ClosedForm {
 }
 
 /// The guide of a base's inputs: R u^2 + P (u - g)^2 is (R + P) (u - r)^2 plus a constant, with r = P g /
-/// (R + P). So u - r is an input like the others in units of its share, the square root of R / (R + P).
+/// (R + P). So u - r is an input like the others in units of its share, the square root of R / (R + P). Each input has its own price P.
 #[derive(Clone, Copy, Debug)]
 struct Guide {
     /// The number of guided inputs, which are the first.
     count: usize,
-    share: f64,
+    shares: BaseInput,
     /// r.
     rest: BaseInputs,
     /// The modes of the motion that r makes.
@@ -82,7 +82,9 @@ struct Guide {
 impl Guide {
     /// Inputs in units of the shares, or back.
     fn scaled(&self, mut inputs: Inputs) -> Inputs {
-        inputs.rows_mut(0, self.count).scale_mut(self.share);
+        for i in 0..self.count {
+            inputs.row_mut(i).scale_mut(self.shares[i]);
+        }
         inputs
     }
 }
@@ -97,23 +99,30 @@ impl ClosedForm {
         Self { state_weight, input_weight, input_matrix: *input_matrix, factor, guide: None }
     }
 
-    /// The same with `price` times the squared deviation (m/s, rad/s) of the base's inputs from `base` in the
-    /// cost.
+    /// The same with the squared deviation (m/s, rad/s) of each of the base's inputs from `base` in the cost, times
+    /// its price.
     pub fn guided(
         input_matrix: &InputJacobian,
         [state_weight, input_weight]: [f64; 2],
         drive: &Drive,
         base: &BaseInputs,
-        price: f64,
+        prices: &BaseInput,
     ) -> Self {
-        let (count, weight) = (drive.inputs(), input_weight + price);
-        let rest = base.map(|input| input * (price / weight));
-        let share = (input_weight / weight).sqrt();
-        let squared: f64 = base.iter().map(|input| input.rows(0, count).norm_squared()).sum();
+        let count = drive.inputs();
+        let parts = prices.map(|price| price / (input_weight + price));
+        let rest = base.map(|input| input.component_mul(&parts));
+        let shares = prices.map(|price| (input_weight / (input_weight + price)).sqrt());
+        let squares = |input: &BaseInput| {
+            let of = input.iter().zip(&parts).take(count).map(|(rate, part)| rate * rate * part);
+            of.sum::<f64>()
+        };
+        let cost = input_weight * base.iter().map(squares).sum::<f64>();
         let motion = ModalReference::new(&rolled(drive, input_matrix, &rest, 1.0)).0;
         let mut scaled = *input_matrix;
-        scaled.columns_mut(0, count).scale_mut(share);
-        let guide = Guide { count, share, rest, motion, cost: input_weight * price / weight * squared };
+        for i in 0..count {
+            scaled.column_mut(i).scale_mut(shares[i]);
+        }
+        let guide = Guide { count, shares, rest, motion, cost };
         Self { guide: Some(guide), ..Self::new(&scaled, state_weight, input_weight) }
     }
 

@@ -7,7 +7,7 @@
 use super::holonomic;
 use super::limits::BaseInputs;
 use super::{Inputs, Reference, RobotObstacles};
-use crate::geometry::{PlanarPose, Point, Pose, Vector, angle_of, nearest_on_segment, wrap_angle};
+use crate::geometry::{Footprint, PlanarPose, Point, Pose, Vector, angle_of, nearest_on_segment, wrap_angle};
 use crate::math;
 use crate::robot::{BaseInput, BaseTwist, Drive, InputJacobian, pose_difference};
 use nalgebra::Rotation3;
@@ -17,7 +17,8 @@ use nalgebra::Rotation3;
 const LOOK_AHEADS_M: [f64; 3] = [0.65, 0.45, 0.3];
 /// Number of periods over which the base looks out for obstacles.
 const LOOK_OUT_PERIODS: usize = 6;
-/// How far (m) the base may be nearer to an obstacle than its radius: the base is narrower than its disc.
+/// How far (m) the base may overlap an obstacle: the base is narrower than its disc, or than the polygon around
+/// its shapes.
 const LOOK_OUT_TOLERANCE_M: f64 = 0.005;
 /// Gain of the spacing between base and grasp, 1/s.
 const SPACING_GAIN: f64 = 1.0;
@@ -25,6 +26,10 @@ const SPACING_GAIN: f64 = 1.0;
 const TURN_GAIN: f64 = 3.0;
 /// Largest rate at which the base turns, rad/s. The arm holds the grasp up to a metre away, in place.
 const TURN_RATE_LIMIT: f64 = 1.3;
+/// Gain of a free base's turning toward the grasp, 1/s.
+const FREE_TURN_GAIN: f64 = 1.0;
+/// Weight of the squared deviation (rad/s) from that turning.
+pub const TURN_PRICE: f64 = 100.0;
 /// Weight of the squared deviation (m/s, rad/s) from the base's inputs that follow the path.
 pub const GUIDE_PRICE: f64 = 1e4;
 
@@ -43,6 +48,8 @@ pub struct Follower<'w> {
     pub distance: f64,
     /// Angle of the grasp beside straight ahead of the base, rad: an omnidirectional base keeps it.
     pub bearing: f64,
+    /// The outline of the base.
+    pub footprint: &'w Footprint,
     /// What the base keeps off.
     pub obstacles: &'w RobotObstacles,
 }
@@ -54,7 +61,6 @@ impl Follower<'_> {
     /// Inputs of the base by pure pursuit (Coulter 1992) of a point ahead on the path, at the speed that
     /// keeps the distance, within the limits of the drive. `input` is the present one.
     pub fn inputs(&self, drive: &Drive, base: &PlanarPose, input: BaseInput, period: f64) -> BaseInputs {
-        let room = drive.base_radius - LOOK_OUT_TOLERANCE_M;
         let mut chosen = BaseInputs::default();
         let look_aheads: &[f64] =
             if drive.is_omnidirectional() { &holonomic::LOOK_AHEADS_M } else { &LOOK_AHEADS_M };
@@ -66,7 +72,7 @@ impl Follower<'_> {
                 if let Some(input) = chosen.get_mut(i) {
                     *input = pursuit.input;
                 }
-                is_clear &= self.obstacles.is_clear(pursuit.at.position, room);
+                is_clear &= self.obstacles.has_room(&pursuit.at, self.footprint, LOOK_OUT_TOLERANCE_M);
             }
             if is_clear {
                 break;
@@ -163,6 +169,20 @@ impl Pursuit {
     }
 }
 
+/// Inputs that turn an omnidirectional base toward the grasp, which is off its bearing by this angle (rad). Only the
+/// turning rates count.
+///
+/// DEVIATION (eq. 7): a base that is free moves sideways as well as ahead. One that is longer than wide does not
+/// fit sideways through an opening for its width.
+pub fn turn_toward_grasp(off: f64, period: f64) -> BaseInputs {
+    let mut left = off;
+    BaseInputs::default().map(|_| {
+        let rate = FREE_TURN_GAIN * left;
+        left -= rate * period;
+        BaseInput::new(0.0, 0.0, rate)
+    })
+}
+
 /// Replaces the base's part of the inputs.
 pub fn set_base(drive: &Drive, inputs: &mut Inputs, base: &BaseInputs) {
     for (t, input) in base.iter().enumerate() {
@@ -219,6 +239,7 @@ mod tests {
     use std::f64::consts::FRAC_PI_2;
 
     const DRIVE: Drive = crate::control::DIFFERENTIAL;
+    const DISC: Footprint = Footprint::Disc { center: Point::new(0.0, 0.0), radius: DRIVE.base_radius };
     const PERIOD: f64 = 0.2;
 
     /// The path of a grasp that goes round a corner of `angle` (rad) and is `walked` (m) past it.
@@ -246,6 +267,7 @@ mod tests {
             rim_acceleration: 1.2,
             distance: 0.8,
             bearing: 0.0,
+            footprint: &DISC,
             obstacles,
         }
     }
@@ -323,12 +345,21 @@ mod tests {
                 let way = corner(FRAC_PI_2, -1.0 + 0.05 * f64::from(tick));
                 rims = follower(&way, [0.25; 2], obstacles).inputs(&DRIVE, &base, rims, PERIOD)[0];
                 base = DRIVE.roll(&base, &(rims * PERIOD));
-                wall.clearance(base.position, DRIVE.base_radius)
+                wall.clearance(&base, &DISC)
             });
             clearances.fold(f64::INFINITY, f64::min)
         };
         let (free, beside) = (least_clearance(&no_obstacles()), least_clearance(&obstacles(wall)));
         assert!(free < -0.05 && beside > -0.02, "{free} {beside}");
+    }
+
+    #[test]
+    fn closed_form_a_free_base_turns_as_the_angle_left_decreases() {
+        let turning = turn_toward_grasp(0.5, PERIOD);
+        let turned: f64 = turning.iter().map(|input| input.z * PERIOD).sum();
+        let left = (0..HORIZON).fold(0.5, |left, _| left * (1.0 - FREE_TURN_GAIN * PERIOD));
+        assert!((0.5 - turned - left).abs() < 1e-12, "{turned} {left}");
+        assert!(turning.iter().all(|input| input.xy() == Vector::zeros()));
     }
 
     /// The arm does everything if the base stands still, and nothing if the base moves as the reference does.

@@ -51,11 +51,12 @@ impl Sight {
 mod tests {
     use super::*;
     use crate::control::{DIFFERENTIAL, Follower, RobotObstacles};
-    use crate::geometry::{Point, direction, nearest_on_segment};
+    use crate::geometry::{Footprint, Point, direction, nearest_on_segment};
     use crate::robot::DriveKind;
     use crate::world::World;
 
     const DRIVE: Drive = Drive { kind: DriveKind::Omnidirectional, track: 0.0, ..DIFFERENTIAL };
+    const DISC: Footprint = Footprint::Disc { center: Point::new(0.0, 0.0), radius: DRIVE.base_radius };
     const PERIOD: f64 = 0.2;
 
     /// The path of a grasp that goes round a corner of `angle` (rad) and is `walked` (m) past it.
@@ -96,6 +97,7 @@ mod tests {
                     rim_acceleration,
                     distance,
                     bearing,
+                    footprint: &DISC,
                     obstacles,
                 };
                 let before = input;

@@ -24,7 +24,7 @@ mod settings;
 
 pub use candidates::{Candidate, CandidateSet, Neighbourhood};
 pub use closed_form::{ClosedForm, ModalReference};
-pub use follow::{Follower, GUIDE_PRICE, rolled, seen_from_base, set_base};
+pub use follow::{Follower, GUIDE_PRICE, TURN_PRICE, rolled, seen_from_base, set_base, turn_toward_grasp};
 pub use intent::Intent;
 pub use limits::{BaseInputs, HalfPlane, Limits};
 pub use mpc::{Failure, Mpc, Plan, SolveOutcome};

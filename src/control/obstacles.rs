@@ -4,8 +4,8 @@ use super::limits::{HalfPlane, Limits};
 use super::reaching::{ArmJacobian, Reaching};
 use super::rolling::Rolling;
 use super::{HORIZON, Inputs};
-use crate::geometry::{Bounds, Footprint, PlanarPose, Point, Vector};
-use crate::robot::{Configuration, Drive, InputVector, MAX_BASE_INPUTS, MAX_JOINTS, PointJacobian, Robot};
+use crate::geometry::{Bounds, Footprint, Placed, PlanarPose, Point, Vector, wrap_angle};
+use crate::robot::{Configuration, InputVector, MAX_BASE_INPUTS, MAX_JOINTS, PointJacobian, Robot};
 use crate::world::World;
 use nalgebra::Vector3;
 
@@ -14,6 +14,11 @@ use nalgebra::Vector3;
 const MARGIN_M: f64 = 0.01;
 /// Distance (m) from the base beyond which an obstacle sets no bound for the base.
 const BASE_RANGE_M: f64 = 0.5;
+/// How much farther (m) than the nearest corner another one of a base may be that still has a bound. A side
+/// turns against a flat wall about either of its ends.
+const CORNERS_RANGE_M: f64 = 0.15;
+/// The parts into which a step is divided for a base near an obstacle.
+const PARTS_OF_STEP: usize = 3;
 
 /// Weight of the squared violation (m) of a bound: a thousand times that of the same tracking error.
 const VIOLATION_PRICE: f64 = 1e6;
@@ -49,6 +54,8 @@ pub enum Avoid {
 #[derive(Clone, Debug)]
 pub struct RobotObstacles {
     outlines: Vec<Outline>,
+    /// The largest number of corners of an outline.
+    most_corners: usize,
 }
 
 #[derive(Clone, Debug)]
@@ -86,12 +93,22 @@ impl RobotObstacles {
             bounds: footprint.bounds(),
             height,
         };
-        Self { outlines: world.obstacles.iter().map(|o| outline(&o.footprint, o.height)).collect() }
+        let corners = world.obstacles.iter().map(|o| match &o.footprint {
+            Footprint::Polygon(corners) => corners.len(),
+            Footprint::Disc { .. } => 1,
+        });
+        let most_corners = corners.max().unwrap_or(0);
+        let outlines = world.obstacles.iter().map(|o| outline(&o.footprint, o.height)).collect();
+        Self { outlines, most_corners }
     }
 
     /// Replaces the half-planes in `limits`. They separate the base, and points of the arm, from each
     /// near obstacle at each step, for a robot that starts at `q` and moves by `inputs`. They are linear in
     /// the inputs about these.
+    ///
+    /// A base that is a polygon has a bound for every corner of it that is nearly nearest to an obstacle, and
+    /// for every corner of the obstacle that is so near beside one of its sides. Where the two overlap, or do so
+    /// one step earlier or later, n is the direction of least penetration. Near an obstacle, steps are divided.
     ///
     /// Let p(t) be a point's position after t periods T along `inputs`, and n the gradient of the obstacle's
     /// distance d. The bound is n . (p(t) + dp(t)/du (u - inputs)) >= n . p(t) - (d - radius - margin). The
@@ -117,9 +134,13 @@ impl RobotObstacles {
     ) {
         limits.half_planes.clear();
         let points = 2 + robot.arm_point_count(ARM_SPACING_M);
-        limits.half_planes.reserve(HORIZON * self.outlines.len() * points);
+        let corners = match &robot.footprint {
+            Footprint::Polygon(corners) => PARTS_OF_STEP * (corners.len() + self.most_corners),
+            Footprint::Disc { .. } => 0,
+        };
+        limits.half_planes.reserve(HORIZON * self.outlines.len() * (points + corners));
         if avoid != Avoid::Nothing {
-            self.keep_base_off(&robot.drive, &q.base, inputs, period, limits);
+            self.keep_base_off(robot, &q.base, inputs, period, limits);
         }
         if avoid == Avoid::Robot {
             self.keep_arm_off(robot, q, inputs, period, is_base_given, limits);
@@ -128,21 +149,54 @@ impl RobotObstacles {
 
     fn keep_base_off(
         &self,
-        drive: &Drive,
+        robot: &Robot,
         base: &PlanarPose,
         inputs: &Inputs,
         period: f64,
         limits: &mut Limits,
     ) {
-        let rolling = Rolling::new(drive, base, inputs, period);
+        let rolling = Rolling::new(&robot.drive, base, inputs, period);
+        let radius = robot.drive.base_radius;
         for t in 0..HORIZON {
-            let at = rolling.pose(t).position;
+            let at = rolling.pose(t);
             for outline in &self.outlines {
-                let Some((distance, away)) = outline.near(at, drive.base_radius + BASE_RANGE_M) else {
+                let Some((distance, away)) = outline.near(at.position, radius + BASE_RANGE_M) else {
                     continue;
                 };
-                let room = distance - drive.base_radius - MARGIN_M;
-                limits.half_planes.push(rolling.bound(t, -away, room, VIOLATION_PRICE));
+                if let Footprint::Disc { .. } = robot.footprint {
+                    let room = distance - radius - MARGIN_M;
+                    limits.half_planes.push(rolling.bound(t, -away, room, VIOLATION_PRICE));
+                    continue;
+                }
+                let placed = Placed::new(&robot.footprint, at);
+                let distance = placed.separation(&outline.footprint).distance;
+                if distance > BASE_RANGE_M {
+                    continue;
+                }
+                let step = rolling.pose_after(t as f64);
+                let length =
+                    (at.position - step.position).norm() + radius * wrap_angle(at.yaw - step.yaw).abs();
+                // within a step that is longer than the distance, a corner may pass through the end of a wall
+                let parts = if distance <= 2.0 * length { PARTS_OF_STEP } else { 1 };
+                for part in 1..=parts {
+                    let share = part as f64 / parts as f64;
+                    let placed =
+                        |by: f64| Placed::new(&robot.footprint, &rolling.pose_after(t as f64 + share + by));
+                    let (here, motion) = (placed(0.0), [placed(-1.0), placed(1.0)]);
+                    let motion = if parts > 1 { motion.as_slice() } else { &[] };
+                    let mut nearest = f64::INFINITY;
+                    here.witnesses_on_motion(&outline.footprint, motion, |witness| {
+                        nearest = nearest.min(witness.distance);
+                    });
+                    here.witnesses_on_motion(&outline.footprint, motion, |witness| {
+                        if witness.distance <= nearest + CORNERS_RANGE_M {
+                            let (at, room) = ((t, share), witness.distance - MARGIN_M);
+                            let (toward, lever) = (-witness.away, witness.lever);
+                            let bound = rolling.bound_within(at, toward, lever, room, VIOLATION_PRICE);
+                            limits.half_planes.push(bound);
+                        }
+                    });
+                }
             }
         }
     }
@@ -158,6 +212,7 @@ impl RobotObstacles {
     ) {
         let base = q.base;
         let reaching = Reaching::new(&robot.drive, &base, inputs, period);
+        let placed = Placed::new(&robot.footprint, &base);
         let carried = |point: &Vector3<f64>| point.xy() - base.position.coords;
         let first = robot.drive.inputs();
         let arm_of = |jacobian: &PointJacobian| jacobian.fixed_view::<2, MAX_JOINTS>(0, first).into_owned();
@@ -177,7 +232,14 @@ impl RobotObstacles {
         robot.arm_points(q, ARM_SPACING_M, |point, jacobian| {
             let from_base = carried(&point);
             // the bounds of the base also cover what is above it
-            if from_base.norm() + ARM_RADIUS_M <= robot.drive.base_radius {
+            let is_above = match &robot.footprint {
+                Footprint::Disc { radius, .. } => from_base.norm() + ARM_RADIUS_M <= *radius,
+                outline => {
+                    let of_base = placed.inside_frame(base.position + from_base);
+                    outline.separation(of_base).0 <= -ARM_RADIUS_M
+                }
+            };
+            if is_above {
                 return;
             }
             let arm = arm_of(jacobian);
@@ -224,11 +286,25 @@ impl RobotObstacles {
         });
     }
 
-    /// Distance (m) between the base and the nearest obstacle, negative where they overlap; infinite without
-    /// obstacles.
-    pub fn clearance(&self, base: Point, radius: f64) -> f64 {
-        let separations = self.outlines.iter().map(|o| o.footprint.separation(base).0);
-        separations.map(|distance| distance - radius).fold(f64::INFINITY, f64::min)
+    /// Distance (m) between a base at this pose and the nearest obstacle, negative where they overlap; infinite
+    /// without obstacles.
+    pub fn clearance(&self, base: &PlanarPose, footprint: &Footprint) -> f64 {
+        let placed = Placed::new(footprint, base);
+        let separations = self.outlines.iter().map(|o| placed.separation(&o.footprint).distance);
+        separations.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether a base at this pose overlaps no obstacle by `tolerance` (m) or more.
+    pub fn has_room(&self, base: &PlanarPose, footprint: &Footprint, tolerance: f64) -> bool {
+        let (corners, radius) = match footprint {
+            Footprint::Disc { radius, .. } => return self.is_clear(base.position, radius - tolerance),
+            Footprint::Polygon(corners) => (corners, 0.0),
+        };
+        let radius = corners.iter().map(|c| c.coords.norm_squared()).fold(radius, f64::max).sqrt();
+        let placed = Placed::new(footprint, base);
+        self.outlines.iter().all(|o| {
+            o.near(base.position, radius).is_none() || placed.separation(&o.footprint).distance > -tolerance
+        })
     }
 
     /// Whether every obstacle is farther than `room` (m, not negative) from `p`.
@@ -298,6 +374,98 @@ mod tests {
         assert!(compared > 3000, "{compared}");
     }
 
+    /// The same for the corners of a base of 0.9 m by 0.5 m, on either drive, beside a post and a wall's end, and within
+    /// steps. (Of a pillar on the way, the direction is held.)
+    #[test]
+    fn property_half_planes_of_a_polygon_agree_with_finite_differences() {
+        let text = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [-3, 0]\ntarget_m = [9, 0]\n[[obstacle]]\nname = \"post\"\n\
+                    shape = \"box\"\ncenter_m = [0.4, 0.7]\nsize_m = [0.2, 0.2]\nheight_m = 2.0\n[[obstacle]]\nname = \"wall\"\n\
+                    shape = \"box\"\ncenter_m = [0.9, -1.5]\nsize_m = [0.1, 2]\nheight_m = 2.0\n";
+        let obstacles = RobotObstacles::new(&World::parse("w.toml", text).unwrap());
+        let mut robot = Robot::built_in().unwrap();
+        let corners = [(-0.4, -0.25), (0.5, -0.25), (0.5, 0.25), (-0.4, 0.25)];
+        robot.footprint = Footprint::Polygon(corners.map(|(x, y)| Point::new(x, y)).to_vec());
+        robot.drive.base_radius = 0.6;
+        let mut rng = ChaCha8Rng::seed_from_u64(8);
+        let (mut compared, mut within) = (0, 0);
+        for case in 0..60 {
+            if case == 30 {
+                robot.drive.kind = crate::robot::DriveKind::Omnidirectional;
+            }
+            let base = PlanarPose {
+                position: Point::new(rng.random_range(-0.2..0.2), rng.random_range(-0.1..0.1)),
+                yaw: rng.random_range(-0.4..0.4),
+            };
+            let q = Configuration { base, joints: robot.postures[0].joints };
+            let mut inputs = Inputs::zeros();
+            for t in 0..HORIZON {
+                for i in 0..robot.drive.inputs() {
+                    inputs[(i, t)] = rng.random_range(0.0..[0.5, 0.3, 0.2][i]);
+                }
+            }
+            let planes = |inputs: &Inputs| {
+                let mut limits = Limits::new(&robot);
+                obstacles.half_planes(Avoid::Base, &robot, &q, inputs, 0.2, false, &mut limits);
+                limits.half_planes
+            };
+            let distance = |plane: &HalfPlane, inputs: &Inputs| plane.bound - plane.coefficients.dot(inputs);
+            let here = planes(&inputs);
+            within += usize::from(here.len() > 3 * HORIZON);
+            for i in 0..robot.drive.inputs() {
+                for t in [0, 3, 6] {
+                    let (mut more, mut less) = (inputs, inputs);
+                    more[(i, t)] += 1e-6;
+                    less[(i, t)] -= 1e-6;
+                    let (up, down) = (planes(&more), planes(&less));
+                    if [up.len(), down.len()] != [here.len(); 2] {
+                        continue;
+                    }
+                    for (plane, (up, down)) in here.iter().zip(up.iter().zip(&down)) {
+                        // where another corner is nearest, the two are of different ones
+                        let is_same = (up.coefficients - down.coefficients).norm() < 1e-4;
+                        let slope = (distance(up, &more) - distance(down, &less)) / 2e-6;
+                        let stated = -plane.coefficients[(i, t)];
+                        assert!(
+                            !is_same || (slope - stated).abs() < 5e-3,
+                            "input {i}, step {t}: {slope} {stated}"
+                        );
+                        compared += usize::from(is_same);
+                    }
+                }
+            }
+        }
+        assert!(compared > 2000 && within > 20, "{compared} {within}");
+    }
+
+    /// A base whose side is along a wall has a bound for either end of the side: it may not turn into the wall.
+    #[test]
+    fn a_side_along_a_wall_is_kept_off_at_both_ends() {
+        let text = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [-3, 0]\ntarget_m = [9, 0]\n[[obstacle]]\nname = \"wall\"\n\
+                    shape = \"box\"\ncenter_m = [0, 1.28]\nsize_m = [8, 2]\nheight_m = 2.0\n";
+        let obstacles = RobotObstacles::new(&World::parse("w.toml", text).unwrap());
+        let mut robot = Robot::built_in().unwrap();
+        let corners = [(-0.45, -0.25), (0.45, -0.25), (0.45, 0.25), (-0.45, 0.25)];
+        robot.footprint = Footprint::Polygon(corners.map(|(x, y)| Point::new(x, y)).to_vec());
+        robot.drive.base_radius = 0.45f64.hypot(0.25);
+        let q = Configuration {
+            base: PlanarPose { position: Point::origin(), yaw: 0.0 },
+            joints: robot.postures[0].joints,
+        };
+        let mut limits = Limits::new(&robot);
+        let standing = Inputs::zeros();
+        obstacles.half_planes(Avoid::Base, &robot, &q, &standing, 0.2, false, &mut limits);
+        // the margin of 1 cm leaves 2 cm
+        assert!(limits.half_planes.iter().all(|plane| (plane.bound - 0.02).abs() < 1e-12));
+        for turn in [0.1, -0.1] {
+            let mut turning = Inputs::zeros();
+            turning.row_mut(0).fill(-turn);
+            turning.row_mut(1).fill(turn);
+            let over = |plane: &HalfPlane| plane.coefficients.dot(&turning) - plane.bound;
+            let most = limits.half_planes.iter().map(over).fold(f64::NEG_INFINITY, f64::max);
+            assert!(most > 0.1, "{turn}: {most} m");
+        }
+    }
+
     /// Both faces of a wall are nearer than its end, but the arm cannot pass through it.
     #[test]
     fn an_elbow_is_led_round_the_end_of_a_wall() {
@@ -340,7 +508,9 @@ mod tests {
             let at = Point::new(rng.random_range(-2.0..12.0), rng.random_range(-6.0..6.0));
             let room = rng.random_range(0.0..1.0);
             let is_clear = obstacles.is_clear(at, room);
-            assert_eq!(is_clear, obstacles.clearance(at, 0.0) > room, "{at} {room}");
+            let pose = PlanarPose { position: at, yaw: 0.0 };
+            let disc = Footprint::Disc { center: Point::origin(), radius: 0.0 };
+            assert_eq!(is_clear, obstacles.clearance(&pose, &disc) > room, "{at} {room}");
             clear += u32::from(is_clear);
         }
         assert!((500..4500).contains(&clear), "{clear}");

@@ -2,7 +2,7 @@
 
 use super::limits::HalfPlane;
 use super::{HORIZON, Inputs};
-use crate::geometry::{PlanarPose, Vector, direction, left_of};
+use crate::geometry::{PlanarPose, Vector, direction, left_of, wrap_angle};
 use crate::robot::{BaseInput, BaseTwist, Drive, MAX_BASE_INPUTS};
 use nalgebra::SMatrix;
 
@@ -12,6 +12,7 @@ type Gradient = SMatrix<f64, MAX_BASE_INPUTS, HORIZON>;
 /// A base that rolls along given inputs, about which its positions are linearised.
 pub(super) struct Rolling<'i> {
     inputs: &'i Inputs,
+    from: PlanarPose,
     steps: [Step; HORIZON],
     drive: Drive,
     period: f64,
@@ -39,7 +40,7 @@ impl<'i> Rolling<'i> {
             at = drive.roll(&at, &(input * period));
             Step { ahead, velocity, to: at }
         });
-        Self { inputs, steps, drive: *drive, period }
+        Self { inputs, from: *base, steps, drive: *drive, period }
     }
 
     /// The pose of the base after step `t`.
@@ -52,6 +53,39 @@ impl<'i> Rolling<'i> {
     pub fn bound(&self, t: usize, toward: Vector, room: f64, price: f64) -> HalfPlane {
         let mut coefficients = Inputs::zeros();
         coefficients.fixed_rows_mut::<MAX_BASE_INPUTS>(0).copy_from(&self.gradient(t, toward));
+        HalfPlane { coefficients, bound: coefficients.dot(self.inputs) + room, price }
+    }
+
+    /// The pose of the base after so many steps, on the chords of its way; before the first step and after the
+    /// last one, as if it went on in the same way.
+    pub fn pose_after(&self, steps: f64) -> PlanarPose {
+        let t = (steps.ceil() as usize).clamp(1, HORIZON) - 1;
+        let to = *self.pose(t);
+        let share = steps - t as f64;
+        if share == 1.0 {
+            return to;
+        }
+        let from = if t == 0 { self.from } else { *self.pose(t - 1) };
+        let position = from.position + (to.position - from.position) * share;
+        PlanarPose { position, yaw: from.yaw + wrap_angle(to.yaw - from.yaw) * share }
+    }
+
+    /// The bound that keeps a point of the base, at the offset `lever` (m), from moving farther than `room` (m)
+    /// in the direction `toward` until this share of step `t` is done.
+    pub fn bound_within(
+        &self,
+        (t, share): (usize, f64),
+        toward: Vector,
+        lever: Vector,
+        room: f64,
+        price: f64,
+    ) -> HalfPlane {
+        let mut of_base = self.gradient_at(t, toward, lever) * share;
+        if share < 1.0 && t > 0 {
+            of_base += self.gradient_at(t - 1, toward, lever) * (1.0 - share);
+        }
+        let mut coefficients = Inputs::zeros();
+        coefficients.fixed_rows_mut::<MAX_BASE_INPUTS>(0).copy_from(&of_base);
         HalfPlane { coefficients, bound: coefficients.dot(self.inputs) + room, price }
     }
 

@@ -175,20 +175,22 @@ fn closed_form_inverse_hessian_is_the_inverse() {
 #[test]
 fn closed_form_a_guided_base_has_the_optimum_with_the_deviation_in_the_cost() {
     let (robot, mut rng) = (robot(), ChaCha8Rng::seed_from_u64(12));
-    for price in [3.0, GUIDE_PRICE] {
+    for prices in [[3.0; 2], [GUIDE_PRICE; 2], [0.0, 100.0]] {
         for _ in 0..20 {
             let (_, at, references) = random_state(&robot, &mut rng, 1.0);
             let b = input_matrix(&at);
             let given: BaseInputs = std::array::from_fn(|_| {
                 BaseInput::new(rng.random_range(-0.5..0.5), rng.random_range(-0.5..0.5), 0.0)
             });
-            let guided = ClosedForm::guided(&b, [1000.0, 1.0], &robot.drive, &given, price);
+            let [left, right] = prices;
+            let of_inputs = BaseInput::new(left, right, 0.0);
+            let guided = ClosedForm::guided(&b, [1000.0, 1.0], &robot.drive, &given, &of_inputs);
             let (mut hessian, mut f) = condensed(&b, &references[0]);
             for (t, given) in given.iter().enumerate() {
                 for i in 0..2 {
                     let at = t * MAX_INPUTS + i;
-                    hessian[(at, at)] += price;
-                    f[at] += price * given[i];
+                    hessian[(at, at)] += prices[i];
+                    f[at] += prices[i] * given[i];
                 }
             }
             let optimum = hessian.clone().cholesky().unwrap().solve(&f);
@@ -198,9 +200,11 @@ fn closed_form_a_guided_base_has_the_optimum_with_the_deviation_in_the_cost() {
             let off: f64 = given
                 .iter()
                 .enumerate()
-                .map(|(t, given)| (inputs.fixed_view::<2, 1>(0, t) - given.xy()).norm_squared())
+                .map(|(t, given)| {
+                    (0..2).map(|i| prices[i] * (inputs[(i, t)] - given[i]).powi(2)).sum::<f64>()
+                })
                 .sum();
-            let cost = rolled_out(&b, &references[0], &inputs) + price * off;
+            let cost = rolled_out(&b, &references[0], &inputs) + off;
             assert!((guided.cost(&reference) - cost).abs() < 1e-9 * cost);
             let a = Inputs::from_fn(|_, _| rng.random_range(-1.0..1.0));
             let back = hessian * DVector::from_column_slice(guided.inverse_hessian_times(&a).as_slice());

@@ -8,7 +8,7 @@ use super::kit::{
 use super::map_view::MapView;
 use super::opening_labels::{PATH_COST, clutter, opening_labels};
 use super::{DrawingError, MOST_LISTED, Track, option_colour};
-use crate::geometry::{Bounds, PlanarPose, Point, Vector, direction, left_of};
+use crate::geometry::{Bounds, Footprint, PlanarPose, Point, Vector, direction, left_of};
 use crate::options::OptionSet;
 use crate::palette::{HAIR, HUMAN, OBJECT, ROBOT, hex};
 use crate::world::World;
@@ -34,8 +34,8 @@ pub struct Film<'a> {
     pub world: &'a World,
     /// Its options.
     pub options: &'a OptionSet,
-    /// Radius of the robot's base, m.
-    pub base_radius: f64,
+    /// Outline of the robot's base about its place, x ahead.
+    pub base: &'a Footprint,
     /// The states of the team in time order; at least one.
     pub moments: Vec<Moment>,
 }
@@ -45,8 +45,8 @@ pub struct Film<'a> {
 pub struct Moment {
     /// Simulated time, s.
     pub time: f64,
-    /// Position of the robot's base.
-    pub base: Point,
+    /// Position and heading of the robot's base.
+    pub base: PlanarPose,
     /// Where the robot holds the object.
     pub grasp: Point,
     /// Middle and heading of the object.
@@ -129,7 +129,7 @@ impl Film<'_> {
         let of = |number: fn(&Moment) -> Point| self.moments.iter().map(number).collect();
         let track = |positions| Track { label: "episode".to_owned(), positions, ..Track::default() };
         for positions in
-            [of(|m| m.object.position), of(|m| m.base), of(|m| m.human.position), of(|m| m.grasp)]
+            [of(|m| m.object.position), of(|m| m.base.position), of(|m| m.human.position), of(|m| m.grasp)]
         {
             track(positions).check()?;
         }
@@ -143,7 +143,7 @@ impl Film<'_> {
         let paths = (0..self.options.options().len()).filter_map(|o| self.options.path(&begin, o));
         let paths = paths.flat_map(|path| path.polyline(SAGITTA));
         let ends = self.world.openings.iter().flat_map(|opening| opening.ends);
-        let bodies = self.moments.iter().flat_map(|m| [m.base, m.human.position]);
+        let bodies = self.moments.iter().flat_map(|m| [m.base.position, m.human.position]);
         let points: Vec<Point> =
             paths.chain(ends).chain(bodies).chain([self.world.start, self.world.target]).collect();
         Bounds::around(points).unwrap_or(self.world.bounds()).grown(0.9)
@@ -228,9 +228,17 @@ impl Film<'_> {
         };
         let width = (0.1 * view.scale()).max(2.2);
         let mut group = Group::new().set("class", "team");
-        group = outlined(group, round(moment.base, 0.0, [self.base_radius; 2]), &hex(ROBOT));
-        group = group.add(line(moment.base, moment.grasp, INK, width + 1.6));
-        group = group.add(line(moment.base, moment.grasp, &hex(ROBOT), width));
+        let base = moment.base.position;
+        let outline = match self.base {
+            Footprint::Disc { radius, .. } => round(base, 0.0, [*radius; 2]),
+            Footprint::Polygon(corners) => {
+                let ahead = direction(moment.base.yaw);
+                corners.iter().map(|c| base + ahead * c.x + left_of(ahead) * c.y).collect()
+            }
+        };
+        group = outlined(group, outline, &hex(ROBOT));
+        group = group.add(line(base, moment.grasp, INK, width + 1.6));
+        group = group.add(line(base, moment.grasp, &hex(ROBOT), width));
         for side in [1.0, -1.0] {
             let hand = front + left_of(direction(yaw)) * (breadth / 2.0 * side);
             group = group.add(line(shoulder(side), hand, INK, width + 1.2));
@@ -243,8 +251,12 @@ impl Film<'_> {
 
     /// The areas that the team covers, px.
     fn outline(&self, view: &MapView, moment: &Moment) -> Vec<Bounds> {
+        let radius = match self.base {
+            Footprint::Disc { radius, .. } => *radius,
+            Footprint::Polygon(corners) => corners.iter().map(|c| c.coords.norm()).fold(0.0, f64::max),
+        };
         let bodies =
-            [(moment.base, self.base_radius), (moment.human.position, 0.3), (moment.object.position, 0.4)];
+            [(moment.base.position, radius), (moment.human.position, 0.3), (moment.object.position, 0.4)];
         let area = |(center, radius): (Point, f64)| {
             let at = view.px(center);
             Bounds { min: at, max: at }.grown(radius * view.scale())

@@ -135,7 +135,7 @@ impl Moving<'_> {
     fn around(&self, at: usize) -> Group {
         let film = self.film;
         let moment: &Moment = &film.moments[at];
-        let middle = nalgebra::center(&moment.base, &moment.human.position);
+        let middle = nalgebra::center(&moment.base.position, &moment.human.position);
         // whole pixels, so that edges do not flicker
         let shift =
             (nalgebra::center(&self.window.min, &self.window.max) - self.view.px(middle)).map(f64::round);

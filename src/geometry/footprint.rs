@@ -1,11 +1,11 @@
-//! The outline of an upright obstacle on the floor, with distances to points and segments.
+//! The outline of an upright obstacle or a base on the floor, with distances to points and segments.
 //!
 //! These are the innermost operations of every path query. They are therefore written out for the two kinds
 //! of outline. `tests/suite` compares them with parry's general distance.
 
 use super::{Point, Vector, cross, nearest_on_segment, segments_cross, squared_distance_to_segment};
 
-/// A convex outline on the floor, metres in the world frame.
+/// A convex outline on the floor, metres in the world frame; that of a base in the frame of its drive.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Footprint {
     /// Corners of a convex polygon, counter-clockwise, no three on a line.
@@ -195,7 +195,7 @@ impl Footprint {
 }
 
 /// The sides of a polygon, in order.
-fn edges(corners: &[Point]) -> impl Iterator<Item = (Point, Point)> + '_ {
+pub(super) fn edges(corners: &[Point]) -> impl Iterator<Item = (Point, Point)> + '_ {
     (0..corners.len()).map(|i| (corners[i], corners[(i + 1) % corners.len()]))
 }
 

@@ -1,11 +1,12 @@
 //! An episode in the form in which pictures draw it, from its recording.
 
 use crate::drawing::{Film, Moment};
-use crate::geometry::PlanarPose;
+use crate::geometry::{Footprint, PlanarPose, Point};
 use crate::recording::{Channel, Frame, Playback};
 
-/// The base of a team that is a point is drawn with this radius, at this distance behind the object, m.
-const STAND_IN: [f64; 2] = [0.25, 0.45];
+/// The base of a team that is a point is drawn as this disc, at this distance behind the object, m.
+const STAND_IN: Footprint = Footprint::Disc { center: Point::new(0.0, 0.0), radius: 0.25 };
+const STAND_IN_BEHIND_M: f64 = 0.45;
 
 /// The film of an episode: a moment at the beginning of every step, and at the end.
 pub fn film(playback: &Playback) -> Film<'_> {
@@ -14,7 +15,7 @@ pub fn film(playback: &Playback) -> Film<'_> {
     Film {
         world: prepared.world(),
         options: prepared.options(),
-        base_radius: prepared.robot().map_or(STAND_IN[0], |robot| robot.drive.base_radius),
+        base: prepared.robot().map_or(&STAND_IN, |robot| &robot.footprint),
         moments: playback.frames.iter().map(|frame| steps.moment(playback, frame)).collect(),
     }
 }
@@ -59,11 +60,14 @@ impl Steps {
         let ahead = crate::geometry::direction(object.yaw);
         let (base, grasp) = match playback.prepared.robot() {
             Some(robot) => {
-                let [base, grasp] = [robot.base_link, robot.grasp_link]
-                    .map(|link| PlanarPose::from_above(&frame.links[link]));
-                (base.position, grasp.position)
+                let world_from_drive = frame.links[robot.base_link] * robot.drive_from_base().inverse();
+                let grasp = PlanarPose::from_above(&frame.links[robot.grasp_link]);
+                (PlanarPose::from_above(&world_from_drive), grasp.position)
             }
-            None => (object.position - ahead * (half + STAND_IN[1]), object.position - ahead * half),
+            None => {
+                let position = object.position - ahead * (half + STAND_IN_BEHIND_M);
+                (PlanarPose { position, yaw: object.yaw }, object.position - ahead * half)
+            }
         };
         let happened = playback.events.iter().rev().find(|event| event.time <= frame.time);
         let together = playback.events.iter().filter(|e| happened.is_some_and(|last| last.time == e.time));

@@ -2,7 +2,7 @@
 
 use super::RenderError;
 use super::player::{Meshes, colours, filled, pose, shape, shapes};
-use crate::geometry::{PlanarPose, Point};
+use crate::geometry::{Footprint, PlanarPose, Point};
 use crate::robot::{ArmJoint, Configuration, Geometry, JointVector, Motion, Robot, Shape};
 use serde_json::{Value, json};
 
@@ -37,10 +37,15 @@ pub fn robot_page(robot: &Robot, about: &str, remarks: &[String]) -> Result<Stri
     let begins = |p: usize| p as f64 * (STANDS_S + MOVES_S);
     let decided: Vec<f64> = (0..robot.postures.len()).map(begins).collect();
     let names = || robot.postures.iter().map(|posture| &posture.name);
+    let footprint = match &robot.footprint {
+        Footprint::Disc { .. } => None,
+        Footprint::Polygon(corners) => Some(corners.iter().map(|c| [c.x, c.y]).collect::<Vec<_>>()),
+    };
     Ok(filled(&json!({
         "title": robot.name,
         "world": {
-            "name": robot.name, "robot_width_m": 2.0 * robot.drive.base_radius,
+            "name": robot.name, "robot_width_m": robot.width(),
+            "footprint_m": footprint,
             "start": [-0.3, -0.3], "target": [0.9, 0.3], "object_m": [0.0, 0.0, 0.0],
             "obstacles": [], "openings": [],
         },

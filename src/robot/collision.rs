@@ -8,8 +8,9 @@ use super::{Configuration, JointVector, Robot};
 use crate::geometry::{PlanarPose, Point, Pose};
 use crate::math;
 use nalgebra::{Matrix3, Rotation3, Vector3};
+use std::path::PathBuf;
 
-/// Height of the cylinder in place of a base's shape, m. It ends below the objects that robots carry.
+/// Height of the cylinder or prism in place of a base's shape, m. It ends below the objects that robots carry.
 const FOOTPRINT_HEIGHT_M: f64 = 0.3;
 /// Radius of the capsules in place of shapes of the arm, m.
 const CAPSULE_RADIUS_M: f64 = 0.05;
@@ -32,8 +33,8 @@ pub(super) fn bodies(robot: &Robot) -> Vec<usize> {
 }
 
 /// Gives shapes to the base and to moving links of the chain that have none, and says so. A base with any mesh
-/// that is missing gets its footprint beside its other shapes.
-pub(super) fn complete(robot: &mut Robot) -> Vec<RobotNote> {
+/// that is missing gets its `footprint`, or a cylinder, beside its other shapes.
+pub(super) fn complete(robot: &mut Robot, footprint: Option<&[Point]>) -> Vec<RobotNote> {
     let mut notes = Vec::new();
     let body = bodies(robot);
     let of_body = |robot: &Robot, at: usize| -> Vec<usize> {
@@ -44,24 +45,29 @@ pub(super) fn complete(robot: &mut Robot) -> Vec<RobotNote> {
     let shapes = |robot: &Robot, at: usize| {
         of_body(robot, at).into_iter().flat_map(|i| robot.links[i].collisions.clone()).collect::<Vec<_>>()
     };
-    let base = shapes(robot, robot.base_link);
     let missing: Vec<&Link> = of_body(robot, robot.base_link)
         .into_iter()
         .map(|i| &robot.links[i])
         .filter(|link| !link.collisions.iter().all(is_usable))
         .collect();
-    if !base.iter().any(is_usable) || !missing.is_empty() {
+    if !has_shapes(robot) || !missing.is_empty() {
         let names: Vec<&str> = missing.iter().map(|link| link.name.as_str()).collect();
         let why = match names.is_empty() {
             true => format!("`{}` has no collision shape", robot.links[robot.base_link].name),
             false => format!("the base lacks collision meshes of {}", some_of(&names)),
         };
-        let shape = Shape::Cylinder { radius: robot.drive.base_radius, length: FOOTPRINT_HEIGHT_M };
+        let (shape, named) = match footprint {
+            Some(corners) => (prism(corners), "its base_footprint"),
+            None => {
+                let shape = Shape::Cylinder { radius: robot.width() / 2.0, length: FOOTPRINT_HEIGHT_M };
+                (shape, "a cylinder as wide as base_width_m")
+            }
+        };
         let drive_from_shape = Pose::translation(0.0, 0.0, FOOTPRINT_HEIGHT_M / 2.0 + 0.01);
         let link_from_shape = robot.drive_from_base.inverse() * drive_from_shape;
         let base = robot.base_link;
         robot.links[base].collisions.push(Geometry { link_from_shape, shape, color: None });
-        notes.push(RobotNote::Footprint { why, height: FOOTPRINT_HEIGHT_M });
+        notes.push(RobotNote::Footprint { why, shape: named, height: FOOTPRINT_HEIGHT_M });
     }
     let mut path: Vec<usize> = std::iter::successors(Some(robot.grasp_link), |&at| robot.links[at].parent)
         .take_while(|&at| at != robot.base_link)
@@ -107,6 +113,20 @@ pub(super) fn complete(robot: &mut Robot) -> Vec<RobotNote> {
         notes.push(RobotNote::LeftOut { links: some_of(&left_out) });
     }
     notes
+}
+
+/// Whether the base has a collision shape that the physics can use, besides its wheels.
+pub(super) fn has_shapes(robot: &Robot) -> bool {
+    let body = bodies(robot);
+    let is_base = |i: usize| body[i] == robot.base_link && !robot.wheels.iter().any(|w| w.link == i);
+    (0..robot.links.len()).filter(|&i| is_base(i)).any(|i| robot.links[i].collisions.iter().any(is_usable))
+}
+
+/// An upright prism over these corners around its middle, as a hull.
+fn prism(corners: &[Point]) -> Shape {
+    let ends = [-0.5, 0.5].map(|end| end * FOOTPRINT_HEIGHT_M);
+    let hull = ends.iter().flat_map(|&z| corners.iter().map(move |c| Vector3::new(c.x, c.y, z))).collect();
+    Shape::Mesh { file: PathBuf::new(), scale: Vector3::repeat(1.0), hull }
 }
 
 /// The check of inertias and masses on the bodies that move as one. A link whose inertia no body has is a fault
@@ -177,9 +197,9 @@ fn merged(robot: &Robot, poses: &[Pose], members: &[usize]) -> Matrix3<f64> {
     inertia
 }
 
-/// The largest distance from the drive's frame of the base's collision shapes, seen from above, m; `None`
-/// without shapes. Wheels count.
-pub(super) fn base_extent(robot: &Robot) -> Option<f64> {
+/// The collision shapes of the base and of all that is rigid with it, wheels included, with their poses in the
+/// drive's frame.
+pub(super) fn base_shapes(robot: &Robot) -> Vec<(Pose, &Shape)> {
     let body = bodies(robot);
     let zero = Configuration {
         base: PlanarPose { position: Point::origin(), yaw: 0.0 },
@@ -188,9 +208,14 @@ pub(super) fn base_extent(robot: &Robot) -> Option<f64> {
     let poses = robot.link_poses(&zero);
     let links = (0..robot.links.len()).filter(|&i| body[i] == robot.base_link);
     let shapes = links.flat_map(|i| robot.links[i].collisions.iter().map(move |g| (i, g)));
-    let distances = shapes.flat_map(|(i, g)| {
-        let at = poses[i] * g.link_from_shape;
-        corners(&g.shape).into_iter().map(move |(corner, radius)| {
+    shapes.map(|(i, g)| (poses[i] * g.link_from_shape, &g.shape)).collect()
+}
+
+/// The largest distance from the drive's frame of the base's collision shapes, seen from above, m; `None`
+/// without shapes. Wheels count.
+pub(super) fn base_extent(robot: &Robot) -> Option<f64> {
+    let distances = base_shapes(robot).into_iter().flat_map(|(at, shape)| {
+        corners(shape).into_iter().map(move |(corner, radius)| {
             let p = at * nalgebra::Point3::from(corner);
             math::hypot(p.x, p.y) + radius
         })
@@ -199,7 +224,7 @@ pub(super) fn base_extent(robot: &Robot) -> Option<f64> {
 }
 
 /// Points of a shape in its frame, each with a radius around it; their hull is the shape or holds it.
-fn corners(shape: &Shape) -> Vec<(Vector3<f64>, f64)> {
+pub(super) fn corners(shape: &Shape) -> Vec<(Vector3<f64>, f64)> {
     let signs = |half: Vector3<f64>| -> Vec<(Vector3<f64>, f64)> {
         let sign = |i: usize, bit: usize| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
         (0..8).map(|i| (half.component_mul(&Vector3::new(sign(i, 0), sign(i, 1), sign(i, 2))), 0.0)).collect()

@@ -51,7 +51,7 @@ pub struct Drive {
     pub rim_speed_limit: f64,
     /// Largest turning rate, rad/s.
     pub turn_rate_limit: f64,
-    /// Radius of a disc around the drive's origin that must stay clear of obstacles, m.
+    /// The largest distance of the base's outline from the drive's origin, m.
     pub base_radius: f64,
 }
 

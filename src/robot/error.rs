@@ -1,6 +1,6 @@
 //! Errors in a robot file or its URDF, each with its file, item and numbers.
 
-use super::fault::{ArmFault, DriveFault, PostureFault, TreeFault, WheelFault};
+use super::fault::{ArmFault, DriveFault, FootprintFault, PostureFault, TreeFault, WheelFault};
 use crate::located::{FileError, Place};
 use crate::suggestion::{self, hint_of_listed};
 use std::path::Path;
@@ -154,6 +154,14 @@ pub enum RobotError {
         place: Place,
         /// The fault.
         why: DriveFault,
+    },
+    /// A base without an outline.
+    #[error("{place}: {why}")]
+    Footprint {
+        /// Where.
+        place: Place,
+        /// The fault.
+        why: FootprintFault,
     },
     /// A lower limit that is not below the upper one.
     #[error("{place}: invalid limits: lower {lower} must be below upper {upper}")]

@@ -146,6 +146,66 @@ pub enum DriveFault {
     },
 }
 
+/// The reason why `base_footprint` is no outline of a base.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum FootprintFault {
+    /// Neither the word nor a list.
+    #[error(
+        "base_footprint = {found}; it must be \"collision\", or a list of corners [[x, y], ...] in metres"
+    )]
+    Kind {
+        /// What there is.
+        found: String,
+    },
+    /// An entry of the list that is no corner.
+    #[error("base_footprint[{corner}] = {found}; it must be a corner [x, y] in metres")]
+    Corner {
+        /// Its place in the list, from 0.
+        corner: usize,
+        /// What there is.
+        found: String,
+    },
+    /// Too few or too many corners.
+    #[error("base_footprint has {count} corners; it must have {fewest} to {most}")]
+    Count {
+        /// Their number.
+        count: usize,
+        /// The fewest there may be.
+        fewest: usize,
+        /// The most there may be.
+        most: usize,
+    },
+    /// All corners are on a line, or nearly.
+    #[error(
+        "base_footprint is {narrowest:.4} m across where it is narrowest; its corners must be around an area at least {least} m across"
+    )]
+    Flat {
+        /// Its least extent, m.
+        narrowest: f64,
+        /// The least that it may be, m.
+        least: f64,
+    },
+    /// The middle of the drive is outside.
+    #[error(
+        "base_footprint, from x = {:.3} to {:.3} and y = {:.3} to {:.3} m, does not have the middle of the drive (0, 0) inside; its corners must be around it, x ahead and y to the left",
+        x[0], x[1], y[0], y[1]
+    )]
+    Beside {
+        /// Least and largest x, m.
+        x: [f64; 2],
+        /// Least and largest y, m.
+        y: [f64; 2],
+    },
+    /// The base has nothing to be around.
+    #[error(
+        "base_footprint = \"collision\", but `{base}` has no collision shape; give corners [[x, y], ...] in metres"
+    )]
+    NoShapes {
+        /// The base link.
+        base: String,
+    },
+}
+
 /// The reason why a joint is not a wheel.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum WheelFault {

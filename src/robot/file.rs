@@ -24,6 +24,7 @@ pub(super) struct RobotFile {
     pub mecanum_wheels: Option<Vec<Spanned<String>>>,
     pub omni_wheels: Option<Vec<Spanned<String>>>,
     pub base_width_m: Spanned<f64>,
+    pub base_footprint: Option<Spanned<toml::Value>>,
     pub grasp_height_m: Spanned<f64>,
     pub wheel_radius_m: Option<Spanned<f64>>,
     pub wheel_separation_m: Option<Spanned<f64>>,

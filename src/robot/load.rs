@@ -8,8 +8,8 @@ use super::mesh::MeshFolders;
 use super::note::RobotNote;
 use super::urdf::{Hulls, Links, Urdf, is_xacro};
 use super::wheels::Wheels;
-use super::{Posture, Robot, SelfContacts, collision, driven, posture};
-use crate::geometry::Pose;
+use super::{Posture, Robot, SelfContacts, collision, driven, footprint, posture};
+use crate::geometry::{Footprint, Point, Pose};
 use crate::located::{self, LARGEST_SETTINGS, Place, Source};
 use nalgebra::{Rotation3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -289,6 +289,7 @@ fn assemble(
         |w| w > 0.0 && w <= 10.0,
         "greater than 0 and at most 10 (metres)",
     ));
+    let asked = faults.keep(footprint::asked(source, &entries.base_footprint));
     let grasp_height = faults.keep(number(
         source,
         "grasp_height_m",
@@ -331,6 +332,7 @@ fn assemble(
     let held = faults.keep_all(arm::held(urdf, &links, &wheel_links, &holds));
     let held = held.unwrap_or_default();
     let joint_of = |&link: &usize| links[link].joint.as_ref().map_or("", |j| j.name.as_str());
+    let width = width.unwrap_or(1.0);
     let wheels = Wheels {
         base,
         grasp,
@@ -338,7 +340,7 @@ fn assemble(
         radius: radius.flatten(),
         track: track.flatten(),
         rate: rate.flatten(),
-        base_radius: width.unwrap_or(1.0) / 2.0,
+        base_radius: width / 2.0,
         held: held.iter().map(|(link, position)| (joint_of(link), *position)).collect(),
     };
     let measured = faults.keep_all(wheels.measure(urdf, &links));
@@ -358,10 +360,13 @@ fn assemble(
     };
     let Arm { joints, chain, last_from_grasp } = arm;
     notes.extend(measured.notes);
+    let center = Point::origin();
     let mut robot = Robot {
         name: entries.name.clone(),
         texts: texts.clone(),
         drive: measured.drive,
+        footprint: Footprint::Disc { center, radius: measured.drive.base_radius },
+        base_width: width,
         joints,
         grasp_height,
         postures: Vec::new(),
@@ -378,8 +383,12 @@ fn assemble(
     let (of_inertias, about_inertias) = collision::check_inertias(urdf, &robot);
     faults.0.extend(of_inertias);
     notes.extend(about_inertias);
-    if hulls.is_some() {
-        notes.extend(collision::complete(&mut robot));
+    if let Some(asked) = asked {
+        let has_shapes = collision::has_shapes(&robot);
+        if hulls.is_some() {
+            notes.extend(collision::complete(&mut robot, asked.corners()));
+        }
+        faults.keep(footprint::set(&mut robot, asked, has_shapes));
     }
     robot.notes = notes;
     if !faults.0.is_empty() {

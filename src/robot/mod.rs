@@ -16,6 +16,7 @@ mod error;
 mod factor;
 mod fault;
 mod file;
+mod footprint;
 mod hull;
 mod kinematics;
 mod level;
@@ -38,7 +39,7 @@ pub(crate) use drive::without_last;
 pub use drive::{BaseInput, BaseTwist, Drive, DriveKind, MAX_BASE_INPUTS, SlowDrive, Wheel};
 pub use error::RobotError;
 pub(crate) use factor::{Factor, Lanes};
-pub use fault::{ArmFault, DriveFault, PostureFault, TreeFault, WheelFault};
+pub use fault::{ArmFault, DriveFault, FootprintFault, PostureFault, TreeFault, WheelFault};
 pub use kinematics::{Kinematics, pose_difference};
 pub use link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
 pub use load::RobotTexts;
@@ -46,7 +47,7 @@ pub use note::RobotNote;
 pub use reach::Reach;
 pub(crate) use self_contact::SelfContacts;
 
-use crate::geometry::{PlanarPose, Pose};
+use crate::geometry::{Footprint, PlanarPose, Pose};
 use nalgebra::{SMatrix, SVector};
 
 /// The largest number of independently moving arm joints: seven and a lift.
@@ -75,6 +76,8 @@ pub struct Robot {
     pub texts: RobotTexts,
     /// The drive.
     pub drive: Drive,
+    /// The outline of the base on the floor, in the drive's frame, which is kept off obstacles.
+    pub footprint: Footprint,
     /// The independently moving joints of the arm, from the base to the grasp. At most [`MAX_JOINTS`].
     pub joints: Vec<ArmJoint>,
     /// Height above the floor at which the object is held, m.
@@ -98,6 +101,8 @@ pub struct Robot {
     pub(crate) chain: Vec<ChainLink>,
     /// From the frame of the last joint of the chain to the grasp.
     pub(crate) last_from_grasp: Pose,
+    /// See [`Robot::width`].
+    pub(crate) base_width: f64,
     /// Its bodies, for contacts with itself.
     self_contacts: SelfContacts,
 }
@@ -194,9 +199,9 @@ impl Robot {
         limits
     }
 
-    /// Width of the base, for clearances, m.
+    /// Width of the base, against which openings are measured, m.
     pub fn width(&self) -> f64 {
-        2.0 * self.drive.base_radius
+        self.base_width
     }
 
     /// A warning if the drive is too slow for a team that walks at `speed` (m/s).

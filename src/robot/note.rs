@@ -46,12 +46,14 @@ pub enum RobotNote {
         /// The share of the hull's volume, %.
         percent: f64,
     },
-    /// A base that collides as a cylinder, because a shape of it is missing.
-    #[error("{why}; the base collides as a cylinder as wide as base_width_m, {height} m high")]
+    /// A base that collides as a cylinder or its footprint, because a shape of it is missing.
+    #[error("{why}; the base collides as {shape}, {height} m high")]
     Footprint {
         /// The shape that is missing.
         why: String,
-        /// Height of the cylinder, m.
+        /// What stands in for it.
+        shape: &'static str,
+        /// Height of that, m.
         height: f64,
     },
     /// A link of the arm that collides as a capsule, because it has no collision shape.

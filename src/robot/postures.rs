@@ -1,9 +1,11 @@
 //! Postures solved by inverse kinematics from random starts, ranked by their room to move.
 
+use super::footprint::across;
 use super::level::FULL;
-use super::{JointVector, Motion, Robot, pose_difference};
-use crate::geometry::{Pose, wrap_angle};
-use nalgebra::{Matrix6, Rotation3, Vector3};
+use super::link::JointKind;
+use super::{JointVector, Motion, Robot, collision, pose_difference};
+use crate::geometry::{Footprint, Pose, Vector, wrap_angle};
+use nalgebra::{Matrix6, Point3, Rotation3, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -51,19 +53,26 @@ const ENOUGH_TURN_RAD: f64 = 0.8;
 const REACH_STEPS: u32 = 10;
 /// Distance of the arm beside the base's edge at which there is no room left, m.
 const FARTHEST_BESIDE_M: f64 = 0.4;
+/// The same for a base that is a polygon, where the room is less from this far inside its edge on: on its way
+/// through openings for the base, the arm needs some.
+const FARTHEST_BESIDE_NARROW_M: f64 = 0.2;
+const ROOM_INSIDE_M: f64 = 0.1;
 /// Least factor of room for reach and width, so that a posture without either is better than none.
 const LEAST_SHARE: f64 = 0.05;
 /// Radius of the arm in checks against the base, m.
 const ARM_RADIUS_M: f64 = 0.05;
+/// The spacing of the balls of eq. (7), m.
+const BALL_SPACING_M: f64 = 0.25;
 
 /// The best postures with the grasp at this height, best first; all have the roll of the best. Empty if there
-/// is none. The arm stays above the base's edge of this radius (m).
-pub(super) fn search(robot: &Robot, height: f64, base_radius: f64) -> Vec<Found> {
+/// is none. The arm stays above the base's outline.
+pub(super) fn search(robot: &Robot, height: f64, footprint: &Footprint) -> Vec<Found> {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut all: Vec<Found> = Vec::new();
     let is_full = robot.freedom() == FULL;
     let mut poses = Vec::new();
-    for ahead in AHEAD_M.map(|d| base_radius + d) {
+    let edge = footprint.reach(Vector::x());
+    for ahead in AHEAD_M.map(|d| edge + d) {
         for roll in [0.0, FRAC_PI_2, PI, -FRAC_PI_2] {
             let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), roll);
             let goal = Pose::from_parts(Vector3::new(ahead, 0.0, height).into(), turn);
@@ -73,7 +82,7 @@ pub(super) fn search(robot: &Robot, height: f64, base_radius: f64) -> Vec<Found>
                     true => solve(robot, &goal, start),
                     false => robot.level(start, height, &turn),
                 };
-                all.extend(joints.and_then(|joints| judge(robot, joints, roll, base_radius, &mut poses)));
+                all.extend(joints.and_then(|joints| judge(robot, joints, roll, footprint, &mut poses)));
             }
         }
     }
@@ -81,7 +90,7 @@ pub(super) fn search(robot: &Robot, height: f64, base_radius: f64) -> Vec<Found>
     all.sort_by(by_room);
     all.truncate(MOST_REACHES);
     for found in &mut all {
-        found.room *= reach_share(robot, found) * width_share(robot, &found.joints, base_radius);
+        found.room *= reach_share(robot, found) * width_share(robot, &found.joints, footprint);
     }
     all.sort_by(by_room);
     let mut best: Vec<Found> = Vec::new();
@@ -132,12 +141,13 @@ fn judge(
     robot: &Robot,
     mut joints: JointVector,
     roll: f64,
-    base_radius: f64,
+    footprint: &Footprint,
     poses: &mut Vec<Pose>,
 ) -> Option<Found> {
     let grasp = robot.drive_from_grasp(&joints).translation.vector;
-    let is_clear = grasp.x >= base_radius + LEAST_AHEAD_M
-        || grasp.x >= 0.0 && grasp.y.abs() >= base_radius + LEAST_BESIDE_M;
+    let (ahead, beside) = (footprint.reach(Vector::x()), across(footprint) / 2.0);
+    let is_clear =
+        grasp.x >= ahead + LEAST_AHEAD_M || grasp.x >= 0.0 && grasp.y.abs() >= beside + LEAST_BESIDE_M;
     for (at, joint) in joints.iter_mut().zip(&robot.joints) {
         // continuous joints within a turn
         if joint.motion == Motion::Revolute && joint.upper.is_infinite() {
@@ -145,7 +155,7 @@ fn judge(
         }
     }
     let clearance = robot.limit_clearance(&joints).map_or(1.0, |(_, share)| share);
-    if !is_clear || clearance < LEAST_CLEARANCE || passes_through_base(robot, &joints, base_radius) {
+    if !is_clear || clearance < LEAST_CLEARANCE || passes_through_base(robot, &joints, footprint) {
         return None;
     }
     if robot.self_contact(&joints, poses).is_some() {
@@ -184,17 +194,76 @@ fn reach_share(robot: &Robot, found: &Found) -> f64 {
     ways.chain(turns).fold(1.0, f64::min).max(LEAST_SHARE)
 }
 
-/// 1 for an arm that is no wider than the base, less for an elbow that stands out.
-fn width_share(robot: &Robot, joints: &JointVector, base_radius: f64) -> f64 {
+/// How far the arm is beside the middle of the base, m: its joints with balls of this radius (m) around them, and
+/// the collision shapes of the links from the base to the grasp.
+pub(super) fn beside(robot: &Robot, joints: &JointVector, radius: f64) -> f64 {
     let mut widest: f64 = 0.0;
-    robot.arm_points(&Robot::at_origin(joints), f64::INFINITY, |at, _| widest = widest.max(at.y.abs()));
-    let beside = widest + ARM_RADIUS_M - base_radius;
-    (1.0 - beside / FARTHEST_BESIDE_M).clamp(LEAST_SHARE, 1.0)
+    let q = Robot::at_origin(joints);
+    robot.arm_points(&q, f64::INFINITY, |at, _| widest = widest.max(at.y.abs() + radius));
+    on_arm_corners(robot, joints, |corner, radius| widest = widest.max(corner.y.abs() + radius));
+    widest
+}
+
+/// How far the arm's collision shapes are outside the balls of this radius (m) that eq. (7) keeps off obstacles, m.
+/// What is nearest to the grasp does not count: it is ahead.
+pub(super) fn outside_balls(robot: &Robot, joints: &JointVector, radius: f64) -> f64 {
+    let mut balls = Vec::new();
+    robot.arm_points(&Robot::at_origin(joints), BALL_SPACING_M, |at, _| balls.push(at));
+    let mut farthest = radius;
+    on_arm_corners(robot, joints, |corner, of_corner| {
+        let distances = balls.iter().map(|ball| (ball - corner).norm()).enumerate();
+        if let Some((nearest, distance)) = distances.min_by(|a, b| a.1.total_cmp(&b.1))
+            && nearest + 1 < balls.len()
+        {
+            farthest = farthest.max(distance + of_corner);
+        }
+    });
+    farthest - radius
+}
+
+/// Calls `on_corner` for points of the collision shapes of the links from the base to the grasp, each with a radius
+/// around it, m.
+fn on_arm_corners(robot: &Robot, joints: &JointVector, mut on_corner: impl FnMut(Vector3<f64>, f64)) {
+    let poses = robot.link_poses(&Robot::at_origin(joints));
+    let links = std::iter::successors(Some(robot.grasp_link), |&at| robot.links[at].parent);
+    let path: Vec<usize> = links.take_while(|&at| at != robot.base_link).collect();
+    // a lift's own shapes stay above the base
+    let turns = |at: &usize| {
+        let joint = robot.links[*at].joint.as_ref();
+        joint.is_some_and(|j| j.coupling.joint.is_some() && j.kind != JointKind::Prismatic)
+    };
+    let of_arm = path.iter().rposition(turns).map_or(0, |first| first + 1);
+    for &at in &path[..of_arm] {
+        for shape in &robot.links[at].collisions {
+            let world_from_shape = poses[at] * shape.link_from_shape;
+            for (corner, radius) in collision::corners(&shape.shape) {
+                on_corner((world_from_shape * Point3::from(corner)).coords, radius);
+            }
+        }
+    }
+}
+
+/// 1 for an arm that is no wider than the base, less for an elbow that stands out. Beside a disc, joints count;
+/// beside a polygon, which is as narrow as the base itself, shapes do.
+fn width_share(robot: &Robot, joints: &JointVector, footprint: &Footprint) -> f64 {
+    let (widest, farthest) = match footprint {
+        Footprint::Disc { .. } => {
+            let mut widest: f64 = 0.0;
+            let q = Robot::at_origin(joints);
+            robot.arm_points(&q, f64::INFINITY, |at, _| widest = widest.max(at.y.abs()));
+            (widest + ARM_RADIUS_M, FARTHEST_BESIDE_M)
+        }
+        Footprint::Polygon(_) => {
+            let widest = beside(robot, joints, ARM_RADIUS_M) + ROOM_INSIDE_M;
+            (widest, FARTHEST_BESIDE_NARROW_M + ROOM_INSIDE_M)
+        }
+    };
+    (1.0 - (widest - across(footprint) / 2.0) / farthest).clamp(LEAST_SHARE, 1.0)
 }
 
 /// Whether the arm, as thick segments between its joints, comes below the first of them within the base's
-/// radius, or below the floor.
-fn passes_through_base(robot: &Robot, joints: &JointVector, base_radius: f64) -> bool {
+/// outline, or below the floor.
+fn passes_through_base(robot: &Robot, joints: &JointVector, footprint: &Footprint) -> bool {
     let mut points = Vec::new();
     robot.arm_points(&Robot::at_origin(joints), f64::INFINITY, |at, _| points.push(at));
     let Some(shoulder) = points.iter().map(|p| p.xy()).next() else { return false };
@@ -203,7 +272,8 @@ fn passes_through_base(robot: &Robot, joints: &JointVector, base_radius: f64) ->
     points[first..].windows(2).any(|pair| {
         (0..=10).any(|i| {
             let p = pair[0] + (pair[1] - pair[0]) * (f64::from(i) / 10.0);
-            p.z < ARM_RADIUS_M || (p.z < floor.min(0.6) && p.xy().norm() < base_radius + ARM_RADIUS_M)
+            let is_above_base = || footprint.separation(p.xy().into()).0 < ARM_RADIUS_M;
+            p.z < ARM_RADIUS_M || (p.z < floor.min(0.6) && is_above_base())
         })
     })
 }

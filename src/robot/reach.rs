@@ -1,6 +1,6 @@
 //! How far a robot can carry, and how much room a posture leaves.
 
-use super::{Configuration, JointVector, Posture, Robot, collision};
+use super::{Configuration, JointVector, Posture, Robot, collision, footprint};
 use crate::geometry::{PlanarPose, Point, Pose};
 
 /// Step of the search for the ends of the reach, m.
@@ -75,6 +75,11 @@ impl Robot {
     /// cannot move its grasp in some direction. Directions in which it never can do not count.
     pub fn dexterity(&self, joints: &JointVector) -> f64 {
         self.squared_singular_values(joints)[self.freedom().clamp(1, 6) - 1].max(0.0).sqrt()
+    }
+
+    /// Twice the largest distance of the footprint beside the middle of the base, m.
+    pub fn footprint_across(&self) -> f64 {
+        footprint::across(&self.footprint)
     }
 
     /// The largest distance of the base's collision shapes from the middle of the axle, seen from above, m.

@@ -6,15 +6,15 @@ use super::tick::{Preparation, RobotTick};
 use super::{Situation, Step, Team, Travel, Walk};
 use crate::control::{
     self, Avoid, BaseInputs, Candidate, ClosedForm, GUIDE_PRICE, Intent, Limits, ModalReference, Mpc,
-    PoseCriterion, PoseOptimiser, PoseProblem, Reference, RobotObstacles, SolveOutcome, reference, rolled,
-    seen_from_base,
+    PoseCriterion, PoseOptimiser, PoseProblem, Reference, RobotObstacles, SolveOutcome, TURN_PRICE,
+    reference, rolled, seen_from_base, turn_toward_grasp,
 };
 use crate::coordination::Mode;
-use crate::geometry::{Path, PlanarPose, Point, Pose};
+use crate::geometry::{Footprint, Path, PlanarPose, Point, Pose, angle_of, wrap_angle};
 use crate::options::OptionSet;
 use crate::policy::Motion;
 use crate::robot::{
-    Configuration, InputJacobian, InputVector, JointVector, Kinematics, Robot, pose_difference,
+    BaseInput, Configuration, InputJacobian, InputVector, JointVector, Kinematics, Robot, pose_difference,
 };
 use crate::saved::{NotRestored, Saved};
 use crate::simulation::Observation;
@@ -318,6 +318,19 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         there
     }
 
+    /// Inputs that turn a free omnidirectional base toward its grasp, unless it is a disc.
+    fn turning_free_base(&self, grasp: &Pose) -> Option<BaseInputs> {
+        let robot = self.manipulator.robot;
+        if !robot.drive.is_omnidirectional() || matches!(robot.footprint, Footprint::Disc { .. }) {
+            return None;
+        }
+        let held = robot.drive_from_grasp(&self.manipulator.posture).translation.vector.xy();
+        let base = self.target.configuration.base;
+        let to_grasp = grasp.translation.vector.xy() - base.position.coords;
+        let off = wrap_angle(angle_of(to_grasp) - angle_of(held) - base.yaw);
+        Some(turn_toward_grasp(off, self.walk.period))
+    }
+
     /// u of eq. (7) that tracks one of the references. Where limits are active, it is solved again with the
     /// obstacles' half-planes about the first solution. For bodies it is solved twice, the second time with
     /// the error of the linear model; where the robot `follows`, with B half-way in between.
@@ -332,12 +345,15 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         let Manipulator { robot, control, obstacles, .. } = self.manipulator;
         let period = self.walk.period;
         let Candidate { configuration: target, rates, jacobian } = self.target;
+        let turning = if base.is_none() { self.turning_free_base(grasp) } else { None };
         let form = |jacobian: &InputJacobian| {
             let b = jacobian * period;
             let weights = [control.state_weight, control.input_weight];
-            match base {
-                Some(base) => ClosedForm::guided(&b, weights, &robot.drive, base, GUIDE_PRICE),
-                None => ClosedForm::new(&b, weights[0], weights[1]),
+            let guided = |base, prices| ClosedForm::guided(&b, weights, &robot.drive, base, prices);
+            match (base, &turning) {
+                (Some(base), _) => guided(base, &BaseInput::repeat(GUIDE_PRICE)),
+                (None, Some(turning)) => guided(turning, &BaseInput::new(0.0, 0.0, TURN_PRICE)),
+                (None, None) => ClosedForm::new(&b, weights[0], weights[1]),
             }
         };
         let free = form(&jacobian);
@@ -439,7 +455,7 @@ impl<B: Bodies> Team for Carrying<'_, B> {
         }
         tick.input = self.input;
         tick.effort_cost = control.input_weight * self.input.norm_squared();
-        tick.base_clearance = obstacles.clearance(q.base.position, robot.drive.base_radius);
+        tick.base_clearance = obstacles.clearance(&q.base, &robot.footprint);
         Some(tick)
     }
 

@@ -353,6 +353,7 @@ impl Bodies for Physical {
             rim_acceleration: self.rim_acceleration,
             distance: self.distance,
             bearing: self.bearing,
+            footprint: &robot.footprint,
             obstacles,
         };
         Some(follower.inputs(&robot.drive, &seen.configuration.base, seen.base_rates, walk.period))

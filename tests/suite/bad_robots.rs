@@ -118,6 +118,47 @@ fn numbers_of_the_robot_file() {
     toml("elbow_flex_joint = 95.527315", "elbow_flex_joint = 1e300", &["elbow_flex_joint = 1", "3600"]);
 }
 
+/// Every fault has its line, the key and what is expected.
+#[test]
+fn footprints_that_are_no_outline_of_a_base() {
+    let corner = "[0.3, 0.2]";
+    let many = format!("[{}]", [corner; 65].join(", "));
+    for (value, said) in [
+        ("\"colision\"", ["base_footprint = \"colision\"", "it must be \"collision\", or a list of corners"]),
+        ("0.5", ["base_footprint = 0.5", "[[x, y], ...] in metres"]),
+        ("[[0.3, 0.2], [0.3, -0.2]]", ["base_footprint has 2 corners", "3 to 64"]),
+        (many.as_str(), ["base_footprint has 65 corners", "3 to 64"]),
+        ("[[0.3, 0.2], [0.3, -0.2], [0.3]]", ["base_footprint[2] = [0.3]", "a corner [x, y] in metres"]),
+        (
+            "[[0.3, 0.2], [0.3, -0.2], [-0.3, \"0\"]]",
+            ["base_footprint[2] = [-0.3, \"0\"]", "a corner [x, y]"],
+        ),
+        ("[0.3, 0.2, 0.4]", ["base_footprint[0] = 0.3", "a corner [x, y] in metres"]),
+        ("[[0.3, 0.2], [0.3, nan], [-0.3, 0]]", ["base_footprint[1][1] = NaN", "from -10 to 10 (metres)"]),
+        ("[[0.3, 0.2], [0.3, -0.2], [-inf, 0]]", ["base_footprint[2][0] = -inf", "from -10 to 10 (metres)"]),
+        ("[[0.3, 0.2], [30, -0.2], [-0.3, 0]]", ["base_footprint[1][0] = 30", "from -10 to 10 (metres)"]),
+        (
+            "[[-0.3, 0], [0, 0.001], [0.3, 0]]",
+            ["is 0.0010 m across where it is narrowest", "at least 0.01 m"],
+        ),
+        ("[[0, 0], [0, 0], [0, 0]]", ["is 0.0000 m across where it is narrowest", "at least 0.01 m"]),
+        (
+            "[[0.1, 0.2], [0.1, -0.2], [0.6, 0]]",
+            ["from x = 0.100 to 0.600 and y = -0.200 to 0.200 m", "the middle of the drive (0, 0) inside"],
+        ),
+    ] {
+        let given = format!("base_width_m = 0.5\nbase_footprint = {value}");
+        toml("base_width_m = 0.5", &given, &[&[":8: robot: "], said.as_slice()].concat());
+    }
+    let bare = Files::new().without_base_shapes();
+    let given = "base_width_m = 0.5\nbase_footprint = \"collision\"";
+    bare.with(TOML, "base_width_m = 0.5", given).says(&[
+        ":8: robot: base_footprint = \"collision\"",
+        "`base_link` has no collision shape",
+        "corners [[x, y], ...] in metres",
+    ]);
+}
+
 #[test]
 fn postures_that_are_not_complete() {
     toml("name = \"elbow-out\"", "name = \"elbow-up\"", &["posture `elbow-up`", "duplicate name", ":23:"]);

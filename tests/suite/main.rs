@@ -16,6 +16,7 @@ mod determinism;
 mod drives;
 mod fitting;
 mod floors;
+mod footprints;
 mod forged_snapshots;
 mod infer;
 mod learning;

@@ -39,6 +39,17 @@ impl Files {
         self
     }
 
+    /// Takes the collision shapes of the base and of what is rigid with it away, but its wheels'.
+    pub fn without_base_shapes(mut self) -> Self {
+        for link in ["base_link", "front_caster_link", "rear_caster_link", "torso_link"] {
+            let start = self.urdf.find(&format!("<link name=\"{link}\">")).expect("the link");
+            let at = |text: &str| start + self.urdf[start..].find(text).expect("a collision shape");
+            let (from, to) = (at("<collision>"), at("</collision>") + "</collision>".len());
+            self.urdf.replace_range(from..to, "");
+        }
+        self
+    }
+
     pub fn load(&self, name: &str) -> Result<Robot, String> {
         std::fs::write(self.folder.path().join(TOML), &self.toml).expect("a file");
         std::fs::write(self.folder.path().join(URDF), &self.urdf).expect("a file");

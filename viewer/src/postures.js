@@ -1,5 +1,5 @@
 // The page of a robot: its postures in place of events, its joints in place of charts, and the shapes that collide.
-import { AxesHelper, Group, Mesh, MeshBasicMaterial, RingGeometry } from "three";
+import { AxesHelper, Group, Mesh, MeshBasicMaterial, Path, RingGeometry, Shape, ShapeGeometry, Vector2 } from "three";
 
 const VIEWS = { overview: "Corner", follow: "Side", shoulder: "Above" };
 
@@ -37,10 +37,11 @@ export function mark(isColliding) {
   document.querySelectorAll("#shapes button").forEach((b) => b.setAttribute("aria-pressed", b.dataset.shapes === shown));
 }
 
-// The disc that stands for the base in clearances, and the axes of the grasp: x red, y green, z blue.
-export function marks(width) {
+// The outline of the base in clearances, and the axes of the grasp: x red, y green, z blue.
+export function marks({ robot_width_m: width, footprint_m: corners }) {
   const material = new MeshBasicMaterial({ color: "#c2570c", transparent: true, opacity: 0.7 });
-  const ring = new Mesh(new RingGeometry(width / 2 - 0.006, width / 2 + 0.006, 96), material);
+  const half = 0.006;
+  const ring = new Mesh(corners ? border(corners, half) : new RingGeometry(width / 2 - half, width / 2 + half, 96), material);
   ring.position.z = 0.004;
   const grasp = new Group();
   const axes = new AxesHelper(0.14);
@@ -49,6 +50,20 @@ export function marks(width) {
   axes.renderOrder = 1;
   grasp.add(axes);
   return { ring, grasp };
+}
+
+// A line of twice this width along the sides of a convex polygon.
+function border(corners, half) {
+  const moved = (by) => {
+    const middle = corners.reduce((sum, [x, y]) => sum.add(new Vector2(x, y)), new Vector2()).divideScalar(corners.length);
+    return corners.map(([x, y]) => {
+      const from = new Vector2(x, y).sub(middle);
+      return from.setLength(from.length() + by).add(middle);
+    });
+  };
+  const shape = new Shape(moved(half));
+  shape.holes.push(new Path(moved(-half)));
+  return new ShapeGeometry(shape);
 }
 
 // The panel: joints with their limits and where they are, and what the program says of the robot.
@@ -70,7 +85,8 @@ export class Postures {
     });
     const width = document.createElement("p");
     width.className = "none";
-    width.textContent = `The ring is the base for clearances, ${world.robot_width_m.toFixed(2)} m wide. The axes are those of the grasp: x, ahead, is red.`;
+    const line = world.footprint_m ? "outline on the floor" : "ring";
+    width.textContent = `The ${line} is the base for clearances, ${world.robot_width_m.toFixed(2)} m wide. The axes are those of the grasp: x, ahead, is red.`;
     panel.append(width);
     folder.append(panel);
     if (postures.remarks.length) {

@@ -157,7 +157,7 @@ export class Stage {
       return group;
     });
     if (episode.postures) {
-      const { ring, grasp } = marks(episode.world.robot_width_m);
+      const { ring, grasp } = marks(episode.world);
       this.object = grasp;
       this.guides = [ring, grasp];
       this.scene.add(ring, grasp);
@@ -225,8 +225,10 @@ export class Stage {
   // The box around a robot in all its postures, as far as its links' frames and its base tell.
   robotBox() {
     const { frames, world } = this.episode, box = new Box3();
-    const margin = world.robot_width_m / 2 + 0.02;
-    box.expandByPoint(new Vector3(-margin, -margin, 0)).expandByPoint(new Vector3(margin, margin, 0.3));
+    const half = world.robot_width_m / 2, margin = 0.02;
+    for (const [x, y] of world.footprint_m ?? [[-half, -half], [half, half]]) {
+      box.expandByPoint(new Vector3(x - margin, y - margin, 0)).expandByPoint(new Vector3(x + margin, y + margin, 0.3));
+    }
     for (const poses of [...frames.links, frames.object]) {
       for (let i = 0; i < poses.length; i += 7) {
         const at = new Vector3().fromArray(poses, i);
