@@ -39,7 +39,7 @@ impl Candidate {
 /// 15.
 pub const PER_SIDE: usize = 7;
 /// Largest deviation of the grasp from its pose, m and rad.
-const GRASP_TOLERANCE: f64 = 1e-9;
+const GRASP_TOLERANCE: f64 = 1e-7;
 /// Length below which a direction of self-motion is degenerate.
 const DEGENERATE: f64 = 1e-6;
 
@@ -79,12 +79,14 @@ impl Neighbourhood<'_> {
         let basis = self_motions(self.robot, &self.kinematics.jacobian, arm_only);
         for (d, direction) in basis.directions().enumerate() {
             let levels = (PER_SIDE + basis.count - 1 - d) / basis.count;
+            // the correction per squared rate at the present configuration, as found on the first side
+            let mut bend = InputVector::zeros();
             for side in [1.0, -1.0] {
                 let outward = direction * side;
                 let mut reach = self.reach(&outward);
                 for _ in 0..4 {
                     let before = found.len();
-                    let excess = self.side(&(outward * reach), levels, found);
+                    let excess = self.side(&(outward * reach), levels, &mut bend, found);
                     if excess <= self.share {
                         break;
                     }
@@ -97,17 +99,35 @@ impl Neighbourhood<'_> {
     }
 
     /// Adds the equal steps up to `outermost` (rates). Returns the largest rate as a multiple of its limit.
-    fn side(&self, outermost: &InputVector, levels: usize, found: &mut Vec<Candidate>) -> f64 {
+    ///
+    /// The grasp returns to its pose by a correction of the joints, which begins with the square of the step.
+    /// Its ratio to that, extrapolated from the steps so far, is the first guess; `bend` is the ratio at the
+    /// present configuration, per squared rate.
+    fn side(
+        &self,
+        outermost: &InputVector,
+        levels: usize,
+        bend: &mut InputVector,
+        found: &mut Vec<Candidate>,
+    ) -> f64 {
         let Self { robot, configuration: q, kinematics, period, .. } = *self;
         if outermost.norm() * period < DEGENERATE {
             return 0.0;
         }
-        // the extrapolated correction so far is a good first guess for the next step
-        let mut correction = InputVector::zeros();
+        // the ratios at the last three steps, the latest first, with the step's square as the unit
+        let unit = (outermost / levels as f64).norm_squared();
+        let mut ratios = [*bend * unit; 3];
         let mut excess: f64 = 0.0;
         for level in 1..=levels {
             let step = outermost * (level as f64 / levels as f64);
-            let guess = robot.advance(q, &(step + correction), period);
+            let square = (level * level) as f64;
+            let [last, second, third] = &ratios;
+            let ratio = match level {
+                1 => *last,
+                2 | 3 => last * 2.0 - second,
+                _ => (last - second) * 3.0 + third,
+            };
+            let guess = robot.advance(q, &(step + ratio * square), period);
             let Some((closed, there)) = robot.close(&guess, &kinematics.grasp, GRASP_TOLERANCE) else {
                 break;
             };
@@ -115,7 +135,15 @@ impl Neighbourhood<'_> {
             rates
                 .fixed_rows_mut::<MAX_JOINTS>(robot.drive.inputs())
                 .copy_from(&((closed.joints - q.joints) / period));
-            correction = (rates - step) * 2.0 - correction;
+            let ratio = (rates - step) / square;
+            ratios = if level == 1 && *bend == InputVector::zeros() {
+                [ratio; 3]
+            } else {
+                [ratio, ratios[0], ratios[1]]
+            };
+            if level == 2 {
+                *bend = (ratios[1] * 2.0 - ratios[0]) / unit;
+            }
             excess = excess.max(self.largest_share(&rates));
             let joints = robot.joints.iter().zip(closed.joints.iter());
             if !joints.into_iter().all(|(joint, there)| (joint.lower..=joint.upper).contains(there)) {

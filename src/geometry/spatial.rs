@@ -54,8 +54,13 @@ pub fn rotation_vector(rotation: &Rotation3<f64>) -> Vector3<f64> {
     if cos < -0.9 {
         return UnitQuaternion::from_rotation_matrix(rotation).scaled_axis();
     }
-    // of a small angle, the next term of the arcsine, 3/40 of the sine to the fourth, is below rounding
-    if sin < 1e-4 { sine * (1.0 + sin * sin / 6.0) } else { sine * (math::atan2(sin, cos) / sin) }
+    if sin < 0.03 {
+        // the arcsine's series; its next term is below rounding
+        let square = sin * sin;
+        let series = 15.0 / 336.0 + square * (105.0 / 3456.0);
+        return sine * (1.0 + square * (1.0 / 6.0 + square * (3.0 / 40.0 + square * series)));
+    }
+    sine * (math::atan2(sin, cos) / sin)
 }
 
 #[cfg(test)]

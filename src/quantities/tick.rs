@@ -122,7 +122,7 @@ pub const CONTROL: &[Quantity] = quantities! {
     "pose_constrained_problems", Count, "problems of eq. (8) solved with limits; missing where it was not asked", |v| v.preparation().map(|p| p.constrained);
     "mpc_outcome", Text, "how eq. (7) was solved: unconstrained, constrained, or fallback with the reason", |v| v.robot_tick().map(|r| solved(&r.outcome));
     "mpc_active_limits", Count, "limits of joints, wheels and obstacles active in its solution", |v| v.active();
-    "least_singular_value", PLAIN, "least singular value of B(q*), m or rad for a unit input", |v| v.robot_tick().map(|r| r.least_singular_value);
+    "least_singular_value", PLAIN, "least singular value of B(q*), m or rad for a unit input", |v| v.robot_tick().map(RobotTick::least_singular_value);
     "position_error_m", METRES, "distance between grasp and reference at the end of the step", |v| v.robot_tick().map(|r| r.position_error);
     "orientation_error_deg", DEGREES, "angle between grasp and reference at the end of the step", |v| v.robot_tick().map(|r| r.orientation_error.to_degrees());
     "tracking_cost", PLAIN, "||x - s||_Q^2 at the end of the step", |v| v.robot_tick().map(|r| r.tracking_cost);

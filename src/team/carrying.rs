@@ -7,7 +7,7 @@ use super::{Situation, Step, Team, Travel, Walk};
 use crate::control::{
     self, Avoid, BaseInputs, Candidate, ClosedForm, GUIDE_PRICE, Intent, Limits, ModalReference, Mpc,
     PoseCriterion, PoseOptimiser, PoseProblem, Reference, RobotObstacles, SolveOutcome, TURN_PRICE,
-    least_singular_value, reference, rolled, seen_from_base, turn_toward_grasp,
+    reference, rolled, seen_from_base, turn_toward_grasp,
 };
 use crate::coordination::Mode;
 use crate::geometry::{Footprint, Path, PlanarPose, Point, Pose, angle_of, wrap_angle};
@@ -395,7 +395,7 @@ impl<'a, B: Bodies> Carrying<'a, B> {
         }
         self.input = plan.inputs.column(0).into_owned();
         tick.outcome = plan.outcome;
-        tick.least_singular_value = least_singular_value(&(jacobian * period));
+        tick.input_matrix = jacobian * period;
     }
 }
 

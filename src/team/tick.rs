@@ -1,8 +1,8 @@
 //! The robot's part of one control period, as data.
 
-use crate::control::SolveOutcome;
+use crate::control::{SolveOutcome, least_singular_value};
 use crate::geometry::{PlanarPose, Point, Pose};
-use crate::robot::{Configuration, InputVector, without_last};
+use crate::robot::{Configuration, InputJacobian, InputVector, without_last};
 use crate::simulation::{BodyKind, Clearance, Observation};
 use serde::{Deserialize, Serialize};
 
@@ -21,8 +21,9 @@ pub struct RobotTick {
     pub input: InputVector,
     /// How eq. (7) was solved.
     pub outcome: SolveOutcome,
-    /// The smallest singular value of B(q*), m or rad for a unit input.
-    pub least_singular_value: f64,
+    /// B(q*) of eq. (7); zeros in a tick that was read from a snapshot.
+    #[serde(skip)]
+    pub input_matrix: InputJacobian,
     /// Distance between grasp and reference at the end of the step, m.
     pub position_error: f64,
     /// Angle between them, rad.
@@ -125,6 +126,11 @@ impl RobotTick {
         self.tracking_cost + self.effort_cost + self.pose_cost
     }
 
+    /// The smallest singular value of B(q*), m or rad for a unit input.
+    pub fn least_singular_value(&self) -> f64 {
+        least_singular_value(&self.input_matrix)
+    }
+
     /// The kind of body with the worst hold on the object, and the deviation (m): of the robot's grasp, or of
     /// a yielding grip.
     pub(crate) fn worst_hold(&self) -> (BodyKind, f64) {
@@ -140,7 +146,7 @@ impl RobotTick {
             preparation: None,
             input: InputVector::zeros(),
             outcome: SolveOutcome::Unconstrained,
-            least_singular_value: 0.0,
+            input_matrix: InputJacobian::zeros(),
             position_error: 0.0,
             orientation_error: 0.0,
             tracking_cost: 0.0,
