@@ -65,7 +65,8 @@ pub struct ClosedForm {
 }
 
 /// The guide of a base's inputs: R u^2 + P (u - g)^2 is (R + P) (u - r)^2 plus a constant, with r = P g /
-/// (R + P). So u - r is an input like the others in units of its share, the square root of R / (R + P). Each input has its own price P.
+/// (R + P). So u - r is an input like the others in units of its share, the square root of R / (R + P). Each
+/// input has its own price P.
 #[derive(Clone, Copy, Debug)]
 struct Guide {
     /// The number of guided inputs, which are the first.
@@ -99,8 +100,8 @@ impl ClosedForm {
         Self { state_weight, input_weight, input_matrix: *input_matrix, factor, guide: None }
     }
 
-    /// The same with the squared deviation (m/s, rad/s) of each of the base's inputs from `base` in the cost, times
-    /// its price.
+    /// The same with the squared deviation (m/s, rad/s) of each of the base's inputs from `base` in the cost,
+    /// times its price.
     pub fn guided(
         input_matrix: &InputJacobian,
         [state_weight, input_weight]: [f64; 2],

@@ -169,11 +169,11 @@ impl Pursuit {
     }
 }
 
-/// Inputs that turn an omnidirectional base toward the grasp, which is off its bearing by this angle (rad). Only the
-/// turning rates count.
+/// Inputs that turn an omnidirectional base toward the grasp, which is off its bearing by this angle (rad).
+/// Only the turning rates count.
 ///
-/// DEVIATION (eq. 7): a base that is free moves sideways as well as ahead. One that is longer than wide does not
-/// fit sideways through an opening for its width.
+/// DEVIATION (eq. 7): a base that is free moves sideways as well as ahead. One that is longer than wide does
+/// not fit sideways through an opening for its width.
 pub fn turn_toward_grasp(off: f64, period: f64) -> BaseInputs {
     let mut left = off;
     BaseInputs::default().map(|_| {

@@ -107,8 +107,9 @@ impl RobotObstacles {
     /// the inputs about these.
     ///
     /// A base that is a polygon has a bound for every corner of it that is nearly nearest to an obstacle, and
-    /// for every corner of the obstacle that is so near beside one of its sides. Where the two overlap, or do so
-    /// one step earlier or later, n is the direction of least penetration. Near an obstacle, steps are divided.
+    /// for every corner of the obstacle that is so near beside one of its sides. Where the two overlap, or do
+    /// so one step earlier or later, n is the direction of least penetration. Near an obstacle, steps are
+    /// divided.
     ///
     /// Let p(t) be a point's position after t periods T along `inputs`, and n the gradient of the obstacle's
     /// distance d. The bound is n . (p(t) + dp(t)/du (u - inputs)) >= n . p(t) - (d - radius - margin). The
@@ -374,8 +375,8 @@ mod tests {
         assert!(compared > 3000, "{compared}");
     }
 
-    /// The same for the corners of a base of 0.9 m by 0.5 m, on either drive, beside a post and a wall's end, and within
-    /// steps. (Of a pillar on the way, the direction is held.)
+    /// The same for the corners of a base of 0.9 m by 0.5 m, on either drive, beside a post and a wall's end,
+    /// and within steps. (Of a pillar on the way, the direction is held.)
     #[test]
     fn property_half_planes_of_a_polygon_agree_with_finite_differences() {
         let text = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [-3, 0]\ntarget_m = [9, 0]\n[[obstacle]]\nname = \"post\"\n\

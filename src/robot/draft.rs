@@ -32,8 +32,8 @@ const HEIGHTS_M: [f64; 7] = [0.7, 0.8, 0.9, 0.6, 1.0, 1.1, 0.5];
 const NARROWER: f64 = 1.1;
 /// Radius of the balls around an arm's joints that eq. (7) keeps off obstacles, m.
 const ARM_RADIUS_M: f64 = 0.08;
-/// How far an arm's shapes may be outside these balls for a base that is narrower than its disc, m. In an opening as
-/// narrow as the base, such an arm would touch the walls.
+/// How far an arm's shapes may be outside these balls for a base that is narrower than its disc, m. In an
+/// opening as narrow as the base, such an arm would touch the walls.
 const MOST_OUTSIDE_M: f64 = 0.05;
 
 /// Room of a posture, as [`Found`] has it, with which no other height is tried.

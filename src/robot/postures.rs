@@ -194,8 +194,8 @@ fn reach_share(robot: &Robot, found: &Found) -> f64 {
     ways.chain(turns).fold(1.0, f64::min).max(LEAST_SHARE)
 }
 
-/// How far the arm is beside the middle of the base, m: its joints with balls of this radius (m) around them, and
-/// the collision shapes of the links from the base to the grasp.
+/// How far the arm is beside the middle of the base, m: its joints with balls of this radius (m) around them,
+/// and the collision shapes of the links from the base to the grasp.
 pub(super) fn beside(robot: &Robot, joints: &JointVector, radius: f64) -> f64 {
     let mut widest: f64 = 0.0;
     let q = Robot::at_origin(joints);
@@ -204,8 +204,8 @@ pub(super) fn beside(robot: &Robot, joints: &JointVector, radius: f64) -> f64 {
     widest
 }
 
-/// How far the arm's collision shapes are outside the balls of this radius (m) that eq. (7) keeps off obstacles, m.
-/// What is nearest to the grasp does not count: it is ahead.
+/// How far the arm's collision shapes are outside the balls of this radius (m) that eq. (7) keeps off
+/// obstacles, m. What is nearest to the grasp does not count: it is ahead.
 pub(super) fn outside_balls(robot: &Robot, joints: &JointVector, radius: f64) -> f64 {
     let mut balls = Vec::new();
     robot.arm_points(&Robot::at_origin(joints), BALL_SPACING_M, |at, _| balls.push(at));
@@ -221,8 +221,8 @@ pub(super) fn outside_balls(robot: &Robot, joints: &JointVector, radius: f64) ->
     farthest - radius
 }
 
-/// Calls `on_corner` for points of the collision shapes of the links from the base to the grasp, each with a radius
-/// around it, m.
+/// Calls `on_corner` for points of the collision shapes of the links from the base to the grasp, each with a
+/// radius around it, m.
 fn on_arm_corners(robot: &Robot, joints: &JointVector, mut on_corner: impl FnMut(Vector3<f64>, f64)) {
     let poses = robot.link_poses(&Robot::at_origin(joints));
     let links = std::iter::successors(Some(robot.grasp_link), |&at| robot.links[at].parent);

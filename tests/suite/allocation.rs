@@ -60,8 +60,8 @@ fn a_warm_tick_of_a_robot_that_learns_allocates_nothing() {
     assert!(looks > 5, "{looks} looks that changed the belief");
 }
 
-/// Runs episodes of the built-in robot `with` a change, whose joints have this share of their speed, and asserts that no warm tick allocates. How
-/// many of these had no limit active, and how many had.
+/// Runs episodes of the built-in robot `with` a change, whose joints have this share of their speed, and
+/// asserts that no warm tick allocates. How many of these had no limit active, and how many had.
 fn count(share: f64, with: impl Fn(&mut Robot)) -> (usize, usize) {
     let mut robot = Robot::built_in().expect("the built-in robot");
     with(&mut robot);

@@ -26,7 +26,8 @@ fn corners(robot: &Robot) -> &[Point] {
     corners
 }
 
-/// The carrier (or its like on mecanum wheels) on a base of 0.9 m by 0.5 m, with its own outline or with a disc.
+/// The carrier (or its like on mecanum wheels) on a base of 0.9 m by 0.5 m, with its own outline or with a
+/// disc.
 fn long(name: &str, folder: &Path, is_disc: bool) -> PathBuf {
     let urdf = original(&format!("{name}.urdf"));
     assert_eq!(urdf.matches(CYLINDER).count(), 2);
