@@ -29,10 +29,10 @@ impl<const N: usize> Factor<N> {
             let mut pivot = (scale * gram[(j, j)]).add_scalar(diagonal);
             // row j of F, times the pivots
             let mut scaled = [SVector::<f64, N>::zeros(); 6];
-            for k in 0..j {
+            for (k, scaled) in scaled.iter_mut().enumerate().take(j) {
                 let entry = lower.column(below(j, k));
-                scaled[k] = entry.component_mul(&pivots.column(k));
-                pivot -= entry.component_mul(&scaled[k]);
+                *scaled = entry.component_mul(&pivots.column(k));
+                pivot -= entry.component_mul(scaled);
             }
             let inverse = pivot.map(|p| 1.0 / p);
             pivots.set_column(j, &pivot);

@@ -33,7 +33,7 @@ pub enum RobotNote {
         /// The links.
         links: String,
     },
-    /// A collision mesh that fills less than half of its convex hull.
+    /// A collision mesh that fills little of its convex hull.
     #[error(
         "link `{link}`: its collision mesh `{mesh}` fills {percent:.0} % of its convex hull, as which it collides; \
          split it into convex meshes if contacts count there"

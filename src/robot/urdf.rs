@@ -25,7 +25,7 @@ const MOST_PIECES: usize = 500_000;
 /// element after them.
 const LONGEST_NAMESPACES: usize = 4096;
 /// The share of its convex hull that a collision mesh fills at least, without a note.
-const LEAST_FILLED: f64 = 0.5;
+const LEAST_FILLED: f64 = 0.4;
 /// The namespace of namespaces.
 const XMLNS: &str = "http://www.w3.org/2000/xmlns/";
 
