@@ -47,7 +47,6 @@ pub struct Considered<'a> {
 #[derive(Clone, Debug, Default)]
 pub struct PoseOptimiser {
     candidates: Vec<Candidate>,
-    forms: Vec<ClosedForm>,
     modal: Vec<ModalReference>,
     /// Lower bounds of weight times cost: one row of options per candidate.
     bounds: Vec<f64>,
@@ -82,6 +81,17 @@ pub struct PoseProblem<'a> {
     pub share: f64,
 }
 
+impl PoseProblem<'_> {
+    /// Eq. (7) without limits at a candidate; of the arm alone where the base's inputs are given.
+    fn form(&self, candidate: &Candidate, settings: &Settings) -> ClosedForm {
+        let mut jacobian = candidate.jacobian;
+        if self.base.is_some() {
+            jacobian.columns_mut(0, self.robot.drive.inputs()).fill(0.0);
+        }
+        ClosedForm::new(&(jacobian * self.period), settings.state_weight, settings.input_weight)
+    }
+}
+
 impl PoseOptimiser {
     /// The candidate with the least sum_o P_o G_o(q) + kappa ||q - q_c||^2, each G_o with all limits.
     pub fn choose(
@@ -102,7 +112,7 @@ impl PoseOptimiser {
             (_, PoseCriterion::Manipulability) => self.most_manipulable(robot),
             _ => {
                 self.bound(problem, settings);
-                self.least(problem, limits, mpc, &mut solved)
+                self.least(problem, settings, limits, mpc, &mut solved)
             }
         };
         let candidate = self.candidates[index];
@@ -131,25 +141,18 @@ impl PoseOptimiser {
     }
 
     fn bound(&mut self, problem: &PoseProblem, settings: &Settings) {
-        self.forms.clear();
         self.bounds.clear();
         self.totals.clear();
         self.modal.clear();
         self.modal.extend(problem.references.iter().map(ModalReference::new));
         for candidate in &self.candidates {
-            let mut jacobian = candidate.jacobian;
-            if problem.base.is_some() {
-                jacobian.columns_mut(0, problem.robot.drive.inputs()).fill(0.0);
-            }
-            let form =
-                ClosedForm::new(&(jacobian * problem.period), settings.state_weight, settings.input_weight);
+            let form = problem.form(candidate, settings);
             let mut total = motion_cost(problem.robot, candidate, problem.configuration, settings);
             for (reference, weight) in self.modal.iter().zip(problem.weights) {
                 let bound = if *weight > 0.0 { weight * form.cost(reference) } else { 0.0 };
                 self.bounds.push(bound);
                 total += bound;
             }
-            self.forms.push(form);
             self.totals.push(total);
         }
         self.floors.extend(&self.totals);
@@ -160,6 +163,7 @@ impl PoseOptimiser {
     fn least(
         &mut self,
         problem: &PoseProblem,
+        settings: &Settings,
         limits: &mut Limits,
         mpc: &mut Mpc,
         solved: &mut usize,
@@ -175,7 +179,9 @@ impl PoseOptimiser {
                 self.totals[c] = f64::INFINITY;
                 continue;
             }
-            let (candidate, form) = (&self.candidates[c], &self.forms[c]);
+            let candidate = &self.candidates[c];
+            // again, since few candidates come so far
+            let form = problem.form(candidate, settings);
             limits.set(problem.robot, &candidate.configuration, &candidate.rates, problem.period);
             for (o, (reference, weight)) in problem.references.iter().zip(problem.weights).enumerate() {
                 if *weight <= 0.0 {
@@ -201,7 +207,7 @@ impl PoseOptimiser {
                     }
                 }
                 let without = self.totals[c] - self.bounds[c * options + o];
-                let plan = mpc.solve_below(form, limits, reference, (best + TIE - without) / weight);
+                let plan = mpc.solve_below(&form, limits, reference, (best + TIE - without) / weight);
                 *solved += usize::from(plan.is_none_or(|p| p.outcome != SolveOutcome::Unconstrained));
                 self.totals[c] = plan.map_or(f64::INFINITY, |p| without + weight * p.cost);
                 if self.totals[c] > best + TIE {
