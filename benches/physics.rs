@@ -20,7 +20,7 @@ const PERIOD: f64 = 0.2;
 const BUDGET: Duration = Duration::from_micros(1500);
 const TICKS: usize = 200;
 const EPISODES: usize = 5;
-/// Physics steps per second and solver iterations: with twelve iterations all rates, then others at the plant's.
+/// Physics steps per second and solver iterations: twelve iterations at all rates, then others at the plant's.
 const CHOICES: [(f64, usize); 10] = [
     (60.0, 12),
     (80.0, 12),

@@ -4,8 +4,8 @@
 //! ones. The singular value decomposition L = W diag(sigma) V' holds the modes of the horizon: with S W = Y
 //! and U V = Z, the cost Q ||X - S||^2 + R ||U||^2 is the sum over modes j of Q ||sigma_j B z_j - y_j||^2 +
 //! R ||z_j||^2. Each is a regularised least-squares problem in six dimensions. With A_j = I + sigma_j^2 (Q /
-//! R) B B', its solution is z_j = sigma_j (Q / R) B' A_j^-1 y_j, and its cost is Q y_j' A_j^-1 y_j. A_j is at least
-//! I, so a direction that B does not reach is handled as well.
+//! R) B B', its solution is z_j = sigma_j (Q / R) B' A_j^-1 y_j, and its cost is Q y_j' A_j^-1 y_j. A_j is at
+//! least I, so a direction that B does not reach is handled as well.
 
 use super::follow::rolled;
 use super::{BaseInputs, HORIZON, Inputs, Reference};
