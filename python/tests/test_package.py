@@ -321,20 +321,29 @@ def test_ctrl_c_stops_runs_and_sweeps():
 
 
 def test_other_threads_run_during_a_run():
-    counted = []
+    counted = 0
+    done = threading.Event()
 
     def count():
+        nonlocal counted
         while not done.is_set():
-            counted.append(0)
+            counted += 1
             time.sleep(0.001)
 
-    done = threading.Event()
+    def counted_in_a_run():
+        episode = cocarry.Episode(example("rapier"))
+        before = counted
+        episode.run()
+        return counted - before
+
     thread = threading.Thread(target=count)
     thread.start()
-    cocarry.Episode(example("rapier")).run(20)
-    done.set()
-    thread.join()
-    assert len(counted) > 20
+    try:
+        # how often a busy machine lets the other thread in is its own affair
+        assert any(counted_in_a_run() > 5 for _ in range(100))
+    finally:
+        done.set()
+        thread.join()
 
 
 def _run(episode):
