@@ -1,20 +1,21 @@
 //! A team with a robot, and its controller: eq. (8) and (7) in each period, on the kinematic or the physical
 //! plant.
 
+use super::bodies::{Bodies, Manipulator, PathAhead};
 use super::team_path::{FreeSpace, Turned};
 use super::tick::{Preparation, RobotTick};
-use super::{Situation, Step, Team, Travel, Walk};
+use super::{Situation, Step, Team, Walk};
 use crate::control::{
-    self, Avoid, BaseInputs, Candidate, ClosedForm, GUIDE_PRICE, Intent, Limits, ModalReference, Mpc,
-    PoseCriterion, PoseOptimiser, PoseProblem, Reference, RobotObstacles, SolveOutcome, TURN_PRICE,
-    reference, rolled, seen_from_base, turn_toward_grasp,
+    Avoid, BaseInputs, Candidate, ClosedForm, GUIDE_PRICE, Intent, Limits, ModalReference, Mpc,
+    PoseCriterion, PoseOptimiser, PoseProblem, Reference, SolveOutcome, TURN_PRICE, reference, rolled,
+    seen_from_base, turn_toward_grasp,
 };
 use crate::coordination::Mode;
 use crate::geometry::{Footprint, Path, PlanarPose, Point, Pose, angle_of, wrap_angle};
 use crate::options::OptionSet;
 use crate::policy::Motion;
 use crate::robot::{
-    BaseInput, Configuration, InputJacobian, InputVector, JointVector, Kinematics, Robot, pose_difference,
+    BaseInput, Configuration, InputJacobian, InputVector, JointVector, Kinematics, pose_difference,
 };
 use crate::saved::{NotRestored, Saved};
 use crate::simulation::Observation;
@@ -26,19 +27,6 @@ const RECONFIGURATION_SHARE: f64 = 0.25;
 
 /// Largest correction (m and rad) of the linear model of eq. (7).
 const LARGEST_CORRECTION: f64 = 0.01;
-
-/// The robot, its starting posture and its controller.
-#[derive(Clone, Copy, Debug)]
-pub struct Manipulator<'a> {
-    /// The robot.
-    pub robot: &'a Robot,
-    /// Its joint positions at the start.
-    pub posture: JointVector,
-    /// The controller.
-    pub control: control::Settings,
-    /// The obstacles of the world.
-    pub obstacles: &'a RobotObstacles,
-}
 
 /// The basis of the robot's decision in a step: the data of eq. (8) that others need to check it.
 #[derive(Clone, Copy, Debug)]
@@ -52,103 +40,6 @@ pub struct Considerations<'e> {
     pub target: &'e Configuration,
     /// The candidates with their objectives, in a step that has a [`Preparation`].
     pub poses: &'e PoseOptimiser,
-}
-
-/// The bodies that a controller acts on: those of the kinematic or of the physical plant.
-pub(super) trait Bodies: Clone + std::fmt::Debug + Send + Sync {
-    /// The robot's base and joints.
-    fn configuration(&self) -> &Configuration;
-
-    /// s: the pose on the floor that the grasp should have, given the human's.
-    fn grasp_goal(&self) -> PlanarPose;
-
-    /// Position of the human's body, m.
-    fn body(&self) -> Point;
-
-    /// Position of the human's hand, m.
-    fn hand(&self) -> Point;
-
-    /// How far a leading human is ahead of the object along the path, m.
-    fn lead(&self, path: &Path, along: f64) -> f64;
-
-    /// Observed walking speed of the human, m/s; negative when reversing.
-    fn observed_speed(&self, intent: &Intent, travel: Travel, walk: &Walk) -> f64;
-
-    /// Replaces `path`, the remainder of an option for a point, by the path that the robot expects the human
-    /// to walk onto it.
-    fn expect_path(&mut self, situation: &Situation, path: &mut Path, free_space: FreeSpace);
-
-    /// s(1..H) of the grasp along a path at this speed (m/s), relative to the grasp.
-    fn reference(&self, path_ahead: &PathAhead, speed: f64, walk: &Walk, grasp: &Pose) -> Reference;
-
-    /// Inputs with which the base follows the path of the grasp; none where the base is free.
-    fn base_on_path(
-        &mut self,
-        path_ahead: &PathAhead,
-        speed: f64,
-        manipulator: &Manipulator,
-        walk: &Walk,
-    ) -> Option<BaseInputs>;
-
-    /// See [`Team::walkable`].
-    fn walkable(&self, path: Path, free_space: FreeSpace) -> Path;
-
-    /// See [`Team::turn`].
-    fn turn(&mut self, path: &Path, along: f64, next: Path, free_space: FreeSpace) -> Option<Turned>;
-
-    /// See [`Team::place_to_turn`].
-    fn place_to_turn(
-        &self,
-        path: &Path,
-        range: [f64; 2],
-        next: &dyn Fn(Point) -> Path,
-        free_space: FreeSpace,
-    ) -> Option<f64>;
-
-    /// Moves all bodies by one period.
-    fn step(&mut self, target: &Candidate, input: &InputVector, step: &Step, walk: &Walk) -> Moved;
-
-    /// `world_from_link` of every link.
-    fn link_poses(&self) -> Vec<Pose>;
-
-    /// See [`Team::observation`].
-    fn observation(&self) -> Option<&Observation> {
-        None
-    }
-
-    /// See [`Team::human`].
-    fn human(&self) -> Option<&PlanarPose> {
-        None
-    }
-
-    /// The state that later steps depend on.
-    fn save(&self) -> Saved;
-
-    /// Restores a saved state.
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored>;
-}
-
-/// The path ahead of the team.
-#[derive(Clone, Copy)]
-pub(super) struct PathAhead<'s> {
-    pub mode: Mode,
-    pub travel: Travel,
-    /// The present path, and the team's position along it, m.
-    pub path: &'s Path,
-    pub along: f64,
-    /// How far the hand is ahead of that position, m ([`Bodies::lead`]).
-    pub lead: f64,
-    /// The path to turn onto, if any. On the physical plant, it begins at the human's body.
-    pub turn: Option<&'s Path>,
-}
-
-/// The result of a step.
-pub(super) struct Moved {
-    /// The team's position along the present path, m.
-    pub along: f64,
-    /// s - x after the step: the difference between the grasp's target and the grasp, m and rad.
-    pub error: nalgebra::Vector6<f64>,
-    pub physics: Option<super::PhysicsTick>,
 }
 
 /// A team of bodies with the robot's controller.

@@ -1,7 +1,7 @@
 //! The kinematic plant, as in the paper's simulations. The human walks the path exactly and is the reference;
 //! the robot follows its inputs exactly.
 
-use super::carrying::{Bodies, Manipulator, Moved, PathAhead};
+use super::bodies::{Bodies, Manipulator, Moved, PathAhead};
 use super::team_path::{FreeSpace, Turned};
 use super::{Step, Travel, Walk};
 use crate::control::{BaseInputs, Candidate, HORIZON, Intent, Reference, reference};

@@ -5,6 +5,7 @@
 //! planning level. On the kinematic plant, the human walks exactly and the robot follows its inputs. On the
 //! physical plant, robot, object and human are bodies.
 
+mod bodies;
 mod carrying;
 mod kinematic;
 mod physical;
@@ -14,7 +15,8 @@ mod route;
 mod team_path;
 mod tick;
 
-pub use carrying::{Considerations, Manipulator};
+pub use bodies::Manipulator;
+pub use carrying::Considerations;
 pub use plants::{kinematic, physical};
 pub use point::PointTeam;
 pub use route::{Route, Travel, TurnOutcome};

@@ -1,7 +1,7 @@
 //! The physical plant: robot, object and human as bodies. Both ends of the object follow the path, the
 //! robot's end behind.
 
-use super::carrying::{Bodies, Manipulator, Moved, PathAhead};
+use super::bodies::{Bodies, Manipulator, Moved, PathAhead};
 use super::team_path::{BODY_ROOM_M, FreeSpace, TeamPath, Turned};
 use super::tick::{PhysicsTick, on_floor};
 use super::{Situation, Step, Travel, Walk};

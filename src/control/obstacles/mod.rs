@@ -1,0 +1,224 @@
+//! Linearised half-planes that keep base and arm off a world's obstacles.
+
+mod arm;
+mod base;
+
+use super::limits::Limits;
+use super::{HORIZON, Inputs};
+use crate::geometry::{Bounds, Footprint, Placed, PlanarPose, Point, Vector};
+use crate::robot::{Configuration, Robot};
+use crate::world::World;
+
+/// Additional distance (m) of base and arm from obstacles, because a soft bound may be violated by
+/// millimetres.
+const MARGIN_M: f64 = 0.01;
+
+/// The parts of the robot that are kept off obstacles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Avoid {
+    /// None, as in the paper's eq. (7).
+    Nothing,
+    /// The base.
+    Base,
+    /// Base and arm.
+    Robot,
+}
+
+/// The outlines that the robot must keep off.
+#[derive(Clone, Debug)]
+pub struct RobotObstacles {
+    outlines: Vec<Outline>,
+    /// The largest number of corners of an outline.
+    most_corners: usize,
+}
+
+#[derive(Clone, Debug)]
+struct Outline {
+    footprint: Footprint,
+    bounds: Bounds,
+    /// Height, m.
+    height: f64,
+}
+
+impl Outline {
+    /// Signed distance (m) to `p` and its gradient, if the distance is no more than `reach` (m, not
+    /// negative).
+    fn near(&self, p: Point, reach: f64) -> Option<(f64, Vector)> {
+        if !self.bounds.grown(reach).contains(p) {
+            return None;
+        }
+        Some(self.footprint.separation(p)).filter(|(distance, _)| *distance <= reach)
+    }
+}
+
+impl RobotObstacles {
+    /// The outlines of a world.
+    pub fn new(world: &World) -> Self {
+        let outline = |footprint: &Footprint, height| Outline {
+            footprint: footprint.clone(),
+            bounds: footprint.bounds(),
+            height,
+        };
+        let corners = world.obstacles.iter().map(|o| match &o.footprint {
+            Footprint::Polygon(corners) => corners.len(),
+            Footprint::Disc { .. } => 1,
+        });
+        let most_corners = corners.max().unwrap_or(0);
+        let outlines = world.obstacles.iter().map(|o| outline(&o.footprint, o.height)).collect();
+        Self { outlines, most_corners }
+    }
+
+    /// Replaces the half-planes in `limits`. They separate the base, and points of the arm, from each
+    /// near obstacle at each step, for a robot that starts at `q` and moves by `inputs`. They are linear in
+    /// the inputs about these.
+    ///
+    /// A base that is a polygon has a bound for every corner of it that is nearly nearest to an obstacle, and
+    /// for every corner of the obstacle that is so near beside one of its sides. Where the two overlap, or do
+    /// so one step earlier or later, n is the direction of least penetration. Near an obstacle, steps are
+    /// divided.
+    ///
+    /// Let p(t) be a point's position after t periods T along `inputs`, and n the gradient of the obstacle's
+    /// distance d. The bound is n . (p(t) + dp(t)/du (u - inputs)) >= n . p(t) - (d - radius - margin). The
+    /// base rolls on arcs and carries the arm's points, which move relative to it by their Jacobians at `q`.
+    /// Where such a point would be in an obstacle, or too close on its far side, n points to the side on which
+    /// the arm's chain from base to grasp passes the obstacle, and d is measured along n.
+    ///
+    /// The arm's planes are linear in its joints, and less accurate the farther the arm has turned. Where the
+    /// base's inputs are given, the weight of each step is 0.7 of that of the previous step. Where the base is
+    /// free, eq. (7) predicts with B(q) for the whole horizon: the weight decreases with the distance between
+    /// p(t) and where B(q) puts the point, to none at the radius of the arm, because a plane about p(t) then
+    /// says nothing about that plan.
+    #[expect(clippy::too_many_arguments)]
+    pub fn half_planes(
+        &self,
+        avoid: Avoid,
+        robot: &Robot,
+        q: &Configuration,
+        inputs: &Inputs,
+        period: f64,
+        is_base_given: bool,
+        limits: &mut Limits,
+    ) {
+        limits.half_planes.clear();
+        let points = 2 + robot.arm_point_count(arm::SPACING_M);
+        let corners = match &robot.footprint {
+            Footprint::Polygon(corners) => base::PARTS_OF_STEP * (corners.len() + self.most_corners),
+            Footprint::Disc { .. } => 0,
+        };
+        limits.half_planes.reserve(HORIZON * self.outlines.len() * (points + corners));
+        if avoid != Avoid::Nothing {
+            self.keep_base_off(robot, &q.base, inputs, period, limits);
+        }
+        if avoid == Avoid::Robot {
+            self.keep_arm_off(robot, q, inputs, period, is_base_given, limits);
+        }
+    }
+
+    /// Distance (m) between a base at this pose and the nearest obstacle, negative where they overlap; infinite
+    /// without obstacles.
+    pub fn clearance(&self, base: &PlanarPose, footprint: &Footprint) -> f64 {
+        let placed = Placed::new(footprint, base);
+        let separations = self.outlines.iter().map(|o| placed.separation(&o.footprint).distance);
+        separations.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether a base at this pose overlaps no obstacle by `tolerance` (m) or more.
+    pub fn has_room(&self, base: &PlanarPose, footprint: &Footprint, tolerance: f64) -> bool {
+        let (corners, radius) = match footprint {
+            Footprint::Disc { radius, .. } => return self.is_clear(base.position, radius - tolerance),
+            Footprint::Polygon(corners) => (corners, 0.0),
+        };
+        let radius = corners.iter().map(|c| c.coords.norm_squared()).fold(radius, f64::max).sqrt();
+        let placed = Placed::new(footprint, base);
+        self.outlines.iter().all(|o| {
+            o.near(base.position, radius).is_none() || placed.separation(&o.footprint).distance > -tolerance
+        })
+    }
+
+    /// Whether every obstacle is farther than `room` (m, not negative) from `p`.
+    pub fn is_clear(&self, p: Point, room: f64) -> bool {
+        self.outlines.iter().all(|o| o.near(p, room).is_none())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::limits::HalfPlane;
+    use rand::RngExt;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::SeedableRng;
+
+    /// The coefficients of a plane predict how its distance changes with the inputs.
+    #[test]
+    fn property_half_planes_of_base_and_arm_agree_with_finite_differences() {
+        let text = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [-3, 0]\ntarget_m = [9, 0]\n[[obstacle]]\nname = \"post\"\n\
+                    shape = \"cylinder\"\ncenter_m = [1.1, 0.5]\nradius_m = 0.1\nheight_m = 2.0\n";
+        let world = World::parse("w.toml", text).unwrap();
+        let robot = Robot::built_in().unwrap();
+        let obstacles = RobotObstacles::new(&world);
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let mut compared = 0;
+        for _ in 0..30 {
+            let base = PlanarPose {
+                position: Point::new(rng.random_range(-0.2..0.2), rng.random_range(-0.3..0.3)),
+                yaw: rng.random_range(-0.6..0.6),
+            };
+            let mut q = Configuration { base, joints: robot.postures[0].joints };
+            q.joints.iter_mut().take(robot.joint_count()).for_each(|q| *q += rng.random_range(-0.3..0.3));
+            let mut inputs = Inputs::zeros();
+            for t in 0..HORIZON {
+                for i in 0..2 + robot.joint_count() {
+                    inputs[(i, t)] =
+                        if i < 2 { rng.random_range(0.0..0.5) } else { rng.random_range(-0.2..0.2) };
+                }
+            }
+            let planes = |avoid, inputs: &Inputs| {
+                let mut limits = Limits::new(&robot);
+                obstacles.half_planes(avoid, &robot, &q, inputs, 0.2, false, &mut limits);
+                limits.half_planes
+            };
+            let distance = |plane: &HalfPlane, inputs: &Inputs| plane.bound - plane.coefficients.dot(inputs);
+            for avoid in [Avoid::Base, Avoid::Robot] {
+                let here = planes(avoid, &inputs);
+                for (i, t) in [(0, 0), (1, 3), (0, 7), (2, 0), (3, 4), (5, 6), (7, 1)] {
+                    let (mut more, mut less) = (inputs, inputs);
+                    more[(i, t)] += 1e-5;
+                    less[(i, t)] -= 1e-5;
+                    let moved = planes(avoid, &more).into_iter().zip(planes(avoid, &less));
+                    for (plane, (up, down)) in here.iter().zip(moved) {
+                        // where an arm violates its bound, the direction is the chain's, and held
+                        if avoid == Avoid::Robot && distance(plane, &inputs) < 0.0 {
+                            continue;
+                        }
+                        let slope = (distance(&up, &more) - distance(&down, &less)) / 2e-5;
+                        let stated = -plane.coefficients[(i, t)];
+                        // the linearisation takes the chord as long as the arc
+                        assert!((slope - stated).abs() < 3e-3, "input {i}, step {t}: {slope} {stated}");
+                        compared += 1;
+                    }
+                }
+            }
+        }
+        assert!(compared > 3000, "{compared}");
+    }
+
+    #[test]
+    fn property_what_is_clear_is_farther_than_that_from_every_outline() {
+        let world = World::parse("w.toml", include_str!("../../../worlds/free-form.toml")).unwrap();
+        let obstacles = RobotObstacles::new(&world);
+        let mut rng = ChaCha8Rng::seed_from_u64(6);
+        let mut clear = 0;
+        for _ in 0..5000 {
+            let at = Point::new(rng.random_range(-2.0..12.0), rng.random_range(-6.0..6.0));
+            let room = rng.random_range(0.0..1.0);
+            let is_clear = obstacles.is_clear(at, room);
+            let pose = PlanarPose { position: at, yaw: 0.0 };
+            let disc = Footprint::Disc { center: Point::origin(), radius: 0.0 };
+            assert_eq!(is_clear, obstacles.clearance(&pose, &disc) > room, "{at} {room}");
+            clear += u32::from(is_clear);
+        }
+        assert!((500..4500).contains(&clear), "{clear}");
+    }
+}
