@@ -37,7 +37,7 @@ const TRAIL_POINTS: u32 = 50;
 const REVERSING_SPEED: f64 = 0.35;
 /// The object turns more slowly where the robot's end is this far (m) from its target, and at a fifth of the
 /// rate at the second distance.
-const OUT_OF_PLACE_M: [f64; 2] = [0.02, 0.08];
+const OUT_OF_PLACE_M: [f64; 2] = [0.015, 0.08];
 /// The leader slows when the object lags by the first and stops at the second, m.
 const LAG_M: [f64; 2] = [0.01, 0.08];
 /// A robot that leads slows when the human's grip yields by the first and stops at the second, m: the human
@@ -46,7 +46,7 @@ const RESISTANCE_M: [f64; 2] = [0.03, 0.06];
 /// A team slows before a bend on which the object would turn faster than this (rad/s), by the square of the
 /// ratio, but not below a share of its speed. Behind the object the base has to go round the same bend, and
 /// the arm has to make up for both.
-const BEND_RATE: f64 = 0.7;
+const BEND_RATE: f64 = 0.85;
 const BEND_LEAST_SHARE: f64 = 0.2;
 /// Distance (m) between the places where the object's turning is looked at, and their number.
 const BEND_STEP_M: f64 = 0.1;

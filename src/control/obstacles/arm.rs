@@ -1,6 +1,6 @@
 //! Half-planes that keep the arm off obstacles.
 
-use super::{MARGIN_M, Outline, RobotObstacles};
+use super::outlines::{MARGIN_M, Outline, RobotObstacles};
 use crate::control::limits::{HalfPlane, Limits};
 use crate::control::reaching::{ArmJacobian, Reaching};
 use crate::control::{HORIZON, Inputs};

@@ -1,6 +1,6 @@
 //! Half-planes that keep the base off obstacles.
 
-use super::{MARGIN_M, RobotObstacles};
+use super::outlines::{MARGIN_M, RobotObstacles};
 use crate::control::limits::Limits;
 use crate::control::rolling::Rolling;
 use crate::control::{HORIZON, Inputs};
