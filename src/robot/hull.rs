@@ -1,9 +1,12 @@
-//! The convex hull of a mesh file. No other file uses `mesh_loader`.
+//! The convex hull of a mesh file, or of its convex parts. No other file uses `mesh_loader`.
 
 use crate::located;
 use crate::math;
 use nalgebra::Vector3;
 use parry3d::shape::{ConvexPolyhedron, Shape};
+use parry3d::transformation::vhacd::{VHACD, VHACDParameters};
+use parry3d::transformation::voxelization::FillMode;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -19,12 +22,75 @@ const LEAST_EXTENT: f64 = 1e-4;
 /// The largest number of triangles of a mesh whose volume is measured.
 const MOST_MEASURED: usize = 300_000;
 
+/// The share of its convex hull that a mesh fills at least to collide as that.
+const LEAST_FILLED: f64 = 0.4;
+/// Parts are made of cubes; this many of them lie along a mesh's longest extent. None of a mesh lies outside
+/// its parts, and they stand out of it by a cube at most.
+const CUBES: u32 = 64;
+/// The share of the whole hull's volume by which a part's hull exceeds the part, above which it is cut again.
+const CONCAVITY: f64 = 0.02;
+/// The depth of cuts: parts are cut in two at most five times, so there are 32 of them at most.
+const PARTS_ASKED: u32 = 16;
+
 /// The convex hull of a mesh.
 pub(super) struct Hull {
     /// Its vertices, in the file's units.
     pub vertices: Vec<[f64; 3]>,
     /// The share of its volume that the mesh fills; `None` for a mesh that is flat, not closed, or large.
     pub filled: Option<f64>,
+    points: Vec<Vector3<f64>>,
+    triangles: Vec<[u32; 3]>,
+}
+
+/// What a mesh collides as.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub(super) enum Convex {
+    /// The vertices of its convex hull, in the units of its file.
+    Hull(Vec<[f64; 3]>),
+    /// The vertices of the hulls of its parts.
+    Parts(Vec<Vec<[f64; 3]>>),
+}
+
+impl Convex {
+    /// The vertices of each hull.
+    pub fn hulls(&self) -> &[Vec<[f64; 3]>] {
+        match self {
+            Self::Hull(vertices) => std::slice::from_ref(vertices),
+            Self::Parts(parts) => parts,
+        }
+    }
+}
+
+impl Hull {
+    /// The hull, or convex parts of a mesh that fills less than 40 % of it, by approximate convex
+    /// decomposition (V-HACD: Mamou, Volumetric Hierarchical Approximate Convex Decomposition, 2016).
+    pub fn convex(self) -> Convex {
+        if self.filled.is_none_or(|filled| filled >= LEAST_FILLED) {
+            return Convex::Hull(self.vertices);
+        }
+        // no preferred direction of cuts: it needs an arc cosine of the system's
+        let parameters = VHACDParameters {
+            beta: 0.0,
+            concavity: CONCAVITY,
+            fill_mode: FillMode::FloodFill { detect_cavities: false },
+            max_convex_hulls: PARTS_ASKED,
+            resolution: CUBES,
+            ..VHACDParameters::default()
+        };
+        let points: Vec<_> = self.points.iter().copied().map(to_parry).collect();
+        let parts = VHACD::decompose(&parameters, &points, &self.triangles, false);
+        let parts = parts.voxel_parts().iter().filter(|part| !part.is_empty()).map(|part| {
+            let (corners, _) = part.compute_convex_hull(1);
+            let corners: Vec<_> = corners.iter().map(|c| Vector3::new(c.x, c.y, c.z)).collect();
+            extreme(&corners).into_iter().map(Into::into).collect()
+        });
+        Convex::Parts(parts.collect())
+    }
+}
+
+fn to_parry(p: Vector3<f64>) -> parry3d::math::Vector {
+    parry3d::math::Vector::new(p.x, p.y, p.z)
 }
 
 /// The convex hull of all triangles of an STL, OBJ or COLLADA file: of its farthest vertices in 256 directions
@@ -72,7 +138,13 @@ pub(super) fn read(file: &Path) -> Result<Hull, String> {
             })
             .collect();
     }
-    Ok(Hull { vertices: chosen.into_iter().map(Into::into).collect(), filled })
+    let mut triangles = Vec::new();
+    let mut before = 0;
+    for mesh in &scene.meshes {
+        triangles.extend(mesh.faces.iter().map(|face| face.map(|i| i + before)));
+        before += mesh.vertices.len() as u32;
+    }
+    Ok(Hull { vertices: chosen.into_iter().map(Into::into).collect(), filled, points, triangles })
 }
 
 /// The volume of a mesh, if it is closed: every edge of a triangle is one of another in the other direction.
@@ -105,7 +177,7 @@ fn closed_volume(meshes: &[mesh_loader::Mesh]) -> Option<f64> {
 
 /// The convex hull of these points; `None` where they are flat.
 fn hull(points: &[Vector3<f64>]) -> Option<ConvexPolyhedron> {
-    let points: Vec<_> = points.iter().map(|p| parry3d::math::Vector::new(p.x, p.y, p.z)).collect();
+    let points: Vec<_> = points.iter().copied().map(to_parry).collect();
     if points.len() < 4 {
         return None;
     }
@@ -173,5 +245,37 @@ mod tests {
         let lids = [[0, 1, 2], [0, 2, 3]];
         assert!((prism(&square, &lids, false).filled.unwrap() - 1.0).abs() < 1e-6);
         assert_eq!(prism(&square, &lids, true).filled, None, "open");
+    }
+
+    /// What an angle with thin legs leaves free stays free, and nothing of it is left out.
+    #[test]
+    fn a_hollow_mesh_is_its_parts() {
+        let w = 0.25;
+        let angle = [[0.0, 0.0], [3.0, 0.0], [3.0, w], [w, w], [w, 3.0], [0.0, 3.0]];
+        let lids = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]];
+        let mesh = prism(&angle, &lids, false);
+        let filled = mesh.filled.unwrap();
+        assert!((filled - (6.0 * w - w * w) / (9.0 - (3.0 - w) * (3.0 - w) / 2.0)).abs() < 1e-6, "{filled}");
+        let Convex::Parts(parts) = mesh.convex() else { panic!("{filled} of the hull is filled") };
+        let parts: Vec<_> = parts
+            .iter()
+            .map(|part| {
+                hull(&part.iter().copied().map(Vector3::from).collect::<Vec<_>>()).expect("a solid part")
+            })
+            .collect();
+        let holds = |x: f64, y: f64, z: f64| {
+            use parry3d::query::PointQuery;
+            parts.iter().any(|part| part.contains_local_point(to_parry(Vector3::new(x, y, z))))
+        };
+        for along in (0..=60).map(|i| f64::from(i) / 20.0) {
+            for (across, z) in [(0.0, 0.0), (w, 0.0), (w, 1.0), (w / 2.0, 0.5)] {
+                assert!(holds(along, across, z) && holds(across, along, z), "{along} {across} {z}");
+            }
+        }
+        // a cube is 4.8 cm
+        let free = w + 0.06;
+        assert!(!holds(free, free, 0.5) && !holds(1.0, free, 0.5) && !holds(free, 2.0, 0.5));
+        let volume: f64 = parts.iter().map(|part| part.mass_properties(1.0).mass()).sum();
+        assert!(volume < 1.35 * (6.0 * w - w * w), "{volume}");
     }
 }

@@ -151,7 +151,8 @@ pub enum Shape {
         file: PathBuf,
         /// Scale along x, y and z.
         scale: Vector3<f64>,
-        /// Vertices of the mesh's convex hull, m; empty where there is none, as for visual shapes.
+        /// Vertices of the convex hull of the mesh, or of a part of it, m; empty where there is none, as for
+        /// visual shapes.
         hull: Vec<Vector3<f64>>,
     },
 }

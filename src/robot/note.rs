@@ -33,18 +33,20 @@ pub enum RobotNote {
         /// The links.
         links: String,
     },
-    /// A collision mesh that fills little of its convex hull.
+    /// A collision mesh that fills little of its convex hull, and collides as convex parts.
     #[error(
-        "link `{link}`: its collision mesh `{mesh}` fills {percent:.0} % of its convex hull, as which it collides; \
-         split it into convex meshes if contacts count there"
+        "link `{link}`: its collision mesh `{mesh}` fills {percent:.0} % of its convex hull, and collides as \
+         {count} convex parts"
     )]
-    Hollow {
+    Parts {
         /// The link.
         link: String,
         /// The mesh as the URDF names it.
         mesh: String,
         /// The share of the hull's volume, %.
         percent: f64,
+        /// The number of parts.
+        count: usize,
     },
     /// A base that collides as a cylinder or its footprint, because a shape of it is missing.
     #[error("{why}; the base collides as {shape}, {height} m high")]

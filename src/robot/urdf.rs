@@ -2,7 +2,7 @@
 //! `xml`, its first parser.
 
 use super::error::RobotError;
-use super::hull::{self, Hull};
+use super::hull::{self, Convex};
 use super::link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
 use super::mesh::{self, MeshFolders};
 use super::note::{RobotNote, some_of};
@@ -24,14 +24,11 @@ const MOST_PIECES: usize = 500_000;
 /// The largest total length of namespaces and their prefixes, bytes; the parser copies them into every
 /// element after them.
 const LONGEST_NAMESPACES: usize = 4096;
-/// The share of its convex hull that a collision mesh fills at least, without a note.
-const LEAST_FILLED: f64 = 0.4;
 /// The namespace of namespaces.
 const XMLNS: &str = "http://www.w3.org/2000/xmlns/";
 
-/// Vertices of the convex hulls of collision meshes, in the units of their files, by the meshes' names in the
-/// URDF.
-pub(super) type Hulls = BTreeMap<String, Vec<[f64; 3]>>;
+/// What collision meshes collide as, by their names in the URDF.
+pub(super) type Hulls = BTreeMap<String, Convex>;
 
 /// A URDF being read: its name in errors, and the folders in which meshes are searched for. Without folders,
 /// meshes are not searched for.
@@ -108,7 +105,8 @@ impl Urdf<'_> {
                 let file =
                     mesh.map(|found| found.unwrap_or_else(|_| mesh_name(&c.geometry).unwrap_or("").into()));
                 let shape = shapes("collision", i).geometry(&c.origin, &c.geometry, None, file);
-                collisions.extend(shape.map_err(&mut keep));
+                let shape = shape.map_err(&mut keep).ok();
+                collisions.extend(shape.into_iter().flat_map(|shape| self.with_hulls(shape, &c.geometry)));
             }
             read.links.push(Link { name: link.name.clone(), parent, joint, inertial, visuals, collisions });
         }
@@ -139,17 +137,37 @@ impl Urdf<'_> {
             let found = found.map_err(|why| format!("searched for {why}"));
             match found.and_then(|file| hull::read(&file).map_err(|why| format!("{}: {why}", file.display())))
             {
-                Ok(Hull { vertices, filled }) => {
-                    hulls.insert(mesh.to_owned(), vertices);
-                    if let Some(filled) = filled.filter(|filled| *filled < LEAST_FILLED) {
-                        let (link, mesh) = (link.clone(), mesh.to_owned());
-                        notes.push(RobotNote::Hollow { link, mesh, percent: 100.0 * filled });
+                Ok(hull) => {
+                    let percent = 100.0 * hull.filled.unwrap_or(1.0);
+                    let convex = hull.convex();
+                    if let Convex::Parts(parts) = &convex {
+                        let (link, mesh, count) = (link.clone(), mesh.to_owned(), parts.len());
+                        notes.push(RobotNote::Parts { link, mesh, percent, count });
                     }
+                    hulls.insert(mesh.to_owned(), convex);
                 }
                 Err(why) => notes.push(RobotNote::NoHull { link: link.clone(), mesh: mesh.to_owned(), why }),
             }
         }
         (hulls, notes)
+    }
+
+    /// A collision shape; a mesh once for each of its hulls, with the hull.
+    fn with_hulls(self, shape: Geometry, geometry: &urdf_rs::Geometry) -> Vec<Geometry> {
+        let (Shape::Mesh { file, scale, .. }, Some(mesh)) = (&shape.shape, mesh_name(geometry)) else {
+            return vec![shape];
+        };
+        let convex = self.hulls.and_then(|hulls| hulls.get(mesh));
+        let scaled = |v: &[f64; 3]| Vector3::from(*v).component_mul(scale);
+        let hulls = convex.into_iter().flat_map(Convex::hulls).map(|hull| hull.iter().map(scaled).collect());
+        // a scale of 0 makes any mesh flat
+        let solid: Vec<Vec<_>> = hulls.filter(|hull: &Vec<_>| hull::is_solid(hull)).collect();
+        if solid.is_empty() {
+            return vec![shape];
+        }
+        let with =
+            |hull| Geometry { shape: Shape::Mesh { file: file.clone(), scale: *scale, hull }, ..shape };
+        solid.into_iter().map(with).collect()
     }
 
     /// The file of a mesh, or the places searched; `None` for another shape. Without folders, the name as it
@@ -402,14 +420,9 @@ impl Check<'_> {
                 Shape::Capsule { radius, length }
             }
             G::Sphere { radius } => Shape::Sphere { radius: self.positive("radius", *radius)? },
-            G::Mesh { filename, scale } => {
+            G::Mesh { scale, .. } => {
                 let scale = self.vector("mesh scale", &scale.map_or([1.0; 3], |s| s.0))?;
-                let vertices = self.urdf.hulls.and_then(|hulls| hulls.get(filename));
-                let scaled = |v: &[f64; 3]| Vector3::from(*v).component_mul(&scale);
-                let hull: Vec<Vector3<f64>> = vertices.into_iter().flatten().map(scaled).collect();
-                // a scale of 0 makes any mesh flat
-                let hull = if hull::is_solid(&hull) { hull } else { Vec::new() };
-                Shape::Mesh { file: mesh.unwrap_or_default(), scale, hull }
+                Shape::Mesh { file: mesh.unwrap_or_default(), scale, hull: Vec::new() }
             }
         };
         Ok(Geometry { link_from_shape: self.pose(origin)?, shape, color })

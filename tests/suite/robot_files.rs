@@ -128,6 +128,48 @@ fn a_collision_mesh_is_its_hull_with_and_without_its_file() {
     assert_eq!(hull(&again), vertices);
 }
 
+/// A mesh that fills little of its hull collides as its parts, with and without its file.
+#[test]
+fn a_hollow_collision_mesh_is_its_parts() {
+    let files = base_of_mesh("base.obj");
+    // two legs of 40 cm by 2 cm, at right angles
+    let corners = [[0.0, 0.0], [0.4, 0.0], [0.4, 0.02], [0.02, 0.02], [0.02, 0.4], [0.0, 0.4]];
+    let mut obj = String::new();
+    for z in [0.0, 0.2] {
+        corners.iter().for_each(|[x, y]| obj += &format!("v {} {} {z}\n", x - 0.2, y - 0.2));
+    }
+    for i in 0..6 {
+        let next = (i + 1) % 6;
+        obj += &format!("f {} {} {} {}\n", i + 1, next + 1, next + 7, i + 7);
+    }
+    for [a, b, c] in [[1, 2, 3], [1, 3, 4], [1, 4, 5], [1, 5, 6]] {
+        obj += &format!("f {c} {b} {a}\nf {} {} {}\n", a + 6, b + 6, c + 6);
+    }
+    std::fs::write(files.folder.path().join("base.obj"), obj).expect("a file");
+    let robot = loaded(&files);
+    let told = robot.notes.iter().find_map(|n| match n {
+        RobotNote::Parts { count, .. } => Some(*count),
+        _ => None,
+    });
+    let hulls = |robot: &Robot| {
+        let base = robot.links.iter().find(|l| l.name == "base_link").expect("the base");
+        let hulls = base.collisions.iter().filter_map(|c| match &c.shape {
+            Shape::Mesh { hull, .. } => Some(hull.clone()),
+            _ => None,
+        });
+        hulls.collect::<Vec<_>>()
+    };
+    let parts = hulls(&robot);
+    assert!(parts.len() >= 2 && told == Some(parts.len()), "{told:?}: {}", said(&robot));
+    // each part is one leg, or a piece of one: 2 cm and the cubes that it is made of
+    let is_thin = |part: &Vec<nalgebra::Vector3<f64>>| (0..2).any(|i| part.iter().all(|v| v[i] < -0.16));
+    assert!(parts.iter().all(is_thin), "{parts:?}");
+    let saved = serde_json::to_string(&robot.texts).expect("JSON");
+    drop(files);
+    let again = Robot::parse(&serde_json::from_str(&saved).expect("the texts")).expect("a robot");
+    assert_eq!(hulls(&again), parts);
+}
+
 /// Nothing goes through obstacles unsaid: where a mesh is missing, something stands in for it.
 #[test]
 fn a_missing_collision_mesh_leaves_no_ghost() {
