@@ -19,6 +19,9 @@ const DIRECTIONS: usize = 256;
 const LARGEST_COORDINATE: f64 = 1e6;
 /// Extent of a flat mesh's hull across it, in the file's units.
 const LEAST_EXTENT: f64 = 1e-4;
+/// The spacing of the grid to which corners of triangles are rounded to tell whether they are one, as a share
+/// of the largest coordinate.
+const SAME: f64 = 1e-6;
 /// The largest number of triangles of a mesh whose volume is measured.
 const MOST_MEASURED: usize = 300_000;
 
@@ -81,9 +84,8 @@ impl Hull {
         let points: Vec<_> = self.points.iter().copied().map(to_parry).collect();
         let parts = VHACD::decompose(&parameters, &points, &self.triangles, false);
         let parts = parts.voxel_parts().iter().filter(|part| !part.is_empty()).map(|part| {
-            let (corners, _) = part.compute_convex_hull(1);
-            let corners: Vec<_> = corners.iter().map(|c| Vector3::new(c.x, c.y, c.z)).collect();
-            extreme(&corners).into_iter().map(Into::into).collect()
+            // all its vertices, so that nothing of the mesh lies outside
+            part.compute_convex_hull(1).0.into_iter().map(|c| [c.x, c.y, c.z]).collect()
         });
         Convex::Parts(parts.collect())
     }
@@ -147,23 +149,30 @@ pub(super) fn read(file: &Path) -> Result<Hull, String> {
     Ok(Hull { vertices: chosen.into_iter().map(Into::into).collect(), filled, points, triangles })
 }
 
-/// The volume of a mesh, if it is closed: every edge of a triangle is one of another in the other direction.
+/// The volume of a mesh, if it is closed: every edge of a triangle is one of another in the other direction,
+/// where corners within a millionth of the largest coordinate are one.
 fn closed_volume(meshes: &[mesh_loader::Mesh]) -> Option<f64> {
     let count: usize = meshes.iter().map(|mesh| mesh.faces.len()).sum();
     if count > MOST_MEASURED {
         return None;
     }
-    let key = |vertex: [f32; 3]| vertex.map(|x| (x + 0.0).to_bits());
+    let corners = meshes.iter().flat_map(|mesh| &mesh.vertices).flatten();
+    let spacing = SAME * f64::from(corners.fold(0.0_f32, |largest, x| largest.max(x.abs())));
+    let key = |corner: Vector3<f64>| <[i64; 3]>::from(corner.map(|x| (x / spacing).round() as i64));
     let mut edges = Vec::with_capacity(3 * count);
     let mut volume = 0.0;
     for (mesh, face) in meshes.iter().flat_map(|mesh| mesh.faces.iter().map(move |face| (mesh, face))) {
         let corner = |i: usize| mesh.vertices.get(face[i] as usize).copied();
         let corners = [corner(0)?, corner(1)?, corner(2)?];
-        let [a, b, c] = corners.map(|corner| Vector3::from(corner.map(f64::from)));
+        let corners = corners.map(|corner| Vector3::from(corner.map(f64::from)));
+        let [a, b, c] = corners;
         volume += a.dot(&b.cross(&c)) / 6.0;
+        let keys = corners.map(key);
         for i in 0..3 {
-            let (from, to) = (key(corners[i]), key(corners[(i + 1) % 3]));
-            edges.push(if from < to { (from, to, 1) } else { (to, from, -1) });
+            let (from, to) = (keys[i], keys[(i + 1) % 3]);
+            if from != to {
+                edges.push(if from < to { (from, to, 1) } else { (to, from, -1) });
+            }
         }
     }
     edges.sort_unstable();
