@@ -27,8 +27,8 @@ const MOST_MEASURED: usize = 300_000;
 
 /// The share of its convex hull that a mesh fills at least to collide as that.
 const LEAST_FILLED: f64 = 0.4;
-/// Parts are made of cubes; this many of them lie along a mesh's longest extent. None of a mesh lies outside
-/// its parts, and they stand out of it by a cube at most.
+/// Parts are the hulls of cubes; this many of them lie along a mesh's longest extent. Nothing of a mesh lies
+/// outside its parts.
 const CUBES: u32 = 64;
 /// The share of the whole hull's volume by which a part's hull exceeds the part, above which it is cut again.
 const CONCAVITY: f64 = 0.02;

@@ -72,7 +72,7 @@ impl Urdf<'_> {
         let edges =
             urdf.joints.iter().map(|j| Edge { joint: &j.name, parent: &j.parent.link, child: &j.child.link });
         let mut read = Links::default();
-        let mut missing = Vec::new();
+        let (mut missing, mut with_hulls) = (Vec::new(), Vec::new());
         for Spot { link, parent, joint } in tree::order(self.file, names, &edges.collect::<Vec<_>>())? {
             let link = &urdf.links[link];
             let mut keep = |fault| read.faults.push(fault);
@@ -108,16 +108,17 @@ impl Urdf<'_> {
                 let shape = shape.map_err(&mut keep).ok();
                 collisions.extend(shape.into_iter().flat_map(|shape| self.with_hulls(shape, &c.geometry)));
             }
+            let has_hull = |c: &Geometry| matches!(&c.shape, Shape::Mesh { hull, .. } if !hull.is_empty());
+            if collisions.iter().any(has_hull) && link.collision.iter().any(|c| self.is_one_hull(&c.geometry))
+            {
+                with_hulls.push(link.name.as_str());
+            }
             read.links.push(Link { name: link.name.clone(), parent, joint, inertial, visuals, collisions });
         }
         if let Some((first, why)) = missing.first() {
             let (count, first, why) = (missing.len(), (*first).to_owned(), format!("searched for {why}"));
             read.notes.push(RobotNote::NotDrawn { count, first, why });
         }
-        let has_hull = |l: &&Link| {
-            l.collisions.iter().any(|c| matches!(&c.shape, Shape::Mesh { hull, .. } if !hull.is_empty()))
-        };
-        let with_hulls: Vec<&str> = read.links.iter().filter(has_hull).map(|l| l.name.as_str()).collect();
         if !with_hulls.is_empty() {
             let (count, links) = (with_hulls.len(), some_of(&with_hulls));
             read.notes.push(RobotNote::Hulls { count, links });
@@ -150,6 +151,12 @@ impl Urdf<'_> {
             }
         }
         (hulls, notes)
+    }
+
+    /// Whether a mesh collides as a single hull.
+    fn is_one_hull(self, geometry: &urdf_rs::Geometry) -> bool {
+        let convex = mesh_name(geometry).and_then(|mesh| self.hulls?.get(mesh));
+        matches!(convex, Some(Convex::Hull(_)))
     }
 
     /// A collision shape; a mesh once for each of its hulls, with the hull.

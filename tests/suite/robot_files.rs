@@ -161,6 +161,7 @@ fn a_hollow_collision_mesh_is_its_parts() {
     };
     let parts = hulls(&robot);
     assert!(parts.len() >= 2 && told == Some(parts.len()), "{told:?}: {}", said(&robot));
+    assert!(!robot.notes.iter().any(|n| matches!(n, RobotNote::Hulls { .. })), "{}", said(&robot));
     // each part is one leg, or a piece of one: 2 cm and the cubes that it is made of
     let is_thin = |part: &Vec<nalgebra::Vector3<f64>>| (0..2).any(|i| part.iter().all(|v| v[i] < -0.16));
     assert!(parts.iter().all(is_thin), "{parts:?}");
