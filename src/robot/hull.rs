@@ -109,12 +109,12 @@ pub(super) fn read(file: &Path) -> Result<Hull, String> {
         _ => return Err("expected STL, OBJ or COLLADA (.stl, .obj, .dae)".to_owned()),
     };
     let scene = scene.map_err(|e| e.to_string())?;
-    let points: Vec<Vector3<f64>> = scene
-        .meshes
-        .iter()
-        .flat_map(|mesh| &mesh.vertices)
-        .map(|vertex| Vector3::from(vertex.map(f64::from)))
-        .collect();
+    let (mut points, mut triangles) = (Vec::<Vector3<f64>>::new(), Vec::new());
+    for mesh in &scene.meshes {
+        let before = points.len() as u32;
+        points.extend(mesh.vertices.iter().map(|vertex| Vector3::from(vertex.map(f64::from))));
+        triangles.extend(mesh.faces.iter().map(|face| face.map(|i| i.saturating_add(before))));
+    }
     if points.is_empty() {
         return Err("it has no triangles".to_owned());
     }
@@ -123,7 +123,7 @@ pub(super) fn read(file: &Path) -> Result<Hull, String> {
     }
     let mut chosen = extreme(&points);
     let solid = hull(&chosen);
-    let filled = solid.as_ref().zip(closed_volume(&scene.meshes)).map(|(solid, volume)| {
+    let filled = solid.as_ref().zip(closed_volume(&points, &triangles)).map(|(solid, volume)| {
         let whole = solid.mass_properties(1.0).mass();
         (volume / whole).min(1.0)
     });
@@ -140,31 +140,22 @@ pub(super) fn read(file: &Path) -> Result<Hull, String> {
             })
             .collect();
     }
-    let mut triangles = Vec::new();
-    let mut before = 0;
-    for mesh in &scene.meshes {
-        triangles.extend(mesh.faces.iter().map(|face| face.map(|i| i + before)));
-        before += mesh.vertices.len() as u32;
-    }
     Ok(Hull { vertices: chosen.into_iter().map(Into::into).collect(), filled, points, triangles })
 }
 
 /// The volume of a mesh, if it is closed: every edge of a triangle is one of another in the other direction,
 /// where corners within a millionth of the largest coordinate are one.
-fn closed_volume(meshes: &[mesh_loader::Mesh]) -> Option<f64> {
-    let count: usize = meshes.iter().map(|mesh| mesh.faces.len()).sum();
-    if count > MOST_MEASURED {
+fn closed_volume(points: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Option<f64> {
+    if triangles.len() > MOST_MEASURED {
         return None;
     }
-    let corners = meshes.iter().flat_map(|mesh| &mesh.vertices).flatten();
-    let spacing = SAME * f64::from(corners.fold(0.0_f32, |largest, x| largest.max(x.abs())));
+    let spacing = SAME * points.iter().map(|p| p.amax()).fold(0.0, f64::max);
     let key = |corner: Vector3<f64>| <[i64; 3]>::from(corner.map(|x| (x / spacing).round() as i64));
-    let mut edges = Vec::with_capacity(3 * count);
+    let mut edges = Vec::with_capacity(3 * triangles.len());
     let mut volume = 0.0;
-    for (mesh, face) in meshes.iter().flat_map(|mesh| mesh.faces.iter().map(move |face| (mesh, face))) {
-        let corner = |i: usize| mesh.vertices.get(face[i] as usize).copied();
+    for triangle in triangles {
+        let corner = |i: usize| points.get(triangle[i] as usize).copied();
         let corners = [corner(0)?, corner(1)?, corner(2)?];
-        let corners = corners.map(|corner| Vector3::from(corner.map(f64::from)));
         let [a, b, c] = corners;
         volume += a.dot(&b.cross(&c)) / 6.0;
         let keys = corners.map(key);
@@ -254,6 +245,22 @@ mod tests {
         let lids = [[0, 1, 2], [0, 2, 3]];
         assert!((prism(&square, &lids, false).filled.unwrap() - 1.0).abs() < 1e-6);
         assert_eq!(prism(&square, &lids, true).filled, None, "open");
+    }
+
+    /// Files repeat corners, and round them in more than one way.
+    #[test]
+    fn nearly_equal_corners_are_one() {
+        let corners = [Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z()];
+        let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let volume = |off: f64| {
+            let moved =
+                |(i, &corner): (usize, &usize)| corners[corner] + Vector3::repeat(off * (i % 3) as f64);
+            let points: Vec<_> = faces.iter().flatten().enumerate().map(moved).collect();
+            let triangles: Vec<_> = (0..4).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+            closed_volume(&points, &triangles)
+        };
+        assert!((volume(1e-8).unwrap() - 1.0 / 6.0).abs() < 1e-6);
+        assert_eq!(volume(1e-3), None);
     }
 
     /// What an angle with thin legs leaves free stays free, and nothing of it is left out.
