@@ -111,6 +111,7 @@ pub mod cluster;
 #[cfg(feature = "studies")]
 pub mod columns;
 pub mod control;
+pub mod controller;
 pub mod coordination;
 #[cfg(feature = "drawing")]
 pub mod drawing;
@@ -130,6 +131,7 @@ pub mod palette;
 pub mod paper;
 #[cfg(feature = "studies")]
 pub mod parallel;
+pub mod plant;
 pub mod policy;
 pub mod preference;
 #[cfg(any(feature = "recording", feature = "studies"))]
