@@ -1,7 +1,7 @@
 //! The options from where the team is, eq. (1), and what the human may prefer among them, eqs. (4) and (6).
 
 use super::Episode;
-use super::view::Now;
+use super::now::Now;
 use crate::coordination::{Mode, OptionCost, OptionTick, is_misaligned};
 use crate::learning::Learner;
 use crate::options::{OptionSet, Progress, Remaining, Waypoint};

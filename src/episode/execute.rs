@@ -1,7 +1,7 @@
 //! How a decision is carried out: the option executed, the path of a step, and where it led.
 
 use super::Episode;
-use super::view::Now;
+use super::now::Now;
 use crate::coordination::Mode;
 use crate::human::{HumanDecision, Stance};
 use crate::policy::{Decision, Lead};

@@ -1,7 +1,7 @@
 //! What the robot learns of the human in a step.
 
 use super::evaluated::Prediction;
-use super::view::Now;
+use super::now::Now;
 use super::{Episode, Tick};
 use crate::coordination::{Mode, is_misaligned, misalignment};
 use crate::human::{HumanDecision, Stance};

@@ -9,6 +9,7 @@ mod end;
 mod evaluated;
 mod execute;
 mod learn;
+mod now;
 mod outcome;
 mod robot_tick;
 mod settings;

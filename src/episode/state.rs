@@ -112,9 +112,9 @@ impl Episode<'_> {
         }
         self.human.restore(&state.human)?;
         self.policy.restore(&state.policy)?;
-        self.controller.restore(&state.controller)?;
-        self.walk.restore(&state.walk)?;
         self.plant.restore(&state.plant)?;
+        self.walk.restore(&state.walk)?;
+        self.controller.restore(&state.controller)?;
         let State { progress, route, tick, summary, steps_without_progress, .. } = state;
         Ok(Self { progress, route, tick, summary, steps_without_progress, ..self })
     }

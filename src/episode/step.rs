@@ -1,9 +1,9 @@
 //! The loop: the paper's algorithm, one planning step at a time. Every value is made once and passed on.
 
 use super::evaluated::{Evaluated, Predicted};
+use super::now::Now;
 use super::outcome::Done;
 use super::robot_tick::{Period, RobotTick};
-use super::view::Now;
 use super::{Episode, Outcome, Tick};
 use crate::controller::Way;
 use crate::human::HumanDecision;

@@ -2,37 +2,14 @@
 
 use super::Episode;
 use super::evaluated::{Evaluated, Prediction};
+use super::now::Now;
 use super::step::Begun;
-use crate::coordination::Mode;
 use crate::human::{HumanDecision, HumanView};
 use crate::options::{OptionSet, Progress};
 use crate::plant::Seen;
 use crate::policy::{Decision, RobotView};
 
-/// The beginning of a step.
-#[derive(Clone, Copy)]
-pub(super) struct Now {
-    /// k, from 0.
-    pub step: u64,
-    /// Simulated time, s.
-    pub time: f64,
-    /// The mode of the last step.
-    pub mode: Mode,
-    /// The option executed in the last step; none before the first.
-    pub executed: Option<usize>,
-}
-
 impl Episode<'_> {
-    /// The beginning of the present step.
-    pub(super) fn now(&self) -> Now {
-        let step = self.summary.steps;
-        let time = step as f64 * self.settings.period;
-        match step {
-            0 => Now { step, time, mode: self.policy.initial_mode(), executed: None },
-            _ => Now { step, time, mode: self.tick.mode, executed: Some(self.tick.executed) },
-        }
-    }
-
     /// The human's decision.
     pub(super) fn ask_human(&mut self, now: Now, evaluated: &Evaluated, prior: &Prediction) -> HumanDecision {
         let Now { step, time, mode, executed } = now;

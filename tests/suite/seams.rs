@@ -8,7 +8,6 @@ use cocarry::geometry::{PlanarPose, Point};
 use cocarry::human::{Human, HumanDecision, HumanView, ModelName, Participant, Stance};
 use cocarry::math;
 use cocarry::options::OptionSet;
-use cocarry::paper;
 use cocarry::plant::{Command, HumanMotion, Plant, Seen};
 use cocarry::policy::{Decision, Motion, RobotPolicy, RobotView};
 use cocarry::preference::{Perception, subjective_cost};
@@ -16,6 +15,7 @@ use cocarry::robot::{InputVector, Robot};
 use cocarry::saved::{NotRestored, Saved};
 use cocarry::scenario::{self, PreparedScenario, RobotSetup, Scenario, Snapshot};
 use cocarry::simulation::PhysicsSettings;
+use cocarry_studies::paper;
 use nalgebra::center;
 
 /// Eq. (6) as somebody outside the library would write it.
