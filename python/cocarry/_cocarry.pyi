@@ -356,6 +356,29 @@ class HumanView(View):
         option."""
 
 @final
+class HandView:
+    """What an own human sees at the beginning of a control period, for the hand."""
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time, s."""
+    @property
+    def period(self) -> int:
+        """The control period within the planning step, from 0."""
+    @property
+    def periods(self) -> int:
+        """The number of control periods in a planning step."""
+    @property
+    def begun_at(self) -> _Floats:
+        """Position of the hand at the beginning of the planning step (x, y), without sway, m."""
+    @property
+    def hand(self) -> _Floats:
+        """Position of the hand (x, y), without sway, m."""
+    @property
+    def hand_wrench(self) -> _Floats | None:
+        """Mean wrench of the human on the object in this planning step so far, world axes, N and Nm."""
+
+@final
 class Preference:
     """How humans choose between options, if their alpha and gamma are distributed as the belief says (Sec.
     III, IV-A)."""

@@ -77,7 +77,7 @@ fn motion(
             poses.collect::<Vec<_>>().try_into().ok()
         });
         return poses.map(Motion::Reference).ok_or_else(|| {
-            format!("reference = {}; it must be a float64 array of shape ({HORIZON}, 3) of finite numbers: x, y (m) and yaw (rad) of the grasp in the world, one row for each of the next {HORIZON} control periods", repr(given))
+            format!("reference = {}; it must be a float64 array of shape ({HORIZON}, 3) of finite numbers: x, y (m) and yaw (rad) of the grasp in the world, one row for each of the next {HORIZON} planning steps", repr(given))
         });
     }
     if let Some(given) = inputs {
@@ -185,11 +185,21 @@ pub(super) fn human_decision(
         decided.perception = Some(Perception { alpha, gamma });
     }
     if let Some(value) = field(given, "hand")? {
-        let found = value.extract::<(f64, f64)>().ok().filter(|(x, y)| x.is_finite() && y.is_finite());
-        let (x, y) = found.ok_or_else(|| {
-            wrong(format!("hand = {}; it must be (x, y), finite, m, in the world", repr(&value)))
-        })?;
-        decided.hand = Some(Point::new(x, y));
+        decided.hand = hand_target(&value)?;
     }
     Ok(decided)
+}
+
+/// A target of the human's hand: None, or (x, y).
+pub(super) fn hand_target(given: &Bound<'_, PyAny>) -> PyResult<Option<Point>> {
+    if given.is_none() {
+        return Ok(None);
+    }
+    let found = given.extract::<(f64, f64)>().ok().filter(|(x, y)| x.is_finite() && y.is_finite());
+    found.map(|(x, y)| Some(Point::new(x, y))).ok_or_else(|| {
+        let given = repr(given);
+        DecisionError::new_err(format!(
+            "the human returned hand = {given}; it must be (x, y), finite, m, in the world"
+        ))
+    })
 }

@@ -146,6 +146,48 @@ impl PyRobotView {
     }
 }
 
+/// What an own human sees at the beginning of a control period, for the hand.
+#[pyclass(frozen, module = "cocarry", name = "HandView")]
+pub struct PyHandView {
+    pub(super) time: f64,
+    pub(super) period: [u32; 2],
+    pub(super) hand: [Point; 2],
+    pub(super) hand_wrench: Option<[f64; 6]>,
+}
+
+#[pymethods]
+impl PyHandView {
+    #[getter]
+    fn time_s(&self) -> f64 {
+        self.time
+    }
+    /// The control period within the planning step, from 0.
+    #[getter]
+    fn period(&self) -> u32 {
+        self.period[0]
+    }
+    /// The number of control periods in a planning step.
+    #[getter]
+    fn periods(&self) -> u32 {
+        self.period[1]
+    }
+    /// Position of the hand at the beginning of the planning step, without sway, m.
+    #[getter]
+    fn begun_at<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.hand[0].coords.as_slice())
+    }
+    /// Position of the hand, without sway, m.
+    #[getter]
+    fn hand<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.hand[1].coords.as_slice())
+    }
+    /// Mean wrench of the human on the object in this planning step so far, world axes, N and Nm.
+    #[getter]
+    fn hand_wrench<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.hand_wrench.as_ref().map(|wrench| PyArray1::from_slice(py, wrench))
+    }
+}
+
 /// What an own human sees at the beginning of a control period.
 #[pyclass(frozen, extends = PyView, module = "cocarry", name = "HumanView")]
 pub struct PyHumanView {

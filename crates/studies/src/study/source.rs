@@ -53,6 +53,7 @@ impl<'a> Source<'a> {
     pub fn only(self, table: &DeTable, known: &[&str]) -> Result<(), SweepError> {
         match table.iter().find(|(key, _)| !known.contains(&key.get_ref().as_ref())) {
             None => Ok(()),
+            Some((key, value)) if *key.get_ref() == PERIOD[0] => Err(self.wrong(PERIOD[0], value, PERIOD[2])),
             Some((key, _)) => {
                 let place = self.place(key.span(), key.get_ref().as_ref());
                 Err(SweepError::Key { place, known: known.join(", ") })
