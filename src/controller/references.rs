@@ -168,7 +168,8 @@ mod tests {
     #[test]
     fn closed_form_poses_between_planning_steps_are_on_straight_lines() {
         let begin = PlanarPose { position: Point::new(1.0, 0.0), yaw: 3.1 };
-        let poses = std::array::from_fn(|i| PlanarPose { position: Point::new(2.0 + i as f64, 0.0), yaw: -3.1 });
+        let poses =
+            std::array::from_fn(|i| PlanarPose { position: Point::new(2.0 + i as f64, 0.0), yaw: -3.1 });
         let quarter = pose_between(&begin, &poses, 0.25);
         assert!((quarter.position.x - 1.25).abs() < 1e-15);
         // the short way round: 0.083 rad in all

@@ -40,7 +40,11 @@ impl Scenario {
         let (step, value) = (self.settings.planning_step, self.settings.control_period());
         let shortest = self.plant.physics().map_or(0.0, |physics| physics.step());
         let expected = if self.settings.control_periods().is_none() {
-            format!("a whole fraction of planning_step_s = {step}, such as {step}, {} or {}", step / 2.0, step / 4.0)
+            format!(
+                "a whole fraction of planning_step_s = {step}, such as {step}, {} or {}",
+                step / 2.0,
+                step / 4.0
+            )
         } else if value < shortest * (1.0 - 1e-9) {
             format!("at least a physics step of {shortest} s")
         } else {

@@ -34,7 +34,8 @@ fn property_the_control_period_changes_neither_who_carries_nor_where() {
             let case = format!("{} at {period} s", kind.name());
             assert_eq!(end.outcome, Outcome::Arrived, "{case}: {:?}", end.loss);
             let transition = end.transition.expect("the human takes over").step;
-            let (step, option, cost) = *first.get_or_insert((transition, end.last_option, end.accumulated_cost));
+            let (step, option, cost) =
+                *first.get_or_insert((transition, end.last_option, end.accumulated_cost));
             assert!(transition.abs_diff(step) <= 1, "{case}: taken over at {transition}, {step} at 0.2 s");
             assert_eq!(end.last_option, option, "{case}");
             let ratio = end.accumulated_cost / cost;
@@ -73,9 +74,15 @@ fn issue_the_same_press_another_eta() {
 #[test]
 fn a_period_that_does_not_fill_the_step_is_refused() {
     for (arguments, said) in [
-        (&["--control-period", "0.15"][..], &["control_period_s = 0.15", "a whole fraction of planning_step_s = 0.2"][..]),
+        (
+            &["--control-period", "0.15"][..],
+            &["control_period_s = 0.15", "a whole fraction of planning_step_s = 0.2"][..],
+        ),
         (&["--control-period", "0.4"], &["control_period_s = 0.4"]),
-        (&["--control-period", "0.01", "--physics-rate", "60"], &["control_period_s = 0.01", "a physics step"]),
+        (
+            &["--control-period", "0.01", "--physics-rate", "60"],
+            &["control_period_s = 0.01", "a physics step"],
+        ),
         (&["--period", "0.1"], &["--period", "--planning-step", "--control-period"]),
     ] {
         let output = cocarry(&[&["run"], arguments].concat());
@@ -118,7 +125,8 @@ fn a_hand_from_outside_has_a_target_in_every_control_period() {
         let asked = if episode.tick().step >= 6 { 4 } else { 0 };
         assert!(episode.hands().len() == asked || episode.tick().step == 5, "{:?}", episode.hands());
     }
-    let recorded = recorder.finish(&episode, recording::Ending::Interrupted).expect("a recording").into_inner();
+    let recorded =
+        recorder.finish(&episode, recording::Ending::Interrupted).expect("a recording").into_inner();
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("hand.mcap");
     std::fs::write(&file, recorded).expect("a file");

@@ -2,6 +2,7 @@
 
 use super::SweepError;
 use cocarry::located::{self, Place};
+use cocarry::scenario::PERIOD;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
