@@ -211,7 +211,7 @@ class Episode:
         """The episode of a snapshot, its bytes or a file; it continues with the same bits. Raises
         SnapshotError."""
     def step(self) -> str | None:
-        """Takes one control period; returns the outcome once the episode has ended, else None."""
+        """Takes one planning step; returns the outcome once the episode has ended, else None."""
     def run(self, steps: int | None = None) -> dict[str, Any]:
         """Runs to the end, or so many steps, without Python's lock; returns the summary. Ctrl-C stops it."""
     def ticks(self, steps: int | None = None) -> Table:

@@ -1,4 +1,4 @@
-//! The robot's part of one control period, as data.
+//! The robot's part of one planning step, as data.
 
 use crate::control::{Manipulator, SolveOutcome, least_singular_value};
 use crate::geometry::{PlanarPose, Pose};

@@ -121,6 +121,17 @@ pub const SWAY: Setting = Setting {
     ),
 };
 
+/// The planning step k.
+pub const PLANNING_STEP: Setting = Setting {
+    key: "planning_step_s",
+    flag: "planning-step",
+    path: "settings.period_s",
+    group: Group::Walk,
+    about: "Planning step k, in seconds: phi, g, J and looks count in it, so an eta is for one planning step",
+    applies: Applies::Always,
+    kind: Kind::Number(PERIODS, field!(scenario s => s.settings.planning_step)),
+};
+
 /// phi(0) of eq. (5).
 pub const INITIAL_STUBBORNNESS: Setting = Setting {
     key: "initial_stubbornness",
@@ -165,15 +176,7 @@ pub const SETTINGS: &[Setting] = &[
             },
         ),
     },
-    Setting {
-        key: "planning_step_s",
-        flag: "planning-step",
-        path: "settings.period_s",
-        group: Group::Walk,
-        about: "Planning step k, in seconds: phi, g, J and looks count in it, so an eta is for one planning step",
-        applies: Applies::Always,
-        kind: Kind::Number(PERIODS, field!(scenario s => s.settings.planning_step)),
-    },
+    PLANNING_STEP,
     Setting {
         key: "control_period_s",
         flag: "control-period",
