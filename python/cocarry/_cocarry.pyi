@@ -315,6 +315,9 @@ class View:
 class RobotView(View):
     """What an own policy sees at the beginning of a control period: that of View, and the robot."""
 
+    def path(self, option: int) -> _Floats | None:
+        """The path of what is left of an option, (n, 2), m, from the team to the target; None where no path leads
+        on."""
     @property
     def stubbornness(self) -> float:
         """phi(k), eq. (5)."""

@@ -20,6 +20,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub(super) struct Basis {
     pub(super) names: Arc<[String]>,
+    pub(super) prepared: Arc<PreparedScenario>,
     pub(super) joints: usize,
     /// The number of inputs of the base.
     pub(super) base: usize,
@@ -33,7 +34,8 @@ impl Basis {
         let joints = stage.robot().map_or(0, |robot| robot.joints.len());
         let seed = stage.scenario().seed;
         let base = stage.robot().map_or(2, |robot| robot.drive.inputs());
-        Self { names, joints, base, seed, has_robot: stage.robot().is_some() }
+        let prepared = Arc::new(stage.clone());
+        Self { names, prepared, joints, base, seed, has_robot: stage.robot().is_some() }
     }
 
     /// The option of an index or a name.

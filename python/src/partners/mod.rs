@@ -174,6 +174,8 @@ impl RobotPolicy for OwnPolicy {
         }
         let decided = Python::attach(|py| {
             let seen = PyRobotView {
+                prepared: Arc::clone(&basis.prepared),
+                progress: view.progress.clone(),
                 stance: view.stance,
                 stubbornness: view.stubbornness,
                 discomfort: view.discomfort,
