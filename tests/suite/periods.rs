@@ -68,7 +68,12 @@ fn issue_the_same_press_another_eta() {
         (watch.etas(), watch.looks().len())
     });
     assert!(etas[0].0[0] > 1.0 && etas[0].0[1].is_finite(), "{etas:?}");
-    assert!(etas.iter().all(|other| other == &etas[0]), "{etas:?}");
+    // places on the path are sums of more parts, so that the last digits differ
+    let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
+    let is_first = |(eta, looks): &([f64; 2], usize)| {
+        near(eta[0], etas[0].0[0]) && near(eta[1], etas[0].0[1]) && *looks == etas[0].1
+    };
+    assert!(etas.iter().all(is_first), "{etas:?}");
 }
 
 #[test]
@@ -105,7 +110,7 @@ impl Human for Swinging {
     }
 
     fn hand(&mut self, view: &HandView<'_>) -> Option<Point> {
-        let swing = 0.02 * cocarry::math::sin(10.0 * view.time);
+        let swing = 0.01 * cocarry::math::sin(10.0 * view.time);
         (view.time > 1.0).then(|| view.hand[1] + Vector::new(0.02, swing))
     }
 }
@@ -119,7 +124,7 @@ fn a_hand_from_outside_has_a_target_in_every_control_period() {
     let log = recording::Decisions::new(true, None);
     let recorder = recording::Recorder::new(Cursor::new(Vec::new()), "a hand", &prepared, &episode);
     let mut recorder = recorder.expect("a recorder").logging(log);
-    for _ in 0..15 {
+    for _ in 0..9 {
         assert_eq!(episode.step(), None);
         recorder.step(&episode).expect("a step");
         let asked = if episode.tick().step >= 6 { 4 } else { 0 };
