@@ -7,7 +7,7 @@ use super::output::{
 };
 use crate::drawing;
 use crate::episode::{OptionTick, prospects};
-use crate::geometry::Footprint;
+use crate::geometry::{Footprint, Point};
 use crate::options::{OptionSet, PathOption};
 use crate::preference::{ChoiceDistribution, Predictor, objective_cost};
 use crate::world::{FREE_PASSAGE, Obstacle, World};
@@ -104,7 +104,7 @@ fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
     );
     let mut obstacles = table(["name", "shape", "x (m)", "y (m)", "extent (m)", "height (m)"], 2);
     for o in &world.obstacles {
-        let (middle, size) = (o.middle(), o.footprint.bounds().size());
+        let (middle, size) = (o.middle(), o.bounds().size());
         obstacles.add_row([
             o.name.clone(),
             o.shape_name().to_owned(),
@@ -195,7 +195,7 @@ fn unused_openings(world: &World, set: &OptionSet) -> String {
 }
 
 fn as_json(world: &World, set: &OptionSet, offers: &[Offer]) -> Value {
-    let point = |p: crate::geometry::Point| json!([p.x, p.y]);
+    let point = |p: Point| json!([p.x, p.y]);
     json!({
         "name": world.name,
         "file": world.file,
@@ -222,11 +222,14 @@ fn as_json(world: &World, set: &OptionSet, offers: &[Offer]) -> Value {
 }
 
 fn obstacle_json(obstacle: &Obstacle) -> Value {
-    let outline = match &obstacle.footprint {
-        Footprint::Polygon(corners) => {
-            json!({ "vertices_m": corners.iter().map(|c| [c.x, c.y]).collect::<Vec<_>>() })
+    let vertices = |corners: &[Point]| corners.iter().map(|c| [c.x, c.y]).collect::<Vec<_>>();
+    let outline = match (&obstacle.outline, &obstacle.parts[0].footprint) {
+        // the outline of a room is around the walls, too
+        (Some(outline), _) => json!({ "vertices_m": outline.rings().last().map(|ring| vertices(ring)) }),
+        (None, Footprint::Polygon(corners)) => json!({ "vertices_m": vertices(corners) }),
+        (None, Footprint::Disc { center, radius }) => {
+            json!({ "center_m": [center.x, center.y], "radius_m": radius })
         }
-        Footprint::Disc { center, radius } => json!({ "center_m": [center.x, center.y], "radius_m": radius }),
     };
     json!({
         "name": obstacle.name,

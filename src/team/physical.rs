@@ -164,8 +164,7 @@ impl Physical {
     /// an option. The room needed is the distance of the carrier from the object's centre.
     pub fn check_room(&self, world: &World, free_space: FreeSpace) -> Result<(), PhysicsError> {
         let check = |ends: [Point; 2], refusal: &dyn Fn(NoRoom) -> PhysicsError| {
-            let distances =
-                world.obstacles.iter().map(|o| (o.footprint.distance_to_segment(ends[0], ends[1]), o));
+            let distances = world.obstacles.iter().map(|o| (o.distance_to_segment(ends[0], ends[1]), o));
             match distances.min_by(|a, b| a.0.total_cmp(&b.0)) {
                 Some((distance, obstacle)) if distance < BODY_ROOM_M => Err(refusal(NoRoom {
                     file: world.file.clone(),

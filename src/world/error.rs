@@ -60,27 +60,31 @@ pub enum WorldError {
         /// `obstacle`, `opening` or `option`.
         kind: &'static str,
     },
-    /// A polygon has too few corners.
-    #[error("{place}: {count} corners in vertices_m; a polygon needs 3 to 64")]
+    /// A polygon has too few corners, or too many.
+    #[error("{place}: {count} corners in vertices_m; a polygon needs 3 to 20000")]
     Corners {
         /// Where.
         place: Place,
         /// The number of corners found.
         count: usize,
     },
-    /// A polygon is not convex.
+    /// A polygon's outline crosses itself.
     #[error(
-        "{place}: vertices_m is not convex at corner {corner}, ({x}, {y}); list the corners of a convex outline in order, no three on a line, or split it"
+        "{place}: the side of vertices_m that begins at ({x}, {y}) crosses or touches another side; list the corners in order around the outline"
     )]
-    NotConvex {
+    Crossing {
         /// Where.
         place: Place,
-        /// The corner, counted from 1.
-        corner: usize,
-        /// Its x, m.
+        /// Where the side begins: x, m.
         x: f64,
         /// Its y, m.
         y: f64,
+    },
+    /// All corners of a polygon are on a line.
+    #[error("{place}: the corners in vertices_m are all on one line")]
+    Flat {
+        /// Where.
+        place: Place,
     },
     /// A shape too thin for its length.
     #[error("{place}: its proportions are too extreme for a solid; use corners and a height of similar size")]

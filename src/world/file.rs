@@ -45,6 +45,20 @@ pub(super) enum ShapeEntry {
     Box,
     Cylinder,
     Polygon,
+    /// What is around a polygon: the walls of a room.
+    Room,
+}
+
+impl ShapeEntry {
+    /// The name in a world file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Box => "box",
+            Self::Cylinder => "cylinder",
+            Self::Polygon => "polygon",
+            Self::Room => "room",
+        }
+    }
 }
 
 /// One `[[opening]]`.
