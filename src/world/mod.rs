@@ -183,7 +183,7 @@ impl World {
     }
 
     /// Gaps that the robot cannot pass, in the order of their obstacles.
-    pub(crate) fn closed_gaps(&self) -> Vec<Opening> {
+    pub fn closed_gaps(&self) -> Vec<Opening> {
         Gaps::between(&self.obstacles, &self.solids, &self.members).impassable(self.robot_width)
     }
 
