@@ -25,7 +25,7 @@ pub struct World {
 }
 
 fn load_world(path: &Path) -> PyResult<world::World> {
-    world::World::find(path, &path.to_string_lossy()).map_err(|error| raise::<WorldError>(&error))
+    cocarry_maps::find(path, &path.to_string_lossy()).map_err(|error| raise::<WorldError>(&error))
 }
 
 #[pymethods]

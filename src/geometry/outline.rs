@@ -71,13 +71,32 @@ impl Outline {
         if ring.len() < 3 {
             return Err(RingFault::Flat);
         }
-        if let Some(side) = crossing_side(&ring) {
-            return Err(RingFault::Crossing { from: ring[side] });
+        if let Some(from) = crossing_side(std::slice::from_ref(&ring)) {
+            return Err(RingFault::Crossing { from });
         }
         if doubled_area(&ring) < 0.0 {
             ring.reverse();
         }
         Ok(Self { rings: vec![ring] })
+    }
+
+    /// The area inside one ring and outside of others within it, in any direction.
+    ///
+    /// # Errors
+    /// As [`Outline::inside`], also if rings cross or touch each other.
+    pub fn with_holes(ring: Vec<Point>, holes: Vec<Vec<Point>>) -> Result<Self, RingFault> {
+        let Self { mut rings } = Self::inside(ring)?;
+        for hole in holes {
+            let Self { rings: hole } = Self::inside(hole)?;
+            rings.extend(hole.into_iter().map(|mut hole| {
+                hole.reverse();
+                hole
+            }));
+        }
+        match crossing_side(&rings) {
+            Some(from) => Err(RingFault::Crossing { from }),
+            None => Ok(Self { rings }),
+        }
     }
 
     /// The area around the inside of a ring, as far as a rectangle `margin` (m) away from it: the walls of a
@@ -204,16 +223,22 @@ fn without_straight_corners(mut ring: Vec<Point>, tolerance: f64) -> Vec<Point> 
     kept.into_iter().map(|i| ring[i]).collect()
 }
 
-/// The first side of a ring that meets another one other than at a corner that they share.
-fn crossing_side(ring: &[Point]) -> Option<usize> {
-    let sides: Vec<[Point; 2]> = edges(ring).map(|(a, b)| [a, b]).collect();
-    let n = sides.len();
-    let near = Nearby::new(sides.iter().map(|[a, b]| Bounds { min: a.inf(b), max: a.sup(b) }));
-    (0..n).find(|&i| {
-        let [a, b] = sides[i];
-        near.any_meeting(Bounds { min: a.inf(&b), max: a.sup(&b) }, |j| {
-            let [c, d] = sides[j];
+/// Where the first side begins that meets another one other than at a corner that they share.
+fn crossing_side(rings: &[Vec<Point>]) -> Option<Point> {
+    // the ring of every side, and its place there
+    let sides: Vec<([usize; 2], [Point; 2])> = rings
+        .iter()
+        .enumerate()
+        .flat_map(|(r, ring)| edges(ring).enumerate().map(move |(i, (a, b))| ([r, i], [a, b])))
+        .collect();
+    let bounds = |[a, b]: [Point; 2]| Bounds { min: a.inf(&b), max: a.sup(&b) };
+    let near = Nearby::new(sides.iter().map(|(_, side)| bounds(*side)));
+    let meets_another = |&&([ring, i], [a, b]): &&([usize; 2], [Point; 2])| {
+        near.any_meeting(bounds([a, b]), |other| {
+            let ([other_ring, j], [c, d]) = sides[other];
+            let n = rings[ring].len();
             match (j + n - i) % n {
+                _ if other_ring != ring => super::segments_meet(a, b, c, d, 0.0),
                 0 => false,
                 // back along the side before
                 1 => cross(b - a, d - c) == 0.0 && (b - a).dot(&(d - c)) < 0.0,
@@ -221,7 +246,8 @@ fn crossing_side(ring: &[Point]) -> Option<usize> {
                 _ => super::segments_meet(a, b, c, d, 0.0),
             }
         })
-    })
+    };
+    sides.iter().find(meets_another).map(|(_, [a, _])| *a)
 }
 
 /// The sides of polygons, cut where they cross or touch.

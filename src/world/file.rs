@@ -17,6 +17,7 @@ pub(super) struct WorldFile {
     pub target_m: Spanned<Pair<f64>>,
     pub option_limit: Option<Spanned<i64>>,
     pub object: Option<ObjectEntry>,
+    pub map: Option<Spanned<toml::Value>>,
     #[serde(default, rename = "obstacle")]
     pub obstacles: Vec<Spanned<ObstacleEntry>>,
     #[serde(default, rename = "opening")]
@@ -36,6 +37,7 @@ pub(super) struct ObstacleEntry {
     pub yaw_deg: Option<f64>,
     pub radius_m: Option<f64>,
     pub vertices_m: Option<Vec<Pair<f64>>>,
+    pub holes_m: Option<Vec<Vec<Pair<f64>>>>,
     pub height_m: f64,
 }
 

@@ -134,6 +134,9 @@ impl World {
         let source = Source { file, text };
         let entries: WorldFile = source.parse("world file")?;
         let top = |spanned: &Spanned<f64>, item: &str| source.place(spanned, item);
+        if let Some(map) = &entries.map {
+            return Err(WorldError::NamesMap { place: source.place(map, "map") });
+        }
         let given = Check { place: &top(&entries.robot_width_m, "world") }
             .size("robot_width_m", *entries.robot_width_m.get_ref())?;
         let is_widened = width > given + WIDTH_TOLERANCE_M;

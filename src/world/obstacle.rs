@@ -63,6 +63,7 @@ impl Obstacle {
             ("yaw_deg", entry.yaw_deg.is_some(), "box"),
             ("radius_m", entry.radius_m.is_some(), "cylinder"),
             ("vertices_m", entry.vertices_m.is_some(), "polygon room"),
+            ("holes_m", entry.holes_m.is_some(), "polygon"),
         ];
         for (field, is_given, shapes) in given {
             if is_given && !shapes.contains(shape) {
@@ -98,9 +99,14 @@ impl Obstacle {
             }),
             ShapeEntry::Polygon | ShapeEntry::Room => {
                 let vertices = entry.vertices_m.as_ref().ok_or_else(|| missing("vertices_m"))?;
-                let ring = check.ring(vertices)?;
-                match entry.shape {
-                    ShapeEntry::Room => concave(Outline::around(ring, ROOM_WALL_M)),
+                let ring = check.ring("vertices_m", vertices)?;
+                match (entry.shape, &entry.holes_m) {
+                    (ShapeEntry::Room, _) => concave(Outline::around(ring, ROOM_WALL_M)),
+                    (_, Some(holes)) => {
+                        let hole = |(i, hole): (usize, &Vec<_>)| check.ring(&format!("holes_m[{i}]"), hole);
+                        let holes = holes.iter().enumerate().map(hole).collect::<Result<_, _>>()?;
+                        concave(Outline::with_holes(ring, holes))
+                    }
                     _ => match convex(&ring).filter(|corners| corners.len() <= MAX_PART_CORNERS) {
                         Some(corners) => single(Solid::Prism { corners }),
                         None => concave(Outline::inside(ring)),
@@ -252,17 +258,18 @@ impl Check<'_> {
     }
 
     /// The corners of a polygon. The last may repeat the first.
-    fn ring(&self, vertices: &[Pair<f64>]) -> Result<Vec<Point>, WorldError> {
+    fn ring(&self, field: &str, vertices: &[Pair<f64>]) -> Result<Vec<Point>, WorldError> {
         let mut corners: Vec<Point> = vertices
             .iter()
             .enumerate()
-            .map(|(i, v)| self.point(&format!("vertices_m[{i}]"), v.0))
+            .map(|(i, v)| self.point(&format!("{field}[{i}]"), v.0))
             .collect::<Result<_, _>>()?;
         if corners.len() > 3 && corners.first() == corners.last() {
             corners.pop();
         }
         if !(3..=MAX_CORNERS).contains(&corners.len()) {
-            return Err(WorldError::Corners { place: self.place.clone(), count: corners.len() });
+            let field = field.to_owned();
+            return Err(WorldError::Corners { place: self.place.clone(), field, count: corners.len() });
         }
         Ok(corners)
     }

@@ -75,9 +75,9 @@ fn samples(file: &Path) -> anyhow::Result<Belief> {
     Belief::samples(samples).with_context(name)
 }
 
-/// The world in a file, or a built-in world by its name.
+/// The world in a file, which may name a map, or a built-in world by its name.
 pub(super) fn load_world(path: &Path) -> Result<World, Failure> {
-    World::find(path, &path.to_string_lossy()).map_err(input)
+    cocarry_maps::find(path, &path.to_string_lossy()).map_err(input)
 }
 
 /// The world that a file in `folder` names: a world file relative to that folder, otherwise as in
