@@ -41,6 +41,13 @@ pub const DEFAULT_OPTION_LIMIT: usize = 8;
 /// Largest value of `option_limit`.
 pub const LARGEST_OPTION_LIMIT: usize = 64;
 
+/// Widths of robots that are no mistake, m.
+const USUAL_WIDTHS_M: std::ops::RangeInclusive<f64> = 0.1..=3.0;
+/// The extent of a world in robot widths beyond which its unit is probably wrong.
+const LARGE_WORLD: f64 = 1000.0;
+/// Distance from A to B below which they are one point, m.
+const SAME_PLACE_M: f64 = 0.01;
+
 /// The least difference of a robot's width from that of its world that counts, m.
 const WIDTH_TOLERANCE_M: f64 = 1e-6;
 
@@ -176,6 +183,36 @@ impl World {
             listed_options,
             option_limit,
         })
+    }
+
+    /// What is probably a mistake, such as lengths in millimetres, a sentence each.
+    pub fn warnings(&self) -> Vec<String> {
+        let Self { file, robot_width, start, target, .. } = self;
+        let mut warnings = Vec::new();
+        if !USUAL_WIDTHS_M.contains(robot_width) {
+            warnings.push(format!(
+                "{file}: robot_width_m = {robot_width}: mobile manipulators are {} to {} m wide; all lengths are in metres",
+                USUAL_WIDTHS_M.start(),
+                USUAL_WIDTHS_M.end()
+            ));
+        }
+        let size = self.bounds().size();
+        let extent = size.x.max(size.y);
+        if extent > LARGE_WORLD * robot_width {
+            let distance = |obstacle: &&Obstacle| obstacle.distance_to_point(*start);
+            let farthest = self.obstacles.iter().max_by(|a, b| distance(a).total_cmp(&distance(b)));
+            let named = farthest.map_or(String::new(), |o| {
+                format!(", and obstacle `{}` is {:.0} m from A", o.name, distance(&o))
+            });
+            warnings.push(format!(
+                "{file}: the world is {extent:.0} m across, {:.0} times robot_width_m{named}; all lengths are in metres",
+                extent / robot_width
+            ));
+        }
+        if (target - start).norm() < SAME_PLACE_M {
+            warnings.push(format!("{file}: start_m and target_m are the same point; the team has arrived at once"));
+        }
+        warnings
     }
 
     /// The smallest rectangle around the obstacles, the start and the target.

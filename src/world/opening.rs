@@ -139,7 +139,11 @@ impl<'a> Gaps<'a> {
     /// A gap measured between outlines, between the obstacles at its ends.
     pub fn named(&self, gap: Opening) -> Opening {
         let at = |end: usize| {
-            let obstacles = self.sides[gap.between[end]].obstacles.iter().copied();
+            let obstacles = self.sides[gap.between[end]].obstacles;
+            if let [alone] = obstacles {
+                return *alone;
+            }
+            let obstacles = obstacles.iter().copied();
             let distance = |i: usize| self.obstacles[i].distance_to_point(gap.ends[end]);
             obstacles.map(|i| (i, distance(i))).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(i, _)| i)
         };
@@ -178,7 +182,8 @@ impl<'a> Gaps<'a> {
         let is_part_of_a_side = |outline: &Footprint| {
             let (distance, away) = outline.separation(center);
             let nearest = center - away * distance;
-            gap.ends.iter().any(|end| (nearest - end).norm() <= SAME_GAP_M)
+            // what the middle is inside of fills the gap
+            distance > 0.0 && gap.ends.iter().any(|end| (nearest - end).norm() <= SAME_GAP_M)
         };
         let within = gap.width / 2.0 + TOUCHING_M;
         self.nearby

@@ -1,6 +1,6 @@
 //! The arguments of the human model, shared by commands. Numbers are checked where they are read.
 
-use super::output::{Failure, input};
+use super::output::{Failure, input, warn};
 use super::settings::number;
 use anyhow::Context;
 use clap::Args;
@@ -77,7 +77,9 @@ fn samples(file: &Path) -> anyhow::Result<Belief> {
 
 /// The world in a file, which may name a map, or a built-in world by its name.
 pub(super) fn load_world(path: &Path) -> Result<World, Failure> {
-    cocarry_maps::find(path, &path.to_string_lossy()).map_err(input)
+    let world = cocarry_maps::find(path, &path.to_string_lossy()).map_err(input)?;
+    world.warnings().iter().for_each(warn);
+    Ok(world)
 }
 
 /// The world that a file in `folder` names: a world file relative to that folder, otherwise as in

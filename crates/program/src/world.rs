@@ -3,7 +3,7 @@
 use super::model::{ModelArguments, load_world};
 use super::output::{
     Failure, OPTION_HEADINGS, OverwriteArguments, examples, input, option_json, print, print_json, svg_file,
-    table, table_text, toml_file, with_spinner, write_file,
+    table, table_text, toml_file, warn, with_spinner, write_file,
 };
 use anyhow::Context;
 use clap::Args;
@@ -74,7 +74,9 @@ impl MapArguments {
             )));
         }
         let ends = Ends { start, target, robot_width: self.robot_width, tolerance: self.tolerance };
-        cocarry_maps::from_map(path, &ends).map_err(input)
+        let world = cocarry_maps::from_map(path, &ends).map_err(input)?;
+        world.warnings().iter().for_each(warn);
+        Ok(world)
     }
 }
 
