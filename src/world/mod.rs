@@ -210,7 +210,9 @@ impl World {
             ));
         }
         if (target - start).norm() < SAME_PLACE_M {
-            warnings.push(format!("{file}: start_m and target_m are the same point; the team has arrived at once"));
+            warnings.push(format!(
+                "{file}: start_m and target_m are the same point; the team has arrived at once"
+            ));
         }
         warnings
     }

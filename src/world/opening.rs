@@ -249,9 +249,17 @@ impl<'a> Gaps<'a> {
         gaps.into_iter().zip(is_new).filter(|(_, is_new)| *is_new).map(|(gap, _)| self.named(gap)).collect()
     }
 
+    /// Whether the middle of a gap is inside an outline: between parts of one solid.
+    fn is_filled(&self, gap: &Opening) -> bool {
+        let center = gap.center();
+        let here = Bounds { min: center, max: center };
+        self.nearby.any_meeting(here, |i| self.sides[i].footprint.contains(center))
+    }
+
     /// The gaps that are too narrow for the robot.
     pub fn impassable(&self, robot_width: f64) -> Vec<Opening> {
-        self.up_to(robot_width + WIDTH_TOLERANCE_M).map(|gap| self.named(gap)).collect()
+        let gaps = self.up_to(robot_width + WIDTH_TOLERANCE_M).filter(|gap| !self.is_filled(gap));
+        gaps.map(|gap| self.named(gap)).collect()
     }
 }
 

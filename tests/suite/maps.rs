@@ -35,7 +35,10 @@ fn placed([x0, y0, yaw]: Origin, [x, y]: [f64; 2]) -> Point {
 
 fn head(origin: Origin) -> String {
     let [a, b] = [START, TARGET].map(|p| placed(origin, p));
-    format!("name = \"Room\"\nrobot_width_m = 0.5\nstart_m = [{}, {}]\ntarget_m = [{}, {}]\n", a.x, a.y, b.x, b.y)
+    format!(
+        "name = \"Room\"\nrobot_width_m = 0.5\nstart_m = [{}, {}]\ntarget_m = [{}, {}]\n",
+        a.x, a.y, b.x, b.y
+    )
 }
 
 /// The room as a world file, box by box.
@@ -89,12 +92,7 @@ fn map(origin: Origin, image: &str) -> (TempDir, PathBuf) {
 }
 
 fn ends(origin: Origin) -> Ends {
-    Ends {
-        start: placed(origin, START),
-        target: placed(origin, TARGET),
-        robot_width: None,
-        tolerance: None,
-    }
+    Ends { start: placed(origin, START), target: placed(origin, TARGET), robot_width: None, tolerance: None }
 }
 
 /// Every option's openings by their middles (to `grain` metres), length and risk.
@@ -128,7 +126,10 @@ fn assert_same_options(a: &World, b: &World, [length, risk]: [f64; 2]) {
     assert_eq!(of_a.len(), of_b.len(), "{context}\n{of_a:?}\n{of_b:?}");
     for ((ways_a, length_a, risk_a), (ways_b, length_b, risk_b)) in of_a.iter().zip(&of_b) {
         assert_eq!(ways_a.len(), ways_b.len(), "{context}");
-        assert!((length_a - length_b).abs() <= length && (risk_a - risk_b).abs() <= risk, "{of_a:?}\n{of_b:?}");
+        assert!(
+            (length_a - length_b).abs() <= length && (risk_a - risk_b).abs() <= risk,
+            "{of_a:?}\n{of_b:?}"
+        );
     }
 }
 
@@ -154,7 +155,8 @@ fn a_traced_map_has_the_openings_and_options_of_the_room_drawn_by_hand() {
 fn a_world_file_names_its_map_and_keeps_its_lines() {
     let (folder, _) = map([0.0; 3], "room.pgm");
     let path = folder.path().join("room.toml");
-    let text = head([0.0; 3]) + "\n[map]\nfile = \"map.yaml\"\nheight_m = 1.5\n\n[[option]]\nname = \"left\"\nopenings = [\"xi9\"]\n";
+    let text = head([0.0; 3])
+        + "\n[map]\nfile = \"map.yaml\"\nheight_m = 1.5\n\n[[option]]\nname = \"left\"\nopenings = [\"xi9\"]\n";
     std::fs::write(&path, &text).unwrap();
     let refused = cocarry(&["world", path.to_str().unwrap()]);
     let said = stderr(&refused);
@@ -204,7 +206,11 @@ fn maps_that_cannot_be_read_are_refused_by_place_and_value() {
     let without_ends = cocarry(&["world", name]);
     assert_eq!(without_ends.status.code(), Some(2));
     assert!(stderr(&without_ends).contains("give --start and --target"), "{}", stderr(&without_ends));
-    spoil("resolution: 0.05", "resolution: 5 cm", &["map.yaml:3", "resolution = 5 cm", "0.001 to 10 (metres)"]);
+    spoil(
+        "resolution: 0.05",
+        "resolution: 5 cm",
+        &["map.yaml:3", "resolution = 5 cm", "0.001 to 10 (metres)"],
+    );
     spoil("negate: 0", "negate: maybe", &["map.yaml:5", "negate = maybe", "0 or 1"]);
     spoil("image: room.pgm", "image: rom.pgm", &["rom.pgm", "cannot be read"]);
     spoil("free_thresh: 0.25", "free_tresh: 0.25", &["map.yaml:7", "unknown key `free_tresh`"]);
@@ -213,7 +219,11 @@ fn maps_that_cannot_be_read_are_refused_by_place_and_value() {
     spoil("image", "- image", &["map.yaml: not a valid map description"]);
     assert!(world("4.1,1.0").contains("is on an occupied cell"), "{}", world("4.1,1.0"));
     assert!(world("-4.1,1.0").contains("is on no cell"), "{}", world("-4.1,1.0"));
-    assert!(world("3.9,1.0").contains("from obstacle `walls`; the team needs 0.25 m"), "{}", world("3.9,1.0"));
+    assert!(
+        world("3.9,1.0").contains("from obstacle `walls`; the team needs 0.25 m"),
+        "{}",
+        world("3.9,1.0")
+    );
     let cut = std::fs::read(folder.path().join("room.pgm")).unwrap();
     std::fs::write(folder.path().join("room.pgm"), &cut[..cut.len() - 9]).unwrap();
     assert!(world("1.5,2.5").contains("cut short"), "{}", world("1.5,2.5"));
@@ -268,8 +278,10 @@ fn issue_a_wall_of_many_boxes_is_the_wall_in_one_piece() {
             a.x, a.y, b.x, b.y
         );
         let top = row(1, [4.9, 4.0, 5.1, 8.0], turn).replace("k0", "top");
-        let sides = [[-1.0, -0.2, 11.0, 0.0], [-1.0, 8.0, 11.0, 8.2], [-1.0, 0.0, -0.8, 8.0], [10.8, 0.0, 11.0, 8.0]];
-        let sides = sides.iter().enumerate().map(|(i, side)| row(1, *side, turn).replace("k0", &format!("s{i}")));
+        let sides =
+            [[-1.0, -0.2, 11.0, 0.0], [-1.0, 8.0, 11.0, 8.2], [-1.0, 0.0, -0.8, 8.0], [10.8, 0.0, 11.0, 8.0]];
+        let sides =
+            sides.iter().enumerate().map(|(i, side)| row(1, *side, turn).replace("k0", &format!("s{i}")));
         let room = head + &sides.collect::<String>() + &top;
         let world = |n| World::parse("w", &(room.clone() + &row(n, [4.9, 0.0, 5.1, 3.0], turn))).unwrap();
         // more would take a minute if boxes were apart
@@ -307,10 +319,14 @@ fn a_floor_plan_in_millimetres_is_the_room_in_metres() {
              \"coordinates\": [[[{x0}, {y0}], [{x1}, {y0}], [{x1}, {y1}], [{x0}, {y1}], [{x0}, {y0}]]]}}}}"
         )
     });
-    let plan = format!("{{\"type\": \"FeatureCollection\", \"features\": [{}]}}", areas.collect::<Vec<_>>().join(",\n"));
+    let plan = format!(
+        "{{\"type\": \"FeatureCollection\", \"features\": [{}]}}",
+        areas.collect::<Vec<_>>().join(",\n")
+    );
     let file = |name: &str| folder.path().join(name);
     std::fs::write(file("plan.geojson"), &plan).unwrap();
-    std::fs::write(file("room.toml"), head([0.0; 3]) + "[map]\nfile = \"plan.geojson\"\nunit = \"mm\"\n").unwrap();
+    std::fs::write(file("room.toml"), head([0.0; 3]) + "[map]\nfile = \"plan.geojson\"\nunit = \"mm\"\n")
+        .unwrap();
     let find = || cocarry_maps::find(&file("room.toml"), "room.toml");
     let world = find().unwrap_or_else(|error| panic!("{error}"));
     assert_same_options(&world, &World::parse("room", &by_hand([0.0; 3])).unwrap(), [1e-9; 2]);

@@ -27,10 +27,7 @@ pub(crate) fn obstacles(path: &Path, request: &Request) -> Result<String, MapErr
     let image = Image::read(&path.parent().unwrap_or(Path::new("")).join(&description.image))?;
     let grid = Grid::new(&description, &image);
     drop(image);
-    let mut is_floor = floor(&grid, &file, request)?;
-    without_pinches(&mut is_floor, grid.width);
-    let rings = rings(&is_floor, grid.width);
-    drop(is_floor);
+    let rings = rings(&floor(&grid, &file, request)?, grid.width);
     let tolerance = request.tolerance.map_or(1.0, |tolerance| tolerance / grid.resolution);
     let simple = simplified(&rings, tolerance);
     let corners = simple.iter().map(Vec::len).sum();
@@ -89,7 +86,10 @@ fn floor(grid: &Grid, map: &str, request: &Request) -> Result<Vec<bool>, MapErro
     let corner = radius * std::f64::consts::SQRT_2 + NARROWER_CELLS;
     let near = grid.within(|i| reached[i], corner);
     let from = (0..reached.len()).filter(|i| reached[*i]);
-    let is_floor = grid.connected(from, |i| near[i] && is_free(i));
+    let mut is_floor = grid.connected(from, |i| near[i] && is_free(i));
+    without_pinches(&mut is_floor, grid.width);
+    // what hung together by a corner is not connected now
+    let is_floor = grid.connected([start], |i| is_floor[i]);
     if !is_floor[target] {
         let [start, target] = [request.start, request.target].map(|p| [p.x, p.y]);
         let width = 2.0 * room * grid.resolution;

@@ -8,14 +8,19 @@ use std::collections::BTreeSet;
 /// The number of times that a tolerance is halved before an outline keeps all corners.
 const MAX_HALVINGS: u32 = 6;
 
-/// These rings, which do not touch, with fewer corners, within `tolerance` (cells) of them. Where they would
-/// cross or touch, or enclose nothing, the tolerance is halved.
+/// The largest part of its extent by which a ring is changed: a post stays round.
+const MAX_CHANGE: f64 = 1.0 / 8.0;
+
+/// These rings, which do not touch, with fewer corners, within `tolerance` (cells) and an eighth of their
+/// extent. Where they would cross or touch, or enclose nothing, the tolerance is halved.
 ///
 /// The corners are chosen by the method of D. Douglas and T. Peucker (Algorithms for the reduction of the
 /// number of points required to represent a digitized line or its caricature, Cartographica 10, 1973).
 pub(crate) fn simplified(rings: &[Vec<Vertex>], tolerance: f64) -> Vec<Vec<Vertex>> {
     let mut halvings = vec![0_u32; rings.len()];
-    let mut simple: Vec<Vec<Vertex>> = rings.iter().map(|ring| with_fewer_corners(ring, tolerance)).collect();
+    let tolerances: Vec<f64> = rings.iter().map(|ring| tolerance.min(MAX_CHANGE * extent(ring))).collect();
+    let mut simple: Vec<Vec<Vertex>> =
+        rings.iter().zip(&tolerances).map(|(ring, tolerance)| with_fewer_corners(ring, *tolerance)).collect();
     loop {
         let spoiled = spoiled(rings, &simple);
         let spoiled: Vec<usize> = spoiled.into_iter().filter(|i| halvings[*i] <= MAX_HALVINGS).collect();
@@ -26,7 +31,7 @@ pub(crate) fn simplified(rings: &[Vec<Vertex>], tolerance: f64) -> Vec<Vec<Verte
             halvings[i] += 1;
             simple[i] = match halvings[i] {
                 halved @ ..=MAX_HALVINGS => {
-                    with_fewer_corners(&rings[i], tolerance / f64::from(1_u32 << halved))
+                    with_fewer_corners(&rings[i], tolerances[i] / f64::from(1_u32 << halved))
                 }
                 _ => rings[i].clone(),
             };
@@ -61,6 +66,15 @@ fn spoiled(rings: &[Vec<Vertex>], simple: &[Vec<Vertex>]) -> BTreeSet<usize> {
         });
     }
     spoiled
+}
+
+/// The larger side of the rectangle around a ring, in cells.
+fn extent(ring: &[Vertex]) -> f64 {
+    let side = |axis: usize| {
+        let coordinates = || ring.iter().map(|corner| corner[axis]);
+        coordinates().max().unwrap_or(0) - coordinates().min().unwrap_or(0)
+    };
+    f64::from(side(0).max(side(1)))
 }
 
 fn point([x, y]: Vertex) -> Point {
