@@ -15,6 +15,7 @@ pub(super) struct WorldFile {
     pub robot_width_m: Spanned<f64>,
     pub start_m: Spanned<Pair<f64>>,
     pub target_m: Spanned<Pair<f64>>,
+    pub start_heading_deg: Option<Spanned<f64>>,
     pub option_limit: Option<Spanned<i64>>,
     pub object: Option<ObjectEntry>,
     pub map: Option<Spanned<toml::Value>>,

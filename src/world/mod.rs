@@ -70,6 +70,9 @@ pub struct World {
     pub start: Point,
     /// Target B.
     pub target: Point,
+    /// The direction in which a team with bodies faces at the start, rad; if not given, along its first path
+    /// where there is room for that.
+    pub start_heading: Option<f64>,
     /// The carried object.
     pub object: CarriedObject,
     /// The obstacles, in file order.
@@ -153,6 +156,10 @@ impl World {
         let obstacles = obstacles(source, &entries)?;
         let start = endpoint(source, "start_m", &entries.start_m, &obstacles, robot_width)?;
         let target = endpoint(source, "target_m", &entries.target_m, &obstacles, robot_width)?;
+        let heading = |entry: &Spanned<f64>| {
+            Check { place: &top(entry, "world") }.angle("start_heading_deg", *entry.get_ref())
+        };
+        let start_heading = entries.start_heading_deg.as_ref().map(heading).transpose()?.map(f64::to_radians);
         let openings_detected = entries.openings.is_empty();
         let alone = obstacles.iter().map(Obstacle::solid).collect();
         let (solids, members): (Vec<Solid>, Vec<Vec<usize>>) =
@@ -174,6 +181,7 @@ impl World {
             is_widened,
             start,
             target,
+            start_heading,
             object,
             obstacles,
             solids,

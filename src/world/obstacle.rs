@@ -253,7 +253,7 @@ impl Check<'_> {
         Ok(Point::new(x, y))
     }
 
-    fn angle(&self, field: &str, value: f64) -> Result<f64, WorldError> {
+    pub fn angle(&self, field: &str, value: f64) -> Result<f64, WorldError> {
         self.number(field, value, value.abs() <= 360.0, "an angle from -360 to 360 (degrees)")
     }
 

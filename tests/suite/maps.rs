@@ -147,7 +147,7 @@ fn a_traced_map_has_the_openings_and_options_of_the_room_drawn_by_hand() {
         assert_eq!(drawn.openings.len(), 4, "two doors, and the pillar's distances to the walls");
         // cells lie on the walls' sides, and coordinates are written to a micrometre
         assert_same_options(&traced, &drawn, [1e-5; 2]);
-        assert_eq!(traced.obstacles.len(), 2, "the walls and the pillar");
+        assert_eq!(traced.obstacles.len(), 3, "the walls, the wall between the doors, and the pillar");
     }
 }
 

@@ -110,8 +110,9 @@ fn closed_form_between_four_pillars_only_the_sides_count_as_openings() {
         );
     }
     let world = World::parse("pillars", &text).unwrap();
+    // from A toward B, then from left to right
     let pairs: Vec<_> = world.openings.iter().map(|o| o.between).collect();
-    assert_eq!(pairs, [[0, 1], [0, 3], [1, 2], [2, 3]]);
+    assert_eq!(pairs, [[1, 2], [0, 1], [2, 3], [0, 3]]);
     for opening in &world.openings {
         assert!((opening.width - 1.4).abs() < 1e-6, "{}", opening.width);
         assert!((opening.risk(0.5) - 0.5 / opening.width).abs() < 1e-15);

@@ -78,8 +78,8 @@ fn floor(grid: &Grid, map: &str, request: &Request) -> Result<Vec<bool>, MapErro
     let radius = request.robot_width / 2.0 / grid.resolution;
     let room = (radius - NARROWER_CELLS / 2.0).max(0.0);
     let blocked = grid.within(|i| !is_free(i), room);
-    // from the start itself where it is too close to an obstacle: the world is refused for it
-    let is_open = |i: usize| is_free(i) && (!blocked[i] || i == start);
+    // a start too close to an obstacle is refused with the world that is made here
+    let is_open = |i: usize| is_free(i) && (!blocked[i] || blocked[start]);
     let reached = grid.connected([start], is_open);
     drop(blocked);
     // a square corner is this far from where the robot's middle gets to
