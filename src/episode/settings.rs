@@ -56,7 +56,7 @@ impl Default for Settings {
 
 impl Settings {
     /// The team's pace.
-    pub(super) fn pace(&self) -> Pace {
+    pub fn pace(&self) -> Pace {
         let Self { period, speed, yaw_rate, .. } = *self;
         Pace { period, speed, yaw_rate }
     }
