@@ -50,7 +50,7 @@ impl<'a> Episode<'a> {
         let Some((_, decision)) = &self.decided else { return };
         let Some(looks_like) = looks_like(&self.tick, decision.lead) else { return };
         // impossible only without lapses: such a look is then left out
-        drop(learner.see_walk(&self.prospects, Some(self.tick.executed), looks_like));
+        drop(learner.see_walk(&self.prospects, &self.ways, looks_like));
     }
 
     /// Learns from the human's response to the robot's lead, and puts P_o, J~_o and phi of the belief in place
@@ -63,8 +63,8 @@ impl<'a> Episode<'a> {
             learner.see_led_step(misalignment(&self.tick.options), human.stance == Stance::TakeOver);
         }
         if predicts {
-            let current = self.underway.then_some(self.tick.executed);
-            learner.predict(&self.prospects, current, &mut self.choice);
+            learner.predict(&self.prospects, &self.ways, &mut self.choice);
+            self.choice.add_lapses(self.predictor.lapse_rate());
             for (tick, p) in self.tick.options.iter_mut().zip(self.choice.probabilities()) {
                 tick.probability = *p;
             }

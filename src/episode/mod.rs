@@ -32,7 +32,7 @@ use crate::human::{Human, HumanDecision, PreferenceHuman};
 use crate::learning::Learner;
 use crate::options::{OptionSet, Progress, Remaining};
 use crate::policy::{Decision, RobotPolicy};
-use crate::preference::{ChoiceDistribution, Perception, Predictor, Prospect};
+use crate::preference::{ChoiceDistribution, Perception, Predictor, Prospect, Ways};
 use crate::robot::Configuration;
 use crate::simulation::{Observation, PhysicsError, PhysicsSettings};
 use crate::team::{PointTeam, Route, Team, Walk};
@@ -64,6 +64,7 @@ pub struct Episode<'a> {
     /// The decisions of the last step.
     decided: Option<(HumanDecision, Decision)>,
     prospects: Vec<Prospect>,
+    ways: Ways,
     choice: ChoiceDistribution,
     expected: Vec<f64>,
     steps_without_progress: u32,
@@ -120,6 +121,7 @@ impl<'a> Episode<'a> {
             human_decision: None,
             decided: None,
             prospects: Vec::with_capacity(n),
+            ways: Ways::default(),
             choice: ChoiceDistribution::default(),
             expected: Vec::with_capacity(n),
             steps_without_progress: 0,
@@ -275,6 +277,11 @@ impl Episode<'_> {
     /// The decisions of the human and of the robot's policy in the last step; `None` before the first.
     pub fn decided(&self) -> Option<&(HumanDecision, Decision)> {
         self.decided.as_ref()
+    }
+
+    /// Which options had become one way in the last step.
+    pub fn ways(&self) -> &Ways {
+        &self.ways
     }
 
     /// The last step taken.

@@ -72,13 +72,17 @@ impl Episode<'_> {
                     && toward.is_some_and(|toward| is_misaligned(toward, remaining.next)),
             });
         }
+        let Self { options, progress, prospects, .. } = self;
+        let current = self.underway.then_some(self.tick.executed);
+        self.ways.find(prospects.len(), current, |a, b| {
+            prospects[a] == prospects[b] && options.lead_the_same_way(progress, a, b)
+        });
     }
 
     fn predict_choice(&mut self) {
         let robot_leads = self.mode == Mode::RobotLed;
         if self.predicts_choice() {
-            let current = self.underway.then_some(self.tick.executed);
-            self.predictor.predict_from(&self.prospects, current, &mut self.choice);
+            self.predictor.predict_from(&self.prospects, &self.ways, &mut self.choice);
             for (tick, p) in self.tick.options.iter_mut().zip(self.choice.probabilities()) {
                 tick.probability = *p;
             }

@@ -120,10 +120,10 @@ fn the_belief_is_calibrated_and_a_wrong_likelihood_is_not() {
 #[test]
 fn rates_out_of_their_range_are_refused_by_flag() {
     for (flag, value, expected) in [
-        ("--lapse-rate", "0.7", "must be at least 0 and at most 0.5"),
-        ("--lapse-rate", "-1", "must be at least 0 and at most 0.5"),
-        ("--assumed-lapse-rate", "nan", "must be at least 0 and at most 0.5"),
-        ("--assumed-lapse-rate", "often", "must be a number"),
+        ("--lapse-rate", "0.7", "must be a number from 0 to 0.5"),
+        ("--lapse-rate", "-1", "must be a number from 0 to 0.5"),
+        ("--assumed-lapse-rate", "nan", "must be a number from 0 to 0.5"),
+        ("--assumed-lapse-rate", "often", "must be a number from 0 to 0.5"),
     ] {
         let output = cocarry(&["calibrate", flag, value]);
         assert_eq!(output.status.code(), Some(2), "{flag} {value}");

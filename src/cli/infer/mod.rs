@@ -18,7 +18,7 @@ use crate::fit::{
 use crate::learning;
 use crate::options::OptionSet;
 use crate::recording::{Reader, rerun, scenario};
-use crate::scenario::{INITIAL_STUBBORNNESS, Plant, Scenario};
+use crate::scenario::{BELIEF_LAPSE, INITIAL_STUBBORNNESS, Plant, Scenario};
 use anyhow::{Context, anyhow};
 use clap::Args;
 use serde_json::json;
@@ -54,7 +54,7 @@ pub(super) struct InferArguments {
     #[command(flatten)]
     model: ModelArguments,
     /// Probability that an answer or a switch says nothing about its participant
-    #[arg(long, value_name = "RATE", value_parser = super::calibrate::lapse_rate, allow_negative_numbers = true, default_value_t = learning::Settings::default().lapse_rate)]
+    #[arg(long, value_name = "RATE", value_parser = number(&BELIEF_LAPSE), allow_negative_numbers = true, default_value_t = learning::Settings::default().lapse_rate)]
     lapse_rate: f64,
     /// Median of eta a priori
     #[arg(long, conflicts_with = "means_of", value_name = "ETA", value_parser = of_eta, allow_negative_numbers = true, default_value_t = learning::TolerancePrior::default().median)]
