@@ -104,56 +104,22 @@
 //! ```
 
 pub mod arithmetic;
-#[cfg(feature = "cli")]
-pub mod cli;
-#[cfg(feature = "studies")]
-pub mod cluster;
-#[cfg(feature = "studies")]
-pub mod columns;
 pub mod control;
 pub mod coordination;
-#[cfg(feature = "drawing")]
-pub mod drawing;
 pub mod episode;
-#[cfg(feature = "studies")]
-pub mod fit;
 pub mod geometry;
 pub mod human;
 pub mod learning;
 pub mod located;
 pub mod math;
 pub mod options;
-#[cfg(any(feature = "recording", feature = "studies"))]
-pub mod output_file;
-pub mod palette;
-#[cfg(feature = "studies")]
-pub mod paper;
-#[cfg(feature = "studies")]
-pub mod parallel;
 pub mod policy;
 pub mod preference;
-#[cfg(any(feature = "recording", feature = "studies"))]
 pub mod quantities;
-#[cfg(feature = "recording")]
-pub mod recording;
-#[cfg(feature = "studies")]
-pub mod regression;
-#[cfg(feature = "rendering")]
-pub mod rendering;
-#[cfg(feature = "studies")]
-pub mod report;
 pub mod robot;
 pub mod saved;
 pub mod scenario;
 pub mod simulation;
-#[cfg(feature = "studies")]
-pub mod statistics;
-#[cfg(feature = "studies")]
-pub mod study;
 pub mod suggestion;
-#[cfg(feature = "studies")]
-pub mod table;
 pub mod team;
 pub mod world;
-#[cfg(feature = "studies")]
-pub mod zarr;

@@ -4,10 +4,10 @@
 use crate::support::{cocarry, json, load, stderr};
 use cocarry::episode::prospects;
 use cocarry::options::OptionSet;
-use cocarry::paper::cycles::random_world;
 use cocarry::preference::{ChoiceDistribution, Predictor};
 use cocarry::scenario::Scenario;
 use cocarry::world::{BUILT_IN_WORLDS, World};
+use cocarry_studies::paper::cycles::random_world;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde_json::Value;

@@ -1,0 +1,227 @@
+//! Tables of what was inferred.
+
+use crate::output::table_with_notes;
+use cocarry_studies::fit::{
+    Answers, Figure, HeldOut, Inference, InferenceSettings, Means, Person, Population, QUANTITIES, Score,
+};
+use cocarry_studies::table::{Cell, Columns, Table};
+use serde_json::{Value, json};
+
+fn interval([low, high]: [f64; 2], decimals: usize) -> String {
+    format!("{low:.decimals$} to {high:.decimals$}")
+}
+
+/// Adds the columns of a figure for programs; a row without it has none.
+fn figure<'a, R>(columns: Columns<'a, R>, key: &str, of: impl Fn(&R) -> Option<Figure>) -> Columns<'a, R> {
+    let value = |number: Option<f64>| Value::from(number.filter(|n| n.is_finite()));
+    let numbers = |f: Figure| {
+        let ends = [f.interval, f.interval_50, f.interval_80].into_iter().flatten();
+        [f.mean, f.std].into_iter().chain(ends).chain([f.median]).collect::<Vec<f64>>()
+    };
+    let parts = ["mean", "std", "low", "high", "low_50", "high_50", "low_80", "high_80", "median"];
+    parts.iter().enumerate().fold(columns, |columns, (i, part)| {
+        columns.data(&format!("{key}_{part}"), |row| value(of(row).map(|figure| numbers(figure)[i])))
+    })
+}
+
+/// Adds median and intervals of a figure, for people.
+fn intervals<'a, R>(columns: Columns<'a, R>, decimals: usize, of: impl Fn(&R) -> Figure) -> Columns<'a, R> {
+    columns
+        .derived("median", |row| format!("{:.decimals$}", of(row).median))
+        .derived("50 %", |row| interval(of(row).interval_50, decimals))
+        .derived("80 %", |row| interval(of(row).interval_80, decimals))
+        .derived("95 %", |row| interval(of(row).interval, decimals))
+}
+
+/// All figures of every participant, for programs.
+pub(super) fn people(inference: &Inference) -> Table {
+    let within = |which: usize| move |p: &Person| p.within_population.map(|figures| figures[which]);
+    let columns = Columns::of(&inference.people)
+        .text("participant", "participant", |p| p.participant.clone())
+        .count("answers", "answers", |p| p.answers as u64)
+        .count("looks", "looks", |p| p.looks as u64);
+    let columns = figure(columns, "alpha", |p| Some(p.alpha));
+    let columns = figure(columns, "gamma", |p| Some(p.gamma))
+        .data("correlation", |p| p.correlation)
+        .data("information_nats", |p| p.information)
+        .data("log_evidence", |p| p.log_evidence);
+    let columns = figure(columns, "population_alpha", within(0));
+    let columns = figure(columns, "population_gamma", within(1));
+    let columns = columns.count("episodes", "episodes", |p| p.episodes as u64);
+    figure(columns, "eta", |p| p.eta).table("people", "Participants")
+}
+
+/// alpha or gamma of a participant.
+struct Parameter<'a> {
+    person: &'a Person,
+    name: &'static str,
+    figure: Figure,
+}
+
+/// The rows of alpha and gamma of every participant.
+fn parameters<'a>(
+    people: &[&'a Person],
+    figures: impl Fn(&Person) -> Option<[Figure; 2]>,
+) -> Vec<Parameter<'a>> {
+    let of = |person: &&'a Person| {
+        let person = *person;
+        let named =
+            figures(person).into_iter().flat_map(|figures| ["alpha", "gamma"].into_iter().zip(figures));
+        named.map(move |(name, figure)| Parameter { person, name, figure }).collect::<Vec<_>>()
+    };
+    people.iter().flat_map(of).collect()
+}
+
+fn of_parameters<'a>(rows: &'a [Parameter<'a>], has_counts: bool) -> Columns<'a, Parameter<'a>> {
+    // what belongs to both rows of a participant is in the first
+    let once = |row: &Parameter, text: String| if row.name == "alpha" { text } else { String::new() };
+    let name = |row: &Parameter| once(row, row.person.participant.clone());
+    let mut columns = Columns::of(rows).text("participant", "participant", name);
+    let counts: [(&str, fn(&Person) -> usize); 2] = [("answers", |p| p.answers), ("looks", |p| p.looks)];
+    for (heading, count) in counts.into_iter().filter(|_| has_counts) {
+        if rows.iter().any(|row| count(row.person) > 0) {
+            columns = columns.derived(heading, |row| once(row, count(row.person).to_string()));
+        }
+    }
+    intervals(columns.text("parameter", "parameter", |row| row.name), 2, |row| row.figure)
+}
+
+/// What a terminal shows.
+pub(super) fn tables(inference: &Inference, settings: &InferenceSettings) -> Vec<Table> {
+    let mut tables = Vec::new();
+    let answered: Vec<&Person> = inference.people.iter().filter(|p| p.answers + p.looks > 0).collect();
+    if !answered.is_empty() {
+        let rows = parameters(&answered, |p| Some([p.alpha, p.gamma]));
+        let table = of_parameters(&rows, true)
+            .table("answers", "alpha and gamma of each participant, from their own answers");
+        tables.push(table.with_note(format!("Lapse rate {}. Central intervals.", settings.lapse_rate)));
+    }
+    if inference.population.is_some() && !answered.is_empty() {
+        let rows = parameters(&answered, |p| p.within_population);
+        let table = of_parameters(&rows, false)
+            .table("within", "The same within the population, from everybody's answers");
+        let note =
+            format!("{} draws, seed {}.", settings.draws * cocarry_studies::fit::CHAINS, settings.seed);
+        tables.push(table.with_note(note));
+    }
+    if let Some(population) = &inference.population {
+        tables.push(of_population(population));
+    }
+    let watched: Vec<(&Person, Figure)> = inference.people.iter().filter_map(|p| Some((p, p.eta?))).collect();
+    if !watched.is_empty() {
+        let columns = Columns::of(&watched)
+            .text("participant", "participant", |(p, _)| p.participant.clone())
+            .count("episodes", "episodes", |(p, _)| p.episodes as u64);
+        let mut table = intervals(columns, 2, |(_, eta)| *eta)
+            .table("tolerances", "eta of each participant, from their own switches");
+        if let Some(overall) = inference.tolerances.as_ref().and_then(|fit| fit.overall) {
+            let interval = inference.tolerances.as_ref().and_then(|fit| fit.median_interval);
+            let interval = interval
+                .map_or(String::new(), |ends| format!(" (95 % interval {})", self::interval(ends, 2)));
+            table = table.with_note(format!(
+                "All, as in `cocarry fit eta`: log-normal, median {:.2}{interval}, standard deviation of the logarithm {:.2}.",
+                overall.median, overall.log_std
+            ));
+        }
+        tables.push(table);
+    }
+    if !inference.held_out.is_empty() {
+        tables.push(of_held_out(&inference.held_out));
+        let rows = Columns::of(&inference.checks)
+            .text("world", "world", |row| row.world.clone())
+            .text("option", "option", |row| row.option.clone())
+            .number("answered", "answered", 2, |row| row.observed)
+            .number("predicted", "predicted", 2, |row| row.expected)
+            .number("rank", "rank", 3, |row| row.rank)
+            .number("p", "p", 3, |row| row.p_value);
+        tables.push(rows.table("checks", "Answers for each option, predicted from the other worlds").with_note(
+            "rank: the probability of fewer choices than answered. Percentages scatter less than choices, so ranks near 0 and 1 are rarer than by chance. p: twice the smaller tail, not corrected for the number of options.",
+        ));
+    }
+    tables
+}
+
+/// The quantities of a population, posterior and prior.
+pub(super) fn of_population(population: &Population) -> Table {
+    let both = population.posterior.iter().zip(&population.prior).zip(QUANTITIES);
+    let rows: Vec<(&str, Figure)> =
+        both.flat_map(|((posterior, prior), name)| [(name, *posterior), ("  a priori", *prior)]).collect();
+    let columns = Columns::of(&rows).text("over people", "quantity", |(name, _)| *name);
+    intervals(columns, 3, |(_, figure)| *figure)
+        .table("population", "The population of alpha and gamma")
+        .with_note(format!(
+            "Information of the answers about the population: {:.2} nats. Logarithm of their probability: {:.2}.",
+            population.information, population.log_evidence
+        ))
+}
+
+pub(super) fn population_json(population: &Population) -> Value {
+    let quantity = |which: usize| {
+        json!({
+            "quantity": QUANTITIES[which],
+            "posterior": population.posterior[which],
+            "prior": population.prior[which],
+        })
+    };
+    json!({
+        "quantities": (0..QUANTITIES.len()).map(quantity).collect::<Vec<_>>(),
+        "information_nats": population.information,
+        "log_evidence": population.log_evidence,
+    })
+}
+
+fn of_held_out(rows: &[HeldOut]) -> Table {
+    let score = |score: Option<Score>| match score {
+        None => "-".to_owned(),
+        Some(Score { log_score, hits }) => {
+            let log = log_score.map_or("-inf".to_owned(), |log| format!("{log:.3}"));
+            format!("{log}, {:.0} %", 100.0 * hits)
+        }
+    };
+    Columns::of(rows)
+        .text("held out", "world", |row| row.world.clone().unwrap_or_else(|| "all".to_owned()))
+        .count("answers", "answers", |row| row.answers as u64)
+        .column("own posterior", false, &[], |row| Cell { shown: score(Some(row.posterior)), values: vec![] })
+        .column("prior", false, &[], |row| Cell { shown: score(Some(row.prior)), values: vec![] })
+        .column("fit", false, &[], |row| Cell { shown: score(row.fit), values: vec![] })
+        .table("held_out", "Answers in a world, predicted from the others: mean log score, and share of hits")
+        .with_note(
+            "own posterior: of each participant, from their answers in the other worlds. prior: the belief. fit: c_r and lapse rate of the largest likelihood for everyone in the other worlds. A hit: the most probable option has the largest percentage.",
+        )
+}
+
+/// What mean answers say.
+pub(super) fn of_means(means: &Means, answers: &Answers, people: u64) -> String {
+    let rows = Columns::of(&means.rows)
+        .text("world", "world", |row| row.world.clone())
+        .text("option", "option", |row| row.option.clone())
+        .number("answered (%)", "answered_percent", 1, |row| row.answered_percent)
+        .number("posterior (%)", "posterior_percent", 1, |row| row.posterior_percent)
+        .number("prior (%)", "prior_percent", 1, |row| row.prior_percent);
+    let rows = rows
+        .table("rows", format!("Mean answers of {people} people, and what the populations give"))
+        .with_note("posterior, prior: means over the populations, lapses included.");
+    let scaled = scaled(answers);
+    format!("{}{scaled}\n{}", table_with_notes(&of_population(&means.population)), table_with_notes(&rows))
+}
+
+/// The answers that were scaled.
+fn scaled(answers: &Answers) -> String {
+    let line = |(participant, world, sum): &(String, String, f64)| {
+        format!("The answer of `{participant}` in {world} summed to {sum} %: scaled to 100 %.\n")
+    };
+    answers.scaled.iter().map(line).collect()
+}
+
+/// What was scaled or left out.
+pub(super) fn notes(answers: Option<&Answers>, inference: &Inference) -> String {
+    let lines = inference.tolerances.iter().flat_map(|fit| &fit.unexplained_lines);
+    let lines: Vec<String> = lines.map(u64::to_string).collect();
+    let left_out = match lines.is_empty() {
+        true => String::new(),
+        false => {
+            format!("Left out: no eta explains a switch before any discomfort; line {}.\n", lines.join(", "))
+        }
+    };
+    answers.map_or(String::new(), scaled) + &left_out
+}
