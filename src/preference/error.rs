@@ -87,7 +87,7 @@ pub enum PreferenceError {
         risk_weight: f64,
     },
     /// A rationality that is not positive, or too large.
-    #[error("rationality {value} must be greater than 0 and at most {MAX_RATIONALITY}")]
+    #[error("rationality {value} must be a number greater than 0 and at most {MAX_RATIONALITY}")]
     Rationality {
         /// The value given.
         value: f64,
@@ -108,7 +108,7 @@ pub enum PreferenceError {
     #[error("the observation is impossible under the belief: allow lapses, or another person")]
     Impossible,
     /// A rate that is not a probability.
-    #[error("{name} {value} must be at least {least} and at most {most}")]
+    #[error("{name} {value} must be a number from {least} to {most}")]
     Rate {
         /// Its name.
         name: &'static str,

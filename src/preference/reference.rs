@@ -261,7 +261,7 @@ fn closed_form_with_lapses_any_option_is_taken() {
     assert!(choice.is_empty());
     for bad in [-0.1, 0.51, f64::NAN] {
         let error = predictor.set_lapse_rate(bad).unwrap_err().to_string();
-        assert!(error.contains("lapse rate") && error.contains("at most 0.5"), "{error}");
+        assert!(error.contains("lapse rate") && error.contains("from 0 to 0.5"), "{error}");
     }
 }
 
