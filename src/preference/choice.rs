@@ -63,6 +63,11 @@ impl ChoiceDistribution {
         self.probabilities.iter_mut().for_each(|p| *p = with_lapses(*p, lapse_rate, options));
     }
 
+    /// Removes all entries, and keeps the memory.
+    pub fn clear(&mut self) {
+        self.probabilities.clear();
+    }
+
     pub(super) fn set_certain(&mut self, options: usize, chosen: usize) {
         self.probabilities.clear();
         self.probabilities.resize(options, 0.0);
