@@ -8,7 +8,7 @@ use crate::human::{Human, PreferenceHuman};
 use crate::options::OptionSet;
 use crate::plant::{Kinematic, Physical, Plant, PointPlant};
 use crate::policy::RobotPolicy;
-use crate::preference::Perception;
+use crate::preference::{Perception, Ways};
 use crate::simulation::{KinematicPlant, PhysicsError, PhysicsSettings};
 use crate::team::{InTandem, OnPath, Route, Surroundings, Walk};
 use crate::world::World;
@@ -222,6 +222,7 @@ pub(super) fn point_episode<'a>(
         begun: None,
         decided: None,
         prospects: Vec::new(),
+        ways: Ways::default(),
         memory: Default::default(),
         body_poses: Vec::new(),
         steps_without_progress: 0,

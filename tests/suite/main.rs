@@ -50,5 +50,6 @@ mod suggestions;
 mod support;
 mod sweeps;
 mod terminal;
+mod ties;
 
 mod worlds;
