@@ -201,7 +201,7 @@ pub(super) fn point_episode<'a>(
     policy: Box<dyn RobotPolicy + 'a>,
 ) -> Episode<'a> {
     let progress = options.begin();
-    let per_step = settings.speed * settings.period;
+    let per_step = settings.speed * settings.planning_step;
     let longest = prospects(options, &progress).iter().map(|p| p.length).fold(0.0, f64::max);
     let tick_limit = settings.tick_limit.unwrap_or((10.0 * longest / per_step).ceil() as u64 + 1);
     Episode {
@@ -223,6 +223,8 @@ pub(super) fn point_episode<'a>(
         decided: None,
         prospects: Vec::new(),
         ways: Ways::default(),
+        hand_from: progress.position,
+        hands: Vec::new(),
         memory: Default::default(),
         body_poses: Vec::new(),
         steps_without_progress: 0,

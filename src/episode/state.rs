@@ -53,7 +53,7 @@ impl Episode<'_> {
             // inputs
             options: _, settings: _, manipulator: _, tick_limit: _, ignores_loss: _,
             // memory that every step fills again
-            predictor: _, memory: _, body_poses: _,
+            predictor: _, memory: _, body_poses: _, hand_from: _, hands: _,
             // of a step that is not whole
             begun: _,
             // for a robot that learns

@@ -13,6 +13,13 @@ use crate::simulation::{HumanSettings, PhysicsSettings};
 
 /// The range of alpha and gamma.
 pub const PERCEPTION: Range = Range::above(0.0, LARGEST_PERCEPTION);
+const PERIODS: Range = Range::between(0.01, 60.0);
+/// A key and a flag of before, and what to give in their place.
+pub const PERIOD: [&str; 3] = [
+    "period_s",
+    "period",
+    "given as planning_step_s (--planning-step), in which phi, g and J count, or as control_period_s (--control-period), of eqs. (7) and (8); it was both in one",
+];
 const POSITIVE: Range = Range::above(0.0, 1e6);
 const NOT_NEGATIVE: Range = Range::between(0.0, 1e6);
 
@@ -153,6 +160,17 @@ pub const SWAY: Setting = Setting {
     ),
 };
 
+/// The planning step k.
+pub const PLANNING_STEP: Setting = Setting {
+    key: "planning_step_s",
+    flag: "planning-step",
+    path: "settings.period_s",
+    group: Group::Walk,
+    about: "Planning step k, in seconds: phi, g, J and looks count in it, so an eta is for one planning step",
+    applies: Applies::Always,
+    kind: Kind::Number(PERIODS, field!(scenario s => s.settings.planning_step)),
+};
+
 /// phi(0) of eq. (5).
 pub const INITIAL_STUBBORNNESS: Setting = Setting {
     key: "initial_stubbornness",
@@ -197,14 +215,21 @@ pub const SETTINGS: &[Setting] = &[
             },
         ),
     },
+    PLANNING_STEP,
     Setting {
-        key: "period_s",
-        flag: "period",
-        path: "settings.period_s",
-        group: Group::Walk,
-        about: "Control period, in seconds; one planning step each",
+        key: "control_period_s",
+        flag: "control-period",
+        path: "settings.control_period_s",
+        group: Group::Control,
+        about: "Control period of eqs. (7) and (8), in seconds, a whole fraction of the planning step [default: the planning step]",
         applies: Applies::Always,
-        kind: Kind::Number(Range::between(0.01, 60.0), field!(scenario s => s.settings.period)),
+        kind: Kind::Number(
+            PERIODS,
+            Field {
+                get: |s| s.settings.control_period,
+                set: |s, value| s.settings.control_period = Some(value),
+            },
+        ),
     },
     Setting {
         key: "speed_m_per_s",

@@ -134,7 +134,12 @@ fn another(setting: &Setting, defaults: &Scenario) -> Value {
     // from the last, so that there are candidates
     let words: Vec<&str> = words.rev().collect();
     let texts = if words.is_empty() { texts.to_vec() } else { words };
-    let texts = if setting.key == "posture" { vec!["elbow-out"] } else { texts };
+    let texts = match setting.key {
+        "posture" => vec!["elbow-out"],
+        // a whole fraction of the planning step and of another one
+        "control_period_s" => vec!["0.05"],
+        _ => texts,
+    };
     let found =
         texts.iter().filter_map(|text| setting.parse(text).ok()).find(|v| Some(v) != default.as_ref());
     found.unwrap_or_else(|| panic!("no other value for {}", setting.key))
