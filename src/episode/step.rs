@@ -100,6 +100,7 @@ impl Episode<'_> {
         // memory for the next step
         *predicted.options() = std::mem::replace(&mut self.tick, tick).options;
         std::mem::swap(&mut self.prospects, &mut evaluated.prospects);
+        std::mem::swap(&mut self.ways, &mut evaluated.ways);
         self.memory = (evaluated, predicted);
     }
 
