@@ -41,14 +41,16 @@ impl Controller for DampedLeastSquares<'_> {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(&Robot::built_in()?));
-    let prepared = Scenario::new(World::find("environment-1".as_ref(), "environment-1")?.into(), plant).prepare()?;
+    let prepared =
+        Scenario::new(World::find("environment-1".as_ref(), "environment-1")?.into(), plant).prepare()?;
     let (manipulator, pace) = (prepared.manipulator().ok_or("a robot")?, prepared.scenario().settings.pace());
     let options = prepared.options().options().len();
     let references = References::new(manipulator.control.direction_concentration, pace, options);
     let controller = DampedLeastSquares { manipulator, references, pace };
     let mut episode = prepared.builder()?.with_controller(controller).begin()?;
     while episode.step().is_none() {}
-    let (end, force) = (episode.summary(), episode.summary().interaction.map_or(0.0, |forces| forces.mean_force()));
+    let (end, force) =
+        (episode.summary(), episode.summary().interaction.map_or(0.0, |forces| forces.mean_force()));
     println!("{} after {} steps, {force:.1} N at the human's hand", end.outcome.name(), end.steps);
     Ok(())
 }

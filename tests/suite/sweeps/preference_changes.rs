@@ -102,7 +102,10 @@ seeds = { first = 1, last = 3 }
     }
     let steps = |seed: &str| {
         let row = rows.iter().find(|row| row["seed"] == seed).expect("a row");
-        row["preference_changes"].split(' ').map(|c| c.split(':').next().unwrap_or_default().to_owned()).collect::<Vec<_>>()
+        row["preference_changes"]
+            .split(' ')
+            .map(|c| c.split(':').next().unwrap_or_default().to_owned())
+            .collect::<Vec<_>>()
     };
     assert_eq!(steps("1"), ["7", "58"]);
 }
