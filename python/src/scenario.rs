@@ -8,7 +8,7 @@ use cocarry::options::OptionSet;
 use cocarry::preference::{Belief, Marginal, Perception, Predictor, RISK_WEIGHT, WeightedSample};
 use cocarry::robot;
 use cocarry::scenario::{
-    self, GivenPerception, Kind, PERCEPTION, Plant, PlantKind, PreferenceChanges, PreparedScenario,
+    self, GivenPerception, Kind, PERCEPTION, PERIOD, Plant, PlantKind, PreferenceChanges, PreparedScenario,
     RobotSetup, SETTINGS, Setting, Value, drawn_changes, drawn_human,
 };
 use cocarry::world;
@@ -211,6 +211,9 @@ fn value_of(setting: &Setting, given: &Bound<'_, PyAny>) -> PyResult<Value> {
 fn apply(scenario: &mut scenario::Scenario, settings: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
     for (key, given) in settings.into_iter().flatten() {
         let key: String = key.extract()?;
+        if key == PERIOD[0] {
+            return Err(refused(&key, repr(&given), PERIOD[2]));
+        }
         let Some(setting) = SETTINGS.iter().find(|setting| setting.key == key) else {
             let known = SETTINGS.iter().map(|setting| setting.key).collect::<Vec<_>>().join(", ");
             return Err(ScenarioError::new_err(format!(

@@ -323,7 +323,7 @@ def interrupt(act):
 
 
 def test_ctrl_c_stops_runs_and_sweeps():
-    slow = cocarry.Scenario("environment-4", plant="rapier", speed_m_per_s=0.01, period_s=0.05)
+    slow = cocarry.Scenario("environment-4", plant="rapier", speed_m_per_s=0.01, planning_step_s=0.05)
     episode = cocarry.Episode(slow)
     assert interrupt(episode.run) < 5
     assert episode.outcome is None

@@ -8,7 +8,7 @@ use crate::human::{Human, PreferenceHuman};
 use crate::options::OptionSet;
 use crate::plant::{Kinematic, Physical, Plant, PointPlant};
 use crate::policy::RobotPolicy;
-use crate::preference::Perception;
+use crate::preference::{Perception, Ways};
 use crate::simulation::{KinematicPlant, PhysicsError, PhysicsSettings};
 use crate::team::{InTandem, OnPath, Route, Surroundings, Walk};
 use crate::world::World;
@@ -201,7 +201,7 @@ pub(super) fn point_episode<'a>(
     policy: Box<dyn RobotPolicy + 'a>,
 ) -> Episode<'a> {
     let progress = options.begin();
-    let per_step = settings.speed * settings.period;
+    let per_step = settings.speed * settings.planning_step;
     let longest = prospects(options, &progress).iter().map(|p| p.length).fold(0.0, f64::max);
     let tick_limit = settings.tick_limit.unwrap_or((10.0 * longest / per_step).ceil() as u64 + 1);
     Episode {
@@ -222,6 +222,9 @@ pub(super) fn point_episode<'a>(
         begun: None,
         decided: None,
         prospects: Vec::new(),
+        ways: Ways::default(),
+        hand_from: progress.position,
+        hands: Vec::new(),
         memory: Default::default(),
         body_poses: Vec::new(),
         steps_without_progress: 0,

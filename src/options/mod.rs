@@ -223,6 +223,12 @@ impl OptionSet {
         }
     }
 
+    /// Whether two options have the same remaining way from the team's position.
+    pub fn lead_the_same_way(&self, progress: &Progress, first: usize, second: usize) -> bool {
+        let ahead = |option: usize| self.exit(progress, option).0.ahead(&self.options[option]);
+        ahead(first).eq(ahead(second))
+    }
+
     /// The remaining path of an option from the team's position. Its length is [`Remaining::length`]. `None`
     /// where there is no path.
     pub fn path(&self, progress: &Progress, option: usize) -> Option<Path> {

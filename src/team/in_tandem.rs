@@ -7,6 +7,7 @@ use crate::control::{Follower, HORIZON, Intent, Reference, RobotObstacles, refer
 use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose, Widening, angle_of, direction, nearest, wrap_angle};
 use crate::human::Stance;
+use crate::math;
 use crate::options::OptionSet;
 use crate::plant::{HumanMotion, Seen, on_floor};
 use crate::saved::{NotRestored, Saved};
@@ -127,7 +128,8 @@ impl<'a> InTandem<'a> {
         let on_bend = step.travel.share_on_bend(&pace, |s| team_path.pose(step.path, *path_position + s));
         *path_speed = step.travel.speed_after(*path_speed, turning * waiting * yielding * on_bend, &pace);
         // who feels resistance gives up the lead over the object
-        let given_up = (1.0 - yielding) * (*path_position - step.from);
+        let kept = math::pow(yielding, pace.period / pace.step);
+        let given_up = (1.0 - kept) * (*path_position - step.from);
         *path_position += *path_speed * pace.period - given_up;
         let following = share(OUT_OF_PLACE_M, out_of_place, 0.2);
         let gently = Pace { yaw_rate: pace.yaw_rate * following, ..pace };
@@ -171,7 +173,7 @@ impl Walk for InTandem<'_> {
         // where the hand will be
         let hand = seen.hand() + (led.position - before);
         let facing = angle_of(team_path.body_on(step.path, *path_position, hand) - hand);
-        let hand = match (step.human.hand, step.human.stance, step.mode) {
+        let hand = match (step.hand, step.stance, step.mode) {
             (Some(position), _, _) => Some(PlanarPose { position, ..led }),
             (None, _, Mode::HumanLed) => Some(led),
             (None, Stance::Resist, Mode::RobotLed) => seen.bodies.map(|bodies| bodies.hand_planar),
@@ -211,7 +213,7 @@ impl Walk for InTandem<'_> {
             // before reversing, the team brakes
             Travel::Backward => {
                 let moves = intent.moves_soon();
-                (moves.norm() / self.pace.period).copysign(moves.dot(&ahead))
+                (moves.norm() / self.pace.step).copysign(moves.dot(&ahead))
             }
         }
     }

@@ -21,7 +21,7 @@ pub use team_path::Turned;
 use crate::control::{Intent, Reference};
 use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose, Widening};
-use crate::human::HumanDecision;
+use crate::human::Stance;
 use crate::plant::{HumanMotion, Seen};
 use crate::saved::{NotRestored, Saved};
 
@@ -132,8 +132,10 @@ pub struct Step<'s> {
     pub mode: Mode,
     /// The team's direction of travel along its path.
     pub travel: Travel,
-    /// The human's decision.
-    pub human: &'s HumanDecision,
+    /// The human's response to the robot's lead.
+    pub stance: Stance,
+    /// Where the human's own hand goes by the end of the period, m, world frame; none: with the leader.
+    pub hand: Option<Point>,
     /// The present path.
     pub path: &'s Path,
     /// The team's position along it, m.

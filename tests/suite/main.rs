@@ -26,6 +26,7 @@ mod outputs;
 mod own_robots;
 mod own_shape;
 mod paths;
+mod periods;
 mod physical_carrying;
 mod physics;
 mod pictures;
@@ -50,5 +51,6 @@ mod suggestions;
 mod support;
 mod sweeps;
 mod terminal;
+mod ties;
 
 mod worlds;

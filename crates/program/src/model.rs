@@ -7,7 +7,7 @@ use clap::Args;
 use cocarry::episode::PreferenceChange;
 use cocarry::located;
 use cocarry::preference::{self, Belief, Marginal, Perception, Predictor, WeightedSample};
-use cocarry::scenario::{PERCEPTION, RISK_WEIGHT};
+use cocarry::scenario::{BELIEF_LAPSE, BELIEF_RATIONALITY, PERCEPTION, RISK_WEIGHT};
 use cocarry::world::World;
 use std::path::{Path, PathBuf};
 
@@ -16,6 +16,10 @@ use std::path::{Path, PathBuf};
 pub(super) struct ModelArguments {
     #[arg(long, value_name = "M", help = RISK_WEIGHT.about, default_value_t = preference::RISK_WEIGHT, value_parser = number(&RISK_WEIGHT), allow_negative_numbers = true)]
     pub risk_weight: f64,
+    #[arg(long, value_name = "RATE", help = BELIEF_LAPSE.about, default_value_t = 0.0, value_parser = number(&BELIEF_LAPSE), allow_negative_numbers = true)]
+    pub belief_lapse: f64,
+    #[arg(long, value_name = "BETA", help = BELIEF_RATIONALITY.about, value_parser = number(&BELIEF_RATIONALITY), allow_negative_numbers = true)]
+    pub belief_rationality: Option<f64>,
     #[command(flatten)]
     pub belief: BeliefArguments,
 }
@@ -43,7 +47,10 @@ struct SampleRow {
 
 impl ModelArguments {
     pub fn predictor(&self) -> Result<Predictor, Failure> {
-        self.belief.predictor(self.risk_weight)
+        let mut predictor = self.belief.predictor(self.risk_weight)?;
+        predictor.set_lapse_rate(self.belief_lapse).map_err(input)?;
+        predictor.set_rationality(self.belief_rationality).map_err(input)?;
+        Ok(predictor)
     }
 }
 

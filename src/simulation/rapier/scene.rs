@@ -44,6 +44,9 @@ pub struct PhysicalPlant {
     pub(super) torso_body: RigidBodyHandle,
     pub(super) human: Walker,
     pub(super) steps: u64,
+    /// Physics steps that the control periods so far have asked for beyond those made; at most a half.
+    #[serde(default)]
+    pub(super) owed: f64,
     pub(super) accumulator: Accumulator,
     pub(super) failure: Option<Failure>,
 }
@@ -162,6 +165,7 @@ impl Scene<'_> {
             torso_body,
             human,
             steps: 0,
+            owed: 0.0,
             accumulator: Accumulator::default(),
             failure: None,
         })

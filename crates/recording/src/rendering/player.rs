@@ -87,7 +87,7 @@ fn episode(playback: &Playback, title: &str, robot: Option<&Robot>) -> Result<Va
             "robot": recorded.map(|robot| &robot.name),
         },
         "colours": colours(),
-        "period_s": scenario.settings.period,
+        "period_s": scenario.settings.planning_step,
         "options": options(playback),
         "robot": drawn.iter().map(|&l| json!({ "name": links[l].name, "shapes": shapes[l] })).collect::<Vec<_>>(),
         "meshes": meshes.data,
