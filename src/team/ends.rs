@@ -11,6 +11,8 @@ use crate::simulation::{NoRoom, PhysicsError};
 use crate::world::World;
 use std::f64::consts::TAU;
 
+/// The largest angle (rad) between the object and the path ahead at which a team starts without an arc.
+const BENT_RAD: f64 = 0.7;
 /// The number of headings that are tried at a start.
 const HEADINGS: u32 = 36;
 /// Headings closer than this (rad) are the same.
@@ -63,6 +65,15 @@ impl<'a> InTandem<'a> {
         }
         let turned = |turn: f64, first: &Path, at: Point| {
             let pose = PlanarPose { position: at, yaw: wrap_angle(ahead.yaw + turn) };
+            if turn.abs() <= BENT_RAD {
+                // the human on the path, the robot on a way that bends at A
+                let way = PlanarPose { yaw: wrap_angle(ahead.yaw + 2.0 * turn), ..pose };
+                let bent = Self::new(free_space, pace, (TeamPath::new(world, &way), pose), true);
+                let pose = bent.team_path().pose(&bent.widened(first), 0.0);
+                if check(world, BODY_ROOM_M, [pose.position, base(&pose)]).is_ok() {
+                    return Ok((Self::new(free_space, pace, (bent.team_path().clone(), pose), true), pose));
+                }
+            }
             let team = Self::new(free_space, pace, (TeamPath::new(world, &pose), pose), false);
             team.check_start(world, base(&pose), first).map(|()| (team, pose))
         };

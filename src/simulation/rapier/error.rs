@@ -46,11 +46,8 @@ pub enum PhysicsError {
         /// The object's centre, y, m.
         y: f64,
     },
-    /// The robot has no room behind the start.
-    #[error(
-        "{file}: no room at the start: the robot comes from ({x:.3}, {y:.3}) and passes within {distance:.3} m of obstacle `{obstacle}`; leave {needed} m on either side, up to {length:.2} m behind start_m{}",
-        .0.advice(), file = .0.file, x = .0.x, y = .0.y, distance = .0.distance, obstacle = .0.obstacle, needed = .0.needed, length = .0.length
-    )]
+    /// The team has no room at the start, at any heading.
+    #[error("{}: no room at the start: {}", .0.file, .0.at_start())]
     NoRoomAtStart(NoRoom),
     /// The human has no room at the end of an option.
     #[error(
@@ -87,20 +84,18 @@ pub struct NoRoom {
 }
 
 impl NoRoom {
-    /// What to do instead, as the end of a sentence.
-    fn advice(&self) -> String {
-        let missing = self.needed - self.distance;
-        match self.nearest {
-            Some(p) if missing > 0.0 => {
-                format!(
-                    "; {missing:.2} m are missing; the nearest start with room is ({:.2}, {:.2})",
-                    p.x, p.y
-                )
-            }
-            Some(p) => {
-                format!("; there is no room to turn; the nearest start with room is ({:.2}, {:.2})", p.x, p.y)
-            }
-            None => String::new(),
+    /// What is missing at the start, and where to start instead.
+    fn at_start(&self) -> String {
+        let Self { x, y, distance, obstacle, needed, length, nearest, .. } = self;
+        let fault = match needed - distance {
+            missing if missing > 0.0 => format!(
+                "the robot comes from ({x:.3}, {y:.3}) and passes within {distance:.3} m of obstacle `{obstacle}`; leave {needed} m on either side, up to {length:.2} m behind start_m ({missing:.3} m are missing)"
+            ),
+            _ => format!("the team fits, but cannot turn onto its path: obstacle `{obstacle}` is too near"),
+        };
+        match nearest {
+            Some(p) => format!("{fault}; the nearest start with room is ({:.2}, {:.2})", p.x, p.y),
+            None => fault,
         }
     }
 }
