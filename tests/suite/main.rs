@@ -50,4 +50,5 @@ mod support;
 mod sweeps;
 mod terminal;
 
+mod walks;
 mod worlds;
