@@ -3,35 +3,26 @@
 //!
 //! `cocarry` implements the framework of A. J. Mahmud, W. Li and X. Wang, *Mutual Adaptation in Human-Robot
 //! Co-Transportation with Human Preference Uncertainty*, and reproduces its tables. Equation numbers in this
-//! documentation are that paper's. The command-line program of the same name gives access to all functions of
-//! the library; see its `--help`. The book, in `book/src`, explains the model with its symbols, the files, and
+//! documentation are that paper's. The command-line program of the same name gives access to all of it; see
+//! its `--help`. The book, in `book/src`, explains the model with its symbols, the files, and
 //! the results.
 //!
 //! # Bring your own partner
 //!
-//! Your own [`policy::RobotPolicy`], [`human::Human`] or plant ([`team::Team`]) needs no change of this
-//! crate: see `examples/own_policy.rs` and `examples/own_human.rs`.
+//! Your own [`policy::RobotPolicy`], [`human::Human`], [`controller::Controller`] or [`plant::Plant`] needs no
+//! change of this crate: see `examples/`.
 //!
 //! # Floors
 //!
-//! Data flows upward, and a file uses only floors below its own (`tests/suite/floors.rs` checks it):
+//! Data flows upward: a module uses only floors below its own.
 //!
 //! ```text
-//! cli            arguments -> text, tables, JSON, files
-//! report         all results as one page
-//! cluster        the shards of a study as tasks of a cluster's scheduler
-//! study          many episodes from one file: every combination, every seed; merged, summarised
-//! fit            parameters from observed answers and switches
-//! regression     recorded figures of episodes, compared with new runs
-//! paper          the paper's figures and claims, one file per claim
-//! statistics     means, intervals, tests; tables of results, their columns; Zarr stores; work on all threads
-//! rendering      recordings as pages and pictures that open anywhere
-//! drawing        maps and curves as SVG
-//! recording      episodes as MCAP files: writing, reading, replay, recovery; live viewing
 //! quantities     every figure of a control period and an episode: key, unit, getter; events as sentences
 //! scenario       the complete definition of an episode, as text; snapshots; episodes from both
 //! episode        THE LOOP: observe, evaluate, predict, ask the human, ask the policy, execute, control, move
-//! team           the plants: point, kinematic, physical; the robot's controller; how a team walks and turns
+//! controller     the robot's controllers: eqs. (8) and (7) by what is seen, who leads, and P_o
+//! team           how a team walks: its path, turns onto another path, the motion that the leader intends
+//! plant          the bodies that a command and a human's motion move: point, kinematic, physical
 //! policy         robot policies: who leads, on which option, with which motion
 //! human          human models: which option, whether to take over, where the hand goes
 //! arithmetic     the conformance stamp: a digest of fixed results
@@ -43,19 +34,14 @@
 //! options        openings in order, D_o and S_o from anywhere, shortest paths
 //! world          a TOML file -> obstacles, openings, start, target
 //! robot          a TOML file and a URDF -> drive, arm, grasp; forward kinematics and B(q)
-//! geometry       points, poses, outlines, paths; palette: the colours of pictures
-//! math, saved, suggestion, output_file; above them located
+//! geometry       points, poses, outlines, paths
+//! math, saved, suggestion, located
 //!                transcendental functions with the same bits everywhere; saved states; "did you mean"; files read
-//!                and written
 //! ```
 //!
-//! # Features
-//!
-//! Up to `scenario` the library has no C code, no clock and no randomness from the operating system, and
-//! is for WebAssembly too (`tests/wasm/check` builds it). Features add the floors above it: `drawing`;
-//! `recording` (with `quantities`); `rendering`, which stands on both; `studies` (`quantities`, `statistics`,
-//! `paper`, `regression`, `fit`, `study`, `report` and `cluster`); and `cli`, the default, which has all of
-//! them and the program. `live` adds live viewing to `recording`, `parquet` adds Parquet files to `studies`.
+//! This crate has no C code, no clock and no randomness from the operating system, and is for WebAssembly too
+//! (`tests/wasm/check` builds it). Packages of their own stand on it: output files and drawings (`crates/output`),
+//! recordings (`crates/recording`), studies (`crates/studies`) and the program (`crates/program`).
 //!
 //! # Notation
 //!
@@ -84,7 +70,7 @@
 //! | G_o, eq. (7) | [`control::Plan::cost`] | - |
 //! | Q (candidates), q*, eq. (8) | [`control::Neighbourhood::candidates`], [`control::PoseOptimiser`] | - |
 //! | C (Sec. V-C) | [`episode::ControlSummary::cost`] | - |
-//! | k | [`episode::Tick::step`], one control period of 0.2 s | - |
+//! | k | [`episode::Tick::step`], one planning step of 0.2 s | - |
 //!
 //! ```
 //! use cocarry::episode::{Outcome, Settings, run};
@@ -105,6 +91,7 @@
 
 pub mod arithmetic;
 pub mod control;
+pub mod controller;
 pub mod coordination;
 pub mod episode;
 pub mod geometry;
@@ -113,6 +100,7 @@ pub mod learning;
 pub mod located;
 pub mod math;
 pub mod options;
+pub mod plant;
 pub mod policy;
 pub mod preference;
 pub mod quantities;

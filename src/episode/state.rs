@@ -1,12 +1,11 @@
 //! The state of a running episode as plain data. With the same inputs it continues with the same bits.
 
 use super::{Episode, Summary, Tick};
-use crate::coordination::Mode;
 use crate::human::HumanDecision;
 use crate::learning;
 use crate::options::Progress;
 use crate::policy::Decision;
-use crate::preference::Prospect;
+use crate::preference::{Prospect, Ways};
 use crate::saved::{NotRestored, Saved};
 use crate::team::Route;
 use serde::{Deserialize, Serialize};
@@ -16,13 +15,13 @@ use serde::{Deserialize, Serialize};
 pub struct State {
     human: Saved,
     policy: Saved,
-    team: Saved,
-    mode: Mode,
+    controller: Saved,
+    walk: Saved,
+    plant: Saved,
     progress: Progress,
     route: Route,
     tick: Tick,
     summary: Summary,
-    underway: bool,
     steps_without_progress: u32,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     learned: Option<Learned>,
@@ -34,6 +33,7 @@ struct Learned {
     learner: learning::State,
     /// Of the last step, which is learned from in the next one.
     prospects: Vec<Prospect>,
+    ways: Ways,
     decided: Option<(HumanDecision, Decision)>,
 }
 
@@ -49,38 +49,39 @@ impl Episode<'_> {
     pub fn state(&self) -> State {
         #[rustfmt::skip]
         let Self {
-            human, policy, team, mode, progress, route, tick, summary, underway, steps_without_progress,
+            human, policy, controller, walk, plant, progress, route, tick, summary, steps_without_progress,
             // inputs
-            options: _, settings: _, tick_limit: _, ignores_loss: _,
-            // buffers that every step refills
-            predictor: _, choice: _, expected: _,
+            options: _, settings: _, manipulator: _, tick_limit: _, ignores_loss: _,
+            // memory that every step fills again
+            predictor: _, memory: _, body_poses: _, hand_from: _, hands: _,
             // of a step that is not whole
-            human_decision: _,
+            begun: _,
             // for a robot that learns
-            learner, prospects, decided,
+            learner, prospects, ways, decided,
         } = self;
         let learned = learner.as_ref().map(|learner| Learned {
             learner: learner.state(),
             prospects: prospects.clone(),
+            ways: ways.clone(),
             decided: *decided,
         });
         State {
             human: human.save(),
             policy: policy.save(),
-            team: team.save(),
-            mode: *mode,
+            controller: controller.save(),
+            walk: walk.save(),
+            plant: plant.save(),
             progress: progress.clone(),
             route: route.clone(),
             tick: tick.clone(),
             summary: summary.clone(),
-            underway: *underway,
             steps_without_progress: *steps_without_progress,
             learned,
         }
     }
 
     /// This episode, which must not have begun, continued from `state`. It continues with the same bits if
-    /// options, settings, human, policy and team are the same.
+    /// options, settings, human, policy, controller and plant are the same.
     ///
     /// # Errors
     /// [`NotRestored`] if the state does not fit.
@@ -102,19 +103,22 @@ impl Episode<'_> {
         let no_learner = NotRestored { part: "learner" };
         match (self.learner.as_deref_mut(), &state.learned) {
             (None, None) => {}
-            (Some(learner), Some(learned)) if learned.prospects.len() <= n => {
+            (Some(learner), Some(learned)) if learned.prospects.len() <= n && learned.ways.fits(n) => {
                 if !learner.restore(&learned.learner) {
                     return Err(no_learner);
                 }
                 self.prospects.clone_from(&learned.prospects);
+                self.ways.clone_from(&learned.ways);
                 self.decided = learned.decided;
             }
             _ => return Err(no_learner),
         }
         self.human.restore(&state.human)?;
         self.policy.restore(&state.policy)?;
-        self.team.restore(&state.team)?;
-        let State { mode, progress, route, tick, summary, underway, steps_without_progress, .. } = state;
-        Ok(Self { mode, progress, route, tick, summary, underway, steps_without_progress, ..self })
+        self.plant.restore(&state.plant)?;
+        self.walk.restore(&state.walk)?;
+        self.controller.restore(&state.controller)?;
+        let State { progress, route, tick, summary, steps_without_progress, .. } = state;
+        Ok(Self { progress, route, tick, summary, steps_without_progress, ..self })
     }
 }

@@ -2,13 +2,13 @@
 
 use super::{Scenario, ScenarioError};
 use crate::control::RobotObstacles;
-use crate::episode::{Episode, Manipulator};
+use crate::episode::{Episode, EpisodeBuilder, Manipulator};
 use crate::human::{Human, Participant};
 use crate::options::OptionSet;
 use crate::policy::RobotPolicy;
 use crate::robot::{Robot, SlowDrive};
 use crate::world::World;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A scenario with its world, options and robot: it owns what its episode borrows.
 #[derive(Clone, Debug)]
@@ -24,6 +24,8 @@ struct Scene {
     world: World,
     options: OptionSet,
     obstacles: RobotObstacles,
+    /// The options for the world's own `robot_width_m`, where a wider robot takes its place; made when asked.
+    as_written: OnceLock<OptionSet>,
 }
 
 /// Partners in place of those of a scenario; `None` keeps the scenario's.
@@ -74,7 +76,7 @@ impl Scenario {
                 let world = World::parse_for(&self.world.file, &self.world.text, width)?;
                 let options = OptionSet::new(&world, self.settings.predictor.risk_weight())?;
                 let obstacles = RobotObstacles::new(&world);
-                Arc::new(Scene { world, options, obstacles })
+                Arc::new(Scene { world, options, obstacles, as_written: OnceLock::new() })
             }
         };
         let stage = PreparedScenario { scenario: self, scene, robot };
@@ -115,6 +117,24 @@ impl PreparedScenario {
     /// The world's options.
     pub fn options(&self) -> &OptionSet {
         &self.scene.options
+    }
+
+    /// The world's options for its own `robot_width_m`, which preference changes are drawn from: the human of a
+    /// seed is the same whatever carries with them.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Options`].
+    pub fn options_as_written(&self) -> Result<&OptionSet, ScenarioError> {
+        let Scene { world, options, as_written, .. } = self.scene.as_ref();
+        if !world.is_widened {
+            return Ok(options);
+        }
+        if let Some(made) = as_written.get() {
+            return Ok(made);
+        }
+        let narrower = World::parse(&world.file, &world.text)?;
+        let made = OptionSet::new(&narrower, self.scenario.settings.predictor.risk_weight())?;
+        Ok(as_written.get_or_init(|| made))
     }
 
     /// The robot; `None` on the planning level alone. Its meshes are as the URDF names them.
@@ -164,17 +184,31 @@ impl PreparedScenario {
     /// # Errors
     /// As [`PreparedScenario::episode`].
     pub fn episode_of<'a>(&'a self, partners: Partners<'a>) -> Result<Episode<'a>, ScenarioError> {
-        let Self { scenario, scene, .. } = self;
-        let mut episode = Episode::new(&scene.options, &scenario.settings, scenario.human);
-        episode = episode.with_boxed_human(partners.human.map_or_else(|| self.human(), Ok)?);
+        let mut builder = self.builder()?;
+        if let Some(human) = partners.human {
+            builder = builder.with_boxed_human(human);
+        }
         if let Some(policy) = partners.policy {
-            episode = episode.with_boxed_policy(policy);
+            builder = builder.with_boxed_policy(policy);
         }
-        let Some(manipulator) = self.manipulator() else { return Ok(episode) };
-        match scenario.plant.physics() {
-            None => Ok(episode.with_robot(manipulator)),
-            Some(physics) => Ok(episode.with_physics(manipulator, &scene.world, physics, scenario.seed)?),
-        }
+        Ok(builder.begin()?)
+    }
+
+    /// The parts of the episode, any of which may be replaced.
+    ///
+    /// # Errors
+    /// [`ScenarioError::HumanModel`].
+    pub fn builder(&self) -> Result<EpisodeBuilder<'_>, ScenarioError> {
+        let Self { scenario, scene, .. } = self;
+        let builder = Episode::builder(&scene.options, &scenario.settings, scenario.human)
+            .with_boxed_human(self.human()?);
+        Ok(match (self.manipulator(), scenario.plant.physics()) {
+            (None, _) => builder,
+            (Some(manipulator), None) => builder.with_robot(manipulator),
+            (Some(manipulator), Some(physics)) => {
+                builder.with_physics(manipulator, &scene.world, physics, scenario.seed)
+            }
+        })
     }
 
     fn human(&self) -> Result<Box<dyn Human>, ScenarioError> {

@@ -3,13 +3,14 @@
 mod answers;
 mod views;
 
-pub use views::{PyHumanView, PyRobotView, PyView, configuration_vector};
+pub use views::{PyHandView, PyHumanView, PyRobotView, PyView, configuration_vector};
 
 use crate::error::DecisionError;
 use crate::value::repr;
-use answers::{Basis, decision, human_decision};
+use answers::{Basis, decision, hand_target, human_decision};
 use cocarry::coordination::{Mode, Stubbornness};
-use cocarry::human::{Human, HumanDecision, HumanView};
+use cocarry::geometry::Point;
+use cocarry::human::{HandView, Human, HumanDecision, HumanView};
 use cocarry::policy::{Decision, RobotPolicy, RobotView};
 use cocarry::saved::{NotRestored, Saved};
 use cocarry::scenario::{self, PreparedScenario};
@@ -173,14 +174,17 @@ impl RobotPolicy for OwnPolicy {
         }
         let decided = Python::attach(|py| {
             let seen = PyRobotView {
-                human: *view.human,
+                prepared: Arc::clone(&basis.prepared),
+                progress: view.progress.clone(),
+                stance: view.stance,
+                stubbornness: view.stubbornness,
+                discomfort: view.discomfort,
                 configuration: view.configuration.map(|configuration| (*configuration, basis.joints)),
                 grasp: view.grasp,
-                object: view.seen.map(|seen| seen.object),
-                grip_wrench: view.seen.map(|seen| wrench(&seen.grip.mean)),
+                object: view.object.copied(),
+                grip_wrench: view.grip_wrench.map(wrench),
             };
-            let (hand, hand_wrench) = view.seen.map(|seen| (seen.hand, wrench(&seen.hand_grip.mean))).unzip();
-            let seen = (seen, common!(view, basis, hand, hand_wrench));
+            let seen = (seen, common!(view, basis, view.hand.copied(), view.hand_wrench.map(wrench)));
             let answer = self.0.ask(py, Bound::new(py, seen)?.into_any())?;
             decision(basis, &answer)
         });
@@ -237,6 +241,25 @@ impl Human for OwnHuman {
         decided.unwrap_or_else(|error| {
             fault.put(error);
             nothing
+        })
+    }
+
+    fn hand(&mut self, view: &HandView<'_>) -> Option<Point> {
+        let Partner { object, fault, .. } = &self.partner;
+        if fault.is_there() {
+            return None;
+        }
+        let target = Python::attach(|py| {
+            let Some(hand) = object.bind(py).getattr_opt("hand")?.filter(|hand| hand.is_callable()) else {
+                return Ok(None);
+            };
+            let HandView { time, period, hand: at, wrench: felt, .. } = *view;
+            let seen = PyHandView { time, period, hand: at, hand_wrench: felt.map(wrench) };
+            hand_target(&hand.call1((Bound::new(py, seen)?,))?)
+        });
+        target.unwrap_or_else(|error| {
+            fault.put(error);
+            None
         })
     }
 
