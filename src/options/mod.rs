@@ -227,7 +227,7 @@ impl OptionSet {
 
     /// Whether two options have the same remaining way from the team's position.
     pub fn lead_the_same_way(&self, progress: &Progress, first: usize, second: usize) -> bool {
-        let ahead = |option: usize| self.exit(progress, option).0.ahead(&self.options[option]);
+        let ahead = |option: usize| progress.rest(option).ahead(&self.options[option]);
         ahead(first).eq(ahead(second))
     }
 
