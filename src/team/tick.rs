@@ -131,12 +131,12 @@ impl RobotTick {
         least_singular_value(&self.input_matrix)
     }
 
-    /// The kind of body with the worst hold on the object, and the deviation (m): of the robot's grasp, or of
-    /// a yielding grip.
+    /// The body with the worst hold on the object, and the deviation (m): the deflection of its grip, or,
+    /// where there are no grips, the distance of the grasp from the human's state s, which is the object's.
     pub(crate) fn worst_hold(&self) -> (BodyKind, f64) {
-        let [gripper, hand] = self.physics.map_or([0.0; 2], |physics| physics.deflection);
-        let robot = self.position_error.max(gripper);
-        if hand > robot { (BodyKind::Human, hand) } else { (BodyKind::Robot, robot) }
+        let Some(physics) = &self.physics else { return (BodyKind::Robot, self.position_error) };
+        let [gripper, hand] = physics.deflection;
+        if hand > gripper { (BodyKind::Human, hand) } else { (BodyKind::Robot, gripper) }
     }
 
     pub(super) fn at(configuration: &Configuration, grasp_goal: PlanarPose) -> Self {
