@@ -3,8 +3,8 @@
 //!
 //! `cocarry` implements the framework of A. J. Mahmud, W. Li and X. Wang, *Mutual Adaptation in Human-Robot
 //! Co-Transportation with Human Preference Uncertainty*, and reproduces its tables. Equation numbers in this
-//! documentation are that paper's. The command-line program of the same name gives access to all functions of
-//! the library; see its `--help`. The book, in `book/src`, explains the model with its symbols, the files, and
+//! documentation are that paper's. The command-line program of the same name gives access to all of it; see
+//! its `--help`. The book, in `book/src`, explains the model with its symbols, the files, and
 //! the results.
 //!
 //! # Bring your own partner
@@ -14,20 +14,9 @@
 //!
 //! # Floors
 //!
-//! Data flows upward, and a file uses only floors below its own (`tests/suite/floors.rs` checks it):
+//! Data flows upward: a module uses only floors below its own.
 //!
 //! ```text
-//! cli            arguments -> text, tables, JSON, files
-//! report         all results as one page
-//! cluster        the shards of a study as tasks of a cluster's scheduler
-//! study          many episodes from one file: every combination, every seed; merged, summarised
-//! fit            parameters from observed answers and switches
-//! regression     recorded figures of episodes, compared with new runs
-//! paper          the paper's figures and claims, one file per claim
-//! statistics     means, intervals, tests; tables of results, their columns; Zarr stores; work on all threads
-//! rendering      recordings as pages and pictures that open anywhere
-//! drawing        maps and curves as SVG
-//! recording      episodes as MCAP files: writing, reading, replay, recovery; live viewing
 //! quantities     every figure of a control period and an episode: key, unit, getter; events as sentences
 //! scenario       the complete definition of an episode, as text; snapshots; episodes from both
 //! episode        THE LOOP: observe, evaluate, predict, ask the human, ask the policy, execute, control, move
@@ -43,19 +32,14 @@
 //! options        openings in order, D_o and S_o from anywhere, shortest paths
 //! world          a TOML file -> obstacles, openings, start, target
 //! robot          a TOML file and a URDF -> drive, arm, grasp; forward kinematics and B(q)
-//! geometry       points, poses, outlines, paths; palette: the colours of pictures
-//! math, saved, suggestion, output_file; above them located
+//! geometry       points, poses, outlines, paths
+//! math, saved, suggestion, located
 //!                transcendental functions with the same bits everywhere; saved states; "did you mean"; files read
-//!                and written
 //! ```
 //!
-//! # Features
-//!
-//! Up to `scenario` the library has no C code, no clock and no randomness from the operating system, and
-//! is for WebAssembly too (`tests/wasm/check` builds it). Features add the floors above it: `drawing`;
-//! `recording` (with `quantities`); `rendering`, which stands on both; `studies` (`quantities`, `statistics`,
-//! `paper`, `regression`, `fit`, `study`, `report` and `cluster`); and `cli`, the default, which has all of
-//! them and the program. `live` adds live viewing to `recording`, `parquet` adds Parquet files to `studies`.
+//! This crate has no C code, no clock and no randomness from the operating system, and is for WebAssembly too
+//! (`tests/wasm/check` builds it). Packages of their own stand on it: output files and drawings (`crates/output`),
+//! recordings (`crates/recording`), studies (`crates/studies`) and the program (`crates/program`).
 //!
 //! # Notation
 //!
@@ -104,56 +88,22 @@
 //! ```
 
 pub mod arithmetic;
-#[cfg(feature = "cli")]
-pub mod cli;
-#[cfg(feature = "studies")]
-pub mod cluster;
-#[cfg(feature = "studies")]
-pub mod columns;
 pub mod control;
 pub mod coordination;
-#[cfg(feature = "drawing")]
-pub mod drawing;
 pub mod episode;
-#[cfg(feature = "studies")]
-pub mod fit;
 pub mod geometry;
 pub mod human;
 pub mod learning;
 pub mod located;
 pub mod math;
 pub mod options;
-#[cfg(any(feature = "recording", feature = "studies"))]
-pub mod output_file;
-pub mod palette;
-#[cfg(feature = "studies")]
-pub mod paper;
-#[cfg(feature = "studies")]
-pub mod parallel;
 pub mod policy;
 pub mod preference;
-#[cfg(any(feature = "recording", feature = "studies"))]
 pub mod quantities;
-#[cfg(feature = "recording")]
-pub mod recording;
-#[cfg(feature = "studies")]
-pub mod regression;
-#[cfg(feature = "rendering")]
-pub mod rendering;
-#[cfg(feature = "studies")]
-pub mod report;
 pub mod robot;
 pub mod saved;
 pub mod scenario;
 pub mod simulation;
-#[cfg(feature = "studies")]
-pub mod statistics;
-#[cfg(feature = "studies")]
-pub mod study;
 pub mod suggestion;
-#[cfg(feature = "studies")]
-pub mod table;
 pub mod team;
 pub mod world;
-#[cfg(feature = "studies")]
-pub mod zarr;

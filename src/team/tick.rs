@@ -131,9 +131,9 @@ impl RobotTick {
         least_singular_value(&self.input_matrix)
     }
 
-    /// The body with the worst hold on the object, and the deviation (m): the deflection of its grip, or,
-    /// where there are no grips, the distance of the grasp from the human's state s, which is the object's.
-    pub(crate) fn worst_hold(&self) -> (BodyKind, f64) {
+    /// The body with the worst hold on the object, and the deviation (m): the deflection of its grip. On the
+    /// kinematic plant, which has no grips, it is the distance of the grasp from s, where the human holds it.
+    pub fn worst_hold(&self) -> (BodyKind, f64) {
         let Some(physics) = &self.physics else { return (BodyKind::Robot, self.position_error) };
         let [gripper, hand] = physics.deflection;
         if hand > gripper { (BodyKind::Human, hand) } else { (BodyKind::Robot, gripper) }

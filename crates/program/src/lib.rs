@@ -1,0 +1,229 @@
+//! The command-line program.
+
+mod calibrate;
+mod catalog;
+mod catalog_robots;
+mod cluster;
+mod episode_report;
+mod export;
+mod fit;
+mod infer;
+mod inspect;
+mod interrupt;
+mod live;
+mod model;
+mod new;
+mod output;
+mod plot;
+mod record;
+mod recover;
+mod regress;
+mod render;
+mod replay;
+mod reproduce;
+mod robot;
+mod robot_check;
+mod robot_init;
+mod run;
+mod scenario;
+#[cfg(feature = "live")]
+mod serving;
+mod settings;
+mod shell;
+mod snapshots;
+mod sweep;
+mod terminal;
+mod text_table;
+mod tick_log;
+mod world;
+mod worlds;
+
+use clap::{CommandFactory, Parser, Subcommand};
+use output::Failure;
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+/// Simulates a human and a mobile manipulator that carry an object together, and shows which way of adapting
+/// to each other works.
+#[derive(Debug, Parser)]
+#[command(
+    name = "cocarry",
+    version,
+    max_term_width = 100,
+    after_help = after_help()
+)]
+struct ProgramArguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Run(Box<run::RunArguments>),
+    World(world::WorldArguments),
+    Worlds(worlds::WorldsArguments),
+    #[command(subcommand)]
+    Robot(RobotAction),
+    New(new::NewArguments),
+    Export(export::ExportArguments),
+    Sweep(sweep::SweepArguments),
+    #[command(subcommand)]
+    Cluster(cluster::Action),
+    Plot(plot::PlotArguments),
+    #[command(subcommand)]
+    Reproduce(reproduce::Claim),
+    Inspect(inspect::InspectArguments),
+    Recover(recover::RecoverArguments),
+    Render(render::RenderArguments),
+    Replay(replay::ReplayArguments),
+    #[command(subcommand)]
+    Fit(fit::Parameter),
+    Infer(infer::InferArguments),
+    Calibrate(calibrate::CalibrateArguments),
+    #[command(subcommand)]
+    Regress(regress::Action),
+    Completions(shell::CompletionsArguments),
+    Man(shell::ManArguments),
+}
+
+/// Check the files of a robot, or draft a robot file from its URDF
+#[derive(Debug, Subcommand)]
+enum RobotAction {
+    Check(robot_check::CheckArguments),
+    Init(robot_init::InitArguments),
+}
+
+/// What the program's help ends with.
+fn after_help() -> String {
+    let examples = output::examples(&[
+        ("cocarry", "an episode, with defaults"),
+        ("cocarry run environment-4 --eta 5 --svg run.svg", "a sensitive human, with a picture"),
+        ("cocarry run environment-4 --render run.html", "a 3-D player in one file, for any browser"),
+        ("cocarry world free-form --svg map.svg", "obstacles, openings and options of a world"),
+        ("cocarry new kitchen", "a world, a robot and a study of your own, to start from"),
+        ("cocarry robot init robot.urdf", "a robot file for a URDF of your own"),
+        ("cocarry sweep kitchen/study.toml", "a study of many episodes, as CSV"),
+        ("cocarry cluster slurm study.toml --out study.csv", "the same on a cluster"),
+        ("cocarry run --record run.mcap", "a recording, to watch in Foxglove"),
+        ("cocarry inspect run.mcap", "contents of a recording"),
+        ("cocarry reproduce h2", "Table II of the paper"),
+        ("cocarry reproduce all --report report", "all its tables and figures, as a page"),
+    ]);
+    format!(
+        "With no command, one episode is run in the paper's Environment 4 with the human of its example.\n\n\
+        Exit codes:\n  \
+        0    done (run: the team arrived; replay: identical)\n  \
+        1    replay: different; regress check: figures moved; calibrate: not calibrated;\n  \
+        \x20    cluster gather: shards missing\n  \
+        2    bad input\n  \
+        3    the team did not arrive\n  \
+        4    an output could not be written\n  \
+        130  interrupted\n\n{examples}"
+    )
+}
+
+/// The program's arguments, commands and help, for documentation.
+pub fn command() -> clap::Command {
+    ProgramArguments::command()
+}
+
+/// The program: parses the process's arguments, runs the command and prints errors.
+pub fn main() -> ExitCode {
+    main_of(std::env::args_os())
+}
+
+/// [`main`] with these arguments, the first of which is the program's name.
+pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let arguments = match ProgramArguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        Err(error) => return refused(&error),
+    };
+    let done = match arguments.command {
+        None => run::example(),
+        Some(Command::Run(arguments)) => run::run(&arguments),
+        Some(Command::World(arguments)) => world::run(&arguments),
+        Some(Command::Worlds(arguments)) => worlds::run(&arguments),
+        Some(Command::Robot(RobotAction::Check(arguments))) => robot_check::run(&arguments),
+        Some(Command::Robot(RobotAction::Init(arguments))) => robot_init::run(&arguments),
+        Some(Command::New(arguments)) => new::run(&arguments),
+        Some(Command::Export(arguments)) => export::run(&arguments),
+        Some(Command::Sweep(arguments)) => sweep::run(&arguments),
+        Some(Command::Cluster(action)) => cluster::run(&action),
+        Some(Command::Plot(arguments)) => plot::run(&arguments),
+        Some(Command::Reproduce(claim)) => reproduce::run(&claim),
+        Some(Command::Inspect(arguments)) => inspect::run(&arguments),
+        Some(Command::Recover(arguments)) => recover::run(&arguments),
+        Some(Command::Render(arguments)) => render::run(&arguments),
+        Some(Command::Replay(arguments)) => replay::run(&arguments),
+        Some(Command::Fit(parameter)) => fit::run(&parameter),
+        Some(Command::Infer(arguments)) => infer::run(&arguments),
+        Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
+        Some(Command::Regress(action)) => regress::run(&action),
+        Some(Command::Completions(arguments)) => shell::completions(&arguments, command()),
+        Some(Command::Man(arguments)) => shell::man(&arguments, command()),
+    };
+    match done {
+        Ok(code) => code,
+        Err(failure) => {
+            let (code, error) = match failure {
+                Failure::Input(error) => (2, error),
+                Failure::Output(error) => (4, error),
+                Failure::Interrupted(error) => {
+                    output::tell(&format!("interrupted: {error:#}"));
+                    return ExitCode::from(130);
+                }
+            };
+            // a broken pipe is not an error: the reader has closed it
+            if !output::is_broken_pipe(&error) {
+                output::tell(&format!("error: {error:#}"));
+            }
+            ExitCode::from(code)
+        }
+    }
+}
+
+/// Prints help that was asked for, or why the arguments are refused, in the terminal's width.
+fn refused(error: &clap::Error) -> ExitCode {
+    if !error.use_stderr() {
+        error.exit()
+    }
+    let text = error.render().ansi().to_string();
+    anstream::eprint!("{}", terminal::wrapped(&text, terminal::error_width()));
+    ExitCode::from(2)
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn golden_the_command_line_is_consistent() {
+        super::command().debug_assert();
+    }
+
+    #[test]
+    fn a_snapshot_takes_no_argument_that_settles_a_scenario() {
+        let mut command = super::command();
+        command.build();
+        let run = command.find_subcommand("run").unwrap();
+        let resume = run.get_arguments().find(|a| a.get_id() == "resume").unwrap();
+        let refused: Vec<_> = run.get_arg_conflicts_with(resume).iter().map(|a| a.get_id()).collect();
+        for argument in run.get_arguments() {
+            let goes_along = [
+                "json",
+                "ticks",
+                "svg",
+                "save_at",
+                "resume",
+                "record",
+                "render",
+                "overwrite",
+                "live",
+                "live_origin",
+                "live_rate",
+                "live_wait",
+                "help",
+            ];
+            let goes_along = goes_along.iter().any(|id| argument.get_id() == id);
+            assert_ne!(refused.contains(&argument.get_id()), goes_along, "{}", argument.get_id());
+        }
+    }
+}
