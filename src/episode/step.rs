@@ -2,9 +2,11 @@
 
 use super::{Episode, OptionTick, Outcome, RobotTick, Transition, prospect};
 use crate::coordination::{Mode, is_misaligned};
+use crate::geometry::Pose;
 use crate::human::{HumanDecision, Stance};
 use crate::policy::{Decision, Lead};
 use crate::preference::objective_cost;
+use crate::simulation::Observation;
 use crate::team::{Situation, Step, TurnOutcome};
 
 impl Episode<'_> {
@@ -171,15 +173,26 @@ impl Episode<'_> {
             to,
             position: self.point_at(to),
         };
+        let before = self.team.observation().map(|seen| seen.object);
         let along = self.team.walk(&step, robot.as_mut());
         self.summary.add(robot.as_ref(), self.team.observation(), self.ignores_loss);
         self.tick.robot = robot;
-        let came_on = (along - from).abs() > 0.1 * per_step;
+        // a hand that is steered need not go along the path
+        let strayed = human.hand.map_or(0.0, |_| self.moved(before));
+        let came_on = (along - from).abs().max(strayed) > 0.1 * per_step;
         self.steps_without_progress = if came_on { 0 } else { self.steps_without_progress + 1 };
         let position = self.point_at(along);
         self.options.advance(&mut self.progress, position);
         self.summary.walked += (along - from).abs();
         self.route.along = along;
         self.summary.steps += 1;
+    }
+
+    /// How far the object has moved from its pose `before`, m.
+    fn moved(&self, before: Option<Pose>) -> f64 {
+        let moved = |(before, seen): (Pose, &Observation)| {
+            (seen.object.translation.vector - before.translation.vector).xy().norm()
+        };
+        before.zip(self.team.observation()).map_or(0.0, moved)
     }
 }

@@ -18,8 +18,10 @@ use crate::simulation::{HumanCommand, NoRoom, Observation, PhysicalPlant, Physic
 use crate::world::World;
 use serde::{Deserialize, Serialize};
 
-/// The team has arrived when the object's centre is this near (m) to the end of its path.
+/// The team has arrived when the object's centre is this near (m) to its place at the end of the path: along
+/// the path, and in all.
 const ARRIVAL_TOLERANCE_M: f64 = 0.05;
+const ARRIVAL_DISTANCE_M: f64 = 0.1;
 /// Acceleration of the team, m/s^2.
 const TEAM_ACCELERATION: f64 = 0.9;
 /// The share of the rims' largest acceleration that the base plans with.
@@ -400,8 +402,15 @@ impl Bodies for Physical {
             team_path.locate(step.path, object.position, step.from, *path_position, *path_speed < 0.0);
         let grasp = team_path.end(goal, -1.0).at_height(self.height);
         let length = step.path.length();
+        let is_at_end = along >= length - ARRIVAL_TOLERANCE_M;
+        let has_arrived = is_at_end
+            && (team_path.pose(step.path, length).position - object.position).norm() <= ARRIVAL_DISTANCE_M;
         Moved {
-            along: if along >= length - ARRIVAL_TOLERANCE_M { length } else { along },
+            along: match (has_arrived, is_at_end) {
+                (true, _) => length,
+                (false, true) => step.from.max(length - ARRIVAL_TOLERANCE_M),
+                (false, false) => along,
+            },
             error: pose_difference(&grasp, &seen.grasp),
             physics: Some(PhysicsTick::of(seen, *path_position - along)),
         }

@@ -14,7 +14,7 @@ use super::{BuiltInError, prepared};
 use crate::parallel::{OnDone, in_parallel};
 use crate::statistics::{self, Paired, mean_and_std};
 use cocarry::coordination::{self, Mode, robot_choice};
-use cocarry::episode::{Episode, LOSS_DISTANCE_M, Outcome, Settings, Tick};
+use cocarry::episode::{Episode, Outcome, Settings, Tick};
 use cocarry::learning::{self, Learner, LearningError, TolerancePrior};
 use cocarry::math;
 use cocarry::policy::Method;
@@ -406,7 +406,7 @@ fn carry(episode: &mut Episode, settings: &Settings, human: Perception) -> Task 
         share_off_preference: summary.human.share_off_preference(summary.steps),
         took_over: summary.transition.is_some(),
         control_cost: summary.control.map_or(0.0, |control| control.cost()),
-        lost_object: summary.control.is_some_and(|control| control.largest_error > LOSS_DISTANCE_M),
+        lost_object: summary.has_lost_object(),
     }
 }
 
