@@ -78,7 +78,7 @@ fn report() {
             let (taken, time) = episode(&stage, Some(&file));
             (steps, recorded) = (taken, recorded.min(time));
         }
-        let seconds = steps as f64 * stage.scenario().settings.period;
+        let seconds = steps as f64 * stage.scenario().settings.planning_step;
         let size = std::fs::metadata(&file).expect("the file").len() as f64;
         let share = recorded.as_secs_f64() / plain.as_secs_f64() - 1.0;
         println!(

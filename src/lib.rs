@@ -70,7 +70,7 @@
 //! | G_o, eq. (7) | [`control::Plan::cost`] | - |
 //! | Q (candidates), q*, eq. (8) | [`control::Neighbourhood::candidates`], [`control::PoseOptimiser`] | - |
 //! | C (Sec. V-C) | [`episode::ControlSummary::cost`] | - |
-//! | k | [`episode::Tick::step`], one control period of 0.2 s | - |
+//! | k | [`episode::Tick::step`], one planning step of 0.2 s | - |
 //!
 //! ```
 //! use cocarry::episode::{Outcome, Settings, run};

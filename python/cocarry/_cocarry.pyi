@@ -58,6 +58,20 @@ class World:
     @staticmethod
     def parse(text: str, name: str = "world") -> World:
         """Reads the text of a world file; errors call it ``name``."""
+    @staticmethod
+    def from_map(
+        map: _Path,
+        start: tuple[float, float],
+        target: tuple[float, float],
+        *,
+        robot_width_m: float | None = None,
+        tolerance_m: float | None = None,
+    ) -> World:
+        """Reads a map: an occupancy grid (the YAML of ROS's map_server, with a PGM or PNG image) or a floor
+        plan (GeoJSON). A and B are given in metres. ``text`` is the world with the map's outlines.
+
+        Raises WorldError with the file and the value.
+        """
     @property
     def name(self) -> str:
         """Title."""
@@ -211,7 +225,7 @@ class Episode:
         """The episode of a snapshot, its bytes or a file; it continues with the same bits. Raises
         SnapshotError."""
     def step(self) -> str | None:
-        """Takes one control period; returns the outcome once the episode has ended, else None."""
+        """Takes one planning step; returns the outcome once the episode has ended, else None."""
     def run(self, steps: int | None = None) -> dict[str, Any]:
         """Runs to the end, or so many steps, without Python's lock; returns the summary. Ctrl-C stops it."""
     def ticks(self, steps: int | None = None) -> Table:
@@ -315,6 +329,9 @@ class View:
 class RobotView(View):
     """What an own policy sees at the beginning of a control period: that of View, and the robot."""
 
+    def path(self, option: int) -> _Floats | None:
+        """The path of what is left of an option, (n, 2), m, from the team to the target; None where no path leads
+        on."""
     @property
     def stubbornness(self) -> float:
         """phi(k), eq. (5)."""
@@ -354,6 +371,29 @@ class HumanView(View):
     def gumbel(self) -> _Floats:
         """The Gumbel disturbances that the episode's seed draws for the built-in Boltzmann human, one per
         option."""
+
+@final
+class HandView:
+    """What an own human sees at the beginning of a control period, for the hand."""
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time, s."""
+    @property
+    def period(self) -> int:
+        """The control period within the planning step, from 0."""
+    @property
+    def periods(self) -> int:
+        """The number of control periods in a planning step."""
+    @property
+    def begun_at(self) -> _Floats:
+        """Position of the hand at the beginning of the planning step (x, y), without sway, m."""
+    @property
+    def hand(self) -> _Floats:
+        """Position of the hand (x, y), without sway, m."""
+    @property
+    def hand_wrench(self) -> _Floats | None:
+        """Mean wrench of the human on the object in this planning step so far, world axes, N and Nm."""
 
 @final
 class Preference:

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cocarry._cocarry import HumanView, RobotView
+from cocarry._cocarry import HandView, HumanView, RobotView
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class Decision:
     lead: the option on which the robot leads, an index or a name; None or ``"human"``: the human leads, on the
         option preferred now; ``"human-keeping-option"``: on the option chosen at the start.
     reference: (8, 3), poses of the grasp in the world, x, y (m) and yaw (rad), one for the end of each of the
-        next 8 control periods; eq. (7) follows them. The kinematic and the physical plant only.
+        next 8 planning steps; eq. (7) follows them. The kinematic and the physical plant only.
     inputs: (base + joints,), the inputs u: rim speed of the left and the right wheel (m/s), or of an omnidirectional
         base velocity ahead and to the left (m/s) and turning rate (rad/s); then joint rates (rad/s,
         prismatic m/s). The kinematic and the physical plant only.
@@ -40,7 +40,8 @@ class HumanDecision:
     stubbornness: phi(k), at least 0; by default that of eq. (5).
     discomfort: g(k), at least 0; by default that of eq. (5).
     perception: alpha and gamma behind the decision, for the figures of the subjective cost.
-    hand: target of the hand (x, y), m, in the world, on the physical plant.
+    hand: target of the hand (x, y) at the end of the planning step, m, in the world, on the physical plant; the hand
+        goes straight to it. ``Human.hand`` gives a target for every control period.
     """
 
     option: int | str
@@ -83,8 +84,13 @@ class Human:
     """
 
     def decide(self, view: HumanView) -> HumanDecision | int | str:
-        """The decision at the beginning of a control period: the option preferred, or a HumanDecision."""
+        """The decision at the beginning of a planning step: the option preferred, or a HumanDecision."""
         raise NotImplementedError
+
+    def hand(self, view: HandView) -> tuple[float, float] | None:
+        """Target of the hand (x, y) at the end of a control period, m, in the world, on the physical plant; None: on
+        the straight way to the decision's, or with the leader."""
+        return None
 
     def save(self) -> bytes:
         """The state that later decisions depend on."""

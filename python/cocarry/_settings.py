@@ -12,8 +12,11 @@ class Settings(TypedDict, total=False):
     human_model: str
     """Model of the human: preference, boltzmann(RATIONALITY) or scripted(STEP:OPTION,...). Default: preference."""
 
-    period_s: float
-    """Control period, in seconds; one planning step each. Default: 0.2."""
+    planning_step_s: float
+    """Planning step k, in seconds: phi, g, J and looks count in it, so an eta is for one planning step. Default: 0.2."""
+
+    control_period_s: float
+    """Control period of eqs. (7) and (8), in seconds, a whole fraction of the planning step [default: the planning step]."""
 
     speed_m_per_s: float
     """Walking speed of the team, in metres per second. Default: 0.5."""
@@ -89,3 +92,9 @@ class Settings(TypedDict, total=False):
 
     belief_update: Literal['prior', 'learn']
     """The robot's belief during the episode. Default: prior."""
+
+    belief_lapse: float
+    """Lapse rate l of the robot's belief: with probability l, a human takes any option. Above 0, a robot that learns assumes it of what it sees, too. Default: 0.0."""
+
+    belief_rationality: float
+    """Rationality beta of the robot's belief: P_o is that of humans who choose with probability proportional to exp(-beta J^), as boltzmann(beta) does [default: infinite, eq. (4)]."""

@@ -77,6 +77,7 @@ fn _cocarry(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<partners::PyView>()?;
     module.add_class::<partners::PyRobotView>()?;
     module.add_class::<partners::PyHumanView>()?;
+    module.add_class::<partners::PyHandView>()?;
     module.add_class::<preference::Preference>()?;
     module.add_class::<table::Table>()?;
     module.add_class::<environments::Lanes>()?;

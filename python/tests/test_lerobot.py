@@ -229,8 +229,8 @@ def test_a_data_set_is_whole_or_not_there(recordings, data_sets, tmp_path):
     broken = tmp_path / "broken.mcap"
     broken.write_bytes(recordings["point"].read_bytes()[:20000])
     point, new = recordings["point"], tmp_path / "a" / "new"
-    slow = cocarry.Scenario("environment-4", plant="point", period_s=0.3)
-    fast = cocarry.Scenario("environment-4", plant="point", period_s=0.1)
+    slow = cocarry.Scenario("environment-4", plant="point", planning_step_s=0.3)
+    fast = cocarry.Scenario("environment-4", plant="point", planning_step_s=0.1)
     for episodes, folder, keywords, message in [
         ([point], made, {}, "data: exists already; choose another name, or overwrite=True"),
         ([point], tmp_path / "other", {"overwrite": True}, r"other: is not a LeRobot data set \(no `meta/info.json` in it\)"),
@@ -238,8 +238,8 @@ def test_a_data_set_is_whole_or_not_there(recordings, data_sets, tmp_path):
         (point, new, {}, "episodes: expected a list of recordings, scenarios or episodes, not a single one"),
         ([point, 7], new, {}, "episode 1: int; expected a Recording, its file, a Scenario or an Episode"),
         ([point, recordings["rapier"]], new, {}, r"run.mcap: its team is Carrier on the plant rapier; that of .* is point on point; write a data set"),
-        ([slow], new, {}, r"episode 0: period_s = 0.3; LeRobot needs a whole number of frames per second, as with 0.1"),
-        ([point, fast], new, {}, r"episode 1: period_s = 0.1; that of .*run.mcap is 0.2"),
+        ([slow], new, {}, r"episode 0: planning_step_s = 0.3; LeRobot needs a whole number of frames per second, as with 0.1"),
+        ([point, fast], new, {}, r"episode 1: planning_step_s = 0.1; that of .*run.mcap is 0.2"),
         ([point], new, {"license": "My License"}, "license = 'My License'; expected an identifier such as mit"),
         ([point], new, {"task": " "}, "task: is empty"),
         ([point], recordings["point"] / "x", {}, "cannot be written"),

@@ -264,3 +264,39 @@ def test_an_exception_in_a_sweep_is_raised():
 
     with pytest.raises(RuntimeError, match="on purpose"):
         cocarry.sweep(STUDY, policy=fails)
+
+
+def test_a_policy_sees_the_paths_of_the_options_and_nothing_of_the_humans_choice():
+    seen = {}
+
+    def policy(view):
+        if view.step == 3:
+            seen.update(path=view.path(2), position=view.position, length=view.length_m[2])
+            seen["names"] = {name for name in dir(view) if not name.startswith("_")}
+        return None if view.stance == "take-over" else int(view.objective_cost_m.argmin())
+
+    cocarry.Episode(cocarry.Scenario("environment-4", plant="point"), policy=policy).run(5)
+    path = seen["path"]
+    assert np.allclose(path[0], seen["position"])
+    assert abs(np.linalg.norm(np.diff(path, axis=0), axis=1).sum() - seen["length"]) < 0.01
+    # as `cocarry::policy::RobotView`: stance, phi and g of the human, no option, alpha or gamma
+    assert seen["names"] == {
+        "step", "time_s", "position", "path", "executed", "mode", "stance", "stubbornness", "discomfort",
+        "configuration", "grasp", "object", "hand", "grip_wrench", "hand_wrench",
+    }
+
+
+def test_a_hand_has_a_target_in_every_control_period():
+    periods = []
+
+    class Steering(cocarry.Human):
+        def decide(self, view):
+            return cocarry.HumanDecision(2, stance="take-over" if view.step >= 3 else "follow")
+
+        def hand(self, view):
+            periods.append((view.period, view.periods))
+            return tuple(view.hand + [0.02, 0.0]) if view.time_s > 1.0 else None
+
+    scenario = cocarry.Scenario("environment-4", plant="rapier", control_period_s=0.05)
+    cocarry.Episode(scenario, human=Steering).run(7)
+    assert periods == [(period, 4) for _ in range(7) for period in range(4)]

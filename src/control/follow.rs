@@ -15,8 +15,8 @@ use nalgebra::Rotation3;
 /// Look-ahead distances along the path, m. The longest rolls most smoothly but cuts corners most: it is used
 /// unless the base would come too near to an obstacle; where every one does, the shortest is.
 const LOOK_AHEADS_M: [f64; 3] = [0.65, 0.45, 0.3];
-/// Number of periods over which the base looks out for obstacles.
-const LOOK_OUT_PERIODS: usize = 6;
+/// Time over which the base looks out for obstacles, s.
+const LOOK_OUT_S: f64 = 1.2;
 /// How far (m) the base may overlap an obstacle: the base is narrower than its disc, or than the polygon around
 /// its shapes.
 const LOOK_OUT_TOLERANCE_M: f64 = 0.005;
@@ -67,7 +67,7 @@ impl Follower<'_> {
         for &look_ahead in look_aheads {
             let mut pursuit = Pursuit { look_ahead, at: *base, input, speed: self.speeds[0], ahead: 0.0 };
             let mut is_clear = true;
-            for i in 0..LOOK_OUT_PERIODS.max(chosen.len()) {
+            for i in 0..((LOOK_OUT_S / period).round() as usize).max(chosen.len()) {
                 pursuit.step(self, drive, period);
                 if let Some(input) = chosen.get_mut(i) {
                     *input = pursuit.input;

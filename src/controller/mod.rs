@@ -73,6 +73,8 @@ pub struct Way<'s> {
     pub travel: Travel,
     /// How the team walks.
     pub walk: &'s dyn Walk,
+    /// The control period within the planning step, from 0, and their number.
+    pub period: [u32; 2],
 }
 
 /// The basis of a command: the data of eq. (8) that others need to check it.

@@ -1,9 +1,9 @@
 //! s: the motion that the grasp should make, which eqs. (7) and (8) track.
 
 use super::Way;
-use crate::control::{Intent, Manipulator, PoseCriterion, Reference, reference};
+use crate::control::{HORIZON, Intent, Manipulator, PoseCriterion, Reference, reference};
 use crate::coordination::Mode;
-use crate::geometry::{Path, Pose};
+use crate::geometry::{Path, PlanarPose, Point, Pose, wrap_angle};
 use crate::plant::Seen;
 use crate::policy::Motion;
 use crate::preference::ChoiceDistribution;
@@ -21,6 +21,10 @@ pub struct References {
     pub weights: Vec<f64>,
     /// The option that the robot expects the human to walk; none while the robot leads.
     pub tracked: Option<usize>,
+    /// The option on which the human was seen at the beginning of the planning step.
+    seen_on: usize,
+    /// Pose of the grasp at the beginning of the planning step.
+    begun_at: PlanarPose,
     widened: Widened,
 }
 
@@ -37,6 +41,8 @@ impl References {
             references: Vec::with_capacity(options),
             weights: Vec::with_capacity(options),
             tracked: None,
+            seen_on: 0,
+            begun_at: PlanarPose { position: Point::origin(), yaw: 0.0 },
             widened: Widened::default(),
         }
     }
@@ -63,8 +69,16 @@ impl References {
         };
         let ahead = PathAhead { mode, travel, path, along, lead, turn: None };
         self.tracked = None;
+        if way.period[0] == 0 {
+            self.begun_at = PlanarPose::from_above(grasp);
+        }
         match (way.motion, way.mode) {
-            (Motion::Reference(poses), _) => self.only(reference(poses.iter().copied(), grasp, height)),
+            (Motion::Reference(poses), _) => {
+                let [begun, count] = way.period.map(f64::from);
+                let pose = |period| pose_between(&self.begun_at, poses, (begun + period) / count);
+                let poses = (1..=HORIZON).map(|period| pose(period as f64));
+                self.only(reference(poses, grasp, height));
+            }
             (_, Mode::HumanLed) => self.anticipate(seen, way, &ahead, belief, grasp, manipulator),
             // the robot knows its own path
             (_, Mode::RobotLed) => {
@@ -93,8 +107,13 @@ impl References {
     ) {
         let probabilities = belief.probabilities();
         let body = seen.body();
-        let tracked = self.intent.observe(body, probabilities);
-        self.intent.see_hand(seen.hand(), self.pace.period);
+        // the human is looked at once in a planning step: in less, the way walked says less
+        let looks = way.period[0] == 0;
+        if looks {
+            self.seen_on = self.intent.observe(body, probabilities);
+            self.intent.see_hand(seen.hand(), self.pace.step);
+        }
+        let tracked = self.seen_on;
         let observed = way.walk.observed_speed(seen, &self.intent, way.travel);
         self.references.clear();
         for (option, path) in self.paths.iter_mut().enumerate().take(probabilities.len()) {
@@ -104,12 +123,14 @@ impl References {
             let height = manipulator.robot.grasp_height;
             self.references.push(way.walk.reference(seen, &ahead, observed, grasp, height));
         }
-        let step = observed * self.pace.period;
-        let from = ahead.lead.max(0.0);
-        self.intent.expect(self.paths.iter().map(|path| {
-            let [from, to] = [from, from + step].map(|walked| path.point_at(walked).unwrap_or(body));
-            to - from
-        }));
+        if looks {
+            let step = observed * self.pace.step;
+            let from = ahead.lead.max(0.0);
+            self.intent.expect(self.paths.iter().map(|path| {
+                let [from, to] = [from, from + step].map(|walked| path.point_at(walked).unwrap_or(body));
+                to - from
+            }));
+        }
         self.weights.clear();
         let uniform = 1.0 / probabilities.len() as f64;
         let criterion = manipulator.control.criterion;
@@ -119,5 +140,41 @@ impl References {
             PoseCriterion::Tracked => f64::from(u8::from(option == tracked)),
         }));
         self.tracked = Some(tracked);
+    }
+}
+
+/// The pose at a time in planning steps, among poses at the ends of the steps; before the first, from `begin`.
+fn pose_between(begin: &PlanarPose, poses: &[PlanarPose; HORIZON], time: f64) -> PlanarPose {
+    let at = |step: usize| match step {
+        0 => *begin,
+        _ => poses[(step - 1).min(HORIZON - 1)],
+    };
+    let (before, share) = (time.floor() as usize, time - time.floor());
+    let from = at(before);
+    if share == 0.0 {
+        return from;
+    }
+    let to = at(before + 1);
+    PlanarPose {
+        position: from.position + (to.position - from.position) * share,
+        yaw: wrap_angle(from.yaw + wrap_angle(to.yaw - from.yaw) * share),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_poses_between_planning_steps_are_on_straight_lines() {
+        let begin = PlanarPose { position: Point::new(1.0, 0.0), yaw: 3.1 };
+        let poses =
+            std::array::from_fn(|i| PlanarPose { position: Point::new(2.0 + i as f64, 0.0), yaw: -3.1 });
+        let quarter = pose_between(&begin, &poses, 0.25);
+        assert!((quarter.position.x - 1.25).abs() < 1e-15);
+        // the short way round: 0.083 rad in all
+        assert!((wrap_angle(quarter.yaw - 3.1) - (std::f64::consts::TAU - 6.2) / 4.0).abs() < 1e-12);
+        assert_eq!(pose_between(&begin, &poses, 3.0), poses[2]);
+        assert_eq!(pose_between(&begin, &poses, 40.5), poses[HORIZON - 1]);
     }
 }

@@ -2,8 +2,8 @@
 
 use super::{Episode, Outcome};
 
-/// Number of steps without progress after which a team is stuck: ten seconds.
-const STUCK_STEPS: u32 = 50;
+/// Time without progress after which a team is stuck, s.
+const STUCK_S: f64 = 10.0;
 
 impl Episode<'_> {
     /// The outcome of an episode that is over.
@@ -15,7 +15,7 @@ impl Episode<'_> {
             let at_target = (self.progress.position - self.options.target()).norm() < 1e-6;
             return Some(if at_target { Outcome::Arrived } else { Outcome::NoWay });
         }
-        if self.steps_without_progress > STUCK_STEPS {
+        if f64::from(self.steps_without_progress) * self.settings.planning_step > STUCK_S + 1e-9 {
             return Some(Outcome::Stuck);
         }
         (self.summary.steps >= self.tick_limit).then_some(Outcome::OutOfTime)

@@ -3,16 +3,12 @@
 use super::Episode;
 use super::now::Now;
 use crate::coordination::Mode;
-use crate::human::{HumanDecision, Stance};
+use crate::geometry::Point;
+use crate::human::{HandView, HumanDecision, Stance};
 use crate::policy::{Decision, Lead};
 use crate::team::TurnOutcome;
 
 impl Episode<'_> {
-    /// Distance walked in a step, m.
-    pub(super) fn per_step(&self) -> f64 {
-        self.settings.speed * self.settings.period
-    }
-
     /// Takes the path of the option that a decision asks for, or turns toward it. Returns the option executed,
     /// and the one for which the team reverses first.
     pub(super) fn execute(
@@ -25,7 +21,7 @@ impl Episode<'_> {
         match now.executed {
             None => {
                 let path = self.options.path(&self.progress, option).unwrap_or_default();
-                self.route.begin(self.walk.walkable(path));
+                self.route.begin(self.walk.begin(path));
                 (option, None)
             }
             Some(executed) if executed == option => {
@@ -52,22 +48,38 @@ impl Episode<'_> {
         }
     }
 
-    /// The position along the path (m) at which a step should end.
-    pub(super) fn to(&self, mode: Mode, human: &HumanDecision) -> f64 {
+    /// Where the human's own hand goes in a control period, on plants with bodies.
+    pub(super) fn hand(&mut self, decision: &HumanDecision, period: [u32; 2]) -> Option<Point> {
+        let time = self.now().time + self.settings.control_period() * f64::from(period[0]);
+        let bodies = self.plant.observe().bodies?;
+        let now = bodies.hand_planar.position;
+        if period[0] == 0 {
+            self.hand_from = now;
+            self.hands.clear();
+        }
+        let (hand, wrench) = ([self.hand_from, now], Some(&bodies.hand_grip.mean));
+        let view = HandView { time, period, decision, hand, wrench };
+        let own = self.human.hand(&view);
+        if own.is_some() {
+            self.hands.resize(period[0] as usize, None);
+            self.hands.push(own);
+        }
+        own.or_else(|| view.toward_target())
+    }
+
+    /// The position along the path (m) at which a control period should end.
+    pub(super) fn to(&self, mode: Mode, stance: Stance) -> f64 {
         let (from, length) = (self.route.along, self.route.path.length());
-        let resists = human.stance == Stance::Resist && mode == Mode::RobotLed;
-        let to = if resists { from } else { from + self.per_step() };
+        let resists = stance == Stance::Resist && mode == Mode::RobotLed;
+        let to = if resists { from } else { from + self.settings.speed * self.settings.control_period() };
         // a remainder shorter than rounding is not a step of its own
         if to >= length - 1e-9 { length } else { to }
     }
 
-    /// Brings the progress to where the team has come on its path, `along` (m), from `from` (m). A hand that is
-    /// steered need not go along the path: there the team has come on if it has `moved` (m).
-    pub(super) fn arrive(&mut self, from: f64, along: f64, moved: f64) {
-        let came_on = (along - from).abs().max(moved) > 0.1 * self.per_step();
-        self.steps_without_progress = if came_on { 0 } else { self.steps_without_progress + 1 };
+    /// Brings the progress to where the team has come on its path, `along` (m). Returns the distance walked, m.
+    pub(super) fn come_to(&mut self, along: f64) -> f64 {
         let position = self.point_at(along);
         self.options.advance(&mut self.progress, position);
-        self.route.along = along;
+        (along - std::mem::replace(&mut self.route.along, along)).abs()
     }
 }

@@ -43,7 +43,7 @@ use crate::learning::Learner;
 use crate::options::{OptionSet, Progress};
 use crate::plant::Plant;
 use crate::policy::{Decision, RobotPolicy};
-use crate::preference::{Perception, Predictor, Prospect};
+use crate::preference::{Perception, Predictor, Prospect, Ways};
 use crate::robot::Configuration;
 use crate::simulation::Observation;
 use crate::team::{Route, Walk};
@@ -75,6 +75,12 @@ pub struct Episode<'a> {
     decided: Option<(HumanDecision, Decision)>,
     /// D_o and S_o in the last step.
     prospects: Vec<Prospect>,
+    /// Which options had become one way in the last step.
+    ways: Ways,
+    /// Position of the hand at the beginning of the step, m, and the targets that the human gave for its
+    /// control periods.
+    hand_from: Point,
+    hands: Vec<Option<Point>>,
     /// Memory for the next step, and for the poses of the robot's bodies.
     memory: (Evaluated, Predicted),
     body_poses: Vec<Pose>,
@@ -173,12 +179,22 @@ impl Episode<'_> {
     /// Number of steps on the longest option. An episode without detours takes no more.
     pub fn expected_steps(&self) -> u64 {
         let lengths = prospects(self.options, &self.progress).into_iter().map(|option| option.length);
-        (lengths.fold(0.0, f64::max) / self.per_step()).ceil() as u64
+        (lengths.fold(0.0, f64::max) / (self.settings.speed * self.settings.planning_step)).ceil() as u64
     }
 
     /// The decisions of the human and of the robot's policy in the last step; `None` before the first.
     pub fn decided(&self) -> Option<&(HumanDecision, Decision)> {
         self.decided.as_ref()
+    }
+
+    /// Which options had become one way in the last step.
+    pub fn ways(&self) -> &Ways {
+        &self.ways
+    }
+
+    /// The targets of the human's hand in the control periods of the last step that [`Human::hand`] gave.
+    pub fn hands(&self) -> &[Option<Point>] {
+        &self.hands
     }
 
     /// The last step taken.

@@ -20,7 +20,7 @@ impl Episode<'_> {
     /// The beginning of the present step.
     pub(super) fn now(&self) -> Now {
         let step = self.summary.steps;
-        let time = step as f64 * self.settings.period;
+        let time = step as f64 * self.settings.planning_step;
         match step {
             0 => Now { step, time, mode: self.policy.initial_mode(), executed: None },
             _ => Now { step, time, mode: self.tick.mode, executed: Some(self.tick.executed) },

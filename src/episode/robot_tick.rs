@@ -1,4 +1,4 @@
-//! The robot's part of one control period, as data.
+//! The robot's part of one planning step, as data.
 
 use crate::control::{Manipulator, SolveOutcome, least_singular_value};
 use crate::geometry::{PlanarPose, Pose};
@@ -30,7 +30,8 @@ pub struct RobotTick {
     pub position_error: f64,
     /// Angle between them, rad.
     pub orientation_error: f64,
-    /// ||x - s||_Q^2 at the end of the step.
+    /// ||x - s||_Q^2 at the end of the step. This, the next two and u are means over the control periods of a
+    /// planning step, so that C does not grow with the controller's rate.
     pub tracking_cost: f64,
     /// ||u||_R^2.
     pub effort_cost: f64,
@@ -171,4 +172,48 @@ impl RobotTick {
             physics: bodies.map(|bodies| PhysicsTick::of(bodies, period.place.path_lead)),
         }
     }
+
+    /// This period and the next one of a planning step: costs and inputs added up, states at the end.
+    pub(super) fn and(self, next: &Self) -> Self {
+        let Self { configuration, grasp_goal, preparation, input_matrix, .. } = self;
+        Self {
+            configuration,
+            grasp_goal,
+            preparation,
+            input_matrix,
+            input: self.input + next.input,
+            outcome: harder(self.outcome, next.outcome),
+            tracking_cost: self.tracking_cost + next.tracking_cost,
+            effort_cost: self.effort_cost + next.effort_cost,
+            pose_cost: self.pose_cost + next.pose_cost,
+            base_clearance: self.base_clearance.min(next.base_clearance),
+            self_contact: self.self_contact.or(next.self_contact),
+            ..*next
+        }
+    }
+
+    /// The mean over this number of periods of what [`RobotTick::and`] has added up.
+    pub(super) fn mean_of(self, periods: u32) -> Self {
+        if periods == 1 {
+            return self;
+        }
+        let share = 1.0 / f64::from(periods);
+        Self {
+            input: self.input * share,
+            tracking_cost: self.tracking_cost * share,
+            effort_cost: self.effort_cost * share,
+            pose_cost: self.pose_cost * share,
+            ..self
+        }
+    }
+}
+
+/// The outcome that took more.
+fn harder(one: SolveOutcome, other: SolveOutcome) -> SolveOutcome {
+    let rank = |outcome: SolveOutcome| match outcome {
+        SolveOutcome::Unconstrained => 0,
+        SolveOutcome::Constrained { active } => 1 + active,
+        SolveOutcome::Fallback(_) => usize::MAX,
+    };
+    if rank(other) > rank(one) { other } else { one }
 }

@@ -17,9 +17,12 @@ pub struct Settings {
     pub coordination: coordination::Settings,
     /// The method of deciding who leads.
     pub method: Method,
-    /// Control period, s: one planning step k.
-    #[serde(rename = "period_s")]
-    pub period: f64,
+    /// Planning step k, s: phi, g, J and looks at the human count in it. Texts have it under the key of before.
+    #[serde(rename = "period_s", alias = "planning_step_s")]
+    pub planning_step: f64,
+    /// Control period of eqs. (7) and (8), s, a whole fraction of the planning step; by default as long.
+    #[serde(rename = "control_period_s", default, skip_serializing_if = "Option::is_none")]
+    pub control_period: Option<f64>,
     /// Walking speed of the team, m/s.
     #[serde(rename = "speed_m_per_s")]
     pub speed: f64,
@@ -44,7 +47,8 @@ impl Default for Settings {
             predictor: Predictor::default(),
             coordination: coordination::Settings::default(),
             method: Method::MUTUAL,
-            period: 0.2,
+            planning_step: 0.2,
+            control_period: None,
             speed: 0.5,
             yaw_rate: 0.8,
             tick_limit: None,
@@ -55,10 +59,22 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// Control period, s.
+    pub fn control_period(&self) -> f64 {
+        self.control_period.unwrap_or(self.planning_step)
+    }
+
+    /// Number of control periods in a planning step; `None` if they do not fill it.
+    pub fn control_periods(&self) -> Option<u32> {
+        let count = (self.planning_step / self.control_period()).round();
+        let fills = (count * self.control_period() - self.planning_step).abs() <= 1e-9 * self.planning_step;
+        (count >= 1.0 && fills).then_some(count as u32)
+    }
+
     /// The team's pace.
-    pub(super) fn pace(&self) -> Pace {
-        let Self { period, speed, yaw_rate, .. } = *self;
-        Pace { period, speed, yaw_rate }
+    pub fn pace(&self) -> Pace {
+        let Self { planning_step: step, speed, yaw_rate, .. } = *self;
+        Pace { step, period: self.control_period(), speed, yaw_rate }
     }
 
     /// The learner of these settings, if the robot learns.

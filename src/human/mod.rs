@@ -33,6 +33,14 @@ pub trait Human: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// The human's decision at the beginning of a control period.
     fn decide(&mut self, view: &HumanView<'_>) -> HumanDecision;
 
+    /// Where the hand goes by the end of a control period, m, world frame, on plants with bodies. By default, or
+    /// with `None`, it goes straight to the decision's target until the end of the planning step, or with the
+    /// leader.
+    fn hand(&mut self, view: &HandView<'_>) -> Option<Point> {
+        let _ = view;
+        None
+    }
+
     /// Sets alpha and gamma from this step on. Models without them ignore the call.
     fn set_preference(&mut self, preference: Perception) {
         let _ = preference;
@@ -88,6 +96,31 @@ pub struct HumanView<'a> {
     pub wrench: Option<&'a Wrench>,
 }
 
+/// The human's view at the beginning of a control period.
+#[derive(Clone, Copy, Debug)]
+pub struct HandView<'a> {
+    /// Simulated time, s.
+    pub time: f64,
+    /// The control period within the planning step, from 0, and their number.
+    pub period: [u32; 2],
+    /// The decision of this planning step.
+    pub decision: &'a HumanDecision,
+    /// Position of the hand without its sway, m; at the beginning of the planning step, and now.
+    pub hand: [Point; 2],
+    /// The mean wrench of the hand on the object in this planning step so far, world axes, N and Nm.
+    pub wrench: Option<&'a Wrench>,
+}
+
+impl HandView<'_> {
+    /// A point on the straight way to the decision's target, if there is one.
+    pub fn toward_target(&self) -> Option<Point> {
+        let target = self.decision.hand?;
+        let [period, count] = self.period;
+        let left = f64::from(count - period - 1) / f64::from(count);
+        Some(if left == 0.0 { target } else { target - (target - self.hand[0]) * left })
+    }
+}
+
 impl HumanView<'_> {
     /// One step of eq. (5): discomfort accumulates after the first step while the robot leads.
     pub fn accumulate(&self, stubbornness: &mut Stubbornness) {
@@ -111,8 +144,8 @@ pub struct HumanDecision {
     pub discomfort: f64,
     /// The alpha and gamma behind the decision, eq. (2); none for humans without them.
     pub perception: Option<Perception>,
-    /// The target of the hand in this period on the physical plant, m, world frame. By default the hand
-    /// follows the leader's path.
+    /// The target of the hand at the end of this planning step on the physical plant, m, world frame. By
+    /// default the hand follows the leader's path. [`Human::hand`] gives targets of control periods.
     pub hand: Option<Point>,
 }
 

@@ -86,7 +86,7 @@ impl OptionSet {
         let exactly = closed.iter().filter(|gap| gap.is_exactly_closed(world.robot_width));
         let barriers = world.openings.iter().chain(exactly).map(|gap| gap.ends).collect();
         let closed: Vec<[Point; 2]> = closed.iter().map(|gap| gap.ends).collect();
-        let space = Space::new(world.obstacles.iter().map(|o| o.footprint.clone()), barriers, clearance);
+        let space = Space::new(&world.solids, barriers, clearance);
         let passages = passages(world, &space);
         let straights = passages.iter().enumerate().flat_map(|(i, p)| [0, 1].map(|side| p.straight(i, side)));
         let ends = [world.start, world.target].map(Straight::from);
@@ -221,6 +221,12 @@ impl OptionSet {
             Some(crossing) if ahead != Some(crossing.back()) => Waypoint::Opening(crossing),
             _ => ahead.map_or(Waypoint::Target, Waypoint::Opening),
         }
+    }
+
+    /// Whether two options have the same remaining way from the team's position.
+    pub fn lead_the_same_way(&self, progress: &Progress, first: usize, second: usize) -> bool {
+        let ahead = |option: usize| self.exit(progress, option).0.ahead(&self.options[option]);
+        ahead(first).eq(ahead(second))
     }
 
     /// The remaining path of an option from the team's position. Its length is [`Remaining::length`]. `None`

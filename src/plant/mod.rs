@@ -24,6 +24,9 @@ pub trait Plant: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// The present state, as far as it can be seen.
     fn observe(&self) -> Seen<'_>;
 
+    /// Begins a planning step: forces and contacts seen later are those since then.
+    fn begin(&mut self) {}
+
     /// Moves all bodies by one control period (s).
     fn step(&mut self, command: &Command, human: &HumanMotion, period: f64);
 

@@ -52,11 +52,15 @@ impl Plant for Physical<'_> {
         }
     }
 
+    fn begin(&mut self) {
+        self.state.plant.begin();
+    }
+
     fn step(&mut self, command: &Command, human: &HumanMotion, period: f64) {
         let hand = human.hand.map_or(HumanCommand::Follow, |hand| HumanCommand::Walk { hand });
         let State { plant, seen } = &mut self.state;
         plant.face(human.facing);
-        *seen = plant.step(&(command.rates + command.input), &hand, period);
+        *seen = plant.advance(&(command.rates + command.input), &hand, period);
     }
 
     fn link_poses(&self) -> Option<Vec<Pose>> {

@@ -130,8 +130,8 @@ pub enum Lead {
 pub enum Motion {
     /// Eq. (8) and (7): pose optimisation and MPC track the leader's path.
     Controlled,
-    /// Eq. (7) with the policy's reference: poses of the grasp on the floor, one per control period, from the
-    /// end of this one on.
+    /// Eq. (7) with the policy's reference: poses of the grasp on the floor, one per planning step, from the
+    /// end of this one on; shorter control periods go between them.
     Reference([PlanarPose; HORIZON]),
     /// The policy's inputs u: the base's inputs, then joint rates, rad/s (prismatic: m/s).
     Inputs(#[serde(with = "without_last")] InputVector),

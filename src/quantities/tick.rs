@@ -1,4 +1,4 @@
-//! The quantities of one control period.
+//! The quantities of one planning step.
 
 use super::{
     DEGREES, JOULES, Kind, METRES, METRES_PER_SECOND, NEWTON_METRES, NEWTONS, PLAIN, Quantity, RADIANS,

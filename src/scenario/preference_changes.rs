@@ -60,7 +60,7 @@ impl PreferenceChanges {
         let ahead = prospects(options, &options.begin());
         let preferred = human_choice(&ahead, settings.predictor.risk_weight(), first, None);
         let length = ahead.get(preferred).map_or(0.0, |option| option.length);
-        let half = (length / (settings.speed * settings.period) / 2.0) as u64;
+        let half = (length / (settings.speed * settings.planning_step) / 2.0) as u64;
         let mut change = |_| {
             let step = rng.random_range(1..=half.max(1));
             PreferenceChange { step, perception: belief.sample(rng) }

@@ -8,7 +8,7 @@ use crate::options::OptionSet;
 use crate::policy::RobotPolicy;
 use crate::robot::{Robot, SlowDrive};
 use crate::world::World;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A scenario with its world, options and robot: it owns what its episode borrows.
 #[derive(Clone, Debug)]
@@ -24,6 +24,8 @@ struct Scene {
     world: World,
     options: OptionSet,
     obstacles: RobotObstacles,
+    /// The options for the world's own `robot_width_m`, where a wider robot takes its place; made when asked.
+    as_written: OnceLock<OptionSet>,
 }
 
 /// Partners in place of those of a scenario; `None` keeps the scenario's.
@@ -74,7 +76,7 @@ impl Scenario {
                 let world = World::parse_for(&self.world.file, &self.world.text, width)?;
                 let options = OptionSet::new(&world, self.settings.predictor.risk_weight())?;
                 let obstacles = RobotObstacles::new(&world);
-                Arc::new(Scene { world, options, obstacles })
+                Arc::new(Scene { world, options, obstacles, as_written: OnceLock::new() })
             }
         };
         let stage = PreparedScenario { scenario: self, scene, robot };
@@ -115,6 +117,24 @@ impl PreparedScenario {
     /// The world's options.
     pub fn options(&self) -> &OptionSet {
         &self.scene.options
+    }
+
+    /// The world's options for its own `robot_width_m`, which preference changes are drawn from: the human of a
+    /// seed is the same whatever carries with them.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Options`].
+    pub fn options_as_written(&self) -> Result<&OptionSet, ScenarioError> {
+        let Scene { world, options, as_written, .. } = self.scene.as_ref();
+        if !world.is_widened {
+            return Ok(options);
+        }
+        if let Some(made) = as_written.get() {
+            return Ok(made);
+        }
+        let narrower = World::parse(&world.file, &world.text)?;
+        let made = OptionSet::new(&narrower, self.scenario.settings.predictor.risk_weight())?;
+        Ok(as_written.get_or_init(|| made))
     }
 
     /// The robot; `None` on the planning level alone. Its meshes are as the URDF names them.

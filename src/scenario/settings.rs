@@ -8,11 +8,18 @@ use super::setting::{Applies, Field, Group, Kind, Range, Setting};
 use super::word::{AVOIDED, BELIEFS, CRITERIA, POSES, put, word, words};
 use crate::human::{MODELS, ModelName};
 use crate::policy::Method;
-use crate::preference::LARGEST_PERCEPTION;
+use crate::preference::{LARGEST_PERCEPTION, MAX_LAPSE_RATE, MAX_RATIONALITY};
 use crate::simulation::{HumanSettings, PhysicsSettings};
 
 /// The range of alpha and gamma.
 pub const PERCEPTION: Range = Range::above(0.0, LARGEST_PERCEPTION);
+const PERIODS: Range = Range::between(0.01, 60.0);
+/// A key and a flag of before, and what to give in their place.
+pub const PERIOD: [&str; 3] = [
+    "period_s",
+    "period",
+    "given as planning_step_s (--planning-step), in which phi, g and J count, or as control_period_s (--control-period), of eqs. (7) and (8); it was both in one",
+];
 const POSITIVE: Range = Range::above(0.0, 1e6);
 const NOT_NEGATIVE: Range = Range::between(0.0, 1e6);
 
@@ -58,6 +65,45 @@ pub const RISK_WEIGHT: Setting = Setting {
             get: |s| Some(s.settings.predictor.risk_weight()),
             // fails only outside the range
             set: |s, value| drop(s.settings.predictor.set_risk_weight(value)),
+        },
+    ),
+};
+
+/// l of P'_o = (1 - l) P_o + l / n.
+pub const BELIEF_LAPSE: Setting = Setting {
+    key: "belief_lapse",
+    flag: "belief-lapse",
+    path: "settings.predictor.lapse_rate",
+    group: Group::Method,
+    about: "Lapse rate l of the robot's belief: with probability l, a human takes any option. Above 0, a robot that learns assumes it of what it sees, too",
+    applies: Applies::Always,
+    kind: Kind::Number(
+        Range::between(0.0, MAX_LAPSE_RATE),
+        Field {
+            get: |s| Some(s.settings.predictor.lapse_rate()),
+            set: |s, lapse_rate| {
+                // fails only outside the range
+                drop(s.settings.predictor.set_lapse_rate(lapse_rate));
+                s.settings.learning = s.settings.learning.map(|learning| learning.assuming(lapse_rate));
+            },
+        },
+    ),
+};
+
+/// beta of a belief in Boltzmann humans.
+pub const BELIEF_RATIONALITY: Setting = Setting {
+    key: "belief_rationality",
+    flag: "belief-rationality",
+    path: "settings.predictor.rationality",
+    group: Group::Method,
+    about: "Rationality beta of the robot's belief: P_o is that of humans who choose with probability proportional to exp(-beta J^), as boltzmann(beta) does [default: infinite, eq. (4)]",
+    applies: Applies::Always,
+    kind: Kind::Number(
+        Range::above(0.0, MAX_RATIONALITY),
+        Field {
+            get: |s| s.settings.predictor.rationality(),
+            // fails only outside the range
+            set: |s, rationality| drop(s.settings.predictor.set_rationality(Some(rationality))),
         },
     ),
 };
@@ -114,6 +160,17 @@ pub const SWAY: Setting = Setting {
     ),
 };
 
+/// The planning step k.
+pub const PLANNING_STEP: Setting = Setting {
+    key: "planning_step_s",
+    flag: "planning-step",
+    path: "settings.period_s",
+    group: Group::Walk,
+    about: "Planning step k, in seconds: phi, g, J and looks count in it, so an eta is for one planning step",
+    applies: Applies::Always,
+    kind: Kind::Number(PERIODS, field!(scenario s => s.settings.planning_step)),
+};
+
 /// phi(0) of eq. (5).
 pub const INITIAL_STUBBORNNESS: Setting = Setting {
     key: "initial_stubbornness",
@@ -158,14 +215,21 @@ pub const SETTINGS: &[Setting] = &[
             },
         ),
     },
+    PLANNING_STEP,
     Setting {
-        key: "period_s",
-        flag: "period",
-        path: "settings.period_s",
-        group: Group::Walk,
-        about: "Control period, in seconds; one planning step each",
+        key: "control_period_s",
+        flag: "control-period",
+        path: "settings.control_period_s",
+        group: Group::Control,
+        about: "Control period of eqs. (7) and (8), in seconds, a whole fraction of the planning step [default: the planning step]",
         applies: Applies::Always,
-        kind: Kind::Number(Range::between(0.01, 60.0), field!(scenario s => s.settings.period)),
+        kind: Kind::Number(
+            PERIODS,
+            Field {
+                get: |s| s.settings.control_period,
+                set: |s, value| s.settings.control_period = Some(value),
+            },
+        ),
     },
     Setting {
         key: "speed_m_per_s",
@@ -388,10 +452,13 @@ pub const SETTINGS: &[Setting] = &[
                 set: |s, text| {
                     let mut learns = false;
                     put(&mut learns, BELIEFS, &text);
-                    let given = s.settings.learning.unwrap_or_default();
+                    let lapse_rate = s.settings.predictor.lapse_rate();
+                    let given = s.settings.learning.unwrap_or_default().assuming(lapse_rate);
                     s.settings.learning = learns.then_some(given);
                 },
             },
         ),
     },
+    BELIEF_LAPSE,
+    BELIEF_RATIONALITY,
 ];

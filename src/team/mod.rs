@@ -3,12 +3,14 @@
 //! A team without extent walks its path exactly ([`OnPath`]). Bodies walk [`InTandem`]: the human ahead, the
 //! object, and the robot behind.
 
+mod ends;
 mod in_tandem;
 mod on_path;
 mod pace;
 mod route;
 mod team_path;
 
+pub use ends::Surroundings;
 pub use in_tandem::InTandem;
 pub use on_path::OnPath;
 pub(crate) use pace::TEAM_ACCELERATION;
@@ -19,7 +21,7 @@ pub use team_path::Turned;
 use crate::control::{Intent, Reference};
 use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose, Widening};
-use crate::human::HumanDecision;
+use crate::human::Stance;
 use crate::plant::{HumanMotion, Seen};
 use crate::saved::{NotRestored, Saved};
 
@@ -31,6 +33,11 @@ pub trait Walk: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// The path that this team walks for `path`, which is planned for a point.
     fn walkable(&self, path: Path) -> Path {
         path
+    }
+
+    /// The way onto the first path, which begins where the team stands.
+    fn begin(&mut self, path: Path) -> Turned {
+        Turned { path: self.walkable(path), until: 0.0 }
     }
 
     /// Leaves the present path at the position `along` (m) for `next`, which begins there. `None` if there is
@@ -125,8 +132,10 @@ pub struct Step<'s> {
     pub mode: Mode,
     /// The team's direction of travel along its path.
     pub travel: Travel,
-    /// The human's decision.
-    pub human: &'s HumanDecision,
+    /// The human's response to the robot's lead.
+    pub stance: Stance,
+    /// Where the human's own hand goes by the end of the period, m, world frame; none: with the leader.
+    pub hand: Option<Point>,
     /// The present path.
     pub path: &'s Path,
     /// The team's position along it, m.

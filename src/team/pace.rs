@@ -22,6 +22,8 @@ const BEND_STEPS: u32 = 4;
 /// The team's walking parameters, which the robot knows.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
+    /// Planning step, s.
+    pub step: f64,
     /// Control period, s.
     pub period: f64,
     /// Walking speed, m/s.

@@ -150,9 +150,9 @@ fn closed_form_eq_8_can_be_worked_out_from_what_a_step_tells() {
         let mut totals = Vec::new();
         for considered in decision.poses.considered() {
             let candidate = considered.candidate;
-            let jacobian = robot.kinematics(&candidate.configuration).jacobian * settings.period;
+            let jacobian = robot.kinematics(&candidate.configuration).jacobian * settings.planning_step;
             let form = control::ClosedForm::new(&jacobian, control.state_weight, control.input_weight);
-            limits.set(&robot, &candidate.configuration, &candidate.rates, settings.period);
+            limits.set(&robot, &candidate.configuration, &candidate.rates, settings.planning_step);
             let mut total = control::motion_cost(&robot, candidate, &tick.configuration, &control);
             let mut floor = total;
             for (reference, weight) in decision.references.iter().zip(decision.weights) {

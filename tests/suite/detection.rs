@@ -265,7 +265,7 @@ fn floods(world: &World, h: f64, clearance: f64, diagonally: bool) -> bool {
     let middle = |i: usize, j: usize| Point::new(bounds.min.x + h * i as f64, bounds.min.y + h * j as f64);
     let cell =
         |p: Point| [((p.x - bounds.min.x) / h).round() as usize, ((p.y - bounds.min.y) / h).round() as usize];
-    let is_free = |p: Point| world.obstacles.iter().all(|o| o.footprint.distance_to_point(p) >= clearance);
+    let is_free = |p: Point| world.obstacles.iter().all(|o| o.distance_to_point(p) >= clearance);
     let (start, target) = (cell(world.start), cell(world.target));
     let mut seen = vec![false; columns * rows];
     let mut queue = VecDeque::from([start]);
@@ -321,8 +321,7 @@ fn property_what_can_be_reached_agrees_with_a_flood_fill() {
                     .take_while(|s| *s < path.length())
                     .filter_map(|s| path.point_at(s))
                 {
-                    let room =
-                        world.obstacles.iter().map(|o| o.footprint.distance_to_point(p)).fold(9.0, f64::min);
+                    let room = world.obstacles.iter().map(|o| o.distance_to_point(p)).fold(9.0, f64::min);
                     assert!(
                         room > half - 1e-6,
                         "world {seed}: option {o} is {room} m off an obstacle at {p}"

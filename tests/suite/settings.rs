@@ -65,6 +65,7 @@ fn spoiled(setting: &Setting, value: &Value) -> String {
     let current = match setting.get(&scenario) {
         // what is not there by default is not written
         _ if setting.key == "human_model" => Value::Text("boltzmann(1)".to_owned()),
+        _ if setting.key.starts_with("belief_") => Value::Number(0.25),
         Some(Value::Text(text)) => Value::Text(text),
         _ => value.clone(),
     };
@@ -133,7 +134,12 @@ fn another(setting: &Setting, defaults: &Scenario) -> Value {
     // from the last, so that there are candidates
     let words: Vec<&str> = words.rev().collect();
     let texts = if words.is_empty() { texts.to_vec() } else { words };
-    let texts = if setting.key == "posture" { vec!["elbow-out"] } else { texts };
+    let texts = match setting.key {
+        "posture" => vec!["elbow-out"],
+        // a whole fraction of the planning step and of another one
+        "control_period_s" => vec!["0.05"],
+        _ => texts,
+    };
     let found =
         texts.iter().filter_map(|text| setting.parse(text).ok()).find(|v| Some(v) != default.as_ref());
     found.unwrap_or_else(|| panic!("no other value for {}", setting.key))
@@ -145,8 +151,11 @@ fn every_setting_is_the_same_on_the_command_line_in_scenarios_and_in_studies() {
     for plant in [PlantKind::Kinematic, PlantKind::Rapier] {
         // on the physical plant, what is of bodies alone: the rest was seen already
         let is_shown = |setting: &&Setting| {
-            setting.key == "max_steps"
-                || setting.applies.is_on(PlantKind::Kinematic, true) == (plant == PlantKind::Kinematic)
+            // a robot that learns does not take it
+            let fits = setting.key != "belief_rationality";
+            let is_of_plant = setting.key == "max_steps"
+                || setting.applies.is_on(PlantKind::Kinematic, true) == (plant == PlantKind::Kinematic);
+            fits && is_of_plant
         };
         let settings: Vec<(&Setting, Value)> =
             SETTINGS.iter().filter(is_shown).map(|setting| (setting, another(setting, &defaults))).collect();

@@ -82,7 +82,7 @@ impl EpisodeReport<'_> {
     }
 
     fn seconds(&self, step: u64) -> f64 {
-        step as f64 * self.settings().period
+        step as f64 * self.settings().planning_step
     }
 
     pub fn track(&self) -> Track {
@@ -253,7 +253,8 @@ impl EpisodeReport<'_> {
             "initial_stubbornness": settings.coordination.initial_stubbornness,
             "risk_weight_m": settings.predictor.risk_weight(),
             "seed": scenario.seed,
-            "period_s": settings.period,
+            "planning_step_s": settings.planning_step,
+            "control_period_s": settings.control_period(),
             "speed_m_per_s": settings.speed,
             "options": self.options().map(|(name, openings, option)| option_json(name, &openings, option)).collect::<Vec<_>>(),
             "option_changes": self.changes().map(|(before, tick)| json!({

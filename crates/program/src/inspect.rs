@@ -236,7 +236,7 @@ fn picture(file: &Path) -> Result<String, Failure> {
         track.stubbornness.clear();
     }
     track.positions.extend(arrived.then_some(world.target));
-    drawing::adaptation(&world, &[track], scenario.settings.period)
+    drawing::adaptation(&world, &[track], scenario.settings.planning_step)
         .context(name.clone())
         .map_err(Failure::Input)
 }

@@ -150,9 +150,10 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let report = EpisodeReport { stage: &stage, episode: &episode, resumed, ticks };
     log.map_or(Ok(()), |log| log.finish(&outputs))?;
     if let Some(path) = &arguments.svg {
-        let svg = drawing::adaptation(stage.world(), &[report.track()], stage.scenario().settings.period)
-            .with_context(|| path.display().to_string())
-            .map_err(Failure::Output)?;
+        let svg =
+            drawing::adaptation(stage.world(), &[report.track()], stage.scenario().settings.planning_step)
+                .with_context(|| path.display().to_string())
+                .map_err(Failure::Output)?;
         write_file(&outputs, path, &svg)?;
     }
     if is_interrupted {

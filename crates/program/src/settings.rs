@@ -2,7 +2,7 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
-use cocarry::scenario::{AVOID, Group, Kind, PlantKind, SETTINGS, Scenario, Setting, Value};
+use cocarry::scenario::{AVOID, Group, Kind, PERIOD, PlantKind, SETTINGS, Scenario, Setting, Value};
 use std::borrow::Cow;
 
 /// A flag that means `--avoid nothing`.
@@ -41,7 +41,11 @@ impl Args for SettingArguments {
             .conflicts_with("avoid")
             .help("Leave obstacles out of the robot's MPC, as the paper does; the same as --avoid nothing");
         let defaults = Scenario::defaults();
-        command.args(SETTINGS.iter().map(|setting| argument(setting, &defaults))).arg(no_obstacles)
+        let [_, period, instead] = PERIOD;
+        let period = Arg::new(period).long(period).hide(true).allow_negative_numbers(true);
+        let period = period.value_parser(move |_: &str| Err::<f64, _>(format!("must be {instead}")));
+        let settings = SETTINGS.iter().map(|setting| argument(setting, &defaults));
+        command.args(settings).arg(no_obstacles).arg(period)
     }
 
     fn augment_args_for_update(command: Command) -> Command {

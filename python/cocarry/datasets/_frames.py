@@ -132,7 +132,7 @@ def frames_of(name: str, recording: Recording, options: int) -> Frames:
     found = Frames(
         name=name, scenario=scenario, world=recording.provenance["world"], method=recording.provenance["method"],
         outcome=outcome, times_s=times, state=state, options=known,
-        period_s=float(scenario.settings["period_s"]), motion=motion,
+        period_s=float(scenario.settings["planning_step_s"]), motion=motion,
         decision=np.where(human_leads, options, executed), cost_m=cost, option_count=options,
     )  # fmt: skip
     _check(found)

@@ -230,11 +230,11 @@ def _check_alike(frames: Frames, first: Frames, has_same_features: bool) -> None
     rate = 1 / frames.period_s
     if round(rate) < 1 or abs(rate - round(rate)) > 1e-9:
         raise DatasetError(
-            f"{frames.name}: period_s = {frames.period_s:g}; LeRobot needs a whole number of frames per second, "
+            f"{frames.name}: planning_step_s = {frames.period_s:g}; LeRobot needs a whole number of frames per second, "
             "as with 0.1, 0.2, 0.25 or 0.5"
         )
     if frames.period_s != first.period_s:
-        raise DatasetError(f"{frames.name}: period_s = {frames.period_s:g}; that of {first.name} is {first.period_s:g}")
+        raise DatasetError(f"{frames.name}: planning_step_s = {frames.period_s:g}; that of {first.name} is {first.period_s:g}")
     of, other = (f.scenario.robot.name if f.scenario.robot else "point" for f in (frames, first))
     if (frames.scenario.plant, of) != (first.scenario.plant, other) or not has_same_features:
         raise DatasetError(

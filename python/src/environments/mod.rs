@@ -269,7 +269,7 @@ impl Lanes {
             rewards: PyArray1::zeros(py, count, false).unbind(),
             terminated: PyArray1::zeros(py, count, false).unbind(),
             truncated: PyArray1::zeros(py, count, false).unbind(),
-            period: rules.bases[0].scenario().settings.period,
+            period: rules.bases[0].scenario().settings.planning_step,
             pool,
             rules,
         })

@@ -162,7 +162,7 @@ impl Rules {
         let goal = episode.human().or(robot.map(|robot| robot.grasp_goal)).unwrap_or(grasp);
         numbers.extend(seen_from(&grasp, &goal));
         let settings = &stage.scenario().settings;
-        let per_step = settings.speed * settings.period;
+        let per_step = settings.speed * settings.planning_step;
         for i in 1..=AHEAD {
             let along = (episode.along() + i as f64 * per_step).min(episode.path().length());
             let ahead = episode.path().point_at(along);

@@ -20,6 +20,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub(super) struct Basis {
     pub(super) names: Arc<[String]>,
+    pub(super) prepared: Arc<PreparedScenario>,
     pub(super) joints: usize,
     /// The number of inputs of the base.
     pub(super) base: usize,
@@ -33,7 +34,8 @@ impl Basis {
         let joints = stage.robot().map_or(0, |robot| robot.joints.len());
         let seed = stage.scenario().seed;
         let base = stage.robot().map_or(2, |robot| robot.drive.inputs());
-        Self { names, joints, base, seed, has_robot: stage.robot().is_some() }
+        let prepared = Arc::new(stage.clone());
+        Self { names, prepared, joints, base, seed, has_robot: stage.robot().is_some() }
     }
 
     /// The option of an index or a name.
@@ -77,7 +79,7 @@ fn motion(
             poses.collect::<Vec<_>>().try_into().ok()
         });
         return poses.map(Motion::Reference).ok_or_else(|| {
-            format!("reference = {}; it must be a float64 array of shape ({HORIZON}, 3) of finite numbers: x, y (m) and yaw (rad) of the grasp in the world, one row for each of the next {HORIZON} control periods", repr(given))
+            format!("reference = {}; it must be a float64 array of shape ({HORIZON}, 3) of finite numbers: x, y (m) and yaw (rad) of the grasp in the world, one row for each of the next {HORIZON} planning steps", repr(given))
         });
     }
     if let Some(given) = inputs {
@@ -185,11 +187,21 @@ pub(super) fn human_decision(
         decided.perception = Some(Perception { alpha, gamma });
     }
     if let Some(value) = field(given, "hand")? {
-        let found = value.extract::<(f64, f64)>().ok().filter(|(x, y)| x.is_finite() && y.is_finite());
-        let (x, y) = found.ok_or_else(|| {
-            wrong(format!("hand = {}; it must be (x, y), finite, m, in the world", repr(&value)))
-        })?;
-        decided.hand = Some(Point::new(x, y));
+        decided.hand = hand_target(&value)?;
     }
     Ok(decided)
+}
+
+/// A target of the human's hand: None, or (x, y).
+pub(super) fn hand_target(given: &Bound<'_, PyAny>) -> PyResult<Option<Point>> {
+    if given.is_none() {
+        return Ok(None);
+    }
+    let found = given.extract::<(f64, f64)>().ok().filter(|(x, y)| x.is_finite() && y.is_finite());
+    found.map(|(x, y)| Some(Point::new(x, y))).ok_or_else(|| {
+        let given = repr(given);
+        DecisionError::new_err(format!(
+            "the human returned hand = {given}; it must be (x, y), finite, m, in the world"
+        ))
+    })
 }

@@ -3,13 +3,14 @@
 mod answers;
 mod views;
 
-pub use views::{PyHumanView, PyRobotView, PyView, configuration_vector};
+pub use views::{PyHandView, PyHumanView, PyRobotView, PyView, configuration_vector};
 
 use crate::error::DecisionError;
 use crate::value::repr;
-use answers::{Basis, decision, human_decision};
+use answers::{Basis, decision, hand_target, human_decision};
 use cocarry::coordination::{Mode, Stubbornness};
-use cocarry::human::{Human, HumanDecision, HumanView};
+use cocarry::geometry::Point;
+use cocarry::human::{HandView, Human, HumanDecision, HumanView};
 use cocarry::policy::{Decision, RobotPolicy, RobotView};
 use cocarry::saved::{NotRestored, Saved};
 use cocarry::scenario::{self, PreparedScenario};
@@ -173,6 +174,8 @@ impl RobotPolicy for OwnPolicy {
         }
         let decided = Python::attach(|py| {
             let seen = PyRobotView {
+                prepared: Arc::clone(&basis.prepared),
+                progress: view.progress.clone(),
                 stance: view.stance,
                 stubbornness: view.stubbornness,
                 discomfort: view.discomfort,
@@ -238,6 +241,25 @@ impl Human for OwnHuman {
         decided.unwrap_or_else(|error| {
             fault.put(error);
             nothing
+        })
+    }
+
+    fn hand(&mut self, view: &HandView<'_>) -> Option<Point> {
+        let Partner { object, fault, .. } = &self.partner;
+        if fault.is_there() {
+            return None;
+        }
+        let target = Python::attach(|py| {
+            let Some(hand) = object.bind(py).getattr_opt("hand")?.filter(|hand| hand.is_callable()) else {
+                return Ok(None);
+            };
+            let HandView { time, period, hand: at, wrench: felt, .. } = *view;
+            let seen = PyHandView { time, period, hand: at, hand_wrench: felt.map(wrench) };
+            hand_target(&hand.call1((Bound::new(py, seen)?,))?)
+        });
+        target.unwrap_or_else(|error| {
+            fault.put(error);
+            None
         })
     }
 

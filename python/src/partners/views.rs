@@ -1,16 +1,22 @@
 //! What own policies and humans see.
 
+use crate::error::Error;
 use cocarry::coordination::{Mode, OptionTick};
 use cocarry::geometry::{PlanarPose, Point, Pose};
 use cocarry::human::Stance;
+use cocarry::options::Progress;
 use cocarry::preference::{Perception, Prospect, subjective_cost};
 use cocarry::quantities::{Kind, OPTION, OptionView};
 use cocarry::robot::Configuration;
+use cocarry::scenario::PreparedScenario;
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyAttributeError, PyKeyError};
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 use std::sync::Arc;
+
+/// How far the chords of a path may be off its arcs, m.
+const SAGITTA_M: f64 = 1e-3;
 
 /// What both an own policy and an own human see at the beginning of a control period.
 #[pyclass(frozen, subclass, module = "cocarry._cocarry", name = "View")]
@@ -100,6 +106,8 @@ fn matrix<'py>(py: Python<'py>, pose: &Pose) -> PyResult<Bound<'py, PyArray2<f64
 /// What an own policy sees at the beginning of a control period.
 #[pyclass(frozen, extends = PyView, module = "cocarry", name = "RobotView")]
 pub struct PyRobotView {
+    pub(super) prepared: Arc<PreparedScenario>,
+    pub(super) progress: Progress,
     pub(super) stance: Stance,
     pub(super) stubbornness: f64,
     pub(super) discomfort: f64,
@@ -111,6 +119,17 @@ pub struct PyRobotView {
 
 #[pymethods]
 impl PyRobotView {
+    /// The path of what is left of an option (an index), (n, 2), m; None where no path leads on.
+    fn path<'py>(&self, py: Python<'py>, option: usize) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let options = self.prepared.options();
+        let count = options.options().len();
+        if option >= count {
+            return Err(Error::new_err(format!("option = {option}; it must be from 0 to {}", count - 1)));
+        }
+        let points = options.path(&self.progress, option).map(|path| path.polyline(SAGITTA_M));
+        let rows = points.map(|points| points.iter().map(|p| vec![p.x, p.y]).collect::<Vec<_>>());
+        Ok(rows.map(|rows| PyArray2::from_vec2(py, &rows)).transpose()?)
+    }
     #[getter]
     fn stubbornness(&self) -> f64 {
         self.stubbornness
@@ -143,6 +162,48 @@ impl PyRobotView {
     #[getter]
     fn grip_wrench<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         self.grip_wrench.as_ref().map(|wrench| PyArray1::from_slice(py, wrench))
+    }
+}
+
+/// What an own human sees at the beginning of a control period, for the hand.
+#[pyclass(frozen, module = "cocarry", name = "HandView")]
+pub struct PyHandView {
+    pub(super) time: f64,
+    pub(super) period: [u32; 2],
+    pub(super) hand: [Point; 2],
+    pub(super) hand_wrench: Option<[f64; 6]>,
+}
+
+#[pymethods]
+impl PyHandView {
+    #[getter]
+    fn time_s(&self) -> f64 {
+        self.time
+    }
+    /// The control period within the planning step, from 0.
+    #[getter]
+    fn period(&self) -> u32 {
+        self.period[0]
+    }
+    /// The number of control periods in a planning step.
+    #[getter]
+    fn periods(&self) -> u32 {
+        self.period[1]
+    }
+    /// Position of the hand at the beginning of the planning step, without sway, m.
+    #[getter]
+    fn begun_at<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.hand[0].coords.as_slice())
+    }
+    /// Position of the hand, without sway, m.
+    #[getter]
+    fn hand<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.hand[1].coords.as_slice())
+    }
+    /// Mean wrench of the human on the object in this planning step so far, world axes, N and Nm.
+    #[getter]
+    fn hand_wrench<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.hand_wrench.as_ref().map(|wrench| PyArray1::from_slice(py, wrench))
     }
 }
 

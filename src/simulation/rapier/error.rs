@@ -1,5 +1,6 @@
 //! Errors in the setup of a physical plant.
 
+use crate::geometry::Point;
 use thiserror::Error;
 
 /// The reason why a physical plant was refused.
@@ -47,8 +48,8 @@ pub enum PhysicsError {
     },
     /// The robot has no room behind the start.
     #[error(
-        "{file}: no room at the start: the robot comes from ({x:.3}, {y:.3}) and passes within {distance:.3} m of obstacle `{obstacle}`; leave {needed} m on either side, up to {length:.2} m behind start_m",
-        file = .0.file, x = .0.x, y = .0.y, distance = .0.distance, obstacle = .0.obstacle, needed = .0.needed, length = .0.length
+        "{file}: no room at the start: the robot comes from ({x:.3}, {y:.3}) and passes within {distance:.3} m of obstacle `{obstacle}`; leave {needed} m on either side, up to {length:.2} m behind start_m{}",
+        .0.advice(), file = .0.file, x = .0.x, y = .0.y, distance = .0.distance, obstacle = .0.obstacle, needed = .0.needed, length = .0.length
     )]
     NoRoomAtStart(NoRoom),
     /// The human has no room at the end of an option.
@@ -65,7 +66,7 @@ pub enum PhysicsError {
 }
 
 /// A straight way of a carrier that comes too close to an obstacle.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct NoRoom {
     /// The world file.
     pub file: String,
@@ -81,4 +82,25 @@ pub struct NoRoom {
     pub needed: f64,
     /// How far from `start_m` or `target_m` an obstacle may be in the way, m.
     pub length: f64,
+    /// The nearest other start that has room.
+    pub nearest: Option<Point>,
+}
+
+impl NoRoom {
+    /// What to do instead, as the end of a sentence.
+    fn advice(&self) -> String {
+        let missing = self.needed - self.distance;
+        match self.nearest {
+            Some(p) if missing > 0.0 => {
+                format!(
+                    "; {missing:.2} m are missing; the nearest start with room is ({:.2}, {:.2})",
+                    p.x, p.y
+                )
+            }
+            Some(p) => {
+                format!("; there is no room to turn; the nearest start with room is ({:.2}, {:.2})", p.x, p.y)
+            }
+            None => String::new(),
+        }
+    }
 }

@@ -76,11 +76,23 @@ impl PhysicalPlant {
         Ok(plant)
     }
 
+    /// [Begins](PhysicalPlant::begin) an observation and [advances](PhysicalPlant::advance) by one control
+    /// period.
+    pub fn step(&mut self, rates: &InputVector, human: &HumanCommand, period: f64) -> Observation {
+        self.begin();
+        self.advance(rates, human, period)
+    }
+
+    /// Begins an observation: forces, contacts, work and jerk are those since then.
+    pub fn begin(&mut self) {
+        self.accumulator.begin();
+    }
+
     /// Simulates one control period (s, at most a minute) with these mean rates (inputs of the base, joints
     /// rad/s or m/s) and this command of the human. The rates are clamped to the robot's limits and change
-    /// smoothly from those of the last period. A plant that failed with [`Failure::NonFinite`] no longer
-    /// changes.
-    pub fn step(&mut self, rates: &InputVector, human: &HumanCommand, period: f64) -> Observation {
+    /// smoothly from those of the last period. What is left of a physics step at the end of a period is made up
+    /// for in the next. A plant that failed with [`Failure::NonFinite`] no longer changes.
+    pub fn advance(&mut self, rates: &InputVector, human: &HumanCommand, period: f64) -> Observation {
         let goal = match human {
             HumanCommand::Walk { hand } => [hand.position.x, hand.position.y, hand.yaw],
             HumanCommand::Follow => [0.0; 3],
@@ -89,14 +101,16 @@ impl PhysicalPlant {
         if !(rates.iter().chain(&goal).all(|v| v.is_finite()) && (dt / 2.0..=60.0).contains(&period)) {
             self.failure = Some(Failure::NonFinite { body: "command".to_owned() });
         }
-        self.accumulator.begin();
         if matches!(self.failure, Some(Failure::NonFinite { .. })) {
             return self.observe();
         }
         if self.check().is_none() {
             return self.observe();
         }
-        let steps = (period * self.settings.rate_hz).round() as u64;
+        self.owed += period * self.settings.rate_hz;
+        let steps = self.owed.round().max(1.0);
+        self.owed -= steps;
+        let steps = steps as u64;
         self.robot.command(rates, steps);
         self.human.begin(human, steps as f64 * dt);
         let noise = Coefficients::new(dt);
@@ -114,7 +128,7 @@ impl PhysicalPlant {
         self.human.face(yaw.filter(|yaw| yaw.is_finite()));
     }
 
-    /// The observation of the present state. Forces, contacts, work and jerk are those of the last period.
+    /// The observation of the present state. Forces, contacts, work and jerk are those since it was begun.
     pub fn observe(&self) -> Observation {
         let measured = self.robot.measure(&self.world);
         let body = |handle| self.world.bodies.get(handle);

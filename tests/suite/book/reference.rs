@@ -88,7 +88,7 @@ fn the_reference_of_columns_is_the_table_of_quantities() {
         "Columns",
         "A quantity has one name everywhere: in `--ticks`, in `--json`, in the channels of [recordings](recordings.md), in the rows\nof [studies](studies.md) and in [baselines](regression.md). A name ends in its unit. What does not apply is empty in CSV, null in JSON and left\nout of recordings. Symbols are those of [the model](model.md).",
     );
-    text += "\n## Columns of a step\n\nOne row per control period: `cocarry run --ticks FILE.csv`, or `.jsonl`. Recordings have the same in their channels.\n";
+    text += "\n## Columns of a step\n\nOne row per planning step: `cocarry run --ticks FILE.csv`, or `.jsonl`. Recordings have the same in their channels.\n";
     for (title, channel, quantities) in STEPS {
         text += &format!("\n### {title}\n\nIn recordings: {channel}.\n");
         text += &listed(quantities);

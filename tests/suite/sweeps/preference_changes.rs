@@ -61,3 +61,51 @@ gamma = "uniform(0.5,0.7)"
         }
     }
 }
+
+/// A robot wider than `robot_width_m` changes the openings that the team can pass, and not who carries with it.
+#[test]
+fn issue_another_width_another_human() {
+    let bench = Bench::new(
+        r#"worlds = ["environment-4"]
+robots = ["wide.toml"]
+plants = ["point", "kinematic"]
+preference_changes = [2]
+max_steps = [1]
+seeds = { first = 1, last = 3 }
+"#,
+    );
+    let folder = bench.path("");
+    let text = std::fs::read_to_string(repository("assets/robots/porter.toml")).expect("a robot");
+    let wide = text.replace("base_width_m = 0.5", "base_width_m = 0.70").replace(
+        "urdf = \"porter.urdf\"",
+        &format!("urdf = {:?}", repository("assets/robots/porter.urdf").display().to_string()),
+    );
+    std::fs::write(bench.path("wide.toml"), wide).expect("a robot file");
+    bench.good(&["study.toml"]);
+    let rows = bench.rows("study.csv");
+    assert_eq!(rows.len(), 2 * 3);
+    for row in &rows {
+        let asked = ["run", "environment-4", "--max-steps", "1", "--preference-changes", "2", "--json"];
+        let mut run = Command::new(env!("CARGO_BIN_EXE_cocarry"));
+        run.current_dir(&folder).args(asked).args(["--seed", &row["seed"], "--plant", &row["plant"]]);
+        if row["plant"] != "point" {
+            run.args(["--robot", "wide.toml"]);
+        }
+        let output = run.output().expect("the program starts");
+        let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let one = |c: &Value| format!("{}:{},{}", c["step"], c["alpha"], c["gamma"]);
+        let drawn: Vec<String> =
+            told["preference_changes"].as_array().expect("a list").iter().map(one).collect();
+        assert_eq!(drawn.join(" "), row["preference_changes"], "{} seed {}", row["plant"], row["seed"]);
+        let same = rows.iter().filter(|other| other["seed"] == row["seed"]);
+        assert!(same.into_iter().all(|other| other["preference_changes"] == row["preference_changes"]));
+    }
+    let steps = |seed: &str| {
+        let row = rows.iter().find(|row| row["seed"] == seed).expect("a row");
+        row["preference_changes"]
+            .split(' ')
+            .map(|c| c.split(':').next().unwrap_or_default().to_owned())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(steps("1"), ["7", "58"]);
+}

@@ -41,7 +41,12 @@ fn what_is_wrong_in_a_study_is_named() {
         &["study.toml:4: postures = \"asleep\"", "elbow-out"],
     );
     spoil("plants = \"point\"", "max_steps = 0", &["study.toml:4: max_steps = 0"]);
-    spoil("plants = \"point\"", "period_s = 0", &["study.toml:4: period_s = 0", "0.01 to 60"]);
+    spoil("plants = \"point\"", "planning_step_s = 0", &["study.toml:4: planning_step_s = 0", "0.01 to 60"]);
+    spoil(
+        "plants = \"point\"",
+        "period_s = 0.1",
+        &["study.toml:4: period_s = 0.1", "planning_step_s", "control_period_s"],
+    );
     spoil(
         "plants = \"point\"",
         "human_model = [\"preference\", \"robot\"]",

@@ -11,7 +11,7 @@ use clap::Args;
 use cocarry::coordination;
 use cocarry::episode::Settings;
 use cocarry::math;
-use cocarry::scenario::{INITIAL_STUBBORNNESS, Plant, Scenario};
+use cocarry::scenario::{INITIAL_STUBBORNNESS, PLANNING_STEP, Plant, Scenario};
 use cocarry_output::drawing::{self, ToleranceRow};
 use cocarry_studies::fit::{Eta, EtaFit, Evidence, SwitchFile, fit_eta};
 use serde_json::json;
@@ -21,7 +21,7 @@ use std::path::PathBuf;
 /// Fit the tolerance eta of participants to the steps at which they asked to stop following the robot
 ///
 /// Switches are CSV with the columns participant, world, option and step: one row for every option that a
-/// participant watched the robot walk, and the step (of 0.2 s and 0.1 m) at which the participant asked to
+/// participant watched the robot walk, and the planning step (0.2 s and 0.1 m) at which the participant asked to
 /// switch, empty if never. Instead of an option, a column `method` may have the value `mutual`: the robot
 /// chose its option as in `cocarry run`. A column `trial` distinguishes repetitions. `world` is a world file,
 /// relative to the file of switches, or a built-in world.
@@ -47,6 +47,9 @@ pub(crate) struct EtaArguments {
     /// Stubbornness phi(0) at the start, between 0 and 1
     #[arg(long, value_name = "PHI", default_value_t = coordination::Settings::default().initial_stubbornness, value_parser = number(&INITIAL_STUBBORNNESS), allow_negative_numbers = true)]
     initial_stubbornness: f64,
+    /// Planning step in which steps and eta count, in seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = Settings::default().planning_step, value_parser = number(&PLANNING_STEP), allow_negative_numbers = true)]
+    planning_step: f64,
     /// Draw every participant's episodes and eta into this SVG file
     #[arg(long, value_name = "FILE", value_parser = svg_file)]
     svg: Option<PathBuf>,
@@ -66,6 +69,7 @@ pub(super) fn run(arguments: &EtaArguments) -> Result<(), Failure> {
         predictor: arguments.model.predictor()?,
         coordination: coordination::Settings { initial_stubbornness: phi, ..Default::default() },
         predict_while_human_leads: false,
+        planning_step: arguments.planning_step,
         ..Settings::default()
     };
     let stages = load(&arguments.switches, file.worlds(), |world| {
@@ -92,6 +96,7 @@ pub(super) fn run(arguments: &EtaArguments) -> Result<(), Failure> {
             "is_scattered": fit.is_scattered,
             "unexplained_lines": fit.unexplained_lines,
             "initial_stubbornness": phi,
+            "planning_step_s": arguments.planning_step,
             "episodes": switches.iter().map(|s| json!({
                 "line": s.line,
                 "participant": s.participant,
@@ -102,10 +107,10 @@ pub(super) fn run(arguments: &EtaArguments) -> Result<(), Failure> {
             })).collect::<Vec<_>>(),
         }));
     }
-    print(&text(&fit))
+    print(&text(&fit, arguments.planning_step))
 }
 
-fn text(fit: &EtaFit) -> String {
+fn text(fit: &EtaFit, planning_step: f64) -> String {
     let n = fit.participants.len();
     let mut text = format!(
         "eta: tolerance of {n} participant{}, from the steps at which they asked to switch\n",
@@ -161,7 +166,8 @@ fn text(fit: &EtaFit) -> String {
         }
         false => " No participant's episodes contradict\neach other: eta is the same in every episode.\n",
     };
-    text + "All: the log-normal distribution of everyone's eta.\n"
+    text + "All: the log-normal distribution of everyone's eta. "
+        + &format!("eta counts in planning steps of {planning_step} s.\n")
 }
 
 /// The reason why the interval of all participants is missing, if it is.

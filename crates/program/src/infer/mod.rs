@@ -15,7 +15,7 @@ use cocarry::coordination;
 use cocarry::episode::{self, Watch};
 use cocarry::learning;
 use cocarry::options::OptionSet;
-use cocarry::scenario::{INITIAL_STUBBORNNESS, Plant, Scenario};
+use cocarry::scenario::{BELIEF_LAPSE, INITIAL_STUBBORNNESS, PLANNING_STEP, Plant, Scenario};
 use cocarry_recording::recording::{Reader, rerun, scenario};
 use cocarry_studies::fit::{
     AnswerFile, Answers, InferenceModel, InferenceSettings, Kind, Situation, Switch, SwitchFile, Switches,
@@ -54,7 +54,7 @@ pub(super) struct InferArguments {
     #[command(flatten)]
     model: ModelArguments,
     /// Probability that an answer or a switch says nothing about its participant
-    #[arg(long, value_name = "RATE", value_parser = super::calibrate::lapse_rate, allow_negative_numbers = true, default_value_t = learning::Settings::default().lapse_rate)]
+    #[arg(long, value_name = "RATE", value_parser = number(&BELIEF_LAPSE), allow_negative_numbers = true, default_value_t = learning::Settings::default().lapse_rate)]
     lapse_rate: f64,
     /// Median of eta a priori
     #[arg(long, conflicts_with = "means_of", value_name = "ETA", value_parser = of_eta, allow_negative_numbers = true, default_value_t = learning::TolerancePrior::default().median)]
@@ -65,6 +65,9 @@ pub(super) struct InferArguments {
     /// Stubbornness phi(0) at the start, between 0 and 1
     #[arg(long, value_name = "PHI", default_value_t = coordination::Settings::default().initial_stubbornness, value_parser = number(&INITIAL_STUBBORNNESS), allow_negative_numbers = true)]
     initial_stubbornness: f64,
+    /// Planning step in which steps and eta count, in seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = episode::Settings::default().planning_step, value_parser = number(&PLANNING_STEP), allow_negative_numbers = true)]
+    planning_step: f64,
     /// Take every participant of the answers as the mean of so many people, and infer their population only
     #[arg(long, value_name = "PEOPLE", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     means_of: Option<u64>,
@@ -158,6 +161,7 @@ pub(super) fn run(arguments: &InferArguments) -> Result<ExitCode, Failure> {
             "held_out": inference.held_out,
             "checks": inference.checks,
             "lapse_rate": settings.lapse_rate,
+            "planning_step_s": arguments.planning_step,
             "draws": settings.draws * cocarry_studies::fit::CHAINS,
             "seed": settings.seed,
         }))?;
@@ -171,6 +175,9 @@ pub(super) fn run(arguments: &InferArguments) -> Result<ExitCode, Failure> {
         shown += &table_with_notes(&table);
     }
     shown += &text::notes(read.answers.as_ref(), &inference);
+    if inference.people.iter().any(|person| person.episodes > 0) {
+        shown += &format!("eta counts in planning steps of {} s.\n", arguments.planning_step);
+    }
     print(&shown)?;
     Ok(ExitCode::SUCCESS)
 }
@@ -235,6 +242,7 @@ fn switches(arguments: &InferArguments, path: &Path, read: &mut Read) -> Result<
         predictor: arguments.model.predictor()?,
         coordination: coordination::Settings { initial_stubbornness: phi, ..Default::default() },
         predict_while_human_leads: false,
+        planning_step: arguments.planning_step,
         ..episode::Settings::default()
     };
     let stages = load(path, file.worlds(), |world| {
@@ -253,6 +261,12 @@ fn walk(arguments: &InferArguments, path: &Path) -> Result<Walk, Failure> {
     if recorded != ours {
         return Err(input(anyhow!(
             "{file}: recorded with risk_weight_m = {recorded}, not {ours}; give --risk-weight {recorded}"
+        )));
+    }
+    let (recorded, ours) = (scenario.settings.planning_step, arguments.planning_step);
+    if recorded != ours {
+        return Err(input(anyhow!(
+            "{file}: recorded with a planning step of {recorded} s, not {ours} s, and eta counts in it; give --planning-step {recorded}"
         )));
     }
     if scenario.settings.learning.is_some() {

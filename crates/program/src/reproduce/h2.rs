@@ -57,7 +57,7 @@ pub(super) fn run(arguments: &H2Arguments) -> Result<(), Failure> {
         .map_err(input)?;
     let (world, runs) = h2::example(paper::EXAMPLE_ENVIRONMENT, &settings).map_err(input)?;
     if let Some(path) = &arguments.svg {
-        let svg = example_picture(&world, &runs, settings.period)
+        let svg = example_picture(&world, &runs, settings.planning_step)
             .with_context(|| path.display().to_string())
             .map_err(Failure::Output)?;
         write_file(&outputs, path, &svg)?;

@@ -4,10 +4,12 @@ use super::records::Attachment;
 use super::{ReadError, Reader};
 use cocarry::coordination::Mode;
 use cocarry::episode::Episode;
-use cocarry::human::{Human, HumanDecision, HumanView};
+use cocarry::geometry::Point;
+use cocarry::human::{HandView, Human, HumanDecision, HumanView};
 use cocarry::policy::{Decision, Motion, RobotPolicy, RobotView};
 use cocarry::scenario::{Partners, PreparedScenario};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// The name of the attachment with the decisions.
 pub const DECISIONS: &str = "decisions.json";
@@ -20,6 +22,9 @@ pub struct Decisions {
     /// The human's, by step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     human: Option<Vec<HumanDecision>>,
+    /// The targets of the human's hand by step and control period, where the human gave one for a period.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    hands: BTreeMap<u64, Vec<Option<Point>>>,
     /// The policy's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     policy: Option<PolicyLog>,
@@ -43,13 +48,16 @@ pub struct PolicyLog {
 impl Decisions {
     /// A log before the first step. `policy` has no steps yet.
     pub fn new(logs_human: bool, policy: Option<PolicyLog>) -> Self {
-        Self { human: logs_human.then(Vec::new), policy }
+        Self { human: logs_human.then(Vec::new), hands: BTreeMap::new(), policy }
     }
 
     /// Adds the last step.
     pub(super) fn add(&mut self, episode: &Episode) {
         let Some((human, decision)) = episode.decided() else { return };
         self.human.iter_mut().for_each(|steps| steps.push(*human));
+        if self.human.is_some() && !episode.hands().is_empty() {
+            self.hands.insert(episode.tick().step, episode.hands().to_vec());
+        }
         self.policy.iter_mut().for_each(|log| log.steps.push(*decision));
     }
 
@@ -87,23 +95,36 @@ impl Decisions {
     pub(super) fn partners(self, stage: &PreparedScenario) -> Partners<'static> {
         let has_robot = stage.robot().is_some();
         Partners {
-            human: self.human.map(|steps| Box::new(LoggedHuman(steps)) as Box<dyn Human>),
+            human: self
+                .human
+                .map(|steps| Box::new(LoggedHuman { steps, hands: self.hands, step: 0 }) as Box<dyn Human>),
             policy: self.policy.map(|log| Box::new(LoggedPolicy { log, has_robot }) as Box<dyn RobotPolicy>),
         }
     }
 }
 
 #[derive(Clone, Debug)]
-struct LoggedHuman(Vec<HumanDecision>);
+struct LoggedHuman {
+    steps: Vec<HumanDecision>,
+    hands: BTreeMap<u64, Vec<Option<Point>>>,
+    /// The present step.
+    step: u64,
+}
 
 impl Human for LoggedHuman {
     fn decide(&mut self, view: &HumanView<'_>) -> HumanDecision {
-        let step = usize::try_from(view.step).unwrap_or(usize::MAX).min(self.0.len().saturating_sub(1));
+        self.step = view.step;
+        let step = usize::try_from(view.step).unwrap_or(usize::MAX).min(self.steps.len().saturating_sub(1));
         let most = view.prospects.len().saturating_sub(1);
-        match self.0.get(step) {
+        match self.steps.get(step) {
             Some(decision) => HumanDecision { option: decision.option.min(most), ..*decision },
             None => HumanDecision::following(0),
         }
+    }
+
+    fn hand(&mut self, view: &HandView<'_>) -> Option<Point> {
+        let logged = self.hands.get(&self.step).and_then(|hands| hands.get(view.period[0] as usize));
+        logged.copied().flatten()
     }
 }
 

@@ -154,7 +154,7 @@ impl<'a> Encoder<'a> {
 
     /// The simulated time at the beginning of a step, ns.
     fn time(&self, step: u64) -> u64 {
-        (step as f64 * self.stage.scenario().settings.period * 1e9).round() as u64
+        (step as f64 * self.stage.scenario().settings.planning_step * 1e9).round() as u64
     }
 
     fn json(&mut self, channel: Channel, time: u64, episode: &Episode) {

@@ -66,6 +66,6 @@ fn humans(playback: &Playback) -> Vec<Value> {
     // of several at the same step, the last one applies
     changes.sort_by_key(|(step, _)| *step);
     let all = std::iter::once((0, scenario.human)).chain(changes);
-    all.map(|(step, human)| json!([step as f64 * scenario.settings.period, human.alpha, human.gamma]))
+    all.map(|(step, human)| json!([step as f64 * scenario.settings.planning_step, human.alpha, human.gamma]))
         .collect()
 }

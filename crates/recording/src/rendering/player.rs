@@ -87,7 +87,7 @@ fn episode(playback: &Playback, title: &str, robot: Option<&Robot>) -> Result<Va
             "robot": recorded.map(|robot| &robot.name),
         },
         "colours": colours(),
-        "period_s": scenario.settings.period,
+        "period_s": scenario.settings.planning_step,
         "options": options(playback),
         "robot": drawn.iter().map(|&l| json!({ "name": links[l].name, "shapes": shapes[l] })).collect::<Vec<_>>(),
         "meshes": meshes.data,
@@ -126,9 +126,11 @@ pub(super) fn pose(pose: &Pose) -> [f64; 7] {
 }
 
 fn world_json(world: &World) -> Value {
-    let obstacles = world.obstacles.iter().map(|obstacle| {
+    let parts =
+        world.obstacles.iter().flat_map(|obstacle| obstacle.footprints().map(move |part| (obstacle, part)));
+    let obstacles = parts.map(|(obstacle, part)| {
         let mut drawn = json!({ "name": obstacle.name, "height_m": obstacle.height });
-        match &obstacle.footprint {
+        match part {
             Footprint::Polygon(corners) => {
                 drawn["corners"] = corners.iter().map(|c| point(*c)).collect();
             }

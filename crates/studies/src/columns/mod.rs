@@ -43,7 +43,15 @@ mod tests {
     #[test]
     fn a_key_says_its_unit() {
         let unit = |key| if let Kind::Number(unit) = number(key) { unit } else { "another kind" };
-        let keys = ["speed_m_per_s", "yaw_rate_rad_per_s", "period_s", "sway_m", "eta", "state_weight"];
-        assert_eq!(keys.map(unit), ["m/s", "rad/s", "s", "m", "", ""]);
+        let keys = [
+            "speed_m_per_s",
+            "yaw_rate_rad_per_s",
+            "planning_step_s",
+            "control_period_s",
+            "sway_m",
+            "eta",
+            "state_weight",
+        ];
+        assert_eq!(keys.map(unit), ["m/s", "rad/s", "s", "s", "m", "", ""]);
     }
 }

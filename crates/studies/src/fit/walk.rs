@@ -67,7 +67,7 @@ impl Guidance {
                 g += p.map(|(o, p)| if misaligned(o) { *p } else { 0.0 }).fold(0.0, |sum, p| sum + p);
             }
             discomfort.push(g);
-            along += settings.speed * settings.period;
+            along += settings.speed * settings.planning_step;
             if along >= path.length() - 1e-9 {
                 break;
             }

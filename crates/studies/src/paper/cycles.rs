@@ -135,7 +135,8 @@ impl Search<'_> {
                 summary => summary?,
             };
             let options = stage.options();
-            let shortest = options.remaining(&options.begin(), 0).length / (settings.speed * settings.period);
+            let shortest =
+                options.remaining(&options.begin(), 0).length / (settings.speed * settings.planning_step);
             let contact = summary.collision.as_ref();
             return Ok(Trial {
                 scenario: stage.scenario().clone(),

@@ -97,11 +97,17 @@ impl PoseMethod {
         }
     }
 
+    /// The controller with this choice of configurations.
+    pub(super) fn choosing(self, settings: &control::Settings) -> control::Settings {
+        let (_, candidates, criterion, _) = self.entry();
+        control::Settings { candidates, criterion, ..*settings }
+    }
+
     /// The controller on a plant. On the physical plant it always avoids obstacles.
     fn control(self, plant: PlantKind, settings: &control::Settings) -> control::Settings {
-        let (_, candidates, criterion, avoid) = self.entry();
+        let (.., avoid) = self.entry();
         let avoid = if plant == PlantKind::Rapier { Avoid::Robot } else { avoid };
-        control::Settings { candidates, criterion, avoid, ..*settings }
+        control::Settings { avoid, ..self.choosing(settings) }
     }
 }
 

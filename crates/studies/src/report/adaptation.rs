@@ -152,7 +152,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
                 "Environment {number} {whose}: trajectories, a cross where the human takes the lead; \u{3c6}(k)."
             ),
             is_half: !is_papers,
-            svg: example_picture(&world, &runs, settings.period)?,
+            svg: example_picture(&world, &runs, settings.planning_step)?,
         }));
     }
     let title = "H2: adapting to each other".to_owned();

@@ -78,7 +78,7 @@ fn settings(plan: &Plan) -> String {
         gamma[1],
         episode.coordination.initial_stubbornness,
         eta.join(", "),
-        episode.period,
+        episode.planning_step,
         episode.speed,
         episode.yaw_rate,
         control.state_weight,

@@ -182,7 +182,8 @@ impl Study {
     /// The scenario of a cell with everything that is drawn.
     fn drawn(&self, cell: usize, seed: u64) -> Scenario {
         let scenario = self.scenario_of(cell, seed);
-        let options = self.stages[self.stage_of[cell]].options();
+        let stage = &self.stages[self.stage_of[cell]];
+        let options = stage.options_as_written().expect("worlds were checked when the study was read");
         let cell = &self.cells[cell];
         let (_, humans) = &self.contents.humans[cell.humans];
         let changes = humans.draw_changes(cell.changes, seed, options, &scenario.settings);
@@ -256,6 +257,7 @@ impl Study {
                 None => scenario.prepare(),
             };
             let made = made.map_err(|source| self.refused(i, source))?;
+            made.options_as_written().map_err(|source| self.refused(i, source))?;
             let slow = made.slow_drive().filter(|found| !self.slow_drives.contains(found));
             self.slow_drives.extend(slow);
             for warning in made.robot_warnings() {

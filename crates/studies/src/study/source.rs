@@ -2,6 +2,7 @@
 
 use super::SweepError;
 use cocarry::located::{self, Place};
+use cocarry::scenario::PERIOD;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -53,6 +54,7 @@ impl<'a> Source<'a> {
     pub fn only(self, table: &DeTable, known: &[&str]) -> Result<(), SweepError> {
         match table.iter().find(|(key, _)| !known.contains(&key.get_ref().as_ref())) {
             None => Ok(()),
+            Some((key, value)) if *key.get_ref() == PERIOD[0] => Err(self.wrong(PERIOD[0], value, PERIOD[2])),
             Some((key, _)) => {
                 let place = self.place(key.span(), key.get_ref().as_ref());
                 Err(SweepError::Key { place, known: known.join(", ") })
