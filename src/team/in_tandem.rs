@@ -28,6 +28,10 @@ const LAG_M: [f64; 2] = [0.01, 0.08];
 /// resists.
 const RESISTANCE_M: [f64; 2] = [0.03, 0.06];
 
+/// The object's centre must be this near (m) to its place at the end of the path for the team to have arrived:
+/// a hand that is steered need not be on the path.
+const ARRIVAL_DISTANCE_M: f64 = 0.1;
+
 /// Human, object and robot, one behind the other.
 #[derive(Clone, Debug)]
 pub struct InTandem<'a> {
@@ -186,8 +190,15 @@ impl Walk for InTandem<'_> {
         let State { team_path, path_position, path_speed, .. } = &self.state;
         let along = team_path.locate(step.path, seen.position, step.from, *path_position, *path_speed < 0.0);
         let length = step.path.length();
+        let is_near =
+            || (team_path.pose(step.path, length).position - seen.position).norm() <= ARRIVAL_DISTANCE_M;
+        let last = length - ARRIVAL_TOLERANCE_M;
         Place {
-            along: if along >= length - ARRIVAL_TOLERANCE_M { length } else { along },
+            along: match along >= last {
+                true if is_near() => length,
+                true => last.max(step.from),
+                false => along,
+            },
             path_lead: *path_position - along,
         }
     }

@@ -10,7 +10,7 @@ use super::{Route, prepared, route};
 use crate::parallel::{OnDone, in_parallel};
 use crate::statistics::{self, Paired, mean_and_std};
 use cocarry::control::{Avoid, CandidateSet, PoseCriterion};
-use cocarry::episode::{ControlSummary, Episode, LOSS_DISTANCE_M, Outcome, PreferenceChange, Settings};
+use cocarry::episode::{ControlSummary, Episode, Outcome, PreferenceChange, Settings};
 use cocarry::options::OptionSet;
 use cocarry::policy::Method;
 use cocarry::preference::{Belief, Perception};
@@ -314,7 +314,7 @@ fn follow(mut episode: Episode) -> EpisodeResult {
     EpisodeResult {
         control,
         steps: summary.steps,
-        lost_object: summary.loss.is_some() || control.largest_error > LOSS_DISTANCE_M,
+        lost_object: summary.has_lost_object(),
         arrived: outcome == Outcome::Arrived,
         route: route(summary),
     }

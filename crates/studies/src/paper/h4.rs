@@ -17,7 +17,7 @@ use super::{BuiltInError, prepared};
 use crate::parallel::{OnDone, in_parallel};
 use crate::statistics::{self, Paired, mean_and_std};
 use cocarry::coordination::{self, Mode, robot_choice};
-use cocarry::episode::{Episode, LOSS_DISTANCE_M, Outcome, Settings, Tick};
+use cocarry::episode::{Episode, Outcome, Settings, Tick};
 use cocarry::learning::{self, Learner, LearningError, TolerancePrior};
 use cocarry::math;
 use cocarry::policy::Method;
@@ -433,7 +433,7 @@ fn carry(episode: &mut Episode, settings: &Settings, human: Perception) -> Task 
         control_cost: summary
             .control
             .map_or([0.0; 3], |control| [control.tracking, control.effort, control.pose]),
-        lost_object: summary.control.is_some_and(|control| control.largest_error > LOSS_DISTANCE_M),
+        lost_object: summary.has_lost_object(),
     }
 }
 
