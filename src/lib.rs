@@ -44,9 +44,9 @@
 //! world          a TOML file -> obstacles, openings, start, target
 //! robot          a TOML file and a URDF -> drive, arm, grasp; forward kinematics and B(q)
 //! geometry       points, poses, outlines, paths; palette: the colours of pictures
-//! math, saved, suggestion, output_file; above them located
-//!                transcendental functions with the same bits everywhere; saved states; "did you mean"; files read
-//!                and written
+//! math, suggestion, output_file; above them error, then located and saved
+//!                transcendental functions with the same bits everywhere; "did you mean"; refusals of input; files
+//!                read and written; saved states
 //! ```
 //!
 //! # Features
@@ -115,6 +115,7 @@ pub mod coordination;
 #[cfg(feature = "drawing")]
 pub mod drawing;
 pub mod episode;
+pub mod error;
 #[cfg(feature = "studies")]
 pub mod fit;
 pub mod geometry;
@@ -157,3 +158,5 @@ pub mod team;
 pub mod world;
 #[cfg(feature = "studies")]
 pub mod zarr;
+
+pub use error::{Error, ErrorKind};

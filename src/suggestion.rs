@@ -7,6 +7,8 @@ const LEAST_SIMILARITY: f64 = 0.78;
 
 /// The largest number of files that are compared with a name that does not exist.
 const MOST_FILES: usize = 1000;
+/// The largest number of known names that an error lists.
+const MAX_LISTED: usize = 12;
 
 /// The known name that is most like `name`. What a name has in parentheses is not compared.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
@@ -27,6 +29,16 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
 /// The end of an error about `name`: "; did you mean `OTHER`?", or nothing.
 pub fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     nearest(name, known).map_or(String::new(), |other| format!("; did you mean `{other}`?"))
+}
+
+/// Known names for an error, each in backticks: the first ones of a long list.
+pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    let names: Vec<String> = names.into_iter().map(|name| format!("`{name}`")).collect();
+    match names.len() {
+        0 => "none".to_owned(),
+        n if n <= MAX_LISTED => names.join(", "),
+        n => format!("{} and {} more", names[..MAX_LISTED].join(", "), n - MAX_LISTED),
+    }
 }
 
 /// [`hint`] for an error that lists the known names, each in quotes or backticks.

@@ -6,7 +6,7 @@ use super::output::{
 use super::robot::check_is_file;
 use crate::geometry::{Footprint, Pose};
 use crate::rendering;
-use crate::robot::{Drive, DriveKind, Motion, Posture, Robot, RobotError};
+use crate::robot::{Drive, DriveKind, Motion, Posture, Robot};
 use anyhow::{Error, anyhow};
 use clap::Args;
 use serde_json::{Value, json};
@@ -69,7 +69,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
 }
 
 /// Tells all faults.
-fn refused(arguments: &CheckArguments, faults: Vec<RobotError>) -> Result<ExitCode, Failure> {
+fn refused(arguments: &CheckArguments, faults: Vec<crate::error::Error>) -> Result<ExitCode, Failure> {
     let count = faults.len();
     let faults: Vec<String> = faults.into_iter().map(|fault| format!("{:#}", Error::from(fault))).collect();
     if arguments.json {
@@ -128,7 +128,7 @@ const ON_AXIS_M: f64 = 0.01;
 
 /// What a user should know, beside the notes of the files.
 fn remarks(robot: &Robot) -> Vec<String> {
-    let mut remarks: Vec<String> = robot.notes.iter().map(ToString::to_string).collect();
+    let mut remarks: Vec<String> = robot.warnings.iter().map(ToString::to_string).collect();
     let width = robot.width();
     match &robot.footprint {
         Footprint::Disc { .. } => {

@@ -1,6 +1,5 @@
 //! Errors of a study on a cluster.
 
-use crate::located::FileError;
 use crate::output_file::OutputError;
 use crate::study::SweepError;
 use std::path::PathBuf;
@@ -14,7 +13,7 @@ pub enum ClusterError {
     Study(#[from] SweepError),
     /// A file of the job cannot be read, or is not what its name says.
     #[error(transparent)]
-    File(#[from] FileError),
+    File(#[from] crate::error::Error),
     /// A file of the job cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),

@@ -27,6 +27,7 @@ pub use tick::Tick;
 pub use watch::{Look, Watch};
 
 use crate::coordination::Mode;
+use crate::error::Error;
 use crate::geometry::{Path, PlanarPose, Point, Pose};
 use crate::human::{Human, HumanDecision, PreferenceHuman};
 use crate::learning::Learner;
@@ -34,7 +35,7 @@ use crate::options::{OptionSet, Progress, Remaining};
 use crate::policy::{Decision, RobotPolicy};
 use crate::preference::{ChoiceDistribution, Perception, Predictor, Prospect};
 use crate::robot::Configuration;
-use crate::simulation::{Observation, PhysicsError, PhysicsSettings};
+use crate::simulation::{Observation, PhysicsSettings};
 use crate::team::{PointTeam, Route, Team, Walk};
 use crate::world::World;
 
@@ -181,15 +182,15 @@ impl<'a> Episode<'a> {
     /// first step. `seed` determines the gait.
     ///
     /// # Errors
-    /// [`PhysicsError`] if the team does not fit at its start, the robot has no room on its way to the start or
-    /// the human at the end of an option, or a setting is out of its range.
+    /// The team does not fit at its start, the robot has no room on its way to the start or the human at the end
+    /// of an option, or a setting is out of its range.
     pub fn with_physics(
         mut self,
         manipulator: Manipulator<'a>,
         world: &World,
         physics: &PhysicsSettings,
         seed: u64,
-    ) -> Result<Self, PhysicsError> {
+    ) -> Result<Self, Error> {
         let (first, walk) = (self.planned().route.path, self.walk_settings());
         self.team = crate::team::physical(manipulator, walk, self.options, &first, world, physics, seed)?;
         Ok(self)

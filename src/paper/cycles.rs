@@ -5,11 +5,12 @@
 use super::{prepared, run};
 use crate::coordination;
 use crate::episode::{Outcome, Settings, Summary};
+use crate::error::ErrorKind;
 use crate::math;
 use crate::parallel::{OnDone, in_parallel};
 use crate::preference::Perception;
 use crate::scenario::{Plant, PlantKind, Scenario, ScenarioError, WorldText};
-use crate::simulation::{BodyKind, Contact, PhysicsError};
+use crate::simulation::{BodyKind, Contact};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -122,16 +123,12 @@ impl Search<'_> {
             // draw again if the start or target is inside an obstacle, enclosed, or without room for the team
             let world = WorldText { file: "random world".to_owned(), text: draw_world(&mut rng) };
             let stage = match prepared(world, &settings, self.plant) {
-                Err(ScenarioError::World(_) | ScenarioError::Options(_)) => continue,
+                Err(error) if error.kind() == ErrorKind::World => continue,
                 stage => stage?,
             };
             let stage = stage.prepare(Scenario { seed, human, ..stage.scenario().clone() })?;
             let summary = match run(&stage, |_| {}) {
-                Err(ScenarioError::Physics(
-                    PhysicsError::Occupied { .. }
-                    | PhysicsError::NoRoomAtStart(_)
-                    | PhysicsError::NoRoomAtTarget { .. },
-                )) => continue,
+                Err(error) if error.kind() == ErrorKind::World => continue,
                 summary => summary?,
             };
             let options = stage.options();

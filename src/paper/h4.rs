@@ -10,9 +10,10 @@ mod people;
 pub use control::{ControlRow, METHODS, MOST_HUMANS};
 pub use people::{HumanKind, RATIONALITY};
 
-use super::{BuiltInError, prepared};
+use super::prepared;
 use crate::coordination::{self, Mode, robot_choice};
 use crate::episode::{Episode, LOSS_DISTANCE_M, Outcome, Settings, Tick};
+use crate::error::{Error, ErrorKind};
 use crate::learning::{self, Learner, LearningError, TolerancePrior};
 use crate::math;
 use crate::parallel::{OnDone, in_parallel};
@@ -20,13 +21,12 @@ use crate::policy::Method;
 use crate::preference::{Belief, Perception, Prospect, WeightedSample, subjective_cost};
 use crate::scenario::{Partners, Plant, PreparedScenario, Scenario, ScenarioError, WorldText};
 use crate::statistics::{self, Paired, mean_and_std};
-use crate::world::{BUILT_IN_WORLDS, WorldError};
+use crate::world::BUILT_IN_WORLDS;
 use people::{Person, outside};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::Serialize;
-use thiserror::Error;
 
 /// Default number of humans of each kind in each group of worlds.
 pub const HUMANS: usize = 200;
@@ -138,27 +138,7 @@ pub struct Findings {
 }
 
 /// Why there are no findings.
-#[derive(Debug, Error)]
-pub enum StudyError {
-    /// A world or a scenario: a fault of the program.
-    #[error(transparent)]
-    BuiltIn(#[from] BuiltInError),
-    /// The learner: a fault of the program.
-    #[error(transparent)]
-    Learning(#[from] LearningError),
-}
-
-impl From<ScenarioError> for StudyError {
-    fn from(error: ScenarioError) -> Self {
-        Self::BuiltIn(error.into())
-    }
-}
-
-impl From<WorldError> for StudyError {
-    fn from(error: WorldError) -> Self {
-        Self::BuiltIn(error.into())
-    }
-}
+pub type StudyError = Error;
 
 /// Worlds of one group.
 struct Group {
@@ -252,7 +232,7 @@ impl Study<'_> {
             let text = (RANDOM_WORLDS.to_owned(), super::cycles::random_world(&mut rng));
             match self.stage(text.clone(), Method::MUTUAL, &Plant::Point) {
                 // the start or target is inside an obstacle, or enclosed
-                Err(ScenarioError::World(_) | ScenarioError::Options(_)) => {}
+                Err(error) if error.kind() == ErrorKind::World => {}
                 world => {
                     if world?.options().options().len() > 1 {
                         worlds.push(self.stage(text, method, plant)?);

@@ -12,12 +12,11 @@ pub mod h3;
 pub mod h4;
 
 use crate::episode::{Settings, Summary, Tick};
-use crate::options::OptionError;
-use crate::preference::{Perception, PreferenceError};
+use crate::error::Error;
+use crate::preference::Perception;
 use crate::scenario::{Plant, PreparedScenario, Scenario, ScenarioError, WorldText};
-use crate::world::{World, WorldError};
+use crate::world::World;
 use std::path::Path;
-use thiserror::Error;
 
 /// One of the paper's environments.
 #[derive(Debug)]
@@ -118,27 +117,13 @@ impl Environment {
     ///
     /// # Errors
     /// Never in a build that passes its tests: the file is part of the program.
-    pub fn world(&self) -> Result<World, WorldError> {
+    pub fn world(&self) -> Result<World, Error> {
         World::find(Path::new(""), self.name)
     }
 }
 
 /// An error in a built-in world: a fault of the program.
-#[derive(Debug, Error)]
-pub enum BuiltInError {
-    /// Its file.
-    #[error(transparent)]
-    World(#[from] WorldError),
-    /// Its options.
-    #[error(transparent)]
-    Options(#[from] OptionError),
-    /// The distribution of its humans.
-    #[error(transparent)]
-    Humans(#[from] PreferenceError),
-    /// Its episode.
-    #[error(transparent)]
-    Scenario(#[from] ScenarioError),
-}
+pub type BuiltInError = Error;
 
 /// The prepared scenario of a team in a world, which the scenarios of its humans share.
 fn prepared(

@@ -3,6 +3,12 @@
 use super::perception::LARGEST_PERCEPTION;
 use thiserror::Error;
 
+impl From<PreferenceError> for crate::error::Error {
+    fn from(error: PreferenceError) -> Self {
+        Self::new(error.to_string())
+    }
+}
+
 /// An invalid belief or risk weight. Options never cause an error: see [`Prospect`](super::Prospect).
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PreferenceError {

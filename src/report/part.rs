@@ -3,13 +3,10 @@
 use crate::drawing::DrawingError;
 use crate::episode::Settings;
 use crate::fit::FitError;
-use crate::options::OptionError;
-use crate::paper::BuiltInError;
 use crate::paper::{contacts, cycles as locked, h2, h3, h4};
 use crate::parallel::OnDone;
 use crate::robot::Robot;
 use crate::table::Table;
-use crate::world::WorldError;
 use thiserror::Error;
 
 /// The extent of a report.
@@ -113,28 +110,13 @@ pub struct Figure {
 pub enum ReportError {
     /// An error of a built-in world.
     #[error(transparent)]
-    BuiltIn(#[from] BuiltInError),
+    BuiltIn(#[from] crate::error::Error),
     /// An error of a picture.
     #[error(transparent)]
     Drawing(#[from] DrawingError),
     /// An error of the fit of c_r.
     #[error(transparent)]
     Fit(#[from] FitError),
-    /// An error of the study of learning.
-    #[error(transparent)]
-    Learning(#[from] h4::StudyError),
-}
-
-impl From<WorldError> for ReportError {
-    fn from(error: WorldError) -> Self {
-        Self::BuiltIn(error.into())
-    }
-}
-
-impl From<OptionError> for ReportError {
-    fn from(error: OptionError) -> Self {
-        Self::BuiltIn(error.into())
-    }
 }
 
 /// `n of m` in words: whether a claim holds in all of them.

@@ -1,10 +1,8 @@
 //! Errors of study files and of the files of a sweep, each with its file, place and value.
 
-use crate::located::{FileError, Place};
+use crate::error::Place;
 use crate::output_file::OutputError;
-use crate::robot::RobotError;
 use crate::suggestion::{hint_of_list, hint_of_listed};
-use crate::world::WorldError;
 use std::fmt;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -14,7 +12,7 @@ use thiserror::Error;
 pub enum SweepError {
     /// A file cannot be read, or is not TOML.
     #[error(transparent)]
-    File(#[from] FileError),
+    File(#[from] crate::error::Error),
     /// A file cannot be written, or may not be.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -88,7 +86,7 @@ pub enum SweepError {
         /// Where it is named.
         place: Place,
         /// What is wrong with it.
-        source: Box<WorldError>,
+        source: Box<crate::error::Error>,
     },
     /// A robot that the study names is not valid.
     #[error("{place}")]
@@ -96,7 +94,7 @@ pub enum SweepError {
         /// Where it is named.
         place: Place,
         /// What is wrong with it.
-        source: Box<RobotError>,
+        source: Box<crate::error::Error>,
     },
     /// A combination is not a valid scenario.
     #[error("{file}: {inputs}")]

@@ -4,7 +4,7 @@ use super::cell::{Axes, Cell, LARGEST_RUN};
 use super::humans::{Humans, Range};
 use super::source::{self, Source, get, number, whole};
 use super::{Run, Seeds, SweepError};
-use crate::located::Place;
+use crate::error::Place;
 use crate::preference::{Belief, Marginal};
 use crate::robot::{Robot, RobotTexts};
 use crate::scenario::{

@@ -11,7 +11,7 @@ use super::results::{self, Identity};
 use super::tables::{self, Ticks};
 use super::{Study, SweepError, row};
 use crate::arithmetic;
-use crate::located::FileError;
+use crate::located;
 use crate::output_file::{OutputError, OutputFile};
 use crate::parallel::OnDone;
 use std::borrow::Borrow;
@@ -202,7 +202,7 @@ fn rows_kept(
     let mut end = (0, 0);
     loop {
         let read = results::read_line(&mut reader, &mut line);
-        read.map_err(|source| FileError::Read { file: name.to_owned(), source })?;
+        read.map_err(|source| located::unreadable(name, source))?;
         if line.last() != Some(&b'\n') {
             // the end of the file, or an incomplete row
             if bytes == 0 && !row::header().starts_with(&line) {

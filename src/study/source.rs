@@ -1,7 +1,8 @@
 //! The values of a study file, each with the line on which it stands.
 
 use super::SweepError;
-use crate::located::{self, Place};
+use crate::error::Place;
+use crate::located;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};

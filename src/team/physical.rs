@@ -7,6 +7,7 @@ use super::tick::{PhysicsTick, on_floor};
 use super::{Situation, Step, Travel, Walk};
 use crate::control::{BaseInputs, Candidate, Follower, HORIZON, Intent, Reference, reference};
 use crate::coordination::Mode;
+use crate::error::{Error, ErrorKind, Place};
 use crate::geometry::{
     Path, PlanarPose, Point, Pose, Widening, angle_of, direction, left_of, nearest, wrap_angle,
 };
@@ -14,7 +15,7 @@ use crate::human::Stance;
 use crate::options::turned;
 use crate::robot::{Configuration, InputVector, pose_difference};
 use crate::saved::{NotRestored, Saved};
-use crate::simulation::{HumanCommand, NoRoom, Observation, PhysicalPlant, PhysicsError, PhysicsSettings};
+use crate::simulation::{HumanCommand, Observation, PhysicalPlant, PhysicsSettings};
 use crate::world::World;
 use serde::{Deserialize, Serialize};
 
@@ -131,7 +132,7 @@ impl Physical {
         seed: u64,
         first: &Path,
         free_space: FreeSpace,
-    ) -> Result<Self, PhysicsError> {
+    ) -> Result<Self, Error> {
         let Manipulator { robot, posture, .. } = *manipulator;
         let (team_path, start) = TeamPath::starting(world, first, |from, to| free_space.is_free(from, to));
         let start = &start;
@@ -162,30 +163,31 @@ impl Physical {
 
     /// Refuses a world in which the robot has no room on its way to the start, or the human beyond the end of
     /// an option. The room needed is the distance of the carrier from the object's centre.
-    pub fn check_room(&self, world: &World, free_space: FreeSpace) -> Result<(), PhysicsError> {
-        let check = |ends: [Point; 2], refusal: &dyn Fn(NoRoom) -> PhysicsError| {
-            let distances =
-                world.obstacles.iter().map(|o| (o.footprint.distance_to_segment(ends[0], ends[1]), o));
+    pub fn check_room(&self, world: &World, free_space: FreeSpace) -> Result<(), Error> {
+        let check = |[from, to]: [Point; 2], walk: &str, comes: &str, behind: &str| {
+            let distances = world.obstacles.iter().map(|o| (o.footprint.distance_to_segment(from, to), o));
             match distances.min_by(|a, b| a.0.total_cmp(&b.0)) {
-                Some((distance, obstacle)) if distance < BODY_ROOM_M => Err(refusal(NoRoom {
-                    file: world.file.clone(),
-                    x: ends[1].x,
-                    y: ends[1].y,
-                    obstacle: obstacle.name.clone(),
-                    distance,
-                    needed: BODY_ROOM_M,
-                    length: (ends[1] - ends[0]).norm() + BODY_ROOM_M,
-                })),
+                Some((distance, obstacle)) if distance < BODY_ROOM_M => {
+                    let sentence = format!(
+                        "no room at {walk} ({:.3}, {:.3}) and {comes} within {distance:.3} m of obstacle `{}`; leave {BODY_ROOM_M} m on either side, up to {:.2} m {behind}",
+                        to.x,
+                        to.y,
+                        obstacle.name,
+                        (to - from).norm() + BODY_ROOM_M
+                    );
+                    Err(Error::at(Place::file(&world.file), sentence).of_kind(ErrorKind::World))
+                }
                 _ => Ok(()),
             }
         };
         let behind = [world.start, self.state.seen.configuration.base.position];
-        check(behind, &PhysicsError::NoRoomAtStart)?;
+        check(behind, "the start: the robot comes from", "passes", "behind start_m")?;
         let options = free_space.options;
         for (o, option) in options.options().iter().enumerate() {
             let path = options.path(&options.begin(), o).unwrap_or_default();
             let beyond = self.state.team_path.beyond_end(&self.walkable(path, free_space));
-            check(beyond, &|room| PhysicsError::NoRoomAtTarget { option: option.name.clone(), room })?;
+            let walk = format!("the target: at the end of option `{}`, the human walks on to", option.name);
+            check(beyond, &walk, "comes", "beyond target_m")?;
         }
         Ok(())
     }

@@ -5,9 +5,10 @@ use super::kinematic::Kinematic;
 use super::physical::Physical;
 use super::team_path::FreeSpace;
 use super::{Manipulator, Team, Walk};
+use crate::error::Error;
 use crate::geometry::{Path, PlanarPose};
 use crate::options::OptionSet;
-use crate::simulation::{PhysicsError, PhysicsSettings};
+use crate::simulation::PhysicsSettings;
 use crate::world::World;
 
 /// The team of the kinematic plant, with its grasp at `start`.
@@ -23,8 +24,8 @@ pub fn kinematic<'a>(
 /// The team of the physical plant, at rest at the beginning of the path `first`. `seed` determines the gait.
 ///
 /// # Errors
-/// [`PhysicsError`] if the team does not fit at its start, the robot has no room on its way to the start or
-/// the human at the end of an option, or a setting is out of its range.
+/// The team does not fit at its start, the robot has no room on its way to the start or the human at the end
+/// of an option, or a setting is out of its range.
 pub fn physical<'a>(
     manipulator: Manipulator<'a>,
     walk: Walk,
@@ -33,7 +34,7 @@ pub fn physical<'a>(
     world: &World,
     physics: &PhysicsSettings,
     seed: u64,
-) -> Result<Box<dyn Team + 'a>, PhysicsError> {
+) -> Result<Box<dyn Team + 'a>, Error> {
     let free_space = FreeSpace { obstacles: manipulator.obstacles, options };
     let team = Physical::new(&manipulator, world, physics, seed, first, free_space)?;
     team.check_room(world, free_space)?;

@@ -12,7 +12,6 @@
 //! ```
 
 mod built_in;
-mod error;
 mod file;
 mod object;
 mod obstacle;
@@ -20,13 +19,13 @@ mod opening;
 mod values;
 
 pub use built_in::{BUILT_IN_WORLDS, BuiltInWorld};
-pub use error::WorldError;
 pub use object::{CarriedObject, ObjectShape};
 pub use obstacle::Obstacle;
 pub use opening::{FREE_PASSAGE, Opening};
 
+use crate::error::{Error, ErrorKind, Place};
 use crate::geometry::{Bounds, Point};
-use crate::located::{self, LARGEST_WORLD, Place, Source};
+use crate::located::{self, LARGEST_WORLD, Source};
 use crate::suggestion;
 use file::{OptionEntry, WorldFile};
 use obstacle::Check;
@@ -92,23 +91,26 @@ impl World {
     /// Reads and validates a world file.
     ///
     /// # Errors
-    /// [`WorldError`], which names the file, the line, the item and the numbers.
-    pub fn load(path: &Path) -> Result<Self, WorldError> {
+    /// The file, the line, the item and the numbers; of [`ErrorKind::World`] where the file can be read.
+    pub fn load(path: &Path) -> Result<Self, Error> {
         Self::parse(&path.display().to_string(), &located::read_at_most(LARGEST_WORLD, path)?)
     }
 
     /// The world in the file `path`, or, if there is no such file, the built-in world `name`.
     ///
     /// # Errors
-    /// [`WorldError`]; if there is neither, it suggests a name.
-    pub fn find(path: &Path, name: &str) -> Result<Self, WorldError> {
+    /// As [`World::load`]; if there is neither, it suggests a name.
+    pub fn find(path: &Path, name: &str) -> Result<Self, Error> {
         match BuiltInWorld::named(name) {
             _ if path.exists() => Self::load(path),
             Some(built_in) => Self::parse(built_in.name, built_in.text),
             None => {
                 let hint = suggestion::hint(name, BUILT_IN_WORLDS.iter().map(|world| world.name));
                 let hint = if hint.is_empty() { suggestion::hint_of_files(path) } else { hint };
-                Err(WorldError::NoSuchWorld { name: name.to_owned(), known: built_in::names(), hint })
+                let known = built_in::names();
+                Err(Error::new(format!(
+                    "{name}: no such world; expected a world file, or one of the built-in worlds {known}{hint}"
+                )))
             }
         }
     }
@@ -117,7 +119,7 @@ impl World {
     ///
     /// # Errors
     /// As [`World::load`].
-    pub fn parse(file: &str, text: &str) -> Result<Self, WorldError> {
+    pub fn parse(file: &str, text: &str) -> Result<Self, Error> {
         Self::parse_for(file, text, 0.0)
     }
 
@@ -126,8 +128,11 @@ impl World {
     ///
     /// # Errors
     /// As [`World::load`].
-    pub fn parse_for(file: &str, text: &str, width: f64) -> Result<Self, WorldError> {
-        let source = Source { file, text };
+    pub fn parse_for(file: &str, text: &str, width: f64) -> Result<Self, Error> {
+        Self::checked(Source { file, text }, width).map_err(|error| error.of_kind(ErrorKind::World))
+    }
+
+    fn checked(source: Source, width: f64) -> Result<Self, Error> {
         let entries: WorldFile = source.parse("world file")?;
         let top = |spanned: &Spanned<f64>, item: &str| source.place(spanned, item);
         let given = Check { place: &top(&entries.robot_width_m, "world") }
@@ -148,8 +153,8 @@ impl World {
         let listed_options = listed_options(source, &entries.options, &openings)?;
         let option_limit = option_limit(source, entries.option_limit.as_ref())?;
         Ok(Self {
-            file: file.to_owned(),
-            text: text.to_owned(),
+            file: source.file.to_owned(),
+            text: source.text.to_owned(),
             name: entries.name,
             note: entries.note,
             robot_width,
@@ -188,7 +193,7 @@ impl World {
     }
 }
 
-fn obstacles(source: Source, entries: &WorldFile) -> Result<Vec<Obstacle>, WorldError> {
+fn obstacles(source: Source, entries: &WorldFile) -> Result<Vec<Obstacle>, Error> {
     let mut names = BTreeSet::new();
     entries
         .obstacles
@@ -197,7 +202,7 @@ fn obstacles(source: Source, entries: &WorldFile) -> Result<Vec<Obstacle>, World
             let entry = spanned.get_ref();
             let place = source.place(spanned, format!("obstacle `{}`", entry.name));
             if !names.insert(&entry.name) {
-                return Err(WorldError::Duplicate { place, kind: "obstacle" });
+                return Err(Error::duplicate(place, "obstacle"));
             }
             Obstacle::from_entry(entry, &place)
         })
@@ -210,7 +215,7 @@ fn endpoint(
     spanned: &Spanned<Pair<f64>>,
     obstacles: &[Obstacle],
     robot_width: f64,
-) -> Result<Point, WorldError> {
+) -> Result<Point, Error> {
     let place = source.place(spanned, "world");
     let point = Check { place: &place }.point(field, spanned.get_ref().0)?;
     let needed = robot_width / 2.0;
@@ -219,14 +224,16 @@ fn endpoint(
         .map(|o| (o, o.footprint.distance_to_point(point)))
         .min_by(|a, b| a.1.total_cmp(&b.1));
     match nearest {
-        Some((obstacle, distance)) if distance < needed => Err(WorldError::Occupied {
-            place: source.place(spanned, field),
-            x: point.x,
-            y: point.y,
-            obstacle: obstacle.name.clone(),
-            distance,
-            needed,
-        }),
+        Some((obstacle, distance)) if distance < needed => {
+            let (x, y, obstacle) = (point.x, point.y, &obstacle.name);
+            let inside = if distance == 0.0 { ": it lies inside the obstacle" } else { "" };
+            Err(Error::value(
+                source.place(spanned, field),
+                format_args!(
+                    "({x}, {y}) is {distance:.4} m from obstacle `{obstacle}`; the team needs {needed} m (half of robot_width_m) around it{inside}"
+                ),
+            ))
+        }
         _ => Ok(point),
     }
 }
@@ -236,15 +243,12 @@ fn declared_openings(
     entries: &WorldFile,
     obstacles: &[Obstacle],
     robot_width: f64,
-) -> Result<Vec<Opening>, WorldError> {
+) -> Result<Vec<Opening>, Error> {
     let mut names = BTreeSet::new();
     let gaps = Gaps::new(obstacles);
     let find = |name: &String, place: &Place| {
-        obstacles.iter().position(|o| o.name == *name).ok_or_else(|| WorldError::Unknown {
-            place: place.clone(),
-            kind: "obstacle",
-            name: name.clone(),
-            known: join(obstacles.iter().map(|o| &o.name)),
+        obstacles.iter().position(|o| o.name == *name).ok_or_else(|| {
+            Error::unknown(place.clone(), "obstacle", name, obstacles.iter().map(|o| o.name.as_str()))
         })
     };
     let openings: Vec<Opening> = entries
@@ -254,22 +258,34 @@ fn declared_openings(
             let entry = spanned.get_ref();
             let place = source.place(spanned, format!("opening `{}`", entry.name));
             if !names.insert(&entry.name) {
-                return Err(WorldError::Duplicate { place, kind: "opening" });
+                return Err(Error::duplicate(place, "opening"));
             }
             let Values([first, second]) = &entry.between;
             let between = [find(first, &place)?, find(second, &place)?];
             if between[0] == between[1] {
-                return Err(WorldError::SameObstacle { place, obstacle: first.clone() });
+                return Err(Error::at(
+                    place,
+                    format_args!("between names `{first}` twice; an opening lies between two obstacles"),
+                ));
             }
             let gap = gaps.measure(between);
             let width = gap.as_ref().map_or(0.0, |g| g.width);
-            let (first, second) = (first.clone(), second.clone());
             let Some(gap) = gap.filter(|g| g.is_passable(robot_width)) else {
-                return Err(WorldError::Impassable { place, first, second, width, robot_width });
+                return Err(Error::at(
+                    place,
+                    format_args!(
+                        "the gap between `{first}` and `{second}` is {width:.4} m wide, not more than the robot's {robot_width} m: impassable"
+                    ),
+                ));
             };
             if let Some((third, distance)) = gaps.obstructed(&gap) {
-                let third = obstacles[third].name.clone();
-                return Err(WorldError::Obstructed { place, first, second, third, distance, width });
+                let third = &obstacles[third].name;
+                return Err(Error::at(
+                    place,
+                    format_args!(
+                        "`{third}` stands {distance:.4} m from the middle of the gap between `{first}` and `{second}` ({width:.4} m wide); name the narrower gap beside it"
+                    ),
+                ));
             }
             Ok(Opening { name: entry.name.clone(), ..gap })
         })
@@ -277,7 +293,11 @@ fn declared_openings(
     for (i, same) in opening::same_gaps(&openings).into_iter().enumerate() {
         if let Some(&other) = same.first() {
             let place = source.place(&entries.openings[i], format!("opening `{}`", openings[i].name));
-            return Err(WorldError::SameGap { place, other: openings[other].name.clone() });
+            let other = &openings[other].name;
+            return Err(Error::at(
+                place,
+                format_args!("this is the same gap as opening `{other}`; declare it once"),
+            ));
         }
     }
     Ok(openings)
@@ -287,7 +307,7 @@ fn listed_options(
     source: Source,
     entries: &[Spanned<OptionEntry>],
     openings: &[Opening],
-) -> Result<Vec<ListedOption>, WorldError> {
+) -> Result<Vec<ListedOption>, Error> {
     let mut names = BTreeSet::new();
     entries
         .iter()
@@ -297,14 +317,11 @@ fn listed_options(
             let name = entry.name.clone().unwrap_or_else(|| (i + 1).to_string());
             let place = source.place(spanned, format!("option `{name}`"));
             if !names.insert(name.clone()) {
-                return Err(WorldError::Duplicate { place, kind: "option" });
+                return Err(Error::duplicate(place, "option"));
             }
             let find = |name: &String| {
-                openings.iter().position(|o| o.name == *name).ok_or_else(|| WorldError::Unknown {
-                    place: place.clone(),
-                    kind: "opening",
-                    name: name.clone(),
-                    known: join(openings.iter().map(|o| &o.name)),
+                openings.iter().position(|o| o.name == *name).ok_or_else(|| {
+                    Error::unknown(place.clone(), "opening", name, openings.iter().map(|o| o.name.as_str()))
                 })
             };
             let openings = entry.openings.iter().map(find).collect::<Result<_, _>>()?;
@@ -313,22 +330,13 @@ fn listed_options(
         .collect()
 }
 
-fn option_limit(source: Source, entry: Option<&Spanned<i64>>) -> Result<usize, WorldError> {
+fn option_limit(source: Source, entry: Option<&Spanned<i64>>) -> Result<usize, Error> {
     let Some(spanned) = entry else {
         return Ok(DEFAULT_OPTION_LIMIT);
     };
     let value = *spanned.get_ref();
     usize::try_from(value).ok().filter(|n| (1..=LARGEST_OPTION_LIMIT).contains(n)).ok_or_else(|| {
-        WorldError::Number {
-            place: source.place(spanned, "world"),
-            field: "option_limit".to_owned(),
-            value: value as f64,
-            expected: "a whole number from 1 to 64",
-        }
+        let place = source.place(spanned, "world");
+        Error::number(place, "option_limit", value as f64, "a whole number from 1 to 64")
     })
-}
-
-fn join<'a>(names: impl Iterator<Item = &'a String>) -> String {
-    let names: Vec<String> = names.map(|n| format!("`{n}`")).collect();
-    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
 }

@@ -1,10 +1,9 @@
 //! Upright obstacles with their outlines and solids.
 
-use super::error::WorldError;
 use super::file::{ObstacleEntry, ShapeEntry};
 use super::values::Pair;
+use crate::error::{Error, Place};
 use crate::geometry::{Footprint, Point, cross, direction, left_of};
-use crate::located::Place;
 use crate::math;
 use parry3d::math::{Pose, Rotation, Vec3};
 use parry3d::shape::{Shape, SharedShape};
@@ -36,7 +35,7 @@ enum Solid {
 }
 
 impl Obstacle {
-    pub(super) fn from_entry(entry: &ObstacleEntry, place: &Place) -> Result<Self, WorldError> {
+    pub(super) fn from_entry(entry: &ObstacleEntry, place: &Place) -> Result<Self, Error> {
         let check = Check { place };
         let shape = match entry.shape {
             ShapeEntry::Box => "box",
@@ -52,10 +51,10 @@ impl Obstacle {
         ];
         for (field, is_given, shapes) in given {
             if is_given && !shapes.contains(shape) {
-                return Err(WorldError::Superfluous { place: place.clone(), shape, field });
+                return Err(Error::at(place.clone(), format_args!("a {shape} takes no {field}")));
             }
         }
-        let missing = |field| WorldError::Missing { place: place.clone(), shape, field };
+        let missing = |field| Error::at(place.clone(), format_args!("a {shape} needs {field}"));
         let height = check.size("height_m", entry.height_m)?;
         let solid = match entry.shape {
             ShapeEntry::Box => {
@@ -75,7 +74,8 @@ impl Obstacle {
                 Solid::Prism { corners: check.convex(vertices)? }
             }
         };
-        let shape = solid.shape(height).ok_or_else(|| WorldError::Extreme { place: place.clone() })?;
+        let extreme = "its proportions are too extreme for a solid; use corners and a height of similar size";
+        let shape = solid.shape(height).ok_or_else(|| Error::at(place.clone(), extreme))?;
         Ok(Self { name: entry.name.clone(), footprint: solid.footprint(), height, solid, shape })
     }
 
@@ -155,34 +155,32 @@ pub(super) struct Check<'a> {
 }
 
 impl Check<'_> {
-    fn number(&self, field: &str, value: f64, good: bool, expected: &'static str) -> Result<f64, WorldError> {
-        if good {
-            return Ok(value);
-        }
-        Err(WorldError::Number { place: self.place.clone(), field: field.to_owned(), value, expected })
+    fn number(&self, field: &str, value: f64, good: bool, expected: &str) -> Result<f64, Error> {
+        if good { Ok(value) } else { Err(Error::number(self.place.clone(), field, value, expected)) }
     }
 
-    pub fn size(&self, field: &str, value: f64) -> Result<f64, WorldError> {
+    pub fn size(&self, field: &str, value: f64) -> Result<f64, Error> {
         let good = (SMALLEST_LENGTH_M..=LARGEST_COORDINATE_M).contains(&value);
         self.number(field, value, good, "a length from 0.001 to 10000 (metres)")
     }
 
-    pub fn point(&self, field: &str, [x, y]: [f64; 2]) -> Result<Point, WorldError> {
+    pub fn point(&self, field: &str, [x, y]: [f64; 2]) -> Result<Point, Error> {
         let expected = "a coordinate from -10000 to 10000 (metres)";
         self.number(&format!("{field}[0]"), x, x.abs() <= LARGEST_COORDINATE_M, expected)?;
         self.number(&format!("{field}[1]"), y, y.abs() <= LARGEST_COORDINATE_M, expected)?;
         Ok(Point::new(x, y))
     }
 
-    fn angle(&self, field: &str, value: f64) -> Result<f64, WorldError> {
+    fn angle(&self, field: &str, value: f64) -> Result<f64, Error> {
         self.number(field, value, value.abs() <= 360.0, "an angle from -360 to 360 (degrees)")
     }
 
     /// Convex corners in counter-clockwise order.
-    fn convex(&self, vertices: &[Pair<f64>]) -> Result<Vec<Point>, WorldError> {
+    fn convex(&self, vertices: &[Pair<f64>]) -> Result<Vec<Point>, Error> {
         let n = vertices.len();
         if !(3..=64).contains(&n) {
-            return Err(WorldError::Corners { place: self.place.clone(), count: n });
+            let sentence = format_args!("{n} corners in vertices_m; a polygon needs 3 to 64");
+            return Err(Error::at(self.place.clone(), sentence));
         }
         let corners: Vec<Point> = vertices
             .iter()
@@ -204,12 +202,13 @@ impl Check<'_> {
                 || before.norm() < SMALLEST_LENGTH_M
                 || !once_around
             {
-                return Err(WorldError::NotConvex {
-                    place: self.place.clone(),
-                    corner: i + 1,
-                    x: corners[i].x,
-                    y: corners[i].y,
-                });
+                let (corner, x, y) = (i + 1, corners[i].x, corners[i].y);
+                return Err(Error::at(
+                    self.place.clone(),
+                    format_args!(
+                        "vertices_m is not convex at corner {corner}, ({x}, {y}); list the corners of a convex outline in order, no three on a line, or split it"
+                    ),
+                ));
             }
         }
         Ok(if clockwise { corners.into_iter().rev().collect() } else { corners })

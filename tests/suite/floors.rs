@@ -5,9 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The floors from the bottom; those in one row may not use each other.
-const FLOORS: [&[&str]; 24] = [
-    &["math", "saved", "suggestion", "output_file"],
-    &["located"],
+const FLOORS: [&[&str]; 25] = [
+    &["math", "suggestion", "output_file"],
+    &["error"],
+    &["located", "saved"],
     &["geometry", "palette"],
     &["robot"],
     &["world"],
