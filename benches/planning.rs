@@ -3,8 +3,8 @@
 
 use cocarry::episode::{Episode, Settings};
 use cocarry::options::OptionSet;
-use cocarry::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
 use cocarry::world::World;
+use cocarry_studies::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
 use criterion::{BatchSize, Criterion, criterion_group};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;

@@ -2,11 +2,11 @@
 //! budget of 15 %, and how large the file is.
 
 use cocarry::control;
-use cocarry::paper;
-use cocarry::recording::{Ending, FileRecorder};
 use cocarry::robot::Robot;
 use cocarry::scenario::{Plant, PreparedScenario, RobotSetup, Scenario};
 use cocarry::simulation::PhysicsSettings;
+use cocarry_recording::recording::{Ending, FileRecorder};
+use cocarry_studies::paper;
 use criterion::{Criterion, criterion_group};
 use std::hint::black_box;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! A sweep from study to file: episodes per second, and two threads against one, taken in turns since other
 //! work on the machine comes and goes.
 
-use cocarry::study::{Study, Sweep, SweepOutputs};
+use cocarry_studies::study::{Study, Sweep, SweepOutputs};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};

@@ -9,7 +9,7 @@ use cocarry::coordination::Mode;
 use cocarry::episode::{Episode, Settings};
 use cocarry::human::{Human, HumanDecision, HumanView, Stance};
 use cocarry::options::OptionSet;
-use cocarry::paper;
+use cocarry_studies::paper;
 
 /// Counts the time that the team goes another way.
 #[derive(Clone, Debug, Default)]

@@ -8,8 +8,8 @@ use cocarry::coordination::Mode;
 use cocarry::episode::{Episode, Settings};
 use cocarry::human::Stance;
 use cocarry::options::OptionSet;
-use cocarry::paper;
 use cocarry::policy::{Decision, RobotPolicy, RobotView};
+use cocarry_studies::paper;
 
 /// Leads on the option of least (1 - phi) J_o + phi J~_o until the human takes over, then follows.
 #[derive(Clone, Debug)]

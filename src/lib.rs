@@ -44,9 +44,9 @@
 //! world          a TOML file -> obstacles, openings, start, target
 //! robot          a TOML file and a URDF -> drive, arm, grasp; forward kinematics and B(q)
 //! geometry       points, poses, outlines, paths; palette: the colours of pictures
-//! math, suggestion, output_file; above them error, then located and saved
-//!                transcendental functions with the same bits everywhere; "did you mean"; refusals of input; files
-//!                read and written; saved states
+//! math, suggestion; above them error; above it located, saved
+//!                transcendental functions with the same bits everywhere; "did you mean"; why an input was refused;
+//!                files read; saved states
 //! ```
 //!
 //! # Features
@@ -104,59 +104,25 @@
 //! ```
 
 pub mod arithmetic;
-#[cfg(feature = "cli")]
-pub mod cli;
-#[cfg(feature = "studies")]
-pub mod cluster;
-#[cfg(feature = "studies")]
-pub mod columns;
 pub mod control;
 pub mod coordination;
-#[cfg(feature = "drawing")]
-pub mod drawing;
 pub mod episode;
 pub mod error;
-#[cfg(feature = "studies")]
-pub mod fit;
 pub mod geometry;
 pub mod human;
 pub mod learning;
 pub mod located;
 pub mod math;
 pub mod options;
-#[cfg(any(feature = "recording", feature = "studies"))]
-pub mod output_file;
-pub mod palette;
-#[cfg(feature = "studies")]
-pub mod paper;
-#[cfg(feature = "studies")]
-pub mod parallel;
 pub mod policy;
 pub mod preference;
-#[cfg(any(feature = "recording", feature = "studies"))]
 pub mod quantities;
-#[cfg(feature = "recording")]
-pub mod recording;
-#[cfg(feature = "studies")]
-pub mod regression;
-#[cfg(feature = "rendering")]
-pub mod rendering;
-#[cfg(feature = "studies")]
-pub mod report;
 pub mod robot;
 pub mod saved;
 pub mod scenario;
 pub mod simulation;
-#[cfg(feature = "studies")]
-pub mod statistics;
-#[cfg(feature = "studies")]
-pub mod study;
 pub mod suggestion;
-#[cfg(feature = "studies")]
-pub mod table;
 pub mod team;
 pub mod world;
-#[cfg(feature = "studies")]
-pub mod zarr;
 
 pub use error::{Error, ErrorKind};

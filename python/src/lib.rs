@@ -62,7 +62,7 @@ fn quantities<'py>(py: Python<'py>, of: &str) -> PyResult<Bound<'py, PyDict>> {
 /// Runs the command-line program with these arguments; returns its exit code.
 #[pyfunction]
 fn program(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
-    let code = py.detach(|| cocarry::cli::main_of(arguments));
+    let code = py.detach(|| cocarry_program::main_of(arguments));
     (0..=u8::MAX).find(|number| ExitCode::from(*number) == code).unwrap_or(1)
 }
 

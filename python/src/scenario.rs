@@ -2,7 +2,6 @@
 
 use crate::error::{RobotError, ScenarioError, WorldError, raise};
 use crate::value::repr;
-use cocarry::drawing;
 use cocarry::human::PreferenceChange;
 use cocarry::options::OptionSet;
 use cocarry::preference::{Belief, Marginal, Perception, Predictor, RISK_WEIGHT, WeightedSample};
@@ -12,6 +11,7 @@ use cocarry::scenario::{
     RobotSetup, SETTINGS, Setting, Value, drawn_changes, drawn_human,
 };
 use cocarry::world;
+use cocarry_output::drawing;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString};

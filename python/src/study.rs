@@ -3,10 +3,10 @@
 use crate::error::{StudyError, guarded, raise};
 use crate::partners::{Fault, Own};
 use crate::table::Table;
-use cocarry::columns::Columns;
 use cocarry::episode::Episode;
 use cocarry::scenario::{PreparedScenario, ScenarioError};
-use cocarry::study::{Shard, Study, Sweep, SweepError, SweepOutputs, columns, read_rows};
+use cocarry_studies::columns::Columns;
+use cocarry_studies::study::{Shard, Study, Sweep, SweepError, SweepOutputs, columns, read_rows};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::path::{Path, PathBuf};

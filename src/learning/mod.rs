@@ -58,7 +58,7 @@ fn check_rate(name: &'static str, value: f64) -> Result<(), LearningError> {
 
 /// The likelihoods of a look if the human prefers each option: `looks_like` says whether a human on it would
 /// have moved so. A lapse looks like any option, as often as there are options that look so.
-pub(crate) fn likelihoods_of_look(
+pub fn likelihoods_of_look(
     looks_like: impl Iterator<Item = bool>,
     lapse_rate: f64,
     likelihoods: &mut Vec<f64>,

@@ -133,7 +133,7 @@ impl OptionSet {
                 .iter()
                 .map(|listed| {
                     let crossings = set.directed(world, listed)?;
-                    Ok(set.option(listed.name.clone(), crossings))
+                    Ok::<_, Error>(set.option(listed.name.clone(), crossings))
                 })
                 .collect::<Result<_, _>>()?;
         }

@@ -133,7 +133,7 @@ impl RobotTick {
 
     /// The kind of body with the worst hold on the object, and the deviation (m): of the robot's grasp, or of
     /// a yielding grip.
-    pub(crate) fn worst_hold(&self) -> (BodyKind, f64) {
+    pub fn worst_hold(&self) -> (BodyKind, f64) {
         let [gripper, hand] = self.physics.map_or([0.0; 2], |physics| physics.deflection);
         let robot = self.position_error.max(gripper);
         if hand > robot { (BodyKind::Human, hand) } else { (BodyKind::Robot, robot) }

@@ -181,7 +181,7 @@ impl World {
     }
 
     /// Gaps that the robot cannot pass, in the order of their obstacles.
-    pub(crate) fn closed_gaps(&self) -> Vec<Opening> {
+    pub fn closed_gaps(&self) -> Vec<Opening> {
         Gaps::new(&self.obstacles).impassable(self.robot_width)
     }
 

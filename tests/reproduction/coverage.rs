@@ -3,13 +3,13 @@
 //! The short tests here run with the suite; the whole table, which the book quotes, is
 //! `cargo test --release --test reproduction coverage -- --ignored --nocapture`.
 
-use cocarry::fit::{
-    Answers, EtaFit, Evidence, Executed, RiskWeightSettings, Situation, Switch, fit_eta, fit_risk_weight,
-};
 use cocarry::math;
 use cocarry::options::OptionSet;
-use cocarry::paper::ENVIRONMENTS;
 use cocarry::preference::{Belief, ChoiceDistribution, Predictor};
+use cocarry_studies::fit::{
+    Answers, EtaFit, Evidence, Executed, RiskWeightSettings, Situation, Switch, fit_eta, fit_risk_weight,
+};
+use cocarry_studies::paper::ENVIRONMENTS;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use statrs::distribution::{ContinuousCDF, Normal};

@@ -3,16 +3,16 @@
 mod coverage;
 
 use cocarry::episode::{Outcome, Settings};
-use cocarry::fit::{AnswerFile, RiskWeightSettings, Situation, fit_risk_weight};
 use cocarry::options::OptionSet;
-use cocarry::paper::cycles::mixed_world;
-use cocarry::paper::h3::{PoseMethod, Study};
-use cocarry::paper::{self, h1, h2};
 use cocarry::policy::Method;
 use cocarry::preference::Predictor;
 use cocarry::robot::Robot;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry::world::World;
+use cocarry_studies::fit::{AnswerFile, RiskWeightSettings, Situation, fit_risk_weight};
+use cocarry_studies::paper::cycles::mixed_world;
+use cocarry_studies::paper::h3::{PoseMethod, Study};
+use cocarry_studies::paper::{self, h1, h2};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use std::path::Path;
@@ -39,7 +39,7 @@ fn paper_table_1() {
 /// 4.
 #[test]
 fn paper_risk_weight() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/data/table-1-humans.csv");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/data/table-1-humans.csv");
     let file = AnswerFile::read(&file).expect("the answers of Table I");
     let situations = file.worlds().into_iter().map(|(name, _)| {
         let world = World::find(std::path::Path::new(""), &name).expect("a valid one");

@@ -5,9 +5,9 @@ use cocarry::control::{self, RobotObstacles, SolveOutcome};
 use cocarry::episode::{Episode, Manipulator, Settings};
 use cocarry::geometry::{Footprint, Point};
 use cocarry::learning;
-use cocarry::paper::EXAMPLE_HUMAN;
 use cocarry::policy::Method;
 use cocarry::robot::Robot;
+use cocarry_studies::paper::EXAMPLE_HUMAN;
 
 /// Ticks after which every buffer has had what it needs.
 const WARM: u64 = 60;

@@ -5,9 +5,9 @@ use cocarry::control::{self, Avoid, CandidateSet, PoseCriterion, RobotObstacles,
 use cocarry::coordination::Mode;
 use cocarry::episode::{Episode, Manipulator, Outcome, Settings, Summary, Tick};
 use cocarry::math;
-use cocarry::paper::EXAMPLE_HUMAN;
 use cocarry::policy::Method;
 use cocarry::robot::Robot;
+use cocarry_studies::paper::EXAMPLE_HUMAN;
 
 fn carry(world: &str, method: Method, control: control::Settings, robot: &Robot) -> (Summary, Vec<Tick>) {
     let (world, options) = load(&repository(world));

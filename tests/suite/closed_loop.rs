@@ -5,11 +5,11 @@ use cocarry::coordination::{self, Mode};
 use cocarry::episode::{Episode, Outcome, PreferenceChange, Settings, Tick, run};
 use cocarry::human::PreferenceHuman;
 use cocarry::math;
-use cocarry::paper::EXAMPLE_HUMAN;
-use cocarry::paper::cycles::{Findings, Search};
 use cocarry::policy::Method;
 use cocarry::preference::{Perception, Prospect, RISK_WEIGHT, subjective_cost};
 use cocarry::scenario::Plant;
+use cocarry_studies::paper::EXAMPLE_HUMAN;
+use cocarry_studies::paper::cycles::{Findings, Search};
 
 fn settings(method: Method, eta: f64) -> Settings {
     let coordination = coordination::Settings { eta, ..coordination::Settings::default() };

@@ -2,7 +2,7 @@
 
 use crate::support::{cocarry, json, load, repository};
 use cocarry::episode::{Episode, Settings};
-use cocarry::paper::EXAMPLE_HUMAN;
+use cocarry_studies::paper::EXAMPLE_HUMAN;
 
 #[test]
 fn two_processes_print_the_same_bytes() {

@@ -3,13 +3,13 @@
 use crate::support::{cocarry, json, load, repository, stderr, stdout};
 use cocarry::coordination;
 use cocarry::episode::{Episode, Settings, prospects, run};
-use cocarry::fit::{Guidance, LEAST_SQUARES_CAUTION};
 use cocarry::math;
 use cocarry::options::OptionSet;
-use cocarry::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
 use cocarry::policy::Method;
 use cocarry::preference::{Belief, ChoiceDistribution, Predictor};
 use cocarry::scenario::{Plant, Scenario};
+use cocarry_studies::fit::{Guidance, LEAST_SQUARES_CAUTION};
+use cocarry_studies::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

@@ -3,13 +3,13 @@
 use crate::support::{cocarry, json, load, repository, stderr};
 use cocarry::coordination::Mode;
 use cocarry::episode::{Episode, Settings};
-use cocarry::fit::{Calibration, checks};
 use cocarry::learning::{self, Learner};
 use cocarry::options::OptionSet;
 use cocarry::policy::Method;
 use cocarry::preference::Perception;
 use cocarry::scenario::{Plant, SETTINGS, Scenario, Value};
 use cocarry::world::World;
+use cocarry_studies::fit::{Calibration, checks};
 
 const HUMAN: Perception = Perception { alpha: 0.747, gamma: 0.765 };
 

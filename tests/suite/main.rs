@@ -15,7 +15,6 @@ mod detection;
 mod determinism;
 mod drives;
 mod fitting;
-mod floors;
 mod footprints;
 mod forged_snapshots;
 mod infer;

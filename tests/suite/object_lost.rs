@@ -5,10 +5,10 @@ use cocarry::control;
 use cocarry::episode::{LOSS_DISTANCE_M, Manipulator, Outcome, Settings};
 use cocarry::human::{Human, HumanDecision, HumanView, Stance};
 use cocarry::options::OptionSet;
-use cocarry::paper;
 use cocarry::policy::{Decision, Motion, RobotPolicy, RobotView};
 use cocarry::robot::{InputVector, Robot};
 use cocarry::simulation::{BodyKind, PhysicsSettings};
+use cocarry_studies::paper;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

@@ -3,8 +3,8 @@
 use crate::support::{load, repository};
 use cocarry::geometry::{Path, Piece, Point};
 use cocarry::options::{OptionSet, Progress};
-use cocarry::paper::cycles::{mixed_world, random_world};
 use cocarry::world::World;
+use cocarry_studies::paper::cycles::{mixed_world, random_world};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

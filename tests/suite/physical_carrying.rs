@@ -5,10 +5,10 @@ use cocarry::control::{self, RobotObstacles};
 use cocarry::coordination::Mode;
 use cocarry::episode::{Episode, Manipulator, Outcome, Settings, Summary, Tick};
 use cocarry::math;
-use cocarry::paper::EXAMPLE_HUMAN;
 use cocarry::policy::Method;
 use cocarry::robot::Robot;
 use cocarry::simulation::PhysicsSettings;
+use cocarry_studies::paper::EXAMPLE_HUMAN;
 
 fn steady() -> PhysicsSettings {
     let settings = PhysicsSettings::default();

@@ -3,7 +3,7 @@
 use crate::recording::path;
 use crate::support::{cocarry, json, stderr};
 use cocarry::quantities::{EPISODE, LEARNED, OPTION, PREPARATION, TICK};
-use cocarry::recording::{Channel, Reader};
+use cocarry_recording::recording::{Channel, Reader};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

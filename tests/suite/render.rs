@@ -147,11 +147,11 @@ fn a_page_has_the_meshes_of_a_robot_whose_file_is_given() {
     let replayed = good(&["replay", text(&path("r.mcap"))]);
     assert!(replayed.contains("identical"), "{replayed}");
     let recorded = std::fs::read(path("r.mcap")).unwrap();
-    let mut reader = cocarry::recording::Reader::new(&recorded[..], "r").unwrap();
+    let mut reader = cocarry_recording::recording::Reader::new(&recorded[..], "r").unwrap();
     let mut team = None;
     while let Some(entry) = reader.next().unwrap() {
         if let Some(message) = entry.message().filter(|m| m.channel.topic == "/scene/team") {
-            team = cocarry::recording::decode(message.channel, message.data);
+            team = cocarry_recording::recording::decode(message.channel, message.data);
         }
     }
     let team = team.expect("a team");

@@ -2,11 +2,11 @@
 //! commands it is made of.
 
 use crate::support::{cocarry, cocarry_without_fma, json, stderr};
-use cocarry::drawing::{option_colour, risk_colour};
 use cocarry::episode::prospects;
 use cocarry::options::OptionSet;
-use cocarry::paper::ENVIRONMENTS;
 use cocarry::preference::{ChoiceDistribution, Predictor};
+use cocarry_output::drawing::{option_colour, risk_colour};
+use cocarry_studies::paper::ENVIRONMENTS;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;

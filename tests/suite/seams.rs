@@ -8,13 +8,13 @@ use cocarry::geometry::PlanarPose;
 use cocarry::human::{Human, HumanDecision, HumanView, ModelName, Participant, Stance};
 use cocarry::math;
 use cocarry::options::OptionSet;
-use cocarry::paper;
 use cocarry::policy::{Decision, Motion, RobotPolicy, RobotView};
 use cocarry::preference::{Perception, subjective_cost};
 use cocarry::robot::{InputVector, Robot};
 use cocarry::scenario::{Plant, PreparedScenario, RobotSetup, Scenario, Snapshot};
 use cocarry::simulation::PhysicsSettings;
 use cocarry::team::{PointTeam, RobotTick, Step, Team};
+use cocarry_studies::paper;
 
 /// Eq. (6) as somebody outside the library would write it.
 #[derive(Clone, Debug)]

@@ -4,8 +4,8 @@
 use crate::support::{cocarry, stderr};
 use cocarry::robot::Robot;
 use cocarry::scenario::{Kind, Plant, PlantKind, RobotSetup, SETTINGS, Scenario, Setting, Snapshot, Value};
-use cocarry::study::Study;
 use cocarry::world::World;
+use cocarry_studies::study::Study;
 use std::path::Path;
 
 const WORLD: &str = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [0, 0]\ntarget_m = [9, 0]\n";

@@ -6,11 +6,11 @@ use cocarry::coordination::{Mode, Settings as Coordination};
 use cocarry::episode::{Episode, Settings};
 use cocarry::geometry::Path;
 use cocarry::options::{OptionSet, Progress};
-use cocarry::paper::EXAMPLE_HUMAN;
-use cocarry::paper::cycles::random_world;
 use cocarry::policy::Method;
 use cocarry::preference::{Belief, Perception, Predictor, SampleSet, WeightedSample};
 use cocarry::world::World;
+use cocarry_studies::paper::EXAMPLE_HUMAN;
+use cocarry_studies::paper::cycles::random_world;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 

@@ -5,12 +5,12 @@ use crate::support::{cocarry, stderr, stdout};
 use cocarry::control;
 use cocarry::coordination;
 use cocarry::episode::{Episode, PreferenceChange, Settings};
-use cocarry::paper;
 use cocarry::policy::Method;
 use cocarry::preference::Perception;
 use cocarry::robot::Robot;
 use cocarry::scenario::{Plant, PreparedScenario, RobotSetup, Scenario, Snapshot};
 use cocarry::simulation::PhysicsSettings;
+use cocarry_studies::paper;
 use std::path::Path;
 
 fn scenario(plant: Plant, method: Method) -> Scenario {

@@ -11,7 +11,8 @@ use std::process::{Command, Output};
 
 /// A file of the repository.
 pub fn repository(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    package.ancestors().nth(2).expect("crates/program").join(path)
 }
 
 /// Runs the program in the repository's folder.

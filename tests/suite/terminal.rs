@@ -69,7 +69,7 @@ fn the_help_of_every_command_fits_80_columns() {
                 assert!(line.len() < 78, "wraps: cocarry{line}");
                 let line = line.split(" > ").next().unwrap();
                 let words = ["cocarry"].into_iter().chain(line.split_whitespace());
-                if let Err(error) = cocarry::cli::command().try_get_matches_from(words) {
+                if let Err(error) = cocarry_program::command().try_get_matches_from(words) {
                     panic!("{line}: {error}");
                 }
             }
@@ -84,7 +84,7 @@ fn the_help_of_every_command_fits_80_columns() {
             look(command.find_subcommand_mut(&name).unwrap(), looked_at);
         }
     }
-    let mut command = cocarry::cli::command();
+    let mut command = cocarry_program::command();
     command.build();
     let mut looked_at = 0;
     look(&mut command, &mut looked_at);
@@ -93,7 +93,7 @@ fn the_help_of_every_command_fits_80_columns() {
 
 #[test]
 fn the_options_of_run_are_in_groups() {
-    let mut command = cocarry::cli::command();
+    let mut command = cocarry_program::command();
     command.build();
     let run = command.find_subcommand("run").unwrap();
     for argument in run.get_arguments().filter(|argument| !argument.is_positional()) {

@@ -3,8 +3,8 @@
 use crate::support::{cocarry, load, repository, stderr, stdout, world_files};
 use cocarry::geometry::Point;
 use cocarry::options::{OptionSet, Progress, Waypoint};
-use cocarry::paper::cycles::random_world;
 use cocarry::world::World;
+use cocarry_studies::paper::cycles::random_world;
 use parry3d::math::{Pose, Vec3};
 use parry3d::query::distance;
 use parry3d::shape::Segment;

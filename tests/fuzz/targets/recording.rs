@@ -2,7 +2,7 @@
 //! recovered is a recording.
 #![no_main]
 
-use cocarry::recording::{Contents, Reader, columns, recover};
+use cocarry_recording::recording::{Contents, Reader, columns, recover};
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let Ok(mut reader) = Reader::new(bytes, "m") else { return };

@@ -1,7 +1,7 @@
 //! Bytes in; run again as a recording: without a panic.
 #![no_main]
 
-use cocarry::recording::{Reader, replay, scenario};
+use cocarry_recording::recording::{Reader, replay, scenario};
 use cocarry::scenario::Plant;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {

@@ -257,7 +257,7 @@ impl<'a> Workplace<'a> {
 
     fn parse(&self, arguments: &[String], allowed: &[ErrorKind]) {
         let line = ["cocarry"].into_iter().chain(arguments.iter().map(String::as_str));
-        if let Err(error) = cocarry::cli::command().try_get_matches_from(line) {
+        if let Err(error) = cocarry_program::command().try_get_matches_from(line) {
             // help is an "error" of success
             let is_fine = error.exit_code() == 0 || allowed.contains(&error.kind());
             assert!(is_fine, "{}: cocarry {arguments:?}: {error}", self.page);
@@ -326,7 +326,7 @@ fn every_claim_is_a_comment_of_a_command() {
 #[test]
 fn the_page_of_recordings_has_every_channel() {
     let page = read("book/src/recordings.md");
-    for channel in cocarry::recording::Channel::ALL {
+    for channel in cocarry_recording::recording::Channel::ALL {
         assert!(page.contains(&format!("| `{}` |", channel.topic())), "{}", channel.topic());
     }
 }

@@ -30,7 +30,7 @@ fn the_reference_of_commands_is_the_help_of_the_program() {
         "Commands",
         "Every command prints this text with `--help`. Without a command, `cocarry` runs the example of the paper's\nEnvironment 4.",
     );
-    let mut program = cocarry::cli::command();
+    let mut program = cocarry_program::command();
     program.build();
     add_help(&program, &mut text);
     settle("book/src/commands.md", &read("book/src/commands.md"), &text);
@@ -106,7 +106,7 @@ fn the_reference_of_columns_is_the_table_of_quantities() {
     let is_listed = |name: &str| {
         SETTINGS.iter().any(|setting| setting.key == name) || EPISODE.iter().any(|figure| figure.key == name)
     };
-    for heading in cocarry::study::columns().iter().filter(|heading| !is_listed(heading.name)) {
+    for heading in cocarry_studies::study::columns().iter().filter(|heading| !is_listed(heading.name)) {
         text += &row(&[&format!("`{}`", heading.name), heading.description]);
     }
     settle("book/src/columns.md", &read("book/src/columns.md"), &text);
@@ -155,6 +155,6 @@ fn the_reference_of_columns_has_every_column_of_a_study() {
     let rows = std::fs::read_to_string(folder.path().join("s.csv")).unwrap();
     let page = read("book/src/columns.md") + &read("book/src/settings.md");
     let mut columns = rows.lines().next().unwrap().split(',');
-    assert_eq!(columns.clone().count(), cocarry::study::columns().len());
+    assert_eq!(columns.clone().count(), cocarry_studies::study::columns().len());
     assert_eq!(columns.find(|column| !page.contains(&format!("| `{column}` |"))), None);
 }

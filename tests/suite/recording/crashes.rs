@@ -4,8 +4,8 @@
 use super::{example, messages, path, rapier};
 use crate::support::{cocarry, json, stderr};
 use cocarry::episode::Settings;
-use cocarry::recording::{FileRecorder, Reader, recover};
 use cocarry::scenario::Scenario;
+use cocarry_recording::recording::{FileRecorder, Reader, recover};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

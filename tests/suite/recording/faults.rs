@@ -2,8 +2,8 @@
 
 use super::{MAGIC, chunk, chunks, messages, rapier, record, short, short_on, unpacked};
 use crate::support::repository;
-use cocarry::recording::{Contents, Reader, columns, recover, replay};
 use cocarry::scenario::{Plant, Scenario};
+use cocarry_recording::recording::{Contents, Reader, columns, recover, replay};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -63,7 +63,7 @@ fn bad_files_are_told_with_their_place() {
 
 /// Any file is either read or refused with words; what is recovered is a recording.
 fn survives(bytes: &[u8], folder: &Path) {
-    let refused = |error: &cocarry::recording::ReadError| {
+    let refused = |error: &cocarry_recording::recording::ReadError| {
         let said = error.to_string();
         assert!(said.starts_with("m: ") && said.len() < 10_000, "{said}");
     };

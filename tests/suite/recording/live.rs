@@ -2,7 +2,7 @@
 
 use super::{messages, path};
 use crate::support::{cocarry, stderr};
-use cocarry::recording::{Channel, Definition, LiveServer, Message};
+use cocarry_recording::recording::{Channel, Definition, LiveServer, Message};
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;

@@ -9,12 +9,12 @@ mod written;
 
 use crate::support::repository;
 use cocarry::episode::{Episode, Settings};
-use cocarry::paper::EXAMPLE_HUMAN;
-use cocarry::recording::{Definition, Encoder, Ending, Entry, Message, Reader, Recorder, decode};
 use cocarry::robot::Robot;
 use cocarry::scenario::{Plant, RobotSetup, Scenario};
 use cocarry::simulation::PhysicsSettings;
 use cocarry::world::World;
+use cocarry_recording::recording::{Definition, Encoder, Ending, Entry, Message, Reader, Recorder, decode};
+use cocarry_studies::paper::EXAMPLE_HUMAN;
 use serde_json::Value;
 use std::io::Cursor;
 use std::path::Path;

@@ -5,8 +5,8 @@ use crate::support::{cocarry, json, stderr, stdout};
 use cocarry::episode::{PreferenceChange, Settings};
 use cocarry::policy::Method;
 use cocarry::preference::Perception;
-use cocarry::recording::{Reader, Verdict, recover, replay};
 use cocarry::scenario::{Plant, Scenario};
+use cocarry_recording::recording::{Reader, Verdict, recover, replay};
 
 /// The same file with one of its messages rewritten.
 fn rewritten(whole: &[u8], from: &str, to: &str) -> Vec<u8> {
@@ -17,7 +17,7 @@ fn rewritten(whole: &[u8], from: &str, to: &str) -> Vec<u8> {
     bytes
 }
 
-fn replayed(bytes: &[u8]) -> cocarry::recording::Replay {
+fn replayed(bytes: &[u8]) -> cocarry_recording::recording::Replay {
     replay(Reader::new(bytes, "m").unwrap(), Reader::new(bytes, "m").unwrap())
         .unwrap_or_else(|e| panic!("{e}"))
 }

@@ -10,8 +10,8 @@ mod summary;
 
 use crate::support::{cocarry, json, repository, stderr, stdout};
 use cocarry::quantities::EPISODE;
-use cocarry::statistics::mean_and_std;
-use cocarry::study::{Study, Sweep, SweepOutputs};
+use cocarry_studies::statistics::mean_and_std;
+use cocarry_studies::study::{Study, Sweep, SweepOutputs};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};

@@ -1,0 +1,113 @@
+//! The lines and areas already on a picture, and the cost of covering them with a label.
+
+use cocarry::geometry::{Bounds, Point};
+
+/// Lines, and areas that must stay free, inside a frame.
+pub(in super::super) struct Clutter {
+    frame: Bounds,
+    lines: Vec<Line>,
+    taken: Vec<Bounds>,
+}
+
+struct Line {
+    ends: [Point; 2],
+    /// Half of its width, px.
+    half: f64,
+    /// Cost of covering a pixel of its length.
+    cost: f64,
+}
+
+impl Line {
+    fn inside(&self, area: Bounds) -> f64 {
+        length_inside(area.grown(self.half), self.ends)
+    }
+}
+
+impl Clutter {
+    pub fn new(frame: Bounds) -> Self {
+        Self { frame, lines: Vec::new(), taken: Vec::new() }
+    }
+
+    /// Adds a line, with the cost of covering a pixel of its length.
+    pub fn add(&mut self, points: &[Point], width: f64, cost: f64) {
+        let half = width / 2.0;
+        self.lines.extend(points.windows(2).map(|w| Line { ends: [w[0], w[1]], half, cost }));
+    }
+
+    /// Reserves an area.
+    pub fn take(&mut self, area: Bounds) {
+        self.taken.push(area);
+    }
+
+    /// The cost of a label in this area: covered lines by their cost, reserved areas per pixel, and four
+    /// times the area outside.
+    pub fn cost(&self, area: Bounds) -> f64 {
+        let covered: f64 = self.lines.iter().map(|line| line.cost * line.inside(area)).sum();
+        let shared: f64 = self.taken.iter().map(|t| overlap(area, t.grown(5.0))).sum();
+        covered + shared + 4.0 * (area.size().product() - overlap(area, self.frame))
+    }
+
+    /// Whether a label in this area covers a line.
+    pub fn covers_a_line(&self, area: Bounds) -> bool {
+        self.lines.iter().any(|line| line.inside(area) > 0.0)
+    }
+}
+
+/// Area that two areas have in common.
+fn overlap(a: Bounds, b: Bounds) -> f64 {
+    let size = a.max.coords.inf(&b.max.coords) - a.min.coords.sup(&b.min.coords);
+    if size.min() <= 0.0 { 0.0 } else { size.product() }
+}
+
+/// The point of an area that is nearest to `p`.
+pub(in super::super) fn nearest(area: Bounds, p: Point) -> Point {
+    p.sup(&area.min).inf(&area.max)
+}
+
+/// Length of the part of a line that lies inside an area.
+fn length_inside(area: Bounds, [a, b]: [Point; 2]) -> f64 {
+    let along = b - a;
+    let (mut enter, mut leave) = (0.0f64, 1.0f64);
+    for axis in 0..2 {
+        let (low, high) = (area.min[axis] - a[axis], area.max[axis] - a[axis]);
+        if along[axis] == 0.0 {
+            if low > 0.0 || high < 0.0 {
+                return 0.0;
+            }
+        } else {
+            let (t, u) = (low / along[axis], high / along[axis]);
+            enter = enter.max(t.min(u));
+            leave = leave.min(t.max(u));
+        }
+    }
+    if leave > enter { (leave - enter) * along.norm() } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_length_inside_and_overlap() {
+        let area = |x: f64, y: f64| Bounds { min: Point::new(x, y), max: Point::new(x + 2.0, y + 2.0) };
+        let line = |a: [f64; 2], b: [f64; 2]| [Point::from(a), Point::from(b)];
+        let inside = |a, b| length_inside(area(0.0, 0.0), line(a, b));
+        assert!((inside([-1.0, 1.0], [9.0, 1.0]) - 2.0).abs() < 1e-12);
+        assert!((inside([1.0, 1.0], [4.0, 4.0]) - 2f64.sqrt()).abs() < 1e-12);
+        assert_eq!(inside([-1.0, 3.0], [9.0, 3.0]), 0.0);
+        assert_eq!(
+            [overlap(area(0.0, 0.0), area(1.0, 0.5)), overlap(area(0.0, 0.0), area(3.0, 0.0))],
+            [1.5, 0.0]
+        );
+    }
+
+    #[test]
+    fn closed_form_covering_costs() {
+        let square = |x: f64, side: f64| Bounds { min: Point::new(x, 0.0), max: Point::new(x + side, side) };
+        let mut clutter = Clutter::new(square(0.0, 100.0));
+        clutter.add(&[Point::new(5.0, -50.0), Point::new(5.0, 50.0)], 2.0, 3.0);
+        clutter.take(square(60.0, 10.0));
+        assert_eq!([square(0.0, 10.0), square(20.0, 10.0)].map(|a| clutter.cost(a)), [36.0, 0.0]);
+        assert_eq!([square(60.0, 10.0), square(95.0, 10.0)].map(|a| clutter.cost(a)), [100.0, 200.0]);
+    }
+}

@@ -1,0 +1,115 @@
+//! The labels of a map's openings, at positions where they cover as little as possible.
+
+use super::kit::{Align, Clutter, INK, TEXT_SIZE, Text, nearest, number, stroke};
+use super::map_view::{BAR, END, MapView, paper};
+use cocarry::geometry::{Bounds, Point, Vector, direction};
+use cocarry::world::World;
+use svg::node::element::Group;
+
+/// Free margin around the words of a label, px.
+const PADDING: f64 = 2.0;
+/// Line height of a label, px.
+const LINE_HEIGHT: f64 = TEXT_SIZE * 1.08;
+/// Distance from its opening beyond which a label gets a leader line, px.
+const LEADER_DISTANCE: f64 = 16.0;
+/// Largest width of a name, px.
+const NAME_WIDTH: f64 = 120.0;
+
+/// Costs of covering a pixel of length: of a path or a leader line, of an obstacle's outline, of an opening.
+pub(super) const PATH_COST: f64 = 4.0;
+const OUTLINE_COST: f64 = 6.0;
+const OPENING_COST: f64 = 12.0;
+/// A label that costs more than `CROWDED_COST` omits the width of its opening where that saves
+/// `LEAST_SAVING`.
+const CROWDED_COST: f64 = 140.0;
+const LEAST_SAVING: f64 = 60.0;
+
+/// The clutter of a map before labels and paths.
+pub(super) fn clutter(view: &MapView, world: &World) -> Clutter {
+    let mut clutter = Clutter::new(view.frame());
+    for obstacle in &world.obstacles {
+        let mut outline = view.outline(&obstacle.footprint);
+        outline.extend(outline.first().copied());
+        clutter.add(&outline, 0.8, OUTLINE_COST);
+    }
+    for opening in &world.openings {
+        clutter.add(&opening.ends.map(|p| view.px(p)), BAR + 2.4, OPENING_COST);
+    }
+    for end in [world.start, world.target].map(|p| view.px(p)) {
+        clutter.take(Bounds { min: end, max: end }.grown(END));
+    }
+    clutter
+}
+
+/// The labels of the openings: the name, and the width where `with_widths`. They are added to the clutter.
+pub(super) fn opening_labels(
+    view: &MapView,
+    world: &World,
+    with_widths: bool,
+    clutter: &mut Clutter,
+) -> Group {
+    let bars: Vec<[Point; 2]> = world.openings.iter().map(|o| o.ends.map(|p| view.px(p))).collect();
+    let mut group = Group::new().set("class", "names");
+    for (i, opening) in world.openings.iter().enumerate() {
+        let mut lines = vec![Text::opening(&opening.name).within(NAME_WIDTH, TEXT_SIZE)];
+        let (mut area, cost) = best_place(&lines, i, &bars, clutter);
+        if with_widths {
+            let full = vec![lines[0].clone(), Text::new(format!("{} m", number(opening.width, 2)))];
+            let found = best_place(&full, i, &bars, clutter);
+            // in a crowded place, only the name is shown
+            if found.1 < CROWDED_COST || found.1 < cost + LEAST_SAVING {
+                (lines, area) = (full, found.0);
+            }
+        }
+        let touch = nearest_on(bars[i], area);
+        if gap(area, touch) > LEADER_DISTANCE {
+            let leader = [nearest(area, touch), touch];
+            clutter.add(&leader, 0.9, PATH_COST);
+            group = group.add(stroke(&leader, INK, 0.9));
+        }
+        if clutter.covers_a_line(area.grown(-PADDING)) {
+            group = group.add(paper(area.grown(-1.0)));
+        }
+        let middle = nalgebra::center(&area.min, &area.max).x;
+        for (i, line) in lines.iter().enumerate() {
+            let baseline = area.min.y + PADDING + (i as f64 + 0.8) * LINE_HEIGHT;
+            group = group.add(line.at(Point::new(middle, baseline), TEXT_SIZE, Align::Middle));
+        }
+        clutter.take(area);
+    }
+    group
+}
+
+/// The best position (px) for the lines of the opening `own`, and its cost.
+fn best_place(lines: &[Text], own: usize, bars: &[[Point; 2]], clutter: &Clutter) -> (Bounds, f64) {
+    let center = nalgebra::center(&bars[own][0], &bars[own][1]);
+    let width = lines.iter().map(|line| line.width(TEXT_SIZE)).fold(0.0, f64::max);
+    let half = Vector::new(width / 2.0 + PADDING, lines.len() as f64 * LINE_HEIGHT / 2.0 + PADDING);
+    let places = (0..20).flat_map(|ring| (0..32).map(move |spoke| (f64::from(ring), f64::from(spoke))));
+    let areas = places.map(|(ring, spoke)| {
+        let middle = center + direction(spoke * std::f64::consts::TAU / 32.0) * (14.0 + 8.0 * ring);
+        Bounds { min: middle - half, max: middle + half }
+    });
+    let cost = |area: &Bounds| {
+        let distance = |bar: [Point; 2]| gap(*area, nearest_on(bar, *area));
+        let own_distance = distance(bars[own]);
+        let is_nearer_to_another =
+            bars.iter().enumerate().any(|(i, bar)| i != own && distance(*bar) < own_distance);
+        clutter.cost(*area)
+            + 0.7 * own_distance
+            + if own_distance > LEADER_DISTANCE { 25.0 } else { 0.0 }
+            + if is_nearer_to_another { 45.0 } else { 0.0 }
+    };
+    let found = areas.map(|area| (area, cost(&area))).min_by(|a, b| a.1.total_cmp(&b.1));
+    found.unwrap_or((Bounds { min: center - half, max: center + half }, f64::INFINITY))
+}
+
+/// The point of an opening's bar, away from its ends, that is nearest to an area.
+fn nearest_on([a, b]: [Point; 2], area: Bounds) -> Point {
+    let points = (2..=8).map(|i| a + (b - a) * (f64::from(i) / 10.0));
+    points.min_by(|p, q| gap(area, *p).total_cmp(&gap(area, *q))).unwrap_or(a)
+}
+
+fn gap(area: Bounds, p: Point) -> f64 {
+    (nearest(area, p) - p).norm()
+}

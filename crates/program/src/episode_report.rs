@@ -1,0 +1,306 @@
+//! The report of an episode that `cocarry run` prints, as text and as JSON.
+
+use super::output::{OPTION_HEADINGS, option_json, table, table_text};
+use cocarry::coordination;
+use cocarry::episode::{
+    ControlSummary, Episode, GRASP_WARNING_RMS_M, HumanSummary, OptionTick, Outcome, PreferenceChange,
+    Settings, Summary, Tick,
+};
+use cocarry::geometry::Point;
+use cocarry::policy::Method;
+use cocarry::preference::Perception;
+use cocarry::quantities::{EPISODE, Event, View};
+use cocarry::robot::Robot;
+use cocarry::scenario::{PreparedScenario, RobotSetup};
+use cocarry_output::drawing::Track;
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+/// The report of a finished episode.
+pub(super) struct EpisodeReport<'a> {
+    pub stage: &'a PreparedScenario,
+    pub episode: &'a Episode<'a>,
+    /// The step at which the episode was resumed; `None` if it ran from its beginning.
+    pub resumed: Option<u64>,
+    /// The ticks of the steps from there on.
+    pub ticks: Vec<Tick>,
+}
+
+impl EpisodeReport<'_> {
+    fn view(&self) -> View<'_> {
+        View { stage: self.stage, episode: self.episode }
+    }
+
+    fn summary(&self) -> &Summary {
+        self.episode.summary()
+    }
+
+    fn settings(&self) -> &Settings {
+        &self.stage.scenario().settings
+    }
+
+    fn method(&self) -> Method {
+        self.settings().method
+    }
+
+    /// The robot and its setup; `None` on the planning level alone.
+    fn robot_setup(&self) -> Option<(&Robot, &RobotSetup)> {
+        self.stage.robot().zip(self.stage.scenario().plant.robot_setup())
+    }
+
+    fn option_name(&self, option: usize) -> &str {
+        &self.stage.options().options()[option].name
+    }
+
+    fn openings(&self, option: usize) -> Vec<&str> {
+        let crossings = &self.stage.options().options()[option].crossings;
+        crossings.iter().map(|c| self.stage.world().openings[c.opening].name.as_str()).collect()
+    }
+
+    /// The options at the first reported step: name, openings, and quantities.
+    fn options(&self) -> impl Iterator<Item = (&str, Vec<&str>, &OptionTick)> {
+        let options = self.ticks.first().into_iter().flat_map(|tick| tick.options.iter().enumerate());
+        options.map(|(o, option)| (self.option_name(o), self.openings(o), option))
+    }
+
+    /// The ticks at which the executed option changed, each with the option before.
+    fn changes(&self) -> impl Iterator<Item = (usize, &Tick)> {
+        self.ticks.windows(2).filter(|w| w[0].executed != w[1].executed).map(|w| (w[0].executed, &w[1]))
+    }
+
+    /// The tick of a step; `None` for steps before the report begins and after the end.
+    fn tick(&self, step: u64) -> Option<&Tick> {
+        let first = self.ticks.first()?.step;
+        self.ticks.get(usize::try_from(step.checked_sub(first)?).ok()?)
+    }
+
+    /// The human's preference changes that were applied, by step.
+    fn preference_changes(&self) -> Vec<PreferenceChange> {
+        let mut standing = PreferenceChange::in_force(&self.stage.scenario().changes);
+        standing.retain(|change| change.step < self.summary().steps);
+        standing
+    }
+
+    fn seconds(&self, step: u64) -> f64 {
+        step as f64 * self.settings().period
+    }
+
+    pub fn track(&self) -> Track {
+        Track::new(self.method().name().to_owned(), &self.ticks, self.end())
+    }
+
+    /// The target, if the team arrived there.
+    fn end(&self) -> Option<Point> {
+        (self.summary().outcome == Outcome::Arrived).then(|| self.stage.options().target())
+    }
+
+    pub fn as_text(&self) -> String {
+        let (world, summary) = (self.stage.world(), self.summary());
+        let coordination::Settings { eta, initial_stubbornness } = self.settings().coordination;
+        let mut text = format!("{} ({})\n", world.name, world.file);
+        let method = self.method().name();
+        let from =
+            self.resumed.map_or("the start".to_owned(), |step| format!("step {step}, where the run resumed"));
+        let Perception { alpha, gamma } = self.stage.scenario().human;
+        text += &format!(
+            "human: alpha {alpha:.4}, gamma {gamma:.4}; method {method}, eta {eta}, phi(0) {initial_stubbornness}\n\nOptions at {from}\n"
+        );
+        let mut options = table(OPTION_HEADINGS, 2);
+        for (name, openings, option) in self.options() {
+            options.add_row([
+                name.to_owned(),
+                openings.join(" "),
+                format!("{:.2}", option.remaining.length),
+                format!("{:.3}", option.remaining.risk),
+                format!("{:.2}", option.objective),
+                number_or_dash(option.expected, 2),
+                format!("{:.1}", 100.0 * option.probability),
+            ]);
+        }
+        text += &table_text(&options);
+        text += "\nEvents\n";
+        for event in self.events() {
+            let _ = writeln!(text, "  {event}");
+        }
+        text += &format!("  accumulated objective cost {:.2} m\n", summary.accumulated_cost);
+        let HumanSummary { stubbornness, discomfort, subjective_cost, .. } = summary.human;
+        let _ = writeln!(
+            text,
+            "  human: final phi {stubbornness:.3}, discomfort g {discomfort:.2}; {:.0} % of the steps off the preferred option; accumulated \
+             subjective cost {subjective_cost:.2}",
+            100.0 * summary.human.share_off_preference(summary.steps)
+        );
+        if let (Some((robot, setup)), Some(control)) = (self.robot_setup(), &summary.control) {
+            text += &self.control_text(robot, &setup.posture, control);
+        }
+        for warning in self.warnings() {
+            let _ = writeln!(text, "\nwarning: {warning}");
+        }
+        text
+    }
+
+    fn control_text(&self, robot: &Robot, posture: &str, control: &ControlSummary) -> String {
+        let steps = self.summary().steps;
+        let mut text = format!(
+            "\nThe robot ({}, starting from `{}`)\n  control cost C {:.1}: tracking {:.1}, effort {:.1}, pose {:.1}\n",
+            robot.name,
+            posture,
+            control.cost(),
+            control.tracking,
+            control.effort,
+            control.pose
+        );
+        let _ = writeln!(
+            text,
+            "  tracking error {:.1} mm rms, {:.1} mm at most; limits active in {} of {steps} steps, configuration changed in {}",
+            1e3 * control.error_rms(steps),
+            1e3 * control.largest_error,
+            control.constrained_steps,
+            control.pose_changes
+        );
+        if control.least_clearance.is_finite() {
+            let _ = writeln!(
+                text,
+                "  base at least {:.3} m clear of obstacles{}",
+                control.least_clearance,
+                if control.overlapping_steps > 0 { ": it overlaps one, which this plant allows" } else { "" }
+            );
+        }
+        if let Some(interaction) = &self.summary().interaction {
+            let _ = writeln!(
+                text,
+                "  the human's force on the object: mean {:.1} N, rms {:.1} N; either grip at most {:.0} N, yielding at most {:.1} cm",
+                interaction.mean_force(),
+                interaction.rms_force(),
+                interaction.peak_force,
+                100.0 * interaction.deflection
+            );
+            let _ = writeln!(
+                text,
+                "  the arm's motors exert at most {:.0} % of their effort limits",
+                100.0 * interaction.effort_share
+            );
+        }
+        if control.fallback_steps > 0 {
+            let _ =
+                writeln!(text, "  no solution of eq. (7) in {} steps: see --ticks", control.fallback_steps);
+        }
+        text
+    }
+
+    /// Warnings about the scenario and about the episode.
+    fn warnings(&self) -> Vec<String> {
+        let rms = self.summary().control.map(|control| control.error_rms(self.summary().steps));
+        let off = rms.filter(|rms| *rms >= GRASP_WARNING_RMS_M).map(|rms| {
+            format!(
+                "the grasp is off by {:.1} cm (rms), {:.0} cm or more: the robot does not keep up",
+                100.0 * rms,
+                100.0 * GRASP_WARNING_RMS_M
+            )
+        });
+        let slow = self.stage.slow_drive().map(|slow| slow.to_string());
+        let touched = self.view().self_contact();
+        slow.into_iter().chain(self.stage.robot_warnings()).chain(off).chain(touched).collect()
+    }
+
+    /// The events, one line each. In a resumed episode, earlier preference changes and the transition are
+    /// included.
+    fn events(&self) -> Vec<String> {
+        let (summary, options) = (self.summary(), self.stage.options());
+        if summary.steps == 0 {
+            return vec!["no step was taken".to_owned()];
+        }
+        let first = self.ticks.first();
+        let begin = first.map_or(summary.steps, |tick| tick.step);
+        let changes = self.preference_changes();
+        let change_at = |step| changes.iter().find(|change| change.step == step);
+        let before = changes.iter().filter(|change| change.step < begin);
+        let mut events: Vec<_> =
+            before.map(|change| Event::preference_change(change, None, options)).collect();
+        if let Some(transition) = summary.transition.filter(|t| t.step <= begin) {
+            let phi = self.tick(transition.step).map(|tick| tick.stubbornness);
+            events.push(Event::transition(&transition, phi));
+        }
+        events.sort_by_key(|event| event.step);
+        events
+            .extend(first.into_iter().flat_map(|tick| Event::decided(None, tick, change_at(begin), options)));
+        for pair in self.ticks.windows(2) {
+            events.extend(Event::decided(Some(&pair[0]), &pair[1], change_at(pair[1].step), options));
+        }
+        events.extend(summary.loss.as_ref().map(Event::loss));
+        let touched = summary.collision.as_ref();
+        events.extend(touched.map(|contact| Event::contact(summary.steps - 1, contact)));
+        events.push(Event::end(&self.view(), Some(summary.outcome)));
+        events.iter().map(|event| self.line(event)).collect()
+    }
+
+    fn line(&self, Event { step, position, sentence, .. }: &Event) -> String {
+        let place = position.map_or(String::new(), |at| format!(" at ({:.2}, {:.2}) m", at.x, at.y));
+        format!("step {step:>4} ({:5.1} s){place}: {sentence}", self.seconds(*step))
+    }
+
+    pub fn as_json(&self) -> Value {
+        let (world, scenario, settings) = (self.stage.world(), self.stage.scenario(), self.settings());
+        let mut report = json!({
+            "world": world.name,
+            "file": world.file,
+            "human": { "alpha": scenario.human.alpha, "gamma": scenario.human.gamma },
+            "preference_changes": self.changes_as_json(),
+            "method": settings.method.name(),
+            "eta": settings.coordination.eta,
+            "initial_stubbornness": settings.coordination.initial_stubbornness,
+            "risk_weight_m": settings.predictor.risk_weight(),
+            "seed": scenario.seed,
+            "period_s": settings.period,
+            "speed_m_per_s": settings.speed,
+            "options": self.options().map(|(name, openings, option)| option_json(name, &openings, option)).collect::<Vec<_>>(),
+            "option_changes": self.changes().map(|(before, tick)| json!({
+                "step": tick.step,
+                "from": self.option_name(before),
+                "to": self.option_name(tick.executed),
+            })).collect::<Vec<_>>(),
+            "robot": self.robot_setup().map(|(robot, c)| json!({
+                "name": robot.name,
+                "file": robot.texts.file,
+                "posture": c.posture,
+                "pose": c.control.candidates,
+                "pose_criterion": c.control.criterion,
+                "avoid": c.control.avoid,
+            })),
+            "warnings": self.warnings(),
+        });
+        for (key, value) in self.view().read(EPISODE) {
+            report[key] = value;
+        }
+        if let Some(step) = self.resumed {
+            report["resumed_at_step"] = json!(step);
+        }
+        report
+    }
+
+    /// All preference changes of the scenario, by step: whether each was applied, and the option preferred
+    /// from then on, which is not known for steps before the resumed one.
+    fn changes_as_json(&self) -> Vec<Value> {
+        let applied = self.preference_changes();
+        let mut given = self.stage.scenario().changes.clone();
+        given.sort_by_key(|change| change.step);
+        let is_last = |i: usize| given.get(i + 1).is_none_or(|next| next.step != given[i].step);
+        let changes = given.iter().enumerate().map(|(i, change)| {
+            let is_applied = is_last(i) && applied.contains(change);
+            let tick = self.tick(change.step).filter(|_| is_applied);
+            json!({
+                "step": change.step,
+                "time_s": self.seconds(change.step),
+                "alpha": change.perception.alpha,
+                "gamma": change.perception.gamma,
+                "applied": is_applied,
+                "preferred": tick.map(|tick| self.option_name(tick.preferred)),
+            })
+        });
+        changes.collect()
+    }
+}
+
+fn number_or_dash(value: f64, digits: usize) -> String {
+    if value.is_finite() { format!("{value:.digits$}") } else { "-".to_owned() }
+}

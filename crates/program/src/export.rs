@@ -1,0 +1,78 @@
+//! `cocarry export`: writes built-in files.
+
+use super::catalog;
+use super::output::{Failure, OverwriteArguments, examples, input, print, unwritten};
+use super::settings::named;
+use anyhow::{Context, anyhow};
+use clap::Args;
+use cocarry_output::output_file::OutputFile;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Write a built-in world, robot or study into a file of your own, to read or to change
+#[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry export environment-4", "the world of the paper's example, as environment-4.toml"),
+    ("cocarry export carrier --folder robots", "the built-in robot: robots/carrier.toml and robots/carrier.urdf"),
+    ("cocarry export porter", "a robot with meshes: porter.toml, porter.urdf and the folder porter"),
+]))]
+pub(super) struct ExportArguments {
+    /// What to write. A world or study goes to NAME.toml; a robot to NAME.toml, NAME.urdf and its meshes
+    /// to the folder NAME
+    #[arg(value_parser = named(catalog::all().into_iter().map(|item| (item.name, item.about))))]
+    name: String,
+    /// Folder to write into, which must exist [default: the current directory]
+    #[arg(long, value_name = "FOLDER")]
+    folder: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
+}
+
+pub(super) fn run(arguments: &ExportArguments) -> Result<ExitCode, Failure> {
+    let folder = arguments.folder.clone().unwrap_or_default();
+    let item = catalog::all().into_iter().find(|item| item.name == arguments.name);
+    let files = item.map(|item| item.files).unwrap_or_default();
+    let files: Vec<_> = files.into_iter().map(|(name, bytes)| (folder.join(name), bytes)).collect();
+    // before the folder of meshes is made
+    arguments.overwrite.outputs([], files.iter().map(|(file, _)| file))?;
+    let parents = files.iter().filter_map(|(file, _)| file.parent());
+    let made = match parents.filter(|parent| **parent != *folder).find(|parent| !parent.is_dir()) {
+        Some(meshes) => Some(made(meshes)?),
+        None => None,
+    };
+    let written = write_all(arguments.overwrite, &files);
+    if let (Err(_), Some(made)) = (&written, made) {
+        // stays if there is anything in it
+        let _ = std::fs::remove_dir(made);
+    }
+    written?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A new folder for meshes.
+fn made(folder: &Path) -> Result<&Path, Failure> {
+    if folder.symlink_metadata().is_ok() {
+        return Err(input(anyhow!(
+            "{}: exists and is not a folder; choose another --folder",
+            folder.display()
+        )));
+    }
+    let made = std::fs::create_dir(folder).with_context(|| format!("{}: cannot be made", folder.display()));
+    made.map(|()| folder).map_err(Failure::Output)
+}
+
+/// Writes files and prints their names. All are complete before the first gets its name; if one of them may
+/// not be written, none is.
+pub(super) fn write_all(
+    overwrite: OverwriteArguments,
+    files: &[(PathBuf, impl AsRef<[u8]>)],
+) -> Result<(), Failure> {
+    let outputs = overwrite.outputs([], files.iter().map(|(file, _)| file))?;
+    let begun: Result<Vec<OutputFile>, _> =
+        files.iter().map(|(file, contents)| outputs.begin(file, contents)).collect();
+    for (output, (file, _)) in begun.map_err(unwritten)?.into_iter().zip(files) {
+        output.finish().map_err(unwritten)?;
+        print(&format!("wrote {}\n", file.display()))?;
+    }
+    Ok(())
+}

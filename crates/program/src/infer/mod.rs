@@ -1,0 +1,286 @@
+//! `cocarry infer`: what participants' answers and switches say of alpha, gamma and eta.
+
+mod text;
+
+use super::fit::worlds::{inputs, load};
+use super::model::ModelArguments;
+use super::output::{
+    Failure, OverwriteArguments, csv_file, examples, input, print, print_json, table_with_notes, write_file,
+};
+use super::reproduce::Common;
+use super::settings::number;
+use anyhow::{Context, anyhow};
+use clap::Args;
+use cocarry::coordination;
+use cocarry::episode::{self, Watch};
+use cocarry::learning;
+use cocarry::options::OptionSet;
+use cocarry::scenario::{INITIAL_STUBBORNNESS, Plant, Scenario};
+use cocarry_recording::recording::{Reader, rerun, scenario};
+use cocarry_studies::fit::{
+    AnswerFile, Answers, InferenceModel, InferenceSettings, Kind, Situation, Switch, SwitchFile, Switches,
+    Walk, infer, infer_means,
+};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Infer alpha, gamma and eta of participants, and of their population
+///
+/// Files are those of `cocarry fit`, answers (CSV with the columns participant, world, option and percent)
+/// and switches (CSV with the columns participant, world, option or method, and step), and recordings of
+/// walks (MCAP). Give one file of answers, one of switches, any number of recordings, or several of these. A
+/// participant has the same name in all; that of a recording is its file's, without the ending.
+///
+/// An answer is taken as one choice, distributed as the participant says; with the lapse rate, it says
+/// nothing about them. Every participant's posterior of alpha and gamma is exact, with the belief as prior;
+/// that of eta too, with a log-normal prior. With two participants or more, alpha and gamma also have a
+/// population: independent truncated normals on the belief's ranges, whose means and spreads are inferred.
+/// With two worlds or more, each is held out in turn, and its answers are predicted from the others.
+#[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry infer answers.csv", "alpha and gamma of every participant, and of all"),
+    ("cocarry infer answers.csv switches.csv --csv people.csv", "eta too, with a row for every participant"),
+    ("cocarry infer anna.mcap ben.mcap", "from recorded walks"),
+    ("cocarry infer answers.csv --arviz people.zarr.zip", "draws from the posterior, for ArviZ"),
+    ("cocarry infer docs/data/table-1-humans.csv --means-of 20 --normalise", "a population from mean answers"),
+]))]
+pub(super) struct InferArguments {
+    /// Answers (CSV), switches (CSV), recordings (MCAP)
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    #[command(flatten)]
+    common: Common,
+    #[command(flatten)]
+    model: ModelArguments,
+    /// Probability that an answer or a switch says nothing about its participant
+    #[arg(long, value_name = "RATE", value_parser = super::calibrate::lapse_rate, allow_negative_numbers = true, default_value_t = learning::Settings::default().lapse_rate)]
+    lapse_rate: f64,
+    /// Median of eta a priori
+    #[arg(long, conflicts_with = "means_of", value_name = "ETA", value_parser = of_eta, allow_negative_numbers = true, default_value_t = learning::TolerancePrior::default().median)]
+    eta_median: f64,
+    /// Standard deviation of the logarithm of eta a priori
+    #[arg(long, conflicts_with = "means_of", value_name = "STD", value_parser = of_eta, allow_negative_numbers = true, default_value_t = learning::TolerancePrior::default().log_std)]
+    eta_log_std: f64,
+    /// Stubbornness phi(0) at the start, between 0 and 1
+    #[arg(long, value_name = "PHI", default_value_t = coordination::Settings::default().initial_stubbornness, value_parser = number(&INITIAL_STUBBORNNESS), allow_negative_numbers = true)]
+    initial_stubbornness: f64,
+    /// Take every participant of the answers as the mean of so many people, and infer their population only
+    #[arg(long, value_name = "PEOPLE", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    means_of: Option<u64>,
+    /// Infer every participant alone, without a population
+    #[arg(long, conflicts_with = "means_of")]
+    no_population: bool,
+    /// Scale the percentages of every answer to sum to 100 [default: only sums from 99 to 101 are scaled, for
+    /// rounding; others are refused]
+    #[arg(long)]
+    normalise: bool,
+    /// Draws of each of four chains
+    #[arg(long, conflicts_with = "means_of", value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(100..=100_000))]
+    draws: u64,
+    /// Seed of the draws
+    #[arg(long, conflicts_with = "means_of", default_value_t = 0)]
+    seed: u64,
+    /// Write a row for every participant into this CSV file
+    #[arg(long, value_name = "FILE", value_parser = csv_file, conflicts_with = "means_of")]
+    csv: Option<PathBuf>,
+    /// Write draws from posterior and prior for ArviZ into this file, which must end in .zarr.zip
+    #[arg(long, value_name = "FILE", value_parser = zarr_file, conflicts_with = "means_of")]
+    arviz: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
+}
+
+/// The files, read and matched with their worlds.
+struct Read {
+    walks: Vec<Walk>,
+    answers: Option<Answers>,
+    switches: Option<(String, Vec<Switch>)>,
+    inputs: Vec<PathBuf>,
+}
+
+pub(super) fn run(arguments: &InferArguments) -> Result<ExitCode, Failure> {
+    let read = read(arguments)?;
+    let files = arguments.csv.iter().chain(&arguments.arviz);
+    let outputs = arguments.overwrite.outputs(read.inputs.iter().map(PathBuf::as_path), files)?;
+    let model = InferenceModel {
+        belief: arguments.model.predictor()?.belief().clone(),
+        risk_weight: arguments.model.risk_weight,
+    };
+    let settings = InferenceSettings {
+        lapse_rate: arguments.lapse_rate,
+        tolerance: learning::TolerancePrior { median: arguments.eta_median, log_std: arguments.eta_log_std },
+        has_population: !arguments.no_population,
+        draws: arguments.draws as usize,
+        seed: arguments.seed,
+    };
+    if let Some(people) = arguments.means_of {
+        let (Some(answers), None, []) = (&read.answers, &read.switches, read.walks.as_slice()) else {
+            return Err(input(anyhow!("--means-of {people}: it needs a file of answers, and nothing else")));
+        };
+        let units = answers.situations.iter().map(|s| s.options.len()).sum();
+        let means = arguments
+            .common
+            .with_progress(units, "options", |done| infer_means(answers, people, &model, &settings, done))?
+            .map_err(input)?;
+        if arguments.common.json {
+            return json_of_means(&means, people, &settings).map(|()| ExitCode::SUCCESS);
+        }
+        print(&text::of_means(&means, answers, people))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let answered = read.answers.as_ref().map_or(0, |answers| answers.participants.len());
+    let switches = read.switches.as_ref().map(|(file, switches)| Switches { file, switches });
+    let inference = arguments
+        .common
+        .with_progress(3 * answered, "participants", |done| {
+            infer(read.answers.as_ref(), switches, &read.walks, &model, &settings, done)
+        })?
+        .map_err(input)?;
+    if let Some(path) = &arguments.csv {
+        write_file(&outputs, path, text::people(&inference).csv())?;
+    }
+    if let Some(path) = &arguments.arviz {
+        let store = inference.store(read.answers.as_ref(), switches, &settings);
+        let bytes = store.zipped().with_context(|| path.display().to_string()).map_err(Failure::Output)?;
+        write_file(&outputs, path, bytes)?;
+    }
+    if arguments.common.json {
+        print_json(&json!({
+            "people": inference.people,
+            "population": inference.population.as_ref().map(text::population_json),
+            "eta_population": inference.tolerances.as_ref().map(|fit| json!({
+                "overall": fit.overall,
+                "median_interval": fit.median_interval,
+                "no_interval": fit.no_interval,
+            })),
+            "unexplained_lines": inference.tolerances.as_ref().map(|fit| &fit.unexplained_lines),
+            "held_out": inference.held_out,
+            "checks": inference.checks,
+            "lapse_rate": settings.lapse_rate,
+            "draws": settings.draws * cocarry_studies::fit::CHAINS,
+            "seed": settings.seed,
+        }))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let mut shown = String::new();
+    for table in text::tables(&inference, &settings) {
+        if !shown.is_empty() {
+            shown.push('\n');
+        }
+        shown += &table_with_notes(&table);
+    }
+    shown += &text::notes(read.answers.as_ref(), &inference);
+    print(&shown)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn json_of_means(
+    means: &cocarry_studies::fit::Means,
+    people: u64,
+    settings: &InferenceSettings,
+) -> Result<(), Failure> {
+    print_json(&json!({
+        "people": people,
+        "population": text::population_json(&means.population),
+        "rows": means.rows,
+        "lapse_rate": settings.lapse_rate,
+    }))
+}
+
+fn read(arguments: &InferArguments) -> Result<Read, Failure> {
+    let mut read = Read { walks: Vec::new(), answers: None, switches: None, inputs: Vec::new() };
+    for file in &arguments.files {
+        if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mcap")) {
+            read.walks.push(walk(arguments, file)?);
+            read.inputs.push(file.clone());
+            continue;
+        }
+        let kind = Kind::of(file).map_err(input)?;
+        let is_second = match kind {
+            Kind::Answers => read.answers.is_some(),
+            Kind::Switches => read.switches.is_some(),
+        };
+        if is_second {
+            let what = if kind == Kind::Answers { "answers" } else { "switches" };
+            return Err(input(anyhow!("{}: a second file of {what}; give one of each kind", file.display())));
+        }
+        match kind {
+            Kind::Answers => answers(arguments, file, &mut read)?,
+            Kind::Switches => switches(arguments, file, &mut read)?,
+        }
+    }
+    Ok(read)
+}
+
+fn answers(arguments: &InferArguments, path: &Path, read: &mut Read) -> Result<(), Failure> {
+    let file = AnswerFile::read(path).map_err(input)?;
+    let risk_weight = arguments.model.risk_weight;
+    let worlds = load(path, file.worlds(), |world| OptionSet::new(&world, risk_weight))?;
+    read.inputs.extend(inputs(path, &worlds, &arguments.model.belief));
+    let situations = worlds.iter().map(|(world, set)| Situation::new(world.clone(), set)).collect();
+    read.answers = Some(file.matched(situations, arguments.normalise).map_err(input)?);
+    Ok(())
+}
+
+fn switches(arguments: &InferArguments, path: &Path, read: &mut Read) -> Result<(), Failure> {
+    let phi = arguments.initial_stubbornness;
+    if phi >= 1.0 {
+        return Err(input(anyhow!(
+            "--initial-stubbornness {phi}: it must be less than 1; with 1, every eta switches at the first discomfort"
+        )));
+    }
+    let file = SwitchFile::read(path).map_err(input)?;
+    let settings = episode::Settings {
+        predictor: arguments.model.predictor()?,
+        coordination: coordination::Settings { initial_stubbornness: phi, ..Default::default() },
+        predict_while_human_leads: false,
+        ..episode::Settings::default()
+    };
+    let stages = load(path, file.worlds(), |world| {
+        Scenario { settings: settings.clone(), ..Scenario::new(world.into(), Plant::Point) }.prepare()
+    })?;
+    read.inputs.extend(inputs(path, &stages, &arguments.model.belief));
+    read.switches = Some((path.display().to_string(), file.matched(&stages).map_err(input)?));
+    Ok(())
+}
+
+/// What the robot could see of the human in a recording, whose name is the participant's.
+fn walk(arguments: &InferArguments, path: &Path) -> Result<Walk, Failure> {
+    let file = path.display().to_string();
+    let scenario = scenario(&mut Reader::open(path).map_err(input)?).map_err(input)?;
+    let (recorded, ours) = (scenario.settings.predictor.risk_weight(), arguments.model.risk_weight);
+    if recorded != ours {
+        return Err(input(anyhow!(
+            "{file}: recorded with risk_weight_m = {recorded}, not {ours}; give --risk-weight {recorded}"
+        )));
+    }
+    if scenario.settings.learning.is_some() {
+        return Err(input(anyhow!(
+            "{file}: recorded with --belief learn: it does not hold the P_o of the prior, by which discomfort grows"
+        )));
+    }
+    let phi = scenario.settings.coordination.initial_stubbornness;
+    let mut watch =
+        Watch::new(learning::Settings::default(), phi).context(file.clone()).map_err(Failure::Input)?;
+    rerun(&mut Reader::open(path).map_err(input)?, |episode| watch.see(episode)).map_err(input)?;
+    let participant = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(Walk { file, participant, looks: watch.looks().to_vec(), etas: watch.etas() })
+}
+
+/// A parser of a number of the prior of eta; both have one range.
+fn of_eta(text: &str) -> Result<f64, String> {
+    let number = text.parse().map_err(|_| "must be a number".to_owned())?;
+    let tolerance = learning::TolerancePrior { median: number, log_std: number };
+    let settings = learning::Settings { tolerance, ..Default::default() };
+    settings.check().map_err(|error| format!("must be {}", error.expected))?;
+    Ok(number)
+}
+
+/// A parser of the name of a Zarr store in a ZIP file.
+fn zarr_file(name: &str) -> Result<PathBuf, String> {
+    match name.ends_with(".zarr.zip") {
+        true => Ok(PathBuf::from(name)),
+        false => Err("its ending must be .zarr.zip, which is what is written".to_owned()),
+    }
+}

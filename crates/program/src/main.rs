@@ -1,0 +1,7 @@
+//! The `cocarry` program.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    cocarry_program::main()
+}

@@ -1,0 +1,106 @@
+//! The arguments of the human model, shared by commands. Numbers are checked where they are read.
+
+use super::output::{Failure, input};
+use super::settings::number;
+use anyhow::Context;
+use clap::Args;
+use cocarry::episode::PreferenceChange;
+use cocarry::located;
+use cocarry::preference::{self, Belief, Marginal, Perception, Predictor, WeightedSample};
+use cocarry::scenario::{PERCEPTION, RISK_WEIGHT};
+use cocarry::world::World;
+use std::path::{Path, PathBuf};
+
+/// The robot's model of humans: risk weight and belief.
+#[derive(Args, Debug)]
+pub(super) struct ModelArguments {
+    #[arg(long, value_name = "M", help = RISK_WEIGHT.about, default_value_t = preference::RISK_WEIGHT, value_parser = number(&RISK_WEIGHT), allow_negative_numbers = true)]
+    pub risk_weight: f64,
+    #[command(flatten)]
+    pub belief: BeliefArguments,
+}
+
+/// The robot's belief: the distribution of (alpha, gamma).
+#[derive(Args, Debug)]
+pub(super) struct BeliefArguments {
+    /// Distribution of alpha that the robot assumes: uniform(LOWER,UPPER) or normal(MEAN,STD,LOWER,UPPER)
+    #[arg(long, value_name = "DIST", default_value = "uniform(0.55,0.95)")]
+    pub belief_alpha: Marginal,
+    /// Distribution of gamma that the robot assumes, in the same form
+    #[arg(long, value_name = "DIST", default_value = "uniform(0.5,1.1)")]
+    pub belief_gamma: Marginal,
+    /// Samples of (alpha, gamma) as the robot's belief: CSV with columns alpha, gamma and optionally weight
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["belief_alpha", "belief_gamma"])]
+    pub belief_samples: Option<PathBuf>,
+}
+
+#[derive(serde::Deserialize)]
+struct SampleRow {
+    alpha: f64,
+    gamma: f64,
+    weight: Option<f64>,
+}
+
+impl ModelArguments {
+    pub fn predictor(&self) -> Result<Predictor, Failure> {
+        self.belief.predictor(self.risk_weight)
+    }
+}
+
+impl BeliefArguments {
+    /// The predictor of this belief with `risk_weight` c_r (m).
+    pub fn predictor(&self, risk_weight: f64) -> Result<Predictor, Failure> {
+        let belief = match &self.belief_samples {
+            None => Belief::Independent { alpha: self.belief_alpha, gamma: self.belief_gamma },
+            Some(file) => samples(file).map_err(Failure::Input)?,
+        };
+        Predictor::new(belief, risk_weight).map_err(input)
+    }
+}
+
+fn samples(file: &Path) -> anyhow::Result<Belief> {
+    let name = || file.display().to_string();
+    let text = located::read(file)?;
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let samples = reader
+        .deserialize()
+        .map(|row: Result<SampleRow, csv::Error>| {
+            row.map(|row| WeightedSample {
+                perception: Perception { alpha: row.alpha, gamma: row.gamma },
+                weight: row.weight.unwrap_or(1.0),
+            })
+        })
+        .collect::<Result<Vec<_>, _>>()
+        .with_context(name)?;
+    Belief::samples(samples).with_context(name)
+}
+
+/// The world in a file, or a built-in world by its name.
+pub(super) fn load_world(path: &Path) -> Result<World, Failure> {
+    World::find(path, &path.to_string_lossy()).map_err(input)
+}
+
+/// The world that a file in `folder` names: a world file relative to that folder, otherwise as in
+/// [`load_world`].
+pub(super) fn load_world_near(folder: &Path, name: &str) -> Result<World, Failure> {
+    let beside = folder.join(name);
+    if beside.is_file() { load_world(&beside) } else { load_world(Path::new(name)) }
+}
+
+/// The value of alpha or gamma in `text`.
+pub(super) fn perception(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| PERCEPTION.contains(*number));
+    number.ok_or_else(|| format!("must be {PERCEPTION}"))
+}
+
+/// The preference change in `text`, STEP:ALPHA,GAMMA.
+pub(super) fn change(text: &str) -> Result<PreferenceChange, String> {
+    let form = "must be STEP:ALPHA,GAMMA, as in 40:0.6,0.9";
+    let parts = text.split_once(':').and_then(|(step, rest)| Some((step, rest.split_once(',')?)));
+    let (step, (alpha, gamma)) = parts.ok_or(form)?;
+    let step = step.parse().map_err(|_| format!("{form}: STEP {step:?} must be a whole number of steps"))?;
+    let number =
+        |name: &str, text: &str| perception(text).map_err(|e| format!("{form}: {name} {text:?} {e}"));
+    let perception = Perception { alpha: number("ALPHA", alpha)?, gamma: number("GAMMA", gamma)? };
+    Ok(PreferenceChange { step, perception })
+}

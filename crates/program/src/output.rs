@@ -1,0 +1,266 @@
+//! Output of commands: text, tables, files, and a progress bar that is hidden in a pipe.
+
+use super::terminal;
+use super::text_table::TextTable;
+use anstyle::Style;
+use anyhow::{Context, Error, anyhow};
+use clap::Args;
+use cocarry::coordination::OptionTick;
+use cocarry::quantities::{self, OptionView};
+use cocarry_output::output_file::{OutputError, Outputs};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::borrow::Cow;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::RecvTimeoutError;
+use std::time::{Duration, Instant};
+
+/// The reason why a command stopped, which gives the exit code.
+pub(super) enum Failure {
+    /// The input is wrong.
+    Input(Error),
+    /// An output could not be written.
+    Output(Error),
+    /// A signal stopped it; it can go on.
+    Interrupted(Error),
+}
+
+/// An error in the input.
+pub(super) fn input(error: impl Into<Error>) -> Failure {
+    Failure::Input(error.into())
+}
+
+/// Text without control characters, which a terminal would obey: names in it come from files. Each is written
+/// as JSON writes it. Newlines and tabs stay.
+pub(super) fn visible(text: &str) -> Cow<'_, str> {
+    let is_obeyed = |c: char| c.is_control() && !matches!(c, '\n' | '\t');
+    if !text.contains(is_obeyed) {
+        return Cow::Borrowed(text);
+    }
+    let shown = |c: char| if is_obeyed(c) { format!("\\u{:04x}", u32::from(c)) } else { c.into() };
+    Cow::Owned(text.chars().map(shown).collect())
+}
+
+/// Prints text, which ends with a newline: in the terminal's width and with its colours, if it is one.
+pub(super) fn print(text: &str) -> Result<(), Failure> {
+    let text = visible(text);
+    write_out(&terminal::painted(&terminal::wrapped(&text, terminal::width())))
+}
+
+/// As [`print()`], with the first line as a good or a bad verdict.
+pub(super) fn print_verdict(text: &str, is_good: bool) -> Result<(), Failure> {
+    let text = visible(text);
+    write_out(&terminal::verdict(&terminal::wrapped(&text, terminal::width()), is_good))
+}
+
+/// Prints text for programs, which is neither wrapped nor coloured.
+pub(super) fn print_for_programs(text: &str) -> Result<(), Failure> {
+    write_out(&visible(text))
+}
+
+fn write_out(text: &str) -> Result<(), Failure> {
+    // removes colours in a pipe, and with NO_COLOR
+    let mut out = anstream::stdout().lock();
+    out.write_all(text.as_bytes())
+        .and_then(|()| out.flush())
+        .context("standard output")
+        .map_err(Failure::Output)
+}
+
+/// Prints a value as JSON.
+pub(super) fn print_json(value: &serde_json::Value) -> Result<(), Failure> {
+    print_for_programs(&format!("{value:#}\n"))
+}
+
+pub(super) fn is_broken_pipe(error: &Error) -> bool {
+    let io = error.downcast_ref::<std::io::Error>();
+    io.is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
+}
+
+/// The failure to write a file: bad input where the name is wrong.
+pub(super) fn unwritten(error: OutputError) -> Failure {
+    if error.is_refusal() { input(error) } else { Failure::Output(error.into()) }
+}
+
+/// Whether files that exist may be replaced.
+#[derive(Args, Clone, Copy, Debug)]
+pub(super) struct OverwriteArguments {
+    /// Replace existing output files. Inputs, links and special files are never replaced
+    #[arg(long)]
+    pub overwrite: bool,
+}
+
+impl OverwriteArguments {
+    /// The rule for the output files of a command that reads `inputs`. The files are checked before the work,
+    /// since an error afterwards would lose its results.
+    pub fn outputs<'a>(
+        self,
+        inputs: impl IntoIterator<Item = &'a Path>,
+        files: impl IntoIterator<Item = &'a PathBuf>,
+    ) -> Result<Outputs, Failure> {
+        let outputs = Outputs::new(self.overwrite, inputs.into_iter().map(Path::to_owned));
+        let mut names: Vec<&PathBuf> = Vec::new();
+        for file in files {
+            outputs.check(file).map_err(unwritten)?;
+            if names.contains(&file) {
+                return Err(input(anyhow!(
+                    "{}: duplicate output file; choose different names",
+                    file.display()
+                )));
+            }
+            names.push(file);
+        }
+        Ok(outputs)
+    }
+}
+
+/// Writes a whole file.
+pub(super) fn write_file(outputs: &Outputs, path: &Path, contents: impl AsRef<[u8]>) -> Result<(), Failure> {
+    outputs.write(path, contents).map_err(unwritten)
+}
+
+/// The headings of a table of options. J~ is the mean subjective cost over the robot's belief, in cost units
+/// (eq. (2) adds m^alpha and m).
+pub(super) const OPTION_HEADINGS: [&str; 7] =
+    ["option", "openings", "D (m)", "risk S", "cost J (m)", "belief's mean J~", "P (%)"];
+
+/// An option as JSON: its quantities and its openings.
+pub(super) fn option_json(
+    name: &str,
+    openings: &[impl AsRef<str>],
+    option: &OptionTick,
+) -> serde_json::Value {
+    let mut fields = quantities::json(OptionView { name, option }.read());
+    fields["openings"] = openings.iter().map(AsRef::as_ref).collect();
+    fields
+}
+
+/// The largest number of characters of a line on standard error: TOML's errors repeat the line of the file.
+const LONGEST_LINE: usize = 4000;
+
+/// Prints a message for people, such as an error, on standard error.
+pub(super) fn tell(message: &str) {
+    let message = visible(message);
+    let cut = message.lines().map(|line| match line.char_indices().nth(LONGEST_LINE) {
+        None => format!("{line}\n"),
+        Some((end, _)) => format!("{}…\n", &line[..end]),
+    });
+    let cut: String = cut.collect();
+    anstream::eprint!("{}", terminal::painted(&terminal::wrapped(&cut, terminal::error_width())));
+}
+
+/// Prints a warning. The command continues.
+pub(super) fn warn(warning: &impl std::fmt::Display) {
+    tell(&format!("warning: {warning}"));
+}
+
+/// A table with the given headings. The first `left` columns are text, the others numbers.
+pub(super) fn table(headings: impl IntoIterator<Item = impl Into<String>>, left: usize) -> TextTable {
+    TextTable::new(headings, |column| column < left)
+}
+
+/// A table as text in the width of standard output, without indentation, ended by a newline.
+pub(super) fn table_text(table: &TextTable) -> String {
+    table.text(terminal::width())
+}
+
+/// A table of results as text: title, columns for people, notes.
+pub(super) fn table_with_notes(of: &cocarry_studies::table::Table) -> String {
+    let (headings, rows) = of.shown();
+    let mut shown = TextTable::new(headings.iter().map(|heading| heading.0), |column| headings[column].1);
+    rows.into_iter().for_each(|row| shown.add_row(row));
+    let notes: String = of.notes.iter().map(|note| format!("{note}\n")).collect();
+    format!("{}\n{}{notes}", of.title, table_text(&shown))
+}
+
+/// The examples of a command, for the end of its help: each a command and what it does.
+pub(super) fn examples(all: &[(&str, &str)]) -> String {
+    let heading = Style::new().bold().underline();
+    let mut text = format!("{heading}Examples:{heading:#}\n");
+    for (command, about) in all {
+        text += &format!("  {command}\n");
+        if !about.is_empty() {
+            text += &format!("      {about}\n");
+        }
+    }
+    text
+}
+
+/// A parser of the name of an SVG file.
+pub(super) fn svg_file(name: &str) -> Result<PathBuf, String> {
+    file_ending_in("svg", name)
+}
+
+/// A parser of the name of a CSV file.
+pub(super) fn csv_file(name: &str) -> Result<PathBuf, String> {
+    file_ending_in("csv", name)
+}
+
+/// A parser of the name of a recording.
+pub(super) fn mcap_file(name: &str) -> Result<PathBuf, String> {
+    file_ending_in("mcap", name)
+}
+
+fn file_ending_in(ending: &str, name: &str) -> Result<PathBuf, String> {
+    let file = PathBuf::from(name);
+    let found = file.extension().and_then(|found| found.to_str()).unwrap_or_default();
+    match found.eq_ignore_ascii_case(ending) {
+        true => Ok(file),
+        false => Err(format!("its ending must be .{ending}, which is what is written")),
+    }
+}
+
+/// A progress bar. It appears after two seconds of work, and only if standard error is a terminal.
+pub(super) struct Progress {
+    bar: ProgressBar,
+    begun: Instant,
+    is_shown: AtomicBool,
+}
+
+impl Progress {
+    /// A bar for `total` units of work.
+    pub fn new(total: usize, what: &str) -> Self {
+        let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}  {per_sec}  {eta} left")
+            .unwrap_or_else(|_| ProgressStyle::default_bar());
+        let bar = ProgressBar::with_draw_target(Some(total as u64), ProgressDrawTarget::hidden());
+        bar.set_style(style);
+        bar.set_message(what.to_owned());
+        Self { bar, begun: Instant::now(), is_shown: AtomicBool::new(false) }
+    }
+
+    /// Counts one finished unit of work.
+    pub fn step(&self) {
+        self.bar.inc(1);
+        if self.begun.elapsed() >= Duration::from_secs(2) && !self.is_shown.swap(true, Ordering::Relaxed) {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
+    }
+
+    /// Removes the bar at the end of the work.
+    pub fn finish(self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// Does work of unknown length. A line with the time spent appears after two seconds, and only if standard
+/// error is a terminal.
+pub(super) fn with_spinner<T>(what: &str, work: impl FnOnce() -> T) -> T {
+    const QUIET_TIME: Duration = Duration::from_secs(2);
+    std::thread::scope(|scope| {
+        let (done, is_done) = std::sync::mpsc::channel::<()>();
+        scope.spawn(move || {
+            if is_done.recv_timeout(QUIET_TIME) == Err(RecvTimeoutError::Timeout) {
+                let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
+                let line = ProgressBar::new_spinner().with_message(what.to_owned()).with_elapsed(QUIET_TIME);
+                line.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+                line.enable_steady_tick(Duration::from_millis(500));
+                // until the sender is dropped
+                is_done.recv().unwrap_or_default();
+                line.finish_and_clear();
+            }
+        });
+        let _done = done;
+        work()
+    })
+}

@@ -1,0 +1,226 @@
+//! `cocarry regress`: records the figures of a baseline's runs, or checks them against those recorded.
+
+use super::output::{
+    Failure, examples, input, print_json, print_verdict, table, table_text, unwritten, write_file,
+};
+use super::reproduce::Common;
+use super::scenario::ScenarioArguments;
+use anyhow::anyhow;
+use clap::error::ContextKind;
+use clap::{ArgAction, Args, CommandFactory, Parser, Subcommand};
+use cocarry::quantities::cell;
+use cocarry::scenario::Scenario;
+use cocarry_output::output_file::Outputs;
+use cocarry_studies::regression::{
+    Baseline, BaselineError, FORMAT, Figure, Figures, Moved, Run, Value, moved, run_all,
+};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Record costs and outcomes of runs in a file, and check whether they moved
+#[derive(Debug, Subcommand)]
+pub(super) enum Action {
+    /// Run all runs, and write their figures into the file; the rest of the file stays as it is
+    #[command(after_help = examples(&[("cocarry regress record costs.toml", "after a change that is meant")]))]
+    Record(RegressArguments),
+    /// Run all runs, and list the figures that differ from those recorded; exit code 1 if there are any
+    #[command(after_help = examples(&[("cocarry regress check costs.toml", "in continuous integration")]))]
+    Check(RegressArguments),
+}
+
+#[derive(Args, Debug)]
+pub(super) struct RegressArguments {
+    /// Runs (TOML): tables [[run]] with the keys of `cocarry run`'s arguments, and [tolerance]
+    file: PathBuf,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// The arguments of a run, without the name of the program.
+#[derive(Parser, Debug)]
+#[command(no_binary_name = true)]
+struct BaselineRunArguments {
+    #[command(flatten)]
+    scenario: ScenarioArguments,
+}
+
+/// Arguments that name a file. The file is first looked for beside the baseline file.
+const FILES: [&str; 3] = ["world", "robot", "belief-samples"];
+
+pub(super) fn run(action: &Action) -> Result<ExitCode, Failure> {
+    let (Action::Record(arguments) | Action::Check(arguments)) = action;
+    let baseline = Baseline::load(&arguments.file).map_err(input)?;
+    let is_check = matches!(action, Action::Check(_));
+    let folder = arguments.file.parent().unwrap_or(Path::new(""));
+    let scenarios = baseline.runs.iter().map(|run| scenario(&baseline.file, folder, run));
+    let scenarios = scenarios.collect::<Result<Vec<_>, _>>()?;
+    if let Some(run) = baseline.runs.iter().find(|run| is_check && run.recorded.is_none()) {
+        let (file, line, name) = (baseline.file.clone(), run.line, run.name.clone());
+        return Err(input(BaselineError::NotRecorded { file, line, name }));
+    }
+    if is_check && baseline.format < FORMAT {
+        return Err(input(BaselineError::Older { file: baseline.file, found: baseline.format }));
+    }
+    // the file is what `record` is about; the worlds and robots are inputs
+    let read = scenarios.iter().flat_map(|scenario| {
+        let robot = scenario.plant.robot_setup().map(|setup| &setup.robot);
+        let robot = robot.into_iter().flat_map(|robot| [&robot.file, &robot.urdf_file]);
+        std::iter::once(&scenario.world.file).chain(robot).map(PathBuf::from)
+    });
+    let outputs = Outputs::new(true, read);
+    if !is_check {
+        outputs.check(&arguments.file).map_err(unwritten)?;
+    }
+    let results =
+        arguments.common.with_progress(scenarios.len(), "runs", |on_done| run_all(scenarios, on_done))?;
+    let mut figures: Vec<Figures> = Vec::new();
+    for (run, result) in baseline.runs.iter().zip(results) {
+        let error = |error| anyhow::Error::new(error).context(place(&baseline.file, run.line, &run.name));
+        figures.push(result.map_err(error).map_err(Failure::Input)?);
+    }
+    let was_recorded = |(run, _): &(&Run, &Figures)| run.recorded.is_some();
+    let pairs = baseline.runs.iter().zip(&figures).filter(was_recorded);
+    let found: Vec<Moved> = pairs.flat_map(|(run, now)| moved(&baseline, run, now)).collect();
+    if !is_check {
+        write_file(&outputs, &arguments.file, baseline.recorded(&figures).map_err(input)?)?;
+    }
+    let compared = figures.iter().map(Vec::len).sum();
+    match arguments.common.json {
+        true => print_json(&json!({
+            "runs": figures.len(),
+            "figures": compared,
+            "moved": found.iter().map(as_json).collect::<Vec<_>>(),
+        }))?,
+        false => {
+            print_verdict(&text(is_check, figures.len(), compared, &found), !is_check || found.is_empty())?
+        }
+    }
+    Ok(if is_check && !found.is_empty() { ExitCode::from(1) } else { ExitCode::SUCCESS })
+}
+
+fn place(file: &str, line: usize, name: &str) -> String {
+    format!("{file}:{line}: run `{name}`")
+}
+
+/// The scenario of a run: its keys are parsed as the arguments of `cocarry run`.
+fn scenario(file: &str, folder: &Path, run: &Run) -> Result<Scenario, Failure> {
+    let command = BaselineRunArguments::command();
+    let mut line_of_words = Vec::new();
+    for (key, value, line) in &run.arguments {
+        let long = key.replace('_', "-");
+        let known = command.get_arguments().find(|a| a.get_id() == key || a.get_long() == Some(&long));
+        let Some(argument) = known else {
+            let keys = command.get_arguments().map(|a| a.get_long().unwrap_or(a.get_id().as_str()));
+            let expected = ["name"].into_iter().chain(keys.filter(|key| *key != "help"));
+            return Err(input(BaselineError::Key {
+                file: file.to_owned(),
+                line: *line,
+                place: format!("run `{}`", run.name),
+                key: key.clone(),
+                expected: expected.collect::<Vec<_>>().join(", "),
+            }));
+        };
+        let is_flag = matches!(argument.get_action(), ArgAction::SetTrue);
+        let is_repeated = matches!(argument.get_action(), ArgAction::Append);
+        let word = |text: &String| match argument.is_positional() {
+            true => text.clone(),
+            false => format!("--{long}={text}"),
+        };
+        let words = match value {
+            Value::Flag(is_set) if is_flag => is_set.then(|| format!("--{long}")).into_iter().collect(),
+            Value::Text(text) if !is_flag => {
+                let beside = folder.join(text);
+                let is_beside = FILES.contains(&long.as_str()) && beside.is_file();
+                vec![word(&if is_beside { beside.display().to_string() } else { text.clone() })]
+            }
+            Value::List(texts) if is_repeated => texts.iter().map(word).collect(),
+            Value::Flag(value) => {
+                return Err(wrong(file, run, *line, key, &value.to_string(), "a number or a word in quotes"));
+            }
+            Value::Text(value) => return Err(wrong(file, run, *line, key, value, "true or false")),
+            Value::List(texts) => {
+                let expected =
+                    if is_flag { "true or false" } else { "a number or a word in quotes, not a list" };
+                return Err(wrong(file, run, *line, key, &format!("[{}]", texts.join(", ")), expected));
+            }
+        };
+        line_of_words.extend(words.into_iter().map(|word: String| (word, *line)));
+    }
+    let words = line_of_words.iter().map(|(word, _)| word.as_str());
+    let arguments = BaselineRunArguments::try_parse_from(words).map_err(|error| {
+        let named = error.get(ContextKind::InvalidArg).map(ToString::to_string).unwrap_or_default();
+        let option = named.split([' ', '=']).next().unwrap_or_default();
+        let is_named = |word: &str| !option.is_empty() && word.split('=').next() == Some(option);
+        let line = line_of_words.iter().find(|(word, _)| is_named(word)).map_or(run.line, |(_, line)| *line);
+        let said = error.to_string();
+        let said = said.split("\n\n").next().unwrap_or_default().trim_start_matches("error: ");
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        input(anyhow!("{}: {said}", place(file, line, &run.name)))
+    })?;
+    arguments.scenario.scenario().map_err(|failure| match failure {
+        Failure::Input(error) => Failure::Input(error.context(place(file, run.line, &run.name))),
+        other => other,
+    })
+}
+
+fn wrong(file: &str, run: &Run, line: usize, key: &str, value: &str, expected: &str) -> Failure {
+    input(BaselineError::Value {
+        file: file.to_owned(),
+        line,
+        place: format!("run `{}`", run.name),
+        key: key.to_owned(),
+        value: value.to_owned(),
+        expected: expected.to_owned(),
+    })
+}
+
+fn text(is_check: bool, runs: usize, figures: usize, found: &[Moved]) -> String {
+    let done = if is_check { "checked" } else { "recorded" };
+    if found.is_empty() {
+        return format!("{runs} runs, {figures} figures {done}: nothing moved.\n");
+    }
+    let mut shown = table(["run", "figure", "recorded", "now", "change", "may move by"], 2);
+    for moved in found {
+        let figure = |figure: &Option<Figure>| figure.as_ref().map_or("-".to_owned(), cell);
+        let [before, now] = [&moved.recorded, &moved.now].map(|f| f.as_ref().and_then(Figure::as_f64));
+        let change = before.zip(now).map(|(before, now)| {
+            let change = now - before;
+            match before != 0.0 {
+                true => format!("{} ({} %)", signed(change), signed(100.0 * change / before.abs())),
+                false => signed(change),
+            }
+        });
+        let most = before.map(|before| moved.tolerance.absolute + moved.tolerance.relative * before.abs());
+        shown.add_row([
+            moved.run.clone(),
+            moved.figure.clone(),
+            figure(&moved.recorded),
+            figure(&moved.now),
+            change.unwrap_or_else(|| "-".to_owned()),
+            most.map_or("-".to_owned(), |most| format!("{most:.1e}")),
+        ]);
+    }
+    let n = found.len();
+    format!("{runs} runs, {figures} figures {done}: {n} moved.\n{}", table_text(&shown))
+}
+
+/// A signed number with about three digits.
+fn signed(value: f64) -> String {
+    match value.abs() {
+        100.0..1e6 => format!("{value:+.0}"),
+        0.01..100.0 => format!("{value:+.2}"),
+        _ => format!("{value:+.1e}"),
+    }
+}
+
+fn as_json(moved: &Moved) -> serde_json::Value {
+    json!({
+        "run": moved.run,
+        "figure": moved.figure,
+        "recorded": moved.recorded,
+        "now": moved.now,
+        "relative_tolerance": moved.tolerance.relative,
+        "absolute_tolerance": moved.tolerance.absolute,
+    })
+}

@@ -1,0 +1,167 @@
+//! `cocarry render`: a recording as a page or a picture, and `--render` of `cocarry run`.
+
+use super::output::{Failure, OverwriteArguments, examples, input, print, write_file};
+use anyhow::anyhow;
+use clap::Args;
+use cocarry::robot::Robot;
+use cocarry_output::output_file::Outputs;
+use cocarry_recording::recording::{Playback, Reader};
+use cocarry_recording::rendering::{self, RenderError, Width};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// The kinds of files, by their endings.
+const KINDS: [(&str, Kind); 5] = [
+    ("html", Kind::Player),
+    ("svg", Kind::StripSvg),
+    ("png", Kind::StripPng),
+    ("gif", Kind::Moving),
+    ("json", Kind::Layout),
+];
+
+/// Render a recording: a 3-D player (.html), a filmstrip (.svg, .png), a moving picture (.gif), a layout for
+/// Foxglove and Lichtblick (.json)
+#[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry render run.mcap -o run.html", "a 3-D player in one file, for any browser, without a network"),
+    ("cocarry render run.mcap -o run.gif", "the team on the map with phi beside it, at twice its speed"),
+    ("cocarry render run.mcap -o run.svg --width 3.5in", "the team at six instants, for a paper"),
+    ("cocarry render run.mcap -o run.png --width 1400px --instants 8", ""),
+    ("cocarry render run.mcap -o layout.json", "the layout to import in Foxglove or Lichtblick, beside the recording"),
+]))]
+pub(super) struct RenderArguments {
+    /// Recording (MCAP)
+    recording: PathBuf,
+    /// File to write. Its ending says what: .html is a player, .svg and .png are filmstrips, .gif moves,
+    /// .json is a layout
+    #[arg(short, long, value_name = "FILE", value_parser = Target::of)]
+    output: Target,
+    /// Width of a picture, in inches or pixels: 3.5in, 1200px. Type is at least 7 pt from 3.5 inches on; a
+    /// PNG has 300 pixels an inch [default: 7in; .gif: 760px]
+    #[arg(long, value_name = "WIDTH", value_parser = width)]
+    width: Option<Width>,
+    /// Number of instants in a filmstrip [default: 6]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=20))]
+    instants: Option<u32>,
+    /// The recording's robot file, for the meshes of a player: a recording has none [default: the collision
+    /// shapes of links that have meshes]
+    #[arg(long, value_name = "FILE")]
+    robot: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
+}
+
+/// A file to render into.
+#[derive(Clone, Debug)]
+pub(super) struct Target {
+    /// Its name.
+    pub file: PathBuf,
+    kind: Kind,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Player,
+    StripSvg,
+    StripPng,
+    Moving,
+    Layout,
+}
+
+/// How to render.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Form<'a> {
+    /// The width of a picture.
+    pub width: Option<Width>,
+    /// The number of instants in a filmstrip.
+    pub instants: Option<u32>,
+    /// The robot's file, for its meshes.
+    pub robot: Option<&'a Path>,
+}
+
+/// A width with its unit.
+fn width(text: &str) -> Result<Width, String> {
+    let (number, is_inches) = match (text.strip_suffix("in"), text.strip_suffix("px")) {
+        (Some(number), _) => (number, true),
+        (None, Some(number)) => (number, false),
+        (None, None) => return Err("expected inches or pixels, as in 3.5in or 1200px".to_owned()),
+    };
+    let value: f64 = number.trim().parse().map_err(|_| format!("`{number}` is not a number"))?;
+    match is_inches {
+        true if (2.0..=20.0).contains(&value) => Ok(Width::Inches(value)),
+        true => Err("must be from 2in to 20in".to_owned()),
+        false if (300.0..=6000.0).contains(&value) => Ok(Width::Pixels(value.round() as u32)),
+        false => Err("must be from 300px to 6000px".to_owned()),
+    }
+}
+
+impl Target {
+    /// The file of that name; an error if its ending is none of those that can be rendered.
+    pub fn of(name: &str) -> Result<Self, String> {
+        let file = PathBuf::from(name);
+        let ending = file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+        let Some((_, kind)) = KINDS.iter().find(|(known, _)| *known == ending) else {
+            let known = KINDS.map(|(ending, _)| format!(".{ending}"));
+            return Err(format!("its ending must be one of {}", known.join(", ")));
+        };
+        Ok(Self { file, kind: *kind })
+    }
+
+    /// An error if the form has what this kind of file does not.
+    fn check(&self, form: Form) -> Result<(), Failure> {
+        let is_strip = matches!(self.kind, Kind::StripSvg | Kind::StripPng);
+        let is_picture = is_strip || self.kind == Kind::Moving;
+        let misplaced = [
+            ("--instants", form.instants.is_some() && !is_strip, ".svg and .png"),
+            ("--width", form.width.is_some() && !is_picture, ".svg, .png and .gif"),
+            ("--robot", form.robot.is_some() && self.kind != Kind::Player, ".html"),
+        ];
+        match misplaced.into_iter().find(|(_, is_misplaced, _)| *is_misplaced) {
+            None => Ok(()),
+            Some((flag, _, kinds)) => {
+                Err(input(anyhow!("{}: {flag} is for {kinds} only", self.file.display())))
+            }
+        }
+    }
+
+    /// Renders a recording into the file.
+    pub fn render<R: Read>(
+        &self,
+        reader: &mut Reader<R>,
+        form: Form,
+        outputs: &Outputs,
+    ) -> Result<(), Failure> {
+        let name = reader.name().to_owned();
+        let playback = Playback::read(reader).map_err(input)?;
+        let title = Path::new(&name).file_stem().unwrap_or_default().to_string_lossy();
+        let instants = form.instants.unwrap_or(6) as usize;
+        let width = form.width.unwrap_or(match self.kind {
+            Kind::Moving => Width::Pixels(760),
+            _ => Width::Inches(7.0),
+        });
+        let rendered: Result<Vec<u8>, RenderError> = match self.kind {
+            Kind::Player => {
+                let robot = form.robot.map(Robot::load).transpose().map_err(input)?;
+                rendering::player(&playback, &title, robot.as_ref()).map(String::into_bytes)
+            }
+            Kind::StripSvg => rendering::filmstrip_svg(&playback, instants, width).map(String::into_bytes),
+            Kind::StripPng => rendering::filmstrip_png(&playback, instants, width),
+            Kind::Moving => rendering::moving_gif(&playback, width),
+            Kind::Layout => Ok(rendering::viewer_layout(&playback).into_bytes()),
+        };
+        write_file(outputs, &self.file, rendered.map_err(input)?)
+    }
+}
+
+pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
+    let RenderArguments { recording, output, width, instants, robot, overwrite } = arguments;
+    let form = Form { width: *width, instants: *instants, robot: robot.as_deref() };
+    output.check(form)?;
+    let inputs = [Some(recording), robot.as_ref()].into_iter().flatten().map(PathBuf::as_path);
+    let outputs = overwrite.outputs(inputs, [&output.file])?;
+    let mut reader = Reader::open(recording).map_err(input)?;
+    output.render(&mut reader, form, &outputs)?;
+    print(&format!("wrote {}\n", output.file.display()))?;
+    Ok(ExitCode::SUCCESS)
+}

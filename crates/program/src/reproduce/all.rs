@@ -1,0 +1,172 @@
+//! `cocarry reproduce all --report FOLDER`: a report with every claim, table and picture of the paper beside
+//! ours.
+
+use super::super::output::{Failure, Progress, examples, input, print, print_json, unwritten};
+use super::super::robot::load_robot;
+use super::common::Common;
+use anyhow::{Context, anyhow};
+use clap::Args;
+use cocarry_output::output_file::{OutputFile, Outputs};
+use cocarry_studies::report::{PARTS, Plan, Report, ReportError, Section};
+use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+#[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry reproduce all --report report", "the page is report/report.html"),
+]))]
+pub(in super::super) struct AllArguments {
+    #[command(flatten)]
+    common: Common,
+    /// Write the report into this folder: report.html, report.md, a CSV file for each table, figures/*.svg
+    #[arg(long, value_name = "FOLDER")]
+    report: PathBuf,
+    /// Random humans in each of the 16 cells of Table III [default: 100]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
+    episodes: Option<u64>,
+    /// Humans in each of the 16 cells of Table II with bodies [default: 20]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
+    humans: Option<u64>,
+    /// Random worlds in the search for locked cycles [default: 10000]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    worlds: Option<u64>,
+    /// Random worlds with bodies [default: 200]
+    #[arg(long, value_name = "WORLDS", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    worlds_with_bodies: Option<u64>,
+    /// Walks with bodies through each of 9 openings from each of 3 angles [default: 30]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    walks: Option<u64>,
+    /// People of each of 6 kinds in each of 6 groups of worlds, who the robot learns [default: 200]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
+    people: Option<u64>,
+    /// Seed of everything random
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Replace an existing report in the folder; other files stay
+    #[arg(long)]
+    overwrite: bool,
+}
+
+/// The page. It is written last: where it exists, the report is complete.
+const PAGE: &str = "report.html";
+
+pub(super) fn run(arguments: &AllArguments) -> Result<(), Failure> {
+    let folder = &arguments.report;
+    prepare(folder, arguments.overwrite)?;
+    let robot = load_robot(None)?;
+    let mut plan = Plan::new(&robot);
+    let given = |to: &mut usize, count: Option<u64>| *to = count.map_or(*to, |n| n as usize);
+    given(&mut plan.episodes, arguments.episodes);
+    given(&mut plan.humans, arguments.humans);
+    given(&mut plan.worlds, arguments.worlds);
+    given(&mut plan.worlds_with_bodies, arguments.worlds_with_bodies);
+    given(&mut plan.walks, arguments.walks);
+    given(&mut plan.people, arguments.people);
+    plan.seed = arguments.seed;
+
+    let begun = Instant::now();
+    let (sections, threads) =
+        arguments.common.on_threads(|| (sections(&plan), rayon::current_num_threads()))?;
+    let report = Report::new(&plan, sections.map_err(input)?);
+    let made = format!(
+        "Made in {:.0} s on {threads} {}.",
+        begun.elapsed().as_secs_f64(),
+        if threads == 1 { "thread" } else { "threads" },
+    );
+    let files = write(&report, folder, &made)?;
+    if arguments.common.json {
+        return print_json(&report_json(&report, &plan, folder, &files));
+    }
+    let mut text = String::new();
+    for section in &report.sections {
+        let finding = &section.finding;
+        text += &format!("{}: {}\n  {}\n", finding.claim, finding.verdict, finding.figures);
+    }
+    print(&format!(
+        "{text}\n{}: {} files; open {}\n",
+        folder.display(),
+        files.len(),
+        folder.join(PAGE).display()
+    ))
+}
+
+/// Every claim's section, in order.
+fn sections(plan: &Plan) -> Result<Vec<Section>, ReportError> {
+    PARTS
+        .iter()
+        .map(|part| {
+            let bar = Progress::new((part.episodes)(plan), part.name);
+            let section = (part.run)(plan, &|| bar.step());
+            bar.finish();
+            section
+        })
+        .collect()
+}
+
+/// A check, before the work, that the report can be written and replaces nothing without --overwrite.
+fn prepare(folder: &Path, overwrite: bool) -> Result<(), Failure> {
+    let name = folder.display();
+    if folder.as_os_str().is_empty() {
+        return Err(input(anyhow!("--report: is empty; expected the name of a folder")));
+    }
+    if folder.exists() && !folder.is_dir() {
+        return Err(input(anyhow!("--report {name}: is a file; expected a folder")));
+    }
+    let cannot = |error: std::io::Error| {
+        Failure::Output(anyhow::Error::from(error).context(format!("{name}: cannot be written")))
+    };
+    if folder.exists() {
+        let is_empty = std::fs::read_dir(folder).map_err(cannot)?.next().is_none();
+        if !is_empty && !overwrite {
+            return Err(input(anyhow!("--report {name}: is not empty; --overwrite replaces a report in it")));
+        }
+    }
+    std::fs::create_dir_all(folder).map_err(cannot)?;
+    // only writing a file shows whether the folder is writable
+    let probe = folder.join(format!("{PAGE}.partial"));
+    std::fs::write(&probe, "").and_then(|()| std::fs::remove_file(&probe)).map_err(cannot)
+}
+
+/// Writes all files, each complete or not at all. Returns their names. An earlier report stays until all of
+/// this one is written; then it is replaced, its page last.
+fn write(report: &Report, folder: &Path, made: &str) -> Result<Vec<String>, Failure> {
+    let figures = folder.join("figures");
+    let made_folder = std::fs::create_dir_all(&figures);
+    made_folder
+        .with_context(|| format!("{}: cannot be written", figures.display()))
+        .map_err(Failure::Output)?;
+    let pictures = report.figures().map(|f| (format!("figures/{}.svg", f.name), f.svg.clone().into_bytes()));
+    let tables = report.tables().map(|t| (format!("{}.csv", t.name), t.csv()));
+    let texts = [
+        ("report.md".to_owned(), report.markdown.clone().into_bytes()),
+        (PAGE.to_owned(), report.page(made).into_bytes()),
+    ];
+    // the folder is this report's: that was asked before the work
+    let outputs = Outputs::new(true, []);
+    let mut names = Vec::new();
+    let mut written = Vec::new();
+    for (name, contents) in pictures.chain(tables).chain(texts) {
+        written.push(outputs.begin(&folder.join(&name), contents).map_err(unwritten)?);
+        names.push(name);
+    }
+    written.into_iter().try_for_each(OutputFile::finish).map_err(unwritten)?;
+    Ok(names)
+}
+
+/// The findings and the files written, as JSON.
+fn report_json(report: &Report, plan: &Plan, folder: &Path, files: &[String]) -> Value {
+    let claims = report.sections.iter().map(|section| {
+        let finding = &section.finding;
+        json!({ "claim": finding.claim, "verdict": finding.verdict, "figures": finding.figures })
+    });
+    let tables: Map<String, Value> = report.tables().map(|t| (t.name.clone(), t.json())).collect();
+    json!({
+        "report": folder.display().to_string(),
+        "files": files,
+        "episodes": PARTS.iter().map(|part| (part.episodes)(plan)).sum::<usize>(),
+        "seed": plan.seed,
+        "claims": claims.collect::<Vec<_>>(),
+        "tables": tables,
+    })
+}

@@ -1,0 +1,109 @@
+//! The arguments of the plant and its robot. Robot files are loaded, and the arguments are checked against
+//! each other.
+
+use super::catalog::ROBOT;
+use super::catalog_robots::ROBOTS;
+use super::output::{Failure, input};
+use super::settings::{SettingArguments, number, plants};
+use anyhow::anyhow;
+use clap::Args;
+use cocarry::robot::Robot;
+use cocarry::scenario::{POSE, POSTURE, Plant, PlantKind, RobotSetup, SWAY, Scenario, Value};
+use cocarry::suggestion::hint_of_listed;
+use std::path::{Path, PathBuf};
+
+/// The plant and the robot.
+#[derive(Args, Debug)]
+pub(super) struct RobotArguments {
+    /// Plant: what the controller moves
+    #[arg(long, default_value = PlantKind::Rapier.name(), value_parser = plants(&PlantKind::ALL))]
+    plant: PlantKind,
+    /// Robot file (TOML), or a URDF with a robot file of the same name beside it [default: the built-in
+    /// robot]
+    #[arg(long, value_name = "FILE")]
+    pub robot: Option<PathBuf>,
+}
+
+impl RobotArguments {
+    /// The plant with its robot, whose files are read and checked. The settings are checked against the
+    /// plant, but not applied.
+    pub fn plant(&self, settings: &SettingArguments) -> Result<Plant, Failure> {
+        let robot = self.robot.as_ref().map(|_| ("robot", &POSTURE));
+        let idle = robot.filter(|_| self.plant == PlantKind::Point).or_else(|| settings.idle(self.plant));
+        if let Some((flag, setting)) = idle {
+            let has_it = PlantKind::ALL.into_iter().filter(|plant| setting.applies.is_on(*plant, true));
+            let has_it = has_it.map(PlantKind::name).collect::<Vec<_>>().join(" or ");
+            let (what, plant) = (setting.applies.what(), self.plant.name());
+            return Err(input(anyhow!(
+                "--{flag} needs {what}, which --plant {plant} does not have; use --plant {has_it}"
+            )));
+        }
+        let text = |setting| match settings.given(setting) {
+            Some(Value::Text(text)) => Some(text.as_str()),
+            _ => None,
+        };
+        if self.plant == PlantKind::Rapier && text(&POSE) == Some("whole-body") {
+            return Err(input(anyhow!(
+                "--pose whole-body needs --plant kinematic; with bodies, the base follows the path and is not optimised"
+            )));
+        }
+        if self.plant == PlantKind::Point {
+            return Ok(Plant::Point);
+        }
+        let robot = load_robot(self.robot.as_deref())?;
+        if let Some(asked) = text(&POSTURE).filter(|name| robot.posture(name).is_none()) {
+            let known: Vec<_> = robot.postures.iter().map(|p| format!("`{}`", p.name)).collect();
+            let (file, known) = (&robot.texts.file, known.join(", "));
+            return Err(input(anyhow!(
+                "--posture {asked}: {file} has no posture of that name; it has {known}{}",
+                hint_of_listed(asked, &known)
+            )));
+        }
+        Ok(Plant::new(self.plant, RobotSetup::new(&robot)))
+    }
+}
+
+/// The sway of the human's hand, for commands without the other settings.
+#[derive(Args, Debug)]
+pub(super) struct SwayArguments {
+    #[arg(long, value_name = "M", help = format!("{} (--plant rapier) [default: 0.01]", SWAY.about), value_parser = number(&SWAY), allow_negative_numbers = true)]
+    pub sway: Option<f64>,
+}
+
+impl SwayArguments {
+    /// The physical plant with the built-in robot and this sway.
+    pub fn plant(&self) -> Result<Plant, Failure> {
+        let robot = load_robot(None)?;
+        let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(&robot));
+        let mut scenario = Scenario { plant, ..Scenario::defaults() };
+        self.sway.iter().for_each(|sway| SWAY.set(&mut scenario, &Value::Number(*sway)));
+        Ok(scenario.plant)
+    }
+}
+
+/// The lateral sway of the hand on a plant, m; 0 without bodies.
+pub(super) fn sway_of(plant: &Plant) -> f64 {
+    plant.physics().map_or(0.0, |physics| physics.human.sway_lateral)
+}
+
+/// The error of a robot's name where a file belongs.
+pub(super) fn check_is_file(flag: &str, file: &Path) -> Result<(), Failure> {
+    let named = |name: &&str| file == Path::new(*name) && !file.is_file();
+    let said = if [ROBOT, "built-in"].iter().any(named) && flag == "--robot" {
+        format!(
+            "the built-in robot is the default; leave --robot out, or write its files with `cocarry export {ROBOT}`"
+        )
+    } else if let Some(name) = ROBOTS.iter().map(|robot| robot.name).find(named) {
+        format!("not a file; `cocarry export {name}` writes this robot's files, then `{flag} {name}.toml`")
+    } else {
+        return Ok(());
+    };
+    Err(input(anyhow!("{flag} {}: {said}", file.display())))
+}
+
+/// The robot in a file, or the built-in one.
+pub(super) fn load_robot(file: Option<&Path>) -> Result<Robot, Failure> {
+    let Some(file) = file else { return Robot::built_in().map_err(input) };
+    check_is_file("--robot", file)?;
+    Robot::load(file).map_err(input)
+}

@@ -1,0 +1,126 @@
+//! `cocarry robot init`: drafts a robot file from a URDF.
+
+use super::output::{Failure, OverwriteArguments, examples, input, print, write_file};
+use clap::{Args, ValueEnum};
+use cocarry::robot::{Draft, DraftRequest, DriveKind};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Draft a robot file from a URDF: find base, wheels, arm and tool, and solve postures
+///
+/// What was assumed is printed; edit the file where that is wrong. Postures come from inverse kinematics with
+/// random starts, the same for every call, best first: far from the joints' limits and from singular
+/// configurations, with the arm above the base. A xacro is expanded where the program `xacro` is installed.
+#[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry robot init tiago.urdf", "tiago.toml, beside the URDF"),
+    ("cocarry robot init tiago.urdf -o robots/tiago.toml", "another place"),
+    ("cocarry robot init pr2.urdf --tool l_gripper_tool_frame", "another arm"),
+    ("cocarry robot init summit.urdf --drive omnidirectional", "another base"),
+]))]
+pub(super) struct InitArguments {
+    /// URDF, or a xacro
+    urdf: PathBuf,
+    /// The robot file to write [default: beside the URDF, with its name]
+    #[arg(short, long, value_name = "FILE", value_parser = toml_file)]
+    output: Option<PathBuf>,
+    /// The link that holds the object
+    #[arg(long, value_name = "LINK")]
+    tool: Option<String>,
+    /// How the base moves [default: differential, or omnidirectional if its wheels are named mecanum]
+    #[arg(long, value_name = "DRIVE", value_enum)]
+    drive: Option<Drive>,
+    /// The joint of the left driven wheel
+    #[arg(long, value_name = "JOINT", requires = "right_wheel")]
+    left_wheel: Option<String>,
+    /// The joint of the right driven wheel
+    #[arg(long, value_name = "JOINT", requires = "left_wheel")]
+    right_wheel: Option<String>,
+    /// Height at which the object is held, m [default: the first of 0.7, 0.8, 0.9, 0.6, 1.0, 1.1 and 0.5 that
+    /// has a posture]
+    #[arg(long, value_name = "M", value_parser = height)]
+    grasp_height: Option<f64>,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
+}
+
+/// A drive on the command line.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Drive {
+    /// Two driven wheels on one axle
+    Differential,
+    /// Two or more driven wheels on either side, which skid in turns
+    SkidSteer,
+    /// Mecanum wheels, omnidirectional wheels or powered casters
+    Omnidirectional,
+}
+
+impl From<Drive> for DriveKind {
+    fn from(drive: Drive) -> Self {
+        match drive {
+            Drive::Differential => Self::Differential,
+            Drive::SkidSteer => Self::SkidSteer,
+            Drive::Omnidirectional => Self::Omnidirectional,
+        }
+    }
+}
+
+fn toml_file(name: &str) -> Result<PathBuf, String> {
+    let file = PathBuf::from(name);
+    match file.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
+        true => Ok(file),
+        false => Err("its ending must be .toml, which is what is written".to_owned()),
+    }
+}
+
+fn height(text: &str) -> Result<f64, String> {
+    let value = text.parse::<f64>().ok().filter(|h| (0.0..=3.0).contains(h));
+    value.ok_or_else(|| "it must be a number from 0 to 3 (metres)".to_owned())
+}
+
+pub(super) fn run(arguments: &InitArguments) -> Result<ExitCode, Failure> {
+    let InitArguments { urdf, output, tool, drive, left_wheel, right_wheel, grasp_height, overwrite } =
+        arguments;
+    let beside = || match urdf.extension().is_some_and(|e| e.eq_ignore_ascii_case("xacro")) {
+        true => urdf.with_extension("").with_extension("toml"),
+        false => urdf.with_extension("toml"),
+    };
+    let file = output.clone().unwrap_or_else(beside);
+    let outputs = overwrite.outputs([urdf.as_path()], [&file])?;
+    let request = DraftRequest {
+        tool: tool.clone(),
+        drive: drive.map(DriveKind::from),
+        wheels: left_wheel.clone().zip(right_wheel.clone()).map(|(left, right)| [left, right]),
+        grasp_height: *grasp_height,
+    };
+    let named = name_from(urdf, &file);
+    let draft = Draft::new(urdf, &named, &file.display().to_string(), &request).map_err(input)?;
+    write_file(&outputs, &file, &draft.text)?;
+    let notes = draft.robot.warnings.iter().map(ToString::to_string);
+    let lines: String =
+        draft.assumed.iter().cloned().chain(notes).map(|line| format!("- {line}\n")).collect();
+    let file = file.display();
+    print(&format!(
+        "wrote {file}: {} joints, {} postures\n\nAssumed\n{lines}\nTry:\n  \
+        cocarry robot check {file}\n  \
+        cocarry run environment-1 --robot {file} --render episode.html\n",
+        draft.robot.joint_count(),
+        draft.robot.postures.len(),
+    ))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The URDF as a robot file names it: its bare name if the two are in one folder, else its full path.
+fn name_from(urdf: &Path, file: &Path) -> String {
+    let folder = |path: &Path| {
+        path.parent()
+            .map(|p| if p.as_os_str().is_empty() { Path::new(".") } else { p })
+            .and_then(|p| p.canonicalize().ok())
+    };
+    if let (Some(a), Some(b), Some(name)) = (folder(urdf), folder(file), urdf.file_name())
+        && a == b
+    {
+        return name.to_string_lossy().into_owned();
+    }
+    urdf.canonicalize().unwrap_or_else(|_| urdf.to_owned()).display().to_string()
+}

@@ -1,0 +1,183 @@
+//! `cocarry run`: runs one episode and reports, tabulates, draws or records it.
+
+use super::episode_report::EpisodeReport;
+use super::interrupt::Interrupt;
+use super::live::LiveArguments;
+use super::output::{
+    Failure, OverwriteArguments, Progress, examples, print, print_json, svg_file, tell, warn, with_spinner,
+    write_file,
+};
+use super::record::RecordArguments;
+use super::scenario::ScenarioArguments;
+use super::serving::Serving;
+use super::snapshots::{Saves, SnapshotArguments};
+use super::tick_log;
+use anyhow::Context;
+use clap::Args;
+use cocarry::episode::{Outcome, State, Summary};
+use cocarry::preference::Perception;
+use cocarry::quantities::View;
+use cocarry::scenario::{Scenario, Snapshot};
+use cocarry_output::drawing;
+use cocarry_output::output_file::Outputs;
+use cocarry_recording::recording::Ending;
+use cocarry_studies::paper::EXAMPLE_HUMAN;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// The heading of options about output.
+const OUTPUT: &str = "Output";
+
+/// Run one episode: a human and a robot carry an object from A to B
+#[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry run environment-2 --alpha 0.9 --gamma 0.6 --seed 3", "a certain human, in another world"),
+    ("cocarry run --change 40:0.6,0.9", "a human who changes their mind at step 40"),
+    ("cocarry run --method human-led --eta 5", "another method, a sensitive human"),
+    ("cocarry run --belief-alpha uniform(0.6,0.8)", "a robot that is more certain about humans"),
+    ("cocarry run --plant kinematic --robot my-robot.toml", "your robot, without dynamics"),
+    ("cocarry run --plant kinematic --pose whole-body --pose-weight 2", "pose optimisation of base and arm"),
+    ("cocarry run --sway 0.02", "a hand that sways more with the gait"),
+    ("cocarry run --speed 0.3 --max-steps 500", "a slower walk, and a limit"),
+    ("cocarry run --record run.mcap --ticks run.csv --svg run.svg", "recording, table and picture"),
+    ("cocarry run --save-at 60 half.snapshot", "a snapshot; --resume half.snapshot continues"),
+]))]
+pub(super) struct RunArguments {
+    #[command(flatten)]
+    scenario: ScenarioArguments,
+    #[command(flatten, next_help_heading = "Snapshots")]
+    snapshots: SnapshotArguments,
+    /// Print one JSON object instead of text
+    #[arg(long, help_heading = OUTPUT)]
+    json: bool,
+    /// Write every tick into this file: .csv, or .jsonl for JSON lines. With --resume, ticks start at the
+    /// resumed step
+    #[arg(long, value_name = "FILE", value_parser = tick_log::file, help_heading = OUTPUT)]
+    ticks: Option<tick_log::File>,
+    /// Draw trajectory and stubbornness into this SVG file. With --resume, the picture starts at the resumed
+    /// step
+    #[arg(long, value_name = "FILE", value_parser = svg_file, help_heading = OUTPUT)]
+    svg: Option<PathBuf>,
+    #[command(flatten, next_help_heading = OUTPUT)]
+    recording: RecordArguments,
+    #[command(flatten, next_help_heading = OUTPUT)]
+    overwrite: OverwriteArguments,
+    #[command(flatten, next_help_heading = "Live viewing")]
+    live: LiveArguments,
+}
+
+impl RunArguments {
+    /// The rule for the output files, which must not be inputs of the episode.
+    fn outputs(&self, scenario: &Scenario, saves: &Saves) -> Result<Outputs, Failure> {
+        let robot = scenario.plant.robot_setup().map(|setup| &setup.robot);
+        let robot = robot.into_iter().flat_map(|robot| [&robot.file, &robot.urdf_file]);
+        let named = [&scenario.world.file].into_iter().chain(robot).map(Path::new);
+        let given = [self.snapshots.resume.as_ref(), self.scenario.belief_samples()];
+        let inputs = named.chain(given.into_iter().flatten().map(PathBuf::as_path));
+        let ticks = self.ticks.iter().map(|file| &file.path);
+        let files = ticks.chain(&self.svg).chain(self.recording.files()).chain(saves.files());
+        self.overwrite.outputs(inputs, files)
+    }
+}
+
+/// The episode that runs without a command.
+pub(super) fn example() -> Result<ExitCode, Failure> {
+    use clap::Parser;
+    #[derive(Parser)]
+    struct Defaults {
+        #[command(flatten)]
+        arguments: RunArguments,
+    }
+    let Perception { alpha, gamma } = EXAMPLE_HUMAN;
+    let line = format!("run environment-4 --alpha {alpha} --gamma {gamma}");
+    print(&format!("$ cocarry {line}  (see cocarry --help)\n\n"))?;
+    let code = run(&Defaults::parse_from(line.split(' ')).arguments)?;
+    print(&format!(
+        "\nTo watch this episode in a browser, write it into a page and open that:\n  \
+        cocarry {line} --render episode.html\nIn a clone of the project, begin with `cargo run --release --` instead of `cocarry`.\n"
+    ))?;
+    Ok(code)
+}
+
+pub(super) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
+    arguments.snapshots.guard(|| carry_out(arguments))
+}
+
+fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
+    let (scenario, state) = match arguments.snapshots.load()? {
+        None => (arguments.scenario.scenario()?, None),
+        Some(Snapshot { scenario, state, .. }) => (scenario, Some(state)),
+    };
+    let resumed = state.as_ref().map(State::steps);
+    let refused = |error| arguments.snapshots.refused(error);
+    let stage = with_spinner("preparing the world", || scenario.prepare()).map_err(refused)?;
+    stage.slow_drive().iter().for_each(warn);
+    stage.robot_warnings().iter().for_each(warn);
+    let episode = match state {
+        None => stage.episode(),
+        Some(state) => stage.resume(state),
+    };
+    let mut episode = episode.map_err(refused)?;
+    let mut saves = arguments.snapshots.saves(resumed)?;
+    let outputs = arguments.outputs(stage.scenario(), &saves)?;
+    let mut ticks = Vec::new();
+    let mut log = arguments.ticks.as_ref().map(tick_log::File::begin);
+    let bar = Progress::new(episode.expected_steps() as usize, "episode");
+    saves.write(&outputs, &stage, &episode)?;
+    let interrupt = Interrupt::caught()?;
+    let mut serving = Serving::begin(&arguments.live, &stage, &episode, &interrupt)?;
+    let mut recording = arguments.recording.begin(&stage, &episode, arguments.overwrite.overwrite)?;
+    serving.iter_mut().for_each(Serving::await_viewer);
+    while !interrupt.is_set() && episode.step().is_none() {
+        recording.step(&episode)?;
+        if let Some(serving) = &mut serving {
+            serving.step(&episode);
+        }
+        if let Some(log) = &mut log {
+            log.step(&View { stage: &stage, episode: &episode })?;
+        }
+        ticks.push(episode.tick().clone());
+        saves.write(&outputs, &stage, &episode)?;
+        bar.step();
+    }
+    bar.finish();
+    let Summary { steps, outcome, .. } = *episode.summary();
+    let is_interrupted = interrupt.is_set();
+    let ending = if is_interrupted { Ending::Interrupted } else { Ending::Over(outcome) };
+    let recorded = recording.finish(&episode, ending, arguments.scenario.robot(), &outputs)?;
+    if let Some(serving) = &mut serving {
+        serving.end(&episode, ending);
+    }
+    let report = EpisodeReport { stage: &stage, episode: &episode, resumed, ticks };
+    log.map_or(Ok(()), |log| log.finish(&outputs))?;
+    if let Some(path) = &arguments.svg {
+        let svg = drawing::adaptation(stage.world(), &[report.track()], stage.scenario().settings.period)
+            .with_context(|| path.display().to_string())
+            .map_err(Failure::Output)?;
+        write_file(&outputs, path, &svg)?;
+    }
+    if is_interrupted {
+        let ticks = arguments.ticks.iter().map(|file| &file.path);
+        let files: Vec<_> =
+            recorded.iter().chain(ticks).chain(&arguments.svg).map(|f| f.display().to_string()).collect();
+        let place =
+            if files.is_empty() { String::new() } else { format!(", which are in {}", files.join(", ")) };
+        tell(&format!("interrupted after {steps} steps{place}"));
+        serving.into_iter().for_each(Serving::stop);
+        return Ok(ExitCode::from(130));
+    }
+    if arguments.json {
+        print_json(&report.as_json())?;
+    } else {
+        print(&report.as_text())?;
+        if let Some(file) = arguments.recording.rendered() {
+            print(&format!("wrote {}\n", file.display()))?;
+        }
+    }
+    serving.into_iter().for_each(Serving::stop);
+    saves.finish(steps)?;
+    Ok(match outcome {
+        Outcome::Arrived => ExitCode::SUCCESS,
+        _ => ExitCode::from(3),
+    })
+}

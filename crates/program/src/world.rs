@@ -1,0 +1,237 @@
+//! `cocarry world`: shows a world's obstacles, openings and options, as tables, JSON or a map.
+
+use super::model::{ModelArguments, load_world};
+use super::output::{
+    Failure, OPTION_HEADINGS, OverwriteArguments, examples, input, option_json, print, print_json, svg_file,
+    table, table_text, with_spinner, write_file,
+};
+use anyhow::Context;
+use clap::Args;
+use cocarry::episode::{OptionTick, prospects};
+use cocarry::geometry::Footprint;
+use cocarry::options::{OptionSet, PathOption};
+use cocarry::preference::{ChoiceDistribution, Predictor, objective_cost};
+use cocarry::world::{FREE_PASSAGE, Obstacle, World};
+use cocarry_output::drawing;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Show the obstacles of a world, its openings with width and risk, and its options with length, risk, cost
+/// and probability
+#[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry world environment-4", ""),
+    ("cocarry world my-world.toml --svg map.svg", "your world, with a map"),
+    ("cocarry world environment-1 --risk-weight 5", "options for a smaller weight of risk"),
+]))]
+pub(super) struct WorldArguments {
+    /// World file (TOML), or a built-in world: see `cocarry worlds`
+    world: PathBuf,
+    #[command(flatten)]
+    model: ModelArguments,
+    /// Print one JSON object instead of tables
+    #[arg(long)]
+    json: bool,
+    /// Draw the map into this SVG file
+    #[arg(long, value_name = "FILE", value_parser = svg_file)]
+    svg: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
+}
+
+/// An option, evaluated at the start.
+struct Offer {
+    name: String,
+    openings: Vec<String>,
+    option: OptionTick,
+}
+
+pub(super) fn run(arguments: &WorldArguments) -> Result<ExitCode, Failure> {
+    let inputs = [Some(&arguments.world), arguments.model.belief.belief_samples.as_ref()];
+    let inputs = inputs.into_iter().flatten().map(PathBuf::as_path);
+    let outputs = arguments.overwrite.outputs(inputs, &arguments.svg)?;
+    let mut predictor = arguments.model.predictor()?;
+    let (world, set) = with_spinner("searching for the path options", || {
+        let world = load_world(&arguments.world)?;
+        let set = OptionSet::new(&world, predictor.risk_weight()).map_err(input)?;
+        Ok((world, set))
+    })?;
+    let offers = offers(&world, &set, &mut predictor);
+    if let Some(path) = &arguments.svg {
+        let probabilities: Vec<f64> = offers.iter().map(|o| o.option.probability).collect();
+        let svg = drawing::world_map(&world, &set, &probabilities)
+            .with_context(|| path.display().to_string())
+            .map_err(Failure::Output)?;
+        write_file(&outputs, path, &svg)?;
+    }
+    if arguments.json {
+        print_json(&as_json(&world, &set, &offers))?;
+    } else {
+        print(&as_text(&world, &set, &offers))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn offers(world: &World, set: &OptionSet, predictor: &mut Predictor) -> Vec<Offer> {
+    let prospects = prospects(set, &set.begin());
+    let mut choice = ChoiceDistribution::default();
+    let mut expected = Vec::new();
+    predictor.predict(&prospects, &mut choice);
+    predictor.expected_costs(&prospects, &mut expected);
+    let offer = |(o, option): (usize, &PathOption)| Offer {
+        name: option.name.clone(),
+        openings: option.crossings.iter().map(|c| world.openings[c.opening].name.clone()).collect(),
+        option: OptionTick {
+            remaining: set.remaining(&set.begin(), o),
+            objective: objective_cost(prospects[o], predictor.risk_weight()),
+            expected: expected[o],
+            probability: choice.probabilities()[o],
+            misaligned: false,
+        },
+    };
+    set.options().iter().enumerate().map(offer).collect()
+}
+
+fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
+    let mut text = format!("{} ({})\n", world.name, world.file);
+    if !world.note.is_empty() {
+        text += &format!("{}\n", world.note);
+    }
+    text += &format!(
+        "from A ({:.3}, {:.3}) to B ({:.3}, {:.3}), robot width d_r = {} m\n\nObstacles\n",
+        world.start.x, world.start.y, world.target.x, world.target.y, world.robot_width
+    );
+    let mut obstacles = table(["name", "shape", "x (m)", "y (m)", "extent (m)", "height (m)"], 2);
+    for o in &world.obstacles {
+        let (middle, size) = (o.middle(), o.footprint.bounds().size());
+        obstacles.add_row([
+            o.name.clone(),
+            o.shape_name().to_owned(),
+            format!("{:.3}", middle.x),
+            format!("{:.3}", middle.y),
+            format!("{:.2} x {:.2}", size.x, size.y),
+            format!("{:.2}", o.height),
+        ]);
+    }
+    text += &table_text(&obstacles);
+    let origin = if world.openings_detected { " (detected: the file names none)" } else { "" };
+    text += &format!("\nOpenings{origin}\n");
+    let mut openings = table(["name", "between", "width (m)", "risk"], 2);
+    for o in &world.openings {
+        let [first, second] = o.between.map(|i| &world.obstacles[i].name);
+        let risk = o.risk(world.robot_width);
+        openings.add_row([
+            o.name.clone(),
+            format!("{first}, {second}"),
+            format!("{:.4}", o.width),
+            if risk == 0.0 { format!("0 (wider than {FREE_PASSAGE} d_r)") } else { format!("{risk:.4}") },
+        ]);
+    }
+    text += &table_text(&openings);
+    text += &unused_openings(world, set);
+    text += &closed_gaps(world);
+    let origin = match (world.listed_options.is_empty(), set.is_cut) {
+        (false, _) => String::new(),
+        (true, false) => " (all options: the file lists none)".to_owned(),
+        (true, true) if set.is_search_cut => {
+            format!(" (the search was cut after {} of them: others may be cheaper)", offers.len())
+        }
+        (true, true) => {
+            format!(" (the {} cheapest; increase option_limit in the file for more)", offers.len())
+        }
+    };
+    text += &format!("\nOptions{origin}\n");
+    let mut options = table(OPTION_HEADINGS, 2);
+    for o in offers {
+        options.add_row([
+            o.name.clone(),
+            if o.openings.is_empty() { "(none)".to_owned() } else { o.openings.join(" ") },
+            format!("{:.4}", o.option.remaining.length),
+            format!("{:.4}", o.option.remaining.risk),
+            format!("{:.4}", o.option.objective),
+            format!("{:.4}", o.option.expected),
+            format!("{:.2}", 100.0 * o.option.probability),
+        ]);
+    }
+    text + &table_text(&options)
+}
+
+/// A line for the widest gaps that are no openings as they are too narrow, where openings are detected.
+fn closed_gaps(world: &World) -> String {
+    const MOST: usize = 3;
+    let gaps = if world.openings_detected { world.impassable_gaps() } else { Vec::new() };
+    // obstacles that touch leave none
+    let gaps = gaps.iter().filter(|gap| gap.width > 0.01).take(MOST).map(|gap| {
+        let [first, second] = gap.between.map(|i| &world.obstacles[i].name);
+        format!("{first} to {second} ({:.2} m)", gap.width)
+    });
+    let gaps: Vec<String> = gaps.collect();
+    match gaps.is_empty() {
+        true => String::new(),
+        false => format!("too narrow for a robot {} m wide: {}\n", world.robot_width, gaps.join(", ")),
+    }
+}
+
+/// A line for openings that lead from a region to itself, and one for the others that no option uses.
+fn unused_openings(world: &World, set: &OptionSet) -> String {
+    let line = |one: &str, many: &str, leads_nowhere_new: bool, what_to_do: &str| {
+        let names: Vec<&str> = (0..world.openings.len())
+            .filter(|&o| !set.uses(o) && set.leads_nowhere_new(o) == leads_nowhere_new)
+            .map(|o| world.openings[o].name.as_str())
+            .collect();
+        match names.len() {
+            0 => String::new(),
+            1 => format!("1 opening {one} ({}){what_to_do}\n", names[0]),
+            n => format!("{n} openings {many} ({}){what_to_do}\n", names.join(", ")),
+        }
+    };
+    line(
+        "leads nowhere new",
+        "lead nowhere new",
+        true,
+        ": a path without openings leads around; list [[option]]s in the file to use them",
+    ) + &line("is on none of these options", "are on none of these options", false, "")
+}
+
+fn as_json(world: &World, set: &OptionSet, offers: &[Offer]) -> Value {
+    let point = |p: cocarry::geometry::Point| json!([p.x, p.y]);
+    json!({
+        "name": world.name,
+        "file": world.file,
+        "robot_width_m": world.robot_width,
+        "start_m": point(world.start),
+        "target_m": point(world.target),
+        "obstacles": world.obstacles.iter().map(obstacle_json).collect::<Vec<_>>(),
+        "openings_detected": world.openings_detected,
+        "openings": world.openings.iter().enumerate().map(|(i, o)| json!({
+            "name": o.name,
+            "between": o.between.map(|i| &world.obstacles[i].name),
+            "center_m": point(o.center()),
+            "ends_m": o.ends.map(point),
+            "width_m": o.width,
+            "risk": o.risk(world.robot_width),
+            "used": set.uses(i),
+            "leads_nowhere_new": set.leads_nowhere_new(i),
+        })).collect::<Vec<_>>(),
+        "options_enumerated": world.listed_options.is_empty(),
+        "options_cut": set.is_cut,
+        "search_cut": set.is_search_cut,
+        "options": offers.iter().map(|o| option_json(&o.name, &o.openings, &o.option)).collect::<Vec<_>>(),
+    })
+}
+
+fn obstacle_json(obstacle: &Obstacle) -> Value {
+    let outline = match &obstacle.footprint {
+        Footprint::Polygon(corners) => {
+            json!({ "vertices_m": corners.iter().map(|c| [c.x, c.y]).collect::<Vec<_>>() })
+        }
+        Footprint::Disc { center, radius } => json!({ "center_m": [center.x, center.y], "radius_m": radius }),
+    };
+    json!({
+        "name": obstacle.name,
+        "shape": obstacle.shape_name(),
+        "height_m": obstacle.height,
+        "outline": outline,
+    })
+}

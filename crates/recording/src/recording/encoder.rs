@@ -1,0 +1,198 @@
+//! The messages of an episode, step by step, for files, viewers and replays.
+
+use super::channel::{Channel, Message};
+use super::ending::Ending;
+use super::events::Events;
+use super::meshes::Meshes;
+use super::{motion, scene};
+use cocarry::episode::Episode;
+use cocarry::geometry::Point;
+use cocarry::learning::Learner;
+use cocarry::preference::Learned;
+use cocarry::quantities::{Record, View};
+use cocarry::scenario::PreparedScenario;
+
+/// An encoder of an episode's messages. Equal episodes give equal bytes.
+#[derive(Clone, Debug)]
+pub struct Encoder<'a> {
+    stage: &'a PreparedScenario,
+    options: scene::OptionLines,
+    /// The `/scene/team` message of another recording of the episode, in place of one of its own.
+    team: Option<Vec<u8>>,
+    events: Events,
+    walked: Vec<Point>,
+    /// What was learned of the human, as of the last message about it.
+    learned: Option<Known>,
+    messages: Vec<Message>,
+}
+
+/// What a belief depends on.
+#[derive(Clone, Debug, PartialEq)]
+struct Known {
+    perception: Learned,
+    tasks: Vec<[f64; 2]>,
+}
+
+impl Known {
+    fn of(learner: &Learner) -> Self {
+        Self { perception: learner.perception().learned(), tasks: learner.tolerance().tasks().to_vec() }
+    }
+}
+
+impl<'a> Encoder<'a> {
+    /// An encoder before the first step.
+    pub fn new(stage: &'a PreparedScenario) -> Self {
+        Self {
+            options: scene::OptionLines::new(stage.options()),
+            stage,
+            team: None,
+            events: Events::default(),
+            walked: Vec::new(),
+            learned: None,
+            messages: Vec::new(),
+        }
+    }
+
+    /// An encoder whose `/scene/team` message is this one, as it is in a recording. It may hold the files of a
+    /// robot's meshes, which the scenario does not.
+    pub(super) fn with_team(self, team: Option<Vec<u8>>) -> Self {
+        Self { team, ..self }
+    }
+
+    /// The channels of an episode.
+    pub fn channels(&self, episode: &Episode) -> Vec<Channel> {
+        let is_used = |channel: &Channel| match channel {
+            Channel::Transforms
+            | Channel::Team
+            | Channel::Joints
+            | Channel::Control
+            | Channel::Preparation => self.stage.robot().is_some(),
+            Channel::Base => self.has_free_base(),
+            Channel::Learned => episode.learner().is_some(),
+            Channel::Interaction => episode.observation().is_some(),
+            _ => true,
+        };
+        Channel::ALL.into_iter().filter(is_used).collect()
+    }
+
+    /// The messages before the first step, or before the next step of a resumed episode: scene and state.
+    pub fn begin(&mut self, episode: &Episode) -> &[Message] {
+        self.messages.clear();
+        let (world, robot) = (self.stage.world(), self.stage.robot());
+        let time = self.time(episode.summary().steps);
+        self.messages.push(Message::of(
+            Channel::World,
+            time,
+            &scene::world(world, self.stage.options(), time),
+        ));
+        if let Some(robot) = robot {
+            self.messages.push(match &self.team {
+                Some(data) => Message { channel: Channel::Team, time, data: data.clone() },
+                None => {
+                    Message::of(Channel::Team, time, &scene::team(robot, world, &Meshes::of(robot), time))
+                }
+            });
+        }
+        self.walked.push(episode.position());
+        self.state(episode, time);
+        &self.messages
+    }
+
+    /// The messages of a step: decisions at its beginning, motion and forces at its end.
+    pub fn step(&mut self, episode: &Episode) -> &[Message] {
+        self.messages.clear();
+        let tick = episode.tick();
+        let (from, to) = (self.time(tick.step), self.time(tick.step + 1));
+        let decided = self.events.decided(episode, self.stage.options(), from);
+        self.messages.extend(decided.iter().map(|log| Message::of(Channel::Log, from, log)));
+        self.json(Channel::Options, from, episode);
+        self.json(Channel::Coordination, from, episode);
+        if let Some(options) = self.options.update(tick, from) {
+            self.messages.push(Message::of(Channel::OptionLines, from, &options));
+        }
+        let has_robot = self.stage.robot().is_some();
+        if has_robot && episode.considerations().is_some() {
+            self.json(Channel::Preparation, from, episode);
+        }
+        self.learned(episode, from);
+        self.state(episode, to);
+        if has_robot && tick.robot.is_some() {
+            self.json(Channel::Control, to, episode);
+            if self.has_free_base() {
+                self.json(Channel::Base, to, episode);
+            }
+        }
+        if let Some(seen) = episode.observation() {
+            self.json(Channel::Interaction, to, episode);
+            let events = self.events.touched(tick.step, &seen.contacts, to);
+            self.messages.extend(events.iter().map(|log| Message::of(Channel::Log, to, log)));
+        }
+        self.json(Channel::Cost, to, episode);
+        self.walk(episode.position());
+        let path = scene::path(&self.walked, episode.path(), to);
+        self.messages.push(Message::of(Channel::Path, to, &path));
+        &self.messages
+    }
+
+    /// The messages of the end.
+    pub fn end(&mut self, episode: &Episode, ending: Ending) -> &[Message] {
+        self.messages.clear();
+        let time = self.time(episode.summary().steps);
+        let ended = Events::ended(&View { stage: self.stage, episode }, ending, time);
+        self.messages.extend(ended.iter().map(|log| Message::of(Channel::Log, time, log)));
+        let mut outcome = self.record(Channel::Outcome, episode);
+        let ended = outcome.iter_mut().filter(|(key, _)| *key == "outcome");
+        ended.for_each(|(_, value)| *value = ending.name().into());
+        self.messages.push(Message::json(Channel::Outcome, time, outcome));
+        &self.messages
+    }
+
+    /// Whether there is an omnidirectional base.
+    fn has_free_base(&self) -> bool {
+        self.stage.robot().is_some_and(|robot| robot.drive.is_omnidirectional())
+    }
+
+    /// The simulated time at the beginning of a step, ns.
+    fn time(&self, step: u64) -> u64 {
+        (step as f64 * self.stage.scenario().settings.period * 1e9).round() as u64
+    }
+
+    fn json(&mut self, channel: Channel, time: u64, episode: &Episode) {
+        let record = self.record(channel, episode);
+        self.messages.push(Message::json(channel, time, record));
+    }
+
+    /// Adds what was learned, where that changed.
+    fn learned(&mut self, episode: &Episode, time: u64) {
+        let known = episode.learner().map(Known::of);
+        if known.is_some() && known != self.learned {
+            self.json(Channel::Learned, time, episode);
+            self.learned = known;
+        }
+    }
+
+    /// Adds the message with a channel's quantities.
+    fn record(&self, channel: Channel, episode: &Episode) -> Record {
+        let view = View { stage: self.stage, episode };
+        channel.quantities().iter().flat_map(|table| view.read(table)).collect()
+    }
+
+    /// Adds the poses and joints, unless the team is a point.
+    fn state(&mut self, episode: &Episode, time: u64) {
+        let Some(robot) = self.stage.robot() else { return };
+        let transforms = motion::transforms(episode, self.stage, time);
+        self.messages.push(Message::of(Channel::Transforms, time, &transforms));
+        let joints = motion::joints(episode, robot, time);
+        self.messages.push(Message::of(Channel::Joints, time, &joints));
+    }
+
+    /// Extends the walked line. On a straight part its last point moves.
+    fn walk(&mut self, to: Point) {
+        if let [.., a, b] = self.walked[..]
+            && scene::is_between(a, b, to)
+        {
+            self.walked.pop();
+        }
+        self.walked.push(to);
+    }
+}

@@ -1,0 +1,20 @@
+//! Recordings as pages and pictures that open anywhere: a 3-D player in one HTML file, filmstrips and moving
+//! pictures; and layouts for other viewers.
+//!
+//! Everything is drawn from what the recording holds, in the colours of [`drawing`](cocarry_output::drawing). Equal
+//! recordings give equal bytes.
+
+mod error;
+mod film;
+mod layout;
+mod learned;
+mod outlines;
+mod pictures;
+mod player;
+mod robot;
+
+pub use error::RenderError;
+pub use layout::viewer_layout;
+pub use pictures::{Pixels, Width, filmstrip_png, filmstrip_svg, last_picture, moving_gif};
+pub use player::player;
+pub use robot::robot_page;

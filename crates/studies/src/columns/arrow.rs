@@ -1,0 +1,287 @@
+//! Columns as Arrow data: the type, the unit and the meaning of each, and its values.
+//!
+//! A column's type comes from its kind: numbers are 64-bit floats with the same bits, counts 64-bit integers,
+//! flags booleans, words UTF-8, lists of records lists of structs. Missing values are null. Unit and meaning
+//! are metadata of the field: `unit`, `description`.
+
+use super::Heading;
+use arrow_array::builder::{BooleanBuilder, Float64Builder, Int64Builder, StringBuilder};
+use arrow_array::{ArrayRef, ListArray, RecordBatch, StructArray};
+use arrow_buffer::{NullBuffer, OffsetBuffer, ScalarBuffer};
+use arrow_schema::{ArrowError, DataType, Field, FieldRef, Fields, Schema, SchemaRef};
+use cocarry::quantities::Kind;
+use serde_json::Value;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+impl Heading {
+    /// Its Arrow field.
+    pub fn field(&self) -> Field {
+        let unit = if let Kind::Number(unit) = self.kind { unit } else { "" };
+        field(self.name, data_type(self.kind), self.description, unit)
+    }
+}
+
+/// A nullable field with its metadata.
+fn field(name: &str, data_type: DataType, description: &str, unit: &str) -> Field {
+    let pairs =
+        [("description", description), ("unit", unit)].into_iter().filter(|(_, text)| !text.is_empty());
+    let metadata = pairs.map(|(key, text)| (key.to_owned(), text.to_owned())).collect::<HashMap<_, _>>();
+    Field::new(name, data_type, true).with_metadata(metadata)
+}
+
+fn data_type(kind: Kind) -> DataType {
+    match kind {
+        Kind::Number(_) => DataType::Float64,
+        Kind::Count => DataType::Int64,
+        Kind::Flag => DataType::Boolean,
+        Kind::Text => DataType::Utf8,
+        Kind::Numbers => list(DataType::Float64),
+        Kind::Record(schema) => of_schema(&schema()),
+        Kind::List(schema) => list(of_schema(&schema())),
+    }
+}
+
+fn list(of: DataType) -> DataType {
+    DataType::List(Arc::new(Field::new("item", of, true)))
+}
+
+/// The type of a nested value, from its JSON Schema.
+fn of_schema(schema: &Value) -> DataType {
+    match schema["type"].as_str() {
+        Some("number") => DataType::Float64,
+        Some("integer") => DataType::Int64,
+        Some("boolean") => DataType::Boolean,
+        Some("array") => list(of_schema(&schema["items"])),
+        Some("object") => {
+            let properties = schema["properties"].as_object().into_iter().flatten();
+            let fields = properties.map(|(name, schema)| {
+                let description = schema["description"].as_str().unwrap_or_default();
+                // a schema says the unit at the end of the description
+                let unit = description.strip_suffix(']').and_then(|rest| rest.rsplit_once(" ["));
+                let (description, unit) = unit.unwrap_or((description, ""));
+                field(name, of_schema(schema), description, unit)
+            });
+            DataType::Struct(fields.collect())
+        }
+        _ => DataType::Utf8,
+    }
+}
+
+/// A column while it is filled.
+#[derive(Debug)]
+pub enum Column {
+    /// Real numbers.
+    Number(Float64Builder),
+    /// Whole numbers.
+    Count(Int64Builder),
+    /// True or false.
+    Flag(BooleanBuilder),
+    /// Texts.
+    Text(StringBuilder),
+    /// Lists of values. A missing list is empty.
+    List {
+        /// The field of an item.
+        item: FieldRef,
+        /// All items, one after the other.
+        items: Box<Column>,
+        /// Where each list begins, and where the last one ends.
+        offsets: Vec<i32>,
+    },
+    /// Records.
+    Record {
+        /// The fields of a record.
+        fields: Fields,
+        /// A column for each field.
+        columns: Vec<Column>,
+        /// Which records there are.
+        present: Vec<bool>,
+    },
+}
+
+impl Column {
+    /// An empty column for values of this kind.
+    pub fn of(kind: Kind) -> Self {
+        Self::of_type(&data_type(kind))
+    }
+
+    fn of_type(data_type: &DataType) -> Self {
+        match data_type {
+            DataType::Float64 => Self::Number(Float64Builder::new()),
+            DataType::Int64 => Self::Count(Int64Builder::new()),
+            DataType::Boolean => Self::Flag(BooleanBuilder::new()),
+            DataType::List(item) => Self::List {
+                item: Arc::clone(item),
+                items: Box::new(Self::of_type(item.data_type())),
+                offsets: vec![0],
+            },
+            DataType::Struct(fields) => Self::Record {
+                fields: fields.clone(),
+                columns: fields.iter().map(|field| Self::of_type(field.data_type())).collect(),
+                present: Vec::new(),
+            },
+            _ => Self::Text(StringBuilder::new()),
+        }
+    }
+
+    /// Adds a cell of a CSV file. An empty cell is missing, and so is one of another kind.
+    pub fn add_text(&mut self, text: &str) {
+        match self {
+            Self::Number(values) => values.append_option(text.parse().ok()),
+            Self::Count(values) => values.append_option(text.parse().ok()),
+            Self::Flag(values) => values.append_option(text.parse().ok()),
+            Self::Text(values) => values.append_option((!text.is_empty()).then_some(text)),
+            Self::List { .. } | Self::Record { .. } => self.add(&Value::Null),
+        }
+    }
+
+    /// Adds a value. One of another kind is missing.
+    pub fn add(&mut self, value: &Value) {
+        match self {
+            Self::Number(values) => values.append_option(value.as_f64()),
+            Self::Count(values) => values.append_option(value.as_i64()),
+            Self::Flag(values) => values.append_option(value.as_bool()),
+            Self::Text(values) => values.append_option(value.as_str()),
+            Self::List { items, offsets, .. } => {
+                let list = value.as_array().into_iter().flatten();
+                let before = offsets.last().copied().unwrap_or_default();
+                let added = list.map(|value| items.add(value)).count();
+                offsets.push(before.wrapping_add(added as i32));
+            }
+            Self::Record { fields, columns, present } => {
+                for (field, column) in fields.iter().zip(columns) {
+                    column.add(value.get(field.name()).unwrap_or(&Value::Null));
+                }
+                present.push(value.is_object());
+            }
+        }
+    }
+
+    /// The values.
+    ///
+    /// # Errors
+    /// More items of lists than an offset of 32 bits can count.
+    pub fn array(self) -> Result<ArrayRef, ArrowError> {
+        Ok(match self {
+            Self::Number(mut values) => Arc::new(values.finish()),
+            Self::Count(mut values) => Arc::new(values.finish()),
+            Self::Flag(mut values) => Arc::new(values.finish()),
+            Self::Text(mut values) => Arc::new(values.finish()),
+            Self::List { item, items, offsets } => {
+                if offsets.iter().any(|offset| *offset < 0) {
+                    return Err(ArrowError::OffsetOverflowError(offsets.len()));
+                }
+                let offsets = OffsetBuffer::new(ScalarBuffer::from(offsets));
+                Arc::new(ListArray::try_new(item, offsets, items.array()?, None)?)
+            }
+            Self::Record { fields, columns, present } => {
+                let columns = columns.into_iter().map(Self::array).collect::<Result<Vec<_>, _>>()?;
+                let nulls = Some(NullBuffer::from(present)).filter(|nulls| nulls.null_count() > 0);
+                Arc::new(StructArray::try_new(fields, columns, nulls)?)
+            }
+        })
+    }
+}
+
+/// The columns of a table while its rows are added.
+#[derive(Debug)]
+pub struct Columns {
+    schema: SchemaRef,
+    columns: Vec<Column>,
+}
+
+impl Columns {
+    /// Empty columns with these headings.
+    pub fn new<'h>(headings: impl IntoIterator<Item = &'h Heading>) -> Self {
+        let fields: Vec<Field> = headings.into_iter().map(Heading::field).collect();
+        Self::of_schema(Arc::new(Schema::new(fields)))
+    }
+
+    /// Empty columns of this schema.
+    pub fn of_schema(schema: SchemaRef) -> Self {
+        let columns = schema.fields().iter().map(|field| Column::of_type(field.data_type())).collect();
+        Self { schema, columns }
+    }
+
+    /// The fields.
+    pub fn schema(&self) -> &SchemaRef {
+        &self.schema
+    }
+
+    /// Adds a row, one value for each column: first cells of a CSV file, then values.
+    pub fn add<'a>(
+        &mut self,
+        cells: impl IntoIterator<Item = &'a str>,
+        values: impl IntoIterator<Item = &'a Value>,
+    ) {
+        let mut columns = self.columns.iter_mut();
+        columns.by_ref().zip(cells).for_each(|(column, cell)| column.add_text(cell));
+        columns.zip(values).for_each(|(column, value)| column.add(value));
+    }
+
+    /// The rows.
+    ///
+    /// # Errors
+    /// Rows of different lengths, or too many items of lists.
+    pub fn batch(self) -> Result<RecordBatch, ArrowError> {
+        let arrays = self.columns.into_iter().map(Column::array).collect::<Result<Vec<_>, _>>()?;
+        RecordBatch::try_new(self.schema, arrays)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arrow_array::Array;
+    use arrow_array::cast::AsArray;
+    use arrow_array::types::{Float64Type, Int64Type};
+    use cocarry::quantities::{OPTION, TICK, schema};
+    use serde_json::json;
+
+    #[test]
+    fn every_quantity_of_a_tick_has_a_type_a_unit_and_a_meaning() {
+        let headings: Vec<Heading> = TICK.into_iter().flatten().map(Heading::from).collect();
+        let columns = Columns::new(&headings);
+        assert_eq!(columns.schema().fields().len(), headings.len());
+        for field in columns.schema().fields() {
+            assert!(!field.metadata()["description"].is_empty(), "{field}");
+        }
+        let x = columns.schema().field_with_name("x_m").unwrap();
+        assert_eq!((x.data_type(), x.metadata()["unit"].as_str()), (&DataType::Float64, "m"));
+        let DataType::List(option) = columns.schema().field_with_name("options").unwrap().data_type() else {
+            panic!("the options are a list")
+        };
+        let DataType::Struct(fields) = option.data_type() else { panic!("an option is a record") };
+        assert_eq!(fields.len(), OPTION.len());
+        let (_, length) = fields.find("length_m").unwrap();
+        assert_eq!((length.data_type(), length.metadata()["unit"].as_str()), (&DataType::Float64, "m"));
+        assert!(!length.metadata()["description"].contains('['));
+    }
+
+    #[test]
+    fn values_keep_their_bits_and_missing_ones_are_null() {
+        let options = Heading { name: "options", kind: Kind::List(|| schema(OPTION)), description: "" };
+        let headings = [
+            Heading { name: "a_m", kind: Kind::Number("m"), description: "a number" },
+            Heading { name: "n", kind: Kind::Count, description: "a count" },
+            options,
+        ];
+        let mut columns = Columns::new(&headings);
+        let number: f64 = 0.1 + 0.2;
+        let list = json!([{ "name": "left", "risk": -0.0, "misaligned": true }, { "name": "right" }]);
+        columns.add([], [&json!(number), &json!(i64::MAX), &list]);
+        columns.add([], [&Value::Null; 3]);
+        columns.add([number.to_string().as_str(), ""], [&Value::Null]);
+        let batch = columns.batch().unwrap();
+        let numbers = batch.column(0).as_primitive::<Float64Type>();
+        assert_eq!([0, 2].map(|row| numbers.value(row).to_bits()), [number.to_bits(); 2]);
+        assert_eq!((numbers.null_count(), batch.column(1).null_count()), (1, 2));
+        assert_eq!(batch.column(1).as_primitive::<Int64Type>().value(0), i64::MAX);
+        let lists = batch.column(2).as_list::<i32>();
+        assert_eq!([0, 1, 2].map(|row| lists.value_length(row)), [2, 0, 0]);
+        let records = lists.value(0);
+        let records = records.as_struct();
+        let risk = records.column_by_name("risk").unwrap().as_primitive::<Float64Type>();
+        assert_eq!((risk.value(0).to_bits(), risk.is_null(1)), ((-0.0f64).to_bits(), true));
+    }
+}

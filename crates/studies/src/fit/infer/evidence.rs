@@ -1,0 +1,159 @@
+//! What a participant's answers and switches say: likelihoods, and the exact posterior from them.
+
+use super::inputs::{Settings, Walk};
+use crate::fit::set::{Set, hull, intersection};
+use crate::fit::{Answers, FitError, Situation};
+use cocarry::episode::Look;
+use cocarry::learning::{MOST_TASKS, Tolerance, likelihoods_of_look};
+use cocarry::math;
+use cocarry::preference::{Belief, ChoiceDistribution, Posterior, PreferenceError, Prospect};
+
+/// The probability of an option in an answer if the human prefers it, and if the human prefers another.
+fn probabilities(options: usize, lapse_rate: f64) -> [f64; 2] {
+    let lapsed = lapse_rate / options as f64;
+    [1.0 - lapse_rate + lapsed, lapsed]
+}
+
+/// The likelihood of an answer if the human prefers each option: one choice, distributed as the participant
+/// says.
+pub(super) fn likelihoods(shares: &[f64], lapse_rate: f64) -> Vec<f64> {
+    let [own, other] = probabilities(shares.len(), lapse_rate);
+    let power = |base: f64, exponent: f64| if exponent == 0.0 { 1.0 } else { math::pow(base, exponent) };
+    shares.iter().map(|share| power(own, *share) * power(other, (1.0 - share).max(0.0))).collect()
+}
+
+/// The probability of each option in an answer, from the probability that the human prefers it.
+pub(super) fn with_lapses(preferred: &[f64], lapse_rate: f64) -> Vec<f64> {
+    let even = 1.0 / preferred.len() as f64;
+    preferred.iter().map(|p| (1.0 - lapse_rate) * p + lapse_rate * even).collect()
+}
+
+/// P_o in a world.
+pub(super) fn predicted(posterior: &mut Posterior, situation: &Situation) -> Vec<f64> {
+    let mut choice = ChoiceDistribution::default();
+    posterior.predict_from(&situation.prospects, None, &mut choice);
+    choice.probabilities().to_vec()
+}
+
+/// The belief over a participant's alpha and gamma.
+#[derive(Clone, Debug)]
+pub(super) struct Perceived {
+    pub posterior: Posterior,
+    /// The logarithm of the probability of all answers.
+    pub log_evidence: f64,
+    /// Number of answers.
+    pub answers: usize,
+    /// Number of looks at walks.
+    pub looks: usize,
+}
+
+impl Perceived {
+    pub fn new(belief: &Belief, risk_weight: f64) -> Result<Self, PreferenceError> {
+        Ok(Self {
+            posterior: Posterior::new(belief.clone(), risk_weight)?,
+            log_evidence: 0.0,
+            answers: 0,
+            looks: 0,
+        })
+    }
+
+    /// Learns from the likelihood of what was seen, by option. False, and no change, if no human of the
+    /// belief gives it.
+    pub fn learn(&mut self, prospects: &[Prospect], current: Option<usize>, likelihoods: &[f64]) -> bool {
+        match self.posterior.observe(prospects, current, likelihoods) {
+            Ok(evidence) => {
+                self.log_evidence += math::ln(evidence);
+                true
+            }
+            Err(_) => false,
+        }
+    }
+
+    /// Learns from the looks at a walk.
+    ///
+    /// # Errors
+    /// [`FitError::Walk`].
+    pub fn see(&mut self, walk: &Walk, lapse_rate: f64) -> Result<(), FitError> {
+        let mut likelihoods = Vec::new();
+        for Look { prospects, current, looks_like } in &walk.looks {
+            likelihoods_of_look(looks_like.iter().copied(), lapse_rate, &mut likelihoods);
+            if !self.learn(prospects, Some(*current), &likelihoods) {
+                let (file, participant) = (walk.file.clone(), walk.participant.clone());
+                return Err(FitError::Walk { file, participant });
+            }
+            self.looks += 1;
+        }
+        Ok(())
+    }
+
+    /// The belief after a participant's answers in all worlds but one.
+    ///
+    /// # Errors
+    /// [`FitError::Contradiction`].
+    pub fn after(
+        &self,
+        answers: &Answers,
+        participant: usize,
+        without: Option<usize>,
+        lapse_rate: f64,
+    ) -> Result<Self, FitError> {
+        let mut perceived = self.clone();
+        for (w, shares) in answers.shares[participant].iter().enumerate() {
+            let Some(shares) = shares.as_ref().filter(|_| without != Some(w)) else { continue };
+            let situation = &answers.situations[w];
+            perceived.answers += 1;
+            if !perceived.learn(&situation.prospects, None, &likelihoods(shares, lapse_rate)) {
+                return Err(FitError::Contradiction {
+                    file: answers.file.clone(),
+                    participant: answers.participants[participant].clone(),
+                    world: situation.world.clone(),
+                });
+            }
+        }
+        Ok(perceived)
+    }
+}
+
+/// The belief over a participant's eta. Episodes that no eta explains are left out.
+///
+/// # Errors
+/// [`FitError::Tolerances`] if the episodes contradict each other and there are no lapses;
+/// [`FitError::Episodes`] if there are too many.
+pub(super) fn tolerance(
+    file: &str,
+    participant: &str,
+    sets: Vec<Set>,
+    settings: &Settings,
+) -> Result<Tolerance, FitError> {
+    let sets: Vec<Set> = sets.into_iter().filter(|set| !set.is_empty()).collect();
+    let contradicts = !sets.is_empty() && intersection(&sets).is_empty();
+    if settings.lapse_rate == 0.0 && contradicts {
+        return Err(FitError::Tolerances { file: file.to_owned(), participant: participant.to_owned() });
+    }
+    if sets.len() > MOST_TASKS {
+        let (file, participant) = (file.to_owned(), participant.to_owned());
+        return Err(FitError::Episodes { file, participant, count: sets.len(), most: MOST_TASKS });
+    }
+    let mut tolerance = Tolerance::new(settings.tolerance, settings.lapse_rate)?;
+    for interval in sets.iter().filter_map(hull) {
+        tolerance.begin_task();
+        tolerance.set_task(interval);
+    }
+    Ok(tolerance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_likelihoods_of_an_answer() {
+        let all = likelihoods(&[0.0, 1.0, 0.0, 0.0], 0.2);
+        assert!(all.iter().zip([0.05, 0.85, 0.05, 0.05]).all(|(a, b)| (a - b).abs() < 1e-12), "{all:?}");
+        // half of the weight for each of two options
+        let split = likelihoods(&[0.5, 0.5], 0.2);
+        assert!(split.iter().all(|l| (l - (0.9f64 * 0.1).sqrt()).abs() < 1e-12), "{split:?}");
+        assert_eq!(likelihoods(&[0.0, 1.0], 0.0), [0.0, 1.0]);
+        assert_eq!(likelihoods(&[0.5, 0.5], 0.0), [0.0, 0.0]);
+    }
+}

@@ -1,0 +1,59 @@
+//! What an inference is given: settings, the belief, and what participants did besides answering.
+
+use crate::fit::Switch;
+use cocarry::episode::Look;
+use cocarry::learning::{self, TolerancePrior};
+use cocarry::preference::Belief;
+
+/// Settings of an inference.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// The probability that an answer, or a time of taking over, says nothing about its participant.
+    pub lapse_rate: f64,
+    /// The prior of eta.
+    pub tolerance: TolerancePrior,
+    /// Whether participants are drawn from a common population; otherwise each has the belief as prior.
+    pub has_population: bool,
+    /// Draws of each of four chains.
+    pub draws: usize,
+    /// Seed of the draws.
+    pub seed: u64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        let learning::Settings { lapse_rate, tolerance, .. } = learning::Settings::default();
+        Self { lapse_rate, tolerance, has_population: true, draws: 1000, seed: 0 }
+    }
+}
+
+/// The belief about people before their answers, and c_r.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// The prior of every participant; of a population, its ranges.
+    pub belief: Belief,
+    /// c_r, m.
+    pub risk_weight: f64,
+}
+
+/// The switches of a file.
+#[derive(Clone, Copy, Debug)]
+pub struct Switches<'a> {
+    /// The file.
+    pub file: &'a str,
+    /// Its episodes.
+    pub switches: &'a [Switch],
+}
+
+/// What was seen of a participant in one episode.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Walk {
+    /// The recording.
+    pub file: String,
+    /// The participant.
+    pub participant: String,
+    /// Looks under the human's lead.
+    pub looks: Vec<Look>,
+    /// The eta that agree with when they took over, or did not.
+    pub etas: [f64; 2],
+}

@@ -1,0 +1,224 @@
+//! What participants' answers and switches say of alpha, gamma and eta: the exact posterior of every
+//! participant, a population, and how well answers are predicted.
+//!
+//! The model and its assumptions are in the book, `book/src/participants.md`.
+
+mod arviz;
+mod draws;
+mod evidence;
+mod held_out;
+mod inputs;
+mod means;
+mod population;
+
+pub use draws::{CHAINS, Draws};
+pub use held_out::{HeldOut, OptionCheck, Score};
+pub use inputs::{Model, Settings, Switches, Walk};
+pub use means::{Means, MeansRow, infer_means};
+pub use population::{Figure, Population, QUANTITIES};
+
+use super::{Answers, EtaFit, FitError, Set, fit_eta};
+use crate::parallel::{OnDone, in_parallel};
+use cocarry::learning::Tolerance;
+use cocarry::preference::Belief;
+use draws::{Crowd, Source};
+use evidence::Perceived;
+use population::{Grid, Integrals};
+use serde::Serialize;
+
+/// What is known of one participant.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Person {
+    /// The participant.
+    pub participant: String,
+    /// Number of answers.
+    pub answers: usize,
+    /// Number of looks at recorded walks.
+    pub looks: usize,
+    /// alpha, from the own answers alone.
+    pub alpha: Figure,
+    /// gamma, from the own answers alone.
+    pub gamma: Figure,
+    /// Correlation of alpha and gamma.
+    pub correlation: f64,
+    /// Relative entropy of (alpha, gamma) to the belief, nats.
+    pub information: f64,
+    /// The logarithm of the probability of the answers under the belief.
+    pub log_evidence: f64,
+    /// alpha and gamma within the population, from everybody's answers (draws); `None` without a population.
+    pub within_population: Option<[Figure; 2]>,
+    /// Number of episodes with a robot that leads.
+    pub episodes: usize,
+    /// eta, from the own switches alone; `None` without switches.
+    pub eta: Option<Figure>,
+}
+
+/// What was inferred.
+#[derive(Clone, Debug)]
+pub struct Inference {
+    /// The participants, in the order of the files.
+    pub people: Vec<Person>,
+    /// The population of alpha and gamma; `None` with one participant, or where the belief is samples.
+    pub population: Option<Population>,
+    /// The log-normal population of eta, as `fit eta` has it.
+    pub tolerances: Option<EtaFit>,
+    /// Predictions of held-out worlds, one row for each and one for all; empty with fewer than two worlds.
+    pub held_out: Vec<HeldOut>,
+    /// Answers for every option against the predictions; empty with fewer than two worlds.
+    pub checks: Vec<OptionCheck>,
+    /// Draws from the posterior: with a population, from that of the population and everybody in it.
+    pub posterior: Draws,
+    /// Draws from the prior.
+    pub prior: Draws,
+}
+
+/// Infers alpha, gamma and eta from answers, switches, or both.
+///
+/// # Errors
+/// [`FitError`]: answers or switches contradict each other and there are no lapses; numbers out of range.
+pub fn infer(
+    answers: Option<&Answers>,
+    switches: Option<Switches>,
+    walks: &[Walk],
+    model: &Model,
+    settings: &Settings,
+    on_done: OnDone,
+) -> Result<Inference, FitError> {
+    let prior = Perceived::new(&model.belief, model.risk_weight)?;
+    Tolerance::new(settings.tolerance, settings.lapse_rate)?;
+    let mut names: Vec<&String> = answers.iter().flat_map(|answers| &answers.participants).collect();
+    let watched = switches.iter().flat_map(|s| s.switches).map(|switch| &switch.participant);
+    for name in watched.chain(walks.iter().map(|walk| &walk.participant)) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    let perceived = |p: usize| -> Result<Perceived, FitError> {
+        let mut perceived = match answers {
+            Some(answers) if p < answers.participants.len() => {
+                prior.after(answers, p, None, settings.lapse_rate)?
+            }
+            _ => prior.clone(),
+        };
+        for walk in walks.iter().filter(|walk| walk.participant == *names[p]) {
+            perceived.see(walk, settings.lapse_rate)?;
+        }
+        Ok(perceived)
+    };
+    let people: Vec<Perceived> =
+        in_parallel(names.len(), on_done, perceived).into_iter().collect::<Result<_, _>>()?;
+    // the sets of eta of a participant's episodes with a robot that leads
+    let own = |name: &String| -> Vec<Set> {
+        let switched = switches.iter().flat_map(|s| s.switches).filter(|s| s.participant == *name);
+        let is_led = |walk: &&Walk| walk.participant == *name && walk.etas != [0.0, f64::INFINITY];
+        let walked = walks.iter().filter(is_led).map(|walk| vec![walk.etas]);
+        switched.map(|s| s.etas.clone()).chain(walked).collect()
+    };
+    let has_episodes = names.iter().any(|name| !own(name).is_empty());
+    let file = switches.map(|s| s.file).or(walks.first().map(|walk| walk.file.as_str())).unwrap_or_default();
+    let tolerances: Vec<Tolerance> = match has_episodes {
+        false => Vec::new(),
+        true => names
+            .iter()
+            .map(|name| evidence::tolerance(file, name, own(name), settings))
+            .collect::<Result<_, _>>()?,
+    };
+    let grid = Grid::new(model.belief.ranges())?;
+    let is_sampled = matches!(model.belief, Belief::Samples(_));
+    let is_asked = people.iter().any(|person| person.answers + person.looks > 0);
+    let has_population = settings.has_population && is_asked && names.len() > 1 && !is_sampled;
+    let integrals: Vec<Integrals> = match has_population {
+        false => Vec::new(),
+        true => in_parallel(people.len(), on_done, |p| {
+            grid.integrals(&grid.steps(|gamma| people[p].posterior.steps_at(gamma)))
+        }),
+    };
+    let weighed = has_population.then(|| weighed(&grid, &people, &integrals)).flatten();
+    let source = Source {
+        belief: &model.belief,
+        people: &people,
+        tolerances: &tolerances,
+        tolerance: settings.tolerance,
+        crowd: weighed.as_ref().map(|(weights, _)| Crowd { weights, integrals: &integrals }),
+        grid: &grid,
+    };
+    let posterior = source.draws(settings.draws, settings.seed, 0);
+    let prior_draws = prior_draws(&source, &prior, settings)?;
+    let population = weighed.as_ref().map(|(weights, evidence)| Population::new(&grid, weights, *evidence));
+    let is_compared = answers.is_some_and(|answers| answers.situations.len() > 1);
+    let (held_out, checks) = match answers.filter(|_| is_compared) {
+        Some(answers) => held_out::held_out(answers, &prior, model, settings, on_done)?,
+        None => (Vec::new(), Vec::new()),
+    };
+    let mut all = people;
+    let people = names.iter().zip(&mut all).enumerate().map(|(p, (name, known))| {
+        let estimate = known.posterior.estimate();
+        let [variance_alpha, covariance, variance_gamma] = estimate.covariance;
+        let figure = |which: usize, variance: f64, interval| Figure {
+            mean: estimate.mean[which],
+            std: variance.max(0.0).sqrt(),
+            interval,
+        };
+        let drawn = |values: &Vec<f64>| {
+            let weight = 1.0 / values.len() as f64;
+            Figure::of(values.iter().map(|value| (*value, weight)).collect())
+        };
+        Person {
+            participant: (*name).clone(),
+            answers: known.answers,
+            looks: known.looks,
+            alpha: figure(0, variance_alpha, estimate.alpha),
+            gamma: figure(1, variance_gamma, estimate.gamma),
+            correlation: covariance / (variance_alpha * variance_gamma).sqrt(),
+            information: estimate.information,
+            log_evidence: known.log_evidence,
+            within_population: population
+                .as_ref()
+                .map(|_| [drawn(&posterior.alpha[p]), drawn(&posterior.gamma[p])]),
+            episodes: own(name).len(),
+            eta: tolerances.get(p).filter(|_| !own(name).is_empty()).map(|tolerance| {
+                let [mean, variance] = tolerance.moments();
+                Figure { mean, std: variance.sqrt(), interval: tolerance.interval(0.95) }
+            }),
+        }
+    });
+    Ok(Inference {
+        people: people.collect(),
+        population,
+        tolerances: switches.map(|s| fit_eta(s.switches)),
+        held_out,
+        checks,
+        posterior,
+        prior: prior_draws,
+    })
+}
+
+/// The probabilities of the populations, and the logarithm of the evidence.
+fn weighed(grid: &Grid, people: &[Perceived], integrals: &[Integrals]) -> Option<(Vec<f64>, f64)> {
+    let evidence: f64 = people.iter().map(|person| person.log_evidence).sum();
+    let log = |node: usize| -> f64 {
+        integrals.iter().map(|one| cocarry::math::ln(one.values[node].max(0.0))).sum::<f64>() + evidence
+    };
+    population::weights(&(0..grid.len()).map(log).collect::<Vec<_>>())
+}
+
+/// Draws from the same model without any answers and switches.
+fn prior_draws(source: &Source, prior: &Perceived, settings: &Settings) -> Result<Draws, FitError> {
+    let people = vec![prior.clone(); source.people.len()];
+    let tolerance = Tolerance::new(source.tolerance, settings.lapse_rate)?;
+    let tolerances = vec![tolerance; source.tolerances.len()];
+    let even = vec![1.0 / source.grid.len() as f64; source.grid.len()];
+    let integrals: Vec<Integrals> = match source.crowd {
+        None => Vec::new(),
+        Some(_) => {
+            let one = source.grid.integrals(&source.grid.steps(|gamma| prior.posterior.steps_at(gamma)));
+            vec![one; people.len()]
+        }
+    };
+    let crowd = source.crowd.as_ref().map(|_| Crowd { weights: &even, integrals: &integrals });
+    let source = Source { people: &people, tolerances: &tolerances, crowd, ..*source };
+    Ok(source.draws(settings.draws, settings.seed, 1))
+}
+
+#[cfg(test)]
+mod tests;

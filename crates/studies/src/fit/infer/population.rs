@@ -1,0 +1,271 @@
+//! The population of alpha and gamma: independent truncated normals on the belief's ranges.
+//!
+//! Means are uniform on the range a priori, and the logarithms of the spreads are uniform. A person's
+//! likelihood steps at the borders of the options' regions only, so the integral over alpha is exact: a sum
+//! of distribution functions. The integral over gamma is a sum over narrow rows. The integral over the
+//! population's four parameters is a sum over all nodes.
+
+use cocarry::math;
+use cocarry::preference::{Marginal, PreferenceError};
+use serde::Serialize;
+
+/// Nodes of the mean of a normal, at the middles of equal parts of the range.
+const MEANS: usize = 25;
+/// Nodes of its spread, at the middles of equal parts of the logarithm.
+const SPREADS: usize = 10;
+/// The least and the largest spread, in parts of the range. With the largest, the normal is nearly uniform.
+const SPREAD_RANGE: [f64; 2] = [0.05, 2.0];
+/// Rows of gamma.
+pub(super) const ROWS: usize = 64;
+
+/// The quantities of a population that are reported, as in outputs.
+pub const QUANTITIES: [&str; 4] = ["mean of alpha", "spread of alpha", "mean of gamma", "spread of gamma"];
+
+/// A parameter's populations: every pair of a mean and a spread.
+#[derive(Clone, Debug)]
+pub(super) struct Axis {
+    pub normals: Vec<Marginal>,
+    /// Mean and standard deviation of each over people, after truncation.
+    people: Vec<[f64; 2]>,
+}
+
+impl Axis {
+    fn new([low, high]: [f64; 2]) -> Result<Self, PreferenceError> {
+        let width = high - low;
+        let [least, most] = SPREAD_RANGE;
+        let mut axis = Self { normals: Vec::new(), people: Vec::new() };
+        for s in 0..SPREADS {
+            let spread = least * width * math::pow(most / least, (s as f64 + 0.5) / SPREADS as f64);
+            for m in 0..MEANS {
+                let mean = low + width * (m as f64 + 0.5) / MEANS as f64;
+                let normal = Marginal::truncated_normal(mean, spread, low, high)?;
+                // from d/dx density = -(x - mean) / spread^2 density, by parts
+                let [at_low, at_high] = [low, high].map(|end| normal.density(end));
+                let variance = math::squared(spread);
+                let first = mean - variance * (at_high - at_low);
+                let second = mean * first + variance * (1.0 - (high * at_high - low * at_low));
+                axis.normals.push(normal);
+                axis.people.push([first, (second - first * first).max(0.0).sqrt()]);
+            }
+        }
+        Ok(axis)
+    }
+}
+
+/// The step functions of alpha on every row of gamma: what somebody's answers say of them.
+#[derive(Clone, Debug)]
+pub(super) struct Steps(pub Vec<Vec<(f64, f64)>>);
+
+/// The grid of all populations.
+#[derive(Clone, Debug)]
+pub(super) struct Grid {
+    pub alpha: Axis,
+    pub gamma: Axis,
+    gammas: [f64; 2],
+    /// The probability of each row, by gamma's population.
+    rows: Vec<[f64; ROWS]>,
+}
+
+/// The integrals of one likelihood over every population.
+#[derive(Clone, Debug)]
+pub(super) struct Integrals {
+    /// By alpha's population and row.
+    pub along_alpha: Vec<[f64; ROWS]>,
+    /// By alpha's population, then gamma's.
+    pub values: Vec<f64>,
+}
+
+impl Grid {
+    pub fn new(ranges: [[f64; 2]; 2]) -> Result<Self, PreferenceError> {
+        let [alpha, gamma] = [Axis::new(ranges[0])?, Axis::new(ranges[1])?];
+        let mut grid = Self { alpha, gamma, gammas: ranges[1], rows: Vec::new() };
+        grid.rows = grid.gamma.normals.iter().map(|normal| grid.row_masses(normal)).collect();
+        Ok(grid)
+    }
+
+    /// Number of populations.
+    pub fn len(&self) -> usize {
+        self.alpha.normals.len() * self.gamma.normals.len()
+    }
+
+    /// The populations of alpha and gamma of a node.
+    pub fn at(&self, node: usize) -> [usize; 2] {
+        [node / self.gamma.normals.len(), node % self.gamma.normals.len()]
+    }
+
+    /// The ends of a row.
+    pub fn row(&self, row: usize) -> [f64; 2] {
+        let [low, high] = self.gammas;
+        [row, row + 1].map(|end| low + (high - low) * end as f64 / ROWS as f64)
+    }
+
+    /// The probability of each row.
+    pub fn row_masses(&self, gamma: &Marginal) -> [f64; ROWS] {
+        std::array::from_fn(|row| {
+            let [from, to] = self.row(row).map(|end| gamma.cdf(end));
+            to - from
+        })
+    }
+
+    /// The steps of a likelihood in the middle of each row.
+    pub fn steps(&self, at: impl Fn(f64) -> Vec<(f64, f64)>) -> Steps {
+        let middle = |row| 0.5 * (self.row(row)[0] + self.row(row)[1]);
+        Steps((0..ROWS).map(|row| at(middle(row))).collect())
+    }
+
+    /// The integral over alpha on each row.
+    pub fn along_alpha(&self, steps: &Steps, alpha: &Marginal) -> [f64; ROWS] {
+        std::array::from_fn(|row| along(&steps.0[row], alpha))
+    }
+
+    pub fn integrals(&self, steps: &Steps) -> Integrals {
+        let along_alpha: Vec<[f64; ROWS]> =
+            self.alpha.normals.iter().map(|normal| self.along_alpha(steps, normal)).collect();
+        let mut values = Vec::with_capacity(self.len());
+        for along in &along_alpha {
+            let of = |rows: &[f64; ROWS]| along.iter().zip(rows).map(|(a, b)| a * b).sum::<f64>();
+            values.extend(self.rows.iter().map(of));
+        }
+        Integrals { along_alpha, values }
+    }
+
+    /// The posterior probability of each row of one person, given alpha's and gamma's population, not scaled.
+    pub fn rows_given(&self, integrals: &Integrals, [alpha, gamma]: [usize; 2]) -> [f64; ROWS] {
+        std::array::from_fn(|row| integrals.along_alpha[alpha][row] * self.rows[gamma][row])
+    }
+
+    fn quantity(&self, which: usize, node: usize) -> f64 {
+        let [alpha, gamma] = self.at(node);
+        let people = if which < 2 { self.alpha.people[alpha] } else { self.gamma.people[gamma] };
+        people[which % 2]
+    }
+}
+
+/// The integral of a step function of alpha.
+pub(super) fn along(steps: &[(f64, f64)], alpha: &Marginal) -> f64 {
+    steps.iter().map(|(from, step)| step * (1.0 - alpha.cdf(*from))).sum::<f64>().max(0.0)
+}
+
+/// What is known of a quantity.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Figure {
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation.
+    pub std: f64,
+    /// The central 95 % interval.
+    pub interval: [f64; 2],
+}
+
+impl Figure {
+    /// Of values with weights that sum to 1.
+    pub(super) fn of(mut values: Vec<(f64, f64)>) -> Self {
+        let mean: f64 = values.iter().map(|(value, weight)| value * weight).sum();
+        let variance: f64 = values.iter().map(|(value, weight)| math::squared(value - mean) * weight).sum();
+        values.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let quantile = |share: f64| {
+            let mut sum = 0.0;
+            let reaches = |(_, weight): &&(f64, f64)| {
+                sum += weight;
+                sum >= share
+            };
+            values.iter().find(reaches).or(values.last()).map_or(mean, |(value, _)| *value)
+        };
+        Self { mean, std: variance.sqrt(), interval: [quantile(0.025), quantile(0.975)] }
+    }
+}
+
+/// The posterior of a population.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Population {
+    /// What is known of each of [`QUANTITIES`].
+    pub posterior: [Figure; 4],
+    /// What was known of them before.
+    pub prior: [Figure; 4],
+    /// Relative entropy of the posterior of all four parameters to their prior, nats.
+    pub information: f64,
+    /// The logarithm of the probability of all answers.
+    pub log_evidence: f64,
+}
+
+/// Weights of the populations, from the logarithms of their likelihoods; and the logarithm of the evidence.
+/// `None` if no population is possible.
+pub(super) fn weights(log_likelihoods: &[f64]) -> Option<(Vec<f64>, f64)> {
+    let most = log_likelihoods.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if !most.is_finite() {
+        return None;
+    }
+    let weights: Vec<f64> = log_likelihoods.iter().map(|l| math::exp(l - most)).collect();
+    let total: f64 = weights.iter().sum();
+    let evidence = most + math::ln(total / weights.len() as f64);
+    Some((weights.into_iter().map(|w| w / total).collect(), evidence))
+}
+
+impl Population {
+    pub(super) fn new(grid: &Grid, weights: &[f64], log_evidence: f64) -> Self {
+        let figure = |which: usize, weight: &dyn Fn(usize) -> f64| {
+            Figure::of((0..grid.len()).map(|node| (grid.quantity(which, node), weight(node))).collect())
+        };
+        let even = 1.0 / grid.len() as f64;
+        let relative = |w: &&f64| **w > 0.0;
+        Self {
+            posterior: std::array::from_fn(|which| figure(which, &|node| weights[node])),
+            prior: std::array::from_fn(|which| figure(which, &|_| even)),
+            information: weights.iter().filter(relative).map(|w| w * math::ln(w / even)).sum(),
+            log_evidence,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cocarry::preference::{Belief, Perception, Posterior, Prospect, human_choice};
+
+    const RANGES: [[f64; 2]; 2] = [[0.55, 0.95], [0.5, 1.1]];
+    const PROSPECTS: [Prospect; 4] = [
+        Prospect::new(41.86, 0.66),
+        Prospect::new(17.4, 0.363),
+        Prospect::new(14.33, 0.547),
+        Prospect::new(21.36, 0.247),
+    ];
+
+    #[test]
+    fn property_brute_force_of_integrals_over_populations() {
+        let grid = Grid::new(RANGES).unwrap();
+        let mut posterior = Posterior::new(Belief::default(), 10.0).unwrap();
+        let likelihoods = [0.1, 0.3, 0.9, 0.05];
+        let evidence = posterior.observe(&PROSPECTS, None, &likelihoods).unwrap();
+        let integrals = grid.integrals(&grid.steps(|gamma| posterior.steps_at(gamma)));
+        for node in (0..grid.len()).step_by(4001) {
+            let [a, g] = grid.at(node);
+            let (alpha, gamma) = (&grid.alpha.normals[a], &grid.gamma.normals[g]);
+            let points = 400;
+            let mut wanted = 0.0;
+            for i in 0..points {
+                for j in 0..points {
+                    let at =
+                        |normal: &Marginal, i: i32| normal.quantile((f64::from(i) + 0.5) / f64::from(points));
+                    let human = Perception { alpha: at(alpha, i), gamma: at(gamma, j) };
+                    wanted += likelihoods[human_choice(&PROSPECTS, 10.0, human, None)];
+                }
+            }
+            wanted /= f64::from(points * points);
+            let found = evidence * integrals.values[node];
+            assert!((found - wanted).abs() < 2e-3, "{alpha} {gamma}: {found} {wanted}");
+        }
+    }
+
+    #[test]
+    fn closed_form_moments_of_people() {
+        let axis = Axis::new(RANGES[0]).unwrap();
+        for (normal, [mean, std]) in axis.normals.iter().zip(&axis.people) {
+            let n = 20_000;
+            let values: Vec<f64> =
+                (0..n).map(|i| normal.quantile((f64::from(i) + 0.5) / f64::from(n))).collect();
+            let found = crate::statistics::mean_and_std(&values);
+            assert!((found.0 - mean).abs() < 1e-6, "{normal}: {found:?} {mean}");
+            assert!((found.1 - std).abs() < 1e-5, "{normal}: {found:?} {std}");
+        }
+    }
+}

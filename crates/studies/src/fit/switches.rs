@@ -1,0 +1,181 @@
+//! A file of switches, and the set of eta that each episode allows.
+
+use super::table::{Column, named_worlds, read};
+use super::{FitError, Guidance, Set};
+use cocarry::policy::Method;
+use cocarry::scenario::PreparedScenario;
+use std::path::Path;
+
+/// A file of switches, not yet matched with its worlds.
+#[derive(Clone, Debug)]
+pub struct SwitchFile {
+    file: String,
+    rows: Vec<SwitchRow>,
+}
+
+#[derive(Clone, Debug)]
+struct SwitchRow {
+    line: u64,
+    participant: String,
+    world: String,
+    executed: Executed,
+    trial: String,
+    step: Option<u64>,
+    step_text: String,
+}
+
+/// The robot's behaviour in an episode.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Executed {
+    /// It walked the option of this name.
+    Option(String),
+    /// It chose by eq. (6), as in `cocarry run`.
+    Mutual,
+}
+
+impl Executed {
+    /// The form used in a file.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Option(name) => format!("option {name}"),
+            Self::Mutual => Method::MUTUAL.name().to_owned(),
+        }
+    }
+}
+
+/// An episode with the eta that it allows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Switch {
+    /// Line in the file.
+    pub line: u64,
+    /// The participant.
+    pub participant: String,
+    /// World, by its name in the file.
+    pub world: String,
+    /// The robot's behaviour.
+    pub executed: Executed,
+    /// The step at which the participant asked to switch; `None` if never.
+    pub step: Option<u64>,
+    /// All eta that switch at this step; empty if none does.
+    pub etas: Set,
+}
+
+impl SwitchFile {
+    /// Reads a CSV file with the columns participant, world, step, and option or method (or both, one of them
+    /// empty), and optionally trial.
+    ///
+    /// # Errors
+    /// [`FitError`], which names line, column and value.
+    pub fn read(path: &Path) -> Result<Self, FitError> {
+        let columns = [
+            Column::needed("participant"),
+            Column::needed("world"),
+            Column::optional("option"),
+            Column::optional("method"),
+            Column::needed("step"),
+            Column::optional("trial"),
+        ];
+        let file = path.display().to_string();
+        let mut rows: Vec<SwitchRow> = Vec::new();
+        for row in read(path, columns)? {
+            let [participant, world, option, method, step, trial] = row.values;
+            let line = row.line;
+            let cell = |column, value: &str, expected: &str| FitError::Cell {
+                file: file.clone(),
+                line,
+                column,
+                value: value.to_owned(),
+                expected: expected.to_owned(),
+            };
+            for (column, value) in [("participant", &participant), ("world", &world)] {
+                if value.is_empty() {
+                    return Err(cell(column, value, "a name"));
+                }
+            }
+            let executed = match (option.as_str(), method.as_str()) {
+                ("", "") => return Err(cell("option", "", "an option's name, or a method")),
+                ("", "mutual") => Executed::Mutual,
+                ("", other) => {
+                    return Err(cell(
+                        "method",
+                        other,
+                        "mutual; with the other methods the human is not led or does not switch",
+                    ));
+                }
+                (_, "") => Executed::Option(option),
+                (_, other) => return Err(cell("method", other, "empty where an option is given")),
+            };
+            let number = if step.is_empty() { Some(None) } else { step.parse().ok().map(Some) };
+            let Some(number) = number else {
+                return Err(cell("step", &step, "a whole number of steps, or empty for never"));
+            };
+            let is_same = |r: &&SwitchRow| {
+                (&r.participant, &r.world, &r.executed, &r.trial) == (&participant, &world, &executed, &trial)
+            };
+            if let Some(first) = rows.iter().find(is_same) {
+                let what = format!(
+                    "participant `{participant}` in {world}, {} (a column `trial` distinguishes repetitions),",
+                    executed.name()
+                );
+                return Err(FitError::Duplicate { file, line, what, first: first.line });
+            }
+            let (step, step_text) = (number, step);
+            rows.push(SwitchRow { line, participant, world, executed, trial, step, step_text });
+        }
+        Ok(Self { file, rows })
+    }
+
+    /// The worlds that the file names, each with the first line that does.
+    pub fn worlds(&self) -> Vec<(String, u64)> {
+        named_worlds(self.rows.iter().map(|row| (row.world.as_str(), row.line)))
+    }
+
+    /// The eta allowed by every row, for the scenarios of these worlds (one for every name in
+    /// [`SwitchFile::worlds`]). Their belief, c_r, phi(0) and walk are used; eta, method and human are not.
+    ///
+    /// # Errors
+    /// [`FitError`]: an unknown option, or a step beyond the episode's end.
+    pub fn matched(&self, worlds: &[(String, PreparedScenario)]) -> Result<Vec<Switch>, FitError> {
+        let mut known: Vec<(&str, &Executed, Guidance)> = Vec::new();
+        let mut switches = Vec::new();
+        for row in &self.rows {
+            let Some((_, stage)) = worlds.iter().find(|(name, _)| *name == row.world) else { continue };
+            let is_same = |k: &(&str, &Executed, Guidance)| k.0 == row.world && *k.1 == row.executed;
+            let guidance = match known.iter().position(is_same) {
+                Some(i) => &known[i].2,
+                None => {
+                    known.push((&row.world, &row.executed, self.guidance(row, stage)?));
+                    &known[known.len() - 1].2
+                }
+            };
+            if row.step.is_some_and(|step| step >= guidance.steps()) {
+                let (executed, last) = (row.executed.name(), guidance.steps().saturating_sub(1));
+                let expected = format!("at most {last}, the last step of {executed} in {}", row.world);
+                return Err(self.cell(row, "step", &row.step_text, expected));
+            }
+            switches.push(Switch {
+                line: row.line,
+                participant: row.participant.clone(),
+                world: row.world.clone(),
+                executed: row.executed.clone(),
+                step: row.step,
+                etas: guidance.etas(row.step),
+            });
+        }
+        Ok(switches)
+    }
+
+    fn guidance(&self, row: &SwitchRow, stage: &PreparedScenario) -> Result<Guidance, FitError> {
+        let Executed::Option(name) = &row.executed else { return Ok(Guidance::mutual(stage)?) };
+        let (set, settings) = (stage.options(), &stage.scenario().settings);
+        let option = set.options().iter().position(|o| o.name == *name);
+        option.and_then(|o| Guidance::along_option(set, settings, o)).ok_or_else(|| {
+            let known: Vec<_> = set.options().iter().map(|o| format!("`{}`", o.name)).collect();
+            self.cell(row, "option", name, format!("an option of {}: {}", row.world, known.join(", ")))
+        })
+    }
+
+    fn cell(&self, row: &SwitchRow, column: &'static str, value: &str, expected: String) -> FitError {
+        FitError::Cell { file: self.file.clone(), line: row.line, column, value: value.to_owned(), expected }
+    }
+}

@@ -1,0 +1,109 @@
+//! "No locked cycles" (Sec. IV-B): the search for a counterexample.
+
+use super::part::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds};
+use crate::paper::cycles::{Findings, Search};
+use crate::parallel::OnDone;
+use crate::table::{Columns, Table};
+use cocarry::scenario::{Plant, PlantKind, RobotSetup};
+
+/// The search.
+pub(super) const PART: Part = Part { name: "random worlds", episodes: |plan| plan.worlds, run };
+
+/// The same worlds' kind with bodies.
+pub(super) const WITH_BODIES: Part = Part {
+    name: "random worlds with bodies",
+    episodes: |plan| plan.worlds_with_bodies,
+    run: run_with_bodies,
+};
+
+fn run_with_bodies(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+    let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(plan.robot));
+    let (settings, worlds, seed) = (&plan.settings, plan.worlds_with_bodies, plan.seed);
+    let search = Search { plant: &plant, settings, worlds, seed };
+    let findings = search.run(on_done)?;
+    let text = "Random worlds with room for the bodies, human and \u{3b7} as before, on the physical plant. A contact with an obstacle ends an episode.";
+    Ok(Section {
+        title: "Random worlds with bodies".to_owned(),
+        finding: finding_with_bodies(&findings),
+        blocks: vec![Block::Text(text.to_owned()), Block::Table(table_with_bodies(&findings))],
+    })
+}
+
+/// Episodes that ended neither at B nor with a contact.
+fn ended_otherwise(findings: &Findings) -> u64 {
+    (findings.lost.len() - findings.touched.iter().sum::<usize>()) as u64
+}
+
+fn table_with_bodies(findings: &Findings) -> Table {
+    Columns::of(std::slice::from_ref(findings))
+        .count("worlds", "worlds", |f| f.episodes as u64)
+        .count("two options or more", "with_choice", |f| f.with_choice as u64)
+        .count("arrived", "arrived", |f| f.arrived as u64)
+        .count("robot", "touched_by_robot", |f| f.touched[0] as u64)
+        .count("object", "touched_by_object", |f| f.touched[1] as u64)
+        .count("human", "touched_by_human", |f| f.touched[2] as u64)
+        .count("other", "ended_otherwise", ended_otherwise)
+        .number("longest / cheapest option", "longest_detour", 2, |f| f.longest_detour)
+        .table("worlds-with-bodies", "Random worlds with bodies")
+        .with_note("robot, object, human: episodes in which that body touched an obstacle; other: the object was lost, or the team was stuck or out of time;")
+        .with_note("longest / cheapest option: as above, of the episodes that arrived.")
+}
+
+fn finding_with_bodies(findings: &Findings) -> Finding {
+    let [robot, object, human] = findings.touched;
+    Finding {
+        claim: "A team with bodies arrives in random worlds (not in the paper)",
+        verdict: holds(findings.arrived, findings.episodes, "worlds"),
+        figures: format!(
+            "{} of {} arrive; an obstacle is touched by the robot in {robot}, the object in {object}, the human in {human}; {} end otherwise",
+            findings.arrived,
+            findings.episodes,
+            ended_otherwise(findings)
+        ),
+    }
+}
+
+fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+    let (settings, worlds, seed) = (&plan.settings, plan.worlds, plan.seed);
+    let search = Search { plant: &Plant::Point, settings, worlds, seed };
+    let findings = search.run(on_done)?;
+    let text = "The paper claims, without proof, that eq. (6) never makes the team alternate between options forever. Every episode has a random world, human and \u{3b7} \
+                (1 to 30). It runs until the team arrives or ten times the time of the longest option has passed. A counterexample is an episode that does not \
+                arrive.";
+    Ok(Section {
+        title: "No locked cycles".to_owned(),
+        finding: finding(&findings),
+        blocks: vec![Block::Text(text.to_owned()), Block::Table(table(&findings))],
+    })
+}
+
+fn table(findings: &Findings) -> Table {
+    Columns::of(std::slice::from_ref(findings))
+        .count("worlds", "worlds", |f| f.episodes as u64)
+        .count("two options or more", "with_choice", |f| f.with_choice as u64)
+        .count("option changed in", "with_changes", |f| f.with_changes as u64)
+        .count("most changes", "most_changes", |f| u64::from(f.most_changes))
+        .number("longest / cheapest option", "longest_detour", 2, |f| f.longest_detour)
+        .count("counterexamples", "counterexamples", |f| f.lost.len() as u64)
+        .table("cycles", "The search for locked cycles")
+        .with_note("longest / cheapest option: the most steps that an episode took, over those of its cheapest option at the start.")
+}
+
+fn finding(findings: &Findings) -> Finding {
+    Finding {
+        claim: "Eq. (6) causes no locked cycles",
+        verdict: match holds(findings.arrived, findings.episodes, "worlds") {
+            verdict if verdict == "holds" => "no counterexample".to_owned(),
+            verdict => verdict,
+        },
+        figures: format!(
+            "{} random worlds, {} with two options or more; the executed option changed in {}, at most {} times; the longest episode took {:.1} times \
+             the steps of its cheapest option",
+            grouped(findings.episodes),
+            grouped(findings.with_choice),
+            grouped(findings.with_changes),
+            findings.most_changes,
+            findings.longest_detour,
+        ),
+    }
+}

@@ -1,0 +1,155 @@
+//! A claim's part of the report: its runs, and its section.
+
+use crate::fit::FitError;
+use crate::paper::{contacts, cycles as locked, h2, h3, h4};
+use crate::parallel::OnDone;
+use crate::table::Table;
+use cocarry::episode::Settings;
+use cocarry::robot::Robot;
+use cocarry_output::drawing::DrawingError;
+use thiserror::Error;
+
+/// The extent of a report.
+#[derive(Clone, Debug)]
+pub struct Plan<'a> {
+    /// The robot of Table III and of the team with bodies.
+    pub robot: &'a Robot,
+    /// Settings of the episodes.
+    pub settings: Settings,
+    /// Number of random humans in each cell of Table III.
+    pub episodes: usize,
+    /// Number of humans in each cell of Table II with bodies.
+    pub humans: usize,
+    /// Number of random worlds in the search for locked cycles.
+    pub worlds: usize,
+    /// The same with bodies.
+    pub worlds_with_bodies: usize,
+    /// Number of walks through each opening from each angle.
+    pub walks: usize,
+    /// Number of people of each kind in each group of worlds, who the robot learns.
+    pub people: usize,
+    /// Seed of all random draws.
+    pub seed: u64,
+}
+
+impl<'a> Plan<'a> {
+    /// The extent of the paper and of the commands for the single claims.
+    pub fn new(robot: &'a Robot) -> Self {
+        Self {
+            robot,
+            settings: Settings::default(),
+            episodes: h3::EPISODES,
+            humans: h2::SAMPLES,
+            worlds: locked::WORLDS,
+            worlds_with_bodies: locked::WORLDS_WITH_BODIES,
+            walks: contacts::WALKS,
+            people: h4::HUMANS,
+            seed: 0,
+        }
+    }
+}
+
+/// A claim and its evaluation.
+pub struct Part {
+    /// Name in a progress bar.
+    pub name: &'static str,
+    /// Number of episodes that it runs.
+    pub episodes: fn(&Plan) -> usize,
+    /// Runs the episodes.
+    pub run: fn(&Plan, OnDone) -> Result<Section, ReportError>,
+}
+
+/// A section of the report.
+#[derive(Clone, Debug)]
+pub struct Section {
+    /// Its heading.
+    pub title: String,
+    /// The finding on the claim.
+    pub finding: Finding,
+    /// Contents.
+    pub blocks: Vec<Block>,
+}
+
+/// The finding on a claim, in words and figures of this run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// The claim.
+    pub claim: &'static str,
+    /// Whether it holds.
+    pub verdict: String,
+    /// The figures behind the verdict.
+    pub figures: String,
+}
+
+/// A piece of a section.
+#[derive(Clone, Debug)]
+pub enum Block {
+    /// Paragraphs, as Markdown.
+    Text(String),
+    /// A table.
+    Table(Table),
+    /// A picture.
+    Figure(Figure),
+}
+
+/// A picture with its caption.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// File name without extension.
+    pub name: String,
+    /// Caption.
+    pub caption: String,
+    /// Whether two such pictures are placed side by side, where there is room.
+    pub is_half: bool,
+    /// The picture, as SVG.
+    pub svg: String,
+}
+
+/// The reason why there is no report. It is a fault of the program, since everything reported on is built in.
+#[derive(Debug, Error)]
+pub enum ReportError {
+    /// An error of a built-in world.
+    #[error(transparent)]
+    BuiltIn(#[from] cocarry::Error),
+    /// An error of a picture.
+    #[error(transparent)]
+    Drawing(#[from] DrawingError),
+    /// An error of the fit of c_r.
+    #[error(transparent)]
+    Fit(#[from] FitError),
+}
+
+/// `n of m` in words: whether a claim holds in all of them.
+pub(super) fn holds(n: usize, of: usize, what: &str) -> String {
+    match n {
+        _ if n == of => "holds".to_owned(),
+        0 => "does not hold".to_owned(),
+        _ => format!("holds in {n} of {of} {what}"),
+    }
+}
+
+/// A number with separated thousands.
+pub(super) fn grouped(n: usize) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_words_for_numbers() {
+        assert_eq!([0, 999, 1000, 25600, 1234567].map(grouped), ["0", "999", "1,000", "25,600", "1,234,567"]);
+        assert_eq!(holds(16, 16, "cells"), "holds");
+        assert_eq!(holds(0, 16, "cells"), "does not hold");
+        assert_eq!(holds(3, 16, "cells"), "holds in 3 of 16 cells");
+    }
+}

@@ -1,0 +1,91 @@
+//! The report's opening and closing sections: settings, environment and contents.
+
+use super::part::{Part, Plan, Section, grouped};
+use crate::paper::COLUMNS;
+use cocarry::control::{self, HORIZON};
+use cocarry::simulation::PhysicsSettings;
+
+/// Choices that the paper leaves open, departures from the paper, and errors in it.
+const DEVIATIONS: &str = include_str!("../../../../book/src/deviations.md");
+
+/// Title and findings.
+pub(super) fn opening(plan: &Plan, run: &[Part], sections: &[Section]) -> String {
+    let mut text = format!(
+        "# Human-robot co-transportation, reproduced\n\n\
+         Every table and figure of A. J. Mahmud, W. Li and X. Wang, *Mutual Adaptation in Human-Robot Co-Transportation with Human Preference Uncertainty*, with those \
+         of `cocarry` {} beside them. All figures of ours, those in the text included, come from one run of {} episodes.\n\n\
+         ## What holds\n\n| claim | finding | in figures |\n| :-- | :-- | :-- |\n",
+        env!("CARGO_PKG_VERSION"),
+        grouped(episodes(plan, run)),
+    );
+    for section in sections {
+        let finding = &section.finding;
+        text += &format!("| {} | **{}** | {} |\n", finding.claim, finding.verdict, finding.figures);
+    }
+    text + "\nA picture is `figures/NAME.svg` beside this report; the figures of a table are in the CSV file named at it.\n\n"
+}
+
+/// The text with a table of its sections before the first of them.
+pub(super) fn with_contents(markdown: &str) -> String {
+    let titles = markdown.lines().filter_map(|line| line.strip_prefix("## "));
+    let contents: String = titles.map(|title| format!("- [{title}](#{})\n", anchor(title))).collect();
+    markdown.replacen("\n## ", &format!("\n{contents}\n## "), 1)
+}
+
+/// The anchor of a heading, as forges make it: small letters, digits and hyphens.
+pub(super) fn anchor(title: &str) -> String {
+    let kept = title.chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
+    kept.flat_map(char::to_lowercase).map(|c| if c == ' ' { '-' } else { c }).collect()
+}
+
+/// Deviations, episodes and settings.
+pub(super) fn end(plan: &Plan, run: &[Part]) -> String {
+    // the document's title becomes a section's
+    let deviations = DEVIATIONS.trim().replacen("# ", "## ", 1);
+    format!("{deviations}\n\n## This run\n\n{}{}", parts(plan, run), settings(plan))
+}
+
+fn episodes(plan: &Plan, run: &[Part]) -> usize {
+    run.iter().map(|part| (part.episodes)(plan)).sum()
+}
+
+/// The number of episodes of each part.
+fn parts(plan: &Plan, run: &[Part]) -> String {
+    let mut text = "| part | episodes |\n| :-- | --: |\n".to_owned();
+    for part in run {
+        text += &format!("| {} | {} |\n", part.name, grouped((part.episodes)(plan)));
+    }
+    text + &format!("| all | {} |\n\n", grouped(episodes(plan, run)))
+}
+
+fn settings(plan: &Plan) -> String {
+    let episode = &plan.settings;
+    let control = control::Settings::default();
+    let physics = PhysicsSettings::default();
+    let [alpha, gamma] = episode.predictor.belief().ranges();
+    let eta: Vec<String> = COLUMNS.iter().flatten().map(f64::to_string).collect();
+    format!(
+        "`cocarry` {}, seed {}, robot {} (starts: {}). c\u{1d63} = {} m; \u{3b1} from {} to {}, \u{3b3} from {} to {}; \u{3c6}(0) = {}, \u{3b7} = {}; one step is {} s, walking speed {} m/s, \
+         turning at most {} rad/s. Eq. (7): H = {HORIZON}, Q = {} I, R = {} I; eq. (8): \u{3ba} = {}. Bodies: {} Hz, {} solver iterations, sway {} m.\n",
+        env!("CARGO_PKG_VERSION"),
+        plan.seed,
+        plan.robot.name,
+        plan.robot.postures.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", "),
+        episode.predictor.risk_weight(),
+        alpha[0],
+        alpha[1],
+        gamma[0],
+        gamma[1],
+        episode.coordination.initial_stubbornness,
+        eta.join(", "),
+        episode.period,
+        episode.speed,
+        episode.yaw_rate,
+        control.state_weight,
+        control.input_weight,
+        control.pose_weight,
+        physics.rate_hz,
+        physics.solver_iterations,
+        physics.human.sway_lateral,
+    )
+}

@@ -1,0 +1,86 @@
+//! The distributions of a study's humans, by name.
+
+use cocarry::episode::{PreferenceChange, Settings};
+use cocarry::options::OptionSet;
+use cocarry::preference::{Belief, Marginal, Perception};
+use cocarry::scenario::{GivenPerception, PreferenceChanges, drawn_changes, drawn_human};
+
+/// The source of one parameter of a human.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Range {
+    /// Drawn from a distribution.
+    Drawn(Marginal),
+    /// The same for all humans.
+    Fixed(f64),
+}
+
+/// A population of humans.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Humans {
+    pub alpha: Range,
+    pub gamma: Range,
+}
+
+impl Humans {
+    /// The human of a seed: the same as `cocarry run --seed` draws with these ranges as the robot's belief.
+    pub fn draw(&self, seed: u64) -> Perception {
+        drawn_human(&self.belief(), self.given(), seed)
+    }
+
+    /// That human's preference changes: the same as `cocarry run --seed --preference-changes` draws.
+    pub fn draw_changes(
+        &self,
+        count: PreferenceChanges,
+        seed: u64,
+        options: &OptionSet,
+        settings: &Settings,
+    ) -> Vec<PreferenceChange> {
+        drawn_changes(count, &self.belief(), self.given(), seed, options, settings)
+    }
+
+    /// Whether all of them are the same human, without a parameter to draw.
+    pub fn are_one(&self) -> bool {
+        self.given().is_complete()
+    }
+
+    /// The distribution of the humans. A fixed parameter is drawn as well, so that it does not change the
+    /// draw of the other one.
+    fn belief(&self) -> Belief {
+        match Belief::default() {
+            Belief::Independent { alpha, gamma } => Belief::Independent {
+                alpha: self.alpha.marginal().unwrap_or(alpha),
+                gamma: self.gamma.marginal().unwrap_or(gamma),
+            },
+            other => other,
+        }
+    }
+
+    fn given(&self) -> GivenPerception {
+        GivenPerception { alpha: self.alpha.fixed(), gamma: self.gamma.fixed() }
+    }
+}
+
+impl Range {
+    fn marginal(self) -> Option<Marginal> {
+        match self {
+            Self::Drawn(marginal) => Some(marginal),
+            Self::Fixed(_) => None,
+        }
+    }
+
+    fn fixed(self) -> Option<f64> {
+        match self {
+            Self::Drawn(_) => None,
+            Self::Fixed(value) => Some(value),
+        }
+    }
+}
+
+impl std::fmt::Display for Range {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self {
+            Self::Drawn(marginal) => marginal.fmt(f),
+            Self::Fixed(value) => value.fmt(f),
+        }
+    }
+}

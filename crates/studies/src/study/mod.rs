@@ -1,0 +1,399 @@
+//! The study engine: one row of results for every episode of a study, in the study's order.
+//!
+//! A study is a product of lists of values, or several such products. Rows are ordered by seed: an unfinished
+//! sweep already has all combinations of its seeds, and the combinations of one seed, which is one human, are
+//! next to each other. Every row has the number of its episode, the number of episodes of the study, and the
+//! study's digest, which identify any part of the results.
+
+mod again;
+mod cell;
+mod error;
+mod file;
+mod humans;
+mod merge;
+mod ordered;
+mod origin;
+mod partial;
+mod plane;
+mod results;
+mod row;
+mod run;
+mod source;
+mod summary;
+#[cfg_attr(not(feature = "parquet"), path = "tables_unavailable.rs")]
+mod tables;
+
+pub use again::{Difference, different};
+pub use error::{Position, SweepError};
+pub use merge::merge;
+pub use partial::{Shard, Sweep, SweepOutputs};
+pub use plane::{Plane, PlanePart};
+pub use results::read_rows;
+pub use row::Run as EpisodeRun;
+pub use summary::{Comparison, Group, OUTCOMES, Summary};
+
+use crate::columns::Heading;
+use cell::Cell;
+use cocarry::arithmetic;
+use cocarry::episode::Settings;
+use cocarry::error::Place;
+use cocarry::located::{self, LARGEST_SETTINGS};
+use cocarry::preference::{Predictor, RISK_WEIGHT};
+use cocarry::robot::SlowDrive;
+use cocarry::scenario::{Plant, PlantKind, PreparedScenario, RobotSetup, SETTINGS, Scenario};
+use file::Contents;
+use origin::Origin;
+use run::{Run, Seeds};
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// The columns of results, in order.
+pub fn columns() -> Vec<Heading> {
+    row::headings()
+}
+
+/// The largest number of prepared scenarios of a study, each with its own world, c_r and robot. They take about
+/// 0.2 MB each.
+const MOST_SCENES: usize = 1000;
+
+/// A study, read and checked: its episodes by number.
+#[derive(Debug)]
+pub struct Study {
+    file: String,
+    contents: Contents,
+    cells: Vec<Cell>,
+    /// The default settings with each belief.
+    bases: Vec<Settings>,
+    /// A prepared scenario for every world, c_r and robot, and the index for each cell.
+    stages: Vec<PreparedScenario>,
+    stage_of: Vec<usize>,
+    /// Drives that are slower than their team is to walk, each once.
+    slow_drives: Vec<SlowDrive>,
+    robot_warnings: Vec<String>,
+    blocks: Vec<Block>,
+    episodes: u64,
+    digest: String,
+    text: String,
+}
+
+/// A range of seeds with the same cells.
+#[derive(Debug)]
+struct Block {
+    /// The number of its first episode.
+    begin: u64,
+    seeds: Seeds,
+    cells: Vec<Range<usize>>,
+    cells_per_seed: u64,
+}
+
+impl Study {
+    /// Reads a study file, and the worlds and robots that it names.
+    ///
+    /// `seeds`: the largest number of seeds of every run, if given.
+    ///
+    /// # Errors
+    /// [`SweepError`], which names the file, the line, the key and the value.
+    pub fn load(path: &Path, seeds: Option<u64>) -> Result<Self, SweepError> {
+        let file = path.display().to_string();
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self::parse(&file, &located::read_at_most(LARGEST_SETTINGS, path)?, folder, seeds)
+    }
+
+    /// Reads the text of a study file. Errors call it `file`. Files that it names are relative to `folder`.
+    ///
+    /// # Errors
+    /// As [`Study::load`].
+    pub fn parse(file: &str, text: &str, folder: &Path, seeds: Option<u64>) -> Result<Self, SweepError> {
+        let contents = file::read(file, text, folder, seeds)?;
+        let cells: Vec<Cell> = contents.runs.iter().flat_map(|(run, _)| run.cells.iter().cloned()).collect();
+        let blocks = blocks(&contents);
+        let episodes = blocks.last().map_or(0, |b| b.begin + b.episodes());
+        let mut study = Self {
+            file: file.to_owned(),
+            digest: String::new(),
+            text: text.to_owned(),
+            contents,
+            cells,
+            bases: Vec::new(),
+            stages: Vec::new(),
+            stage_of: Vec::new(),
+            slow_drives: Vec::new(),
+            robot_warnings: Vec::new(),
+            blocks,
+            episodes,
+        };
+        study.refuse_repetition()?;
+        study.set_bases()?;
+        study.prepare()?;
+        study.digest = study.hash()?;
+        Ok(study)
+    }
+
+    /// The number of episodes of the whole study.
+    pub fn episodes(&self) -> u64 {
+        self.episodes
+    }
+
+    /// The world and robot files that the study at `path` names.
+    pub fn files(&self, path: &Path) -> impl Iterator<Item = PathBuf> {
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        let worlds = self.contents.worlds.iter().map(|(_, world)| &world.file);
+        let robots = self.contents.robots.iter().flat_map(|(_, robot, _)| [&robot.file, &robot.urdf_file]);
+        worlds.chain(robots).map(move |name| folder.join(name))
+    }
+
+    /// The number of combinations of values. Each is run with all its seeds.
+    pub fn combinations(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// The digest that identifies the study. It covers everything that the results depend on, and the version
+    /// of the program.
+    pub fn digest(&self) -> &str {
+        &self.digest
+    }
+
+    /// Where its rows come from.
+    fn origin(&self) -> Origin {
+        Origin {
+            text: Some(self.text.clone()),
+            study: self.digest.clone(),
+            episodes: self.episodes,
+            arithmetic: arithmetic::stamp().to_owned(),
+        }
+    }
+
+    /// The scenario of an episode.
+    pub fn scenario(&self, episode: u64) -> Option<Scenario> {
+        let (cell, seed) = self.place(episode)?;
+        Some(self.drawn(cell, seed))
+    }
+
+    /// Drives that are slower than their team is to walk, each once.
+    pub fn slow_drives(&self) -> &[SlowDrive] {
+        &self.slow_drives
+    }
+
+    /// What is to be known of robots in their worlds, each once: see [`PreparedScenario::robot_warnings`].
+    pub fn robot_warnings(&self) -> &[String] {
+        &self.robot_warnings
+    }
+
+    /// The scenario of a cell with everything that is drawn.
+    fn drawn(&self, cell: usize, seed: u64) -> Scenario {
+        let scenario = self.scenario_of(cell, seed);
+        let options = self.stages[self.stage_of[cell]].options();
+        let cell = &self.cells[cell];
+        let (_, humans) = &self.contents.humans[cell.humans];
+        let changes = humans.draw_changes(cell.changes, seed, options, &scenario.settings);
+        Scenario { changes, ..scenario }
+    }
+
+    /// The cell and the seed of an episode.
+    fn place(&self, episode: u64) -> Option<(usize, u64)> {
+        let block = self.blocks.partition_point(|block| block.begin <= episode).checked_sub(1)?;
+        let block = &self.blocks[block];
+        let within = episode - block.begin;
+        let seed = block.seeds.first + within / block.cells_per_seed;
+        let mut left = (within % block.cells_per_seed) as usize;
+        for cells in &block.cells {
+            match cells.len() {
+                n if left < n => return (seed <= block.seeds.last).then_some((cells.start + left, seed)),
+                n => left -= n,
+            }
+        }
+        None
+    }
+
+    /// The scenario without preference changes, which need a world's options.
+    fn scenario_of(&self, cell: usize, seed: u64) -> Scenario {
+        let (contents, cell) = (&self.contents, &self.cells[cell]);
+        let robot = contents.robots.get(cell.robot).map(|(_, texts, _)| texts.clone()).unwrap_or_default();
+        let plant = Plant::new(cell.plant, RobotSetup { robot, ..RobotSetup::default() });
+        let mut scenario = Scenario {
+            seed,
+            world: contents.worlds[cell.world].1.clone(),
+            human: contents.humans[cell.humans].1.draw(seed),
+            human_model: Default::default(),
+            changes: Vec::new(),
+            settings: self.bases[cell.belief].clone(),
+            plant,
+        };
+        for (setting, value) in SETTINGS.iter().zip(&cell.values) {
+            value.iter().for_each(|value| setting.set(&mut scenario, value));
+        }
+        scenario
+    }
+
+    fn set_bases(&mut self) -> Result<(), SweepError> {
+        for belief in 0..self.contents.beliefs.len() {
+            let made = Predictor::new(self.contents.beliefs[belief].1.clone(), RISK_WEIGHT);
+            let predictor = made.map_err(|source| self.refused(0, source))?;
+            // single ticks are not needed here
+            self.bases.push(Settings { predictor, predict_while_human_leads: false, ..Settings::default() });
+        }
+        Ok(())
+    }
+
+    /// Prepares a scenario for every world, c_r and robot, and checks every cell on it.
+    fn prepare(&mut self) -> Result<(), SweepError> {
+        let mut known: BTreeMap<(usize, u64, Option<usize>), usize> = BTreeMap::new();
+        for i in 0..self.cells.len() {
+            let cell = &self.cells[i];
+            let robot = (cell.plant != PlantKind::Point).then_some(cell.robot);
+            let scenario = self.scenario_of(i, 0);
+            let (world, risk_weight) = (cell.world, scenario.settings.predictor.risk_weight().to_bits());
+            let key = (world, risk_weight, robot);
+            let mut similar = known.range((world, risk_weight, None)..);
+            let similar = similar.next().filter(|(key, _)| (key.0, key.1) == (world, risk_weight));
+            if known.len() == MOST_SCENES && !known.contains_key(&key) {
+                let (place, most) = (self.place_of(i), MOST_SCENES);
+                let what = "combinations of a world, a risk weight and a robot";
+                return Err(SweepError::TooMany { place, most, what });
+            }
+            let made = match known.get(&key).or(similar.map(|(_, at)| at)) {
+                Some(&at) => self.stages[at].prepare(scenario),
+                None => scenario.prepare(),
+            };
+            let made = made.map_err(|source| self.refused(i, source))?;
+            let slow = made.slow_drive().filter(|found| !self.slow_drives.contains(found));
+            self.slow_drives.extend(slow);
+            for warning in made.robot_warnings() {
+                if !self.robot_warnings.contains(&warning) {
+                    self.robot_warnings.push(warning);
+                }
+            }
+            let at = *known.entry(key).or_insert(self.stages.len());
+            if at == self.stages.len() {
+                self.stages.push(made);
+            }
+            self.stage_of.push(at);
+        }
+        Ok(())
+    }
+
+    /// A 64-bit hash (FNV-1a) of everything that the results depend on, as text. It detects accidental
+    /// mix-ups, not forgeries. It covers one complete scenario of each world, robot and plant, and the
+    /// settings of each combination.
+    fn hash(&self) -> Result<String, SweepError> {
+        let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+        let mut add = |text: &str| {
+            for byte in text.bytes().chain([0]) {
+                hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+            }
+        };
+        add(env!("CARGO_PKG_VERSION"));
+        let (mut whole, mut cell) = (BTreeSet::new(), 0);
+        for (Run { cells, seeds }, _) in &self.contents.runs {
+            add(&format!("{} combinations, seeds {} to {}", cells.len(), seeds.first, seeds.last));
+            for _ in cells {
+                if whole.insert((self.stage_of[cell], self.cells[cell].plant.name())) {
+                    let text = self.scenario_of(cell, seeds.first).text();
+                    add(&text.map_err(|source| self.refused(cell, source))?);
+                }
+                self.inputs(cell).iter().for_each(|input| add(input));
+                cell += 1;
+            }
+        }
+        Ok(format!("{hash:016x}"))
+    }
+
+    /// The place of the run of a cell.
+    fn place_of(&self, cell: usize) -> Place {
+        let mut end = 0;
+        let run = self.contents.runs.iter().find(|(run, _)| {
+            end += run.cells.len();
+            cell < end
+        });
+        let whole = || Place { file: self.file.clone(), line: None, item: "study".to_owned() };
+        run.map_or_else(whole, |(_, place)| place.clone())
+    }
+
+    fn refused(&self, cell: usize, source: impl std::error::Error + Send + Sync + 'static) -> SweepError {
+        let (file, inputs) = (self.file.clone(), row::in_words(&self.inputs(cell)));
+        SweepError::Scenario { file, inputs, source: Box::new(source) }
+    }
+
+    /// The values of a cell's input columns.
+    fn inputs(&self, cell: usize) -> Vec<String> {
+        row::inputs(&self.contents, &self.cells[cell])
+    }
+
+    /// Runs an episode to its end, and returns its line of results. The line is empty after the last episode.
+    fn run(&self, episode: u64) -> Vec<u8> {
+        self.row(episode, &row::to_its_end)
+    }
+
+    /// The lines of results of these episodes, run one after the other; none after the last episode.
+    pub fn rows(&self, episodes: Range<u64>) -> Vec<u8> {
+        (episodes.start..episodes.end.min(self.episodes)).flat_map(|episode| self.run(episode)).collect()
+    }
+
+    /// As in a file of results: the line of an episode that `run` makes and runs to its end. Empty after the
+    /// last episode.
+    pub fn row(&self, episode: u64, run: row::Run) -> Vec<u8> {
+        let Some((cell, seed)) = self.place(episode) else { return Vec::new() };
+        self.row_of(episode, cell, self.drawn(cell, seed), run)
+    }
+
+    /// The line of an episode, whose scenario is of this cell.
+    fn row_of(&self, episode: u64, cell: usize, scenario: Scenario, run: row::Run) -> Vec<u8> {
+        let (episodes, digest) = (self.episodes.to_string(), self.digest.clone());
+        let identity = [episode.to_string(), episodes, digest, arithmetic::stamp().to_owned()];
+        row::of(identity, self.inputs(cell), scenario, &self.stages[self.stage_of[cell]], run)
+    }
+
+    /// The check that no episode is in two runs, where it would count twice.
+    fn refuse_repetition(&self) -> Result<(), SweepError> {
+        let mut known: BTreeMap<Vec<String>, Vec<Seeds>> = BTreeMap::new();
+        let mut cell = 0;
+        for (run, place) in &self.contents.runs {
+            for _ in &run.cells {
+                let before = known.entry(self.inputs(cell)).or_default();
+                let common = before.iter().find(|b| b.first <= run.seeds.last && run.seeds.first <= b.last);
+                if let Some(other) = common {
+                    let (place, seed) = (place.clone(), other.first.max(run.seeds.first));
+                    let inputs = row::in_words(&self.inputs(cell));
+                    return Err(SweepError::Repeated { place, seed, inputs });
+                }
+                before.push(run.seeds);
+                cell += 1;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Block {
+    fn episodes(&self) -> u64 {
+        (self.seeds.last - self.seeds.first + 1) * self.cells_per_seed
+    }
+}
+
+/// The seeds of all runs, split where a run begins or ends.
+fn blocks(contents: &Contents) -> Vec<Block> {
+    let runs = || contents.runs.iter().map(|(run, _)| run);
+    let mut cuts: Vec<u64> = runs().flat_map(|r| [r.seeds.first, r.seeds.last.saturating_add(1)]).collect();
+    cuts.sort_unstable();
+    cuts.dedup();
+    let mut blocks: Vec<Block> = Vec::new();
+    for cut in cuts.windows(2) {
+        let seeds = Seeds { first: cut[0], last: cut[1] - 1 };
+        let mut next = 0;
+        let mut cells = Vec::new();
+        for run in runs() {
+            let range = next..next + run.cells.len();
+            next = range.end;
+            if run.seeds.first <= seeds.first && seeds.last <= run.seeds.last {
+                cells.push(range);
+            }
+        }
+        let cells_per_seed = cells.iter().map(|range| range.len() as u64).sum();
+        if cells_per_seed > 0 {
+            let begin = blocks.last().map_or(0, |b| b.begin + b.episodes());
+            blocks.push(Block { begin, seeds, cells, cells_per_seed });
+        }
+    }
+    blocks
+}

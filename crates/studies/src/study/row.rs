@@ -1,0 +1,226 @@
+//! Rows of results: a column for every input and every figure of an episode, with its unit.
+
+use super::cell::Cell;
+use super::file::Contents;
+use crate::columns::{self, Heading};
+use cocarry::episode::{Episode, Outcome};
+use cocarry::preference::Perception;
+use cocarry::quantities::{EPISODE, Kind, View, cell};
+use cocarry::scenario::{self, PlantKind, PreparedScenario, SETTINGS, Scenario, ScenarioError, Value};
+
+/// A column: its name, its meaning, and its value for a cell, which is `None` where the column does not apply.
+type InputColumn = (&'static str, &'static str, fn(&Inputs) -> Option<String>);
+
+/// The columns that identify rows and studies, and the CRC-32 of the row without it.
+pub(super) const IDENTITY: [Heading; 5] = [
+    heading("episode", Kind::Count, "number of the episode in the study, from 0"),
+    heading("episodes", Kind::Count, "number of episodes of the whole study"),
+    heading(
+        "study",
+        Kind::Text,
+        "digest of the study: of all values, worlds, robots and the program's version",
+    ),
+    heading("arithmetic", Kind::Text, "stamp of the machine's arithmetic"),
+    heading("checksum", Kind::Text, "checksum of the row's values"),
+];
+/// The index of the checksum's column.
+const CHECKSUM: usize = IDENTITY.len() - 1;
+
+/// A combination of values.
+struct Inputs<'a> {
+    contents: &'a Contents,
+    cell: &'a Cell,
+}
+
+/// The columns of the inputs, without the seed, the values drawn from it, and the settings.
+#[rustfmt::skip]
+const INPUTS: &[InputColumn] = &[
+    ("world", "world, as named in the study", |r| Some(r.contents.worlds[r.cell.world].0.clone())),
+    ("plant", "point, kinematic or rapier", |r| word(r.cell.plant.name())),
+    ("humans", "name of the humans' distribution", |r| Some(r.contents.humans[r.cell.humans].0.clone())),
+    ("humans_alpha", "distribution of alpha", |r| some(r.contents.humans[r.cell.humans].1.alpha)),
+    ("humans_gamma", "distribution of gamma", |r| some(r.contents.humans[r.cell.humans].1.gamma)),
+    ("preference_changes_drawn", "how many preference changes are drawn", |r| some(r.cell.changes)),
+    ("belief", "name of the robot's belief", |r| Some(r.contents.beliefs[r.cell.belief].0.clone())),
+    ("belief_alpha", "the belief's distribution of alpha; empty for samples", |r| r.belief()[0].clone()),
+    ("belief_gamma", "the belief's distribution of gamma; empty for samples", |r| r.belief()[1].clone()),
+    ("robot", "robot, as named in the study; empty for a point", |r| (r.cell.plant != PlantKind::Point).then(|| r.contents.robots[r.cell.robot].0.clone())),
+];
+
+/// The columns of the seed and of the values drawn from it; those of [`EPISODE`] follow.
+const DRAWN: [Heading; 4] = [
+    heading("seed", Kind::Count, "seed of the episode"),
+    heading("alpha", Kind::Number(""), "the human's alpha"),
+    heading("gamma", Kind::Number(""), "the human's gamma"),
+    heading("preference_changes", Kind::Text, "the changes drawn, in the form of `--change`, by step"),
+];
+
+const fn heading(name: &'static str, kind: Kind, description: &'static str) -> Heading {
+    Heading { name, kind, description }
+}
+
+/// The names of all columns, in order.
+pub(super) fn columns() -> Vec<&'static str> {
+    headings().into_iter().map(|heading| heading.name).collect()
+}
+
+/// All columns, in order.
+pub(super) fn headings() -> Vec<Heading> {
+    let figures = EPISODE.iter().map(Heading::from);
+    IDENTITY.into_iter().chain(input_headings()).chain(DRAWN).chain(figures).collect()
+}
+
+/// The columns that define a combination.
+fn input_headings() -> impl Iterator<Item = Heading> {
+    let of_setting = |setting: &scenario::Setting| match setting.kind {
+        scenario::Kind::Number(..) => columns::number(setting.key),
+        scenario::Kind::Count(..) => Kind::Count,
+        scenario::Kind::Flag(_) => Kind::Flag,
+        scenario::Kind::Word(..) | scenario::Kind::Text(..) => Kind::Text,
+    };
+    let inputs = INPUTS.iter().map(|(name, about, _)| heading(name, Kind::Text, about));
+    inputs.chain(SETTINGS.iter().map(move |setting| heading(setting.key, of_setting(setting), setting.about)))
+}
+
+/// The names of the columns that define a combination.
+pub(super) fn input_columns() -> impl Iterator<Item = &'static str> {
+    INPUTS.iter().map(|(name, ..)| *name).chain(SETTINGS.iter().map(|setting| setting.key))
+}
+
+/// The first line of a file of results.
+pub(super) fn header() -> Vec<u8> {
+    line(columns().into_iter().map(str::to_owned))
+}
+
+/// The values of a cell's input columns.
+pub(super) fn inputs(contents: &Contents, cell: &Cell) -> Vec<String> {
+    let inputs = Inputs { contents, cell };
+    let settings = cell.values.iter().map(|value| value.as_ref().map(Value::to_string));
+    let values = INPUTS.iter().map(|(_, _, value)| value(&inputs)).chain(settings);
+    values.map(Option::unwrap_or_default).collect()
+}
+
+/// A cell's inputs as a text for errors.
+pub(super) fn in_words(inputs: &[String]) -> String {
+    let pairs = input_columns().zip(inputs).filter(|(_, value)| !value.is_empty());
+    pairs.map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(", ")
+}
+
+/// The line of a file of results with these fields. No field contains a newline.
+pub(super) fn line(fields: impl Iterator<Item = String>) -> Vec<u8> {
+    let mut writer = csv::WriterBuilder::new().buffer_capacity(1024).from_writer(Vec::with_capacity(1024));
+    let fields = fields.map(|field| field.replace(['\n', '\r'], " "));
+    // writing to a vector does not fail
+    writer.write_record(fields).and_then(|()| Ok(writer.flush()?)).unwrap_or_default();
+    writer.into_inner().unwrap_or_default()
+}
+
+/// Runs an episode to its end, and returns its line of results. `basis` has the world, the options and the
+/// robot of the scenario.
+pub(super) fn of(
+    identity: [String; CHECKSUM],
+    inputs: Vec<String>,
+    scenario: Scenario,
+    basis: &PreparedScenario,
+    run: Run,
+) -> Vec<u8> {
+    let drawn = drawn(&scenario);
+    let results = basis.prepare(scenario).and_then(|stage| carry_out(&stage, run));
+    let results = results.unwrap_or_else(|error| not_begun(&words(&error)));
+    let line = line(identity.into_iter().chain([String::new()]).chain(inputs).chain(drawn).chain(results));
+    let ([begin, _, end], checksum) = split(&line).unwrap_or_default();
+    [begin, checksum.as_bytes(), end].concat()
+}
+
+/// The parts of a row before its checksum, the checksum, and those after it; then the checksum that its values
+/// have.
+fn split(line: &[u8]) -> Option<([&[u8]; 3], String)> {
+    let comma = |(i, byte): (usize, &u8)| (*byte == b',').then_some(i);
+    let mut commas = line.iter().enumerate().filter_map(comma).skip(CHECKSUM - 1);
+    let (begin, end) = (commas.next()? + 1, commas.next()?);
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&line[..begin]);
+    hasher.update(&line[end..]);
+    Some(([&line[..begin], &line[begin..end], &line[end..]], format!("{:08x}", hasher.finalize())))
+}
+
+/// The checksum of a row, and the one that its values have, if they differ.
+pub(super) fn wrong_checksum(line: &[u8]) -> Option<[String; 2]> {
+    let ([_, found, _], expected) = split(line)?;
+    (found != expected.as_bytes()).then(|| [String::from_utf8_lossy(found).into_owned(), expected])
+}
+
+/// The seed and the values drawn from it. Preference changes have the form of `cocarry run --change`,
+/// separated by spaces, by step.
+fn drawn(scenario: &Scenario) -> [String; DRAWN.len()] {
+    let mut changes = scenario.changes.clone();
+    changes.sort_by_key(|change| change.step);
+    let changes = changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
+    let Perception { alpha, gamma } = scenario.human;
+    [scenario.seed.to_string(), alpha.to_string(), gamma.to_string(), changes]
+}
+
+/// Makes the episode of a prepared scenario and runs it to its end.
+pub type Run<'r> = &'r dyn for<'s> Fn(&'s PreparedScenario) -> Result<Episode<'s>, ScenarioError>;
+
+/// The [`Run`] of the scenario's own partners.
+pub(super) fn to_its_end(stage: &PreparedScenario) -> Result<Episode<'_>, ScenarioError> {
+    let mut episode = stage.episode()?;
+    while episode.step().is_none() {}
+    Ok(episode)
+}
+
+/// The figures of a finished episode.
+fn carry_out(stage: &PreparedScenario, run: Run) -> Result<Vec<String>, ScenarioError> {
+    let episode = run(stage)?;
+    let figures = View { stage, episode: &episode }.read(EPISODE);
+    Ok(figures.iter().map(|(_, value)| cell(value)).collect())
+}
+
+/// The figures of an episode that could not begin.
+fn not_begun(why: &str) -> Vec<String> {
+    let value = |key| match key {
+        "outcome" => "not-begun",
+        "failure" => why,
+        _ => "",
+    };
+    EPISODE.iter().map(|quantity| value(quantity.key).to_owned()).collect()
+}
+
+/// An error with its causes, in one line.
+fn words(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        text += &format!(": {error}");
+        cause = error.source();
+    }
+    text
+}
+
+fn some(value: impl ToString) -> Option<String> {
+    Some(value.to_string())
+}
+
+fn word(word: &str) -> Option<String> {
+    Some(word.to_owned())
+}
+
+impl Inputs<'_> {
+    fn belief(&self) -> [Option<String>; 2] {
+        match &self.contents.beliefs[self.cell.belief].1 {
+            cocarry::preference::Belief::Independent { alpha, gamma } => [some(alpha), some(gamma)],
+            cocarry::preference::Belief::Samples(_) => [None, None],
+        }
+    }
+}
+
+/// The outcome that counts as success.
+pub(super) fn arrived() -> &'static str {
+    Outcome::Arrived.name()
+}
+
+/// The plant on which noise may change the cost of equal choices.
+pub(super) fn with_bodies() -> &'static str {
+    PlantKind::Rapier.name()
+}

@@ -1,7 +1,0 @@
-//! The `cocarry` program.
-
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    cocarry::cli::main()
-}
