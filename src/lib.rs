@@ -3,8 +3,8 @@
 //!
 //! `cocarry` implements the framework of A. J. Mahmud, W. Li and X. Wang, *Mutual Adaptation in Human-Robot
 //! Co-Transportation with Human Preference Uncertainty*, and reproduces its tables. Equation numbers in this
-//! documentation are that paper's. The command-line program of the same name gives access to all functions of
-//! the library; see its `--help`. The book, in `book/src`, explains the model with its symbols, the files, and
+//! documentation are that paper's. The command-line program of the same name gives access to all of it; see
+//! its `--help`. The book, in `book/src`, explains the model with its symbols, the files, and
 //! the results.
 //!
 //! # Bring your own partner
@@ -14,20 +14,9 @@
 //!
 //! # Floors
 //!
-//! Data flows upward, and a file uses only floors below its own (`tests/suite/floors.rs` checks it):
+//! Data flows upward: a module uses only floors below its own.
 //!
 //! ```text
-//! cli            arguments -> text, tables, JSON, files
-//! report         all results as one page
-//! cluster        the shards of a study as tasks of a cluster's scheduler
-//! study          many episodes from one file: every combination, every seed; merged, summarised
-//! fit            parameters from observed answers and switches
-//! regression     recorded figures of episodes, compared with new runs
-//! paper          the paper's figures and claims, one file per claim
-//! statistics     means, intervals, tests; tables of results, their columns; Zarr stores; work on all threads
-//! rendering      recordings as pages and pictures that open anywhere
-//! drawing        maps and curves as SVG
-//! recording      episodes as MCAP files: writing, reading, replay, recovery; live viewing
 //! quantities     every figure of a control period and an episode: key, unit, getter; events as sentences
 //! scenario       the complete definition of an episode, as text; snapshots; episodes from both
 //! episode        THE LOOP: observe, evaluate, predict, ask the human, ask the policy, execute, control, move
@@ -43,19 +32,15 @@
 //! options        openings in order, D_o and S_o from anywhere, shortest paths
 //! world          a TOML file -> obstacles, openings, start, target
 //! robot          a TOML file and a URDF -> drive, arm, grasp; forward kinematics and B(q)
-//! geometry       points, poses, outlines, paths; palette: the colours of pictures
+//! geometry       points, poses, outlines, paths
 //! math, suggestion; above them error; above it located, saved
 //!                transcendental functions with the same bits everywhere; "did you mean"; why an input was refused;
 //!                files read; saved states
 //! ```
 //!
-//! # Features
-//!
-//! Up to `scenario` the library has no C code, no clock and no randomness from the operating system, and
-//! is for WebAssembly too (`tests/wasm/check` builds it). Features add the floors above it: `drawing`;
-//! `recording` (with `quantities`); `rendering`, which stands on both; `studies` (`quantities`, `statistics`,
-//! `paper`, `regression`, `fit`, `study`, `report` and `cluster`); and `cli`, the default, which has all of
-//! them and the program. `live` adds live viewing to `recording`, `parquet` adds Parquet files to `studies`.
+//! This crate has no C code, no clock and no randomness from the operating system, and is for WebAssembly too
+//! (`tests/wasm/check` builds it). Packages of their own stand on it: output files and drawings (`crates/output`),
+//! recordings (`crates/recording`), studies (`crates/studies`) and the program (`crates/program`).
 //!
 //! # Notation
 //!

@@ -12,7 +12,7 @@ mod study;
 mod table;
 mod value;
 
-use cocarry::quantities::{EPISODE, Kind, OPTION, Quantity, TICK};
+use cocarry::quantities::{EPISODE, OPTION, Quantity, TICK};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyDictMethods};
@@ -32,8 +32,7 @@ fn gumbel(py: Python<'_>, seed: u64, options: usize) -> PyResult<Bound<'_, PyArr
 fn vocabulary<'py, G>(py: Python<'py>, quantities: &[Quantity<G>]) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     for quantity in quantities {
-        let unit = if let Kind::Number(unit) = quantity.kind { unit } else { "" };
-        dict.set_item(quantity.key, (unit, quantity.description))?;
+        dict.set_item(quantity.key, (quantity.kind.unit(), quantity.description))?;
     }
     Ok(dict)
 }

@@ -147,7 +147,7 @@ pub fn sweep(
         let row = reader.records().next().transpose().map_err(|error| raise::<StudyError>(&error))?;
         rows.push(row.iter().flatten().map(str::to_owned).collect::<Vec<_>>());
     }
-    let place = |key| columns().iter().position(|heading| heading.name == key);
+    let place = |key| columns().iter().position(|heading| heading.key == key);
     for (object, key) in [(&own.policy, "method"), (&own.human, "human_model")] {
         let Some(object) = object else { continue };
         let name = name(py, object);

@@ -7,13 +7,13 @@ use arrow_array::types::{Float64Type, Int64Type};
 use arrow_array::{Array, ArrayRef, RecordBatch, RecordBatchIterator};
 use arrow_schema::{DataType, Field, Schema};
 use arrow_select::concat::concat_batches;
-use cocarry::quantities::{Kind, Record, TICK};
-use cocarry_studies::columns::{Column, Columns, Heading};
+use cocarry::quantities::{Heading, Kind, Record, TICK, Value};
+use cocarry_studies::columns::{Column, Columns, field};
 use numpy::PyArray1;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict, PyList};
-use serde_json::Value;
+use serde_json::Value as Json;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
@@ -54,72 +54,69 @@ impl Table {
     pub fn of_ticks(records: &[Record]) -> Self {
         let mut order: Vec<String> = Vec::new();
         let mut columns: BTreeMap<String, (Column, HashMap<String, String>, usize)> = BTreeMap::new();
+        let mut add = |row: usize, name: String, kind: Kind, about: Heading, value: &Value| {
+            let (column, _, filled) = columns.entry(name.clone()).or_insert_with(|| {
+                order.push(name);
+                (Column::of(kind), field(&about).metadata().clone().into(), 0)
+            });
+            (*filled..row).for_each(|_| column.add(&Value::Missing));
+            column.add(value);
+            *filled = row + 1;
+        };
         for (row, record) in records.iter().enumerate() {
-            for (key, value) in record {
-                let quantity = TICK.into_iter().flatten().find(|quantity| quantity.key == *key);
-                let Some(quantity) = quantity else { continue };
-                let cells: Vec<(String, &Value, Kind)> = match value {
-                    Value::Array(items) => items
-                        .iter()
-                        .filter_map(Value::as_object)
-                        .flat_map(|fields| {
-                            let name = fields.get("name").and_then(Value::as_str).unwrap_or_default();
-                            let rest = fields.iter().filter(|(key, _)| *key != "name");
-                            rest.map(move |(key, value)| {
-                                let kind = if value.is_boolean() { Kind::Flag } else { Kind::Number("") };
-                                (format!("{key}[{name}]"), value, kind)
-                            })
-                        })
-                        .collect(),
-                    _ if matches!(quantity.kind, Kind::List(_)) => Vec::new(),
-                    value => vec![((*key).to_owned(), value, quantity.kind)],
-                };
-                for (name, value, kind) in cells {
-                    let (column, _, filled) = columns.entry(name.clone()).or_insert_with(|| {
-                        order.push(name.clone());
-                        (Column::of(kind), Heading::from(quantity).field().metadata().clone().into(), 0)
-                    });
-                    for _ in *filled..row {
-                        column.add(&Value::Null);
+            for (key, value) in record.iter() {
+                let quantity = TICK.into_iter().flatten().find(|quantity| quantity.key == key);
+                let about = quantity.expect("a tick has the quantities of its tables").heading();
+                match value {
+                    Value::List(items) => {
+                        for item in items {
+                            let name = item.get("name");
+                            for (key, value) in item.by_key().into_iter().filter(|(key, _)| *key != "name") {
+                                let kind = match value {
+                                    Value::Flag(_) => Kind::Flag,
+                                    _ => Kind::Number(""),
+                                };
+                                add(row, format!("{key}[{name}]"), kind, about, value);
+                            }
+                        }
                     }
-                    column.add(value);
-                    *filled = row + 1;
+                    value => add(row, key.to_owned(), about.kind, about, value),
                 }
             }
         }
         let made = order.into_iter().filter_map(|name| {
             let (mut column, about, filled) = columns.remove(&name)?;
-            (filled..records.len()).for_each(|_| column.add(&Value::Null));
+            (filled..records.len()).for_each(|_| column.add(&Value::Missing));
             Some((name, column, about))
         });
         Self::new(made.collect())
     }
 
     /// A table of messages: a time in seconds, then numbers and texts as they are found.
-    pub fn of_messages(names: &[String], times: Vec<f64>, rows: &[Vec<Option<Value>>]) -> Self {
+    pub fn of_messages(names: &[String], times: Vec<f64>, rows: &[Vec<Option<Json>>]) -> Self {
         let mut time = Column::of(Kind::Number("s"));
         times.into_iter().for_each(|seconds| time.add(&seconds.into()));
         let time = ("time_s".to_owned(), time, HashMap::new());
         let columns = names.iter().enumerate().map(|(i, name)| {
             let cells =
                 || rows.iter().filter_map(move |row| row.get(i)?.as_ref()).filter(|cell| !cell.is_null());
-            let all = |is: fn(&Value) -> bool| cells().next().is_some() && cells().all(is);
+            let all = |is: fn(&Json) -> bool| cells().next().is_some() && cells().all(is);
             let kind = match () {
-                () if all(Value::is_i64) => Kind::Count,
-                () if all(Value::is_number) => Kind::Number(""),
-                () if all(Value::is_boolean) => Kind::Flag,
+                () if all(Json::is_i64) => Kind::Count,
+                () if all(Json::is_number) => Kind::Number(""),
+                () if all(Json::is_boolean) => Kind::Flag,
                 () => Kind::Text,
             };
             let mut column = Column::of(kind);
             for row in rows {
-                match row.get(i).and_then(Option::as_ref).unwrap_or(&Value::Null) {
-                    other @ (Value::Bool(_) | Value::Number(_) | Value::Array(_) | Value::Object(_))
-                        if matches!(kind, Kind::Text) =>
-                    {
-                        column.add(&other.to_string().into());
-                    }
-                    cell => column.add(cell),
-                }
+                column.add(&match (row.get(i).and_then(Option::as_ref), kind) {
+                    (None | Some(Json::Null), _) => Value::Missing,
+                    (Some(Json::String(text)), _) => text.as_str().into(),
+                    (Some(cell), Kind::Count) => cell.as_i64().into(),
+                    (Some(cell), Kind::Number(_)) => cell.as_f64().into(),
+                    (Some(cell), Kind::Flag) => cell.as_bool().into(),
+                    (Some(cell), _) => cell.to_string().into(),
+                });
             }
             (name.clone(), column, HashMap::new())
         });

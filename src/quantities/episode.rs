@@ -42,7 +42,7 @@ impl View<'_> {
 /// The quantities of an episode: outcome, costs, forces, losses and collisions.
 #[rustfmt::skip]
 pub const EPISODE: &[Quantity] = quantities! {
-    "outcome", Text, "arrived, out-of-time, no-way, collided, stuck, dropped, object-lost or non-finite; in recordings also interrupted (by the user)", |v| v.summary().outcome.name();
+    "outcome", Text, "arrived, out-of-time, no-way, collided, stuck, dropped, object-lost or non-finite; in recordings also interrupted (by the user)", |v| v.outcome().map_or("interrupted", |outcome| outcome.name());
     "steps", Count, "steps taken", |v| v.summary().steps;
     "time_s", SECONDS, "simulated time", |v| v.seconds(v.summary().steps);
     "walked_m", METRES, "length of the path walked", |v| v.summary().walked;

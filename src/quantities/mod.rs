@@ -20,8 +20,8 @@
 //! let stage = scenario.prepare()?;
 //! let mut episode = stage.episode()?;
 //! while episode.step().is_none() {}
-//! let figures = View { stage: &stage, episode: &episode }.read(EPISODE);
-//! assert_eq!((figures[0].0, figures[0].1.as_str()), ("outcome", Some("arrived")));
+//! let figures = View::new(&stage, &episode).read(EPISODE);
+//! assert_eq!(figures.get("outcome").as_text(), Some("arrived"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -30,6 +30,7 @@ mod event;
 mod learned;
 mod preparation;
 mod tick;
+mod value;
 
 pub use episode::EPISODE;
 pub use event::{Event, Severity};
@@ -39,29 +40,10 @@ pub use tick::{
     BASE, CONTROL, COORDINATION, COST, INTERACTION, JOINTS, OPTION, OPTIONS, OptionView, STEP, TICK, TIME,
 };
 
-use crate::episode::Episode;
+pub use value::{Record, Value};
+
+use crate::episode::{Episode, Outcome};
 use crate::scenario::PreparedScenario;
-use serde_json::{Map, Value, json};
-
-/// Values by their keys, in the order of their table. Missing and non-finite values are null.
-pub type Record = Vec<(&'static str, Value)>;
-
-/// A record as a JSON object.
-pub fn json(record: Record) -> Value {
-    record.into_iter().collect()
-}
-
-/// A value as a table cell; empty if it is missing.
-pub fn cell(value: &Value) -> String {
-    match value {
-        Value::Null => String::new(),
-        Value::String(text) => text.clone(),
-        Value::Number(number) => {
-            number.as_f64().map_or_else(|| number.to_string(), |number| number.to_string())
-        }
-        other => other.to_string(),
-    }
-}
 
 /// An episode with its prepared scenario, which gives names to its indices.
 #[derive(Clone, Copy, Debug)]
@@ -70,9 +52,21 @@ pub struct View<'a> {
     pub stage: &'a PreparedScenario,
     /// The episode. Quantities of a control period are those of the last step taken.
     pub episode: &'a Episode<'a>,
+    /// Whether the user interrupted the episode.
+    pub is_interrupted: bool,
 }
 
-impl View<'_> {
+impl<'a> View<'a> {
+    /// A view of an episode that is not interrupted.
+    pub fn new(stage: &'a PreparedScenario, episode: &'a Episode<'a>) -> Self {
+        Self { stage, episode, is_interrupted: false }
+    }
+
+    /// The outcome; `None` if the user interrupted the episode.
+    fn outcome(&self) -> Option<Outcome> {
+        (!self.is_interrupted).then(|| self.episode.summary().outcome)
+    }
+
     /// The values of these quantities, by their keys.
     pub fn read(&self, quantities: &[Quantity]) -> Record {
         read(quantities, self)
@@ -122,10 +116,28 @@ pub enum Kind {
     Flag,
     /// A list of numbers.
     Numbers,
-    /// A record, with its JSON Schema.
-    Record(fn() -> Value),
-    /// A list of records, with the JSON Schema of one.
-    List(fn() -> Value),
+    /// A record, with the headings of its values.
+    Record(fn() -> Vec<Heading>),
+    /// A list of records, with the headings of the values of one.
+    List(fn() -> Vec<Heading>),
+}
+
+/// What a value is: the heading of a column, or of a field of a record.
+#[derive(Clone, Copy, Debug)]
+pub struct Heading {
+    /// Public name, which ends in the unit.
+    pub key: &'static str,
+    /// The kind of its value, with the unit.
+    pub kind: Kind,
+    /// Its meaning.
+    pub description: &'static str,
+}
+
+impl Kind {
+    /// The unit; "" for what has none.
+    pub fn unit(self) -> &'static str {
+        if let Self::Number(unit) = self { unit } else { "" }
+    }
 }
 
 const PLAIN: Kind = Kind::Number("");
@@ -141,23 +153,15 @@ const JOULES: Kind = Kind::Number("J");
 const SQUARED_JERK: Kind = Kind::Number("m^2/s^5");
 
 impl<Getter> Quantity<Getter> {
-    /// The JSON Schema of its value: one plain type, since Foxglove reads no others.
-    fn schema(&self) -> Value {
-        let mut schema = match self.kind {
-            Kind::Number(_) => json!({ "type": "number" }),
-            Kind::Count => json!({ "type": "integer" }),
-            Kind::Text => json!({ "type": "string" }),
-            Kind::Flag => json!({ "type": "boolean" }),
-            Kind::Numbers => json!({ "type": "array", "items": { "type": "number" } }),
-            Kind::Record(record) => record(),
-            Kind::List(record) => json!({ "type": "array", "items": record() }),
-        };
-        schema["description"] = match self.kind {
-            Kind::Number(unit) if !unit.is_empty() => format!("{} [{unit}]", self.description).into(),
-            _ => self.description.into(),
-        };
-        schema
+    /// Its key, kind and description.
+    pub fn heading(&self) -> Heading {
+        Heading { key: self.key, kind: self.kind, description: self.description }
     }
+}
+
+/// The headings of quantities.
+pub fn headings<Getter>(quantities: &[Quantity<Getter>]) -> Vec<Heading> {
+    quantities.iter().map(Quantity::heading).collect()
 }
 
 type Of<V> = Quantity<fn(&V) -> Value>;
@@ -167,13 +171,6 @@ fn read<V>(quantities: &[Of<V>], of: &V) -> Record {
     quantities.iter().map(|quantity| (quantity.key, (quantity.get)(of))).collect()
 }
 
-/// The JSON Schema of a record of these quantities. No property is required: missing values are left out.
-pub fn schema<'a, Getter: 'a>(quantities: impl IntoIterator<Item = &'a Quantity<Getter>>) -> Value {
-    let property = |quantity: &Quantity<Getter>| (quantity.key.to_owned(), quantity.schema());
-    let properties: Map<String, Value> = quantities.into_iter().map(property).collect();
-    json!({ "type": "object", "properties": properties })
-}
-
 /// A table of quantities: key, kind, description and getter of each.
 macro_rules! quantities {
     ($($key:literal, $kind:expr, $description:literal, |$view:pat_param| $get:expr;)*) => {
@@ -181,7 +178,7 @@ macro_rules! quantities {
             key: $key,
             kind: $kind,
             description: $description,
-            get: |$view| serde_json::Value::from($get),
+            get: |$view| crate::quantities::Value::from($get),
         }),*]
     };
 }

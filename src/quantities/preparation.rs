@@ -1,18 +1,17 @@
 //! The inputs of the controller's decision in a step: references, and the candidates of eq. (8). They are in
 //! recordings only.
 
-use super::{Kind, METRES, PLAIN, Quantity, RADIANS, View, json, quantities, read, schema};
+use super::{Kind, METRES, PLAIN, Quantity, RADIANS, Record, Value, View, headings, quantities, read};
 use crate::control::{Considered, Reference};
 use crate::robot::Configuration;
 use Kind::{List, Numbers, Text};
-use serde_json::Value;
 
 /// The references and candidates of a step. Missing without a robot.
 #[rustfmt::skip]
 pub const PREPARATION: &[Quantity] = quantities! {
-    "references", List(|| schema(REFERENCE)), "what eq. (7) and (8) track: all options while the human leads, else the one executed", |v| references(v);
-    "target", Kind::Record(|| schema(CONFIGURATION)), "q*, the configuration that eq. (8) chose, else the present one", |v| v.episode.considerations().map(|c| configuration(v, c.target));
-    "candidates", List(|| schema(CANDIDATE)), "Q of eq. (8), the present configuration first; none where it was not asked", |v| candidates(v);
+    "references", List(|| headings(REFERENCE)), "what eq. (7) and (8) track: all options while the human leads, else the one executed", |v| references(v);
+    "target", Kind::Record(|| headings(CONFIGURATION)), "q*, the configuration that eq. (8) chose, else the present one", |v| v.episode.considerations().map(|c| configuration(v, c.target));
+    "candidates", List(|| headings(CANDIDATE)), "Q of eq. (8), the present configuration first; none where it was not asked", |v| candidates(v);
 };
 
 struct ReferenceView<'a> {
@@ -46,44 +45,40 @@ const CONFIGURATION: &[OfConfiguration] = quantities! {
     "joints", Numbers, "positions of the joints, in the order of /joints, rad (prismatic: m)", |v| v.configuration.joints.as_slice()[..v.joints].to_vec();
 };
 
-/// The quantities of a candidate: its configuration, as JSON, and its evaluation.
-type OfCandidate = Quantity<fn(&(Value, Considered)) -> Value>;
+/// The quantities of a candidate: its configuration, and its evaluation.
+type OfCandidate = Quantity<fn(&(Record, Considered)) -> Value>;
 
 #[rustfmt::skip]
 const CANDIDATE: &[OfCandidate] = quantities! {
-    "q", Kind::Record(|| schema(CONFIGURATION)), "the configuration", |(q, _)| q.clone();
+    "q", Kind::Record(|| headings(CONFIGURATION)), "the configuration", |(q, _)| q.clone();
     "lower_bound", PLAIN, "the sum of eq. (8) without limits; missing where no costs were asked for", |(_, found)| found.floor;
     "total", PLAIN, "the sum of eq. (8) (minus the manipulability, if that is the criterion); missing where it is known to exceed the least without being \
         worked out", |(_, found)| found.total;
 };
 
-fn references(view: &View) -> Option<Vec<Value>> {
+fn references(view: &View) -> Option<Vec<Record>> {
     let considerations = view.episode.considerations()?;
     let is_led = view.preparation().is_some_and(|p| p.tracked.is_some());
     let pairs = considerations.references.iter().zip(considerations.weights).enumerate();
     let records = pairs.map(|(i, (reference, &weight))| {
         let name = view.option(if is_led { i } else { view.tick().executed });
-        json(read(REFERENCE, &ReferenceView { name, weight, reference }))
+        read(REFERENCE, &ReferenceView { name, weight, reference })
     });
     Some(records.collect())
 }
 
-fn configuration(view: &View, configuration: &Configuration) -> Value {
+fn configuration(view: &View, configuration: &Configuration) -> Record {
     let joints = view.stage.robot().map_or(0, |robot| robot.joint_count());
-    json(read(CONFIGURATION, &ConfigurationView { configuration, joints }))
+    read(CONFIGURATION, &ConfigurationView { configuration, joints })
 }
 
-fn candidates(view: &View) -> Option<Vec<Value>> {
+fn candidates(view: &View) -> Option<Vec<Record>> {
     let considerations = view.episode.considerations()?;
     if view.preparation().is_none() {
         return Some(Vec::new());
     }
-    let considered = considerations.poses.considered();
-    Some(
-        considered
-            .map(|c| json(read(CANDIDATE, &(configuration(view, &c.candidate.configuration), c))))
-            .collect(),
-    )
+    let read = |c: Considered| read(CANDIDATE, &(configuration(view, &c.candidate.configuration), c));
+    Some(considerations.poses.considered().map(read).collect())
 }
 
 /// Key and kind of every quantity in a nested record.

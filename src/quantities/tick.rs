@@ -2,7 +2,7 @@
 
 use super::{
     DEGREES, JOULES, Kind, METRES, METRES_PER_SECOND, NEWTON_METRES, NEWTONS, PLAIN, Quantity, RADIANS,
-    RADIANS_PER_SECOND, Record, SECONDS, SQUARED_JERK, View, json, quantities, read, schema,
+    RADIANS_PER_SECOND, Record, SECONDS, SQUARED_JERK, Value, View, headings, quantities, read,
 };
 use crate::control::{Failure, SolveOutcome};
 use crate::coordination::OptionTick;
@@ -10,7 +10,6 @@ use crate::episode::{ControlSummary, PhysicsTick, Preparation, RobotTick, Summar
 use crate::robot::{ArmJoint, Motion};
 use crate::simulation::Observation;
 use Kind::{Count, Flag, List, Text};
-use serde_json::Value;
 
 impl View<'_> {
     pub(super) fn tick(&self) -> &Tick {
@@ -186,7 +185,7 @@ pub const INTERACTION: &[Quantity] = quantities! {
 
 /// The options, one record of [`OPTION`] each.
 pub const OPTIONS: &[Quantity] = quantities! {
-    "options", List(|| schema(OPTION)), "every option as it is from where the team is at the beginning of the step", |v| options(v);
+    "options", List(|| headings(OPTION)), "every option as it is from where the team is at the beginning of the step", |v| options(v);
 };
 
 /// An option, evaluated from a position.
@@ -219,14 +218,14 @@ pub const OPTION: &[OfOption] = quantities! {
     "misaligned", Flag, "omega_o, eq. (5): whether the team moves toward something else than this option's next opening", |v| v.option.misaligned;
 };
 
-fn options(view: &View) -> Vec<Value> {
+fn options(view: &View) -> Vec<Record> {
     let options = view.tick().options.iter().enumerate();
-    options.map(|(o, option)| json(OptionView { name: view.option(o), option }.read())).collect()
+    options.map(|(o, option)| OptionView { name: view.option(o), option }.read()).collect()
 }
 
 /// The joints of the arm, one record each; none without a robot.
 pub const JOINTS: &[Quantity] = quantities! {
-    "joints", List(|| schema(REVOLUTE.iter().chain(PRISMATIC))), "the joints of the arm, from the base on", |v| joints(v);
+    "joints", List(|| [headings(REVOLUTE), headings(&PRISMATIC[1..])].concat()), "the joints of the arm, from the base on", |v| joints(v);
 };
 
 /// One joint of the arm in a control period.
@@ -252,12 +251,12 @@ pub(super) const PRISMATIC: &[OfJoint] = quantities! {
     "rate_m_per_s", METRES_PER_SECOND, "u of a prismatic joint", |v| v.rate;
 };
 
-fn joints(view: &View) -> Vec<Value> {
+fn joints(view: &View) -> Vec<Record> {
     let (Some(robot), Some(tick)) = (view.stage.robot(), view.robot_tick()) else { return Vec::new() };
     let rates = robot.joint_rates(&tick.input);
     let joints = robot.joints.iter().enumerate().map(|(i, joint)| {
         let view = JointView { joint, position: tick.configuration.joints[i], rate: rates[i] };
-        json(read(if joint.motion == Motion::Revolute { REVOLUTE } else { PRISMATIC }, &view))
+        read(if joint.motion == Motion::Revolute { REVOLUTE } else { PRISMATIC }, &view)
     });
     joints.collect()
 }

@@ -26,7 +26,7 @@ mod robot_check;
 mod robot_init;
 mod run;
 mod scenario;
-#[cfg_attr(not(feature = "live"), path = "serving_unavailable.rs")]
+#[cfg(feature = "live")]
 mod serving;
 mod settings;
 mod shell;

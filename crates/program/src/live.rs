@@ -1,7 +1,49 @@
-//! The arguments of live viewing.
+//! Live viewing of a run: its arguments, and the viewers that the run tells.
 
+use super::interrupt::Interrupt;
+use super::output::Failure;
 use clap::Args;
+use cocarry::episode::Episode;
+use cocarry::scenario::PreparedScenario;
+use cocarry_recording::recording::Ending;
 use std::net::SocketAddr;
+
+/// The viewers of a run, who get its messages while it goes on.
+pub(super) trait Viewers {
+    /// Waits for the first one, with --live-wait.
+    fn await_first(&mut self);
+
+    /// Sends the last step of the episode, at its time.
+    fn step(&mut self, episode: &Episode);
+
+    /// Sends the end of the episode.
+    fn end(&mut self, episode: &Episode, ending: Ending);
+
+    /// Ends the service; with --live-wait, once the last viewer has left.
+    fn stop(self: Box<Self>);
+}
+
+impl LiveArguments {
+    /// The viewers of the episode from its present step on; `None` without --live.
+    pub fn begin<'a>(
+        &self,
+        prepared: &'a PreparedScenario,
+        episode: &Episode,
+        interrupt: &'a Interrupt,
+    ) -> Result<Option<Box<dyn Viewers + 'a>>, Failure> {
+        let Some(address) = self.live else { return Ok(None) };
+        #[cfg(feature = "live")]
+        return super::serving::begin(self, address, prepared, episode, interrupt).map(Some);
+        #[cfg(not(feature = "live"))]
+        {
+            let _ = (address, prepared, episode, interrupt);
+            Err(super::output::input(anyhow::anyhow!(
+                "--live: this program was built without the feature `live`; build it with `cargo install --path \
+                 crates/program --features live`"
+            )))
+        }
+    }
+}
 
 /// The address of the live server, and the rate of the run.
 #[derive(Args, Debug)]

@@ -6,7 +6,7 @@ use anstyle::Style;
 use anyhow::{Context, Error, anyhow};
 use clap::Args;
 use cocarry::coordination::OptionTick;
-use cocarry::quantities::{self, OptionView};
+use cocarry::quantities::OptionView;
 use cocarry_output::output_file::{OutputError, Outputs};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::borrow::Cow;
@@ -131,7 +131,7 @@ pub(super) fn option_json(
     openings: &[impl AsRef<str>],
     option: &OptionTick,
 ) -> serde_json::Value {
-    let mut fields = quantities::json(OptionView { name, option }.read());
+    let mut fields = serde_json::json!(OptionView { name, option }.read());
     fields["openings"] = openings.iter().map(AsRef::as_ref).collect();
     fields
 }

@@ -4,7 +4,7 @@ use super::output::{Failure, OverwriteArguments, examples, input, print, svg_fil
 use anyhow::{Context, anyhow};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
-use cocarry::quantities::{EPISODE, Kind};
+use cocarry::quantities::EPISODE;
 use cocarry_output::drawing::{
     DifferencePanel, DifferenceRow, HeatPanel, MeanPanel, MeanRow, differences, heat_maps, means,
 };
@@ -80,13 +80,12 @@ fn label(inputs: &BTreeMap<String, String>, names: &[&str]) -> String {
 
 /// A column as the title of an axis, with its unit.
 fn title(column: &str) -> String {
-    let unit = EPISODE.iter().find(|quantity| quantity.key == column).map(|quantity| quantity.kind);
-    match unit {
-        Some(Kind::Number(unit)) if !unit.is_empty() => {
+    match EPISODE.iter().find(|quantity| quantity.key == column).map(|quantity| quantity.kind.unit()) {
+        None | Some("") => column.replace('_', " "),
+        Some(unit) => {
             let words = column.strip_suffix(&format!("_{unit}")).unwrap_or(column);
             format!("{} ({unit})", words.replace('_', " "))
         }
-        _ => column.replace('_', " "),
     }
 }
 

@@ -8,7 +8,6 @@ use super::scenario::ScenarioArguments;
 use anyhow::anyhow;
 use clap::error::ContextKind;
 use clap::{ArgAction, Args, CommandFactory, Parser, Subcommand};
-use cocarry::quantities::cell;
 use cocarry::scenario::Scenario;
 use cocarry_output::output_file::Outputs;
 use cocarry_studies::regression::{
@@ -85,7 +84,7 @@ pub(super) fn run(action: &Action) -> Result<ExitCode, Failure> {
     if !is_check {
         write_file(&outputs, &arguments.file, baseline.recorded(&figures).map_err(input)?)?;
     }
-    let compared = figures.iter().map(Vec::len).sum();
+    let compared = figures.iter().map(Figures::len).sum();
     match arguments.common.json {
         true => print_json(&json!({
             "runs": figures.len(),
@@ -182,8 +181,8 @@ fn text(is_check: bool, runs: usize, figures: usize, found: &[Moved]) -> String 
     }
     let mut shown = table(["run", "figure", "recorded", "now", "change", "may move by"], 2);
     for moved in found {
-        let figure = |figure: &Option<Figure>| figure.as_ref().map_or("-".to_owned(), cell);
-        let [before, now] = [&moved.recorded, &moved.now].map(|f| f.as_ref().and_then(Figure::as_f64));
+        let figure = |figure: &Option<Figure>| figure.as_ref().map_or("-".to_owned(), Figure::to_string);
+        let [before, now] = [&moved.recorded, &moved.now].map(|f| f.as_ref().and_then(Figure::as_number));
         let change = before.zip(now).map(|(before, now)| {
             let change = now - before;
             match before != 0.0 {

@@ -9,7 +9,6 @@ use super::output::{
 };
 use super::record::RecordArguments;
 use super::scenario::ScenarioArguments;
-use super::serving::Serving;
 use super::snapshots::{Saves, SnapshotArguments};
 use super::tick_log;
 use anyhow::Context;
@@ -125,16 +124,16 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let bar = Progress::new(episode.expected_steps() as usize, "episode");
     saves.write(&outputs, &stage, &episode)?;
     let interrupt = Interrupt::caught()?;
-    let mut serving = Serving::begin(&arguments.live, &stage, &episode, &interrupt)?;
+    let mut viewers = arguments.live.begin(&stage, &episode, &interrupt)?;
     let mut recording = arguments.recording.begin(&stage, &episode, arguments.overwrite.overwrite)?;
-    serving.iter_mut().for_each(Serving::await_viewer);
+    viewers.iter_mut().for_each(|viewers| viewers.await_first());
     while !interrupt.is_set() && episode.step().is_none() {
         recording.step(&episode)?;
-        if let Some(serving) = &mut serving {
-            serving.step(&episode);
+        if let Some(viewers) = &mut viewers {
+            viewers.step(&episode);
         }
         if let Some(log) = &mut log {
-            log.step(&View { stage: &stage, episode: &episode })?;
+            log.step(&View::new(&stage, &episode))?;
         }
         ticks.push(episode.tick().clone());
         saves.write(&outputs, &stage, &episode)?;
@@ -145,8 +144,8 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let is_interrupted = interrupt.is_set();
     let ending = if is_interrupted { Ending::Interrupted } else { Ending::Over(outcome) };
     let recorded = recording.finish(&episode, ending, arguments.scenario.robot(), &outputs)?;
-    if let Some(serving) = &mut serving {
-        serving.end(&episode, ending);
+    if let Some(viewers) = &mut viewers {
+        viewers.end(&episode, ending);
     }
     let report = EpisodeReport { stage: &stage, episode: &episode, resumed, ticks };
     log.map_or(Ok(()), |log| log.finish(&outputs))?;
@@ -163,7 +162,7 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
         let place =
             if files.is_empty() { String::new() } else { format!(", which are in {}", files.join(", ")) };
         tell(&format!("interrupted after {steps} steps{place}"));
-        serving.into_iter().for_each(Serving::stop);
+        viewers.into_iter().for_each(|viewers| viewers.stop());
         return Ok(ExitCode::from(130));
     }
     if arguments.json {
@@ -174,7 +173,7 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
             print(&format!("wrote {}\n", file.display()))?;
         }
     }
-    serving.into_iter().for_each(Serving::stop);
+    viewers.into_iter().for_each(|viewers| viewers.stop());
     saves.finish(steps)?;
     Ok(match outcome {
         Outcome::Arrived => ExitCode::SUCCESS,

@@ -1,11 +1,12 @@
 //! The server of a run's messages to live viewers, paced by a clock.
 
 use super::interrupt::Interrupt;
-use super::live::LiveArguments;
+use super::live::{LiveArguments, Viewers};
 use super::output::Failure;
 use cocarry::episode::Episode;
 use cocarry::scenario::PreparedScenario;
 use cocarry_recording::recording::{Encoder, Ending, LiveError, LiveServer, Message};
+use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
 /// The interval between two checks while waiting.
@@ -16,7 +17,7 @@ const TIME_INTERVAL: Duration = Duration::from_secs(1);
 const CLOSING_DELAY: Duration = Duration::from_millis(500);
 
 /// The live server of an episode.
-pub(super) struct Serving<'a> {
+struct Serving<'a> {
     encoder: Encoder<'a>,
     server: LiveServer,
     interrupt: &'a Interrupt,
@@ -28,28 +29,27 @@ pub(super) struct Serving<'a> {
     begun: (Instant, u64),
 }
 
-impl<'a> Serving<'a> {
-    /// A server of the episode from its present step on; `None` without --live.
-    pub fn begin(
-        arguments: &LiveArguments,
-        stage: &'a PreparedScenario,
-        episode: &Episode,
-        interrupt: &'a Interrupt,
-    ) -> Result<Option<Self>, Failure> {
-        let Some(address) = arguments.live else { return Ok(None) };
-        let mut encoder = Encoder::new(stage);
-        let mut server = LiveServer::start(address, &arguments.live_origin, &encoder.channels(episode))
-            .map_err(failure)?;
-        let messages = encoder.begin(episode);
-        server.send(messages);
-        let (rate, waits) = (arguments.live_rate, arguments.live_wait);
-        eprintln!("live: in Foxglove, open the connection ws://{}", server.address());
-        let begun = (Instant::now(), time(messages));
-        Ok(Some(Self { encoder, server, interrupt, waits, rate, begun }))
-    }
+/// A server at this address of the episode from its present step on.
+pub(super) fn begin<'a>(
+    arguments: &LiveArguments,
+    address: SocketAddr,
+    prepared: &'a PreparedScenario,
+    episode: &Episode,
+    interrupt: &'a Interrupt,
+) -> Result<Box<dyn Viewers + 'a>, Failure> {
+    let mut encoder = Encoder::new(prepared);
+    let mut server =
+        LiveServer::start(address, &arguments.live_origin, &encoder.channels(episode)).map_err(failure)?;
+    let messages = encoder.begin(episode);
+    server.send(messages);
+    let (rate, waits) = (arguments.live_rate, arguments.live_wait);
+    eprintln!("live: in Foxglove, open the connection ws://{}", server.address());
+    let begun = (Instant::now(), time(messages));
+    Ok(Box::new(Serving { encoder, server, interrupt, waits, rate, begun }))
+}
 
-    /// Waits for a viewer, with --live-wait.
-    pub fn await_viewer(&mut self) {
+impl Viewers for Serving<'_> {
+    fn await_first(&mut self) {
         if self.waits {
             eprintln!("live: waiting for a viewer");
             self.wait_while(|serving| !serving.server.is_watched());
@@ -57,8 +57,7 @@ impl<'a> Serving<'a> {
         }
     }
 
-    /// Serves the last step of the episode, at its time.
-    pub fn step(&mut self, episode: &Episode) {
+    fn step(&mut self, episode: &Episode) {
         let messages = self.encoder.step(episode);
         let (begun, from) = self.begun;
         let simulated = Duration::from_nanos(time(messages).saturating_sub(from));
@@ -72,13 +71,11 @@ impl<'a> Serving<'a> {
         self.server.send(messages);
     }
 
-    /// Serves the end of the episode.
-    pub fn end(&mut self, episode: &Episode, ending: Ending) {
+    fn end(&mut self, episode: &Episode, ending: Ending) {
         self.server.send(self.encoder.end(episode, ending));
     }
 
-    /// Stops the server; with --live-wait, serves the last state until the viewers disconnect.
-    pub fn stop(self) {
+    fn stop(self: Box<Self>) {
         if self.waits && self.server.viewers() > 0 && !self.interrupt.is_set() {
             eprintln!(
                 "live: the episode is over; its last state is served until the last viewer disconnects, or until Ctrl-C"
@@ -89,7 +86,9 @@ impl<'a> Serving<'a> {
         }
         self.server.stop();
     }
+}
 
+impl Serving<'_> {
     /// Waits while `holds` is true, or until Ctrl-C.
     fn wait_while(&self, holds: impl Fn(&Self) -> bool) {
         let mut sent = Instant::now();

@@ -1,6 +1,7 @@
 //! Many episodes: the paper's claims, studies, fits, the regression gate, the report, and tasks of a cluster.
 
 pub mod cluster;
+#[cfg(feature = "parquet")]
 pub mod columns;
 pub mod fit;
 pub mod paper;

@@ -462,7 +462,7 @@ impl Lanes {
     /// The figures of a lane's last episode that ended; None before.
     fn summary<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Option<Bound<'py, PyDict>>> {
         let last = self.lane(index, |lane| Ok(lane.last.clone()))?;
-        last.map(|record| value::record(py, record)).transpose()
+        last.map(|record| value::record(py, &record)).transpose()
     }
 
     /// The observation with which that episode ended, where the lane began anew in the same step.

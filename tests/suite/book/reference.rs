@@ -106,8 +106,8 @@ fn the_reference_of_columns_is_the_table_of_quantities() {
     let is_listed = |name: &str| {
         SETTINGS.iter().any(|setting| setting.key == name) || EPISODE.iter().any(|figure| figure.key == name)
     };
-    for heading in cocarry_studies::study::columns().iter().filter(|heading| !is_listed(heading.name)) {
-        text += &row(&[&format!("`{}`", heading.name), heading.description]);
+    for heading in cocarry_studies::study::columns().iter().filter(|heading| !is_listed(heading.key)) {
+        text += &row(&[&format!("`{}`", heading.key), heading.description]);
     }
     settle("book/src/columns.md", &read("book/src/columns.md"), &text);
 }
@@ -127,15 +127,19 @@ fn listed<Getter>(quantities: &[Quantity<Getter>]) -> String {
         };
         text += &row(&[&format!("`{}`", quantity.key), unit, quantity.description]);
         // those of options have a table of their own
-        let fields = fields.filter(|_| quantity.key != "options");
-        let fields = fields.as_ref().and_then(|fields| fields["properties"].as_object());
-        for (key, schema) in fields.into_iter().flatten() {
-            let about = schema["description"].as_str().unwrap_or_default();
-            let (about, unit) = match about.strip_suffix(']').and_then(|about| about.rsplit_once(" [")) {
-                Some((about, unit)) => (about, unit),
-                None => (about, schema["type"].as_str().unwrap_or_default()),
+        let mut fields = fields.filter(|_| quantity.key != "options").unwrap_or_default();
+        fields.sort_by_key(|field| field.key);
+        for field in fields {
+            let unit = match field.kind {
+                Kind::Number("") => "number",
+                Kind::Number(unit) => unit,
+                Kind::Count => "integer",
+                Kind::Text => "string",
+                Kind::Flag => "boolean",
+                Kind::Numbers | Kind::List(_) => "array",
+                Kind::Record(_) => "object",
             };
-            text += &row(&[&format!("`{}.{key}`", quantity.key), unit, about]);
+            text += &row(&[&format!("`{}.{}`", quantity.key, field.key), unit, field.description]);
         }
     }
     text

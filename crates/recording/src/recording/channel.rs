@@ -1,8 +1,9 @@
 //! The channels of a recording: topic, schema and encoding of each.
 
+use super::json;
 use cocarry::quantities::{
     BASE, CONTROL, COORDINATION, COST, EPISODE, INTERACTION, JOINTS, LEARNED, OPTIONS, PREPARATION, Quantity,
-    Record, STEP, json, schema,
+    Record, STEP,
 };
 use foxglove::messages::{FrameTransforms, JointStates, Log, SceneUpdate};
 use foxglove::{Encode, Schema};
@@ -128,7 +129,7 @@ impl Channel {
     /// The JSON Schema of its messages. Foxglove reads one plain type a field and refuses lists of types: a
     /// field without a value is left out of the message, and the schema does not require it.
     fn json_schema(self) -> Value {
-        let mut schema = schema(self.quantities().iter().copied().flatten());
+        let mut schema = json::schema(self.quantities().iter().copied().flatten().map(Quantity::heading));
         schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
         schema["title"] = self.topic().trim_start_matches('/').into();
         schema
@@ -163,21 +164,8 @@ impl Message {
         Self { channel, time, data }
     }
 
-    /// A JSON message, without the fields that are null.
-    pub(super) fn json(channel: Channel, time: u64, record: Record) -> Self {
-        let mut message = json(record);
-        leave_out_nulls(&mut message);
-        Self { channel, time, data: message.to_string().into_bytes() }
-    }
-}
-
-fn leave_out_nulls(value: &mut Value) {
-    match value {
-        Value::Object(fields) => {
-            fields.retain(|_, field| !field.is_null());
-            fields.values_mut().for_each(leave_out_nulls);
-        }
-        Value::Array(items) => items.iter_mut().for_each(leave_out_nulls),
-        _ => {}
+    /// A JSON message, without the fields that are missing.
+    pub(super) fn json(channel: Channel, time: u64, record: &Record) -> Self {
+        Self { channel, time, data: json::object(record).to_string().into_bytes() }
     }
 }

@@ -10,20 +10,13 @@
 //!
 //! ```
 //! use cocarry::episode::Outcome;
-//! use cocarry_studies::paper;
-//! use crate::recording::{Ending, Reader, Recorder};
 //! use cocarry::scenario::{Plant, Scenario};
+//! use cocarry::world::World;
+//! use cocarry_recording::recording::{Ending, Reader, Recorder};
 //! use std::io::Cursor;
 //!
-//! let scenario = Scenario {
-//!     seed: 1,
-//!     world: paper::ENVIRONMENTS[3].world()?.into(),
-//!     human: paper::EXAMPLE_HUMAN,
-//!     human_model: Default::default(),
-//!     changes: Vec::new(),
-//!     settings: Default::default(),
-//!     plant: Plant::Point,
-//! };
+//! let world = World::load("../../worlds/environment-4.toml".as_ref())?;
+//! let scenario = Scenario::new(world.into(), Plant::Point);
 //! let stage = scenario.prepare()?;
 //! let mut episode = stage.episode()?;
 //! let file = Cursor::new(Vec::new());
@@ -56,6 +49,7 @@ mod frames;
 #[cfg(feature = "live")]
 mod gate;
 mod human;
+mod json;
 #[cfg(feature = "live")]
 mod live;
 mod meshes;

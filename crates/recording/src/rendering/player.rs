@@ -7,7 +7,7 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD as STANDARD;
 use cocarry::geometry::{Footprint, Point, Pose};
 use cocarry::located;
-use cocarry::quantities::{COORDINATION, COST, INTERACTION, Kind, Quantity};
+use cocarry::quantities::{COORDINATION, COST, INTERACTION, Quantity};
 use cocarry::robot::{Geometry, Link, Robot, Shape};
 use cocarry::world::World;
 use cocarry_output::drawing::{option_colour, option_dash, risk_colour};
@@ -232,11 +232,10 @@ fn steps(playback: &Playback) -> Value {
             continue;
         }
         for quantity in table.iter().filter(|quantity| keys.contains(&quantity.key)) {
-            let unit = if let Kind::Number(unit) = quantity.kind { unit } else { "" };
             figures.insert(
                 quantity.key.to_owned(),
                 json!({
-                    "unit": unit,
+                    "unit": quantity.kind.unit(),
                     "description": quantity.description,
                     "values": playback.column(channel, quantity.key),
                 }),

@@ -2,7 +2,6 @@
 
 use super::{BaselineError, FORMAT, Figure, Figures, Tolerance, figure_names};
 use cocarry::located::{self, LARGEST_SETTINGS};
-use cocarry::quantities::cell;
 use std::path::Path;
 use toml_edit::{Document, DocumentMut, Item, Table};
 
@@ -122,10 +121,12 @@ impl Baseline {
             } else {
                 table.decor_mut().set_prefix("\n");
             }
-            for (name, figure) in figures {
-                let count = figure.as_i64().map(toml_edit::Value::from);
-                let value =
-                    count.or_else(|| Some(figure.as_f64()?.into())).unwrap_or_else(|| cell(figure).into());
+            for (name, figure) in figures.iter() {
+                let value: toml_edit::Value = match figure {
+                    Figure::Count(count) => (*count).into(),
+                    Figure::Number(number) => (*number).into(),
+                    figure => figure.to_string().into(),
+                };
                 table.insert(name, toml_edit::value(value));
             }
             run.insert("recorded", Item::Table(table));

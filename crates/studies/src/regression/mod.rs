@@ -41,7 +41,7 @@ pub fn run_all(scenarios: Vec<Scenario>, on_done: OnDone) -> Vec<Result<Figures,
         while episode.step().is_none() {
             route.step(&stage, episode.position());
         }
-        Ok(figures(&View { stage: &stage, episode: &episode }, &route))
+        Ok(figures(&View::new(&stage, &episode), &route))
     })
 }
 
@@ -57,14 +57,14 @@ pub fn moved(baseline: &Baseline, run: &Run, now: &Figures) -> Vec<Moved> {
         tolerance: baseline.tolerance(figure),
     };
     let mut found = Vec::new();
-    for (name, value) in now {
+    for (name, value) in now.iter() {
         let before = recorded.iter().find(|(recorded, _)| recorded == name).map(|(_, figure)| figure);
         if before.is_none_or(|before| !is_near(before, value, baseline.tolerance(name))) {
             found.push(moved(name, before, Some(value)));
         }
     }
     for (name, value) in recorded {
-        if now.iter().all(|(known, _)| known != name) {
+        if now.iter().all(|(known, _)| known != *name) {
             found.push(moved(name, Some(value), None));
         }
     }

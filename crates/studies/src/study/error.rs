@@ -170,7 +170,7 @@ pub enum SweepError {
     },
     /// The program was built without Parquet.
     #[error(
-        "{file}: this program was built without the feature `parquet`; build it with `cargo install --path . --features parquet`, take that of the Python package, or write CSV"
+        "{file}: this program was built without the feature `parquet`; build it with `cargo install --path crates/program --features parquet`, take that of the Python package, or write CSV"
     )]
     NoParquet {
         /// The file or folder.

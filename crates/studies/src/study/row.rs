@@ -2,10 +2,9 @@
 
 use super::cell::Cell;
 use super::file::Contents;
-use crate::columns::{self, Heading};
 use cocarry::episode::{Episode, Outcome};
 use cocarry::preference::Perception;
-use cocarry::quantities::{EPISODE, Kind, View, cell};
+use cocarry::quantities::{EPISODE, Heading, Kind, Quantity, View};
 use cocarry::scenario::{self, PlantKind, PreparedScenario, SETTINGS, Scenario, ScenarioError, Value};
 
 /// A column: its name, its meaning, and its value for a cell, which is `None` where the column does not apply.
@@ -55,25 +54,25 @@ const DRAWN: [Heading; 4] = [
     heading("preference_changes", Kind::Text, "the changes drawn, in the form of `--change`, by step"),
 ];
 
-const fn heading(name: &'static str, kind: Kind, description: &'static str) -> Heading {
-    Heading { name, kind, description }
+const fn heading(key: &'static str, kind: Kind, description: &'static str) -> Heading {
+    Heading { key, kind, description }
 }
 
 /// The names of all columns, in order.
 pub(super) fn columns() -> Vec<&'static str> {
-    headings().into_iter().map(|heading| heading.name).collect()
+    headings().into_iter().map(|heading| heading.key).collect()
 }
 
 /// All columns, in order.
 pub(super) fn headings() -> Vec<Heading> {
-    let figures = EPISODE.iter().map(Heading::from);
+    let figures = EPISODE.iter().map(Quantity::heading);
     IDENTITY.into_iter().chain(input_headings()).chain(DRAWN).chain(figures).collect()
 }
 
 /// The columns that define a combination.
 fn input_headings() -> impl Iterator<Item = Heading> {
     let of_setting = |setting: &scenario::Setting| match setting.kind {
-        scenario::Kind::Number(..) => columns::number(setting.key),
+        scenario::Kind::Number(unit, ..) => Kind::Number(unit),
         scenario::Kind::Count(..) => Kind::Count,
         scenario::Kind::Flag(_) => Kind::Flag,
         scenario::Kind::Word(..) | scenario::Kind::Text(..) => Kind::Text,
@@ -173,8 +172,8 @@ pub(super) fn to_its_end(stage: &PreparedScenario) -> Result<Episode<'_>, Scenar
 /// The figures of a finished episode.
 fn carry_out(stage: &PreparedScenario, run: Run) -> Result<Vec<String>, ScenarioError> {
     let episode = run(stage)?;
-    let figures = View { stage, episode: &episode }.read(EPISODE);
-    Ok(figures.iter().map(|(_, value)| cell(value)).collect())
+    let figures = View::new(stage, &episode).read(EPISODE);
+    Ok(figures.iter().map(|(_, value)| value.to_string()).collect())
 }
 
 /// The figures of an episode that could not begin.

@@ -7,14 +7,13 @@
 //! are both there.
 
 use super::{ARITHMETIC, DIGEST, open, properties, system_error, unread, value_of};
-use crate::columns::{Columns, Heading};
+use crate::columns::Columns;
 use crate::study::{Origin, Study, SweepError, row};
 use arrow_array::RecordBatch;
 use arrow_schema::{ArrowError, SchemaRef};
-use cocarry::quantities::{TICK, View};
+use cocarry::quantities::{Heading, Quantity, TICK, Value, View};
 use cocarry_output::output_file::{OutputError, OutputFile};
 use parquet::arrow::ArrowWriter;
-use serde_json::Value;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fs::{File, TryLockError};
@@ -65,11 +64,11 @@ impl Layout {
         }
         let inputs: Vec<usize> = (0..names.len()).filter(|i| varies[*i]).collect();
         let all = row::headings();
-        let heading = |name: &str| all.iter().find(|heading| heading.name == name).cloned();
+        let heading = |name: &str| all.iter().find(|heading| heading.key == name).cloned();
         let names =
             ["episode", "seed"].into_iter().chain(inputs.iter().map(|i| names[*i])).chain(["alpha", "gamma"]);
         let headings: Vec<Heading> =
-            names.filter_map(heading).chain(TICK.into_iter().flatten().map(Heading::from)).collect();
+            names.filter_map(heading).chain(TICK.into_iter().flatten().map(Quantity::heading)).collect();
         Self { schema: Columns::new(&headings).schema().clone(), inputs }
     }
 
@@ -94,9 +93,9 @@ impl Layout {
         let line = study.row_of(episode, cell, scenario, &|stage| {
             let mut episode = stage.episode()?;
             while episode.step().is_none() {
-                let view = View { stage, episode: &episode };
+                let view = View::new(stage, &episode);
                 let values: Vec<Value> =
-                    TICK.into_iter().flat_map(|table| view.read(table)).map(|(_, value)| value).collect();
+                    TICK.into_iter().flat_map(|table| view.read(table).into_values()).collect();
                 columns.borrow_mut().add(cells.iter().copied(), &values);
             }
             Ok(episode)

@@ -1,33 +1,23 @@
-//! Columns as Arrow data: the type, the unit and the meaning of each, and its values.
+//! Columns of tables as Arrow data: the type, the unit and the meaning of each, and its values.
 //!
 //! A column's type comes from its kind: numbers are 64-bit floats with the same bits, counts 64-bit integers,
 //! flags booleans, words UTF-8, lists of records lists of structs. Missing values are null. Unit and meaning
 //! are metadata of the field: `unit`, `description`.
 
-use super::Heading;
 use arrow_array::builder::{BooleanBuilder, Float64Builder, Int64Builder, StringBuilder};
 use arrow_array::{ArrayRef, ListArray, RecordBatch, StructArray};
 use arrow_buffer::{NullBuffer, OffsetBuffer, ScalarBuffer};
 use arrow_schema::{ArrowError, DataType, Field, FieldRef, Fields, Schema, SchemaRef};
-use cocarry::quantities::Kind;
-use serde_json::Value;
-use std::collections::HashMap;
+use cocarry::quantities::{Heading, Kind, Record, Value};
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
-impl Heading {
-    /// Its Arrow field.
-    pub fn field(&self) -> Field {
-        let unit = if let Kind::Number(unit) = self.kind { unit } else { "" };
-        field(self.name, data_type(self.kind), self.description, unit)
-    }
-}
-
-/// A nullable field with its metadata.
-fn field(name: &str, data_type: DataType, description: &str, unit: &str) -> Field {
-    let pairs =
-        [("description", description), ("unit", unit)].into_iter().filter(|(_, text)| !text.is_empty());
-    let metadata = pairs.map(|(key, text)| (key.to_owned(), text.to_owned())).collect::<HashMap<_, _>>();
-    Field::new(name, data_type, true).with_metadata(metadata)
+/// The Arrow field of a column.
+pub fn field(heading: &Heading) -> Field {
+    let about = [("description", heading.description), ("unit", heading.kind.unit())];
+    let about = about.into_iter().filter(|(_, text)| !text.is_empty());
+    let metadata = about.map(|(key, text)| (key.to_owned(), text.to_owned())).collect::<HashMap<_, _>>();
+    Field::new(heading.key, data_type(heading.kind), true).with_metadata(metadata)
 }
 
 fn data_type(kind: Kind) -> DataType {
@@ -37,8 +27,8 @@ fn data_type(kind: Kind) -> DataType {
         Kind::Flag => DataType::Boolean,
         Kind::Text => DataType::Utf8,
         Kind::Numbers => list(DataType::Float64),
-        Kind::Record(schema) => of_schema(&schema()),
-        Kind::List(schema) => list(of_schema(&schema())),
+        Kind::Record(headings) => record(headings()),
+        Kind::List(headings) => list(record(headings())),
     }
 }
 
@@ -46,26 +36,11 @@ fn list(of: DataType) -> DataType {
     DataType::List(Arc::new(Field::new("item", of, true)))
 }
 
-/// The type of a nested value, from its JSON Schema.
-fn of_schema(schema: &Value) -> DataType {
-    match schema["type"].as_str() {
-        Some("number") => DataType::Float64,
-        Some("integer") => DataType::Int64,
-        Some("boolean") => DataType::Boolean,
-        Some("array") => list(of_schema(&schema["items"])),
-        Some("object") => {
-            let properties = schema["properties"].as_object().into_iter().flatten();
-            let fields = properties.map(|(name, schema)| {
-                let description = schema["description"].as_str().unwrap_or_default();
-                // a schema says the unit at the end of the description
-                let unit = description.strip_suffix(']').and_then(|rest| rest.rsplit_once(" ["));
-                let (description, unit) = unit.unwrap_or((description, ""));
-                field(name, of_schema(schema), description, unit)
-            });
-            DataType::Struct(fields.collect())
-        }
-        _ => DataType::Utf8,
-    }
+/// The type of a record. Its fields are ordered by their names, as in JSON.
+fn record(headings: Vec<Heading>) -> DataType {
+    let fields: BTreeMap<&str, Field> =
+        headings.iter().map(|heading| (heading.key, field(heading))).collect();
+    DataType::Struct(fields.into_values().collect())
 }
 
 /// A column while it is filled.
@@ -131,30 +106,46 @@ impl Column {
             Self::Count(values) => values.append_option(text.parse().ok()),
             Self::Flag(values) => values.append_option(text.parse().ok()),
             Self::Text(values) => values.append_option((!text.is_empty()).then_some(text)),
-            Self::List { .. } | Self::Record { .. } => self.add(&Value::Null),
+            Self::List { .. } | Self::Record { .. } => self.add(&Value::Missing),
         }
     }
 
     /// Adds a value. One of another kind is missing.
     pub fn add(&mut self, value: &Value) {
-        match self {
-            Self::Number(values) => values.append_option(value.as_f64()),
-            Self::Count(values) => values.append_option(value.as_i64()),
-            Self::Flag(values) => values.append_option(value.as_bool()),
-            Self::Text(values) => values.append_option(value.as_str()),
-            Self::List { items, offsets, .. } => {
-                let list = value.as_array().into_iter().flatten();
-                let before = offsets.last().copied().unwrap_or_default();
-                let added = list.map(|value| items.add(value)).count();
+        match (self, value) {
+            (Self::Number(values), value) => values.append_option(value.as_number()),
+            (Self::Count(values), Value::Count(count)) => values.append_value(*count),
+            (Self::Count(values), _) => values.append_null(),
+            (Self::Flag(values), Value::Flag(flag)) => values.append_value(*flag),
+            (Self::Flag(values), _) => values.append_null(),
+            (Self::Text(values), value) => values.append_option(value.as_text()),
+            (Self::List { items, offsets, .. }, value) => {
+                let added = match value {
+                    Value::Numbers(numbers) => {
+                        numbers.iter().for_each(|number| items.add(&(*number).into()));
+                        numbers.len()
+                    }
+                    Value::List(records) => {
+                        records.iter().for_each(|record| items.add_record(Some(record)));
+                        records.len()
+                    }
+                    _ => 0,
+                };
+                let before = *offsets.last().expect("the first list begins at 0");
                 offsets.push(before.wrapping_add(added as i32));
             }
-            Self::Record { fields, columns, present } => {
-                for (field, column) in fields.iter().zip(columns) {
-                    column.add(value.get(field.name()).unwrap_or(&Value::Null));
-                }
-                present.push(value.is_object());
-            }
+            (column @ Self::Record { .. }, Value::Record(record)) => column.add_record(Some(record)),
+            (column @ Self::Record { .. }, _) => column.add_record(None),
         }
+    }
+
+    /// Adds a record to a column of records.
+    fn add_record(&mut self, record: Option<&Record>) {
+        let Self::Record { fields, columns, present } = self else { return };
+        for (field, column) in fields.iter().zip(columns) {
+            column.add(record.map_or(&Value::Missing, |record| record.get(field.name())));
+        }
+        present.push(record.is_some());
     }
 
     /// The values.
@@ -193,7 +184,7 @@ pub struct Columns {
 impl Columns {
     /// Empty columns with these headings.
     pub fn new<'h>(headings: impl IntoIterator<Item = &'h Heading>) -> Self {
-        let fields: Vec<Field> = headings.into_iter().map(Heading::field).collect();
+        let fields: Vec<Field> = headings.into_iter().map(field).collect();
         Self::of_schema(Arc::new(Schema::new(fields)))
     }
 
@@ -235,12 +226,11 @@ mod tests {
     use arrow_array::Array;
     use arrow_array::cast::AsArray;
     use arrow_array::types::{Float64Type, Int64Type};
-    use cocarry::quantities::{OPTION, TICK, schema};
-    use serde_json::json;
+    use cocarry::quantities::{OPTION, Quantity, TICK, headings};
 
     #[test]
     fn every_quantity_of_a_tick_has_a_type_a_unit_and_a_meaning() {
-        let headings: Vec<Heading> = TICK.into_iter().flatten().map(Heading::from).collect();
+        let headings: Vec<Heading> = TICK.into_iter().flatten().map(Quantity::heading).collect();
         let columns = Columns::new(&headings);
         assert_eq!(columns.schema().fields().len(), headings.len());
         for field in columns.schema().fields() {
@@ -260,18 +250,21 @@ mod tests {
 
     #[test]
     fn values_keep_their_bits_and_missing_ones_are_null() {
-        let options = Heading { name: "options", kind: Kind::List(|| schema(OPTION)), description: "" };
+        let options = Heading { key: "options", kind: Kind::List(|| headings(OPTION)), description: "" };
         let headings = [
-            Heading { name: "a_m", kind: Kind::Number("m"), description: "a number" },
-            Heading { name: "n", kind: Kind::Count, description: "a count" },
+            Heading { key: "a_m", kind: Kind::Number("m"), description: "a number" },
+            Heading { key: "n", kind: Kind::Count, description: "a count" },
             options,
         ];
         let mut columns = Columns::new(&headings);
         let number: f64 = 0.1 + 0.2;
-        let list = json!([{ "name": "left", "risk": -0.0, "misaligned": true }, { "name": "right" }]);
-        columns.add([], [&json!(number), &json!(i64::MAX), &list]);
-        columns.add([], [&Value::Null; 3]);
-        columns.add([number.to_string().as_str(), ""], [&Value::Null]);
+        let left: Record = [("name", "left".into()), ("risk", (-0.0).into()), ("misaligned", true.into())]
+            .into_iter()
+            .collect();
+        let right: Record = [("name", "right".into())].into_iter().collect();
+        columns.add([], [&number.into(), &Value::Count(i64::MAX), &vec![left, right].into()]);
+        columns.add([], [&Value::Missing; 3]);
+        columns.add([number.to_string().as_str(), ""], [&Value::Missing]);
         let batch = columns.batch().unwrap();
         let numbers = batch.column(0).as_primitive::<Float64Type>();
         assert_eq!([0, 2].map(|row| numbers.value(row).to_bits()), [number.to_bits(); 2]);
