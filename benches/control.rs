@@ -248,7 +248,10 @@ fn tick_times(environment: usize, share: f64) -> (Vec<Duration>, usize) {
         Manipulator { robot: &robot, posture, control: Settings::default(), obstacles: &obstacles };
     let (mut times, mut limited) = (Vec::new(), 0);
     for _ in 0..5 {
-        let mut episode = Episode::new(&options, &settings, EXAMPLE_HUMAN).with_robot(manipulator);
+        let mut episode = Episode::builder(&options, &settings, EXAMPLE_HUMAN)
+            .with_robot(manipulator)
+            .begin()
+            .expect("room");
         loop {
             let begun = Instant::now();
             let ended = black_box(episode.step()).is_some();

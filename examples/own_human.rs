@@ -41,7 +41,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let world = paper::ENVIRONMENTS[3].world()?;
     let settings = Settings::default();
     let options = OptionSet::new(&world, settings.predictor.risk_weight())?;
-    let mut episode = Episode::new(&options, &settings, paper::EXAMPLE_HUMAN).with_human(Cautious::default());
+    let mut episode = Episode::builder(&options, &settings, paper::EXAMPLE_HUMAN)
+        .with_human(Cautious::default())
+        .begin()?;
     while episode.step().is_none() {}
     let end = episode.summary();
     let name = |option: usize| &options.options()[option].name;

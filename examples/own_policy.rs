@@ -17,10 +17,10 @@ struct OwnPolicy;
 
 impl RobotPolicy for OwnPolicy {
     fn decide(&mut self, view: &RobotView<'_>) -> Decision {
-        if view.mode == Mode::HumanLed || view.human.stance == Stance::TakeOver {
+        if view.mode == Mode::HumanLed || view.stance == Stance::TakeOver {
             return Decision::follow();
         }
-        let phi = view.human.stubbornness;
+        let phi = view.stubbornness;
         let mut best = (0, f64::INFINITY);
         for (option, seen) in view.evaluated.iter().enumerate() {
             let cost = (1.0 - phi) * seen.objective + phi * seen.expected;
@@ -36,7 +36,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let world = paper::ENVIRONMENTS[3].world()?;
     let settings = Settings::default();
     let options = OptionSet::new(&world, settings.predictor.risk_weight())?;
-    let mut own = Episode::new(&options, &settings, paper::EXAMPLE_HUMAN).with_policy(OwnPolicy);
+    let mut own =
+        Episode::builder(&options, &settings, paper::EXAMPLE_HUMAN).with_policy(OwnPolicy).begin()?;
     let mut mutual = Episode::new(&options, &settings, paper::EXAMPLE_HUMAN);
     while own.step().is_none() & mutual.step().is_none() {
         let walked = |episode: &Episode| (episode.tick().executed, episode.tick().accumulated_cost.to_bits());

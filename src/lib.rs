@@ -9,8 +9,8 @@
 //!
 //! # Bring your own partner
 //!
-//! Your own [`policy::RobotPolicy`], [`human::Human`] or plant ([`team::Team`]) needs no change of this
-//! crate: see `examples/own_policy.rs` and `examples/own_human.rs`.
+//! Your own [`policy::RobotPolicy`], [`human::Human`], [`controller::Controller`] or [`plant::Plant`] needs no
+//! change of this crate: see `examples/`.
 //!
 //! # Floors
 //!
@@ -20,7 +20,9 @@
 //! quantities     every figure of a control period and an episode: key, unit, getter; events as sentences
 //! scenario       the complete definition of an episode, as text; snapshots; episodes from both
 //! episode        THE LOOP: observe, evaluate, predict, ask the human, ask the policy, execute, control, move
-//! team           the plants: point, kinematic, physical; the robot's controller; how a team walks and turns
+//! controller     the robot's controllers: eqs. (8) and (7) by what is seen, who leads, and P_o
+//! team           how a team walks: its path, turns onto another path, the motion that the leader intends
+//! plant          the bodies that a command and a human's motion move: point, kinematic, physical
 //! policy         robot policies: who leads, on which option, with which motion
 //! human          human models: which option, whether to take over, where the hand goes
 //! arithmetic     the conformance stamp: a digest of fixed results
@@ -90,6 +92,7 @@
 
 pub mod arithmetic;
 pub mod control;
+pub mod controller;
 pub mod coordination;
 pub mod episode;
 pub mod error;
@@ -99,6 +102,7 @@ pub mod learning;
 pub mod located;
 pub mod math;
 pub mod options;
+pub mod plant;
 pub mod policy;
 pub mod preference;
 pub mod quantities;

@@ -10,6 +10,7 @@ mod follow;
 mod holonomic;
 mod intent;
 mod limits;
+mod manipulator;
 mod mpc;
 mod obstacles;
 mod pose;
@@ -27,6 +28,7 @@ pub use closed_form::{ClosedForm, ModalReference};
 pub use follow::{Follower, GUIDE_PRICE, TURN_PRICE, rolled, seen_from_base, set_base, turn_toward_grasp};
 pub use intent::Intent;
 pub use limits::{BaseInputs, HalfPlane, Limits};
+pub use manipulator::Manipulator;
 pub use mpc::{Failure, Mpc, Plan, SolveOutcome};
 pub use obstacles::{Avoid, RobotObstacles};
 pub use pose::{

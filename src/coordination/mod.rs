@@ -78,6 +78,25 @@ impl Stubbornness {
     }
 }
 
+/// One option from where the team is, eq. (1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OptionCost {
+    /// D_o, S_o and the next waypoint.
+    pub remaining: Remaining,
+    /// J_o, m.
+    pub objective: f64,
+    /// omega_o: whether the team's next waypoint differs from this option's.
+    pub misaligned: bool,
+}
+
+impl OptionCost {
+    /// The option with its P_o and J~_o; NaN where one was not evaluated.
+    pub fn predicted(&self, probability: f64, expected: f64) -> OptionTick {
+        let Self { remaining, objective, misaligned } = *self;
+        OptionTick { remaining, objective, expected, probability, misaligned }
+    }
+}
+
 /// One option in one planning step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OptionTick {

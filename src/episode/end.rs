@@ -11,7 +11,7 @@ impl Episode<'_> {
         if let Some(outcome) = self.summary.incident() {
             return Some(outcome);
         }
-        if self.underway && self.route.along >= self.route.path.length() {
+        if self.summary.steps > 0 && self.route.along >= self.route.path.length() {
             let at_target = (self.progress.position - self.options.target()).norm() < 1e-6;
             return Some(if at_target { Outcome::Arrived } else { Outcome::NoWay });
         }

@@ -1,8 +1,7 @@
-//! What the robot learns of the human in a step, and P_o, J~_o and phi from it.
-//!
-//! The human's own discomfort keeps the P_o of the prior, eq. (5): what the robot believes does not change the
-//! human. The robot's choices, eq. (6) and (8), use the belief.
+//! What the robot learns of the human in a step.
 
+use super::evaluated::Prediction;
+use super::now::Now;
 use super::{Episode, Tick};
 use crate::coordination::{Mode, is_misaligned, misalignment};
 use crate::human::{HumanDecision, Stance};
@@ -53,28 +52,13 @@ impl<'a> Episode<'a> {
         drop(learner.see_walk(&self.prospects, Some(self.tick.executed), looks_like));
     }
 
-    /// Learns from the human's response to the robot's lead, and puts P_o, J~_o and phi of the belief in place
-    /// of those of the prior.
-    pub(super) fn learn_from_lead(&mut self, human: HumanDecision) -> HumanDecision {
-        let predicts = self.predicts_choice();
-        let Some(learner) = self.learner.as_deref_mut() else { return human };
-        let robot_leads = self.mode == Mode::RobotLed;
-        if robot_leads && self.underway {
-            learner.see_led_step(misalignment(&self.tick.options), human.stance == Stance::TakeOver);
+    /// Learns from the human's response to the robot's lead. Returns phi(k) as the robot takes it: the
+    /// human's, or its mean over what was learned of eta.
+    pub(super) fn learn_from_lead(&mut self, now: Now, human: &HumanDecision, prior: &Prediction) -> f64 {
+        let Some(learner) = self.learner.as_deref_mut() else { return human.stubbornness };
+        if now.mode == Mode::RobotLed && now.executed.is_some() {
+            learner.see_led_step(misalignment(&prior.options), human.stance == Stance::TakeOver);
         }
-        if predicts {
-            let current = self.underway.then_some(self.tick.executed);
-            learner.predict(&self.prospects, current, &mut self.choice);
-            for (tick, p) in self.tick.options.iter_mut().zip(self.choice.probabilities()) {
-                tick.probability = *p;
-            }
-        }
-        if robot_leads || self.policy.predicts() {
-            learner.expected_costs(&self.prospects, &mut self.expected);
-            for (tick, cost) in self.tick.options.iter_mut().zip(&self.expected) {
-                tick.expected = *cost;
-            }
-        }
-        HumanDecision { stubbornness: learner.stubbornness(), ..human }
+        learner.stubbornness()
     }
 }

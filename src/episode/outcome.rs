@@ -2,9 +2,8 @@
 
 use super::{PhysicsTick, RobotTick, Tick};
 use crate::control::SolveOutcome;
+use crate::coordination::Mode;
 use crate::geometry::Point;
-use crate::human::HumanDecision;
-use crate::preference::{Prospect, subjective_cost};
 use crate::simulation::{BodyKind, Contact, Failure, Observation};
 use serde::{Deserialize, Serialize};
 
@@ -272,56 +271,75 @@ impl ControlSummary {
     }
 }
 
+/// A step that is over.
+pub(super) struct Done<'s> {
+    pub tick: &'s Tick,
+    /// The step before; none before the first.
+    pub before: Option<&'s Tick>,
+    /// J^ of the executed option, for a human who has alpha and gamma.
+    pub subjective_cost: Option<f64>,
+    /// Whether it began with a preference change.
+    pub has_changed: bool,
+    /// Distance walked, m.
+    pub walked: f64,
+    /// What is seen of the bodies at its end.
+    pub bodies: Option<&'s Observation>,
+    pub ignores_loss: bool,
+}
+
 impl HumanSummary {
-    /// Adds a decision. `before` is the option preferred in the step before; `has_changed` says whether the
-    /// step began with a preference change.
-    pub(super) fn add(&mut self, decision: &HumanDecision, before: Option<usize>, has_changed: bool) {
-        match before {
-            None => self.preferred_at_start = decision.option,
-            Some(before) => self.preferred_option_switches += u32::from(before != decision.option),
+    fn add(&mut self, done: &Done) {
+        let Tick { executed, preferred, stubbornness, discomfort, .. } = *done.tick;
+        match done.before {
+            None => self.preferred_at_start = preferred,
+            Some(before) => self.preferred_option_switches += u32::from(before.preferred != preferred),
         }
-        self.preference_changes += u32::from(has_changed);
-        (self.stubbornness, self.discomfort) = (decision.stubbornness, decision.discomfort);
+        self.preference_changes += u32::from(done.has_changed);
+        self.steps_off_preference += u64::from(executed != preferred);
+        self.subjective_cost += done.subjective_cost.unwrap_or(0.0);
+        (self.stubbornness, self.discomfort) = (stubbornness, discomfort);
     }
 }
 
 impl Summary {
-    /// Adds the option executed in a step: J, and J^ for a human who has alpha and gamma.
-    pub(super) fn add_executed(
-        &mut self,
-        option: usize,
-        tick: &Tick,
-        human: &HumanDecision,
-        prospect: Prospect,
-        risk_weight: f64,
-    ) {
-        self.last_option = option;
-        self.accumulated_cost += tick.objective_cost;
-        self.human.steps_off_preference += u64::from(option != human.option);
-        if let Some(perception) = human.perception {
-            self.human.subjective_cost += subjective_cost(prospect, risk_weight, perception);
-        }
-    }
-
-    /// Adds a step: the robot's tick, the observation of the bodies, and the loss of the object unless it is
-    /// ignored.
-    pub(super) fn add(&mut self, robot: Option<&RobotTick>, seen: Option<&Observation>, ignores_loss: bool) {
-        if let Some(tick) = robot {
-            let (by, distance) = tick.worst_hold();
-            self.steps_beyond = if distance > LOSS_DISTANCE_M { self.steps_beyond + 1 } else { 0 };
-            let enough = if tick.physics.is_some() { 1 } else { 2 };
-            if self.steps_beyond >= enough && !ignores_loss {
-                self.loss = Some(Loss { by, step: self.steps, distance });
-            }
-            self.control.get_or_insert_default().add(tick);
-            if let Some(physics) = &tick.physics {
-                self.interaction.get_or_insert_default().add(physics);
+    /// Adds a step.
+    pub(super) fn add(&mut self, done: &Done) {
+        let tick = done.tick;
+        match done.before {
+            None => self.first_option = tick.executed,
+            Some(before) => {
+                self.option_changes += u32::from(before.executed != tick.executed);
+                if before.mode == Mode::RobotLed && tick.mode == Mode::HumanLed {
+                    self.transition = Some(Transition { step: tick.step, position: tick.position });
+                }
             }
         }
-        if let Some(seen) = seen {
+        self.last_option = tick.executed;
+        self.accumulated_cost = tick.accumulated_cost;
+        self.walked += done.walked;
+        self.human.add(done);
+        if let Some(robot) = &tick.robot {
+            self.add_robot(robot, done.ignores_loss);
+        }
+        if let Some(seen) = done.bodies {
             let obstacle = |contact: &&Contact| contact.between.iter().any(|p| p.kind == BodyKind::Obstacle);
             self.collision = seen.contacts.iter().find(obstacle).cloned();
             self.failure.clone_from(&seen.failure);
+        }
+        self.steps += 1;
+    }
+
+    /// Adds the robot's part, with the loss of the object unless it is ignored.
+    fn add_robot(&mut self, tick: &RobotTick, ignores_loss: bool) {
+        let (by, distance) = tick.worst_hold();
+        self.steps_beyond = if distance > LOSS_DISTANCE_M { self.steps_beyond + 1 } else { 0 };
+        let enough = if tick.physics.is_some() { 1 } else { 2 };
+        if self.steps_beyond >= enough && !ignores_loss {
+            self.loss = Some(Loss { by, step: self.steps, distance });
+        }
+        self.control.get_or_insert_default().add(tick);
+        if let Some(physics) = &tick.physics {
+            self.interaction.get_or_insert_default().add(physics);
         }
     }
 

@@ -4,6 +4,7 @@ use crate::coordination;
 use crate::learning;
 use crate::policy::Method;
 use crate::preference::Predictor;
+use crate::team::Pace;
 use serde::{Deserialize, Serialize};
 
 /// The settings of an episode, apart from the world and the human.
@@ -54,6 +55,12 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// The team's pace.
+    pub(super) fn pace(&self) -> Pace {
+        let Self { period, speed, yaw_rate, .. } = *self;
+        Pace { period, speed, yaw_rate }
+    }
+
     /// The learner of these settings, if the robot learns.
     pub(super) fn learner(&self) -> Option<Box<learning::Learner>> {
         let (predictor, phi) = (&self.predictor, self.coordination.initial_stubbornness);

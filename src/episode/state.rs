@@ -1,7 +1,6 @@
 //! The state of a running episode as plain data. With the same inputs it continues with the same bits.
 
 use super::{Episode, Summary, Tick};
-use crate::coordination::Mode;
 use crate::human::HumanDecision;
 use crate::learning;
 use crate::options::Progress;
@@ -16,13 +15,13 @@ use serde::{Deserialize, Serialize};
 pub struct State {
     human: Saved,
     policy: Saved,
-    team: Saved,
-    mode: Mode,
+    controller: Saved,
+    walk: Saved,
+    plant: Saved,
     progress: Progress,
     route: Route,
     tick: Tick,
     summary: Summary,
-    underway: bool,
     steps_without_progress: u32,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     learned: Option<Learned>,
@@ -49,13 +48,13 @@ impl Episode<'_> {
     pub fn state(&self) -> State {
         #[rustfmt::skip]
         let Self {
-            human, policy, team, mode, progress, route, tick, summary, underway, steps_without_progress,
+            human, policy, controller, walk, plant, progress, route, tick, summary, steps_without_progress,
             // inputs
-            options: _, settings: _, tick_limit: _, ignores_loss: _,
-            // buffers that every step refills
-            predictor: _, choice: _, expected: _,
+            options: _, settings: _, manipulator: _, tick_limit: _, ignores_loss: _,
+            // memory that every step fills again
+            predictor: _, memory: _, body_poses: _,
             // of a step that is not whole
-            human_decision: _,
+            begun: _,
             // for a robot that learns
             learner, prospects, decided,
         } = self;
@@ -67,20 +66,20 @@ impl Episode<'_> {
         State {
             human: human.save(),
             policy: policy.save(),
-            team: team.save(),
-            mode: *mode,
+            controller: controller.save(),
+            walk: walk.save(),
+            plant: plant.save(),
             progress: progress.clone(),
             route: route.clone(),
             tick: tick.clone(),
             summary: summary.clone(),
-            underway: *underway,
             steps_without_progress: *steps_without_progress,
             learned,
         }
     }
 
     /// This episode, which must not have begun, continued from `state`. It continues with the same bits if
-    /// options, settings, human, policy and team are the same.
+    /// options, settings, human, policy, controller and plant are the same.
     ///
     /// # Errors
     /// [`NotRestored`] if the state does not fit.
@@ -113,8 +112,10 @@ impl Episode<'_> {
         }
         self.human.restore(&state.human)?;
         self.policy.restore(&state.policy)?;
-        self.team.restore(&state.team)?;
-        let State { mode, progress, route, tick, summary, underway, steps_without_progress, .. } = state;
-        Ok(Self { mode, progress, route, tick, summary, underway, steps_without_progress, ..self })
+        self.plant.restore(&state.plant)?;
+        self.walk.restore(&state.walk)?;
+        self.controller.restore(&state.controller)?;
+        let State { progress, route, tick, summary, steps_without_progress, .. } = state;
+        Ok(Self { progress, route, tick, summary, steps_without_progress, ..self })
     }
 }

@@ -1,19 +1,33 @@
-//! The loop: the paper's algorithm, one control period at a time.
+//! The loop: the paper's algorithm, one planning step at a time. Every value is made once and passed on.
 
-use super::{Episode, OptionTick, Outcome, RobotTick, Transition, prospect};
-use crate::coordination::{Mode, is_misaligned};
-use crate::human::{HumanDecision, Stance};
-use crate::policy::{Decision, Lead};
-use crate::preference::objective_cost;
-use crate::team::{Situation, Step, TurnOutcome};
+use super::evaluated::{Evaluated, Predicted};
+use super::now::Now;
+use super::outcome::Done;
+use super::robot_tick::{Period, RobotTick};
+use super::{Episode, Outcome, Tick};
+use crate::controller::Way;
+use crate::human::HumanDecision;
+use crate::policy::Decision;
+use crate::preference::subjective_cost;
+use crate::team::{Place, Step};
+
+/// A step that has begun: what is known of it before the robot's policy decides.
+#[derive(Clone, Debug)]
+pub(super) struct Begun {
+    pub evaluated: Evaluated,
+    pub predicted: Predicted,
+    pub human: HumanDecision,
+    /// phi(k) as the robot takes it.
+    pub stubbornness: f64,
+}
 
 impl Episode<'_> {
     /// Takes one planning step. Returns the outcome once the episode has ended.
     pub fn step(&mut self) -> Option<Outcome> {
         let ended = self.begin_step();
         if ended.is_none() {
-            let decision = self.ask_policy(); //               mode, o*(k)              eq. (6)
-            self.finish_step(&decision);
+            let lead = self.ask_policy(); //                            mode, o*(k)         eq. (6)
+            self.finish_step(&lead);
         }
         ended
     }
@@ -22,7 +36,7 @@ impl Episode<'_> {
     /// [see](Episode::robot_view) it. Returns the outcome once the episode has ended. Nothing happens if the
     /// step has begun. [`Episode::state`] is that of whole steps: take none in between.
     pub fn begin_step(&mut self) -> Option<Outcome> {
-        if self.human_decision.is_some() {
+        if self.begun.is_some() {
             return None;
         }
         if let Some(outcome) = self.ended() {
@@ -30,156 +44,94 @@ impl Episode<'_> {
             return Some(outcome);
         }
         self.learn_from_walk();
-        self.observe();
-        self.evaluate_options(); //                            D_o, S_o, J_o            eq. (1)
-        self.predict_choice(); //                              P_o, J~_o                eq. (4), (6)
-        let human = self.ask_human(); //                       o_h, g(k), phi(k)        eq. (3), (5)
-        self.human_decision = Some(self.learn_from_lead(human));
+        self.begun = Some(self.begin(self.now()));
         None
     }
 
+    pub(super) fn begin(&mut self, now: Now) -> Begun {
+        let (evaluated, predicted) = std::mem::take(&mut self.memory);
+        let evaluated = self.evaluate(now, evaluated); //                  D_o, S_o, J_o       eq. (1)
+        let predicted = self.predict(now, &evaluated, predicted); //       P_o, J~_o           eq. (4), (6)
+        let human = self.ask_human(now, &evaluated, &predicted.prior); //  o_h, g(k), phi(k)   eq. (3), (5)
+        let stubbornness = self.learn_from_lead(now, &human, &predicted.prior);
+        Begun { evaluated, predicted, human, stubbornness }
+    }
+
     /// The second part of a step that has begun, by this decision. Without a first part nothing happens.
-    pub fn finish_step(&mut self, decision: &Decision) {
-        let Some(human) = self.human_decision.take() else { return };
-        self.decided = Some((human, *decision));
-        self.lead(decision);
-        self.execute(&human, decision);
-        let robot = self.control(decision); //                 q*, u                    eq. (8), (7)
-        self.walk(&human, robot);
-    }
-
-    fn observe(&mut self) {
-        self.tick.step = self.summary.steps;
-        self.tick.time = self.tick.step as f64 * self.settings.period;
-        self.tick.position = self.progress.position;
-    }
-
-    fn evaluate_options(&mut self) {
-        let toward = self.underway.then(|| self.options.next(&self.progress, self.tick.executed));
-        self.tick.options.clear();
-        self.prospects.clear();
-        for o in 0..self.options.options().len() {
-            let remaining = self.options.remaining(&self.progress, o);
-            let prospect = prospect(remaining);
-            self.prospects.push(prospect);
-            self.tick.options.push(OptionTick {
-                remaining,
-                objective: objective_cost(prospect, self.predictor.risk_weight()),
-                expected: f64::NAN,
-                probability: f64::NAN,
-                // g(0) = 0: before the first step the team has no next waypoint
-                misaligned: self.mode == Mode::RobotLed
-                    && toward.is_some_and(|toward| is_misaligned(toward, remaining.next)),
-            });
-        }
-    }
-
-    fn predict_choice(&mut self) {
-        let robot_leads = self.mode == Mode::RobotLed;
-        if self.predicts_choice() {
-            let current = self.underway.then_some(self.tick.executed);
-            self.predictor.predict_from(&self.prospects, current, &mut self.choice);
-            for (tick, p) in self.tick.options.iter_mut().zip(self.choice.probabilities()) {
-                tick.probability = *p;
-            }
-        }
-        if robot_leads || self.policy.predicts() {
-            self.predictor.expected_costs(&self.prospects, &mut self.expected);
-            for (tick, cost) in self.tick.options.iter_mut().zip(&self.expected) {
-                tick.expected = *cost;
-            }
-        }
-    }
-
-    /// Whether P_o is needed in this step.
-    pub(super) fn predicts_choice(&self) -> bool {
-        let is_needed = self.team.anticipates() || self.policy.predicts();
-        self.mode == Mode::RobotLed || is_needed || self.settings.predict_while_human_leads
-    }
-
-    fn lead(&mut self, decision: &Decision) {
-        if self.mode == Mode::RobotLed && decision.mode() == Mode::HumanLed && self.underway {
-            self.summary.transition = Some(Transition { step: self.tick.step, position: self.tick.position });
-        }
-        self.mode = decision.mode();
-        self.tick.mode = self.mode;
-    }
-
-    fn execute(&mut self, human: &HumanDecision, decision: &Decision) {
-        let current = self.underway.then_some(self.tick.executed);
-        let option = match decision.lead {
-            Lead::Robot(option) => option.min(self.tick.options.len() - 1),
-            Lead::Human => human.option,
-            Lead::HumanKeepingOption => current.unwrap_or(human.option),
+    pub fn finish_step(&mut self, lead: &Decision) {
+        let now = self.now();
+        let Some(begun) = self.begun.take() else { return };
+        let (executed, reverses_for) = self.execute(now, &begun.human, lead);
+        let from = self.route.along;
+        let heading = self.route.path.heading_at(from).unwrap_or(self.tick.heading);
+        let (place, robot) = self.carry(&begun, lead); //                  q*, u, x            eq. (8), (7)
+        let Begun { mut evaluated, mut predicted, human, .. } = begun;
+        let objective_cost = evaluated.costs[executed].objective;
+        let tick = Tick {
+            step: now.step,
+            time: now.time,
+            position: self.progress.position,
+            heading,
+            mode: lead.mode(),
+            stubbornness: human.stubbornness,
+            discomfort: human.discomfort,
+            executed,
+            preferred: human.option,
+            reverses_for,
+            objective_cost,
+            accumulated_cost: self.summary.accumulated_cost + objective_cost,
+            options: std::mem::take(predicted.options()),
+            robot,
         };
-        self.tick.reverses_for = None;
-        match current {
-            None => {
-                let path = self.options.path(&self.progress, option).unwrap_or_default();
-                self.route.begin(self.team.walkable(path, self.options));
-                self.tick.executed = option;
-                self.summary.first_option = option;
-                self.underway = true;
-            }
-            Some(executed) if executed == option => self.route.keep(),
-            Some(_) => {
-                let team = self.team.as_mut();
-                match self.route.turn_onto(option, team, self.options, &self.progress) {
-                    TurnOutcome::Turned => {
-                        self.tick.executed = option;
-                        self.summary.option_changes += 1;
-                    }
-                    TurnOutcome::Reverses => self.tick.reverses_for = Some(option),
-                    TurnOutcome::GoesOn => {}
-                }
-            }
-        }
-        let executed = self.tick.executed;
-        self.tick.objective_cost = self.tick.options[executed].objective;
-        self.tick.heading = self.route.path.heading_at(self.route.along).unwrap_or(self.tick.heading);
-        let prospect = self.prospects[executed];
-        self.summary.add_executed(executed, &self.tick, human, prospect, self.predictor.risk_weight());
-        self.tick.accumulated_cost = self.summary.accumulated_cost;
+        let (prospect, risk_weight) = (evaluated.prospects[executed], self.predictor.risk_weight());
+        self.summary.add(&Done {
+            tick: &tick,
+            before: (now.step > 0).then_some(&self.tick),
+            subjective_cost: human.perception.map(|own| subjective_cost(prospect, risk_weight, own)),
+            has_changed: self.human.change(now.step).is_some(),
+            walked: (place.along - from).abs(),
+            bodies: self.plant.observe().bodies,
+            ignores_loss: self.ignores_loss,
+        });
+        self.arrive(from, place.along);
+        self.decided = Some((human, *lead));
+        // memory for the next step
+        *predicted.options() = std::mem::replace(&mut self.tick, tick).options;
+        std::mem::swap(&mut self.prospects, &mut evaluated.prospects);
+        self.memory = (evaluated, predicted);
     }
 
-    fn control(&mut self, decision: &Decision) -> Option<RobotTick> {
-        self.team.control(&Situation {
-            mode: self.mode,
-            travel: self.route.travel,
-            options: self.options,
-            progress: &self.progress,
-            choice: &self.choice,
-            path: &self.route.path,
-            along: self.route.along,
-            motion: &decision.motion,
-        })
-    }
-
-    fn walk(&mut self, human: &HumanDecision, mut robot: Option<RobotTick>) {
-        let (from, length) = (self.route.along, self.route.path.length());
-        let per_step = self.settings.speed * self.settings.period;
-        let resists = human.stance == Stance::Resist && self.mode == Mode::RobotLed;
-        let to = if resists { from } else { from + per_step };
-        // a remainder shorter than rounding is not a step of its own
-        let to = if to >= length - 1e-9 { length } else { to };
-        let step = Step {
-            mode: self.mode,
-            travel: self.route.travel,
-            human,
-            path: &self.route.path,
-            from,
-            to,
-            position: self.point_at(to),
+    /// Moves everybody by one period. Where the team has come, and the robot's part.
+    fn carry(&mut self, begun: &Begun, lead: &Decision) -> (Place, Option<RobotTick>) {
+        let (mode, human) = (lead.mode(), &begun.human);
+        let to = self.to(mode, human);
+        let position = self.point_at(to);
+        let (options, progress) = (self.options, &self.progress);
+        let (path, from, travel) = (&self.route.path, self.route.along, self.route.travel);
+        let step = Step { mode, travel, human, path, from, to, position };
+        let seen = self.plant.observe();
+        let way = Way {
+            mode,
+            motion: &lead.motion,
+            options,
+            progress,
+            path,
+            along: from,
+            travel,
+            walk: self.walk.as_ref(),
         };
-        let along = self.team.walk(&step, robot.as_mut());
-        self.summary.add(robot.as_ref(), self.team.observation(), self.ignores_loss);
-        self.tick.robot = robot;
-        let came_on = (along - from).abs() > 0.1 * per_step;
-        self.steps_without_progress = if came_on { 0 } else { self.steps_without_progress + 1 };
-        let position = self.point_at(along);
-        self.options.advance(&mut self.progress, position);
-        self.summary.walked += (along - from).abs();
-        self.route.along = along;
-        self.summary.steps += 1;
+        let command = self.controller.command(&seen, &way, &begun.predicted.robots().choice);
+        let goal = self.walk.grasp_goal(&seen);
+        let begin = seen.configuration.map(|configuration| (*configuration, goal));
+        let human = self.walk.advance(&step, &seen);
+        self.plant.step(&command, &human, self.settings.period);
+        let seen = self.plant.observe();
+        let place = self.walk.locate(&step, &seen);
+        let goal = self.walk.grasp_goal(&seen);
+        let robot = self.manipulator.zip(begin).map(|(manipulator, begin)| {
+            let period = Period { begin, end: seen, goal, place };
+            RobotTick::of(&manipulator, &command, &period, &mut self.body_poses)
+        });
+        (place, robot)
     }
 }

@@ -1,8 +1,8 @@
 //! One planning step as data: observations, predictions and decisions.
 
+use super::RobotTick;
 use crate::coordination::{Mode, OptionTick};
 use crate::geometry::Point;
-use crate::team::RobotTick;
 use serde::{Deserialize, Serialize};
 
 /// The observations and decisions of one planning step.

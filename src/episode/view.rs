@@ -1,76 +1,75 @@
 //! What the human and the robot's policy see in a step, and their decisions.
 
-use super::{Episode, Tick};
-use crate::coordination::Mode;
+use super::Episode;
+use super::evaluated::{Evaluated, Prediction};
+use super::now::Now;
+use super::step::Begun;
 use crate::human::{HumanDecision, HumanView};
 use crate::options::{OptionSet, Progress};
+use crate::plant::Seen;
 use crate::policy::{Decision, RobotView};
-use crate::team::Team;
 
 impl Episode<'_> {
     /// The human's decision.
-    pub(super) fn ask_human(&mut self) -> HumanDecision {
-        let seen = self.team.observation();
-        let decision = self.human.decide(&HumanView {
-            step: self.tick.step,
-            time: self.tick.time,
-            position: self.tick.position,
+    pub(super) fn ask_human(&mut self, now: Now, evaluated: &Evaluated, prior: &Prediction) -> HumanDecision {
+        let Now { step, time, mode, executed } = now;
+        let bodies = self.plant.observe().bodies;
+        self.human.decide(&HumanView {
+            step,
+            time,
+            position: self.progress.position,
             options: self.options,
-            prospects: &self.prospects,
-            evaluated: &self.tick.options,
+            prospects: &evaluated.prospects,
+            evaluated: &prior.options,
             risk_weight: self.predictor.risk_weight(),
-            executed: self.underway.then_some(self.tick.executed),
-            mode: self.mode,
-            hand: seen.map(|seen| &seen.hand),
-            wrench: seen.map(|seen| &seen.hand_grip.mean),
-        });
-        let before = self.underway.then_some(self.tick.preferred);
-        let has_changed = self.human.change(self.tick.step).is_some();
-        self.summary.human.add(&decision, before, has_changed);
-        self.tick.preferred = decision.option;
-        self.tick.stubbornness = decision.stubbornness;
-        self.tick.discomfort = decision.discomfort;
-        decision
+            executed,
+            mode,
+            hand: bodies.map(|bodies| &bodies.hand),
+            wrench: bodies.map(|bodies| &bodies.hand_grip.mean),
+        })
     }
 
     /// The view of the robot's policy in a step that has begun; `None` between steps.
     pub fn robot_view(&self) -> Option<RobotView<'_>> {
-        let human = self.human_decision.as_ref()?;
-        let executed = self.underway.then_some(self.tick.executed);
-        Some(view(self.options, &self.progress, &self.tick, self.team.as_ref(), self.mode, executed, human))
+        let begun = self.begun.as_ref()?;
+        Some(view(self.now(), begun, self.options, &self.progress, self.plant.observe()))
     }
 
     /// The decision of the episode's own policy in a step that has begun; between steps, to follow.
     pub fn ask_policy(&mut self) -> Decision {
-        let Some(human) = self.human_decision else { return Decision::follow() };
-        let executed = self.underway.then_some(self.tick.executed);
-        let (progress, team) = (&self.progress, self.team.as_ref());
-        self.policy.decide(&view(self.options, progress, &self.tick, team, self.mode, executed, &human))
+        let now = self.now();
+        let Some(begun) = &self.begun else { return Decision::follow() };
+        self.policy.decide(&view(now, begun, self.options, &self.progress, self.plant.observe()))
     }
 }
 
-/// What the robot sees in the step of `tick`.
-fn view<'v>(
+/// What the robot sees in a step.
+pub(super) fn view<'v>(
+    now: Now,
+    begun: &'v Begun,
     options: &'v OptionSet,
     progress: &'v Progress,
-    tick: &'v Tick,
-    team: &'v dyn Team,
-    mode: Mode,
-    executed: Option<usize>,
-    human: &'v HumanDecision,
+    seen: Seen<'v>,
 ) -> RobotView<'v> {
+    let Now { step, time, mode, executed } = now;
+    let Seen { position: _, human: _, configuration, grasp, bodies } = seen;
     RobotView {
-        step: tick.step,
-        time: tick.time,
-        position: tick.position,
+        step,
+        time,
+        position: progress.position,
         options,
         progress,
-        evaluated: &tick.options,
+        evaluated: &begun.predicted.robots().options,
         executed,
         mode,
-        human,
-        configuration: team.configuration(),
-        grasp: team.grasp(),
-        seen: team.observation(),
+        stance: begun.human.stance,
+        stubbornness: begun.stubbornness,
+        discomfort: begun.human.discomfort,
+        configuration,
+        grasp,
+        object: bodies.map(|bodies| &bodies.object),
+        hand: bodies.map(|bodies| &bodies.hand),
+        grip_wrench: bodies.map(|bodies| &bodies.grip.mean),
+        hand_wrench: bodies.map(|bodies| &bodies.hand_grip.mean),
     }
 }

@@ -1,7 +1,8 @@
 //! What can be seen of the human in an episode: the same as the robot of `--belief learn` sees.
 
+use super::Episode;
+use super::evaluated::prospect;
 use super::learn::looks_like;
-use super::{Episode, prospect};
 use crate::coordination::{Mode, misalignment};
 use crate::human::Stance;
 use crate::learning::{Learner, LearningError, Settings};

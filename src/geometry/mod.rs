@@ -20,7 +20,7 @@ pub use nearby::Nearby;
 pub use path::{Path, Piece};
 pub use separation::{Placed, Witness, convex_hull, with_fewer_corners};
 pub use spatial::{PlanarPose, Pose, rotation_vector, turn_about_z};
-pub use tandem::{Tandem, nearest};
+pub use tandem::{Tandem, nearest, nearest_between};
 pub use turning::{Arc, write_turn_onto};
 pub use widening::Widening;
 

@@ -116,17 +116,8 @@ impl Tandem {
     /// The arc length (m) between `low` and `high` on `path` at which the object's centre is nearest to
     /// `position`.
     pub fn locate(&self, path: &Path, position: Point, [low, high]: [f64; 2]) -> f64 {
-        const SAMPLES: usize = 16;
         let distance = |walked: f64| (self.pose(path, walked).position - position).norm_squared();
-        let [least, most] = [low, high.min(path.length()).max(low)];
-        let (mut low, mut high, mut best) = (least, most, least);
-        for _ in 0..3 {
-            let step = (high - low) / SAMPLES as f64;
-            let samples = (0..=SAMPLES).map(|i| low + step * i as f64);
-            best = nearest(samples, distance).unwrap_or(low);
-            (low, high) = ((best - step).max(least), (best + step).min(high));
-        }
-        best
+        nearest_between([low, high.min(path.length()).max(low)], distance)
     }
 
     /// Records that the object leaves `path` at arc length `walked` (m), where another path begins.
@@ -136,6 +127,19 @@ impl Tandem {
         let trail: Vec<_> = (0..=steps).rev().map(|i| self.point(path, walked - STEP * i as f64)).collect();
         self.trail = trail;
     }
+}
+
+/// The arc length (m) within a range at which the distance is least.
+pub fn nearest_between([least, most]: [f64; 2], distance: impl Fn(f64) -> f64) -> f64 {
+    const SAMPLES: usize = 16;
+    let (mut low, mut high, mut best) = (least, most, least);
+    for _ in 0..3 {
+        let step = (high - low) / SAMPLES as f64;
+        let samples = (0..=SAMPLES).map(|i| low + step * i as f64);
+        best = nearest(samples, &distance).unwrap_or(low);
+        (low, high) = ((best - step).max(least), (best + step).min(high));
+    }
+    best
 }
 
 /// The candidate arc length (m) with the least distance; the first of equal ones.

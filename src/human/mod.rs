@@ -2,7 +2,7 @@
 //! decisions.
 //!
 //! Implement [`Human`] to use a model of your own. Pass it to an episode with
-//! [`Episode::with_human`](crate::episode::Episode::with_human), or add it to [`MODELS`], which serves the
+//! [`EpisodeBuilder::with_human`](crate::episode::EpisodeBuilder::with_human), or add it to [`MODELS`], which serves the
 //! command line, studies, scenarios and recordings.
 
 mod boltzmann;

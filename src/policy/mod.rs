@@ -1,7 +1,7 @@
 //! The robot's policy: it decides who leads, on which option, and optionally by which motion.
 //!
 //! Implement [`RobotPolicy`] to use a policy of your own. Pass it to an episode with
-//! [`Episode::with_policy`](crate::episode::Episode::with_policy), or add it to [`METHODS`], which serves the
+//! [`EpisodeBuilder::with_policy`](crate::episode::EpisodeBuilder::with_policy), or add it to [`METHODS`], which serves the
 //! command line, studies, scenarios and recordings.
 
 mod entry;
@@ -17,11 +17,11 @@ pub use method::{METHODS, Method, UnknownMethod};
 use crate::control::HORIZON;
 use crate::coordination::{Mode, OptionTick, robot_choice};
 use crate::geometry::{PlanarPose, Point, Pose};
-use crate::human::HumanDecision;
+use crate::human::Stance;
 use crate::options::{OptionSet, Progress};
 use crate::robot::{Configuration, InputVector, without_last};
 use crate::saved::{NotRestored, Saved};
-use crate::simulation::Observation;
+use crate::simulation::Wrench;
 use serde::{Deserialize, Serialize};
 
 /// A robot policy, which decides in every control period.
@@ -77,22 +77,31 @@ pub struct RobotView<'a> {
     pub executed: Option<usize>,
     /// The mode of the last period.
     pub mode: Mode,
-    /// phi(k), g(k) and the human's response to the robot's lead. The robot does not know the human's option;
-    /// it can only infer it.
-    pub human: &'a HumanDecision,
+    /// The human's response to the robot's lead. The robot does not know the human's option, alpha or gamma.
+    pub stance: Stance,
+    /// phi(k) as the robot takes it: the human's, or its mean over what was learned of eta.
+    pub stubbornness: f64,
+    /// g(k).
+    pub discomfort: f64,
     /// The robot's base and joints; none on the point plant.
     pub configuration: Option<&'a Configuration>,
     /// `world_from_grasp`; none on the point plant.
     pub grasp: Option<Pose>,
-    /// The observation of object, hand and wrenches; only on the physical plant.
-    pub seen: Option<&'a Observation>,
+    /// `world_from_object`; only on the physical plant, as what follows.
+    pub object: Option<&'a Pose>,
+    /// `world_from_hand`.
+    pub hand: Option<&'a Pose>,
+    /// The mean wrench of the robot on the object in the last period, world axes, N and Nm.
+    pub grip_wrench: Option<&'a Wrench>,
+    /// The mean wrench of the hand on the object in the last period, world axes, N and Nm.
+    pub hand_wrench: Option<&'a Wrench>,
 }
 
 impl RobotView<'_> {
     /// o*(k) of eq. (6). J~_o is known while the robot leads.
     pub fn best_option(&self) -> usize {
         let costs = self.evaluated.iter().map(|o| (o.objective, o.expected));
-        robot_choice(costs, self.human.stubbornness, self.executed)
+        robot_choice(costs, self.stubbornness, self.executed)
     }
 }
 

@@ -18,7 +18,7 @@ struct Mutual;
 
 impl RobotPolicy for Mutual {
     fn decide(&mut self, view: &RobotView<'_>) -> Decision {
-        if view.mode == Mode::HumanLed || view.human.stance == Stance::TakeOver {
+        if view.mode == Mode::HumanLed || view.stance == Stance::TakeOver {
             return Decision::follow();
         }
         Decision::lead(view.best_option())

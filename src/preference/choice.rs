@@ -47,6 +47,11 @@ impl ChoiceDistribution {
         self.probabilities.is_empty()
     }
 
+    /// Removes all entries, and keeps the memory.
+    pub fn clear(&mut self) {
+        self.probabilities.clear();
+    }
+
     pub(super) fn set_certain(&mut self, options: usize, chosen: usize) {
         self.probabilities.clear();
         self.probabilities.resize(options, 0.0);

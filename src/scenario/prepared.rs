@@ -2,7 +2,7 @@
 
 use super::Scenario;
 use crate::control::RobotObstacles;
-use crate::episode::{Episode, Manipulator};
+use crate::episode::{Episode, EpisodeBuilder, Manipulator};
 use crate::error::{Error, Place};
 use crate::human::{Human, Participant};
 use crate::options::OptionSet;
@@ -168,17 +168,31 @@ impl PreparedScenario {
     /// # Errors
     /// As [`PreparedScenario::episode`].
     pub fn episode_of<'a>(&'a self, partners: Partners<'a>) -> Result<Episode<'a>, Error> {
-        let Self { scenario, scene, .. } = self;
-        let mut episode = Episode::new(&scene.options, &scenario.settings, scenario.human);
-        episode = episode.with_boxed_human(partners.human.map_or_else(|| self.human(), Ok)?);
+        let mut builder = self.builder()?;
+        if let Some(human) = partners.human {
+            builder = builder.with_boxed_human(human);
+        }
         if let Some(policy) = partners.policy {
-            episode = episode.with_boxed_policy(policy);
+            builder = builder.with_boxed_policy(policy);
         }
-        let Some(manipulator) = self.manipulator() else { return Ok(episode) };
-        match scenario.plant.physics() {
-            None => Ok(episode.with_robot(manipulator)),
-            Some(physics) => Ok(episode.with_physics(manipulator, &scene.world, physics, scenario.seed)?),
-        }
+        builder.begin()
+    }
+
+    /// The parts of the episode, any of which may be replaced.
+    ///
+    /// # Errors
+    /// The arguments of the human model do not fit it.
+    pub fn builder(&self) -> Result<EpisodeBuilder<'_>, Error> {
+        let Self { scenario, scene, .. } = self;
+        let builder = Episode::builder(&scene.options, &scenario.settings, scenario.human)
+            .with_boxed_human(self.human()?);
+        Ok(match (self.manipulator(), scenario.plant.physics()) {
+            (None, _) => builder,
+            (Some(manipulator), None) => builder.with_robot(manipulator),
+            (Some(manipulator), Some(physics)) => {
+                builder.with_physics(manipulator, &scene.world, physics, scenario.seed)
+            }
+        })
     }
 
     fn human(&self) -> Result<Box<dyn Human>, Error> {

@@ -1,53 +1,42 @@
-//! Teams of human, object and robot: how they walk a path, how they turn onto another, and how the robot is
-//! controlled.
+//! How a team walks: its path, its turns onto another path, and the motion that whoever leads intends.
 //!
-//! [`Team`] is the plant that the loop acts on. A [`PointTeam`] walks its path exactly and has no robot: the
-//! planning level. On the kinematic plant, the human walks exactly and the robot follows its inputs. On the
-//! physical plant, robot, object and human are bodies.
+//! A team without extent walks its path exactly ([`OnPath`]). Bodies walk [`InTandem`]: the human ahead, the
+//! object, and the robot behind.
 
-mod bodies;
-mod carrying;
-mod kinematic;
-mod physical;
-mod plants;
-mod point;
+mod in_tandem;
+mod on_path;
+mod pace;
 mod route;
 mod team_path;
-mod tick;
 
-pub use bodies::Manipulator;
-pub use carrying::Considerations;
-pub use plants::{kinematic, physical};
-pub use point::PointTeam;
-pub use route::{Route, Travel, TurnOutcome};
+pub use in_tandem::InTandem;
+pub use on_path::OnPath;
+pub(crate) use pace::TEAM_ACCELERATION;
+pub use pace::{Pace, Travel};
+pub use route::{Route, TurnOutcome};
 pub use team_path::Turned;
-pub use tick::{PhysicsTick, Preparation, RobotTick};
 
+use crate::control::{Intent, Reference};
 use crate::coordination::Mode;
-use crate::geometry::{Path, PlanarPose, Point, Pose};
+use crate::geometry::{Path, PlanarPose, Point, Pose, Widening};
 use crate::human::HumanDecision;
-use crate::options::{OptionSet, Progress};
-use crate::policy::Motion;
-use crate::preference::ChoiceDistribution;
-use crate::robot::Configuration;
+use crate::plant::{HumanMotion, Seen};
 use crate::saved::{NotRestored, Saved};
-use crate::simulation::Observation;
 
-/// The plant: all bodies of the team, and the robot's controller.
-///
-/// In every control period, the loop asks it to [control](Team::control) and then to [walk](Team::walk). A
-/// clone continues independently and identically.
-pub trait Team: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
+/// A team has arrived when it is this near (m) to the end of its path.
+const ARRIVAL_TOLERANCE_M: f64 = 0.05;
+
+/// How a team walks a path, and what its controller may expect of that.
+pub trait Walk: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// The path that this team walks for `path`, which is planned for a point.
-    fn walkable(&self, path: Path, options: &OptionSet) -> Path {
-        let _ = options;
+    fn walkable(&self, path: Path) -> Path {
         path
     }
 
     /// Leaves the present path at the position `along` (m) for `next`, which begins there. `None` if there is
     /// no room to turn.
-    fn turn(&mut self, path: &Path, along: f64, next: Path, options: &OptionSet) -> Option<Turned> {
-        let _ = (path, along, options);
+    fn turn(&mut self, path: &Path, along: f64, next: Path) -> Option<Turned> {
+        let _ = (path, along);
         Some(Turned { path: next, until: 0.0 })
     }
 
@@ -59,55 +48,57 @@ pub trait Team: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
         path: &Path,
         [least, along]: [f64; 2],
         next: &dyn Fn(Point) -> Path,
-        options: &OptionSet,
     ) -> Option<f64> {
-        let _ = (path, least, along, next, options);
+        let _ = (path, least, along, next);
         None
     }
 
-    /// Whether the robot's controller needs P_o while the human leads.
-    fn anticipates(&self) -> bool {
-        false
+    /// s: the pose on the floor that the grasp should have now.
+    fn grasp_goal(&self, seen: &Seen<'_>) -> PlanarPose;
+
+    /// Advances the intention of whoever leads by one period. Returns the human's motion in it.
+    fn advance(&mut self, step: &Step<'_>, seen: &Seen<'_>) -> HumanMotion;
+
+    /// Where the team has come on its path by the end of the period.
+    fn locate(&self, step: &Step<'_>, seen: &Seen<'_>) -> Place;
+
+    /// How far the hand of a leading human is ahead of the team along the path, m.
+    fn lead(&self, seen: &Seen<'_>, path: &Path, along: f64) -> f64 {
+        let _ = (seen, path, along);
+        0.0
     }
 
-    /// The robot's configuration q* (eq. 8) and inputs u (eq. 7) for this period; none without a robot.
-    fn control(&mut self, situation: &Situation<'_>) -> Option<RobotTick> {
-        let _ = situation;
-        None
+    /// Walking speed of the human as the robot takes it, m/s; negative when reversing.
+    fn observed_speed(&self, seen: &Seen<'_>, intent: &Intent, travel: Travel) -> f64;
+
+    /// Replaces `next`, the remainder of an option for a point, by the path that the human is expected to walk
+    /// onto it from the position `along` (m) on `path`.
+    fn expect(&self, path: &Path, along: f64, next: &mut Path, widened: &mut Widened) {
+        let _ = (path, along, next, widened);
     }
 
-    /// Moves all bodies by one period, adds the costs of the step to `tick`, and returns the team's position
-    /// along the path, m.
-    fn walk(&mut self, step: &Step<'_>, tick: Option<&mut RobotTick>) -> f64;
+    /// s(1..H) of the grasp along a path at this speed (m/s), relative to the grasp, which carries level at
+    /// `height` (m).
+    fn reference(
+        &self,
+        seen: &Seen<'_>,
+        ahead: &PathAhead<'_>,
+        speed: f64,
+        grasp: &Pose,
+        height: f64,
+    ) -> Reference;
 
-    /// The basis of the controller's last decision; none without a controller.
-    fn considerations(&self) -> Option<Considerations<'_>> {
-        None
-    }
-
-    /// The robot's base and joints; none without a robot.
-    fn configuration(&self) -> Option<&Configuration> {
-        None
-    }
-
-    /// `world_from_grasp`; none without a robot.
-    fn grasp(&self) -> Option<Pose> {
-        None
-    }
-
-    /// `world_from_link` of every link of the robot, in the order of
-    /// [`Robot::links`](crate::robot::Robot::links); none without a robot.
-    fn link_poses(&self) -> Option<Vec<Pose>> {
-        None
-    }
-
-    /// The observation of bodies and forces on the physical plant.
-    fn observation(&self) -> Option<&Observation> {
-        None
-    }
-
-    /// s, the pose that the grasp should have, on plants where the human has no other state.
-    fn human(&self) -> Option<&PlanarPose> {
+    /// Writes the way of the grasp, from behind the robot to where the grasp should be: points
+    /// [`Follower::STEP`](crate::control::Follower::STEP) apart, m. Returns its present and its target speed,
+    /// m/s. `None` where the base is free.
+    fn grasp_way(
+        &self,
+        seen: &Seen<'_>,
+        ahead: &PathAhead<'_>,
+        speed: f64,
+        way: &mut Vec<Point>,
+    ) -> Option<[f64; 2]> {
+        let _ = (seen, ahead, speed, way);
         None
     }
 
@@ -116,48 +107,16 @@ pub trait Team: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
         Saved::default()
     }
 
-    /// Restores what [`Team::save`] returned.
+    /// Restores what [`Walk::save`] returned.
     ///
     /// # Errors
-    /// [`NotRestored`] if the state belongs to another plant.
+    /// [`NotRestored`] if the state belongs to another team.
     fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
-        saved.is_empty("plant")
+        saved.is_empty("walk")
     }
 }
 
-dyn_clone::clone_trait_object!(Team);
-
-/// The team's walking parameters, which the robot knows.
-#[derive(Clone, Copy, Debug)]
-pub struct Walk {
-    /// Control period, s.
-    pub period: f64,
-    /// Walking speed, m/s.
-    pub speed: f64,
-    /// Largest yaw rate of the human, rad/s.
-    pub yaw_rate: f64,
-}
-
-/// The controller's knowledge in a control period.
-#[derive(Clone, Copy, Debug)]
-pub struct Situation<'s> {
-    /// Who leads.
-    pub mode: Mode,
-    /// The team's direction of travel along its path.
-    pub travel: Travel,
-    /// The options of the world.
-    pub options: &'s OptionSet,
-    /// The team's progress on each option.
-    pub progress: &'s Progress,
-    /// P_o at this position.
-    pub choice: &'s ChoiceDistribution,
-    /// The present path, which the robot knows while it leads.
-    pub path: &'s Path,
-    /// The team's position along it, m.
-    pub along: f64,
-    /// The motion that the robot's policy has chosen.
-    pub motion: &'s Motion,
-}
+dyn_clone::clone_trait_object!(Walk);
 
 /// The walk of one period.
 #[derive(Clone, Copy, Debug)]
@@ -176,4 +135,43 @@ pub struct Step<'s> {
     pub to: f64,
     /// The point of the path at `to`.
     pub position: Point,
+}
+
+/// Where a team is on its path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Position along the path, m: its length once the team has arrived.
+    pub along: f64,
+    /// How far the leader's intended position is ahead of the object, m.
+    pub path_lead: f64,
+}
+
+/// The path ahead of the team.
+#[derive(Clone, Copy, Debug)]
+pub struct PathAhead<'s> {
+    /// Who leads.
+    pub mode: Mode,
+    /// The team's direction of travel.
+    pub travel: Travel,
+    /// The present path.
+    pub path: &'s Path,
+    /// The team's position along it, m.
+    pub along: f64,
+    /// How far the hand is ahead of that position, m ([`Walk::lead`]).
+    pub lead: f64,
+    /// The path to turn onto, if any ([`Walk::expect`]).
+    pub turn: Option<&'s Path>,
+}
+
+/// Memory for a path as the team walks it.
+#[derive(Clone, Debug)]
+pub struct Widened {
+    path: Path,
+    widening: Widening,
+}
+
+impl Default for Widened {
+    fn default() -> Self {
+        Self { path: Path::with_capacity(64), widening: Widening::default() }
+    }
 }

@@ -3,7 +3,7 @@
 //! DEVIATION (eq. 3): a point turns on the spot as soon as another option is preferred. A team whose bodies
 //! are too close to an opening to turn away from it first reverses on its own path, and then turns.
 
-use super::Team;
+use super::{Travel, Walk};
 use crate::geometry::{Path, Point};
 use crate::options::{OptionSet, Progress};
 use serde::{Deserialize, Serialize};
@@ -23,16 +23,6 @@ pub struct Route {
     /// The team's direction of travel in this step.
     pub travel: Travel,
     reversing: Reversing,
-}
-
-/// The direction of travel along a path.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Travel {
-    /// Toward the path's end.
-    #[default]
-    Forward,
-    /// Toward a place with room to turn. The leader announces the reversal.
-    Backward,
 }
 
 /// The state of reversing.
@@ -86,7 +76,7 @@ impl Route {
     pub fn turn_onto(
         &mut self,
         option: usize,
-        team: &mut dyn Team,
+        walk: &mut dyn Walk,
         options: &OptionSet,
         progress: &Progress,
     ) -> TurnOutcome {
@@ -95,12 +85,12 @@ impl Route {
             return TurnOutcome::GoesOn;
         }
         let next = options.path(progress, option).unwrap_or_default();
-        match team.turn(&self.path, self.along, next, options) {
+        match walk.turn(&self.path, self.along, next) {
             Some(turned) => {
                 *self = Self { path: turned.path, turns_until: turned.until, ..Self::default() };
                 TurnOutcome::Turned
             }
-            None => self.reverse(option, team, options, progress),
+            None => self.reverse(option, walk, options, progress),
         }
     }
 
@@ -109,7 +99,7 @@ impl Route {
     fn reverse(
         &mut self,
         option: usize,
-        team: &dyn Team,
+        walk: &dyn Walk,
         options: &OptionSet,
         progress: &Progress,
     ) -> TurnOutcome {
@@ -119,7 +109,7 @@ impl Route {
                 options.advance(&mut progress, from);
                 options.path(&progress, option).unwrap_or_default()
             };
-            let place = team.place_to_turn(&self.path, [self.turns_until, self.along], &next, options);
+            let place = walk.place_to_turn(&self.path, [self.turns_until, self.along], &next);
             self.reversing = place.map_or(Reversing::No, Reversing::To);
         }
         match self.reversing {

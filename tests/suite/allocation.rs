@@ -42,7 +42,8 @@ fn a_warm_tick_of_a_robot_that_learns_allocates_nothing() {
         Manipulator { robot: &robot, posture: robot.postures[0].joints, control, obstacles: &obstacles };
     let learning = Some(learning::Settings { look_steps: 3, ..learning::Settings::default() });
     let settings = Settings { method: Method::HUMAN_LED, learning, ..Settings::default() };
-    let mut episode = Episode::new(&options, &settings, EXAMPLE_HUMAN).with_robot(manipulator);
+    let mut episode =
+        Episode::builder(&options, &settings, EXAMPLE_HUMAN).with_robot(manipulator).begin().expect("room");
     let mut looks = 0;
     loop {
         let before = episode.learner().map_or(0, |learner| learner.perception().size());
@@ -76,7 +77,10 @@ fn count(share: f64, with: impl Fn(&mut Robot)) -> (usize, usize) {
         let posture = robot.postures[0].joints;
         let control = control::Settings::default();
         let manipulator = Manipulator { robot: &robot, posture, control, obstacles: &obstacles };
-        let mut episode = Episode::new(&options, &settings, EXAMPLE_HUMAN).with_robot(manipulator);
+        let mut episode = Episode::builder(&options, &settings, EXAMPLE_HUMAN)
+            .with_robot(manipulator)
+            .begin()
+            .expect("room");
         loop {
             let mut ended = false;
             let allocated = allocation_counter::measure(|| ended = episode.step().is_some());

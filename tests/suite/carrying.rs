@@ -15,7 +15,8 @@ fn carry(world: &str, method: Method, control: control::Settings, robot: &Robot)
     let settings = Settings { method, ..Settings::default() };
     let posture = robot.postures[0].joints;
     let manipulator = Manipulator { robot, posture, control, obstacles: &obstacles };
-    let mut episode = Episode::new(&options, &settings, EXAMPLE_HUMAN).with_robot(manipulator);
+    let mut episode =
+        Episode::builder(&options, &settings, EXAMPLE_HUMAN).with_robot(manipulator).begin().expect("room");
     let mut ticks = Vec::new();
     while episode.step().is_none() {
         ticks.push(episode.tick().clone());
@@ -138,7 +139,8 @@ fn closed_form_eq_8_can_be_worked_out_from_what_a_step_tells() {
     let control = control::Settings { avoid: Avoid::Nothing, ..control::Settings::default() };
     let posture = robot.postures[0].joints;
     let manipulator = Manipulator { robot: &robot, posture, control, obstacles: &obstacles };
-    let mut episode = Episode::new(&options, &settings, EXAMPLE_HUMAN).with_robot(manipulator);
+    let mut episode =
+        Episode::builder(&options, &settings, EXAMPLE_HUMAN).with_robot(manipulator).begin().expect("room");
     let (mut limits, mut mpc) = (control::Limits::new(&robot), control::Mpc::default());
     let (mut changed, mut skipped) = (0, 0);
     while episode.step().is_none() {

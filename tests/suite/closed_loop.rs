@@ -99,8 +99,10 @@ fn closed_form_what_an_episode_is_to_the_human() {
     let settings = settings(Method::MUTUAL, 5.0);
     let later = Perception { alpha: 0.55, gamma: 1.1 };
     let changes = [PreferenceChange { step: 10, perception: later }];
-    let mut episode = Episode::new(&set, &settings, EXAMPLE_HUMAN)
-        .with_human(PreferenceHuman::new(EXAMPLE_HUMAN, settings.coordination).with_changes(&changes));
+    let mut episode = Episode::builder(&set, &settings, EXAMPLE_HUMAN)
+        .with_human(PreferenceHuman::new(EXAMPLE_HUMAN, settings.coordination).with_changes(&changes))
+        .begin()
+        .expect("a point has room");
     let (mut ticks, mut cost) = (Vec::<Tick>::new(), 0.0);
     while episode.step().is_none() {
         let tick = episode.tick();

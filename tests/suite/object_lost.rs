@@ -93,11 +93,12 @@ fn a_robot_that_backs_away_from_a_human_who_resists_loses_the_object() {
         control: control::Settings::default(),
         obstacles: &obstacles,
     };
-    let episode = cocarry::episode::Episode::new(&options, &settings, paper::EXAMPLE_HUMAN)
+    let mut episode = cocarry::episode::Episode::builder(&options, &settings, paper::EXAMPLE_HUMAN)
+        .with_physics(manipulator, &world, &PhysicsSettings::default(), 1)
         .with_policy(BackAway)
-        .with_human(Stubborn);
-    let physics = PhysicsSettings::default();
-    let mut episode = episode.with_physics(manipulator, &world, &physics, 1).expect("room to start");
+        .with_human(Stubborn)
+        .begin()
+        .expect("room to start");
     while episode.step().is_none() {}
     let summary = episode.summary();
     assert_eq!(summary.outcome, Outcome::ObjectLost);

@@ -23,14 +23,16 @@ fn carry(world: &str, method: Method, physics: Option<PhysicsSettings>) -> (Summ
     let posture = robot.postures[0].joints;
     let control = control::Settings::default();
     let manipulator = Manipulator { robot: &robot, posture, control, obstacles: &obstacles };
-    let episode = Episode::new(&options, &settings, EXAMPLE_HUMAN);
-    let mut episode = match &physics {
-        // the human turns on the spot, so that the grasp may be off by more than an object bears
-        None => episode.with_robot(manipulator).ignoring_loss(),
-        Some(physics) => {
-            episode.with_physics(manipulator, &world, physics, 1).unwrap_or_else(|e| panic!("{e}"))
-        }
+    let builder = Episode::builder(&options, &settings, EXAMPLE_HUMAN);
+    let builder = match &physics {
+        None => builder.with_robot(manipulator),
+        Some(physics) => builder.with_physics(manipulator, &world, physics, 1),
     };
+    let mut episode = builder.begin().unwrap_or_else(|e| panic!("{e}"));
+    if physics.is_none() {
+        // the human turns on the spot, so that the grasp may be off by more than an object bears
+        episode = episode.ignoring_loss();
+    }
     let mut ticks = Vec::new();
     while episode.step().is_none() {
         ticks.push(episode.tick().clone());
@@ -246,8 +248,9 @@ fn forces_do_not_chatter_while_walking() {
     let settings = Settings { method: Method::WITHOUT_MODEL, ..Settings::default() };
     let (posture, control) = (robot.postures[0].joints, control::Settings::default());
     let manipulator = Manipulator { robot: &robot, posture, control, obstacles: &obstacles };
-    let mut episode = Episode::new(&options, &settings, EXAMPLE_HUMAN)
+    let mut episode = Episode::builder(&options, &settings, EXAMPLE_HUMAN)
         .with_physics(manipulator, &world, &PhysicsSettings::default(), 1)
+        .begin()
         .unwrap_or_else(|e| panic!("{e}"));
     let mut changes = Vec::new();
     while episode.step().is_none() {

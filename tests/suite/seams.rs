@@ -3,18 +3,20 @@
 use crate::support::{cocarry, json, stderr};
 use cocarry::control;
 use cocarry::coordination::Mode;
-use cocarry::episode::{Episode, Outcome, Settings};
-use cocarry::geometry::PlanarPose;
+use cocarry::episode::{Episode, EpisodeBuilder, Outcome, Settings};
+use cocarry::geometry::{PlanarPose, Point};
 use cocarry::human::{Human, HumanDecision, HumanView, ModelName, Participant, Stance};
 use cocarry::math;
 use cocarry::options::OptionSet;
+use cocarry::plant::{Command, HumanMotion, Plant, Seen};
 use cocarry::policy::{Decision, Motion, RobotPolicy, RobotView};
 use cocarry::preference::{Perception, subjective_cost};
 use cocarry::robot::{InputVector, Robot};
-use cocarry::scenario::{Plant, PreparedScenario, RobotSetup, Scenario, Snapshot};
+use cocarry::saved::{NotRestored, Saved};
+use cocarry::scenario::{self, PreparedScenario, RobotSetup, Scenario, Snapshot};
 use cocarry::simulation::PhysicsSettings;
-use cocarry::team::{PointTeam, RobotTick, Step, Team};
 use cocarry_studies::paper;
+use nalgebra::center;
 
 /// Eq. (6) as somebody outside the library would write it.
 #[derive(Clone, Debug)]
@@ -22,10 +24,10 @@ struct OwnPolicy;
 
 impl RobotPolicy for OwnPolicy {
     fn decide(&mut self, view: &RobotView<'_>) -> Decision {
-        if view.mode == Mode::HumanLed || view.human.stance == Stance::TakeOver {
+        if view.mode == Mode::HumanLed || view.stance == Stance::TakeOver {
             return Decision::follow();
         }
-        let phi = view.human.stubbornness;
+        let phi = view.stubbornness;
         let mut best = (0, f64::INFINITY);
         for (option, seen) in view.evaluated.iter().enumerate() {
             let cost = (1.0 - phi) * seen.objective + phi * seen.expected;
@@ -43,7 +45,7 @@ fn setup() -> RobotSetup {
     RobotSetup { posture, control: control::Settings::default(), robot: robot.texts }
 }
 
-fn stage(plant: Plant, model: &str) -> PreparedScenario {
+fn stage(plant: scenario::Plant, model: &str) -> PreparedScenario {
     let scenario = Scenario {
         seed: 3,
         world: paper::ENVIRONMENTS[3].world().unwrap_or_else(|e| panic!("{e}")).into(),
@@ -68,16 +70,16 @@ fn ticks(mut episode: Episode) -> Vec<String> {
 #[test]
 fn a_policy_of_ones_own_that_is_eq_6_walks_like_mutual_on_every_plant() {
     for plant in [
-        Plant::Point,
-        Plant::Kinematic { setup: setup() },
-        Plant::Rapier { setup: setup(), physics: PhysicsSettings::default() },
+        scenario::Plant::Point,
+        scenario::Plant::Kinematic { setup: setup() },
+        scenario::Plant::Rapier { setup: setup(), physics: PhysicsSettings::default() },
     ] {
         let name = plant.name();
         let stage = stage(plant, "preference");
-        let episode = || stage.episode().unwrap_or_else(|e| panic!("{e}"));
-        let own = ticks(episode().with_policy(OwnPolicy));
+        let builder = || stage.builder().unwrap_or_else(|e| panic!("{e}"));
+        let own = ticks(builder().with_policy(OwnPolicy).begin().expect("room"));
         assert!(own.iter().any(|tick| tick.contains("HumanLed")), "{name}: the human takes over");
-        assert!(own == ticks(episode()), "{name}");
+        assert!(own == ticks(builder().begin().expect("room")), "{name}");
     }
 }
 
@@ -97,7 +99,8 @@ struct StayThere;
 
 impl RobotPolicy for StayThere {
     fn decide(&mut self, view: &RobotView<'_>) -> Decision {
-        let grasp = view.grasp.expect("a robot");
+        // no robot is there while the team lines up for the first lead
+        let Some(grasp) = view.grasp else { return Decision::lead(view.best_option()) };
         let here = PlanarPose { position: grasp.translation.vector.xy().into(), yaw: 0.0 };
         let motion = Motion::Reference([here; control::HORIZON]);
         Decision::lead(view.best_option()).with_motion(motion)
@@ -106,11 +109,11 @@ impl RobotPolicy for StayThere {
 
 #[test]
 fn a_policy_may_set_the_reference_or_the_inputs() {
-    let stage = stage(Plant::Kinematic { setup: setup() }, "preference");
-    let episode = || stage.episode().unwrap_or_else(|e| panic!("{e}"));
-    let begin = *episode().configuration().expect("a robot");
-    let mut still = episode().with_policy(StandStill).ignoring_loss();
-    let mut stay = episode().with_policy(StayThere).ignoring_loss();
+    let stage = stage(scenario::Plant::Kinematic { setup: setup() }, "preference");
+    let builder = || stage.builder().unwrap_or_else(|e| panic!("{e}"));
+    let mut still = builder().with_policy(StandStill).begin().expect("room").ignoring_loss();
+    let mut stay = builder().with_policy(StayThere).begin().expect("room").ignoring_loss();
+    let begin = *still.configuration().expect("a robot");
     for _ in 0..5 {
         assert_eq!(still.step(), None);
         assert_eq!(stay.step(), None);
@@ -145,7 +148,8 @@ fn a_human_of_ones_own_resists_and_takes_over() {
     let world = paper::ENVIRONMENTS[3].world().unwrap_or_else(|e| panic!("{e}"));
     let settings = Settings::default();
     let options = OptionSet::new(&world, 10.0).unwrap_or_else(|e| panic!("{e}"));
-    let mut episode = Episode::new(&options, &settings, paper::EXAMPLE_HUMAN).with_human(Reluctant);
+    let builder = Episode::builder(&options, &settings, paper::EXAMPLE_HUMAN);
+    let mut episode = builder.with_human(Reluctant).begin().expect("a point has room");
     let mut positions = Vec::new();
     while episode.step().is_none() {
         positions.push(episode.position());
@@ -160,8 +164,10 @@ fn a_human_of_ones_own_resists_and_takes_over() {
 /// once the human leads.
 #[test]
 fn with_bodies_a_hand_that_resists_is_pulled_at() {
-    let stage = stage(Plant::Rapier { setup: setup(), physics: PhysicsSettings::default() }, "preference");
-    let mut episode = stage.episode().unwrap_or_else(|e| panic!("{e}")).with_human(Reluctant);
+    let stage =
+        stage(scenario::Plant::Rapier { setup: setup(), physics: PhysicsSettings::default() }, "preference");
+    let builder = stage.builder().unwrap_or_else(|e| panic!("{e}"));
+    let mut episode = builder.with_human(Reluctant).begin().expect("room");
     let mut hands = Vec::new();
     let mut forces = Vec::new();
     while episode.step().is_none() {
@@ -180,12 +186,24 @@ fn with_bodies_a_hand_that_resists_is_pulled_at() {
 
 /// A plant of one's own: a team that walks at half speed.
 #[derive(Clone, Debug)]
-struct Slow(PointTeam);
+struct Slow(Point);
 
-impl Team for Slow {
-    fn walk(&mut self, step: &Step<'_>, tick: Option<&mut RobotTick>) -> f64 {
-        let to = self.0.walk(step, tick);
-        if to >= step.path.length() { to } else { (step.from + to) / 2.0 }
+impl Plant for Slow {
+    fn observe(&self) -> Seen<'_> {
+        Seen { position: self.0, configuration: None, grasp: None, human: None, bodies: None }
+    }
+
+    fn step(&mut self, _: &Command, human: &HumanMotion, _: f64) {
+        self.0 = center(&self.0, &human.hand.expect("a point walks its path").position);
+    }
+
+    fn save(&self) -> Saved {
+        Saved::of(&self.0)
+    }
+
+    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+        self.0 = saved.read("plant")?;
+        Ok(())
     }
 }
 
@@ -194,13 +212,14 @@ fn a_plant_of_ones_own_moves_the_team() {
     let world = paper::ENVIRONMENTS[3].world().unwrap_or_else(|e| panic!("{e}"));
     let settings = Settings::default();
     let options = OptionSet::new(&world, 10.0).unwrap_or_else(|e| panic!("{e}"));
-    let steps = |team: Box<dyn Fn(Episode) -> Episode>| {
-        let mut episode = team(Episode::new(&options, &settings, paper::EXAMPLE_HUMAN));
+    let builder = || Episode::builder(&options, &settings, paper::EXAMPLE_HUMAN);
+    let steps = |builder: EpisodeBuilder| {
+        let mut episode = builder.begin().expect("a point has room");
         while episode.step().is_none() {}
         assert_eq!(episode.summary().outcome, Outcome::Arrived);
         episode.summary().steps
     };
-    let (point, slow) = (steps(Box::new(|e| e)), steps(Box::new(|e| e.with_team(Slow(PointTeam)))));
+    let (point, slow) = (steps(builder()), steps(builder().with_plant(|start| Slow(start.pose.position))));
     assert!(slow > point + point / 2, "{point} steps, {slow} at half speed");
 }
 
@@ -251,7 +270,7 @@ fn closed_form_boltzmann_choices_have_boltzmann_frequencies() {
 #[test]
 fn a_human_of_any_model_is_in_scenarios_and_snapshots() {
     for model in ["boltzmann(0.5)", "scripted(0:2,30:1)"] {
-        let stage = stage(Plant::Point, model);
+        let stage = stage(scenario::Plant::Point, model);
         let text = stage.scenario().text().unwrap_or_else(|e| panic!("{e}"));
         assert!(text.contains(&format!("human_model = \"{model}\"")), "{text}");
         assert_eq!(&Scenario::parse(&text).unwrap_or_else(|e| panic!("{e}")), stage.scenario());

@@ -144,9 +144,9 @@ impl Rules {
             put(f64::from(u8::from(view.executed == Some(i))));
         }
         let common = [
-            view.human.stubbornness,
+            view.stubbornness,
             f64::from(u8::from(view.mode == Mode::HumanLed)),
-            f64::from(u8::from(view.human.stance == Stance::TakeOver)),
+            f64::from(u8::from(view.stance == Stance::TakeOver)),
         ];
         let begin = into.len() - COMMON.len();
         into[begin..].copy_from_slice(&common);
@@ -161,7 +161,7 @@ impl Rules {
         let whole = configuration_vector(configuration, self.joints);
         numbers.extend(&whole[3..]);
         numbers.extend((0..self.joints + self.base).map(|i| robot.map_or(0.0, |robot| robot.input[i])));
-        let goal = episode.human().copied().or(robot.map(|robot| robot.grasp_goal)).unwrap_or(grasp);
+        let goal = episode.human().or(robot.map(|robot| robot.grasp_goal)).unwrap_or(grasp);
         numbers.extend(seen_from(&grasp, &goal));
         let settings = &stage.scenario().settings;
         let per_step = settings.speed * settings.period;
@@ -175,7 +175,7 @@ impl Rules {
         numbers.extend(seen_from(&grasp, &configuration.base));
         numbers.push(robot.map_or(0.0, |robot| robot.base_clearance.min(10.0)));
         numbers.push(f64::from(u8::from(view.mode == Mode::HumanLed)));
-        match view.seen {
+        match episode.observation() {
             None => numbers.extend([0.0; 9]),
             Some(seen) => {
                 numbers.extend(seen_from(&grasp, &PlanarPose::from_above(&seen.object)));

@@ -173,14 +173,15 @@ impl RobotPolicy for OwnPolicy {
         }
         let decided = Python::attach(|py| {
             let seen = PyRobotView {
-                human: *view.human,
+                stance: view.stance,
+                stubbornness: view.stubbornness,
+                discomfort: view.discomfort,
                 configuration: view.configuration.map(|configuration| (*configuration, basis.joints)),
                 grasp: view.grasp,
-                object: view.seen.map(|seen| seen.object),
-                grip_wrench: view.seen.map(|seen| wrench(&seen.grip.mean)),
+                object: view.object.copied(),
+                grip_wrench: view.grip_wrench.map(wrench),
             };
-            let (hand, hand_wrench) = view.seen.map(|seen| (seen.hand, wrench(&seen.hand_grip.mean))).unzip();
-            let seen = (seen, common!(view, basis, hand, hand_wrench));
+            let seen = (seen, common!(view, basis, view.hand.copied(), view.hand_wrench.map(wrench)));
             let answer = self.0.ask(py, Bound::new(py, seen)?.into_any())?;
             decision(basis, &answer)
         });

@@ -2,7 +2,7 @@
 
 use cocarry::coordination::{Mode, OptionTick};
 use cocarry::geometry::{PlanarPose, Point, Pose};
-use cocarry::human::{HumanDecision, Stance};
+use cocarry::human::Stance;
 use cocarry::preference::{Perception, Prospect, subjective_cost};
 use cocarry::quantities::{Kind, OPTION, OptionView, Value};
 use cocarry::robot::Configuration;
@@ -98,7 +98,9 @@ fn matrix<'py>(py: Python<'py>, pose: &Pose) -> PyResult<Bound<'py, PyArray2<f64
 /// What an own policy sees at the beginning of a control period.
 #[pyclass(frozen, extends = PyView, module = "cocarry", name = "RobotView")]
 pub struct PyRobotView {
-    pub(super) human: HumanDecision,
+    pub(super) stance: Stance,
+    pub(super) stubbornness: f64,
+    pub(super) discomfort: f64,
     pub(super) configuration: Option<(Configuration, usize)>,
     pub(super) grasp: Option<Pose>,
     pub(super) object: Option<Pose>,
@@ -109,15 +111,15 @@ pub struct PyRobotView {
 impl PyRobotView {
     #[getter]
     fn stubbornness(&self) -> f64 {
-        self.human.stubbornness
+        self.stubbornness
     }
     #[getter]
     fn discomfort(&self) -> f64 {
-        self.human.discomfort
+        self.discomfort
     }
     #[getter]
     fn stance(&self) -> &'static str {
-        stance_name(self.human.stance)
+        stance_name(self.stance)
     }
     /// Base x, y (m) and yaw (rad), then the joints (rad or m); None on the point plant.
     #[getter]

@@ -1,9 +1,11 @@
 //! The robot's part of one control period, as data.
 
-use crate::control::{SolveOutcome, least_singular_value};
-use crate::geometry::{PlanarPose, Point, Pose};
-use crate::robot::{Configuration, InputJacobian, InputVector, without_last};
+use crate::control::{Manipulator, SolveOutcome, least_singular_value};
+use crate::geometry::{PlanarPose, Pose};
+use crate::plant::{Command, Preparation, Seen};
+use crate::robot::{Configuration, InputJacobian, InputVector, pose_difference, without_last};
 use crate::simulation::{BodyKind, Clearance, Observation};
+use crate::team::Place;
 use serde::{Deserialize, Serialize};
 
 /// The robot in one planning step.
@@ -83,7 +85,7 @@ pub struct PhysicsTick {
 }
 
 impl PhysicsTick {
-    pub(super) fn of(seen: &Observation, path_lead: f64) -> Self {
+    fn of(seen: &Observation, path_lead: f64) -> Self {
         let near = &seen.clearances;
         let distance = |c: &Option<Clearance>| c.as_ref().map_or(f64::INFINITY, |c| c.distance);
         Self {
@@ -107,17 +109,16 @@ impl PhysicsTick {
     }
 }
 
-/// The pose preparation (eq. 8) of one planning step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Preparation {
-    /// The option that the robot expects the human to walk; none while the robot leads.
-    pub tracked: Option<usize>,
-    /// The candidate that eq. (8) chose; 0 is the present configuration.
-    pub candidate: usize,
-    /// |Q|.
-    pub candidates: usize,
-    /// Number of eq. (8)'s problems that were solved with limits.
-    pub constrained: usize,
+/// The beginning and the end of a control period, as a robot's tick needs them.
+pub(super) struct Period<'p> {
+    /// q_c, and s as the pose that the grasp should have, at its beginning.
+    pub begin: (Configuration, PlanarPose),
+    /// What is seen at its end.
+    pub end: Seen<'p>,
+    /// s at its end.
+    pub goal: PlanarPose,
+    /// Where the team has come.
+    pub place: Place,
 }
 
 impl RobotTick {
@@ -139,27 +140,35 @@ impl RobotTick {
         if hand > robot { (BodyKind::Human, hand) } else { (BodyKind::Robot, robot) }
     }
 
-    pub(super) fn at(configuration: &Configuration, grasp_goal: PlanarPose) -> Self {
+    /// The tick of a period in which the robot had this command. `poses` is memory for the poses of the robot's
+    /// bodies.
+    pub(super) fn of(
+        manipulator: &Manipulator<'_>,
+        command: &Command,
+        period: &Period<'_>,
+        poses: &mut Vec<Pose>,
+    ) -> Self {
+        let Manipulator { robot, control, obstacles, .. } = *manipulator;
+        let (configuration, grasp_goal) = period.begin;
+        let Seen { configuration: reached, grasp, bodies, .. } = period.end;
+        let reached = reached.copied().unwrap_or(configuration);
+        let grasp = bodies.map(|bodies| bodies.grasp).or(grasp).unwrap_or_else(Pose::identity);
+        let error = pose_difference(&period.goal.at_height(robot.grasp_height), &grasp);
         Self {
-            configuration: *configuration,
+            configuration,
             grasp_goal,
-            preparation: None,
-            input: InputVector::zeros(),
-            outcome: SolveOutcome::Unconstrained,
-            input_matrix: InputJacobian::zeros(),
-            position_error: 0.0,
-            orientation_error: 0.0,
-            tracking_cost: 0.0,
-            effort_cost: 0.0,
-            pose_cost: 0.0,
-            base_clearance: 0.0,
-            self_contact: None,
-            physics: None,
+            preparation: command.preparation,
+            input: command.input,
+            outcome: command.outcome,
+            input_matrix: command.input_matrix,
+            position_error: error.fixed_rows::<3>(0).norm(),
+            orientation_error: error.fixed_rows::<3>(3).norm(),
+            tracking_cost: control.state_weight * error.norm_squared(),
+            effort_cost: control.input_weight * command.input.norm_squared(),
+            pose_cost: command.pose_cost,
+            base_clearance: obstacles.clearance(&configuration.base, &robot.footprint),
+            self_contact: robot.self_contact(&reached.joints, poses),
+            physics: bodies.map(|bodies| PhysicsTick::of(bodies, period.place.path_lead)),
         }
     }
-}
-
-/// Position seen from above, m.
-pub(super) fn on_floor(world_from_it: &Pose) -> Point {
-    world_from_it.translation.vector.xy().into()
 }

@@ -1,0 +1,17 @@
+//! The robot of a team with the settings of its controller.
+
+use super::{RobotObstacles, Settings};
+use crate::robot::{JointVector, Robot};
+
+/// The robot, its starting posture and its controller's settings.
+#[derive(Clone, Copy, Debug)]
+pub struct Manipulator<'a> {
+    /// The robot.
+    pub robot: &'a Robot,
+    /// Its joint positions at the start.
+    pub posture: JointVector,
+    /// The weights and choices of eqs. (7) and (8).
+    pub control: Settings,
+    /// The obstacles of the world.
+    pub obstacles: &'a RobotObstacles,
+}

@@ -1,0 +1,87 @@
+//! The base of a team with bodies follows the path of its grasp; the arm does the rest.
+
+use crate::control::{BaseInputs, Follower, Manipulator};
+use crate::geometry::{PlanarPose, Point, angle_of, left_of};
+use crate::plant::Seen;
+use crate::robot::Configuration;
+use crate::team::{PathAhead, TEAM_ACCELERATION, Walk};
+
+/// The share of the rims' largest acceleration that the base plans with.
+const RIM_SHARE: f64 = 0.8;
+/// The least distance of the grasp beside a differential base's axis that counts, m.
+const LEAST_BESIDE_M: f64 = 1e-3;
+
+/// Where the base keeps relative to the grasp's path.
+#[derive(Clone, Debug)]
+pub struct Guide {
+    /// Initial distance of the base behind the grasp, m, which the base keeps.
+    distance: f64,
+    /// Initial angle of the grasp beside straight ahead of the base, rad; 0 on a differential base.
+    bearing: f64,
+    /// How far a differential base is to the right of the grasp's path, m: as at the start.
+    beside: f64,
+    /// Acceleration of the rims that the base plans with, m/s^2.
+    rim_acceleration: f64,
+    /// Buffer: the past path of the grasp.
+    way: Vec<Point>,
+}
+
+impl Guide {
+    /// The guide of a base that starts in the manipulator's posture. `rim_acceleration` is the largest, m/s^2.
+    pub fn new(manipulator: &Manipulator, rim_acceleration: f64) -> Self {
+        let Manipulator { robot, posture, .. } = *manipulator;
+        let at_origin = PlanarPose { position: Point::origin(), yaw: 0.0 };
+        let configuration = Configuration { base: at_origin, joints: posture };
+        let held = robot.grasp_pose(&configuration).translation.vector.xy();
+        let is_free = robot.drive.is_omnidirectional();
+        Self {
+            distance: if is_free { held.norm() } else { held.x },
+            bearing: if is_free { angle_of(held) } else { 0.0 },
+            beside: if is_free || held.y.abs() < LEAST_BESIDE_M { 0.0 } else { held.y },
+            rim_acceleration: RIM_SHARE * rim_acceleration,
+            way: Vec::with_capacity(64),
+        }
+    }
+
+    /// Inputs with which the base follows the path of the grasp, where the human is seen to walk at `speed`
+    /// (m/s).
+    pub fn inputs(
+        &mut self,
+        seen: &Seen<'_>,
+        walk: &dyn Walk,
+        ahead: &PathAhead<'_>,
+        speed: f64,
+        manipulator: &Manipulator<'_>,
+        period: f64,
+    ) -> Option<BaseInputs> {
+        let bodies = seen.bodies?;
+        let speeds = walk.grasp_way(seen, ahead, speed, &mut self.way)?;
+        shift_right(&mut self.way, self.beside);
+        let follower = Follower {
+            way: &self.way,
+            speeds,
+            acceleration: TEAM_ACCELERATION,
+            rim_acceleration: self.rim_acceleration,
+            distance: self.distance,
+            bearing: self.bearing,
+            footprint: &manipulator.robot.footprint,
+            obstacles: manipulator.obstacles,
+        };
+        let base = &bodies.configuration.base;
+        Some(follower.inputs(&manipulator.robot.drive, base, bodies.base_rates, period))
+    }
+}
+
+/// Shifts the points of a way to the right of its direction by `by` (m; negative: to the left).
+fn shift_right(way: &mut [Point], by: f64) {
+    if by == 0.0 {
+        return;
+    }
+    let mut before = way.first().copied().unwrap_or_default();
+    for i in 0..way.len() {
+        let (here, next) = (way[i], way[(i + 1).min(way.len() - 1)]);
+        let ahead = (next - before).try_normalize(1e-9).unwrap_or_default();
+        before = here;
+        way[i] = here - left_of(ahead) * by;
+    }
+}

@@ -1,0 +1,243 @@
+//! The paper's controller: pose optimisation (eq. 8), then MPC (eq. 7) from the configuration that it chose.
+
+use super::{Considerations, Controller, Guide, References, Way};
+use crate::control::{
+    Avoid, BaseInputs, Candidate, ClosedForm, GUIDE_PRICE, Intent, Limits, Manipulator, ModalReference, Mpc,
+    Plan, PoseChoice, PoseOptimiser, PoseProblem, SolveOutcome, TURN_PRICE, rolled, seen_from_base,
+    turn_toward_grasp,
+};
+use crate::geometry::{Footprint, Pose, angle_of, wrap_angle};
+use crate::plant::{Command, Preparation, Seen};
+use crate::policy::Motion;
+use crate::preference::ChoiceDistribution;
+use crate::robot::{
+    BaseInput, Configuration, InputJacobian, InputVector, JointVector, Kinematics, pose_difference,
+};
+use crate::saved::{NotRestored, Saved};
+use crate::team::Pace;
+use nalgebra::Vector6;
+
+/// DEVIATION (eq. 8): bodies take a new configuration at this share of their rate limits. The motion then
+/// stays within the range of eq. (7)'s linear model, and rates are left for the grasp.
+const RECONFIGURATION_SHARE: f64 = 0.25;
+
+/// Largest correction (m and rad) of the linear model of eq. (7).
+const LARGEST_CORRECTION: f64 = 0.01;
+
+/// Eqs. (8) and (7).
+#[derive(Clone, Debug)]
+pub struct Predictive<'a> {
+    manipulator: Manipulator<'a>,
+    period: f64,
+    references: References,
+    /// How the base follows the path of the grasp; none where it is free.
+    guide: Option<Guide>,
+    poses: PoseOptimiser,
+    limits: Limits,
+    mpc: Mpc,
+    /// q* of the last command.
+    target: Configuration,
+}
+
+/// u of eq. (7), with the matrix that it was found with.
+struct Tracked {
+    plan: Plan,
+    input_matrix: InputJacobian,
+}
+
+impl<'a> Predictive<'a> {
+    /// The controller of a team at the start of a world with this number of options. With a `guide`, the base
+    /// follows the path of the grasp.
+    pub fn new(manipulator: Manipulator<'a>, pace: Pace, options: usize, guide: Option<Guide>) -> Self {
+        let concentration = manipulator.control.direction_concentration;
+        Self {
+            manipulator,
+            period: pace.period,
+            references: References::new(concentration, pace, options),
+            guide,
+            poses: PoseOptimiser::default(),
+            limits: Limits::new(manipulator.robot),
+            mpc: Mpc::default(),
+            target: Command::none().target,
+        }
+    }
+
+    /// q* of eq. (8), with the rates that lead there.
+    fn prepare(&mut self, q: &Configuration, at: &Kinematics, base: Option<&BaseInputs>) -> PoseChoice {
+        let Manipulator { robot, control, obstacles, .. } = self.manipulator;
+        let problem = PoseProblem {
+            robot,
+            configuration: q,
+            kinematics: at,
+            references: &self.references.references,
+            weights: &self.references.weights,
+            obstacles: (control.avoid != Avoid::Nothing).then_some((obstacles, control.avoid)),
+            base,
+            period: self.period,
+            share: if base.is_some() { RECONFIGURATION_SHARE } else { 1.0 },
+        };
+        self.poses.choose(&problem, &control, &mut self.limits, &mut self.mpc)
+    }
+
+    /// The error of eq. (7)'s linear model in the first period of `input`: the grasp by the arm's kinematics
+    /// minus the grasp by the model. Its norm is at most [`LARGEST_CORRECTION`], m and rad.
+    fn model_error(
+        &self,
+        target: &Configuration,
+        jacobian: &InputJacobian,
+        input: &InputVector,
+        grasp: &Pose,
+    ) -> Vector6<f64> {
+        let robot = self.manipulator.robot;
+        let moved: JointVector = robot.joint_rates(input) * self.period;
+        let reached = Configuration { base: target.base, joints: target.joints + moved };
+        let reached = pose_difference(&robot.grasp_pose(&reached), grasp);
+        let model_error = reached - robot.arm_jacobian(jacobian) * moved;
+        model_error * (LARGEST_CORRECTION / model_error.norm()).min(1.0)
+    }
+
+    /// The Jacobian with the arm's part half-way through the first period of `input`. Where the wrist is nearly
+    /// stretched, its axes turn by so much in a period that those at the beginning do not describe the motion.
+    fn jacobian_half_way(
+        &self,
+        target: &Configuration,
+        jacobian: &InputJacobian,
+        input: &InputVector,
+    ) -> InputJacobian {
+        let robot = self.manipulator.robot;
+        let moved: JointVector = robot.joint_rates(input) * (0.5 * self.period);
+        let half_way = Configuration { base: target.base, joints: target.joints + moved };
+        let mut there = robot.kinematics(&half_way).jacobian;
+        let base = robot.drive.inputs();
+        there.columns_mut(0, base).copy_from(&jacobian.columns(0, base));
+        there
+    }
+
+    /// Inputs that turn a free omnidirectional base toward its grasp, unless it is a disc.
+    fn turning_free_base(&self, target: &Configuration, grasp: &Pose) -> Option<BaseInputs> {
+        let robot = self.manipulator.robot;
+        if !robot.drive.is_omnidirectional() || matches!(robot.footprint, Footprint::Disc { .. }) {
+            return None;
+        }
+        let held = robot.drive_from_grasp(&self.manipulator.posture).translation.vector.xy();
+        let to_grasp = grasp.translation.vector.xy() - target.base.position.coords;
+        let off = wrap_angle(angle_of(to_grasp) - angle_of(held) - target.base.yaw);
+        Some(turn_toward_grasp(off, self.period))
+    }
+
+    /// u of eq. (7) that tracks the reference. Where limits are active, it is solved again with the obstacles'
+    /// half-planes about the first solution. With a guided base it is solved twice, the second time with the
+    /// error of the linear model; where the robot `follows`, with B half-way in between.
+    fn track(&mut self, from: &Candidate, base: Option<&BaseInputs>, follows: bool, grasp: &Pose) -> Tracked {
+        let Manipulator { robot, control, obstacles, .. } = self.manipulator;
+        let period = self.period;
+        let Candidate { configuration: target, rates, jacobian } = *from;
+        let turning = if base.is_none() { self.turning_free_base(&target, grasp) } else { None };
+        let form = |jacobian: &InputJacobian| {
+            let b = jacobian * period;
+            let weights = [control.state_weight, control.input_weight];
+            let guided = |base, prices| ClosedForm::guided(&b, weights, &robot.drive, base, prices);
+            match (base, &turning) {
+                (Some(base), _) => guided(base, &BaseInput::repeat(GUIDE_PRICE)),
+                (None, Some(turning)) => guided(turning, &BaseInput::new(0.0, 0.0, TURN_PRICE)),
+                (None, None) => ClosedForm::new(&b, weights[0], weights[1]),
+            }
+        };
+        let free = form(&jacobian);
+        self.limits.set(robot, &target, &rates, period);
+        let mut to_track = *self.references.to_track();
+        if let Some(base) = base {
+            to_track += rolled(&robot.drive, &jacobian, base, period);
+        }
+        if control.avoid != Avoid::Nothing {
+            let about = free.inputs(&ModalReference::new(&to_track));
+            obstacles.half_planes(
+                control.avoid,
+                robot,
+                &target,
+                &about,
+                period,
+                base.is_some(),
+                &mut self.limits,
+            );
+        }
+        let mut plan = self.mpc.solve(&free, &self.limits, &to_track);
+        let is_limited = matches!(plan.outcome, SolveOutcome::Constrained { active } if active > 0);
+        if base.is_none() && control.avoid != Avoid::Nothing && is_limited {
+            let about = plan.inputs;
+            obstacles.half_planes(control.avoid, robot, &target, &about, period, false, &mut self.limits);
+            plan = self.mpc.solve(&free, &self.limits, &to_track);
+        }
+        let (mut jacobian, mut free) = (jacobian, free);
+        if base.is_some() && follows {
+            jacobian = self.jacobian_half_way(&target, &jacobian, &plan.inputs.column(0).into_owned());
+            free = form(&jacobian);
+            plan = self.mpc.solve(&free, &self.limits, &to_track);
+        }
+        if base.is_some() {
+            let input = plan.inputs.column(0).into_owned();
+            let model_error = self.model_error(&target, &jacobian, &input, grasp);
+            let mut first = to_track.column_mut(0);
+            first -= model_error;
+            plan = self.mpc.solve(&free, &self.limits, &to_track);
+        }
+        Tracked { plan, input_matrix: jacobian * period }
+    }
+}
+
+impl Controller for Predictive<'_> {
+    fn command(&mut self, seen: &Seen<'_>, way: &Way<'_>, belief: &ChoiceDistribution) -> Command {
+        let Some(q) = seen.configuration else { return Command::none() };
+        if let Motion::Inputs(input) = way.motion {
+            self.target = *q;
+            return Command::inputs(q, *input);
+        }
+        let Manipulator { robot, control, .. } = self.manipulator;
+        let at = robot.kinematics(q);
+        let ahead = self.references.set(seen, way, belief, &at.grasp, &self.manipulator);
+        let speed = way.walk.observed_speed(seen, &self.references.intent, way.travel);
+        let (manipulator, period) = (&self.manipulator, self.period);
+        let guide = self.guide.as_mut();
+        let base = guide.and_then(|guide| guide.inputs(seen, way.walk, &ahead, speed, manipulator, period));
+        if let Some(base) = &base {
+            for reference in &mut self.references.references {
+                *reference = seen_from_base(reference, &at.grasp, &q.base, &robot.drive, base, period);
+            }
+        }
+        let tracked = self.references.tracked;
+        let choice =
+            (tracked.is_some() || control.prepare_while_leading).then(|| self.prepare(q, &at, base.as_ref()));
+        let from = choice.map_or_else(|| Candidate::at_rest(q, &at), |choice| choice.candidate);
+        let Tracked { plan, input_matrix } = self.track(&from, base.as_ref(), tracked.is_some(), &at.grasp);
+        self.target = from.configuration;
+        Command {
+            target: from.configuration,
+            rates: from.rates,
+            input: plan.inputs.column(0).into_owned(),
+            outcome: plan.outcome,
+            input_matrix,
+            preparation: choice.map(|choice| Preparation {
+                tracked,
+                candidate: choice.index,
+                candidates: choice.candidates,
+                constrained: choice.solved,
+            }),
+            pose_cost: choice.map_or(0.0, |choice| choice.motion_cost),
+        }
+    }
+
+    fn considerations(&self) -> Option<Considerations<'_>> {
+        let References { references, weights, .. } = &self.references;
+        Some(Considerations { references, weights, target: &self.target, poses: &self.poses })
+    }
+
+    fn save(&self) -> Saved {
+        Saved::of(&self.references.intent)
+    }
+
+    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+        let intent: Intent = saved.read("controller")?;
+        self.references.intent = intent;
+        Ok(())
+    }
+}

@@ -1,0 +1,123 @@
+//! s: the motion that the grasp should make, which eqs. (7) and (8) track.
+
+use super::Way;
+use crate::control::{Intent, Manipulator, PoseCriterion, Reference, reference};
+use crate::coordination::Mode;
+use crate::geometry::{Path, Pose};
+use crate::plant::Seen;
+use crate::policy::Motion;
+use crate::preference::ChoiceDistribution;
+use crate::team::{Pace, PathAhead, Widened};
+
+/// The references of every option with their weights, and the estimate of the human's intent behind them.
+#[derive(Clone, Debug)]
+pub struct References {
+    pub(super) intent: Intent,
+    pace: Pace,
+    paths: Vec<Path>,
+    /// s_o(1..H): of all options while the human leads, else of the leader's path.
+    pub references: Vec<Reference>,
+    /// The weight of each in eq. (8).
+    pub weights: Vec<f64>,
+    /// The option that the robot expects the human to walk; none while the robot leads.
+    pub tracked: Option<usize>,
+    widened: Widened,
+}
+
+impl References {
+    /// References for a world with this number of options. `concentration` is that of a von Mises distribution
+    /// of the walking direction on an option.
+    pub fn new(concentration: f64, pace: Pace, options: usize) -> Self {
+        Self {
+            intent: Intent::new(concentration),
+            pace,
+            // longer than the paths of worlds: the remainder of an option may grow when the team turns away
+            // from it
+            paths: (0..options).map(|_| Path::with_capacity(64)).collect(),
+            references: Vec::with_capacity(options),
+            weights: Vec::with_capacity(options),
+            tracked: None,
+            widened: Widened::default(),
+        }
+    }
+
+    /// The reference to track in this period.
+    pub fn to_track(&self) -> &Reference {
+        &self.references[self.tracked.unwrap_or(0)]
+    }
+
+    /// Sets the references of this period, relative to the grasp. Returns the path ahead of the team.
+    pub fn set<'s>(
+        &mut self,
+        seen: &Seen<'_>,
+        way: &Way<'s>,
+        belief: &ChoiceDistribution,
+        grasp: &Pose,
+        manipulator: &Manipulator<'_>,
+    ) -> PathAhead<'s> {
+        let height = manipulator.robot.grasp_height;
+        let Way { mode, travel, path, along, walk, .. } = *way;
+        let lead = match mode {
+            Mode::RobotLed => 0.0,
+            Mode::HumanLed => walk.lead(seen, path, along),
+        };
+        let ahead = PathAhead { mode, travel, path, along, lead, turn: None };
+        self.tracked = None;
+        match (way.motion, way.mode) {
+            (Motion::Reference(poses), _) => self.only(reference(poses.iter().copied(), grasp, height)),
+            (_, Mode::HumanLed) => self.anticipate(seen, way, &ahead, belief, grasp, manipulator),
+            // the robot knows its own path
+            (_, Mode::RobotLed) => {
+                self.only(way.walk.reference(seen, &ahead, self.pace.speed, grasp, height));
+            }
+        }
+        ahead
+    }
+
+    fn only(&mut self, reference: Reference) {
+        self.references.clear();
+        self.references.push(reference);
+        self.weights.clear();
+        self.weights.push(1.0);
+    }
+
+    /// Sets s_o(1..H) of every option from the human's position.
+    fn anticipate(
+        &mut self,
+        seen: &Seen<'_>,
+        way: &Way<'_>,
+        ahead: &PathAhead<'_>,
+        belief: &ChoiceDistribution,
+        grasp: &Pose,
+        manipulator: &Manipulator<'_>,
+    ) {
+        let probabilities = belief.probabilities();
+        let body = seen.body();
+        let tracked = self.intent.observe(body, probabilities);
+        self.intent.see_hand(seen.hand(), self.pace.period);
+        let observed = way.walk.observed_speed(seen, &self.intent, way.travel);
+        self.references.clear();
+        for (option, path) in self.paths.iter_mut().enumerate().take(probabilities.len()) {
+            way.options.write_path(way.progress, option, path);
+            way.walk.expect(way.path, way.along, path, &mut self.widened);
+            let ahead = PathAhead { turn: Some(path), ..*ahead };
+            let height = manipulator.robot.grasp_height;
+            self.references.push(way.walk.reference(seen, &ahead, observed, grasp, height));
+        }
+        let step = observed * self.pace.period;
+        let from = ahead.lead.max(0.0);
+        self.intent.expect(self.paths.iter().map(|path| {
+            let [from, to] = [from, from + step].map(|walked| path.point_at(walked).unwrap_or(body));
+            to - from
+        }));
+        self.weights.clear();
+        let uniform = 1.0 / probabilities.len() as f64;
+        let criterion = manipulator.control.criterion;
+        self.weights.extend(probabilities.iter().enumerate().map(|(option, p)| match criterion {
+            PoseCriterion::Expected | PoseCriterion::Manipulability => *p,
+            PoseCriterion::Uniform => uniform,
+            PoseCriterion::Tracked => f64::from(u8::from(option == tracked)),
+        }));
+        self.tracked = Some(tracked);
+    }
+}

@@ -1,0 +1,157 @@
+//! The options from where the team is, eq. (1), and what the human may prefer among them, eqs. (4) and (6).
+
+use super::Episode;
+use super::now::Now;
+use crate::coordination::{Mode, OptionCost, OptionTick, is_misaligned};
+use crate::learning::Learner;
+use crate::options::{OptionSet, Progress, Remaining, Waypoint};
+use crate::preference::{ChoiceDistribution, Predictor, Prospect, objective_cost};
+
+/// The length (m) at which predictions cap an option, also one without a path. It is far beyond what a human
+/// would choose.
+const LONGEST_M: f64 = 1e6;
+
+/// Remaining length and risk of every option from the team's position, in the order of the option set.
+pub fn prospects(options: &OptionSet, progress: &Progress) -> Vec<Prospect> {
+    (0..options.options().len()).map(|o| prospect(options.remaining(progress, o))).collect()
+}
+
+pub(super) fn prospect(remaining: Remaining) -> Prospect {
+    Prospect { length: remaining.length.min(LONGEST_M), risk: remaining.risk }
+}
+
+/// Every option from where the team is.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Evaluated {
+    /// D_o and S_o, as humans and predictions take them.
+    pub prospects: Vec<Prospect>,
+    /// D_o, S_o, J_o and omega_o.
+    pub costs: Vec<OptionCost>,
+}
+
+impl Evaluated {
+    /// The options of a team that walks `toward` a waypoint, none before the first step. `memory` is used
+    /// again.
+    fn at(
+        options: &OptionSet,
+        progress: &Progress,
+        risk_weight: f64,
+        toward: Option<Waypoint>,
+        memory: Self,
+    ) -> Self {
+        let Self { mut prospects, mut costs } = memory;
+        prospects.clear();
+        costs.clear();
+        for o in 0..options.options().len() {
+            let remaining = options.remaining(progress, o);
+            let prospect = prospect(remaining);
+            let misaligned = toward.is_some_and(|toward| is_misaligned(toward, remaining.next));
+            prospects.push(prospect);
+            costs.push(OptionCost {
+                remaining,
+                objective: objective_cost(prospect, risk_weight),
+                misaligned,
+            });
+        }
+        Self { prospects, costs }
+    }
+}
+
+/// What a distribution of (alpha, gamma) predicts of the options.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Prediction {
+    /// P_o; empty where it was not asked.
+    pub choice: ChoiceDistribution,
+    /// The options with P_o and J~_o.
+    pub options: Vec<OptionTick>,
+    expected: Vec<f64>,
+}
+
+/// What is asked of a prediction.
+#[derive(Clone, Copy)]
+struct Asked {
+    /// P_o, eq. (4).
+    pub choice: bool,
+    /// J~_o, eq. (6).
+    pub expected: bool,
+    /// The option executed, which wins ties.
+    pub current: Option<usize>,
+}
+
+/// The distribution of (alpha, gamma) that predicts.
+enum By<'p> {
+    /// The belief before the episode, which the human's discomfort follows, eq. (5).
+    Prior(&'p mut Predictor),
+    /// What the robot has learned, which its choices follow, eqs. (6) and (8).
+    Learned(&'p mut Learner),
+}
+
+impl Prediction {
+    /// The prediction for these options. `memory` is used again.
+    fn of(evaluated: &Evaluated, mut by: By, asked: Asked, memory: Self) -> Self {
+        let Self { mut choice, mut options, mut expected } = memory;
+        let prospects = &evaluated.prospects;
+        choice.clear();
+        expected.clear();
+        match &mut by {
+            By::Prior(prior) if asked.choice => prior.predict_from(prospects, asked.current, &mut choice),
+            By::Learned(learner) if asked.choice => learner.predict(prospects, asked.current, &mut choice),
+            _ => {}
+        }
+        match &mut by {
+            By::Prior(prior) if asked.expected => prior.expected_costs(prospects, &mut expected),
+            By::Learned(learner) if asked.expected => learner.expected_costs(prospects, &mut expected),
+            _ => {}
+        }
+        options.clear();
+        let value = |of: &[f64], o: usize| of.get(o).copied().unwrap_or(f64::NAN);
+        let costs = evaluated.costs.iter().enumerate();
+        options
+            .extend(costs.map(|(o, c)| c.predicted(value(choice.probabilities(), o), value(&expected, o))));
+        Self { choice, options, expected }
+    }
+}
+
+/// What the human may prefer.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Predicted {
+    /// By the prior, which the human's discomfort follows, eq. (5).
+    pub prior: Prediction,
+    /// By what the robot has learned, if it learns: its choices, eqs. (6) and (8), follow that.
+    pub learned: Option<Prediction>,
+}
+
+impl Predicted {
+    /// The prediction that the robot acts on.
+    pub fn robots(&self) -> &Prediction {
+        self.learned.as_ref().unwrap_or(&self.prior)
+    }
+
+    /// The options of that prediction.
+    pub fn options(&mut self) -> &mut Vec<OptionTick> {
+        &mut self.learned.as_mut().unwrap_or(&mut self.prior).options
+    }
+}
+
+impl Episode<'_> {
+    /// The options from where the team is.
+    pub(super) fn evaluate(&self, now: Now, memory: Evaluated) -> Evaluated {
+        // g(0) = 0: before the first step the team has no next waypoint
+        let executed = now.executed.filter(|_| now.mode == Mode::RobotLed);
+        let toward = executed.map(|executed| self.options.next(&self.progress, executed));
+        Evaluated::at(self.options, &self.progress, self.predictor.risk_weight(), toward, memory)
+    }
+
+    /// What the human may prefer among them.
+    pub(super) fn predict(&mut self, now: Now, evaluated: &Evaluated, memory: Predicted) -> Predicted {
+        let expected = now.mode == Mode::RobotLed || self.policy.predicts();
+        let choice = expected || self.controller.anticipates() || self.settings.predict_while_human_leads;
+        let asked = Asked { choice, expected, current: now.executed };
+        let Predicted { prior, learned } = memory;
+        let prior = Prediction::of(evaluated, By::Prior(&mut self.predictor), asked, prior);
+        let learned = self.learner.as_deref_mut().map(|learner| {
+            Prediction::of(evaluated, By::Learned(learner), asked, learned.unwrap_or_default())
+        });
+        Predicted { prior, learned }
+    }
+}

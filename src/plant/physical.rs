@@ -1,0 +1,81 @@
+//! The physical plant: robot, object and human as bodies in rapier.
+
+use super::{Command, HumanMotion, Plant, Seen, on_floor};
+use crate::error::Error;
+use crate::geometry::{PlanarPose, Pose};
+use crate::robot::{JointVector, Robot};
+use crate::saved::{NotRestored, Saved};
+use crate::simulation::{HumanCommand, Observation, PhysicalPlant, PhysicsSettings};
+use crate::world::World;
+use serde::{Deserialize, Serialize};
+
+/// Robot, object and human with dynamics and contacts.
+#[derive(Clone)]
+pub struct Physical<'a> {
+    robot: &'a Robot,
+    state: State,
+}
+
+#[derive(Clone, Serialize, Deserialize)]
+struct State {
+    plant: PhysicalPlant,
+    seen: Observation,
+}
+
+impl<'a> Physical<'a> {
+    /// A team at rest with the object's centre at `start`. `seed` determines the gait.
+    ///
+    /// # Errors
+    /// As [`PhysicalPlant::new`].
+    pub fn new(
+        world: &World,
+        robot: &'a Robot,
+        posture: &JointVector,
+        start: &PlanarPose,
+        settings: &PhysicsSettings,
+        seed: u64,
+    ) -> Result<Self, Error> {
+        let plant = PhysicalPlant::new(world, robot, posture, start, settings, seed)?;
+        Ok(Self { robot, state: State { seen: plant.observe(), plant } })
+    }
+}
+
+impl Plant for Physical<'_> {
+    fn observe(&self) -> Seen<'_> {
+        let State { seen, .. } = &self.state;
+        let configuration = &seen.configuration;
+        Seen {
+            position: on_floor(&seen.object),
+            configuration: Some(configuration),
+            grasp: Some(self.robot.grasp_pose(configuration)),
+            human: None,
+            bodies: Some(seen),
+        }
+    }
+
+    fn step(&mut self, command: &Command, human: &HumanMotion, period: f64) {
+        let hand = human.hand.map_or(HumanCommand::Follow, |hand| HumanCommand::Walk { hand });
+        let State { plant, seen } = &mut self.state;
+        plant.face(human.facing);
+        *seen = plant.step(&(command.rates + command.input), &hand, period);
+    }
+
+    fn link_poses(&self) -> Option<Vec<Pose>> {
+        Some(self.state.plant.link_poses())
+    }
+
+    fn save(&self) -> Saved {
+        Saved::of(&self.state)
+    }
+
+    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+        self.state = saved.read("plant")?;
+        Ok(())
+    }
+}
+
+impl std::fmt::Debug for Physical<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.debug_struct("Physical").field("seen", &self.state.seen).finish_non_exhaustive()
+    }
+}
