@@ -1,14 +1,14 @@
 //! Independent draws from posterior and prior.
 //!
-//! A population is drawn from the nodes of its grid; then every person given it: a row of gamma, gamma within
-//! the row, and alpha exactly from the step function at this gamma.
+//! Populations are drawn from the nodes of their grid; then every person given each of them: a row of gamma, gamma
+//! within the row, and alpha exactly from the step function at this gamma. A person's draws come from streams of
+//! random numbers of their own, so people can be drawn one after the other.
 
 use super::evidence::Perceived;
-use super::population::{Grid, Integrals, along};
-use crate::parallel::in_parallel;
-use cocarry::learning::{Tolerance, TolerancePrior};
+use super::population::{Grid, along};
+use cocarry::learning::Tolerance;
 use cocarry::math;
-use cocarry::preference::{Belief, Marginal, Perception};
+use cocarry::preference::{Belief, Marginal, Perception, WeightedSample};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -36,130 +36,135 @@ pub struct Draws {
 /// What draws are drawn from.
 pub(super) struct Source<'a> {
     pub belief: &'a Belief,
-    pub people: &'a [Perceived],
-    /// By person; empty without switches.
-    pub tolerances: &'a [Tolerance],
-    pub tolerance: TolerancePrior,
-    pub crowd: Option<Crowd<'a>>,
     pub grid: &'a Grid,
+    /// The probabilities of the populations; `None` if everybody is alone.
+    pub crowd: Option<&'a [f64]>,
+    /// Draws of each chain.
+    pub length: usize,
+    pub seed: u64,
+    /// Tells several sets of draws with one seed apart.
+    pub set: u64,
 }
 
-/// A population with its people.
-pub(super) struct Crowd<'a> {
-    /// The probabilities of the nodes.
-    pub weights: &'a [f64],
-    pub integrals: &'a [Integrals],
-}
-
-/// One draw.
-struct Draw {
-    population: Option<[f64; 4]>,
-    people: Vec<[f64; 2]>,
-    etas: Vec<f64>,
-    log_density: f64,
+/// The draws of one person, one chain after the other.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PersonDraws {
+    pub alpha: Vec<f64>,
+    pub gamma: Vec<f64>,
+    pub eta: Vec<f64>,
+    /// What each draw adds to the logarithm of the joint density.
+    pub log_density: Vec<f64>,
 }
 
 impl Source<'_> {
-    /// Draws `length` times in every chain. `stream` tells several sets of draws with one seed apart.
-    pub fn draws(&self, length: usize, seed: u64, stream: u64) -> Draws {
-        let cumulated: Vec<f64> = self.crowd.as_ref().map_or(Vec::new(), |crowd| {
-            let mut sum = 0.0;
-            let add = |weight: &f64| {
-                sum += weight;
-                sum
-            };
-            crowd.weights.iter().map(add).collect()
-        });
-        let alone = self.rows_alone();
-        let chains = in_parallel(CHAINS, &|| (), |chain| {
-            let mut rng = ChaCha8Rng::seed_from_u64(seed);
-            rng.set_stream(stream * CHAINS as u64 + chain as u64);
-            (0..length).map(|_| self.draw(&cumulated, &alone, &mut rng)).collect::<Vec<_>>()
-        });
-        let people = self.people.len();
-        let mut draws = Draws {
-            length,
-            alpha: vec![Vec::new(); people],
-            gamma: vec![Vec::new(); people],
-            ..Draws::default()
+    /// A population for every draw, as nodes of the grid; empty if everybody is alone.
+    pub fn nodes(&self) -> Vec<usize> {
+        let Some(weights) = self.crowd else { return Vec::new() };
+        let cumulated = cumulated(weights.iter().copied());
+        let chain = |chain: u64| {
+            let mut rng = self.rng(0, chain);
+            (0..self.length).map(|_| pick(&cumulated, &mut rng)).collect::<Vec<_>>()
         };
-        draws.eta = vec![Vec::new(); self.tolerances.len()];
-        for draw in chains.into_iter().flatten() {
-            for (all, value) in draws.population.iter_mut().zip(draw.population.iter().flatten()) {
-                all.push(*value);
+        (0..CHAINS as u64).flat_map(chain).collect()
+    }
+
+    /// The generator of a chain: of the population (0), or of a person (from 1).
+    fn rng(&self, whose: u64, chain: u64) -> ChaCha8Rng {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream((whose << 8) + self.set * CHAINS as u64 + chain);
+        rng
+    }
+
+    /// Mean and spread, before truncation, of alpha's and of gamma's normal in every draw.
+    pub fn population(&self, nodes: &[usize]) -> [Vec<f64>; 4] {
+        let mut all: [Vec<f64>; 4] = Default::default();
+        for node in nodes {
+            let [a, g] = self.grid.at(*node);
+            let normals = [&self.grid.alpha.normals[a], &self.grid.gamma.normals[g]];
+            let shapes = normals.map(|normal| normal.normal_shape().unwrap_or_default());
+            let values = [shapes[0].0, shapes[0].1, shapes[1].0, shapes[1].1];
+            all.iter_mut().zip(values).for_each(|(all, value)| all.push(value));
+        }
+        all
+    }
+
+    /// The draws of the person with this number, given the populations drawn.
+    pub fn person(
+        &self,
+        number: usize,
+        person: &Perceived,
+        tolerance: Option<&Tolerance>,
+        nodes: &[usize],
+    ) -> PersonDraws {
+        let mut draws = PersonDraws::default();
+        let steps = self.grid.steps(|gamma| person.posterior.steps_at(gamma));
+        let (crowd, alone) = match (self.crowd, self.belief) {
+            (Some(_), _) => (self.grid.by_population(&steps), Vec::new()),
+            (None, Belief::Independent { alpha, gamma }) => {
+                let masses = self.grid.row_masses(gamma);
+                let along = self.grid.along_alpha(&steps, alpha);
+                (Vec::new(), along.iter().zip(&masses).map(|(a, b)| a * b).collect())
             }
-            for (p, [alpha, gamma]) in draw.people.into_iter().enumerate() {
-                draws.alpha[p].push(alpha);
-                draws.gamma[p].push(gamma);
+            (None, Belief::Samples(set)) => {
+                let weight = |s: &WeightedSample| s.weight * person.posterior.density(s.perception);
+                (Vec::new(), set.samples().iter().map(weight).collect())
             }
-            for (p, eta) in draw.etas.into_iter().enumerate() {
-                draws.eta[p].push(eta);
+        };
+        let alone = cumulated(alone.into_iter());
+        for chain in 0..CHAINS {
+            let mut rng = self.rng(number as u64 + 1, chain as u64);
+            for draw in 0..self.length {
+                let (human, density) = match (nodes.get(chain * self.length + draw), self.belief) {
+                    (Some(node), _) => {
+                        let [a, g] = self.grid.at(*node);
+                        let rows = self.grid.rows_given(&crowd[a], g);
+                        let normals = [self.grid.alpha.normals[a], self.grid.gamma.normals[g]];
+                        person_within(self.grid, person, &cumulated(rows.into_iter()), &normals, &mut rng)
+                    }
+                    (None, Belief::Independent { alpha, gamma }) => {
+                        person_within(self.grid, person, &alone, &[*alpha, *gamma], &mut rng)
+                    }
+                    (None, Belief::Samples(set)) => {
+                        let sample = set.samples()[pick(&alone, &mut rng)];
+                        (sample.perception, sample.weight)
+                    }
+                };
+                let likelihood = person.posterior.density(human).max(f64::MIN_POSITIVE);
+                draws.log_density.push(person.log_evidence + math::ln(likelihood) + math::ln(density));
+                draws.alpha.push(human.alpha);
+                draws.gamma.push(human.gamma);
+                draws.eta.extend(tolerance.map(|tolerance| tolerance.quantile(rng.random())));
             }
-            draws.log_density.push(draw.log_density);
         }
         draws
     }
+}
 
-    /// Without a population: the probability of each person's rows.
-    fn rows_alone(&self) -> Vec<Vec<f64>> {
-        let Belief::Independent { alpha, gamma } = self.belief else { return Vec::new() };
-        let masses = self.grid.row_masses(gamma);
-        let of = |person: &Perceived| {
-            let steps = self.grid.steps(|gamma| person.posterior.steps_at(gamma));
-            self.grid.along_alpha(&steps, alpha).iter().zip(&masses).map(|(a, b)| a * b).collect()
-        };
-        match self.crowd {
-            Some(_) => Vec::new(),
-            None => self.people.iter().map(of).collect(),
-        }
+impl Draws {
+    /// Those of the populations, before those of people are added.
+    pub(super) fn new(source: &Source, nodes: &[usize]) -> Self {
+        let log_density = vec![0.0; CHAINS * source.length];
+        Self { length: source.length, population: source.population(nodes), log_density, ..Self::default() }
     }
 
-    fn draw(&self, cumulated: &[f64], alone: &[Vec<f64>], rng: &mut ChaCha8Rng) -> Draw {
-        let mut draw = Draw { population: None, people: Vec::new(), etas: Vec::new(), log_density: 0.0 };
-        let node = self.crowd.as_ref().map(|_| pick(cumulated, rng));
-        if let Some([a, g]) = node.map(|node| self.grid.at(node)) {
-            let normals = [&self.grid.alpha.normals[a], &self.grid.gamma.normals[g]];
-            let shapes = normals.map(|normal| normal.normal_shape().unwrap_or_default());
-            draw.population = Some([shapes[0].0, shapes[0].1, shapes[1].0, shapes[1].1]);
+    /// Adds the draws of the next person.
+    pub(super) fn add(&mut self, person: PersonDraws) {
+        self.alpha.push(person.alpha);
+        self.gamma.push(person.gamma);
+        if !person.eta.is_empty() {
+            self.eta.push(person.eta);
         }
-        for (p, person) in self.people.iter().enumerate() {
-            let own = match (&self.crowd, node, self.belief) {
-                (Some(crowd), Some(node), _) => {
-                    let [a, g] = self.grid.at(node);
-                    let rows = self.grid.rows_given(&crowd.integrals[p], [a, g]);
-                    let normals = [self.grid.alpha.normals[a], self.grid.gamma.normals[g]];
-                    Some((rows.to_vec(), normals))
-                }
-                (_, _, Belief::Independent { alpha, gamma }) => Some((alone[p].clone(), [*alpha, *gamma])),
-                _ => None,
-            };
-            let (human, density) = match (own, self.belief) {
-                (Some((rows, normals)), _) => {
-                    let human = person_within(self.grid, person, &rows, &normals, rng);
-                    (human, normals[0].density(human.alpha) * normals[1].density(human.gamma))
-                }
-                (None, Belief::Samples(set)) => {
-                    let mut sum = 0.0;
-                    let weights: Vec<f64> = set
-                        .samples()
-                        .iter()
-                        .map(|s| {
-                            sum += s.weight * person.posterior.density(s.perception);
-                            sum
-                        })
-                        .collect();
-                    let sample = set.samples()[pick(&weights, rng)];
-                    (sample.perception, sample.weight)
-                }
-                (None, _) => continue,
-            };
-            let likelihood = person.posterior.density(human).max(f64::MIN_POSITIVE);
-            draw.log_density += person.log_evidence + math::ln(likelihood) + math::ln(density);
-            draw.people.push([human.alpha, human.gamma]);
-        }
-        draw.etas.extend(self.tolerances.iter().map(|tolerance| tolerance.quantile(rng.random())));
-        draw
+        self.log_density.iter_mut().zip(person.log_density).for_each(|(sum, own)| *sum += own);
     }
+}
+
+/// Sums up to and including each number.
+fn cumulated(numbers: impl Iterator<Item = f64>) -> Vec<f64> {
+    let add = |sum: &mut f64, number: f64| {
+        *sum += number;
+        Some(*sum)
+    };
+    numbers.scan(0.0, add).collect()
 }
 
 /// The index that a uniform number falls to.
@@ -169,21 +174,15 @@ fn pick(cumulated: &[f64], rng: &mut ChaCha8Rng) -> usize {
     cumulated.partition_point(|sum| *sum <= at).min(cumulated.len() - 1)
 }
 
-/// A person by the probabilities of the rows of gamma.
+/// A person by the cumulated probabilities of the rows of gamma, and the density of such people.
 fn person_within(
     grid: &Grid,
     person: &Perceived,
     rows: &[f64],
     [alpha, gamma]: &[Marginal; 2],
     rng: &mut ChaCha8Rng,
-) -> Perception {
-    let mut sum = 0.0;
-    let add = |row: &f64| {
-        sum += row;
-        sum
-    };
-    let row = pick(&rows.iter().map(add).collect::<Vec<_>>(), rng);
-    let [from, to] = grid.row(row);
+) -> (Perception, f64) {
+    let [from, to] = grid.row(pick(rows, rng));
     let [below, above] = [from, to].map(|end| gamma.cdf(end));
     let drawn = gamma.quantile(below + rng.random::<f64>() * (above - below)).clamp(from, to);
     let steps = person.posterior.steps_at(drawn);
@@ -191,7 +190,8 @@ fn person_within(
     let is_possible = along(&steps, alpha) > 0.0;
     let drawn = if is_possible { drawn } else { 0.5 * (from + to) };
     let steps = if is_possible { steps } else { person.posterior.steps_at(drawn) };
-    Perception { alpha: alpha_along(&steps, alpha, rng), gamma: drawn }
+    let human = Perception { alpha: alpha_along(&steps, alpha, rng), gamma: drawn };
+    (human, alpha.density(human.alpha) * gamma.density(human.gamma))
 }
 
 /// An alpha by its distribution times a step function.

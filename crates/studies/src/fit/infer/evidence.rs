@@ -7,7 +7,7 @@ use cocarry::episode::Look;
 use cocarry::learning::{MOST_TASKS, Tolerance, likelihoods_of_look};
 use cocarry::math;
 use cocarry::preference::{
-    Belief, ChoiceDistribution, Posterior, PreferenceError, Prospect, Ways, with_lapses,
+    Belief, ChoiceDistribution, Learned, Posterior, PreferenceError, Prospect, Ways, with_lapses,
 };
 
 /// The likelihood of an answer if the human prefers each option: one choice, distributed as the participant
@@ -43,7 +43,33 @@ pub(super) struct Perceived {
     pub looks: usize,
 }
 
+/// A belief over a participant without its working memory, which takes most of the room.
+#[derive(Clone, Debug)]
+pub(super) struct Kept {
+    learned: Learned,
+    pub log_evidence: f64,
+    pub answers: usize,
+    pub looks: usize,
+}
+
+impl Kept {
+    /// The belief again. `prior` is the one that it was learned from.
+    pub fn restored(&self, prior: &Perceived) -> Perceived {
+        let Self { log_evidence, answers, looks, .. } = *self;
+        let mut posterior = prior.posterior.clone();
+        let fits = posterior.restore(&self.learned);
+        debug_assert!(fits, "it was learned from this prior");
+        Perceived { posterior, log_evidence, answers, looks }
+    }
+}
+
 impl Perceived {
+    /// The belief to be kept.
+    pub fn kept(&self) -> Kept {
+        let Self { log_evidence, answers, looks, .. } = *self;
+        Kept { learned: self.posterior.learned(), log_evidence, answers, looks }
+    }
+
     pub fn new(belief: &Belief, risk_weight: f64) -> Result<Self, PreferenceError> {
         Ok(Self {
             posterior: Posterior::new(belief.clone(), risk_weight)?,

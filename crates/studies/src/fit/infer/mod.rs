@@ -21,9 +21,9 @@ use super::{Answers, EtaFit, FitError, Set, fit_eta};
 use crate::parallel::{OnDone, in_parallel};
 use cocarry::learning::Tolerance;
 use cocarry::preference::Belief;
-use draws::{Crowd, Source};
-use evidence::Perceived;
-use population::{Grid, Integrals};
+use draws::Source;
+use evidence::{Kept, Perceived};
+use population::Grid;
 use serde::Serialize;
 
 /// What is known of one participant.
@@ -66,9 +66,10 @@ pub struct Inference {
     pub held_out: Vec<HeldOut>,
     /// Answers for every option against the predictions; empty with fewer than two worlds.
     pub checks: Vec<OptionCheck>,
-    /// Draws from the posterior: with a population, from that of the population and everybody in it.
+    /// Draws from the posterior: with a population, from that of the population and everybody in it. Those of
+    /// people are there if they were to be kept.
     pub posterior: Draws,
-    /// Draws from the prior.
+    /// Draws from the prior; empty unless they were to be kept.
     pub prior: Draws,
 }
 
@@ -93,7 +94,7 @@ pub fn infer(
             names.push(name);
         }
     }
-    let perceived = |p: usize| -> Result<Perceived, FitError> {
+    let perceived = |p: usize| -> Result<Known, FitError> {
         let mut perceived = match answers {
             Some(answers) if p < answers.participants.len() => {
                 prior.after(answers, p, None, settings.lapse_rate)?
@@ -103,9 +104,9 @@ pub fn infer(
         for walk in walks.iter().filter(|walk| walk.participant == *names[p]) {
             perceived.see(walk, settings.lapse_rate)?;
         }
-        Ok(perceived)
+        Ok(Known::of(names[p], perceived))
     };
-    let people: Vec<Perceived> =
+    let people: Vec<Known> =
         in_parallel(names.len(), on_done, perceived).into_iter().collect::<Result<_, _>>()?;
     // the sets of eta of a participant's episodes with a robot that leads
     let own = |name: &String| -> Vec<Set> {
@@ -125,98 +126,131 @@ pub fn infer(
     };
     let grid = Grid::new(model.belief.ranges())?;
     let is_sampled = matches!(model.belief, Belief::Samples(_));
-    let is_asked = people.iter().any(|person| person.answers + person.looks > 0);
+    let is_asked = people.iter().any(|known| known.kept.answers + known.kept.looks > 0);
     let has_population = settings.has_population && is_asked && names.len() > 1 && !is_sampled;
-    let integrals: Vec<Integrals> = match has_population {
-        false => Vec::new(),
-        true => in_parallel(people.len(), on_done, |p| {
-            grid.integrals(&grid.steps(|gamma| people[p].posterior.steps_at(gamma)))
-        }),
-    };
-    let weighed = has_population.then(|| weighed(&grid, &people, &integrals)).flatten();
+    let weighed = has_population.then(|| weighed(&grid, &people, &prior, on_done)).flatten();
+    let crowd = weighed.as_ref().map(|(weights, _)| weights.as_slice());
     let source = Source {
         belief: &model.belief,
-        people: &people,
-        tolerances: &tolerances,
-        tolerance: settings.tolerance,
-        crowd: weighed.as_ref().map(|(weights, _)| Crowd { weights, integrals: &integrals }),
         grid: &grid,
+        crowd,
+        length: settings.draws,
+        seed: settings.seed,
+        set: 0,
     };
-    let posterior = source.draws(settings.draws, settings.seed, 0);
-    let prior_draws = prior_draws(&source, &prior, settings)?;
+    let nodes = source.nodes();
+    let mut posterior = Draws::new(&source, &nodes);
+    let mut found = Vec::with_capacity(people.len());
+    // somebody's draws take more room than all else that is known of them
+    for (block, people) in people.chunks(BLOCK).enumerate() {
+        let drawn = in_parallel(people.len(), &|| (), |i| {
+            let (p, known) = (block * BLOCK + i, &people[i]);
+            let draws = source.person(p, &known.kept.restored(&prior), tolerances.get(p), &nodes);
+            let figures = crowd.map(|_| [&draws.alpha, &draws.gamma].map(|values| Figure::of_draws(values)));
+            (figures, settings.keeps_draws.then_some(draws))
+        });
+        for (known, (within_population, draws)) in people.iter().zip(drawn) {
+            found.push(Person { within_population, ..known.person.clone() });
+            draws.into_iter().for_each(|draws| posterior.add(draws));
+        }
+    }
     let population = weighed.as_ref().map(|(weights, evidence)| Population::new(&grid, weights, *evidence));
     let is_compared = answers.is_some_and(|answers| answers.situations.len() > 1);
     let (held_out, checks) = match answers.filter(|_| is_compared) {
         Some(answers) => held_out::held_out(answers, &prior, model, settings, on_done)?,
         None => (Vec::new(), Vec::new()),
     };
-    let mut all = people;
-    let people = names.iter().zip(&mut all).enumerate().map(|(p, (name, known))| {
-        let estimate = known.posterior.estimate();
-        let [variance_alpha, covariance, variance_gamma] = estimate.covariance;
-        let figure = |which: usize, variance: f64| {
-            let moments = [estimate.mean[which], variance.max(0.0).sqrt()];
-            Figure::new(moments, |share| known.posterior.quantile(which, share))
-        };
-        let drawn = |values: &Vec<f64>| {
-            let weight = 1.0 / values.len() as f64;
-            Figure::of(values.iter().map(|value| (*value, weight)).collect())
-        };
-        Person {
-            participant: (*name).clone(),
-            answers: known.answers,
-            looks: known.looks,
-            alpha: figure(0, variance_alpha),
-            gamma: figure(1, variance_gamma),
-            correlation: covariance / (variance_alpha * variance_gamma).sqrt(),
-            information: estimate.information,
-            log_evidence: known.log_evidence,
-            within_population: population
-                .as_ref()
-                .map(|_| [drawn(&posterior.alpha[p]), drawn(&posterior.gamma[p])]),
-            episodes: own(name).len(),
-            eta: tolerances.get(p).filter(|_| !own(name).is_empty()).map(|tolerance| {
-                let [mean, variance] = tolerance.moments();
-                Figure::new([mean, variance.sqrt()], |share| tolerance.quantile(share))
-            }),
-        }
-    });
+    for (p, (person, name)) in found.iter_mut().zip(&names).enumerate() {
+        person.episodes = own(name).len();
+        person.eta = tolerances.get(p).filter(|_| person.episodes > 0).map(|tolerance| {
+            let [mean, variance] = tolerance.moments();
+            Figure::new([mean, variance.sqrt()], |share| tolerance.quantile(share))
+        });
+    }
+    let prior = match settings.keeps_draws {
+        true => prior_draws(&source, &prior, found.len(), !tolerances.is_empty(), settings)?,
+        false => Draws::default(),
+    };
     Ok(Inference {
-        people: people.collect(),
+        people: found,
         population,
         tolerances: switches.map(|s| fit_eta(s.switches)),
         held_out,
         checks,
         posterior,
-        prior: prior_draws,
+        prior,
     })
 }
 
+/// Number of people of whom all that is computed is held at a time.
+const BLOCK: usize = 64;
+
+/// What is known of a participant by their own answers and walks.
+struct Known {
+    kept: Kept,
+    /// Without eta and the population.
+    person: Person,
+}
+
+impl Known {
+    fn of(name: &str, mut perceived: Perceived) -> Self {
+        let estimate = perceived.posterior.estimate();
+        let [variance_alpha, covariance, variance_gamma] = estimate.covariance;
+        let figure = |which: usize, variance: f64| {
+            let moments = [estimate.mean[which], variance.max(0.0).sqrt()];
+            Figure::new(moments, |share| perceived.posterior.quantile(which, share))
+        };
+        let person = Person {
+            participant: name.to_owned(),
+            answers: perceived.answers,
+            looks: perceived.looks,
+            alpha: figure(0, variance_alpha),
+            gamma: figure(1, variance_gamma),
+            correlation: covariance / (variance_alpha * variance_gamma).sqrt(),
+            information: estimate.information,
+            log_evidence: perceived.log_evidence,
+            within_population: None,
+            episodes: 0,
+            eta: None,
+        };
+        Self { kept: perceived.kept(), person }
+    }
+}
+
 /// The probabilities of the populations, and the logarithm of the evidence.
-fn weighed(grid: &Grid, people: &[Perceived], integrals: &[Integrals]) -> Option<(Vec<f64>, f64)> {
-    let evidence: f64 = people.iter().map(|person| person.log_evidence).sum();
-    let log = |node: usize| -> f64 {
-        integrals.iter().map(|one| cocarry::math::ln(one.values[node].max(0.0))).sum::<f64>() + evidence
-    };
-    population::weights(&(0..grid.len()).map(log).collect::<Vec<_>>())
+fn weighed(grid: &Grid, people: &[Known], prior: &Perceived, on_done: OnDone) -> Option<(Vec<f64>, f64)> {
+    let evidence: f64 = people.iter().map(|known| known.kept.log_evidence).sum();
+    let mut logs = vec![0.0; grid.len()];
+    for people in people.chunks(BLOCK) {
+        let integrals = in_parallel(people.len(), on_done, |p| {
+            let person = people[p].kept.restored(prior);
+            grid.integrals(&grid.steps(|gamma| person.posterior.steps_at(gamma)))
+        });
+        for own in integrals {
+            logs.iter_mut().zip(own).for_each(|(log, value)| *log += cocarry::math::ln(value.max(0.0)));
+        }
+    }
+    population::weights(&logs.into_iter().map(|log| log + evidence).collect::<Vec<_>>())
 }
 
 /// Draws from the same model without any answers and switches.
-fn prior_draws(source: &Source, prior: &Perceived, settings: &Settings) -> Result<Draws, FitError> {
-    let people = vec![prior.clone(); source.people.len()];
-    let tolerance = Tolerance::new(source.tolerance, settings.lapse_rate)?;
-    let tolerances = vec![tolerance; source.tolerances.len()];
+fn prior_draws(
+    source: &Source,
+    prior: &Perceived,
+    people: usize,
+    has_tolerances: bool,
+    settings: &Settings,
+) -> Result<Draws, FitError> {
+    let tolerance = Tolerance::new(settings.tolerance, settings.lapse_rate)?;
     let even = vec![1.0 / source.grid.len() as f64; source.grid.len()];
-    let integrals: Vec<Integrals> = match source.crowd {
-        None => Vec::new(),
-        Some(_) => {
-            let one = source.grid.integrals(&source.grid.steps(|gamma| prior.posterior.steps_at(gamma)));
-            vec![one; people.len()]
-        }
-    };
-    let crowd = source.crowd.as_ref().map(|_| Crowd { weights: &even, integrals: &integrals });
-    let source = Source { people: &people, tolerances: &tolerances, crowd, ..*source };
-    Ok(source.draws(settings.draws, settings.seed, 1))
+    let source = Source { crowd: source.crowd.map(|_| even.as_slice()), set: 1, ..*source };
+    let nodes = source.nodes();
+    let mut draws = Draws::new(&source, &nodes);
+    let tolerance = has_tolerances.then_some(&tolerance);
+    in_parallel(people, &|| (), |p| source.person(p, prior, tolerance, &nodes))
+        .into_iter()
+        .for_each(|person| draws.add(person));
+    Ok(draws)
 }
 
 #[cfg(test)]

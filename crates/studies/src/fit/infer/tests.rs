@@ -160,7 +160,7 @@ fn draws_have_the_moments_of_the_posterior() {
     let humans = [(0.6, 0.6), (0.9, 1.0), (0.75, 0.8)];
     let humans = humans.map(|(alpha, gamma)| Perception { alpha, gamma });
     let answers = answers(&humans, 0.0, &mut ChaCha8Rng::seed_from_u64(1));
-    let settings = Settings { has_population: false, draws: 2500, ..Settings::default() };
+    let settings = Settings { has_population: false, draws: 2500, keeps_draws: true, ..Settings::default() };
     let inference = inferred(&answers, &settings);
     for (p, person) in inference.people.iter().enumerate() {
         let all =
