@@ -190,14 +190,12 @@ impl EpisodeReport<'_> {
 
     /// Warnings about the scenario and about the episode.
     fn warnings(&self) -> Vec<String> {
-        let control =
-            self.summary().control.map(|control| (control.error_rms(self.summary().steps), control));
-        let off = control.filter(|(rms, _)| *rms >= GRASP_WARNING_RMS_M).map(|(rms, control)| {
+        let rms = self.summary().control.map(|control| control.error_rms(self.summary().steps));
+        let off = rms.filter(|rms| *rms >= GRASP_WARNING_RMS_M).map(|rms| {
             format!(
-                "the grasp is {:.1} cm (rms), {:.1} cm at most, from its reference on the planned path: the robot does not keep up, \
-                 or the hand leaves the path",
+                "the grasp is off by {:.1} cm (rms), {:.0} cm or more: the robot does not keep up",
                 100.0 * rms,
-                100.0 * control.largest_error
+                100.0 * GRASP_WARNING_RMS_M
             )
         });
         let slow = self.stage.slow_drive().map(|slow| slow.to_string());

@@ -4,7 +4,6 @@ use super::plane::Plane;
 use crate::preference::curve::{Curve, pareto_front};
 use crate::preference::rule::Rule;
 use crate::preference::strips::{Domain, Strips};
-use crate::preference::ties::Ties;
 use crate::preference::{Marginal, Prospect};
 
 /// A density relative to a prior of independent alpha and gamma, with the memory to update it.
@@ -17,7 +16,7 @@ pub(super) struct Independent {
     pub strips: Strips,
     single: Vec<f64>,
     /// What the front and the outline are of.
-    outlined: Vec<Prospect>,
+    outlined: (Vec<Prospect>, Option<usize>),
 }
 
 impl Independent {
@@ -42,13 +41,14 @@ impl Independent {
 
     /// Finds the regions of these options, unless they are those of the last call. False if one option is the
     /// cheapest everywhere: `front` then has only that.
-    pub fn outline(&mut self, prospects: &[Prospect], ties: &Ties, risk_weight: f64) -> bool {
-        if self.outlined == prospects {
+    pub fn outline(&mut self, prospects: &[Prospect], risk_weight: f64, current: Option<usize>) -> bool {
+        if self.outlined.0 == prospects && self.outlined.1 == current {
             return self.front.len() >= 2;
         }
-        self.outlined.clear();
-        self.outlined.extend_from_slice(prospects);
-        pareto_front(ties, risk_weight > 0.0, &mut self.front);
+        self.outlined.0.clear();
+        self.outlined.0.extend_from_slice(prospects);
+        self.outlined.1 = current;
+        pareto_front(prospects, risk_weight > 0.0, current, &mut self.front);
         if self.front.len() < 2 {
             return false;
         }
