@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 pub struct Progress {
     /// Position of the team, m, world frame.
     pub position: Point,
-    /// The crossing in progress: the team is beyond the gap but still in the straight part.
+    /// The crossing in progress: the team is beyond the gap and has not left the straight part yet. Once left,
+    /// it is behind the team until the team crosses back.
     pub(super) inside: Option<Crossing>,
     pub(super) rests: Vec<Rest>,
     /// The value of `rests` after the team leaves the straight part; meaningful while `inside` is set.
@@ -61,6 +62,12 @@ impl Progress {
         // keep it
         let rests = || (0..options).map(|_| Rest { place: 0, back: Vec::with_capacity(8) }).collect();
         Self { position, inside: None, rests_outside: rests(), rests: rests() }
+    }
+
+    /// The remainder of an option once the team has left the straight part that it is in.
+    pub(super) fn rest(&self, option: usize) -> &Rest {
+        let rests = if self.inside.is_some() { &self.rests_outside } else { &self.rests };
+        &rests[option]
     }
 
     /// Whether the progress fits these passages and options.

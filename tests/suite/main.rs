@@ -53,4 +53,5 @@ mod sweeps;
 mod terminal;
 mod ties;
 
+mod walks;
 mod worlds;
