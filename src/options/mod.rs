@@ -190,7 +190,8 @@ impl OptionSet {
 
     /// Moves the team in a straight step to `to` and records the openings that it crosses.
     pub fn advance(&self, progress: &mut Progress, to: Point) {
-        progress.advance(to, &self.passages, &self.options, |c| self.region_after(c));
+        let exit = |crossing, next| self.stages.exit(&self.roadmap, beyond(crossing), next);
+        progress.advance(to, &self.passages, &self.options, |c| self.region_after(c), exit);
     }
 
     /// D_o, S_o and the next waypoint of an option (an index) from the team's position.
@@ -262,7 +263,11 @@ impl OptionSet {
     /// The point where an option leaves the straight part that the team is in; `None` where it has.
     fn exit(&self, progress: &Progress, option: usize) -> Option<Exit> {
         let crossing = progress.inside?;
-        let next = progress.rest(option).ahead(&self.options[option]).next();
+        let rest = progress.rest(option);
+        if rest.has_left {
+            return None;
+        }
+        let next = rest.ahead(&self.options[option]).next();
         let reach = self.stages.exit(&self.roadmap, beyond(crossing), next);
         self.passages[crossing.opening].exit(progress.position, crossing.into, reach)
     }

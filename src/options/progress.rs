@@ -26,6 +26,10 @@ pub(super) struct Rest {
     pub place: usize,
     /// Crossings that lead back to the option, the first one last.
     pub back: Vec<Crossing>,
+    /// Whether the option follows the straight part that the team is in no farther. An option that once leaves
+    /// it does not return into it, or its path could get longer as the team walks it.
+    #[serde(default)]
+    pub has_left: bool,
 }
 
 impl Rest {
@@ -60,7 +64,8 @@ impl Progress {
     pub(super) fn new(position: Point, options: usize) -> Self {
         // capacity for what may happen on the way, so that steps do not allocate; cloning a vector would not
         // keep it
-        let rests = || (0..options).map(|_| Rest { place: 0, back: Vec::with_capacity(8) }).collect();
+        let rest = || Rest { back: Vec::with_capacity(8), ..Rest::default() };
+        let rests = || (0..options).map(|_| rest()).collect();
         Self { position, inside: None, rests_outside: rests(), rests: rests() }
     }
 
@@ -90,6 +95,7 @@ impl Progress {
         passages: &[Passage],
         options: &[PathOption],
         region_after: impl Fn(Crossing) -> usize,
+        exit: impl Fn(Crossing, Option<Crossing>) -> f64,
     ) {
         let from = std::mem::replace(&mut self.position, to);
         let mut walked = -1.0;
@@ -107,8 +113,14 @@ impl Progress {
                 self.enter(crossing, options, region_after(crossing));
             }
         }
-        if self.inside.is_some_and(|c| !passages[c.opening].keeps(to, c.into)) {
-            self.leave();
+        let Some(inside) = self.inside else { return };
+        let passage = &passages[inside.opening];
+        if !passage.keeps(to, inside.into) {
+            return self.leave();
+        }
+        for (rest, option) in self.rests_outside.iter_mut().zip(options) {
+            let reach = exit(inside, rest.ahead(option).next());
+            rest.has_left |= passage.exit(to, inside.into, reach).is_none();
         }
     }
 
@@ -117,6 +129,7 @@ impl Progress {
         self.rests_outside.clone_from(&self.rests);
         for (rest, option) in self.rests_outside.iter_mut().zip(options) {
             rest.cross(option, crossing, region);
+            rest.has_left = false;
         }
     }
 
