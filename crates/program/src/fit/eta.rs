@@ -11,7 +11,7 @@ use clap::Args;
 use cocarry::coordination;
 use cocarry::episode::Settings;
 use cocarry::math;
-use cocarry::scenario::{INITIAL_STUBBORNNESS, Plant, Scenario, PLANNING_STEP};
+use cocarry::scenario::{INITIAL_STUBBORNNESS, PLANNING_STEP, Plant, Scenario};
 use cocarry_output::drawing::{self, ToleranceRow};
 use cocarry_studies::fit::{Eta, EtaFit, Evidence, SwitchFile, fit_eta};
 use serde_json::json;

@@ -15,7 +15,7 @@ use cocarry::coordination;
 use cocarry::episode::{self, Watch};
 use cocarry::learning;
 use cocarry::options::OptionSet;
-use cocarry::scenario::{INITIAL_STUBBORNNESS, Plant, Scenario, PLANNING_STEP};
+use cocarry::scenario::{INITIAL_STUBBORNNESS, PLANNING_STEP, Plant, Scenario};
 use cocarry_recording::recording::{Reader, rerun, scenario};
 use cocarry_studies::fit::{
     AnswerFile, Answers, InferenceModel, InferenceSettings, Kind, Situation, Switch, SwitchFile, Switches,
