@@ -1,4 +1,5 @@
-//! A recording: an episode as an MCAP file in memory, and the same episode run again from it, message by message.
+//! A recording: an episode as an MCAP file in memory, and the same episode run again from it: the same
+//! bytes.
 //!
 //! ```text
 //! cargo run --release --example record_and_replay

@@ -1,4 +1,4 @@
-//! The library without features as a WebAssembly module: default episodes in the built-in worlds.
+//! The package `cocarry` as a WebAssembly module: default episodes in the built-in worlds.
 
 use cocarry::episode::Summary;
 use cocarry::robot::Robot;
