@@ -5,7 +5,7 @@ use cocarry::math;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use cocarry::preference::{Belief, ChoiceDistribution, Posterior, Predictor, Prospect, human_choice};
+use cocarry::preference::{Belief, ChoiceDistribution, Posterior, Predictor, Prospect, Ways, human_choice};
 use criterion::{BenchmarkId, Criterion, criterion_group};
 
 const RISK_WEIGHT: f64 = 10.0;
@@ -123,7 +123,7 @@ fn learning(criterion: &mut Criterion) {
         let (before, last) = looks.split_at(100);
         for (prospects, likelihoods) in before {
             posterior.mix_with_prior(0.001).expect("a rate");
-            posterior.observe(prospects, None, likelihoods).expect("possible");
+            posterior.observe(prospects, &Ways::default(), likelihoods).expect("possible");
         }
         let learned = posterior.learned();
         let mut k = 0;
@@ -132,8 +132,8 @@ fn learning(criterion: &mut Criterion) {
                 let (seen, asked) = (&last[k % 2], &last[(k + 1) % 2]);
                 k += 1;
                 posterior.mix_with_prior(0.001).expect("a rate");
-                posterior.observe(black_box(&seen.0), None, &seen.1).expect("possible");
-                posterior.predict_from(&asked.0, None, &mut choice);
+                posterior.observe(black_box(&seen.0), &Ways::default(), &seen.1).expect("possible");
+                posterior.predict_from(&asked.0, &Ways::default(), &mut choice);
                 posterior.expected_costs(&asked.0, &mut costs);
                 posterior.restore(&learned)
             });

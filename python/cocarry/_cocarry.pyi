@@ -58,6 +58,20 @@ class World:
     @staticmethod
     def parse(text: str, name: str = "world") -> World:
         """Reads the text of a world file; errors call it ``name``."""
+    @staticmethod
+    def from_map(
+        map: _Path,
+        start: tuple[float, float],
+        target: tuple[float, float],
+        *,
+        robot_width_m: float | None = None,
+        tolerance_m: float | None = None,
+    ) -> World:
+        """Reads a map: an occupancy grid (the YAML of ROS's map_server, with a PGM or PNG image) or a floor
+        plan (GeoJSON). A and B are given in metres. ``text`` is the world with the map's outlines.
+
+        Raises WorldError with the file and the value.
+        """
     @property
     def name(self) -> str:
         """Title."""

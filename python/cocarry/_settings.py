@@ -92,3 +92,9 @@ class Settings(TypedDict, total=False):
 
     belief_update: Literal['prior', 'learn']
     """The robot's belief during the episode. Default: prior."""
+
+    belief_lapse: float
+    """Lapse rate l of the robot's belief: with probability l, a human takes any option. Above 0, a robot that learns assumes it of what it sees, too. Default: 0.0."""
+
+    belief_rationality: float
+    """Rationality beta of the robot's belief: P_o is that of humans who choose with probability proportional to exp(-beta J^), as boltzmann(beta) does [default: infinite, eq. (4)]."""

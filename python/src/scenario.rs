@@ -2,6 +2,7 @@
 
 use crate::error::{RobotError, ScenarioError, WorldError, raise};
 use crate::value::repr;
+use cocarry::geometry::Point;
 use cocarry::human::PreferenceChange;
 use cocarry::options::OptionSet;
 use cocarry::preference::{Belief, Marginal, Perception, Predictor, RISK_WEIGHT, WeightedSample};
@@ -11,6 +12,7 @@ use cocarry::scenario::{
     RobotSetup, SETTINGS, Setting, Value, drawn_changes, drawn_human,
 };
 use cocarry::world;
+use cocarry_maps::Ends;
 use cocarry_output::drawing;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -25,7 +27,7 @@ pub struct World {
 }
 
 fn load_world(path: &Path) -> PyResult<world::World> {
-    world::World::find(path, &path.to_string_lossy()).map_err(|error| raise::<WorldError>(&error))
+    cocarry_maps::find(path, &path.to_string_lossy()).map_err(|error| raise::<WorldError>(&error))
 }
 
 #[pymethods]
@@ -40,6 +42,22 @@ impl World {
     #[pyo3(signature = (text, name = "world"))]
     fn parse(text: &str, name: &str) -> PyResult<Self> {
         world::World::parse(name, text).map(|world| Self { world }).map_err(|e| raise::<WorldError>(&e))
+    }
+
+    /// The world of a map between two points.
+    #[staticmethod]
+    #[pyo3(signature = (map, start, target, *, robot_width_m = None, tolerance_m = None))]
+    fn from_map(
+        map: PathBuf,
+        start: [f64; 2],
+        target: [f64; 2],
+        robot_width_m: Option<f64>,
+        tolerance_m: Option<f64>,
+    ) -> PyResult<Self> {
+        let [start, target] = [start, target].map(Point::from);
+        let ends = Ends { start, target, robot_width: robot_width_m, tolerance: tolerance_m };
+        let world = cocarry_maps::from_map(&map, &ends).map_err(|error| raise::<WorldError>(&error))?;
+        Ok(Self { world })
     }
 
     #[getter]

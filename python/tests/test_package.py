@@ -93,6 +93,18 @@ def test_bad_files_are_named(tmp_path):
     assert issubclass(cocarry.Error, ValueError)
 
 
+def test_a_map_is_a_world(tmp_path: pathlib.Path) -> None:
+    rows = [[0 if c in (0, 15) or r in (0, 7) or (c == 8 and r not in (3, 4)) else 254 for c in range(16)] for r in range(8)]
+    pixels = "\n".join(" ".join(map(str, row)) for row in rows)
+    (tmp_path / "map.pgm").write_text(f"P2 16 8 255\n{pixels}\n")
+    (tmp_path / "map.yaml").write_text("image: map.pgm\nresolution: 0.5\norigin: [0.0, 0.0, 0.0]\n")
+    world = cocarry.World.from_map(tmp_path / "map.yaml", (2.0, 2.0), (6.0, 2.5))
+    assert world.options() == ["1"]
+    assert cocarry.World.parse(world.text).options() == ["1"]
+    with pytest.raises(cocarry.WorldError, match="is on an occupied cell"):
+        cocarry.World.from_map(tmp_path / "map.yaml", (0.2, 2.0), (6.0, 2.5))
+
+
 def test_ticks_have_the_quantities():
     episode = cocarry.Episode(example())
     with pytest.raises(cocarry.Error, match="no tick before its first step"):

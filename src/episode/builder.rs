@@ -3,14 +3,14 @@
 use super::view::view;
 use super::{Episode, Manipulator, Settings, Summary, Tick, prospects};
 use crate::controller::{Controller, Guide, NoRobot, Predictive};
-use crate::geometry::{Path, PlanarPose};
+use crate::geometry::{Path, PlanarPose, direction};
 use crate::human::{Human, PreferenceHuman};
 use crate::options::OptionSet;
 use crate::plant::{Kinematic, Physical, Plant, PointPlant};
 use crate::policy::RobotPolicy;
-use crate::preference::Perception;
-use crate::simulation::{PhysicsError, PhysicsSettings};
-use crate::team::{InTandem, OnPath, Route, Walk};
+use crate::preference::{Perception, Ways};
+use crate::simulation::{KinematicPlant, PhysicsError, PhysicsSettings};
+use crate::team::{InTandem, OnPath, Route, Surroundings, Walk};
 use crate::world::World;
 
 /// The parts of an episode. What is not given is the paper's human, the settings' method, and a point as the
@@ -173,14 +173,18 @@ impl<'a> Team<'a> {
             },
             Self::Bodies { manipulator, world, physics, seed } => {
                 let Manipulator { robot, posture, obstacles, .. } = manipulator;
-                let (walk, pose) = InTandem::starting(world, options, obstacles, first, pace);
+                let half = world.object.size[0] / 2.0;
+                let base = |pose: &PlanarPose| {
+                    let grasp = PlanarPose { position: pose.position - direction(pose.yaw) * half, ..*pose };
+                    KinematicPlant::place(robot, &posture, &grasp).configuration().base.position
+                };
+                let surroundings = Surroundings { world, options, obstacles, base: &base };
+                let (walk, pose) = InTandem::starting(surroundings, first, pace)?;
                 let plant: Box<dyn Plant + 'a> = match plant {
                     None => Box::new(Physical::new(world, robot, &posture, &pose, &physics, seed)?),
                     Some(make) => make(&Start { pose }),
                 };
-                if let Some(configuration) = plant.observe().configuration {
-                    walk.check_room(world, configuration.base.position)?;
-                }
+                walk.check_targets(world)?;
                 let guide = Guide::new(&manipulator, physics.rim_acceleration);
                 let controller = Predictive::new(manipulator, pace, count, Some(guide));
                 LinedUp { walk: Box::new(walk), controller: Box::new(controller), plant }
@@ -218,6 +222,7 @@ pub(super) fn point_episode<'a>(
         begun: None,
         decided: None,
         prospects: Vec::new(),
+        ways: Ways::default(),
         hand_from: progress.position,
         hands: Vec::new(),
         memory: Default::default(),

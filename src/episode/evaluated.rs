@@ -5,7 +5,7 @@ use super::now::Now;
 use crate::coordination::{Mode, OptionCost, OptionTick, is_misaligned};
 use crate::learning::Learner;
 use crate::options::{OptionSet, Progress, Remaining, Waypoint};
-use crate::preference::{ChoiceDistribution, Predictor, Prospect, objective_cost};
+use crate::preference::{ChoiceDistribution, Predictor, Prospect, Ways, objective_cost};
 
 /// The length (m) at which predictions cap an option, also one without a path. It is far beyond what a human
 /// would choose.
@@ -25,21 +25,24 @@ pub(super) fn prospect(remaining: Remaining) -> Prospect {
 pub(super) struct Evaluated {
     /// D_o and S_o, as humans and predictions take them.
     pub prospects: Vec<Prospect>,
+    /// Which options have become one way.
+    pub ways: Ways,
     /// D_o, S_o, J_o and omega_o.
     pub costs: Vec<OptionCost>,
 }
 
 impl Evaluated {
-    /// The options of a team that walks `toward` a waypoint, none before the first step. `memory` is used
-    /// again.
+    /// The options of a team that walks `toward` a waypoint on the option executed, none before the first
+    /// step. `memory` is used again.
     fn at(
         options: &OptionSet,
         progress: &Progress,
         risk_weight: f64,
         toward: Option<Waypoint>,
+        executed: Option<usize>,
         memory: Self,
     ) -> Self {
-        let Self { mut prospects, mut costs } = memory;
+        let Self { mut prospects, mut ways, mut costs } = memory;
         prospects.clear();
         costs.clear();
         for o in 0..options.options().len() {
@@ -53,7 +56,10 @@ impl Evaluated {
                 misaligned,
             });
         }
-        Self { prospects, costs }
+        ways.find(prospects.len(), executed, |a, b| {
+            prospects[a] == prospects[b] && options.lead_the_same_way(progress, a, b)
+        });
+        Self { prospects, ways, costs }
     }
 }
 
@@ -74,33 +80,34 @@ struct Asked {
     pub choice: bool,
     /// J~_o, eq. (6).
     pub expected: bool,
-    /// The option executed, which wins ties.
-    pub current: Option<usize>,
 }
 
 /// The distribution of (alpha, gamma) that predicts.
 enum By<'p> {
     /// The belief before the episode, which the human's discomfort follows, eq. (5).
     Prior(&'p mut Predictor),
-    /// What the robot has learned, which its choices follow, eqs. (6) and (8).
-    Learned(&'p mut Learner),
+    /// What the robot has learned, which its choices follow, eqs. (6) and (8), and the belief's lapse rate.
+    Learned(&'p mut Learner, f64),
 }
 
 impl Prediction {
     /// The prediction for these options. `memory` is used again.
     fn of(evaluated: &Evaluated, mut by: By, asked: Asked, memory: Self) -> Self {
         let Self { mut choice, mut options, mut expected } = memory;
-        let prospects = &evaluated.prospects;
+        let (prospects, ways) = (&evaluated.prospects, &evaluated.ways);
         choice.clear();
         expected.clear();
         match &mut by {
-            By::Prior(prior) if asked.choice => prior.predict_from(prospects, asked.current, &mut choice),
-            By::Learned(learner) if asked.choice => learner.predict(prospects, asked.current, &mut choice),
+            By::Prior(prior) if asked.choice => prior.predict_from(prospects, ways, &mut choice),
+            By::Learned(learner, lapse_rate) if asked.choice => {
+                learner.predict(prospects, ways, &mut choice);
+                choice.add_lapses(*lapse_rate);
+            }
             _ => {}
         }
         match &mut by {
             By::Prior(prior) if asked.expected => prior.expected_costs(prospects, &mut expected),
-            By::Learned(learner) if asked.expected => learner.expected_costs(prospects, &mut expected),
+            By::Learned(learner, _) if asked.expected => learner.expected_costs(prospects, &mut expected),
             _ => {}
         }
         options.clear();
@@ -139,18 +146,19 @@ impl Episode<'_> {
         // g(0) = 0: before the first step the team has no next waypoint
         let executed = now.executed.filter(|_| now.mode == Mode::RobotLed);
         let toward = executed.map(|executed| self.options.next(&self.progress, executed));
-        Evaluated::at(self.options, &self.progress, self.predictor.risk_weight(), toward, memory)
+        let risk_weight = self.predictor.risk_weight();
+        Evaluated::at(self.options, &self.progress, risk_weight, toward, now.executed, memory)
     }
 
     /// What the human may prefer among them.
     pub(super) fn predict(&mut self, now: Now, evaluated: &Evaluated, memory: Predicted) -> Predicted {
         let expected = now.mode == Mode::RobotLed || self.policy.predicts();
         let choice = expected || self.controller.anticipates() || self.settings.predict_while_human_leads;
-        let asked = Asked { choice, expected, current: now.executed };
+        let (asked, lapse_rate) = (Asked { choice, expected }, self.predictor.lapse_rate());
         let Predicted { prior, learned } = memory;
         let prior = Prediction::of(evaluated, By::Prior(&mut self.predictor), asked, prior);
         let learned = self.learner.as_deref_mut().map(|learner| {
-            Prediction::of(evaluated, By::Learned(learner), asked, learned.unwrap_or_default())
+            Prediction::of(evaluated, By::Learned(learner, lapse_rate), asked, learned.unwrap_or_default())
         });
         Predicted { prior, learned }
     }

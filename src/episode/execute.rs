@@ -21,7 +21,7 @@ impl Episode<'_> {
         match now.executed {
             None => {
                 let path = self.options.path(&self.progress, option).unwrap_or_default();
-                self.route.begin(self.walk.walkable(path));
+                self.route.begin(self.walk.begin(path));
                 (option, None)
             }
             Some(executed) if executed == option => {

@@ -49,7 +49,7 @@ impl<'a> Episode<'a> {
         let Some((_, decision)) = &self.decided else { return };
         let Some(looks_like) = looks_like(&self.tick, decision.lead) else { return };
         // impossible only without lapses: such a look is then left out
-        drop(learner.see_walk(&self.prospects, Some(self.tick.executed), looks_like));
+        drop(learner.see_walk(&self.prospects, &self.ways, looks_like));
     }
 
     /// Learns from the human's response to the robot's lead. Returns phi(k) as the robot takes it: the

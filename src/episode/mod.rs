@@ -43,7 +43,7 @@ use crate::learning::Learner;
 use crate::options::{OptionSet, Progress};
 use crate::plant::Plant;
 use crate::policy::{Decision, RobotPolicy};
-use crate::preference::{Perception, Predictor, Prospect};
+use crate::preference::{Perception, Predictor, Prospect, Ways};
 use crate::robot::Configuration;
 use crate::simulation::Observation;
 use crate::team::{Route, Walk};
@@ -75,6 +75,8 @@ pub struct Episode<'a> {
     decided: Option<(HumanDecision, Decision)>,
     /// D_o and S_o in the last step.
     prospects: Vec<Prospect>,
+    /// Which options had become one way in the last step.
+    ways: Ways,
     /// Position of the hand at the beginning of the step, m, and the targets that the human gave for its
     /// control periods.
     hand_from: Point,
@@ -183,6 +185,11 @@ impl Episode<'_> {
     /// The decisions of the human and of the robot's policy in the last step; `None` before the first.
     pub fn decided(&self) -> Option<&(HumanDecision, Decision)> {
         self.decided.as_ref()
+    }
+
+    /// Which options had become one way in the last step.
+    pub fn ways(&self) -> &Ways {
+        &self.ways
     }
 
     /// The targets of the human's hand in the control periods of the last step that [`Human::hand`] gave.

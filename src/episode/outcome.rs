@@ -53,21 +53,24 @@ pub struct Transition {
     pub position: Point,
 }
 
-/// Largest grasp error, and largest deflection of a grip, before the object is lost, m. On the kinematic
-/// plant the object is lost if the error exceeds it in two consecutive periods, because the human there
-/// reaches full speed, or turns, at once, and the robot reacts one period later.
+/// Largest deflection of a grip before the object is lost, m. The kinematic plant has no grips: there the
+/// object is lost if the grasp is farther than this from where the human holds the object in two consecutive
+/// periods, because the human there reaches full speed, or turns, at once, and the robot reacts one period
+/// later. The distance from the planned path loses nothing.
 pub const LOSS_DISTANCE_M: f64 = 0.1;
-/// The grasp error (m, root mean square over an episode) from which on a robot is reported as not keeping up.
+/// The distance of the grasp from its reference on the planned path (m, root mean square over an episode)
+/// from which on an episode has a warning.
 pub const GRASP_WARNING_RMS_M: f64 = 0.05;
 
-/// The loss of the object: a grasp error, or a grip's deflection, beyond [`LOSS_DISTANCE_M`].
+/// The loss of the object: a grip's deflection, or the distance of hand, object and grasp where there are no
+/// grips, beyond [`LOSS_DISTANCE_M`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Loss {
     /// The end at which it happened: the robot's or the human's.
     pub by: BodyKind,
     /// k of the step in which it happened.
     pub step: u64,
-    /// The grasp error or the grip's deflection, m.
+    /// The grip's deflection or the distance of the grasp, m.
     pub distance: f64,
 }
 
@@ -341,6 +344,15 @@ impl Summary {
         if let Some(physics) = &tick.physics {
             self.interaction.get_or_insert_default().add(physics);
         }
+    }
+
+    /// Whether the object was lost, also in an episode that went on.
+    pub fn has_lost_object(&self) -> bool {
+        let worst = match (&self.interaction, &self.control) {
+            (Some(interaction), _) => interaction.deflection,
+            (None, control) => control.map_or(0.0, |control| control.largest_error),
+        };
+        self.loss.is_some() || worst > LOSS_DISTANCE_M
     }
 
     /// The outcome of an episode that cannot continue after a failure or a collision.

@@ -133,12 +133,12 @@ impl RobotTick {
         least_singular_value(&self.input_matrix)
     }
 
-    /// The kind of body with the worst hold on the object, and the deviation (m): of the robot's grasp, or of
-    /// a yielding grip.
+    /// The body with the worst hold on the object, and the deviation (m): the deflection of its grip. On the
+    /// kinematic plant, which has no grips, it is the distance of the grasp from s, where the human holds it.
     pub fn worst_hold(&self) -> (BodyKind, f64) {
-        let [gripper, hand] = self.physics.map_or([0.0; 2], |physics| physics.deflection);
-        let robot = self.position_error.max(gripper);
-        if hand > robot { (BodyKind::Human, hand) } else { (BodyKind::Robot, robot) }
+        let Some(physics) = &self.physics else { return (BodyKind::Robot, self.position_error) };
+        let [gripper, hand] = physics.deflection;
+        if hand > gripper { (BodyKind::Human, hand) } else { (BodyKind::Robot, gripper) }
     }
 
     /// The tick of a period in which the robot had this command. `poses` is memory for the poses of the robot's

@@ -5,7 +5,7 @@ use crate::human::HumanDecision;
 use crate::learning;
 use crate::options::Progress;
 use crate::policy::Decision;
-use crate::preference::Prospect;
+use crate::preference::{Prospect, Ways};
 use crate::saved::{NotRestored, Saved};
 use crate::team::Route;
 use serde::{Deserialize, Serialize};
@@ -33,6 +33,7 @@ struct Learned {
     learner: learning::State,
     /// Of the last step, which is learned from in the next one.
     prospects: Vec<Prospect>,
+    ways: Ways,
     decided: Option<(HumanDecision, Decision)>,
 }
 
@@ -56,11 +57,12 @@ impl Episode<'_> {
             // of a step that is not whole
             begun: _,
             // for a robot that learns
-            learner, prospects, decided,
+            learner, prospects, ways, decided,
         } = self;
         let learned = learner.as_ref().map(|learner| Learned {
             learner: learner.state(),
             prospects: prospects.clone(),
+            ways: ways.clone(),
             decided: *decided,
         });
         State {
@@ -101,11 +103,12 @@ impl Episode<'_> {
         let no_learner = NotRestored { part: "learner" };
         match (self.learner.as_deref_mut(), &state.learned) {
             (None, None) => {}
-            (Some(learner), Some(learned)) if learned.prospects.len() <= n => {
+            (Some(learner), Some(learned)) if learned.prospects.len() <= n && learned.ways.fits(n) => {
                 if !learner.restore(&learned.learner) {
                     return Err(no_learner);
                 }
                 self.prospects.clone_from(&learned.prospects);
+                self.ways.clone_from(&learned.ways);
                 self.decided = learned.decided;
             }
             _ => return Err(no_learner),

@@ -64,6 +64,7 @@ impl Episode<'_> {
         let (executed, reverses_for) = self.execute(now, &begun.human, lead);
         let (from, position) = (self.route.along, self.progress.position);
         let heading = self.route.path.heading_at(from).unwrap_or(self.tick.heading);
+        let before = self.plant.observe().position;
         let (robot, walked) = self.carry(&begun, lead); //                 q*, u, x            eq. (8), (7)
         let Begun { mut evaluated, mut predicted, human, .. } = begun;
         let objective_cost = evaluated.costs[executed].objective;
@@ -93,13 +94,16 @@ impl Episode<'_> {
             bodies: self.plant.observe().bodies,
             ignores_loss: self.ignores_loss,
         });
-        let came_on = (self.route.along - from).abs();
+        // a hand that is steered need not go along the path
+        let moved = human.hand.map_or(0.0, |_| (self.plant.observe().position - before).norm());
+        let came_on = (self.route.along - from).abs().max(moved);
         let came_on = came_on > 0.1 * self.settings.speed * self.settings.planning_step;
         self.steps_without_progress = if came_on { 0 } else { self.steps_without_progress + 1 };
         self.decided = Some((human, *lead));
         // memory for the next step
         *predicted.options() = std::mem::replace(&mut self.tick, tick).options;
         std::mem::swap(&mut self.prospects, &mut evaluated.prospects);
+        std::mem::swap(&mut self.ways, &mut evaluated.ways);
         self.memory = (evaluated, predicted);
     }
 

@@ -6,15 +6,15 @@ use super::learn::looks_like;
 use crate::coordination::{Mode, misalignment};
 use crate::human::Stance;
 use crate::learning::{Learner, LearningError, Settings};
-use crate::preference::{Belief, Prospect};
+use crate::preference::{Belief, Prospect, Ways};
 
 /// A look at a human who leads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
     /// The options at this place.
     pub prospects: Vec<Prospect>,
-    /// The option executed.
-    pub current: usize,
+    /// Which of them have become one way.
+    pub ways: Ways,
     /// Whether a human on each option would walk as this human does.
     pub looks_like: Vec<bool>,
 }
@@ -52,9 +52,9 @@ impl Watch {
         let looks_like: Vec<bool> = looks_like.collect();
         let prospects: Vec<Prospect> = tick.options.iter().map(|o| prospect(o.remaining)).collect();
         // only the count of steps matters: this learner's alpha and gamma are not used
-        drop(self.learner.see_walk(&prospects, None, looks_like.iter().copied()));
+        drop(self.learner.see_walk(&prospects, &Ways::default(), looks_like.iter().copied()));
         if is_look {
-            self.looks.push(Look { prospects, current: tick.executed, looks_like });
+            self.looks.push(Look { prospects, ways: episode.ways().clone(), looks_like });
         }
     }
 

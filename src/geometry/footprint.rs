@@ -74,6 +74,14 @@ impl Footprint {
         }
     }
 
+    /// The corners of a polygon, counter-clockwise; `None` for a disc.
+    pub fn corners(&self) -> Option<&[Point]> {
+        match self {
+            Self::Polygon(corners) => Some(corners),
+            Self::Disc { .. } => None,
+        }
+    }
+
     /// Whether `p` lies inside or on the outline.
     pub fn contains(&self, p: Point) -> bool {
         match self {
@@ -138,6 +146,43 @@ impl Footprint {
             }
             Self::Disc { center, radius } => {
                 (squared_distance_to_segment(*center, a, b).sqrt() - radius).max(0.0)
+            }
+        }
+    }
+
+    /// The closest points of this outline and another one; twice the same where they meet.
+    pub fn closest_points(&self, other: &Self) -> [Point; 2] {
+        match (self, other) {
+            (Self::Polygon(corners), Self::Polygon(others)) => {
+                if other.contains(corners[0]) {
+                    return [corners[0]; 2];
+                }
+                let mut best = ([others[0]; 2], f64::INFINITY);
+                let mut keep = |pair: [Point; 2]| {
+                    let distance = (pair[1] - pair[0]).norm_squared();
+                    if distance < best.1 {
+                        best = (pair, distance);
+                    }
+                };
+                for (a, b) in edges(corners) {
+                    others.iter().for_each(|p| keep([nearest_on_segment(*p, a, b), *p]));
+                    if other.distance_to_segment(a, b) == 0.0 {
+                        keep([nearest_on_segment(others[0], a, b); 2]);
+                    }
+                }
+                for (a, b) in edges(others) {
+                    corners.iter().for_each(|p| keep([*p, nearest_on_segment(*p, a, b)]));
+                }
+                best.0
+            }
+            (Self::Disc { center, radius }, _) => {
+                let (distance, away) = other.separation(*center);
+                let distance = distance.max(*radius);
+                [center - away * *radius, center - away * distance]
+            }
+            (_, Self::Disc { .. }) => {
+                let [second, first] = other.closest_points(self);
+                [first, second]
             }
         }
     }

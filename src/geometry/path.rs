@@ -131,6 +131,17 @@ impl Path {
         }
     }
 
+    /// The path from its end to its beginning.
+    pub fn reversed(&self) -> Self {
+        let backward = |piece: &Piece| match *piece {
+            Piece::Line { from, to } => Piece::Line { from: to, to: from },
+            Piece::Arc { center, radius, from_angle, sweep } => {
+                Piece::Arc { center, radius, from_angle: from_angle + sweep, sweep: -sweep }
+            }
+        };
+        self.pieces.iter().rev().map(backward).collect::<Vec<_>>().into()
+    }
+
     /// Empties the path and keeps its memory.
     pub fn clear(&mut self) {
         self.pieces.clear();
@@ -219,6 +230,20 @@ mod tests {
             sweep: FRAC_PI_2,
         });
         path
+    }
+
+    #[test]
+    fn closed_form_a_reversed_path_has_the_same_points_and_headings_the_other_way() {
+        let (path, back) = (bend(), bend().reversed());
+        let length = path.length();
+        assert!((back.length() - length).abs() < 1e-12);
+        for walked in [0.0, 0.7, 2.3, 3.5] {
+            let [there, here] =
+                [path.point_at(walked), back.point_at(length - walked)].map(|p| p.expect("a point"));
+            assert!((there - here).norm() < 1e-12);
+            let headings = [path.heading_at(walked), back.heading_at(length - walked)].map(Option::unwrap);
+            assert!((wrap_angle(headings[1] - headings[0]).abs() - PI).abs() < 1e-9 || walked == 0.0);
+        }
     }
 
     #[test]

@@ -7,7 +7,8 @@ mod tolerance;
 pub use tolerance::{MOST_TASKS, Tolerance, TolerancePrior, discomfort_limit, eta_interval};
 
 use crate::preference::{
-    Belief, ChoiceDistribution, Learned, Perception, Posterior, PreferenceError, Prospect,
+    Belief, ChoiceDistribution, Learned, MAX_LAPSE_RATE, Perception, Posterior, PreferenceError, Prospect,
+    Ways,
 };
 use serde::{Deserialize, Serialize};
 
@@ -44,7 +45,7 @@ pub struct LearningError {
 }
 
 fn check_rate(name: &'static str, value: f64) -> Result<(), LearningError> {
-    match (0.0..=0.5).contains(&value) {
+    match (0.0..=MAX_LAPSE_RATE).contains(&value) {
         true => Ok(()),
         false => Err(LearningError { name, value, expected: "at least 0 and at most 0.5" }),
     }
@@ -68,6 +69,12 @@ pub fn likelihoods_of_look(
 impl Settings {
     /// The least change rate: with it, the belief stays exact however often the human contradicts it.
     pub const LEAST_CHANGE_RATE: f64 = 1e-4;
+
+    /// The settings of a robot whose belief has this lapse rate. A belief without lapses says nothing about the
+    /// rate.
+    pub(crate) fn assuming(self, lapse_rate: f64) -> Self {
+        if lapse_rate > 0.0 { Self { lapse_rate, ..self } } else { self }
+    }
 
     /// Checks the numbers.
     ///
@@ -175,16 +182,15 @@ impl Learner {
         self.steps_since_look.is_none_or(|steps| steps + 1 >= self.settings.look_steps)
     }
 
-    /// A step under the human's lead, from where the options were `prospects`. `looks_like` says of each
-    /// option whether a human on it would have moved as this human did. `current` is the option executed
-    /// before.
+    /// A step under the human's lead, from where the options were `prospects` with these `ways`. `looks_like`
+    /// says of each option whether a human on it would have moved as this human did.
     ///
     /// # Errors
     /// [`PreferenceError::Impossible`] with a lapse rate of 0.
     pub fn see_walk(
         &mut self,
         prospects: &[Prospect],
-        current: Option<usize>,
+        ways: &Ways,
         looks_like: impl Iterator<Item = bool>,
     ) -> Result<(), PreferenceError> {
         if !self.is_look() {
@@ -192,7 +198,7 @@ impl Learner {
             return Ok(());
         }
         self.steps_since_look = Some(0);
-        self.see_look(prospects, current, looks_like)
+        self.see_look(prospects, ways, looks_like)
     }
 
     /// The human's answer: the option that the human would choose.
@@ -202,10 +208,11 @@ impl Learner {
     pub fn see_answer(
         &mut self,
         prospects: &[Prospect],
-        current: Option<usize>,
+        ways: &Ways,
         option: usize,
     ) -> Result<(), PreferenceError> {
-        self.see_look(prospects, current, (0..prospects.len()).map(|o| o == option))
+        let chosen = ways.representative(option);
+        self.see_look(prospects, ways, (0..prospects.len()).map(|o| ways.representative(o) == chosen))
     }
 
     /// A look at the human, whenever it is; otherwise as [`Learner::see_walk`].
@@ -215,22 +222,17 @@ impl Learner {
     pub fn see_look(
         &mut self,
         prospects: &[Prospect],
-        current: Option<usize>,
+        ways: &Ways,
         looks_like: impl Iterator<Item = bool>,
     ) -> Result<(), PreferenceError> {
         likelihoods_of_look(looks_like, self.settings.lapse_rate, &mut self.likelihoods);
         self.perception.mix_with_prior(self.settings.change_rate)?;
-        self.perception.observe(prospects, current, &self.likelihoods).map(drop)
+        self.perception.observe(prospects, ways, &self.likelihoods).map(drop)
     }
 
     /// P_o over what was learned.
-    pub fn predict(
-        &mut self,
-        prospects: &[Prospect],
-        current: Option<usize>,
-        choice: &mut ChoiceDistribution,
-    ) {
-        self.perception.predict_from(prospects, current, choice);
+    pub fn predict(&mut self, prospects: &[Prospect], ways: &Ways, choice: &mut ChoiceDistribution) {
+        self.perception.predict_from(prospects, ways, choice);
     }
 
     /// J~_o over what was learned.
@@ -312,9 +314,9 @@ mod tests {
     fn closed_form_one_answer_is_bayes_rule_on_the_regions() {
         let (mut learner, mut before, mut after) =
             (learner(), ChoiceDistribution::default(), Default::default());
-        learner.predict(&PROSPECTS, None, &mut before);
-        learner.see_answer(&PROSPECTS, None, 2).unwrap();
-        learner.predict(&PROSPECTS, None, &mut after);
+        learner.predict(&PROSPECTS, &Ways::default(), &mut before);
+        learner.see_answer(&PROSPECTS, &Ways::default(), 2).unwrap();
+        learner.predict(&PROSPECTS, &Ways::default(), &mut after);
         let likelihood = |option| if option == 2 { 0.985 } else { 0.005 };
         let weights: Vec<f64> =
             before.probabilities().iter().enumerate().map(|(o, p)| p * likelihood(o)).collect();
@@ -327,7 +329,7 @@ mod tests {
     #[test]
     fn closed_form_a_look_at_what_all_options_share_says_nothing() {
         let mut learner = learner();
-        learner.see_walk(&PROSPECTS, None, [true; 4].into_iter()).unwrap();
+        learner.see_walk(&PROSPECTS, &Ways::default(), [true; 4].into_iter()).unwrap();
         assert!(learner.perception_mut().estimate().information < 1e-9);
     }
 
@@ -339,7 +341,7 @@ mod tests {
             if learner.is_look() {
                 looks.push(step);
             }
-            learner.see_walk(&PROSPECTS, None, [false, true, true, false].into_iter()).unwrap();
+            learner.see_walk(&PROSPECTS, &Ways::default(), [false, true, true, false].into_iter()).unwrap();
         }
         assert_eq!(looks, [0, 10, 20]);
     }
@@ -374,9 +376,9 @@ mod tests {
         let mut choice = ChoiceDistribution::default();
         for option in wants {
             for _ in 0..8 {
-                learner.see_answer(&PROSPECTS, None, option).unwrap();
+                learner.see_answer(&PROSPECTS, &Ways::default(), option).unwrap();
             }
-            learner.predict(&PROSPECTS, None, &mut choice);
+            learner.predict(&PROSPECTS, &Ways::default(), &mut choice);
             assert!(choice.probabilities()[option] > 0.9, "{choice:?}");
         }
     }
@@ -385,12 +387,12 @@ mod tests {
     fn a_restored_learner_goes_on_with_the_same_bits() {
         let mut learner = learner();
         learner.see_led_step(3.0, false);
-        learner.see_answer(&PROSPECTS, None, 3).unwrap();
+        learner.see_answer(&PROSPECTS, &Ways::default(), 3).unwrap();
         let mut restored = self::learner();
         assert!(restored.restore(&learner.state()));
         for learner in [&mut learner, &mut restored] {
             learner.see_led_step(3.0, true);
-            learner.see_answer(&PROSPECTS, None, 1).unwrap();
+            learner.see_answer(&PROSPECTS, &Ways::default(), 1).unwrap();
         }
         assert_eq!(learner.state(), restored.state());
     }

@@ -202,15 +202,18 @@ impl Tolerance {
     /// The central interval with this probability.
     pub fn interval(&self, probability: f64) -> [f64; 2] {
         let tail = 0.5 * (1.0 - probability);
-        [tail, 1.0 - tail].map(|share| {
-            let (mut below, mut above) = (-FARTHEST, FARTHEST);
-            for _ in 0..60 {
-                let middle = 0.5 * (below + above);
-                let eta = self.prior.median * math::exp(self.prior.log_std * middle);
-                if self.probability_up_to(eta) < share { below = middle } else { above = middle }
-            }
-            self.prior.median * math::exp(self.prior.log_std * 0.5 * (below + above))
-        })
+        [tail, 1.0 - tail].map(|share| self.quantile(share))
+    }
+
+    /// The eta up to which there is this probability.
+    pub fn quantile(&self, probability: f64) -> f64 {
+        let (mut below, mut above) = (-FARTHEST, FARTHEST);
+        for _ in 0..60 {
+            let middle = 0.5 * (below + above);
+            let eta = self.prior.median * math::exp(self.prior.log_std * middle);
+            if self.probability_up_to(eta) < probability { below = middle } else { above = middle }
+        }
+        self.prior.median * math::exp(self.prior.log_std * 0.5 * (below + above))
     }
 
     /// The mean of min(phi, 1) = min(phi(0) exp(g / eta), 1) at discomfort g.

@@ -86,7 +86,7 @@ impl OptionSet {
         let exactly = closed.iter().filter(|gap| gap.is_exactly_closed(world.robot_width));
         let barriers = world.openings.iter().chain(exactly).map(|gap| gap.ends).collect();
         let closed: Vec<[Point; 2]> = closed.iter().map(|gap| gap.ends).collect();
-        let space = Space::new(world.obstacles.iter().map(|o| o.footprint.clone()), barriers, clearance);
+        let space = Space::new(&world.solids, barriers, clearance);
         let passages = passages(world, &space);
         let straights = passages.iter().enumerate().flat_map(|(i, p)| [0, 1].map(|side| p.straight(i, side)));
         let ends = [world.start, world.target].map(Straight::from);
@@ -190,37 +190,45 @@ impl OptionSet {
 
     /// Moves the team in a straight step to `to` and records the openings that it crosses.
     pub fn advance(&self, progress: &mut Progress, to: Point) {
-        progress.advance(to, &self.passages, &self.options, |c| self.region_after(c));
+        let exit = |crossing, next| self.stages.exit(&self.roadmap, beyond(crossing), next);
+        progress.advance(to, &self.passages, &self.options, |c| self.region_after(c), exit);
     }
 
     /// D_o, S_o and the next waypoint of an option (an index) from the team's position.
     ///
-    /// An opening counts as passed once the team leaves its straight part. Until then the path continues to
-    /// the end of that part, at the opening's risk.
+    /// An opening is behind the team once the team has left its straight part, which does not depend on the
+    /// option. Until then the opening's risk counts, and an option that follows the straight part farther
+    /// continues along it.
     pub fn remaining(&self, progress: &Progress, option: usize) -> Remaining {
-        let next = self.next(progress, option);
-        let (rest, exit) = self.exit(progress, option);
-        let risk = self.risk(rest, option);
-        let Some((crossing, exit)) = progress.inside.zip(exit) else {
-            return Remaining { length: self.length_from(progress.position, rest, option), risk, next };
+        let (next, rest, risk) =
+            (self.next(progress, option), progress.rest(option), self.risk(progress, option));
+        let length = match progress.inside.zip(self.exit(progress, option)) {
+            None => self.length_from(progress.position, rest, option),
+            Some((crossing, Exit::Axis(end))) => {
+                (end - progress.position).norm() + self.length_beyond(crossing, rest, option)
+            }
+            Some((_, Exit::Beside(end))) => {
+                (end - progress.position).norm() + self.length_from(end, rest, option)
+            }
         };
-        let length = match exit {
-            Exit::Axis(end) => (end - progress.position).norm() + self.length_beyond(crossing, rest, option),
-            Exit::Beside(end) => (end - progress.position).norm() + self.length_from(end, rest, option),
-        };
-        Remaining { length, risk: self.risk_with(risk, crossing), next }
+        Remaining { length, risk, next }
     }
 
     /// The next waypoint of an option from the team's position. It depends only on the remaining path, not on
     /// the openings that the option lists behind the team. Between a gap and the end of its straight part, it
     /// is the opening being crossed, or the same opening crossed back.
     pub fn next(&self, progress: &Progress, option: usize) -> Waypoint {
-        let (rest, exit) = self.exit(progress, option);
-        let ahead = rest.ahead(&self.options[option]).next();
-        match progress.inside.filter(|_| exit.is_some()) {
+        let ahead = progress.rest(option).ahead(&self.options[option]).next();
+        match progress.inside {
             Some(crossing) if ahead != Some(crossing.back()) => Waypoint::Opening(crossing),
             _ => ahead.map_or(Waypoint::Target, Waypoint::Opening),
         }
+    }
+
+    /// Whether two options have the same remaining way from the team's position.
+    pub fn lead_the_same_way(&self, progress: &Progress, first: usize, second: usize) -> bool {
+        let ahead = |option: usize| progress.rest(option).ahead(&self.options[option]);
+        ahead(first).eq(ahead(second))
     }
 
     /// The remaining path of an option from the team's position. Its length is [`Remaining::length`]. `None`
@@ -235,11 +243,11 @@ impl OptionSet {
     pub fn write_path(&self, progress: &Progress, option: usize, path: &mut Path) -> bool {
         path.clear();
         let mut at = progress.position;
-        let (rest, exit) = self.exit(progress, option);
-        if let Some(Exit::Axis(end) | Exit::Beside(end)) = exit {
+        if let Some(Exit::Axis(end) | Exit::Beside(end)) = self.exit(progress, option) {
             path.line(at, end);
             at = end;
         }
+        let rest = progress.rest(option);
         let mut crossings = rest.ahead(&self.options[option]).peekable();
         while let Some(crossing) = crossings.next() {
             let Some(joined) = self.roadmap.extend(path, at, before(crossing)) else { return false };
@@ -252,14 +260,16 @@ impl OptionSet {
         self.roadmap.extend(path, at, TARGET).is_some()
     }
 
-    /// The remainder of an option once the team has left its present straight part, and the point where it
-    /// leaves.
-    fn exit<'a>(&self, progress: &'a Progress, option: usize) -> (&'a Rest, Option<Exit>) {
-        let Some(crossing) = progress.inside else { return (&progress.rests[option], None) };
-        let rest = &progress.rests_outside[option];
+    /// The point where an option leaves the straight part that the team is in; `None` where it has.
+    fn exit(&self, progress: &Progress, option: usize) -> Option<Exit> {
+        let crossing = progress.inside?;
+        let rest = progress.rest(option);
+        if rest.has_left {
+            return None;
+        }
         let next = rest.ahead(&self.options[option]).next();
         let reach = self.stages.exit(&self.roadmap, beyond(crossing), next);
-        (rest, self.passages[crossing.opening].exit(progress.position, crossing.into, reach))
+        self.passages[crossing.opening].exit(progress.position, crossing.into, reach)
     }
 
     /// Length of the path to the target from a point that is in no straight part beyond a gap.
@@ -291,9 +301,12 @@ impl OptionSet {
         next.map_or(After { exit: 0.0, length: 0.0 }, |(_, after)| after)
     }
 
-    fn risk(&self, rest: &Rest, option: usize) -> f64 {
+    /// S_o over the openings that are not behind the team.
+    fn risk(&self, progress: &Progress, option: usize) -> f64 {
+        let rest = progress.rest(option);
         let ahead = self.options[option].risk_left[rest.place];
-        rest.back.iter().fold(ahead, |risk, &crossing| self.risk_with(risk, crossing))
+        let crossed = rest.back.iter().chain(&progress.inside);
+        crossed.fold(ahead, |risk, &crossing| self.risk_with(risk, crossing))
     }
 
     fn risk_with(&self, risk: f64, crossing: Crossing) -> f64 {

@@ -44,7 +44,7 @@ const ON_AXIS_M: f64 = 1e-6;
 pub(super) enum Exit {
     /// Along the axis to the end of the straight part.
     Axis(Point),
-    /// From off the axis to this point.
+    /// From off the axis, parallel to it, to this point.
     Beside(Point),
 }
 
@@ -89,24 +89,27 @@ impl Passage {
 
     /// Whether a team at `p` that crossed the gap to a side is still in the straight part there.
     pub fn keeps(&self, p: Point, side: usize) -> bool {
-        let depth = self.depth(p, side);
-        depth >= 0.0 && depth < self.reach[side] - NARROWING * self.off_axis(p)
+        self.depth(p, side) >= 0.0 && self.left(p, side, self.reach[side]) > 0.0
     }
 
     /// Where a team at `p`, in the straight part on one side, leaves it if that part reaches `reach` (m) from
     /// the gap along the axis; `None` if the team is out of it.
     pub fn exit(&self, p: Point, side: usize, reach: f64) -> Option<Exit> {
-        let (depth, beside) = (self.depth(p, side), self.off_axis(p));
-        let left = reach - NARROWING * beside - depth;
-        if left <= 2.0 * NARROWING * ON_AXIS_M {
+        let left = self.left(p, side, reach);
+        if left <= 0.0 {
             return None;
         }
-        if beside <= ON_AXIS_M {
+        if self.off_axis(p) <= ON_AXIS_M {
             return Some(Exit::Axis(self.at(side, reach)));
         }
-        // toward the axis, by the remaining length of the part, which is narrower here
-        let toward_axis = self.at(side, depth) - p;
-        Some(Exit::Beside(p + self.outward(side) * left + toward_axis * (left / (reach - depth))))
+        Some(Exit::Beside(p + self.outward(side) * left))
+    }
+
+    /// How much of a straight part of length `reach` (m) is ahead of a team at `p`, m; 0 where it is no more
+    /// than rounding.
+    fn left(&self, p: Point, side: usize, reach: f64) -> f64 {
+        let left = reach - NARROWING * self.off_axis(p) - self.depth(p, side);
+        if left > 2.0 * NARROWING * ON_AXIS_M { left } else { 0.0 }
     }
 
     /// The fraction (0 to 1) of the step from `a` to `b` at which it crosses the gap, and the side that it

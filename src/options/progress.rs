@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 pub struct Progress {
     /// Position of the team, m, world frame.
     pub position: Point,
-    /// The crossing in progress: the team is beyond the gap but still in the straight part.
+    /// The crossing in progress: the team is beyond the gap and has not left the straight part yet. Once left,
+    /// it is behind the team until the team crosses back.
     pub(super) inside: Option<Crossing>,
     pub(super) rests: Vec<Rest>,
     /// The value of `rests` after the team leaves the straight part; meaningful while `inside` is set.
@@ -25,6 +26,10 @@ pub(super) struct Rest {
     pub place: usize,
     /// Crossings that lead back to the option, the first one last.
     pub back: Vec<Crossing>,
+    /// Whether the option follows the straight part that the team is in no farther. An option that once leaves
+    /// it does not return into it, or its path could get longer as the team walks it.
+    #[serde(default)]
+    pub has_left: bool,
 }
 
 impl Rest {
@@ -59,8 +64,15 @@ impl Progress {
     pub(super) fn new(position: Point, options: usize) -> Self {
         // capacity for what may happen on the way, so that steps do not allocate; cloning a vector would not
         // keep it
-        let rests = || (0..options).map(|_| Rest { place: 0, back: Vec::with_capacity(8) }).collect();
+        let rest = || Rest { back: Vec::with_capacity(8), ..Rest::default() };
+        let rests = || (0..options).map(|_| rest()).collect();
         Self { position, inside: None, rests_outside: rests(), rests: rests() }
+    }
+
+    /// The remainder of an option once the team has left the straight part that it is in.
+    pub(super) fn rest(&self, option: usize) -> &Rest {
+        let rests = if self.inside.is_some() { &self.rests_outside } else { &self.rests };
+        &rests[option]
     }
 
     /// Whether the progress fits these passages and options.
@@ -83,6 +95,7 @@ impl Progress {
         passages: &[Passage],
         options: &[PathOption],
         region_after: impl Fn(Crossing) -> usize,
+        exit: impl Fn(Crossing, Option<Crossing>) -> f64,
     ) {
         let from = std::mem::replace(&mut self.position, to);
         let mut walked = -1.0;
@@ -100,8 +113,14 @@ impl Progress {
                 self.enter(crossing, options, region_after(crossing));
             }
         }
-        if self.inside.is_some_and(|c| !passages[c.opening].keeps(to, c.into)) {
-            self.leave();
+        let Some(inside) = self.inside else { return };
+        let passage = &passages[inside.opening];
+        if !passage.keeps(to, inside.into) {
+            return self.leave();
+        }
+        for (rest, option) in self.rests_outside.iter_mut().zip(options) {
+            let reach = exit(inside, rest.ahead(option).next());
+            rest.has_left |= passage.exit(to, inside.into, reach).is_none();
         }
     }
 
@@ -110,6 +129,7 @@ impl Progress {
         self.rests_outside.clone_from(&self.rests);
         for (rest, option) in self.rests_outside.iter_mut().zip(options) {
             rest.cross(option, crossing, region);
+            rest.has_left = false;
         }
     }
 

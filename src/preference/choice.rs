@@ -13,6 +13,16 @@ pub struct ChoiceDistribution {
     probabilities: Vec<f64>,
 }
 
+/// P'_o = (1 - l) P_o + l / n: the probability that an option is taken, from the probability that it is
+/// preferred. In a lapse, with probability l, any of the n options is taken.
+///
+/// ```
+/// assert_eq!(cocarry::preference::with_lapses(0.75, 0.1, 4), 0.7);
+/// ```
+pub fn with_lapses(probability: f64, lapse_rate: f64, options: usize) -> f64 {
+    (1.0 - lapse_rate) * probability + lapse_rate / options as f64
+}
+
 impl ChoiceDistribution {
     /// Normalises non-negative finite `weights`; `None` if one is negative or not finite, or if none is
     /// positive.
@@ -45,6 +55,12 @@ impl ChoiceDistribution {
     /// Whether there are no options.
     pub fn is_empty(&self) -> bool {
         self.probabilities.is_empty()
+    }
+
+    /// Takes lapses into account: see [`with_lapses`].
+    pub(crate) fn add_lapses(&mut self, lapse_rate: f64) {
+        let options = self.probabilities.len();
+        self.probabilities.iter_mut().for_each(|p| *p = with_lapses(*p, lapse_rate, options));
     }
 
     /// Removes all entries, and keeps the memory.

@@ -1,9 +1,8 @@
 //! Options as curves over `alpha`: which of them can win at all, and where two of them cross.
 
-use crate::math;
-use std::cmp::Ordering;
-
 use super::Prospect;
+use super::ties::Ties;
+use crate::math;
 
 /// An option whose perceived length is a curve `D^alpha` over the distance perception.
 #[derive(Debug, Clone, Copy)]
@@ -23,7 +22,7 @@ pub(super) struct Curve {
 }
 
 impl Curve {
-    fn new(option: usize, prospect: Prospect) -> Self {
+    pub fn new(option: usize, prospect: Prospect) -> Self {
         let surprise = -math::ln(prospect.risk);
         Self {
             option,
@@ -40,42 +39,33 @@ impl Curve {
         math::exp(alpha * self.log_length)
     }
 
+    /// `exp(-(-ln S)^gamma)`.
+    pub fn perceived_risk(&self, gamma: f64) -> f64 {
+        math::exp(-math::exp(gamma * self.log_surprise))
+    }
+
     /// Derivative of `D^alpha` with respect to `alpha`.
     pub fn slope(&self, alpha: f64) -> f64 {
         if self.length > 0.0 { self.perceived_length(alpha) * self.log_length } else { 0.0 }
     }
 }
 
-/// Fills `front` with the options that no other one dominates, shortest first.
+/// Fills `front` with the choices that no other one dominates, shortest first.
 ///
 /// Both perceptions are monotone, so an option that is neither shorter nor safer than another never wins,
-/// whatever `alpha` and `gamma` are. Of equal options `current` stays, else the lowest index. In the result
-/// lengths strictly rise and risks strictly fall.
-pub(super) fn pareto_front(
-    prospects: &[Prospect],
-    risk_matters: bool,
-    current: Option<usize>,
-    front: &mut Vec<Curve>,
-) {
+/// whatever `alpha` and `gamma` are. In the result lengths strictly rise and risks strictly fall.
+pub(super) fn pareto_front(ties: &Ties, risk_matters: bool, front: &mut Vec<Curve>) {
     front.clear();
-    front.extend(
-        prospects.iter().enumerate().map(|(option, prospect)| Curve::new(option, prospect.clamped())),
-    );
-    front.sort_unstable_by(|a, b| {
-        let by_risk = if risk_matters { a.risk.total_cmp(&b.risk) } else { Ordering::Equal };
-        let rank = |curve: &Curve| (current != Some(curve.option), curve.option);
-        a.length.total_cmp(&b.length).then(by_risk).then(rank(a).cmp(&rank(b)))
-    });
     let mut lowest = f64::INFINITY;
-    front.retain(|curve| {
+    front.extend(ties.leaders().filter_map(|(option, prospect)| {
         // The first option always stays; an option of infinite length stays only if it is the first.
         let first = lowest == f64::INFINITY;
-        let stays = first || (curve.risk < lowest && risk_matters && curve.length.is_finite());
-        if stays {
-            lowest = curve.risk;
-        }
-        stays
-    });
+        let stays = first || (prospect.risk < lowest && risk_matters && prospect.length.is_finite());
+        stays.then(|| {
+            lowest = prospect.risk;
+            Curve::new(option, prospect)
+        })
+    }));
 }
 
 /// The `alpha` at which `D_i^alpha - D_j^alpha` turns around, for two lengths in `(0, 1)`; `None` where it is

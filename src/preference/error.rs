@@ -3,6 +3,25 @@
 use super::perception::LARGEST_PERCEPTION;
 use thiserror::Error;
 
+/// The largest lapse rate.
+pub const MAX_LAPSE_RATE: f64 = 0.5;
+
+/// The largest rationality of a belief. Beyond it, costs would have to be exact to more digits than they have, and
+/// choices are those of eq. (3).
+pub const MAX_RATIONALITY: f64 = 1000.0;
+
+/// Checks the probability of a lapse: of a choice, or of a time of taking over, that says nothing about the
+/// human.
+///
+/// # Errors
+/// [`PreferenceError::Rate`].
+pub(crate) fn check_lapse_rate(value: f64) -> Result<(), PreferenceError> {
+    match (0.0..=MAX_LAPSE_RATE).contains(&value) {
+        true => Ok(()),
+        false => Err(PreferenceError::Rate { name: "lapse rate", value, least: 0.0, most: MAX_LAPSE_RATE }),
+    }
+}
+
 /// An invalid belief or risk weight. Options never cause an error: see [`Prospect`](super::Prospect).
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PreferenceError {
@@ -67,6 +86,12 @@ pub enum PreferenceError {
         /// Risk weight given, metres.
         risk_weight: f64,
     },
+    /// A rationality that is not positive, or too large.
+    #[error("rationality {value} must be a number greater than 0 and at most {MAX_RATIONALITY}")]
+    Rationality {
+        /// The value given.
+        value: f64,
+    },
     /// The likelihoods of an observation are not one finite number of at least 0 for every option.
     #[error(
         "an observation of {options} options has {given} likelihoods, the first bad one {bad}: every option needs a finite one of at least 0"
@@ -83,7 +108,7 @@ pub enum PreferenceError {
     #[error("the observation is impossible under the belief: allow lapses, or another person")]
     Impossible,
     /// A rate that is not a probability.
-    #[error("{name} {value} must be at least {least} and at most {most}")]
+    #[error("{name} {value} must be a number from {least} to {most}")]
     Rate {
         /// Its name.
         name: &'static str,

@@ -33,11 +33,14 @@ mod predictor;
 mod reference;
 mod regions;
 mod rule;
+mod softmax;
 mod strips;
+mod ties;
 
 pub use belief::{Belief, SampleSet, WeightedSample};
-pub use choice::ChoiceDistribution;
-pub use error::PreferenceError;
+pub use choice::{ChoiceDistribution, with_lapses};
+pub(crate) use error::check_lapse_rate;
+pub use error::{MAX_LAPSE_RATE, MAX_RATIONALITY, PreferenceError};
 pub use marginal::Marginal;
 pub use perception::{
     LARGEST_PERCEPTION, Perception, Prospect, human_choice, objective_cost, perceived_distance,
@@ -46,3 +49,4 @@ pub use perception::{
 pub use posterior::{Estimate, Learned, Posterior};
 pub use predictor::{Predictor, RISK_WEIGHT};
 pub use regions::{Region, Regions};
+pub use ties::Ways;

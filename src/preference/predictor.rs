@@ -3,10 +3,12 @@
 
 use super::curve::{Curve, pareto_front};
 use super::expectation::{Nodes, uniform_perceived_length};
+use super::softmax::{self, Choice, Softmax};
 use super::strips::{Domain, Strips};
+use super::ties::Ties;
 use super::{
-    Belief, ChoiceDistribution, Perception, PreferenceError, Prospect, SampleSet, human_choice,
-    subjective_cost,
+    Belief, ChoiceDistribution, Perception, PreferenceError, Prospect, SampleSet, Ways, check_lapse_rate,
+    error::MAX_RATIONALITY, human_choice, subjective_cost,
 };
 use serde::{Deserialize, Serialize};
 
@@ -15,16 +17,22 @@ use serde::{Deserialize, Serialize};
 /// Probabilities of an independent belief are exact up to an absolute error of 1e-9. For each `gamma`, the
 /// predictor solves for the parts of the range of `alpha` in which each option is the cheapest, and
 /// integrates their probabilities over `gamma` piece by piece. An empirical belief is summed sample by
-/// sample. The predictor owns all working memory: once warm, a call with no more options than before
+/// sample. With a lapse rate l, the human takes any of the n options with probability l / n, whatever they
+/// prefer. With a rationality beta, humans choose an option with probability proportional to
+/// exp(-beta J^_o) in place of eq. (3), as [`Boltzmann`](crate::human::Boltzmann) humans do. The predictor owns all working memory: once warm, a call with no more options than before
 /// allocates nothing. Equal calls give equal bits.
 ///
-/// It is serialised as the belief and the risk weight, and two predictors with the same ones are equal.
+/// It is serialised as belief, risk weight, lapse rate and rationality, and two predictors with the same ones are
+/// equal.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(try_from = "Basis", into = "Basis")]
 pub struct Predictor {
     belief: Belief,
     risk_weight: f64,
+    lapse_rate: f64,
+    rationality: Option<f64>,
     model: Model,
+    ties: Ties,
     masses: Vec<f64>,
 }
 
@@ -33,12 +41,21 @@ pub struct Predictor {
 #[serde(deny_unknown_fields)]
 struct Basis {
     risk_weight_m: f64,
+    #[serde(default, skip_serializing_if = "is_zero")]
+    lapse_rate: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    rationality: Option<f64>,
     belief: Belief,
+}
+
+fn is_zero(rate: &f64) -> bool {
+    *rate == 0.0
 }
 
 impl From<Predictor> for Basis {
     fn from(predictor: Predictor) -> Self {
-        Self { risk_weight_m: predictor.risk_weight, belief: predictor.belief }
+        let Predictor { belief, risk_weight, lapse_rate, rationality, .. } = predictor;
+        Self { risk_weight_m: risk_weight, lapse_rate, rationality, belief }
     }
 }
 
@@ -46,13 +63,19 @@ impl TryFrom<Basis> for Predictor {
     type Error = PreferenceError;
 
     fn try_from(basis: Basis) -> Result<Self, PreferenceError> {
-        Self::new(basis.belief, basis.risk_weight_m)
+        let mut predictor = Self::new(basis.belief, basis.risk_weight_m)?;
+        predictor.set_lapse_rate(basis.lapse_rate)?;
+        predictor.set_rationality(basis.rationality)?;
+        Ok(predictor)
     }
 }
 
 impl PartialEq for Predictor {
     fn eq(&self, other: &Self) -> bool {
-        self.belief == other.belief && self.risk_weight == other.risk_weight
+        self.belief == other.belief
+            && self.risk_weight == other.risk_weight
+            && self.lapse_rate == other.lapse_rate
+            && self.rationality == other.rationality
     }
 }
 
@@ -73,6 +96,9 @@ struct Independent {
     perceived_risks: Vec<(f64, f64)>,
     front: Vec<Curve>,
     strips: Strips,
+    /// With a rationality.
+    choices: Vec<Choice>,
+    softmax: Softmax,
 }
 
 /// The weight c_r of risk against distance that the paper fits to its participants, m (Sec. V-A).
@@ -103,10 +129,13 @@ impl Predictor {
                 perceived_risks: Vec::new(),
                 front: Vec::new(),
                 strips: Strips::new(),
+                choices: Vec::new(),
+                softmax: Softmax::new(),
             })),
             Belief::Samples(set) => Model::Samples(set.clone()),
         };
-        Ok(Self { belief, risk_weight, model, masses: Vec::new() })
+        let (ties, masses) = (Ties::default(), Vec::new());
+        Ok(Self { belief, risk_weight, lapse_rate: 0.0, rationality: None, model, ties, masses })
     }
 
     /// The robot's belief.
@@ -129,33 +158,80 @@ impl Predictor {
         Ok(())
     }
 
-    /// Probability `P_o` that each option has the lowest subjective cost (eq. 4), into `choice`.
-    ///
-    /// Options equal in length and risk count as the one with the lowest index. Without options `choice` is
-    /// left empty.
-    pub fn predict(&mut self, prospects: &[Prospect], choice: &mut ChoiceDistribution) {
-        self.predict_from(prospects, None, choice);
+    /// The lapse rate l: the probability that the human takes any option. 0 unless it was set.
+    pub fn lapse_rate(&self) -> f64 {
+        self.lapse_rate
     }
 
-    /// [`Predictor::predict`] during an episode. Options equal in length and risk count as `current`, the
-    /// option being executed, if it is one of them, as in [`human_choice`].
-    pub fn predict_from(
-        &mut self,
-        prospects: &[Prospect],
-        current: Option<usize>,
-        choice: &mut ChoiceDistribution,
-    ) {
+    /// Changes the lapse rate.
+    ///
+    /// # Errors
+    /// [`PreferenceError::Rate`] unless it is from 0 to [`MAX_LAPSE_RATE`](super::MAX_LAPSE_RATE).
+    pub fn set_lapse_rate(&mut self, lapse_rate: f64) -> Result<(), PreferenceError> {
+        check_lapse_rate(lapse_rate)?;
+        self.lapse_rate = lapse_rate;
+        Ok(())
+    }
+
+    /// The rationality beta of the humans; `None` if they prefer the least subjective cost, eq. (3).
+    pub fn rationality(&self) -> Option<f64> {
+        self.rationality
+    }
+
+    /// Changes the rationality.
+    ///
+    /// # Errors
+    /// [`PreferenceError::Rationality`] unless it is greater than 0 and at most [`MAX_RATIONALITY`].
+    pub fn set_rationality(&mut self, rationality: Option<f64>) -> Result<(), PreferenceError> {
+        match rationality {
+            Some(value) if !(value > 0.0 && value <= MAX_RATIONALITY) => {
+                Err(PreferenceError::Rationality { value })
+            }
+            _ => {
+                self.rationality = rationality;
+                Ok(())
+            }
+        }
+    }
+
+    /// Probability `P'_o = (1 - l) P_o + l / n` that the human takes each of n options, into `choice`. `P_o` is
+    /// the probability that the option has the lowest subjective cost (eq. 4), or the mean of Boltzmann's
+    /// probabilities with a rationality, and l the lapse rate.
+    ///
+    /// Options tied in length and risk share their probability equally. Without options `choice` is left empty.
+    pub fn predict(&mut self, prospects: &[Prospect], choice: &mut ChoiceDistribution) {
+        self.predict_from(prospects, &Ways::default(), choice);
+    }
+
+    /// [`Predictor::predict`] during an episode, in which several options may have become one way. They are one
+    /// choice: `P_o` is that of the option that represents them.
+    pub fn predict_from(&mut self, prospects: &[Prospect], ways: &Ways, choice: &mut ChoiceDistribution) {
         self.masses.clear();
         self.masses.resize(prospects.len(), 0.0);
-        match &mut self.model {
-            Model::Samples(set) => {
-                for sample in set.samples().iter().filter(|_| !prospects.is_empty()) {
-                    let chosen = human_choice(prospects, self.risk_weight, sample.perception, current);
-                    self.masses[chosen] += sample.weight;
+        let risk_matters = self.risk_weight > 0.0;
+        self.ties.find(prospects, ways, risk_matters);
+        match (&mut self.model, self.rationality) {
+            (Model::Samples(set), Some(beta)) => {
+                for sample in set.samples() {
+                    softmax::add_sample(sample, &self.ties, self.risk_weight, beta, &mut self.masses);
                 }
             }
-            Model::Independent(model) => {
-                pareto_front(prospects, self.risk_weight > 0.0, current, &mut model.front);
+            (Model::Independent(model), Some(beta)) => {
+                model.choices.clear();
+                let ways = |leader| self.ties.ways(leader);
+                let reachable = self.ties.leaders().filter(|(_, prospect)| prospect.length.is_finite());
+                model.choices.extend(reachable.map(|(o, prospect)| (Curve::new(o, prospect), ways(o))));
+                let scales = [beta, beta * self.risk_weight];
+                model.softmax.integrate(&model.choices, scales, &model.domain, &mut self.masses);
+            }
+            (Model::Samples(set), None) => {
+                for sample in set.samples().iter().filter(|_| !prospects.is_empty()) {
+                    let chosen = human_choice(prospects, self.risk_weight, sample.perception, None);
+                    self.masses[self.ties.leader(chosen)] += sample.weight;
+                }
+            }
+            (Model::Independent(model), None) => {
+                pareto_front(&self.ties, risk_matters, &mut model.front);
                 model.strips.nodes = 0;
                 if let [only] = model.front.as_slice() {
                     self.masses[only.option] = 1.0;
@@ -164,12 +240,14 @@ impl Predictor {
                 }
             }
         }
+        self.ties.share(&mut self.masses);
         if !choice.set_masses(&self.masses) {
             // This happens only for lengths whose powers overflow; the choice at the middle of the belief is
             // still defined.
-            let chosen = human_choice(prospects, self.risk_weight, self.middle(), current);
-            choice.set_certain(prospects.len(), chosen);
+            let chosen = human_choice(prospects, self.risk_weight, self.middle(), None);
+            choice.set_certain(prospects.len(), ways.representative(chosen));
         }
+        choice.add_lapses(self.lapse_rate);
     }
 
     /// Expected subjective cost `J~_o = E[D_o^alpha] + c_r E[exp(-(-ln S_o)^gamma)]` of each option (eq. 6),

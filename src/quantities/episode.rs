@@ -66,7 +66,7 @@ pub const EPISODE: &[Quantity] = quantities! {
     "accumulated_effort_cost", PLAIN, "sum of ||u||_R^2", |v| v.control().map(|c| c.effort);
     "accumulated_pose_cost", PLAIN, "sum of kappa ||q* - q_c||^2", |v| v.control().map(|c| c.pose);
     "position_error_rms_m", METRES, "root mean square distance between grasp and reference", |v| v.control().map(|c| c.error_rms(v.summary().steps));
-    "largest_position_error_m", METRES, "largest distance between grasp and reference", |v| v.control().map(|c| c.largest_error);
+    "largest_position_error_m", METRES, "largest distance between grasp and reference, which is on the planned path", |v| v.control().map(|c| c.largest_error);
     "constrained_steps", Count, "steps in which a limit of joints, wheels or obstacles was active", |v| v.control().map(|c| c.constrained_steps);
     "fallback_steps", Count, "steps without a solution of eq. (7)", |v| v.control().map(|c| c.fallback_steps);
     "pose_change_count", Count, "steps in which eq. (8) chose another configuration", |v| v.control().map(|c| c.pose_changes);
@@ -83,9 +83,9 @@ pub const EPISODE: &[Quantity] = quantities! {
     "force_above_10_hz_rms_n", NEWTONS, "noise: root mean square of a grip's force above 10 Hz, the larger of the two grips'", |v| v.interaction().map(InteractionSummary::force_noise);
     "largest_grip_deflection_m", METRES, "largest deflection of either grip", |v| v.interaction().map(|i| i.deflection);
     "largest_effort_share", PLAIN, "the most that a motor of the arm exerted, as a share of its effort limit", |v| v.interaction().map(|i| i.effort_share);
-    "lost_by", Text, "robot or human: who lost the object; missing if nobody did", |v| v.loss().map(|l| l.by.name());
+    "lost_by", Text, "robot or human: whose grip lost the object; missing if it was not lost", |v| v.loss().map(|l| l.by.name());
     "lost_at_step", Count, "k at which the object was lost", |v| v.loss().map(|l| l.step);
-    "lost_distance_m", METRES, "position error of the grasp then, or deflection of the human's grip", |v| v.loss().map(|l| l.distance);
+    "lost_distance_m", METRES, "deflection of that grip then; on the kinematic plant the distance of the grasp from its reference", |v| v.loss().map(|l| l.distance);
     "collision_of", Text, "robot, object or human: what touched an obstacle; missing if nothing did", |v| v.touched(0).map(|p| p.kind.name());
     "collision_part", Text, "the part that touched it", |v| v.touched(0).map(|p| p.name.as_str());
     "collision_with", Text, "obstacle", |v| v.touched(1).map(|p| p.kind.name());

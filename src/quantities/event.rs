@@ -132,11 +132,9 @@ impl Event {
 
     /// The loss of the object.
     pub fn loss(loss: &Loss) -> Self {
-        let what = match loss.by {
-            BodyKind::Human => "the human's grip yielded by",
-            _ => "the robot's grasp was off by",
-        };
-        let sentence = format!("{what} {:.1} cm: it lost the object", 100.0 * loss.distance);
+        let who = if loss.by == BodyKind::Human { "human" } else { "robot" };
+        let sentence =
+            format!("the {who}'s grip was off by {:.1} cm: it lost the object", 100.0 * loss.distance);
         Self::of_step(loss.step, Severity::Error, "contact", sentence)
     }
 

@@ -1,6 +1,6 @@
 //! The check of a scenario's numbers against the table of settings.
 
-use super::{PERCEPTION, SETTINGS, Scenario, ScenarioError};
+use super::{BELIEF_RATIONALITY, PERCEPTION, SETTINGS, Scenario, ScenarioError};
 use crate::episode::PreferenceChange;
 use crate::preference::Perception;
 
@@ -18,6 +18,13 @@ impl Scenario {
             if let Some(value) = setting.number_out_of_range(self) {
                 return bad(setting.path.to_owned(), value, setting.expected());
             }
+        }
+        if let Some(value) =
+            self.settings.predictor.rationality().filter(|_| self.settings.learning.is_some())
+        {
+            // the density of what is learned is constant on the regions of eq. (3)
+            let expected = "left out, because this robot learns (belief_update = \"learn\"), which it does of humans who prefer the least cost";
+            return bad(BELIEF_RATIONALITY.path.to_owned(), value, expected.to_owned());
         }
         self.check_control_period()?;
         if let Some(Err(e)) = self.settings.learning.map(|learning| learning.check()) {

@@ -32,8 +32,8 @@ pub use preference_changes::{NotPreferenceChanges, PreferenceChanges, drawn_chan
 pub use prepared::{Partners, PreparedScenario};
 pub use setting::{Applies, Field, Group, Kind, Range, Setting, Value};
 pub use settings::{
-    AVOID, INITIAL_STUBBORNNESS, PERCEPTION, PERIOD, PLANNING_STEP, POSE, POSTURE, RISK_WEIGHT, SETTINGS,
-    SWAY,
+    AVOID, BELIEF_LAPSE, BELIEF_RATIONALITY, INITIAL_STUBBORNNESS, PERCEPTION, PERIOD, PLANNING_STEP, POSE,
+    POSTURE, RISK_WEIGHT, SETTINGS, SWAY,
 };
 pub use snapshot::{Snapshot, SnapshotError};
 pub use word::{Word, one_of};

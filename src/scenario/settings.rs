@@ -8,7 +8,7 @@ use super::setting::{Applies, Field, Group, Kind, Range, Setting};
 use super::word::{AVOIDED, BELIEFS, CRITERIA, POSES, put, word, words};
 use crate::human::{MODELS, ModelName};
 use crate::policy::Method;
-use crate::preference::LARGEST_PERCEPTION;
+use crate::preference::{LARGEST_PERCEPTION, MAX_LAPSE_RATE, MAX_RATIONALITY};
 use crate::simulation::{HumanSettings, PhysicsSettings};
 
 /// The range of alpha and gamma.
@@ -65,6 +65,45 @@ pub const RISK_WEIGHT: Setting = Setting {
             get: |s| Some(s.settings.predictor.risk_weight()),
             // fails only outside the range
             set: |s, value| drop(s.settings.predictor.set_risk_weight(value)),
+        },
+    ),
+};
+
+/// l of P'_o = (1 - l) P_o + l / n.
+pub const BELIEF_LAPSE: Setting = Setting {
+    key: "belief_lapse",
+    flag: "belief-lapse",
+    path: "settings.predictor.lapse_rate",
+    group: Group::Method,
+    about: "Lapse rate l of the robot's belief: with probability l, a human takes any option. Above 0, a robot that learns assumes it of what it sees, too",
+    applies: Applies::Always,
+    kind: Kind::Number(
+        Range::between(0.0, MAX_LAPSE_RATE),
+        Field {
+            get: |s| Some(s.settings.predictor.lapse_rate()),
+            set: |s, lapse_rate| {
+                // fails only outside the range
+                drop(s.settings.predictor.set_lapse_rate(lapse_rate));
+                s.settings.learning = s.settings.learning.map(|learning| learning.assuming(lapse_rate));
+            },
+        },
+    ),
+};
+
+/// beta of a belief in Boltzmann humans.
+pub const BELIEF_RATIONALITY: Setting = Setting {
+    key: "belief_rationality",
+    flag: "belief-rationality",
+    path: "settings.predictor.rationality",
+    group: Group::Method,
+    about: "Rationality beta of the robot's belief: P_o is that of humans who choose with probability proportional to exp(-beta J^), as boltzmann(beta) does [default: infinite, eq. (4)]",
+    applies: Applies::Always,
+    kind: Kind::Number(
+        Range::above(0.0, MAX_RATIONALITY),
+        Field {
+            get: |s| s.settings.predictor.rationality(),
+            // fails only outside the range
+            set: |s, rationality| drop(s.settings.predictor.set_rationality(Some(rationality))),
         },
     ),
 };
@@ -413,10 +452,13 @@ pub const SETTINGS: &[Setting] = &[
                 set: |s, text| {
                     let mut learns = false;
                     put(&mut learns, BELIEFS, &text);
-                    let given = s.settings.learning.unwrap_or_default();
+                    let lapse_rate = s.settings.predictor.lapse_rate();
+                    let given = s.settings.learning.unwrap_or_default().assuming(lapse_rate);
                     s.settings.learning = learns.then_some(given);
                 },
             },
         ),
     },
+    BELIEF_LAPSE,
+    BELIEF_RATIONALITY,
 ];

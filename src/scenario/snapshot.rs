@@ -18,7 +18,7 @@ use thiserror::Error;
 
 const MAGIC: &[u8] = b"cocarry snapshot";
 /// The version of the format. Raise it whenever the contents change.
-const FORMAT: u32 = 7;
+const FORMAT: u32 = 8;
 /// The largest file that is read, bytes. A snapshot has about 100 kB.
 const LARGEST: u64 = 1 << 28;
 

@@ -1,7 +1,7 @@
 //! A team in tandem: both ends of the object follow the path, the human ahead, the robot's end behind.
 
 use super::pace::share;
-use super::team_path::{BODY_ROOM_M, FreeSpace, TeamPath, Turned};
+use super::team_path::{FreeSpace, TeamPath, Turned};
 use super::{ARRIVAL_TOLERANCE_M, Pace, PathAhead, Place, Step, Travel, Walk, Widened};
 use crate::control::{Follower, HORIZON, Intent, Reference, RobotObstacles, reference};
 use crate::coordination::Mode;
@@ -11,8 +11,7 @@ use crate::math;
 use crate::options::OptionSet;
 use crate::plant::{HumanMotion, Seen, on_floor};
 use crate::saved::{NotRestored, Saved};
-use crate::simulation::{NoRoom, Observation, PhysicsError};
-use crate::world::World;
+use crate::simulation::Observation;
 use serde::{Deserialize, Serialize};
 
 /// A team slows down where the object has to turn by more than the first angle (rad) beyond what a step
@@ -29,12 +28,18 @@ const LAG_M: [f64; 2] = [0.01, 0.08];
 /// resists.
 const RESISTANCE_M: [f64; 2] = [0.03, 0.06];
 
+/// The object's centre must be this near (m) to its place at the end of the path for the team to have arrived:
+/// a hand that is steered need not be on the path.
+const ARRIVAL_DISTANCE_M: f64 = 0.1;
+
 /// Human, object and robot, one behind the other.
 #[derive(Clone, Debug)]
 pub struct InTandem<'a> {
     obstacles: &'a RobotObstacles,
     options: &'a OptionSet,
     pace: Pace,
+    /// Whether the team stands in line with its first path. Otherwise it begins with a turn.
+    faces_path: bool,
     state: State,
 }
 
@@ -51,54 +56,36 @@ struct State {
 }
 
 impl<'a> InTandem<'a> {
-    /// A team at rest at the beginning of the path `first`, straight, as it was when it came; and the pose of
-    /// the object.
-    pub fn starting(
-        world: &World,
-        options: &'a OptionSet,
-        obstacles: &'a RobotObstacles,
-        first: &Path,
+    pub(super) fn new(
+        free_space: FreeSpace<'a>,
         pace: Pace,
-    ) -> (Self, PlanarPose) {
-        let free_space = FreeSpace { obstacles, options };
-        let (team_path, goal) = TeamPath::starting(world, first, |from, to| free_space.is_free(from, to));
+        (team_path, goal): (TeamPath, PlanarPose),
+        faces_path: bool,
+    ) -> Self {
+        let FreeSpace { obstacles, options } = free_space;
         let state = State { team_path, path_position: 0.0, path_speed: 0.0, goal };
-        (Self { obstacles, options, pace, state }, goal)
+        Self { obstacles, options, pace, faces_path, state }
     }
 
-    /// Refuses a world in which the robot, with its base at `base`, has no room on its way to the start, or the
-    /// human beyond the end of an option. The room needed is the distance of either from the object's centre.
-    ///
-    /// # Errors
-    /// [`PhysicsError::NoRoomAtStart`] or [`PhysicsError::NoRoomAtTarget`].
-    pub fn check_room(&self, world: &World, base: Point) -> Result<(), PhysicsError> {
-        let check = |ends: [Point; 2], refusal: &dyn Fn(NoRoom) -> PhysicsError| {
-            let distances =
-                world.obstacles.iter().map(|o| (o.footprint.distance_to_segment(ends[0], ends[1]), o));
-            match distances.min_by(|a, b| a.0.total_cmp(&b.0)) {
-                Some((distance, obstacle)) if distance < BODY_ROOM_M => Err(refusal(NoRoom {
-                    file: world.file.clone(),
-                    x: ends[1].x,
-                    y: ends[1].y,
-                    obstacle: obstacle.name.clone(),
-                    distance,
-                    needed: BODY_ROOM_M,
-                    length: (ends[1] - ends[0]).norm() + BODY_ROOM_M,
-                })),
-                _ => Ok(()),
-            }
-        };
-        check([world.start, base], &PhysicsError::NoRoomAtStart)?;
-        for (o, option) in self.options.options().iter().enumerate() {
-            let path = self.options.path(&self.options.begin(), o).unwrap_or_default();
-            let beyond = self.state.team_path.beyond_end(&self.walkable(path));
-            check(beyond, &|room| PhysicsError::NoRoomAtTarget { option: option.name.clone(), room })?;
-        }
-        Ok(())
-    }
-
-    fn free_space(&self) -> FreeSpace<'a> {
+    pub(super) fn free_space(&self) -> FreeSpace<'a> {
         FreeSpace { obstacles: self.obstacles, options: self.options }
+    }
+
+    /// A path as the team walks it, wide round corners.
+    pub(super) fn widened(&self, path: &Path) -> Path {
+        let (free_space, mut widened) = (self.free_space(), Path::default());
+        let is_free = |from, to| free_space.is_free(from, to);
+        self.state.team_path.write_widened(path, is_free, &mut Widening::default(), &mut widened);
+        widened
+    }
+
+    pub(super) fn team_path(&self) -> &TeamPath {
+        &self.state.team_path
+    }
+
+    /// The pose that the object should have.
+    pub(super) fn goal(&self) -> PlanarPose {
+        self.state.goal
     }
 
     /// The object's target position along the present path (m) and its speed (m/s), as the robot knows them:
@@ -156,14 +143,17 @@ impl<'a> InTandem<'a> {
 
 impl Walk for InTandem<'_> {
     fn walkable(&self, path: Path) -> Path {
-        let (free_space, mut widened) = (self.free_space(), Path::default());
-        let is_free = |from, to| free_space.is_free(from, to);
-        self.state.team_path.write_widened(&path, is_free, &mut Widening::default(), &mut widened);
-        widened
+        self.widened(&self.ended(path))
+    }
+
+    fn begin(&mut self, path: Path) -> Turned {
+        let path = self.ended(path);
+        let turned = if self.faces_path { None } else { self.turn_from_start(&path) };
+        turned.unwrap_or_else(|| Turned { path: self.widened(&path), until: 0.0 })
     }
 
     fn turn(&mut self, path: &Path, along: f64, next: Path) -> Option<Turned> {
-        let free_space = self.free_space();
+        let (free_space, next) = (self.free_space(), self.ended(next));
         let State { team_path, path_position, .. } = &mut self.state;
         let turned = team_path.planned_turn(path, along, &next, free_space)?;
         team_path.leave(path, along);
@@ -200,8 +190,15 @@ impl Walk for InTandem<'_> {
         let State { team_path, path_position, path_speed, .. } = &self.state;
         let along = team_path.locate(step.path, seen.position, step.from, *path_position, *path_speed < 0.0);
         let length = step.path.length();
+        let is_near =
+            || (team_path.pose(step.path, length).position - seen.position).norm() <= ARRIVAL_DISTANCE_M;
+        let last = length - ARRIVAL_TOLERANCE_M;
         Place {
-            along: if along >= length - ARRIVAL_TOLERANCE_M { length } else { along },
+            along: match along >= last {
+                true if is_near() => length,
+                true => last.max(step.from),
+                false => along,
+            },
             path_lead: *path_position - along,
         }
     }

@@ -3,12 +3,14 @@
 //! A team without extent walks its path exactly ([`OnPath`]). Bodies walk [`InTandem`]: the human ahead, the
 //! object, and the robot behind.
 
+mod ends;
 mod in_tandem;
 mod on_path;
 mod pace;
 mod route;
 mod team_path;
 
+pub use ends::Surroundings;
 pub use in_tandem::InTandem;
 pub use on_path::OnPath;
 pub(crate) use pace::TEAM_ACCELERATION;
@@ -31,6 +33,11 @@ pub trait Walk: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// The path that this team walks for `path`, which is planned for a point.
     fn walkable(&self, path: Path) -> Path {
         path
+    }
+
+    /// The way onto the first path, which begins where the team stands.
+    fn begin(&mut self, path: Path) -> Turned {
+        Turned { path: self.walkable(path), until: 0.0 }
     }
 
     /// Leaves the present path at the position `along` (m) for `next`, which begins there. `None` if there is

@@ -3,7 +3,7 @@
 //! DEVIATION (eq. 3): a point turns on the spot as soon as another option is preferred. A team whose bodies
 //! are too close to an opening to turn away from it first reverses on its own path, and then turns.
 
-use super::{Travel, Walk};
+use super::{Travel, Turned, Walk};
 use crate::geometry::{Path, Point};
 use crate::options::{OptionSet, Progress};
 use serde::{Deserialize, Serialize};
@@ -49,9 +49,9 @@ pub enum TurnOutcome {
 }
 
 impl Route {
-    /// Starts on the first path.
-    pub fn begin(&mut self, path: Path) {
-        self.path = path;
+    /// Starts on the way onto the first path.
+    pub fn begin(&mut self, turned: Turned) {
+        (self.path, self.turns_until) = (turned.path, turned.until);
     }
 
     /// Continues forward on the present path.

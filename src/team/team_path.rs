@@ -11,7 +11,7 @@ use crate::world::World;
 
 /// The arcs of turns onto another path; the first that has room is used. The robot follows at a distance, so
 /// its arm bends with the path between them, and it cannot bend backward. No turn exceeds 200 degrees.
-const ARCS: [Arc; 2] = [Arc { radius: 0.5, most: 1.4 }, Arc { radius: 1.0, most: 3.5 }];
+pub(super) const ARCS: [Arc; 2] = [Arc { radius: 0.5, most: 1.4 }, Arc { radius: 1.0, most: 3.5 }];
 /// Clearance (m) around the points of the team's path, and around the object's axis.
 pub(super) const BODY_ROOM_M: f64 = 0.249;
 const OBJECT_ROOM_M: f64 = 0.1;
@@ -151,7 +151,7 @@ impl TeamPath {
     }
 
     /// How far the human's body is ahead of the object's middle, m.
-    fn body_ahead(&self) -> f64 {
+    pub(super) fn body_ahead(&self) -> f64 {
         self.half() + WALKS_AHEAD_M
     }
 

@@ -10,6 +10,17 @@ pub enum WorldError {
     /// A file cannot be read, or is not TOML.
     #[error(transparent)]
     File(#[from] FileError),
+    /// The map that a world file names is at fault.
+    #[error(transparent)]
+    Map(Box<dyn std::error::Error + Send + Sync>),
+    /// A world that names a map was given as text alone.
+    #[error(
+        "{place}: the file of a map can be read only with the world file's folder; `cocarry world FILE --write` writes the world with the map's outlines"
+    )]
+    NamesMap {
+        /// Where.
+        place: Place,
+    },
     /// There is no world file and no built-in world of that name.
     #[error("{name}: no such world; expected a world file, or one of the built-in worlds {known}{hint}")]
     NoSuchWorld {
@@ -60,27 +71,33 @@ pub enum WorldError {
         /// `obstacle`, `opening` or `option`.
         kind: &'static str,
     },
-    /// A polygon has too few corners.
-    #[error("{place}: {count} corners in vertices_m; a polygon needs 3 to 64")]
+    /// A polygon has too few corners, or too many.
+    #[error("{place}: {count} corners in {field}; a polygon needs 3 to 20000")]
     Corners {
         /// Where.
         place: Place,
+        /// The key.
+        field: String,
         /// The number of corners found.
         count: usize,
     },
-    /// A polygon is not convex.
+    /// A polygon's outline crosses itself.
     #[error(
-        "{place}: vertices_m is not convex at corner {corner}, ({x}, {y}); list the corners of a convex outline in order, no three on a line, or split it"
+        "{place}: the side of its outline that begins at ({x}, {y}) crosses or touches another side; list the corners in order around the outline"
     )]
-    NotConvex {
+    Crossing {
         /// Where.
         place: Place,
-        /// The corner, counted from 1.
-        corner: usize,
-        /// Its x, m.
+        /// Where the side begins: x, m.
         x: f64,
         /// Its y, m.
         y: f64,
+    },
+    /// All corners of a polygon are on a line.
+    #[error("{place}: all corners of an outline are on one line")]
+    Flat {
+        /// Where.
+        place: Place,
     },
     /// A shape too thin for its length.
     #[error("{place}: its proportions are too extreme for a solid; use corners and a height of similar size")]

@@ -15,8 +15,10 @@ pub(super) struct WorldFile {
     pub robot_width_m: Spanned<f64>,
     pub start_m: Spanned<Pair<f64>>,
     pub target_m: Spanned<Pair<f64>>,
+    pub start_heading_deg: Option<Spanned<f64>>,
     pub option_limit: Option<Spanned<i64>>,
     pub object: Option<ObjectEntry>,
+    pub map: Option<Spanned<toml::Value>>,
     #[serde(default, rename = "obstacle")]
     pub obstacles: Vec<Spanned<ObstacleEntry>>,
     #[serde(default, rename = "opening")]
@@ -36,6 +38,7 @@ pub(super) struct ObstacleEntry {
     pub yaw_deg: Option<f64>,
     pub radius_m: Option<f64>,
     pub vertices_m: Option<Vec<Pair<f64>>>,
+    pub holes_m: Option<Vec<Vec<Pair<f64>>>>,
     pub height_m: f64,
 }
 
@@ -45,6 +48,20 @@ pub(super) enum ShapeEntry {
     Box,
     Cylinder,
     Polygon,
+    /// What is around a polygon: the walls of a room.
+    Room,
+}
+
+impl ShapeEntry {
+    /// The name in a world file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Box => "box",
+            Self::Cylinder => "cylinder",
+            Self::Polygon => "polygon",
+            Self::Room => "room",
+        }
+    }
 }
 
 /// One `[[opening]]`.

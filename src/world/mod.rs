@@ -22,15 +22,15 @@ mod values;
 pub use built_in::{BUILT_IN_WORLDS, BuiltInWorld};
 pub use error::WorldError;
 pub use object::{CarriedObject, ObjectShape};
-pub use obstacle::Obstacle;
+pub use obstacle::{Obstacle, Part};
 pub use opening::{FREE_PASSAGE, Opening};
 
-use crate::geometry::{Bounds, Point};
+use crate::geometry::{Bounds, Point, Solid, Vector, cross};
 use crate::located::{self, LARGEST_WORLD, Place, Source};
 use crate::suggestion;
 use file::{OptionEntry, WorldFile};
 use obstacle::Check;
-use opening::Gaps;
+use opening::{Gaps, TOUCHING_M};
 use std::collections::BTreeSet;
 use std::path::Path;
 use toml::Spanned;
@@ -40,6 +40,13 @@ use values::{Pair, Values};
 pub const DEFAULT_OPTION_LIMIT: usize = 8;
 /// Largest value of `option_limit`.
 pub const LARGEST_OPTION_LIMIT: usize = 64;
+
+/// Widths of robots that are no mistake, m.
+const USUAL_WIDTHS_M: std::ops::RangeInclusive<f64> = 0.1..=3.0;
+/// The extent of a world in robot widths beyond which its unit is probably wrong.
+const LARGE_WORLD: f64 = 1000.0;
+/// Distance from A to B below which they are one point, m.
+const SAME_PLACE_M: f64 = 0.01;
 
 /// The least difference of a robot's width from that of its world that counts, m.
 const WIDTH_TOLERANCE_M: f64 = 1e-6;
@@ -63,10 +70,17 @@ pub struct World {
     pub start: Point,
     /// Target B.
     pub target: Point,
+    /// The direction in which a team with bodies faces at the start, rad; if not given, along its first path
+    /// where there is room for that.
+    pub start_heading: Option<f64>,
     /// The carried object.
     pub object: CarriedObject,
     /// The obstacles, in file order.
     pub obstacles: Vec<Obstacle>,
+    /// What paths keep clear of: the obstacles, those that touch as one.
+    pub(crate) solids: Vec<Solid>,
+    /// The obstacles that each of these consists of.
+    members: Vec<Vec<usize>>,
     /// The openings: as declared, in file order, or as detected, ordered by their obstacles.
     pub openings: Vec<Opening>,
     /// Whether the openings were detected because the file declares none.
@@ -130,6 +144,9 @@ impl World {
         let source = Source { file, text };
         let entries: WorldFile = source.parse("world file")?;
         let top = |spanned: &Spanned<f64>, item: &str| source.place(spanned, item);
+        if let Some(map) = &entries.map {
+            return Err(WorldError::NamesMap { place: source.place(map, "map") });
+        }
         let given = Check { place: &top(&entries.robot_width_m, "world") }
             .size("robot_width_m", *entries.robot_width_m.get_ref())?;
         let is_widened = width > given + WIDTH_TOLERANCE_M;
@@ -139,9 +156,17 @@ impl World {
         let obstacles = obstacles(source, &entries)?;
         let start = endpoint(source, "start_m", &entries.start_m, &obstacles, robot_width)?;
         let target = endpoint(source, "target_m", &entries.target_m, &obstacles, robot_width)?;
+        let heading = |entry: &Spanned<f64>| {
+            Check { place: &top(entry, "world") }.angle("start_heading_deg", *entry.get_ref())
+        };
+        let start_heading = entries.start_heading_deg.as_ref().map(heading).transpose()?.map(f64::to_radians);
         let openings_detected = entries.openings.is_empty();
+        let alone = obstacles.iter().map(Obstacle::solid).collect();
+        let (solids, members): (Vec<Solid>, Vec<Vec<usize>>) =
+            Solid::joined(alone, TOUCHING_M).into_iter().unzip();
         let openings = if openings_detected {
-            Gaps::new(&obstacles).detect(robot_width)
+            let openings = Gaps::between(&obstacles, &solids, &members).detect(robot_width);
+            numbered(openings, start, target)
         } else {
             declared_openings(source, &entries, &obstacles, robot_width)?
         };
@@ -156,8 +181,11 @@ impl World {
             is_widened,
             start,
             target,
+            start_heading,
             object,
             obstacles,
+            solids,
+            members,
             openings,
             openings_detected,
             listed_options,
@@ -165,19 +193,48 @@ impl World {
         })
     }
 
+    /// What is probably a mistake, such as lengths in millimetres, a sentence each.
+    pub fn warnings(&self) -> Vec<String> {
+        let Self { file, robot_width, start, target, .. } = self;
+        let mut warnings = Vec::new();
+        if !USUAL_WIDTHS_M.contains(robot_width) {
+            warnings.push(format!(
+                "{file}: robot_width_m = {robot_width}: mobile manipulators are {} to {} m wide; all lengths are in metres",
+                USUAL_WIDTHS_M.start(),
+                USUAL_WIDTHS_M.end()
+            ));
+        }
+        let size = self.bounds().size();
+        let extent = size.x.max(size.y);
+        if extent > LARGE_WORLD * robot_width {
+            let distance = |obstacle: &&Obstacle| obstacle.distance_to_point(*start);
+            let farthest = self.obstacles.iter().max_by(|a, b| distance(a).total_cmp(&distance(b)));
+            let named = farthest.map_or(String::new(), |o| {
+                format!(", and obstacle `{}` is {:.0} m from A", o.name, distance(&o))
+            });
+            warnings.push(format!(
+                "{file}: the world is {extent:.0} m across, {:.0} times robot_width_m{named}; all lengths are in metres",
+                extent / robot_width
+            ));
+        }
+        if (target - start).norm() < SAME_PLACE_M {
+            warnings.push(format!(
+                "{file}: start_m and target_m are the same point; the team has arrived at once"
+            ));
+        }
+        warnings
+    }
+
     /// The smallest rectangle around the obstacles, the start and the target.
     pub fn bounds(&self) -> Bounds {
-        let corners = self.obstacles.iter().flat_map(|o| {
-            let b = o.footprint.bounds();
-            [b.min, b.max]
-        });
+        let corners = self.obstacles.iter().map(Obstacle::bounds).flat_map(|b| [b.min, b.max]);
         Bounds::around(corners.chain([self.start, self.target]))
             .unwrap_or(Bounds { min: self.start, max: self.target })
     }
 
     /// Gaps that the robot cannot pass, in the order of their obstacles.
     pub fn closed_gaps(&self) -> Vec<Opening> {
-        Gaps::new(&self.obstacles).impassable(self.robot_width)
+        Gaps::between(&self.obstacles, &self.solids, &self.members).impassable(self.robot_width)
     }
 
     /// Gaps that the robot cannot pass, widest first: the likely causes of an unreachable target.
@@ -214,10 +271,8 @@ fn endpoint(
     let place = source.place(spanned, "world");
     let point = Check { place: &place }.point(field, spanned.get_ref().0)?;
     let needed = robot_width / 2.0;
-    let nearest = obstacles
-        .iter()
-        .map(|o| (o, o.footprint.distance_to_point(point)))
-        .min_by(|a, b| a.1.total_cmp(&b.1));
+    let nearest =
+        obstacles.iter().map(|o| (o, o.distance_to_point(point))).min_by(|a, b| a.1.total_cmp(&b.1));
     match nearest {
         Some((obstacle, distance)) if distance < needed => Err(WorldError::Occupied {
             place: source.place(spanned, field),
@@ -238,7 +293,8 @@ fn declared_openings(
     robot_width: f64,
 ) -> Result<Vec<Opening>, WorldError> {
     let mut names = BTreeSet::new();
-    let gaps = Gaps::new(obstacles);
+    let numbers: Vec<usize> = (0..obstacles.len()).collect();
+    let gaps = Gaps::of(obstacles, &numbers);
     let find = |name: &String, place: &Place| {
         obstacles.iter().position(|o| o.name == *name).ok_or_else(|| WorldError::Unknown {
             place: place.clone(),
@@ -261,7 +317,7 @@ fn declared_openings(
             if between[0] == between[1] {
                 return Err(WorldError::SameObstacle { place, obstacle: first.clone() });
             }
-            let gap = gaps.measure(between);
+            let gap = gaps.narrowest(between);
             let width = gap.as_ref().map_or(0.0, |g| g.width);
             let (first, second) = (first.clone(), second.clone());
             let Some(gap) = gap.filter(|g| g.is_passable(robot_width)) else {
@@ -271,7 +327,7 @@ fn declared_openings(
                 let third = obstacles[third].name.clone();
                 return Err(WorldError::Obstructed { place, first, second, third, distance, width });
             }
-            Ok(Opening { name: entry.name.clone(), ..gap })
+            Ok(Opening { name: entry.name.clone(), ..gaps.named(gap) })
         })
         .collect::<Result<_, _>>()?;
     for (i, same) in opening::same_gaps(&openings).into_iter().enumerate() {
@@ -281,6 +337,22 @@ fn declared_openings(
         }
     }
     Ok(openings)
+}
+
+/// These openings, named in the order in which they lie on the way from A to B, and from left to right where
+/// they lie side by side.
+fn numbered(mut openings: Vec<Opening>, start: Point, target: Point) -> Vec<Opening> {
+    let along = (target - start).try_normalize(0.0).unwrap_or(Vector::x());
+    // up to rounding, so that a room that is moved or turned has the same order
+    let micrometres = |length: f64| (length * 1e6).round() as i64;
+    openings.sort_by_cached_key(|opening| {
+        let from_start = opening.center() - start;
+        (micrometres(from_start.dot(&along)), micrometres(cross(from_start, along)))
+    });
+    for (i, opening) in openings.iter_mut().enumerate() {
+        opening.name = format!("xi{}", i + 1);
+    }
+    openings
 }
 
 fn listed_options(

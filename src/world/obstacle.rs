@@ -3,7 +3,7 @@
 use super::error::WorldError;
 use super::file::{ObstacleEntry, ShapeEntry};
 use super::values::Pair;
-use crate::geometry::{Footprint, Point, cross, direction, left_of};
+use crate::geometry::{Bounds, Footprint, Outline, Point, RingFault, cross, direction, left_of};
 use crate::located::Place;
 use crate::math;
 use parry3d::math::{Pose, Rotation, Vec3};
@@ -14,20 +14,38 @@ const LARGEST_COORDINATE_M: f64 = 1e4;
 /// Shortest side of an obstacle, m.
 const SMALLEST_LENGTH_M: f64 = 1e-3;
 
+/// The largest number of corners of an outline.
+const MAX_CORNERS: usize = 20_000;
+/// Convex polygons with more corners than this are covered by several parts.
+const MAX_PART_CORNERS: usize = 64;
+/// The thickness of a room's walls where they are thinnest, m.
+const ROOM_WALL_M: f64 = 0.2;
+
 /// An upright obstacle that stands on the floor.
 #[derive(Clone, Debug)]
 pub struct Obstacle {
     /// Name, unique in its world.
     pub name: String,
-    /// Its outline on the floor.
-    pub footprint: Footprint,
     /// Height, m.
     pub height: f64,
+    /// Convex parts that cover it: one, unless it is concave.
+    pub parts: Vec<Part>,
+    /// The outline of a concave one.
+    pub outline: Option<Outline>,
+    shape: ShapeEntry,
+}
+
+/// A convex part of an obstacle.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// Its outline on the floor.
+    pub footprint: Footprint,
+    height: f64,
     solid: Solid,
     shape: SharedShape,
 }
 
-/// The parameters from which outline and solid are made.
+/// The parameters from which the outline and the shape of a part are made.
 #[derive(Clone, Debug, PartialEq)]
 enum Solid {
     Box { center: Point, size: [f64; 2], yaw: f64 },
@@ -38,17 +56,14 @@ enum Solid {
 impl Obstacle {
     pub(super) fn from_entry(entry: &ObstacleEntry, place: &Place) -> Result<Self, WorldError> {
         let check = Check { place };
-        let shape = match entry.shape {
-            ShapeEntry::Box => "box",
-            ShapeEntry::Cylinder => "cylinder",
-            ShapeEntry::Polygon => "polygon",
-        };
+        let shape = entry.shape.name();
         let given = [
             ("center_m", entry.center_m.is_some(), "box cylinder"),
             ("size_m", entry.size_m.is_some(), "box"),
             ("yaw_deg", entry.yaw_deg.is_some(), "box"),
             ("radius_m", entry.radius_m.is_some(), "cylinder"),
-            ("vertices_m", entry.vertices_m.is_some(), "polygon"),
+            ("vertices_m", entry.vertices_m.is_some(), "polygon room"),
+            ("holes_m", entry.holes_m.is_some(), "polygon"),
         ];
         for (field, is_given, shapes) in given {
             if is_given && !shapes.contains(shape) {
@@ -56,27 +71,101 @@ impl Obstacle {
             }
         }
         let missing = |field| WorldError::Missing { place: place.clone(), shape, field };
+        let extreme = || WorldError::Extreme { place: place.clone() };
         let height = check.size("height_m", entry.height_m)?;
-        let solid = match entry.shape {
+        type Shape = (Vec<Part>, Option<Outline>);
+        let single = |solid: Solid| -> Result<Shape, WorldError> {
+            let part = Part::new(solid, height).ok_or_else(extreme)?;
+            Ok((vec![part], None))
+        };
+        let concave = |outline: Result<Outline, RingFault>| -> Result<Shape, WorldError> {
+            let outline = outline.map_err(|fault| check.fault(fault))?;
+            let parts = outline.parts().ok_or_else(extreme)?;
+            let parts = parts.into_iter().filter_map(|corners| Part::new(Solid::Prism { corners }, height));
+            Ok((parts.collect(), Some(outline)))
+        };
+        let (parts, outline) = match entry.shape {
             ShapeEntry::Box => {
                 let size = entry.size_m.ok_or_else(|| missing("size_m"))?.0;
-                Solid::Box {
+                single(Solid::Box {
                     center: check.point("center_m", entry.center_m.ok_or_else(|| missing("center_m"))?.0)?,
                     size: [check.size("size_m[0]", size[0])?, check.size("size_m[1]", size[1])?],
                     yaw: check.angle("yaw_deg", entry.yaw_deg.unwrap_or(0.0))?.to_radians(),
-                }
+                })
             }
-            ShapeEntry::Cylinder => Solid::Cylinder {
+            ShapeEntry::Cylinder => single(Solid::Cylinder {
                 center: check.point("center_m", entry.center_m.ok_or_else(|| missing("center_m"))?.0)?,
                 radius: check.size("radius_m", entry.radius_m.ok_or_else(|| missing("radius_m"))?)?,
-            },
-            ShapeEntry::Polygon => {
+            }),
+            ShapeEntry::Polygon | ShapeEntry::Room => {
                 let vertices = entry.vertices_m.as_ref().ok_or_else(|| missing("vertices_m"))?;
-                Solid::Prism { corners: check.convex(vertices)? }
+                let ring = check.ring("vertices_m", vertices)?;
+                match (entry.shape, &entry.holes_m) {
+                    (ShapeEntry::Room, _) => concave(Outline::around(ring, ROOM_WALL_M)),
+                    (_, Some(holes)) => {
+                        let hole = |(i, hole): (usize, &Vec<_>)| check.ring(&format!("holes_m[{i}]"), hole);
+                        let holes = holes.iter().enumerate().map(hole).collect::<Result<_, _>>()?;
+                        concave(Outline::with_holes(ring, holes))
+                    }
+                    _ => match convex(&ring).filter(|corners| corners.len() <= MAX_PART_CORNERS) {
+                        Some(corners) => single(Solid::Prism { corners }),
+                        None => concave(Outline::inside(ring)),
+                    },
+                }
             }
-        };
-        let shape = solid.shape(height).ok_or_else(|| WorldError::Extreme { place: place.clone() })?;
-        Ok(Self { name: entry.name.clone(), footprint: solid.footprint(), height, solid, shape })
+        }?;
+        Ok(Self { name: entry.name.clone(), height, parts, outline, shape: entry.shape })
+    }
+
+    /// The convex outlines that cover it.
+    pub fn footprints(&self) -> impl Iterator<Item = &Footprint> {
+        self.parts.iter().map(|part| &part.footprint)
+    }
+
+    /// The smallest rectangle around it.
+    pub fn bounds(&self) -> Bounds {
+        let corners = self.footprints().map(Footprint::bounds).flat_map(|b| [b.min, b.max]);
+        Bounds::around(corners).unwrap_or(Bounds { min: Point::origin(), max: Point::origin() })
+    }
+
+    /// Distance (m) from `p`; 0 inside.
+    pub fn distance_to_point(&self, p: Point) -> f64 {
+        self.footprints().map(|part| part.distance_to_point(p)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Distance (m) from the segment `a b`; 0 where they meet.
+    pub fn distance_to_segment(&self, a: Point, b: Point) -> f64 {
+        self.footprints().map(|part| part.distance_to_segment(a, b)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// It alone, as what paths keep clear of.
+    pub(super) fn solid(&self) -> crate::geometry::Solid {
+        match &self.outline {
+            None => crate::geometry::Solid::single(self.parts[0].footprint.clone()),
+            Some(outline) => crate::geometry::Solid {
+                parts: self.footprints().cloned().collect(),
+                corners: outline.corners().collect(),
+            },
+        }
+    }
+
+    /// The name of the shape in a world file.
+    pub fn shape_name(&self) -> &'static str {
+        self.shape.name()
+    }
+
+    /// A point inside the outline, used to place a label.
+    pub fn middle(&self) -> Point {
+        let extent = |part: &&Part| part.footprint.bounds().size().norm_squared();
+        let widest = self.parts.iter().max_by(|a, b| extent(a).total_cmp(&extent(b)));
+        widest.map_or(self.bounds().min, Part::middle)
+    }
+}
+
+impl Part {
+    fn new(solid: Solid, height: f64) -> Option<Self> {
+        let shape = solid.shape(height)?;
+        Some(Self { footprint: solid.footprint(), height, solid, shape })
     }
 
     /// The solid as a parry shape with its pose, `world_from_solid`. Its base is at z = 0.
@@ -92,17 +181,7 @@ impl Obstacle {
         (Pose::from_parts(translation, rotation), &*self.shape)
     }
 
-    /// The name of the shape in a world file.
-    pub fn shape_name(&self) -> &'static str {
-        match self.solid {
-            Solid::Box { .. } => "box",
-            Solid::Cylinder { .. } => "cylinder",
-            Solid::Prism { .. } => "polygon",
-        }
-    }
-
-    /// A point inside the outline, used to place a label.
-    pub fn middle(&self) -> Point {
+    fn middle(&self) -> Point {
         match &self.solid {
             Solid::Box { center, .. } | Solid::Cylinder { center, .. } => *center,
             Solid::Prism { corners } => centroid(corners),
@@ -174,44 +253,57 @@ impl Check<'_> {
         Ok(Point::new(x, y))
     }
 
-    fn angle(&self, field: &str, value: f64) -> Result<f64, WorldError> {
+    pub fn angle(&self, field: &str, value: f64) -> Result<f64, WorldError> {
         self.number(field, value, value.abs() <= 360.0, "an angle from -360 to 360 (degrees)")
     }
 
-    /// Convex corners in counter-clockwise order.
-    fn convex(&self, vertices: &[Pair<f64>]) -> Result<Vec<Point>, WorldError> {
-        let n = vertices.len();
-        if !(3..=64).contains(&n) {
-            return Err(WorldError::Corners { place: self.place.clone(), count: n });
-        }
-        let corners: Vec<Point> = vertices
+    /// The corners of a polygon. The last may repeat the first.
+    fn ring(&self, field: &str, vertices: &[Pair<f64>]) -> Result<Vec<Point>, WorldError> {
+        let mut corners: Vec<Point> = vertices
             .iter()
             .enumerate()
-            .map(|(i, v)| self.point(&format!("vertices_m[{i}]"), v.0))
+            .map(|(i, v)| self.point(&format!("{field}[{i}]"), v.0))
             .collect::<Result<_, _>>()?;
-        let area: f64 =
-            (0..n).map(|i| cross(corners[i].coords, corners[(i + 1) % n].coords)).sum::<f64>() / 2.0;
-        let clockwise = area < 0.0;
-        let mut turned = 0.0;
-        for i in 0..n {
-            let before = corners[i] - corners[(i + n - 1) % n];
-            let after = corners[(i + 1) % n] - corners[i];
-            let turn = cross(before, after) * if clockwise { -1.0 } else { 1.0 };
-            // a star turns left at every corner too, but more than once around
-            turned += math::atan2(turn, before.dot(&after));
-            let once_around = turned < std::f64::consts::TAU + 1e-6;
-            if turn <= 1e-9 * before.norm() * after.norm()
-                || before.norm() < SMALLEST_LENGTH_M
-                || !once_around
-            {
-                return Err(WorldError::NotConvex {
-                    place: self.place.clone(),
-                    corner: i + 1,
-                    x: corners[i].x,
-                    y: corners[i].y,
-                });
-            }
+        if corners.len() > 3 && corners.first() == corners.last() {
+            corners.pop();
         }
-        Ok(if clockwise { corners.into_iter().rev().collect() } else { corners })
+        if !(3..=MAX_CORNERS).contains(&corners.len()) {
+            let field = field.to_owned();
+            return Err(WorldError::Corners { place: self.place.clone(), field, count: corners.len() });
+        }
+        Ok(corners)
     }
+
+    fn fault(&self, fault: RingFault) -> WorldError {
+        let place = self.place.clone();
+        match fault {
+            RingFault::Flat => WorldError::Flat { place },
+            RingFault::Crossing { from } => WorldError::Crossing { place, x: from.x, y: from.y },
+        }
+    }
+}
+
+/// The corners of a convex polygon, counter-clockwise; `None` if it is not convex, has corners that are closer
+/// together than a millimetre, or three on a line.
+fn convex(corners: &[Point]) -> Option<Vec<Point>> {
+    let n = corners.len();
+    let area: f64 = (0..n).map(|i| cross(corners[i].coords, corners[(i + 1) % n].coords)).sum::<f64>() / 2.0;
+    let clockwise = area < 0.0;
+    let mut turned = 0.0;
+    for i in 0..n {
+        let before = corners[i] - corners[(i + n - 1) % n];
+        let after = corners[(i + 1) % n] - corners[i];
+        let turn = cross(before, after) * if clockwise { -1.0 } else { 1.0 };
+        // a star turns left at every corner too, but more than once around
+        turned += math::atan2(turn, before.dot(&after));
+        let once_around = turned < std::f64::consts::TAU + 1e-6;
+        if turn <= 1e-9 * before.norm() * after.norm() || before.norm() < SMALLEST_LENGTH_M || !once_around {
+            return None;
+        }
+    }
+    let mut corners = corners.to_vec();
+    if clockwise {
+        corners.reverse();
+    }
+    Some(corners)
 }

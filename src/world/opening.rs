@@ -4,17 +4,17 @@
 //! nearest to its middle. The number of obstacles in a wall therefore does not matter. Where several touch or
 //! overlap, only their common outline counts.
 
-use super::obstacle::Obstacle;
-use crate::geometry::{Bounds, Footprint, Nearby, Point, Vector, left_of};
+use super::obstacle::{Obstacle, Part};
+use crate::geometry::{Bounds, Footprint, Nearby, Point, Solid, Vector, left_of};
 use parry3d::query::{ClosestPoints, closest_points};
 use std::collections::BTreeSet;
 
 /// The width in robot widths above which an opening is free passage (Sec. III-A, footnote 1).
 pub const FREE_PASSAGE: f64 = 5.0;
 
-/// Outline parts within this distance (m) of the closest ones count as closest too: parallel faces. Obstacles
-/// this close to each other touch.
-const PARALLEL_TOLERANCE_M: f64 = 1e-6;
+/// Obstacles this close to each other (m) touch. Outline parts within this distance of the closest ones count as
+/// closest too: parallel faces.
+pub(super) const TOUCHING_M: f64 = 1e-6;
 /// The distance (m) between the bounds of obstacles that may touch.
 const TOUCHING_BOUNDS_M: f64 = 1e-5;
 /// Accuracy of a gap's width, m. A gap wider than the robot by no more than this is impassable.
@@ -76,37 +76,56 @@ impl Opening {
     }
 }
 
-/// The obstacles of a world by place, with the gaps between them.
+/// Convex outlines by place, with the gaps between them.
 pub(super) struct Gaps<'a> {
     obstacles: &'a [Obstacle],
+    sides: Vec<Side<'a>>,
     bounds: Vec<Bounds>,
     nearby: Nearby,
 }
 
+/// A convex outline that may be a side of a gap.
+struct Side<'a> {
+    footprint: &'a Footprint,
+    /// The part of an obstacle that it is; `None` where it is a part of several obstacles that touch.
+    part: Option<&'a Part>,
+    /// The obstacles to which it belongs.
+    obstacles: &'a [usize],
+}
+
 impl<'a> Gaps<'a> {
-    pub fn new(obstacles: &'a [Obstacle]) -> Self {
-        let bounds: Vec<Bounds> = obstacles.iter().map(|o| o.footprint.bounds()).collect();
+    fn new(obstacles: &'a [Obstacle], sides: Vec<Side<'a>>) -> Self {
+        let bounds: Vec<Bounds> = sides.iter().map(|side| side.footprint.bounds()).collect();
         let nearby = Nearby::new(bounds.iter().copied());
-        Self { obstacles, bounds, nearby }
+        Self { obstacles, sides, bounds, nearby }
     }
 
-    /// The unnamed gap between two obstacles; `None` where they touch.
+    /// The gaps between solids, each of which consists of some of the obstacles.
+    pub fn between(obstacles: &'a [Obstacle], solids: &'a [Solid], members: &'a [Vec<usize>]) -> Self {
+        let sides = solids.iter().zip(members).flat_map(|(solid, members)| {
+            solid.parts.iter().enumerate().map(move |(i, footprint)| {
+                let part = if let [alone] = members[..] { obstacles[alone].parts.get(i) } else { None };
+                Side { footprint, part, obstacles: members }
+            })
+        });
+        Self::new(obstacles, sides.collect())
+    }
+
+    /// The unnamed gap between two convex outlines; `None` where they touch.
     ///
-    /// The width and the direction come from parry's closest points of the two solids. Both stand on the
-    /// floor, so these points are at the same height.
-    pub fn measure(&self, between: [usize; 2]) -> Option<Opening> {
-        let [first, second] = between.map(|i| &self.obstacles[i]);
-        let ((pose1, shape1), (pose2, shape2)) = (first.solid(), second.solid());
-        let found = closest_points(&pose1, shape1, &pose2, shape2, f64::MAX).ok()?;
-        let ClosestPoints::WithinMargin(p1, p2) = found else {
-            return None;
+    /// The width and the direction come from the closest points: of solids, parry's. All stand on the floor,
+    /// so these points are at the same height.
+    fn measure(&self, between: [usize; 2]) -> Option<Opening> {
+        let [first, second] = between.map(|i| &self.sides[i]);
+        let [p1, p2] = match (first.part, second.part) {
+            (Some(first), Some(second)) => closest([first, second])?,
+            _ => first.footprint.closest_points(second.footprint),
         };
-        let (p1, p2) = (Point::new(p1.x, p1.y), Point::new(p2.x, p2.y));
         let width = (p2 - p1).norm();
-        if width < PARALLEL_TOLERANCE_M {
+        if width < TOUCHING_M {
             return None;
         }
-        let toward = across([&first.footprint, &second.footprint], (p2 - p1) / width, width);
+        let toward = across([first.footprint, second.footprint], (p2 - p1) / width, width);
         let left = left_of(toward);
         let part1 = self.face(between[0], toward);
         let part2 = self.face(between[1], -toward);
@@ -117,21 +136,35 @@ impl<'a> Gaps<'a> {
         Some(Opening { name: String::new(), between, ends, width })
     }
 
-    /// The face of an obstacle that lies farthest along the unit vector `toward`, extended by the obstacles
+    /// A gap measured between outlines, between the obstacles at its ends.
+    pub fn named(&self, gap: Opening) -> Opening {
+        let at = |end: usize| {
+            let obstacles = self.sides[gap.between[end]].obstacles;
+            if let [alone] = obstacles {
+                return *alone;
+            }
+            let obstacles = obstacles.iter().copied();
+            let distance = |i: usize| self.obstacles[i].distance_to_point(gap.ends[end]);
+            obstacles.map(|i| (i, distance(i))).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(i, _)| i)
+        };
+        Opening { between: [at(0), at(1)], ..gap }
+    }
+
+    /// The face of an outline that lies farthest along the unit vector `toward`, extended by the outlines
     /// that touch it and are flush with it. Returned as an interval on the axis to the left of `toward`, m
     /// from the world's origin.
-    fn face(&self, obstacle: usize, toward: Vector) -> [f64; 2] {
-        let outline = &self.obstacles[obstacle].footprint;
+    fn face(&self, side: usize, toward: Vector) -> [f64; 2] {
+        let outline = self.sides[side].footprint;
         let reach = outline.reach(toward);
-        let mut face = outline.farthest_part(toward, PARALLEL_TOLERANCE_M);
-        let mut seen = BTreeSet::from([obstacle]);
-        let mut queue = vec![obstacle];
+        let mut face = outline.farthest_part(toward, TOUCHING_M);
+        let mut seen = BTreeSet::from([side]);
+        let mut queue = vec![side];
         while let Some(part) = queue.pop() {
             for next in self.nearby.meeting(self.bounds[part].grown(TOUCHING_BOUNDS_M)) {
-                let outline = &self.obstacles[next].footprint;
-                let is_flush = (outline.reach(toward) - reach).abs() <= PARALLEL_TOLERANCE_M;
-                let [low, high] = outline.farthest_part(toward, PARALLEL_TOLERANCE_M);
-                let is_apart = low > face[1] + PARALLEL_TOLERANCE_M || high < face[0] - PARALLEL_TOLERANCE_M;
+                let outline = self.sides[next].footprint;
+                let is_flush = (outline.reach(toward) - reach).abs() <= TOUCHING_M;
+                let [low, high] = outline.farthest_part(toward, TOUCHING_M);
+                let is_apart = low > face[1] + TOUCHING_M || high < face[0] - TOUCHING_M;
                 if is_flush && !is_apart && seen.insert(next) {
                     face = [face[0].min(low), face[1].max(high)];
                     queue.push(next);
@@ -141,29 +174,58 @@ impl<'a> Gaps<'a> {
         face
     }
 
-    /// The third obstacle nearest to the middle of a gap, if it is nearer than the gap's own two: the
-    /// constriction is then elsewhere. An obstacle whose nearest point is an end of the gap is part of that
+    /// The third outline nearest to the middle of a gap, if it is nearer than the gap's own two: the
+    /// constriction is then elsewhere. An outline whose nearest point is an end of the gap is part of that
     /// side. Returns its index and distance (m).
-    pub fn obstructed(&self, gap: &Opening) -> Option<(usize, f64)> {
+    fn obstructing(&self, gap: &Opening) -> Option<(usize, f64)> {
         let center = gap.center();
-        let is_part_of_a_side = |o: &Obstacle| {
-            let (distance, away) = o.footprint.separation(center);
+        let is_part_of_a_side = |outline: &Footprint| {
+            let (distance, away) = outline.separation(center);
             let nearest = center - away * distance;
-            gap.ends.iter().any(|end| (nearest - end).norm() <= SAME_GAP_M)
+            // what the middle is inside of fills the gap
+            distance > 0.0 && gap.ends.iter().any(|end| (nearest - end).norm() <= SAME_GAP_M)
         };
-        let within = gap.width / 2.0 + PARALLEL_TOLERANCE_M;
+        let within = gap.width / 2.0 + TOUCHING_M;
         self.nearby
             .meeting(Bounds { min: center, max: center }.grown(within + TOUCHING_BOUNDS_M))
             .into_iter()
             .filter(|i| !gap.between.contains(i))
-            .map(|i| (i, self.obstacles[i].footprint.distance_to_point(center)))
-            .filter(|&(i, distance)| distance <= within && !is_part_of_a_side(&self.obstacles[i]))
+            .map(|i| (i, self.sides[i].footprint.distance_to_point(center)))
+            .filter(|&(i, distance)| distance <= within && !is_part_of_a_side(self.sides[i].footprint))
             .min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// The gaps no wider than `widest` (m), in the order of their obstacles.
+    /// The gaps between obstacles as they are, those that touch apart.
+    pub fn of(obstacles: &'a [Obstacle], numbers: &'a [usize]) -> Self {
+        let sides = obstacles.iter().zip(numbers).flat_map(|(obstacle, number)| {
+            let side = |part: &'a Part| Side {
+                footprint: &part.footprint,
+                part: Some(part),
+                obstacles: std::slice::from_ref(number),
+            };
+            obstacle.parts.iter().map(side)
+        });
+        Self::new(obstacles, sides.collect())
+    }
+
+    /// The narrowest gap between two obstacles; `None` where they touch.
+    pub fn narrowest(&self, between: [usize; 2]) -> Option<Opening> {
+        let [first, second] = between
+            .map(|obstacle| (0..self.sides.len()).filter(move |&i| self.sides[i].obstacles == [obstacle]));
+        let gaps = first.flat_map(|i| second.clone().map(move |j| self.measure([i, j])));
+        let gaps: Option<Vec<Opening>> = gaps.collect();
+        gaps?.into_iter().min_by(|a, b| a.width.total_cmp(&b.width))
+    }
+
+    /// The third obstacle nearest to the middle of a gap, if it is nearer than the gap's own two, and its
+    /// distance (m).
+    pub fn obstructed(&self, gap: &Opening) -> Option<(usize, f64)> {
+        self.obstructing(gap).map(|(side, distance)| (self.sides[side].obstacles[0], distance))
+    }
+
+    /// The gaps no wider than `widest` (m), in the order of their outlines.
     fn up_to(&self, widest: f64) -> impl Iterator<Item = Opening> {
-        (0..self.obstacles.len())
+        (0..self.sides.len())
             .flat_map(move |i| {
                 let near = self.nearby.meeting(self.bounds[i].grown(widest));
                 near.into_iter().filter(move |j| *j > i).map(move |j| [i, j])
@@ -172,26 +234,32 @@ impl<'a> Gaps<'a> {
             .filter(move |gap| gap.width <= widest)
     }
 
-    /// Every opening between two of the obstacles: d_r < w <= 5 d_r, and no third obstacle in the disc over
-    /// the gap.
+    /// Every opening, without a name: d_r < w <= 5 d_r, and no third outline in the disc over the gap.
     ///
     /// DEVIATION (design): a gap counts only if the disc that has it for a diameter is free of other
     /// obstacles, which is stronger than a free gap segment. Without it the diagonals between four pillars
     /// count as well: the same constriction twice, and gaps that cross.
     pub fn detect(&self, robot_width: f64) -> Vec<Opening> {
-        let is_opening = |gap: &Opening| gap.is_passable(robot_width) && self.obstructed(gap).is_none();
+        let is_opening = |gap: &Opening| gap.is_passable(robot_width) && self.obstructing(gap).is_none();
         let gaps: Vec<Opening> = self.up_to(FREE_PASSAGE * robot_width).filter(is_opening).collect();
         let mut is_new = vec![false; gaps.len()];
         for (i, same) in same_gaps(&gaps).into_iter().enumerate() {
             is_new[i] = !same.into_iter().any(|j| is_new[j]);
         }
-        let new = gaps.into_iter().zip(is_new).filter(|(_, is_new)| *is_new).enumerate();
-        new.map(|(i, (gap, _))| Opening { name: format!("xi{}", i + 1), ..gap }).collect()
+        gaps.into_iter().zip(is_new).filter(|(_, is_new)| *is_new).map(|(gap, _)| self.named(gap)).collect()
+    }
+
+    /// Whether the middle of a gap is inside an outline: between parts of one solid.
+    fn is_filled(&self, gap: &Opening) -> bool {
+        let center = gap.center();
+        let here = Bounds { min: center, max: center };
+        self.nearby.any_meeting(here, |i| self.sides[i].footprint.contains(center))
     }
 
     /// The gaps that are too narrow for the robot.
     pub fn impassable(&self, robot_width: f64) -> Vec<Opening> {
-        self.up_to(robot_width + WIDTH_TOLERANCE_M).collect()
+        let gaps = self.up_to(robot_width + WIDTH_TOLERANCE_M).filter(|gap| !self.is_filled(gap));
+        gaps.map(|gap| self.named(gap)).collect()
     }
 }
 
@@ -205,6 +273,15 @@ pub(super) fn same_gaps(gaps: &[Opening]) -> Vec<Vec<usize>> {
         near.into_iter().filter(|&j| j < i && gaps[j].is_same(gap)).collect()
     };
     gaps.iter().enumerate().map(same).collect()
+}
+
+/// The closest points of two solids, on the floor; `None` where they meet.
+fn closest(parts: [&Part; 2]) -> Option<[Point; 2]> {
+    let [(pose1, shape1), (pose2, shape2)] = parts.map(Part::solid);
+    match closest_points(&pose1, shape1, &pose2, shape2, f64::MAX).ok()? {
+        ClosestPoints::WithinMargin(p1, p2) => Some([p1, p2].map(|p| Point::new(p.x, p.y))),
+        _ => None,
+    }
 }
 
 /// The direction of a gap of this `width` (m) from the first to the second of two outlines, measured as

@@ -265,7 +265,7 @@ fn floods(world: &World, h: f64, clearance: f64, diagonally: bool) -> bool {
     let middle = |i: usize, j: usize| Point::new(bounds.min.x + h * i as f64, bounds.min.y + h * j as f64);
     let cell =
         |p: Point| [((p.x - bounds.min.x) / h).round() as usize, ((p.y - bounds.min.y) / h).round() as usize];
-    let is_free = |p: Point| world.obstacles.iter().all(|o| o.footprint.distance_to_point(p) >= clearance);
+    let is_free = |p: Point| world.obstacles.iter().all(|o| o.distance_to_point(p) >= clearance);
     let (start, target) = (cell(world.start), cell(world.target));
     let mut seen = vec![false; columns * rows];
     let mut queue = VecDeque::from([start]);
@@ -321,8 +321,7 @@ fn property_what_can_be_reached_agrees_with_a_flood_fill() {
                     .take_while(|s| *s < path.length())
                     .filter_map(|s| path.point_at(s))
                 {
-                    let room =
-                        world.obstacles.iter().map(|o| o.footprint.distance_to_point(p)).fold(9.0, f64::min);
+                    let room = world.obstacles.iter().map(|o| o.distance_to_point(p)).fold(9.0, f64::min);
                     assert!(
                         room > half - 1e-6,
                         "world {seed}: option {o} is {room} m off an obstacle at {p}"
@@ -378,33 +377,41 @@ fn openings_that_no_option_uses_are_told() {
     assert!(!stdout(&cocarry(&["world", "environment-1"])).contains("nowhere new"));
 }
 
-/// On the physical plant the human walks on beyond the target: what stands there is named before the run, and
-/// with room for the human the team arrives.
+/// On the physical plant the human walks on beyond the target: where something stands there, the team comes to
+/// the target in an arc; where there is no room for that, it is named before the run.
 #[test]
-fn a_target_without_room_for_the_human_is_refused() {
+fn a_target_without_room_for_the_human_is_reached_in_an_arc_or_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let run = |shelf: f64, plant: &str| {
+    let run = |shelf: f64, sides: &str, plant: &str| {
         let text = format!(
-            "{HEAD}start_m = [0, 0]\ntarget_m = [3, 0]\n{}",
+            "{HEAD}start_m = [0, 0]\ntarget_m = [3, 0]\n{}{sides}",
             wall("shelf", [shelf, -1.0, shelf + 0.3, 1.0], 0.0)
         );
         let path = folder.path().join("shelf.toml");
         std::fs::write(&path, text).unwrap();
         cocarry(&["run", path.to_str().unwrap(), "--plant", plant])
     };
-    let refused = run(4.1, "rapier");
+    // a blind alley
+    let sides = wall("left", [1.5, 0.6, 4.5, 0.8], 0.0) + &wall("right", [1.5, -0.8, 4.5, -0.6], 0.0);
+    let refused = run(4.1, &sides, "rapier");
     assert_eq!(refused.status.code(), Some(2));
     let error = stderr(&refused);
     assert!(
         error.contains("no room at the target") && error.contains("`shelf`") && error.contains("option `1`"),
         "{error}"
     );
-    assert!(run(4.1, "point").status.success(), "a point needs no room beyond its target");
-    let arrives = run(4.25, "rapier");
-    assert!(arrives.status.success() && stdout(&arrives).contains("arrived"), "{}", stdout(&arrives));
+    assert!(run(4.1, &sides, "point").status.success(), "a point needs no room beyond its target");
+    for shelf in [4.25, 4.1, 3.6] {
+        let arrives = run(shelf, "", "rapier");
+        assert!(
+            arrives.status.success() && stdout(&arrives).contains("arrived"),
+            "{shelf}: {}{}",
+            stdout(&arrives),
+            stderr(&arrives)
+        );
+    }
 }
 
-/// A path that bends shortly before its end: the room that is checked is where the human comes to stand.
 #[test]
 fn the_room_at_the_end_of_a_bend_is_where_the_human_stands() {
     let folder = tempfile::tempdir().unwrap();

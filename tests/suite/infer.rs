@@ -156,7 +156,7 @@ fn what_is_wrong_with_files_and_flags_is_named() {
         &["--means-of 20", "nothing else"],
     );
     refused(&["infer", TABLE_1, "--means-of", "20", "--draws", "200"], &["--means-of", "--draws"]);
-    refused(&["infer", ANSWERS, "--lapse-rate", "0.7"], &["--lapse-rate", "at most 0.5"]);
+    refused(&["infer", ANSWERS, "--lapse-rate", "0.7"], &["--lapse-rate", "from 0 to 0.5"]);
     refused(&["infer", ANSWERS, "--eta-median", "0"], &["--eta-median", "greater than 0"]);
     refused(&["infer", ANSWERS, "--draws", "10"], &["--draws", "100"]);
     refused(&["infer", SWITCHES, "--initial-stubbornness", "1"], &["--initial-stubbornness 1"]);

@@ -120,10 +120,10 @@ fn the_belief_is_calibrated_and_a_wrong_likelihood_is_not() {
 #[test]
 fn rates_out_of_their_range_are_refused_by_flag() {
     for (flag, value, expected) in [
-        ("--lapse-rate", "0.7", "must be at least 0 and at most 0.5"),
-        ("--lapse-rate", "-1", "must be at least 0 and at most 0.5"),
-        ("--assumed-lapse-rate", "nan", "must be at least 0 and at most 0.5"),
-        ("--assumed-lapse-rate", "often", "must be a number"),
+        ("--lapse-rate", "0.7", "must be a number from 0 to 0.5"),
+        ("--lapse-rate", "-1", "must be a number from 0 to 0.5"),
+        ("--assumed-lapse-rate", "nan", "must be a number from 0 to 0.5"),
+        ("--assumed-lapse-rate", "often", "must be a number from 0 to 0.5"),
     ] {
         let output = cocarry(&["calibrate", flag, value]);
         assert_eq!(output.status.code(), Some(2), "{flag} {value}");
@@ -134,11 +134,26 @@ fn rates_out_of_their_range_are_refused_by_flag() {
 
 #[test]
 fn h4_pairs_the_same_people_and_a_robot_that_knows_them_has_no_regret() {
+    let folder = tempfile::tempdir().unwrap();
     let h4 = |threads: &str| {
-        let arguments = ["reproduce", "h4", "--humans", "2", "--worlds", "2", "--threads", threads, "--json"];
-        json(&arguments)
+        let file = folder.path().join(format!("{threads}.csv"));
+        let name = file.to_str().unwrap();
+        let arguments = [
+            "reproduce",
+            "h4",
+            "--humans",
+            "2",
+            "--worlds",
+            "2",
+            "--threads",
+            threads,
+            "--rows",
+            name,
+            "--json",
+        ];
+        (json(&arguments), std::fs::read_to_string(&file).unwrap())
     };
-    let found = h4("2");
+    let (found, people) = h4("2");
     let rows = |table: &str| found[table].as_array().expect("rows").clone();
     // 5 worlds and the random ones, or 6 kinds of humans; 2 tasks, 4 robots
     assert_eq!([rows("by_world").len(), rows("by_human").len()], [48, 48]);
@@ -155,22 +170,55 @@ fn h4_pairs_the_same_people_and_a_robot_that_knows_them_has_no_regret() {
         of.map(|row| row["regret"].as_f64().expect("a number")).sum::<f64>()
     };
     assert!(total("prior") > 1.0, "the paper's robot does not know them: {}", total("prior"));
-    // 2 methods, 5 worlds, the random ones and all of them
+    // 4 methods of control, 5 worlds, the random ones and all of them
     let control = rows("control");
-    assert_eq!(control.len(), 112);
-    let cost = |method: &str, robot: &str| {
+    assert_eq!(control.len(), 224);
+    let cost = |pose: &str, robot: &str, part: &str| {
         let is_it = |row: &&serde_json::Value| {
-            row["world"] == "all" && row["method"] == method && row["robot"] == robot && row["task"] == 2
+            row["world"] == "all"
+                && row["method"] == "human-led"
+                && row["pose"] == pose
+                && row["robot"] == robot
+                && row["task"] == 2
         };
-        control.iter().find(is_it).and_then(|row| row["control_cost"].as_f64()).expect("a cost")
+        let row = control.iter().find(is_it).expect("a row");
+        match part {
+            "all" => row["control_cost"].as_f64(),
+            _ => row["parts"][0].as_f64(),
+        }
+        .expect("a cost")
     };
-    for method in ["human-led", "mutual"] {
-        assert!(cost(method, "prior") > 10.0);
+    // the way is the same with every robot; one that has learned tracks the human's option, with and without
+    // pose optimisation
+    for pose in ["with-po", "uniform-weights", "without-po"] {
+        for robot in ["learns", "knows"] {
+            let [knows, prior] = [robot, "prior"].map(|robot| cost(pose, robot, "all"));
+            assert!(prior > 10.0 && knows < 0.95 * prior, "{pose}, {robot}: {knows} and {prior}");
+            let [less, all] = [robot, "prior"].map(|robot| cost(pose, robot, "tracking"));
+            assert!(prior - knows < 1.5 * (all - less), "{pose}, {robot}: tracking {less} and {all}");
+        }
     }
-    // the way is the same, and the posture is chosen for it sooner
-    for robot in ["learns", "knows"] {
-        let [knows, prior] = [cost("human-led", robot), cost("human-led", "prior")];
-        assert!(knows < 0.9 * prior, "{robot}: {knows} and {prior}");
+    // the rows of people are what the tables are of
+    let lines: Vec<Vec<&str>> = people.lines().map(|line| line.split(',').collect()).collect();
+    let column = |name: &str| lines[0].iter().position(|heading| *heading == name).expect("a column");
+    // 6 groups of 2 people: 6 kinds as points, 4 with an arm; 2 tasks, 4 robots
+    assert_eq!(lines.len() - 1, 6 * 2 * (6 + 4) * 2 * 4);
+    let [pose, robot, method, task] = ["pose", "robot", "method", "task"].map(column);
+    let costs = lines[1..].iter().filter(|line| {
+        line[method] == "human-led"
+            && line[pose] == "without-po"
+            && line[robot] == "learns"
+            && line[task] == "2"
+    });
+    let costs: Vec<f64> = costs.map(|line| line[column("control_cost")].parse().unwrap()).collect();
+    let mean = costs.iter().sum::<f64>() / costs.len() as f64;
+    assert!((mean - cost("without-po", "learns", "all")).abs() < 1e-9, "{mean}");
+    let walked = column("objective_cost_m");
+    for line in lines[1..].iter().filter(|line| line[method] == "human-led") {
+        let same = |other: &&Vec<&str>| {
+            ["world", "stream", "task", "method"].map(column).iter().all(|&c| other[c] == line[c])
+        };
+        assert!(lines.iter().filter(same).all(|other| other[walked] == line[walked]), "{line:?}");
     }
-    assert_eq!(h4("1"), found, "the figures do not depend on the threads");
+    assert!(h4("1") == (found, people), "the figures do not depend on the threads");
 }

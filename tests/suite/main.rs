@@ -20,6 +20,7 @@ mod forged_snapshots;
 mod infer;
 mod learning;
 mod limits;
+mod maps;
 mod object_lost;
 mod outputs;
 mod own_robots;
@@ -50,5 +51,7 @@ mod suggestions;
 mod support;
 mod sweeps;
 mod terminal;
+mod ties;
 
+mod walks;
 mod worlds;

@@ -3,9 +3,11 @@
 use crate::support::{cocarry, repository, stderr};
 use cocarry::control;
 use cocarry::episode::{LOSS_DISTANCE_M, Manipulator, Outcome, Settings};
+use cocarry::geometry::{Point, direction};
 use cocarry::human::{Human, HumanDecision, HumanView, Stance};
+use cocarry::math;
 use cocarry::options::OptionSet;
-use cocarry::policy::{Decision, Motion, RobotPolicy, RobotView};
+use cocarry::policy::{Decision, Method, Motion, RobotPolicy, RobotView};
 use cocarry::robot::{InputVector, Robot};
 use cocarry::simulation::{BodyKind, PhysicsSettings};
 use cocarry_studies::paper;
@@ -80,7 +82,7 @@ impl Human for Stubborn {
     }
 }
 
-/// The robot's end is the one that is not where it should be; the hand, the softer grip with 1200 N/m, feels it.
+/// The hand, the softer grip with 1200 N/m, yields first.
 #[test]
 fn a_robot_that_backs_away_from_a_human_who_resists_loses_the_object() {
     let world = paper::ENVIRONMENTS[0].world().expect("a built-in world");
@@ -103,9 +105,58 @@ fn a_robot_that_backs_away_from_a_human_who_resists_loses_the_object() {
     let summary = episode.summary();
     assert_eq!(summary.outcome, Outcome::ObjectLost);
     let loss = summary.loss.expect("a loss");
-    assert_eq!(loss.by, BodyKind::Robot);
+    assert_eq!(loss.by, BodyKind::Human);
     assert!(loss.distance > LOSS_DISTANCE_M && loss.distance < 0.25, "{} m", loss.distance);
     assert!(loss.step < 10 && loss.step + 1 == summary.steps, "step {}", loss.step);
     let force = episode.tick().robot.and_then(|robot| robot.physics).expect("bodies").peak_force;
     assert!(force > 100.0, "{force} N");
+}
+
+/// Leads, and steers the hand to and fro by 29 degrees, whatever path is planned.
+#[derive(Clone, Debug, Default)]
+struct Steering {
+    target: Option<Point>,
+}
+
+impl Human for Steering {
+    fn decide(&mut self, view: &HumanView<'_>) -> HumanDecision {
+        let mut decision = HumanDecision { stance: Stance::TakeOver, ..HumanDecision::following(2) };
+        let Some(hand) = view.hand else { return decision };
+        let target = self.target.get_or_insert(hand.translation.vector.xy().into());
+        let yaw = -1.0 + 0.5 * math::sin(view.time * std::f64::consts::TAU / 8.0);
+        *target += direction(yaw) * (0.2 * 0.3 * (view.time / 2.0).min(1.0));
+        decision.hand = Some(*target);
+        decision
+    }
+}
+
+/// The distance to the planned path is a figure, not a loss: both grips hold the object.
+#[test]
+fn a_hand_that_leaves_the_planned_path_loses_nothing() {
+    let world = paper::ENVIRONMENTS[3].world().expect("a built-in world");
+    let robot = Robot::built_in().expect("the robot");
+    let settings = Settings { method: Method::HUMAN_LED, tick_limit: Some(60), ..Settings::default() };
+    let options = OptionSet::new(&world, 10.0).expect("its options");
+    let obstacles = control::RobotObstacles::new(&world);
+    let manipulator = Manipulator {
+        robot: &robot,
+        posture: robot.postures[0].joints,
+        control: control::Settings::default(),
+        obstacles: &obstacles,
+    };
+    let mut episode = cocarry::episode::Episode::builder(&options, &settings, paper::EXAMPLE_HUMAN)
+        .with_physics(manipulator, &world, &PhysicsSettings::default(), 1)
+        .with_human(Steering::default())
+        .begin()
+        .expect("room to start");
+    while episode.step().is_none() {}
+    let summary = episode.summary();
+    let (control, interaction) = (summary.control.expect("a robot"), summary.interaction.expect("bodies"));
+    assert_eq!((summary.outcome, summary.loss), (Outcome::OutOfTime, None));
+    assert!(
+        !summary.has_lost_object() && interaction.deflection < LOSS_DISTANCE_M,
+        "{}",
+        interaction.deflection
+    );
+    assert!(control.largest_error > LOSS_DISTANCE_M, "{} m from the path", control.largest_error);
 }

@@ -54,7 +54,7 @@ fn assert_walkable(world: &World, path: &Path) {
     for i in 0..=steps {
         let p = path.point_at(0.02 * i as f64).unwrap();
         for obstacle in &world.obstacles {
-            let room = obstacle.footprint.distance_to_point(p);
+            let room = obstacle.distance_to_point(p);
             assert!(room > world.robot_width / 2.0 - 1e-5, "{}: {p} has {room} m", world.file);
         }
     }

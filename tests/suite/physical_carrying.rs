@@ -396,24 +396,45 @@ fn a_team_does_not_have_to_turn_at_its_start() {
     assert!(most < 0.02, "the human's grip yields by {most} m");
 }
 
-/// On the physical plant the robot comes from behind the start: what stands beside its way there is named.
+/// On the physical plant the robot stands behind the start. Where it has no room in line with the path, the team
+/// is turned; at a heading that is given, what stands beside the robot's way is named.
 #[test]
-fn a_start_without_room_for_the_robot_is_refused() {
+fn a_start_without_room_for_the_robot_is_turned_or_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let run = |aside: f64, plant: &str| {
+    let run = |aside: f64, plant: &str, heading: &str| {
         let file = folder.path().join("post.toml");
         let post = format!("center_m = [-0.9, {aside}]\nradius_m = 0.1\nheight_m = 0.3\n");
-        let text =
-            "name = \"post\"\nrobot_width_m = 0.5\nstart_m = [0, 0]\ntarget_m = [4, 0]\n[[obstacle]]\n";
-        std::fs::write(&file, format!("{text}name = \"post\"\nshape = \"cylinder\"\n{post}")).unwrap();
+        let text = "name = \"post\"\nrobot_width_m = 0.5\nstart_m = [0, 0]\ntarget_m = [4, 0]\n";
+        std::fs::write(
+            &file,
+            format!("{text}{heading}[[obstacle]]\nname = \"post\"\nshape = \"cylinder\"\n{post}"),
+        )
+        .unwrap();
         cocarry(&["run", file.to_str().unwrap(), "--plant", plant])
     };
-    let refused = run(0.33, "rapier");
+    let refused = run(0.33, "rapier", "start_heading_deg = 0\n");
     assert_eq!(refused.status.code(), Some(2));
     let error = stderr(&refused);
     assert!(error.contains("no room at the start") && error.contains("`post`"), "{error}");
-    assert!(run(0.33, "point").status.success(), "a point needs no room behind its start");
-    assert!(run(0.36, "rapier").status.success(), "{}", stderr(&run(0.36, "rapier")));
+    assert!(
+        run(0.33, "point", "start_heading_deg = 0\n").status.success(),
+        "a point needs no room behind its start"
+    );
+    for (aside, heading) in [
+        (0.36, "start_heading_deg = 0\n"),
+        (0.36, ""),
+        (0.33, ""),
+        (0.0, ""),
+        (0.36, "start_heading_deg = 70\n"),
+    ] {
+        let output = run(aside, "rapier", heading);
+        assert!(
+            stdout(&output).contains("arrived"),
+            "{aside} {heading}: {}{}",
+            stdout(&output),
+            stderr(&output)
+        );
+    }
 }
 
 #[test]

@@ -65,6 +65,7 @@ fn spoiled(setting: &Setting, value: &Value) -> String {
     let current = match setting.get(&scenario) {
         // what is not there by default is not written
         _ if setting.key == "human_model" => Value::Text("boltzmann(1)".to_owned()),
+        _ if setting.key.starts_with("belief_") => Value::Number(0.25),
         Some(Value::Text(text)) => Value::Text(text),
         _ => value.clone(),
     };
@@ -150,8 +151,11 @@ fn every_setting_is_the_same_on_the_command_line_in_scenarios_and_in_studies() {
     for plant in [PlantKind::Kinematic, PlantKind::Rapier] {
         // on the physical plant, what is of bodies alone: the rest was seen already
         let is_shown = |setting: &&Setting| {
-            setting.key == "max_steps"
-                || setting.applies.is_on(PlantKind::Kinematic, true) == (plant == PlantKind::Kinematic)
+            // a robot that learns does not take it
+            let fits = setting.key != "belief_rationality";
+            let is_of_plant = setting.key == "max_steps"
+                || setting.applies.is_on(PlantKind::Kinematic, true) == (plant == PlantKind::Kinematic);
+            fits && is_of_plant
         };
         let settings: Vec<(&Setting, Value)> =
             SETTINGS.iter().filter(is_shown).map(|setting| (setting, another(setting, &defaults))).collect();

@@ -141,7 +141,7 @@ fn a_snapshot_of_another_format_says_so() {
     assert_eq!(version, env!("CARGO_PKG_VERSION").as_bytes());
     bytes[16] += 1;
     let error = parse(&bytes).map(|s| s.state.steps()).expect_err("another format").to_string();
-    for part in ["format 8", "this program reads format 7", env!("CARGO_PKG_VERSION")] {
+    for part in ["format 9", "this program reads format 8", env!("CARGO_PKG_VERSION")] {
         assert!(error.contains(part), "{error}");
     }
 }

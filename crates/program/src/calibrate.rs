@@ -1,9 +1,11 @@
 //! `cocarry calibrate`: checks that what the robot learns of a human is as certain as it should be.
 
 use super::output::{Failure, Progress, examples, input, print, print_json, table, table_text};
+use super::settings::number;
 use clap::Args;
 use cocarry::learning;
 use cocarry::options::OptionSet;
+use cocarry::scenario::BELIEF_LAPSE;
 use cocarry::world::{BUILT_IN_WORLDS, World};
 use cocarry_studies::fit::{Calibration, Check, checks};
 use serde_json::json;
@@ -34,10 +36,10 @@ pub(super) struct CalibrateArguments {
     #[arg(long, value_name = "SEED", default_value_t = 0)]
     seed: u64,
     /// Probability that a look at a human says nothing about them
-    #[arg(long, value_name = "RATE", value_parser = lapse_rate, allow_negative_numbers = true, default_value_t = learning::Settings::default().lapse_rate)]
+    #[arg(long, value_name = "RATE", value_parser = number(&BELIEF_LAPSE), allow_negative_numbers = true, default_value_t = learning::Settings::default().lapse_rate)]
     lapse_rate: f64,
     /// The lapse rate that the robot assumes [default: the true one]
-    #[arg(long, value_name = "RATE", value_parser = lapse_rate, allow_negative_numbers = true)]
+    #[arg(long, value_name = "RATE", value_parser = number(&BELIEF_LAPSE), allow_negative_numbers = true)]
     assumed_lapse_rate: Option<f64>,
     /// Print one JSON object instead of a table
     #[arg(long)]
@@ -72,13 +74,6 @@ pub(super) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Failure> {
         print(&text(&checks, arguments.replications))?;
     }
     Ok(ExitCode::from(u8::from(!checks.iter().all(|check| check.is_calibrated))))
-}
-
-pub(super) fn lapse_rate(text: &str) -> Result<f64, String> {
-    let rate = text.parse().map_err(|_| "must be a number".to_owned())?;
-    let settings = learning::Settings { lapse_rate: rate, ..Default::default() };
-    settings.check().map_err(|error| format!("must be {}", error.expected))?;
-    Ok(rate)
 }
 
 fn text(checks: &[Check], replications: u64) -> String {

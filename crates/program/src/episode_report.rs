@@ -190,12 +190,14 @@ impl EpisodeReport<'_> {
 
     /// Warnings about the scenario and about the episode.
     fn warnings(&self) -> Vec<String> {
-        let rms = self.summary().control.map(|control| control.error_rms(self.summary().steps));
-        let off = rms.filter(|rms| *rms >= GRASP_WARNING_RMS_M).map(|rms| {
+        let control =
+            self.summary().control.map(|control| (control.error_rms(self.summary().steps), control));
+        let off = control.filter(|(rms, _)| *rms >= GRASP_WARNING_RMS_M).map(|(rms, control)| {
             format!(
-                "the grasp is off by {:.1} cm (rms), {:.0} cm or more: the robot does not keep up",
+                "the grasp is {:.1} cm (rms), {:.1} cm at most, from its reference on the planned path: the robot does not keep up, \
+                 or the hand leaves the path",
                 100.0 * rms,
-                100.0 * GRASP_WARNING_RMS_M
+                100.0 * control.largest_error
             )
         });
         let slow = self.stage.slow_drive().map(|slow| slow.to_string());

@@ -1,13 +1,13 @@
 //! The arguments of the human model, shared by commands. Numbers are checked where they are read.
 
-use super::output::{Failure, input};
+use super::output::{Failure, input, warn};
 use super::settings::number;
 use anyhow::Context;
 use clap::Args;
 use cocarry::episode::PreferenceChange;
 use cocarry::located;
 use cocarry::preference::{self, Belief, Marginal, Perception, Predictor, WeightedSample};
-use cocarry::scenario::{PERCEPTION, RISK_WEIGHT};
+use cocarry::scenario::{BELIEF_LAPSE, BELIEF_RATIONALITY, PERCEPTION, RISK_WEIGHT};
 use cocarry::world::World;
 use std::path::{Path, PathBuf};
 
@@ -16,6 +16,10 @@ use std::path::{Path, PathBuf};
 pub(super) struct ModelArguments {
     #[arg(long, value_name = "M", help = RISK_WEIGHT.about, default_value_t = preference::RISK_WEIGHT, value_parser = number(&RISK_WEIGHT), allow_negative_numbers = true)]
     pub risk_weight: f64,
+    #[arg(long, value_name = "RATE", help = BELIEF_LAPSE.about, default_value_t = 0.0, value_parser = number(&BELIEF_LAPSE), allow_negative_numbers = true)]
+    pub belief_lapse: f64,
+    #[arg(long, value_name = "BETA", help = BELIEF_RATIONALITY.about, value_parser = number(&BELIEF_RATIONALITY), allow_negative_numbers = true)]
+    pub belief_rationality: Option<f64>,
     #[command(flatten)]
     pub belief: BeliefArguments,
 }
@@ -43,7 +47,10 @@ struct SampleRow {
 
 impl ModelArguments {
     pub fn predictor(&self) -> Result<Predictor, Failure> {
-        self.belief.predictor(self.risk_weight)
+        let mut predictor = self.belief.predictor(self.risk_weight)?;
+        predictor.set_lapse_rate(self.belief_lapse).map_err(input)?;
+        predictor.set_rationality(self.belief_rationality).map_err(input)?;
+        Ok(predictor)
     }
 }
 
@@ -75,9 +82,11 @@ fn samples(file: &Path) -> anyhow::Result<Belief> {
     Belief::samples(samples).with_context(name)
 }
 
-/// The world in a file, or a built-in world by its name.
+/// The world in a file, which may name a map, or a built-in world by its name.
 pub(super) fn load_world(path: &Path) -> Result<World, Failure> {
-    World::find(path, &path.to_string_lossy()).map_err(input)
+    let world = cocarry_maps::find(path, &path.to_string_lossy()).map_err(input)?;
+    world.warnings().iter().for_each(warn);
+    Ok(world)
 }
 
 /// The world that a file in `folder` names: a world file relative to that folder, otherwise as in

@@ -192,6 +192,11 @@ pub(super) fn svg_file(name: &str) -> Result<PathBuf, String> {
     file_ending_in("svg", name)
 }
 
+/// A parser of the name of a TOML file.
+pub(super) fn toml_file(name: &str) -> Result<PathBuf, String> {
+    file_ending_in("toml", name)
+}
+
 /// A parser of the name of a CSV file.
 pub(super) fn csv_file(name: &str) -> Result<PathBuf, String> {
     file_ending_in("csv", name)

@@ -3,18 +3,19 @@
 use super::model::{ModelArguments, load_world};
 use super::output::{
     Failure, OPTION_HEADINGS, OverwriteArguments, examples, input, option_json, print, print_json, svg_file,
-    table, table_text, with_spinner, write_file,
+    table, table_text, toml_file, warn, with_spinner, write_file,
 };
 use anyhow::Context;
 use clap::Args;
 use cocarry::episode::{OptionTick, prospects};
-use cocarry::geometry::Footprint;
+use cocarry::geometry::{Footprint, Point};
 use cocarry::options::{OptionSet, PathOption};
 use cocarry::preference::{ChoiceDistribution, Predictor, objective_cost};
 use cocarry::world::{FREE_PASSAGE, Obstacle, World};
+use cocarry_maps::Ends;
 use cocarry_output::drawing;
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Show the obstacles of a world, its openings with width and risk, and its options with length, risk, cost
@@ -24,10 +25,13 @@ use std::process::ExitCode;
     ("cocarry world environment-4", ""),
     ("cocarry world my-world.toml --svg map.svg", "your world, with a map"),
     ("cocarry world environment-1 --risk-weight 5", "options for a smaller weight of risk"),
+    ("cocarry world map.yaml --start 0,0 --target 4,1.5 --write room.toml", "a map of map_server, kept as a world file"),
 ]))]
 pub(super) struct WorldArguments {
-    /// World file (TOML), or a built-in world: see `cocarry worlds`
+    /// World file (TOML), a built-in world (see `cocarry worlds`), or a map: the YAML of ROS's map_server, or GeoJSON
     world: PathBuf,
+    #[command(flatten)]
+    map: MapArguments,
     #[command(flatten)]
     model: ModelArguments,
     /// Print one JSON object instead of tables
@@ -36,8 +40,54 @@ pub(super) struct WorldArguments {
     /// Draw the map into this SVG file
     #[arg(long, value_name = "FILE", value_parser = svg_file)]
     svg: Option<PathBuf>,
+    /// Write the world into this file (TOML), with the outlines of its map
+    #[arg(long, value_name = "FILE", value_parser = toml_file)]
+    write: Option<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArguments,
+}
+
+/// What a map lacks for a world.
+#[derive(Args, Debug)]
+struct MapArguments {
+    /// Start A on a map, in metres
+    #[arg(long, value_name = "X,Y", value_parser = point, requires = "target", allow_hyphen_values = true)]
+    start: Option<Point>,
+    /// Target B on a map, in metres
+    #[arg(long, value_name = "X,Y", value_parser = point, requires = "start", allow_hyphen_values = true)]
+    target: Option<Point>,
+    /// Width d_r of the robot on a map [default: 0.5]
+    #[arg(long, value_name = "M", requires = "start")]
+    robot_width: Option<f64>,
+    /// Distance of outlines from the sides of a map's cells, at most [default: a cell]
+    #[arg(long, value_name = "M", requires = "start")]
+    tolerance: Option<f64>,
+}
+
+impl MapArguments {
+    fn world(&self, path: &Path) -> Result<World, Failure> {
+        let (Some(start), Some(target)) = (self.start, self.target) else { return load_world(path) };
+        if !cocarry_maps::is_map(path) {
+            let path = path.display();
+            return Err(input(anyhow::anyhow!(
+                "{path}: --start and --target are for maps (.yaml, .geojson); a world file has start_m and target_m"
+            )));
+        }
+        let ends = Ends { start, target, robot_width: self.robot_width, tolerance: self.tolerance };
+        let world = cocarry_maps::from_map(path, &ends).map_err(input)?;
+        world.warnings().iter().for_each(warn);
+        Ok(world)
+    }
+}
+
+/// The point in `text`, X,Y.
+fn point(text: &str) -> Result<Point, String> {
+    let coordinates = text.split_once(',').and_then(|(x, y)| {
+        let number = |text: &str| text.trim().parse().ok().filter(|number: &f64| number.is_finite());
+        Some((number(x)?, number(y)?))
+    });
+    let (x, y) = coordinates.ok_or("must be X,Y in metres, as in -2.0,0.5")?;
+    Ok(Point::new(x, y))
 }
 
 /// An option, evaluated at the start.
@@ -50,14 +100,18 @@ struct Offer {
 pub(super) fn run(arguments: &WorldArguments) -> Result<ExitCode, Failure> {
     let inputs = [Some(&arguments.world), arguments.model.belief.belief_samples.as_ref()];
     let inputs = inputs.into_iter().flatten().map(PathBuf::as_path);
-    let outputs = arguments.overwrite.outputs(inputs, &arguments.svg)?;
+    let files = arguments.svg.iter().chain(&arguments.write);
+    let outputs = arguments.overwrite.outputs(inputs, files)?;
     let mut predictor = arguments.model.predictor()?;
     let (world, set) = with_spinner("searching for the path options", || {
-        let world = load_world(&arguments.world)?;
+        let world = arguments.map.world(&arguments.world)?;
         let set = OptionSet::new(&world, predictor.risk_weight()).map_err(input)?;
         Ok((world, set))
     })?;
     let offers = offers(&world, &set, &mut predictor);
+    if let Some(path) = &arguments.write {
+        write_file(&outputs, path, &world.text)?;
+    }
     if let Some(path) = &arguments.svg {
         let probabilities: Vec<f64> = offers.iter().map(|o| o.option.probability).collect();
         let svg = drawing::world_map(&world, &set, &probabilities)
@@ -104,7 +158,7 @@ fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
     );
     let mut obstacles = table(["name", "shape", "x (m)", "y (m)", "extent (m)", "height (m)"], 2);
     for o in &world.obstacles {
-        let (middle, size) = (o.middle(), o.footprint.bounds().size());
+        let (middle, size) = (o.middle(), o.bounds().size());
         obstacles.add_row([
             o.name.clone(),
             o.shape_name().to_owned(),
@@ -195,7 +249,7 @@ fn unused_openings(world: &World, set: &OptionSet) -> String {
 }
 
 fn as_json(world: &World, set: &OptionSet, offers: &[Offer]) -> Value {
-    let point = |p: cocarry::geometry::Point| json!([p.x, p.y]);
+    let point = |p: Point| json!([p.x, p.y]);
     json!({
         "name": world.name,
         "file": world.file,
@@ -222,11 +276,14 @@ fn as_json(world: &World, set: &OptionSet, offers: &[Offer]) -> Value {
 }
 
 fn obstacle_json(obstacle: &Obstacle) -> Value {
-    let outline = match &obstacle.footprint {
-        Footprint::Polygon(corners) => {
-            json!({ "vertices_m": corners.iter().map(|c| [c.x, c.y]).collect::<Vec<_>>() })
+    let vertices = |corners: &[Point]| corners.iter().map(|c| [c.x, c.y]).collect::<Vec<_>>();
+    let outline = match (&obstacle.outline, &obstacle.parts[0].footprint) {
+        // the outline of a room is around the walls, too
+        (Some(outline), _) => json!({ "vertices_m": outline.rings().last().map(|ring| vertices(ring)) }),
+        (None, Footprint::Polygon(corners)) => json!({ "vertices_m": vertices(corners) }),
+        (None, Footprint::Disc { center, radius }) => {
+            json!({ "center_m": [center.x, center.y], "radius_m": radius })
         }
-        Footprint::Disc { center, radius } => json!({ "center_m": [center.x, center.y], "radius_m": radius }),
     };
     json!({
         "name": obstacle.name,

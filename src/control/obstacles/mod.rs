@@ -11,6 +11,9 @@ use super::{HORIZON, Inputs};
 use crate::geometry::Footprint;
 use crate::robot::{Configuration, Robot};
 
+/// The number of outlines near the robot for which memory is set aside: of a map's many, few are near at a time.
+const MANY_OUTLINES: usize = 32;
+
 impl RobotObstacles {
     /// Replaces the half-planes in `limits`. They separate the base, and points of the arm, from each
     /// near obstacle at each step, for a robot that starts at `q` and moves by `inputs`. They are linear in
@@ -49,7 +52,8 @@ impl RobotObstacles {
             Footprint::Polygon(corners) => base::PARTS_OF_STEP * (corners.len() + self.most_corners),
             Footprint::Disc { .. } => 0,
         };
-        limits.half_planes.reserve(HORIZON * self.outlines.len() * (points + corners));
+        let near = self.outlines.len().min(MANY_OUTLINES);
+        limits.half_planes.reserve(HORIZON * near * (points + corners));
         if avoid != Avoid::Nothing {
             self.keep_base_off(robot, &q.base, inputs, period, limits);
         }

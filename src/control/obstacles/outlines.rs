@@ -54,12 +54,10 @@ impl RobotObstacles {
             bounds: footprint.bounds(),
             height,
         };
-        let corners = world.obstacles.iter().map(|o| match &o.footprint {
-            Footprint::Polygon(corners) => corners.len(),
-            Footprint::Disc { .. } => 1,
-        });
+        let outlines: Vec<Outline> =
+            world.obstacles.iter().flat_map(|o| o.footprints().map(|part| outline(part, o.height))).collect();
+        let corners = outlines.iter().map(|o| o.footprint.corners().map_or(1, <[Point]>::len));
         let most_corners = corners.max().unwrap_or(0);
-        let outlines = world.obstacles.iter().map(|o| outline(&o.footprint, o.height)).collect();
         Self { outlines, most_corners }
     }
 

@@ -63,7 +63,7 @@ impl Roadmap {
             }
             Approach::Around { ring, touch, from_angle, sweep, next } => {
                 path.line(p, touch);
-                let Disc { center, radius, .. } = self.discs[ring / 2];
+                let Disc { center, radius, .. } = self.space.discs[ring / 2];
                 path.push(Piece::Arc { center, radius, from_angle, sweep });
                 next
             }
@@ -77,7 +77,7 @@ impl Roadmap {
                     return Some(join.to);
                 }
                 Way::Arc { disc, from_angle, sweep, .. } => {
-                    let Disc { center, radius, .. } = self.discs[disc];
+                    let Disc { center, radius, .. } = self.space.discs[disc];
                     path.push(Piece::Arc { center, radius, from_angle, sweep });
                 }
             }
@@ -114,7 +114,7 @@ impl Roadmap {
             if nearest >= cheapest {
                 break;
             }
-            let disc = &self.discs[ring / 2];
+            let disc = &self.space.discs[ring / 2];
             let least = (p - disc.center).norm() - disc.radius;
             if nearest + least.max(0.0) >= cheapest {
                 continue;

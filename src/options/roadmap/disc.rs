@@ -1,6 +1,6 @@
 //! The discs around obstacle corners and cylinders that taut strings bend around.
 
-use crate::geometry::{Bend, Bounds, Footprint, Point, Vector, angle_of, cross, direction, left_of};
+use crate::geometry::{Bend, Bounds, Corner, Footprint, Point, Solid, Vector, angle_of, cross, direction};
 use std::f64::consts::TAU;
 
 /// Tolerance for comparing distances with the clearance, m. Paths touch discs exactly at the clearance.
@@ -15,7 +15,8 @@ const EARLY_MARGIN: f64 = 0.01;
 /// A disc that strings bend around.
 #[derive(Clone, Debug)]
 pub(in crate::options) struct Disc {
-    pub obstacle: usize,
+    /// The parts of obstacles that it is around.
+    pub own: Vec<usize>,
     pub center: Point,
     pub radius: f64,
     /// For a corner, the outward normals of its two sides, counter-clockwise. A taut string touches between
@@ -24,24 +25,23 @@ pub(in crate::options) struct Disc {
 }
 
 impl Disc {
-    pub fn all_of(obstacle: usize, footprint: &Footprint, clearance: f64) -> Vec<Self> {
-        match footprint {
-            Footprint::Disc { center, radius } => {
-                vec![Self { obstacle, center: *center, radius: radius + clearance, between: None }]
-            }
-            Footprint::Polygon(corners) => {
-                let n = corners.len();
-                let normal = |i: usize| -left_of(corners[(i + 1) % n] - corners[i]).normalize();
-                (0..n)
-                    .map(|i| Self {
-                        obstacle,
-                        center: corners[i],
-                        radius: clearance,
-                        between: Some([normal((i + n - 1) % n), normal(i)]),
-                    })
-                    .collect()
-            }
-        }
+    /// The discs of a solid, whose parts are numbered from `first`.
+    pub fn all_of(first: usize, solid: &Solid, clearance: f64) -> Vec<Self> {
+        let around = |(i, part): (usize, &Footprint)| match part {
+            Footprint::Disc { center, radius } => Some(Self {
+                own: vec![first + i],
+                center: *center,
+                radius: radius + clearance,
+                between: None,
+            }),
+            Footprint::Polygon(_) => None,
+        };
+        let corner = |corner: &Corner| {
+            let own = (0..solid.parts.len()).filter(|&i| corner.is_of(&solid.parts[i]));
+            let own = own.map(|i| first + i).collect();
+            Self { own, center: corner.at, radius: clearance, between: Some(corner.normals) }
+        };
+        solid.parts.iter().enumerate().filter_map(around).chain(solid.corners.iter().map(corner)).collect()
     }
 
     /// The smallest rectangle around it.
@@ -149,7 +149,7 @@ mod tests {
                 let corner = Point::new(rng.random_range(-3.0..3.0), rng.random_range(-3.0..3.0));
                 let first = rng.random_range(0.0..TAU);
                 let normals = [first, first + rng.random_range(0.1..3.0)].map(direction);
-                Disc { obstacle: 0, center: corner, radius: 0.25, between: Some(normals) }
+                Disc { own: vec![0], center: corner, radius: 0.25, between: Some(normals) }
             };
             let discs = [disc(), disc()];
             for [from, to] in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {

@@ -43,7 +43,6 @@ const LENGTH_TOLERANCE_M: f64 = 1e-10;
 #[derive(Clone, Debug)]
 pub(super) struct Roadmap {
     space: Space,
-    discs: Vec<Disc>,
     /// Two rings per disc, one for each direction around it: counter-clockwise at `2 d` and clockwise at
     /// `2 d + 1`.
     rings: Vec<Vec<Stop>>,
@@ -152,12 +151,7 @@ impl Roadmap {
     /// # Errors
     /// [`TooMuch`]: there are too many lines to be tried, or too many are clear.
     pub fn new(space: Space, sites: &[Straight], closed: &[[Point; 2]]) -> Result<Self, TooMuch> {
-        let discs: Vec<Disc> = space
-            .obstacles
-            .iter()
-            .enumerate()
-            .flat_map(|(i, (outline, _))| Disc::all_of(i, outline, space.clearance))
-            .collect();
+        let discs = space.discs.clone();
         let mut graph = DiGraph::new();
         let mut rings: Vec<Vec<Stop>> = vec![Vec::new(); 2 * discs.len()];
         let nodes: Vec<NodeIndex> = sites.iter().map(|_| graph.add_node(())).collect();
@@ -245,7 +239,7 @@ impl Roadmap {
                 paths: OnceLock::new(),
             })
             .collect();
-        Ok(Self { space, discs, rings, graph, components, sites })
+        Ok(Self { space, rings, graph, components, sites })
     }
 
     /// The shortest paths to a site.

@@ -2,7 +2,7 @@
 
 use super::disc::{CLEARANCE_TOLERANCE_M, Disc, arc_crosses};
 use super::straight::Straight;
-use crate::geometry::{Bounds, Footprint, Nearby, Point, segments_meet};
+use crate::geometry::{Bounds, Footprint, Nearby, Point, Solid, segments_meet};
 use std::f64::consts::PI;
 
 /// The distance (m) beyond what a query needs at which obstacles and barriers are looked up: more than any
@@ -13,27 +13,32 @@ pub(super) const LOOKUP_MARGIN_M: f64 = 1e-6;
 const FIRST_LOOK_M: f64 = 4.0;
 const LOOK_GROWTH: f64 = 4.0;
 
-/// Obstacles, which paths keep clear of, and barriers, which paths do not cross.
+/// Convex parts of obstacles, which paths keep clear of, and barriers, which paths do not cross.
 #[derive(Clone, Debug)]
 pub(in crate::options) struct Space {
     pub(super) obstacles: Vec<(Footprint, Bounds)>,
     pub(super) near_obstacles: Nearby,
+    /// What taut strings bend around.
+    pub(super) discs: Vec<Disc>,
     pub(super) barriers: Vec<[Point; 2]>,
     near_barriers: Nearby,
     pub(super) clearance: f64,
 }
 
 impl Space {
-    pub fn new(
-        obstacles: impl Iterator<Item = Footprint>,
-        barriers: Vec<[Point; 2]>,
-        clearance: f64,
-    ) -> Self {
-        let obstacles: Vec<_> = obstacles.map(|o| (o.clone(), o.bounds())).collect();
+    pub fn new(solids: &[Solid], barriers: Vec<[Point; 2]>, clearance: f64) -> Self {
+        let parts = solids.iter().flat_map(|solid| &solid.parts);
+        let obstacles: Vec<_> = parts.map(|o| (o.clone(), o.bounds())).collect();
+        let mut first = 0;
+        let mut discs = Vec::new();
+        for solid in solids {
+            discs.extend(Disc::all_of(first, solid, clearance));
+            first += solid.parts.len();
+        }
         let near_obstacles = Nearby::new(obstacles.iter().map(|(_, bounds)| *bounds));
         let near_barriers =
             Nearby::new(barriers.iter().map(|[c, d]| Bounds { min: c.inf(d), max: c.sup(d) }));
-        Self { obstacles, near_obstacles, barriers, near_barriers, clearance }
+        Self { obstacles, near_obstacles, discs, barriers, near_barriers, clearance }
     }
 
     /// Whether the team can walk straight from `a` to `b`.
@@ -143,7 +148,7 @@ impl Space {
         let near = Bounds { min: middle, max: middle }.grown(self.clearance + half + LOOKUP_MARGIN_M);
         !self.near_obstacles.any_meeting(near, |i| {
             // a taut arc touches its own obstacle and does not enter it
-            i != disc.obstacle && !self.is_arc_clear_of(&self.obstacles[i].0, disc, from_angle, sweep, 0)
+            !disc.own.contains(&i) && !self.is_arc_clear_of(&self.obstacles[i].0, disc, from_angle, sweep, 0)
         })
     }
 

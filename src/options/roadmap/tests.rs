@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::geometry::Path;
-use crate::geometry::{Footprint, Vector, direction};
+use crate::geometry::{Footprint, Solid, Vector, direction};
 use crate::math;
 use crate::options::passages;
 use crate::world::World;
@@ -27,7 +27,7 @@ fn random_space(rng: &mut ChaCha8Rng) -> Space {
             Footprint::Polygon((0..corners).map(corner).collect())
         })
         .collect();
-    Space::new(outlines.into_iter(), Vec::new(), CLEARANCE)
+    Space::new(&outlines.into_iter().map(Solid::single).collect::<Vec<_>>(), Vec::new(), CLEARANCE)
 }
 
 fn roadmap(space: Space, sites: &[Point]) -> Roadmap {
@@ -38,12 +38,10 @@ fn roadmap(space: Space, sites: &[Point]) -> Roadmap {
 /// The shortest path along straight lines between the corners of polygons circumscribed about the discs.
 fn slow_distance(space: &Space, from: Point, to: Point) -> f64 {
     let mut points = vec![from, to];
-    for (i, (outline, _)) in space.obstacles.iter().enumerate() {
-        for disc in Disc::all_of(i, outline, CLEARANCE) {
-            let outer = disc.radius / math::cos(PI / SIDES as f64);
-            let corner = |s: usize| disc.center + direction(TAU * s as f64 / SIDES as f64) * outer;
-            points.extend((0..SIDES).map(corner).filter(|p| space.is_clear(*p, *p)));
-        }
+    for disc in &space.discs {
+        let outer = disc.radius / math::cos(PI / SIDES as f64);
+        let corner = |s: usize| disc.center + direction(TAU * s as f64 / SIDES as f64) * outer;
+        points.extend((0..SIDES).map(corner).filter(|p| space.is_clear(*p, *p)));
     }
     let mut left = vec![f64::INFINITY; points.len()];
     let mut done = vec![false; points.len()];
@@ -115,7 +113,7 @@ fn property_paths_have_the_length_that_is_said_and_keep_clear() {
 #[test]
 fn closed_form_a_string_around_a_pillar() {
     let pillar = Footprint::Disc { center: Point::new(0.0, 0.0), radius: 0.75 };
-    let space = Space::new([pillar].into_iter(), Vec::new(), CLEARANCE);
+    let space = Space::new(&[Solid::single(pillar)], Vec::new(), CLEARANCE);
     let ends = [Point::new(-2.0, 0.0), Point::new(2.0, 0.0)];
     // two tangents of length sqrt(3) and an arc of pi / 3 on the unit circle
     let expected = 2.0 * 3f64.sqrt() + PI / 3.0;
@@ -127,10 +125,11 @@ fn closed_form_a_string_around_a_pillar() {
 fn closed_form_a_barrier_is_walked_around() {
     let pillars =
         [Point::new(0.0, 1.0), Point::new(0.0, -1.0)].map(|center| Footprint::Disc { center, radius: 0.2 });
+    let pillars = pillars.map(Solid::single);
     let ends = [Point::new(-3.0, 0.0), Point::new(3.0, 0.0)];
     let barrier = [Point::new(0.0, -0.8), Point::new(0.0, 0.8)];
-    let open = roadmap(Space::new(pillars.clone().into_iter(), Vec::new(), CLEARANCE), &ends);
-    let closed = roadmap(Space::new(pillars.into_iter(), vec![barrier], CLEARANCE), &ends);
+    let open = roadmap(Space::new(&pillars, Vec::new(), CLEARANCE), &ends);
+    let closed = roadmap(Space::new(&pillars, vec![barrier], CLEARANCE), &ends);
     assert_eq!(open.between(0, 1).length, 6.0);
     assert!(closed.between(0, 1).length > 6.3);
 }
@@ -141,7 +140,7 @@ fn issue_a_team_too_near_to_an_obstacle_still_finds_its_way() {
         [(-1.0, -0.1), (1.0, -0.1), (1.0, 0.1), (-1.0, 0.1)].map(|(x, y)| Point::new(x, y)).to_vec(),
     );
     let ends = [Point::new(0.0, -2.0), Point::new(0.0, 2.0)];
-    let roadmap = roadmap(Space::new([wall].into_iter(), Vec::new(), CLEARANCE), &ends);
+    let roadmap = roadmap(Space::new(&[Solid::single(wall)], Vec::new(), CLEARANCE), &ends);
     let near = ends[1] - Vector::new(0.0, 1.7);
     assert!((roadmap.leg(near, 1).length - 1.7).abs() < 1e-12);
     assert!(roadmap.leg(near, 0).length.is_finite());
@@ -187,8 +186,7 @@ fn oracle_no_line_is_missed_behind_what_hides_the_rest_of_a_view() {
             barriers.len(),
             closed.len()
         );
-        let space =
-            || Space::new(world.obstacles.iter().map(|o| o.footprint.clone()), barriers.clone(), CLEARANCE);
+        let space = || Space::new(&world.solids, barriers.clone(), CLEARANCE);
         let sites: Vec<Straight> = passages(&world, &space())
             .iter()
             .enumerate()
@@ -197,7 +195,7 @@ fn oracle_no_line_is_missed_behind_what_hides_the_rest_of_a_view() {
             .collect();
         let [fast, all] = [&closed[..], &[]].map(|closed| Roadmap::new(space(), &sites, closed).unwrap());
         assert_eq!(fast.graph.edge_count(), all.graph.edge_count(), "a line is missing");
-        let discs = &all.discs;
+        let discs = &all.space.discs;
         let lines = [&closed[..], &[]].map(|closed| Reachable::new(&space(), discs, &sites, closed).lines());
         assert!(lines[0] < lines[1] / 2, "{lines:?}");
         let mut found = 0;

@@ -4,6 +4,7 @@ use super::plane::Plane;
 use crate::preference::curve::{Curve, pareto_front};
 use crate::preference::rule::Rule;
 use crate::preference::strips::{Domain, Strips};
+use crate::preference::ties::Ties;
 use crate::preference::{Marginal, Prospect};
 
 /// A density relative to a prior of independent alpha and gamma, with the memory to update it.
@@ -16,7 +17,7 @@ pub(super) struct Independent {
     pub strips: Strips,
     single: Vec<f64>,
     /// What the front and the outline are of.
-    outlined: (Vec<Prospect>, Option<usize>),
+    outlined: Vec<Prospect>,
 }
 
 impl Independent {
@@ -41,14 +42,13 @@ impl Independent {
 
     /// Finds the regions of these options, unless they are those of the last call. False if one option is the
     /// cheapest everywhere: `front` then has only that.
-    pub fn outline(&mut self, prospects: &[Prospect], risk_weight: f64, current: Option<usize>) -> bool {
-        if self.outlined.0 == prospects && self.outlined.1 == current {
+    pub fn outline(&mut self, prospects: &[Prospect], ties: &Ties, risk_weight: f64) -> bool {
+        if self.outlined == prospects {
             return self.front.len() >= 2;
         }
-        self.outlined.0.clear();
-        self.outlined.0.extend_from_slice(prospects);
-        self.outlined.1 = current;
-        pareto_front(prospects, risk_weight > 0.0, current, &mut self.front);
+        self.outlined.clear();
+        self.outlined.extend_from_slice(prospects);
+        pareto_front(ties, risk_weight > 0.0, &mut self.front);
         if self.front.len() < 2 {
             return false;
         }

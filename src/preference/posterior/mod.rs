@@ -6,8 +6,9 @@ mod moments;
 mod plane;
 
 use super::strips::Extent;
+use super::ties::Ties;
 use super::{
-    Belief, ChoiceDistribution, Perception, PreferenceError, Prospect, SampleSet, human_choice,
+    Belief, ChoiceDistribution, Perception, PreferenceError, Prospect, SampleSet, Ways, human_choice,
     subjective_cost,
 };
 use independent::Independent;
@@ -27,14 +28,14 @@ use serde::{Deserialize, Serialize};
 /// [`Posterior::estimate`] allocates.
 ///
 /// ```
-/// use cocarry::preference::{Belief, ChoiceDistribution, Posterior, Prospect};
+/// use cocarry::preference::{Belief, ChoiceDistribution, Posterior, Prospect, Ways};
 ///
 /// let options = [Prospect::new(17.4, 0.36), Prospect::new(14.3, 0.55), Prospect::new(21.4, 0.25)];
 /// let mut posterior = Posterior::new(Belief::default(), 10.0)?;
 /// // the human took option 1: other options are 50 times less likely to look like that
-/// posterior.observe(&options, None, &[0.02, 1.0, 0.02])?;
+/// posterior.observe(&options, &Ways::default(), &[0.02, 1.0, 0.02])?;
 /// let mut choice = ChoiceDistribution::default();
-/// posterior.predict_from(&options, None, &mut choice);
+/// posterior.predict_from(&options, &Ways::default(), &mut choice);
 /// assert!(choice.probabilities()[1] > 0.9);
 /// # Ok::<(), cocarry::preference::PreferenceError>(())
 /// ```
@@ -43,7 +44,10 @@ pub struct Posterior {
     belief: Belief,
     risk_weight: f64,
     model: Model,
+    ties: Ties,
     masses: Vec<f64>,
+    /// What was seen, as likelihoods of the leaders of ties.
+    likelihoods: Vec<f64>,
     moments: Moments,
     /// Whether the moments are those of what was learned.
     is_filled: bool,
@@ -81,8 +85,9 @@ impl Posterior {
                 Model::Samples { set: set.clone(), weights }
             }
         };
-        let (masses, moments) = (Vec::new(), Moments::default());
-        Ok(Self { belief, risk_weight, model, masses, moments, is_filled: false })
+        let (ties, moments) = (Ties::default(), Moments::default());
+        let (masses, likelihoods) = (Vec::new(), Vec::new());
+        Ok(Self { belief, risk_weight, model, ties, masses, likelihoods, moments, is_filled: false })
     }
 
     /// The prior.
@@ -91,8 +96,9 @@ impl Posterior {
     }
 
     /// Learns from one observation: `likelihoods` is the probability of what was seen if the human prefers
-    /// each option. `current` settles ties as in [`human_choice`]. Returns the probability of what was seen
-    /// under the belief so far.
+    /// each option. A human to whom several ways are tied prefers each of them equally often, and options that
+    /// have become one of the `ways` are one choice. Returns the probability of what was seen under the belief so
+    /// far.
     ///
     /// # Errors
     /// [`PreferenceError::Likelihoods`]; [`PreferenceError::Impossible`] if that probability is 0. The belief
@@ -100,7 +106,7 @@ impl Posterior {
     pub fn observe(
         &mut self,
         prospects: &[Prospect],
-        current: Option<usize>,
+        ways: &Ways,
         likelihoods: &[f64],
     ) -> Result<f64, PreferenceError> {
         let bad = likelihoods.iter().copied().find(|l| !(l.is_finite() && *l >= 0.0));
@@ -109,10 +115,13 @@ impl Posterior {
             return Err(PreferenceError::Likelihoods { options, given, bad });
         }
         let risk_weight = self.risk_weight;
+        self.ties.find(prospects, ways, risk_weight > 0.0);
+        self.ties.means(likelihoods, &mut self.likelihoods);
+        let (ties, likelihoods) = (&self.ties, self.likelihoods.as_slice());
         let evidence = match &mut self.model {
             Model::Samples { set, weights } => {
                 let likelihood =
-                    |perception| likelihoods[human_choice(prospects, risk_weight, perception, current)];
+                    |perception| likelihoods[human_choice(prospects, risk_weight, perception, None)];
                 let pairs = || set.samples().iter().zip(weights.iter());
                 let total: f64 = pairs().map(|(s, weight)| weight * likelihood(s.perception)).sum();
                 if total > 1e-250 {
@@ -123,7 +132,7 @@ impl Posterior {
                 (total > 1e-250).then_some(total)
             }
             Model::Independent(model) => {
-                if model.outline(prospects, risk_weight, current) {
+                if model.outline(prospects, ties, risk_weight) {
                     let Independent { domain, rule, plane, strips, .. } = model.as_mut();
                     let outline = strips.outline.get_or_insert_default();
                     plane.multiply(outline, likelihoods, rule, domain)
@@ -161,23 +170,20 @@ impl Posterior {
 
     /// Probability `P_o` that each option has the lowest subjective cost (eq. 4 over what was learned), as
     /// [`Predictor::predict_from`](super::Predictor::predict_from).
-    pub fn predict_from(
-        &mut self,
-        prospects: &[Prospect],
-        current: Option<usize>,
-        choice: &mut ChoiceDistribution,
-    ) {
+    pub fn predict_from(&mut self, prospects: &[Prospect], ways: &Ways, choice: &mut ChoiceDistribution) {
         self.masses.clear();
         self.masses.resize(prospects.len(), 0.0);
-        let masses = &mut self.masses;
+        self.ties.find(prospects, ways, self.risk_weight > 0.0);
+        let (masses, ties) = (&mut self.masses, &self.ties);
         match &mut self.model {
             Model::Samples { set, weights } => {
                 for (sample, weight) in set.samples().iter().zip(weights).filter(|_| !prospects.is_empty()) {
-                    masses[human_choice(prospects, self.risk_weight, sample.perception, current)] += *weight;
+                    let chosen = human_choice(prospects, self.risk_weight, sample.perception, None);
+                    masses[ties.leader(chosen)] += *weight;
                 }
             }
             Model::Independent(model) => {
-                if model.outline(prospects, self.risk_weight, current) {
+                if model.outline(prospects, ties, self.risk_weight) {
                     let Independent { domain, rule, plane, strips, .. } = model.as_ref();
                     let outline = strips.outline.as_ref();
                     for border in outline.iter().flat_map(|outline| &outline.borders) {
@@ -196,11 +202,12 @@ impl Posterior {
                 }
             }
         }
+        ties.share(masses);
         if !choice.set_masses(masses) && !prospects.is_empty() {
             // only for lengths whose powers overflow
             let [alpha, gamma] = self.belief.ranges().map(|[low, high]| 0.5 * (low + high));
-            let chosen = human_choice(prospects, self.risk_weight, Perception { alpha, gamma }, current);
-            choice.set_certain(prospects.len(), chosen);
+            let chosen = human_choice(prospects, self.risk_weight, Perception { alpha, gamma }, None);
+            choice.set_certain(prospects.len(), ways.representative(chosen));
         }
     }
 
@@ -260,7 +267,7 @@ impl Posterior {
     /// The probability of an alpha up to `alpha`, and of a gamma up to `gamma`.
     pub fn marginals(&self, Perception { alpha, gamma }: Perception) -> [f64; 2] {
         match &self.model {
-            Model::Independent(model) => model.marginals(alpha, gamma),
+            Model::Independent(model) => [model.marginal(0, alpha), model.marginal(1, gamma)],
             Model::Samples { set, weights } => {
                 let up_to = |is_low: &dyn Fn(&Perception) -> bool| -> f64 {
                     let pairs = set.samples().iter().zip(weights);
@@ -268,6 +275,14 @@ impl Posterior {
                 };
                 [up_to(&|p| p.alpha <= alpha), up_to(&|p| p.gamma <= gamma)]
             }
+        }
+    }
+
+    /// The alpha (0) or gamma (1) up to which there is this probability.
+    pub fn quantile(&self, which: usize, probability: f64) -> f64 {
+        match &self.model {
+            Model::Independent(model) => model.quantile(which, probability),
+            Model::Samples { set, weights } => moments::sample_quantile(set, weights, which, probability),
         }
     }
 

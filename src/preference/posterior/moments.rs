@@ -201,14 +201,27 @@ fn mean(nodes: &[(f64, f64)], function: impl Fn(f64) -> f64) -> f64 {
 const TAIL: f64 = 0.025;
 
 impl Independent {
-    pub fn marginals(&self, alpha: f64, gamma: f64) -> [f64; 2] {
+    /// The probability of an alpha (0) or a gamma (1) up to a value.
+    pub fn marginal(&self, which: usize, value: f64) -> f64 {
         let [low, high] = [self.domain.gamma.lower(), self.domain.gamma.upper()];
-        let alpha = alpha.clamp(self.domain.alpha.lower(), self.domain.alpha.upper());
+        if which == 1 {
+            return self.plane.mass_between(low, value.clamp(low, high), &self.domain);
+        }
+        let alpha = value.clamp(self.domain.alpha.lower(), self.domain.alpha.upper());
         let line = Line::constant(&self.rule, [low, high], alpha, &self.domain);
         let (share, gammas) = (self.domain.alpha.cdf(alpha), &self.domain.gamma);
-        let line_mass = |gamma| share * gammas.cdf(gamma);
-        let below = self.plane.mass_below(&line, line_mass, [low, high]);
-        [below, self.plane.mass_between(low, gamma.clamp(low, high), &self.domain)]
+        self.plane.mass_below(&line, |gamma| share * gammas.cdf(gamma), [low, high])
+    }
+
+    /// The alpha (0) or gamma (1) up to which there is this probability.
+    pub fn quantile(&self, which: usize, probability: f64) -> f64 {
+        let range = if which == 0 { &self.domain.alpha } else { &self.domain.gamma };
+        let (mut below, mut above) = (range.lower(), range.upper());
+        for _ in 0..40 {
+            let middle = 0.5 * (below + above);
+            if self.marginal(which, middle) < probability { below = middle } else { above = middle }
+        }
+        0.5 * (below + above)
     }
 
     pub fn estimate(&self, moments: &Moments) -> Estimate {
@@ -217,25 +230,14 @@ impl Independent {
             (first, mean(nodes, |x| (x - first) * (x - first)))
         };
         let ((alpha, alpha_var), (gamma, gamma_var)) = (of(&moments.alpha), of(&moments.gamma));
-        let [alphas, gammas] =
-            [&self.domain.alpha, &self.domain.gamma].map(|marginal| [marginal.lower(), marginal.upper()]);
-        let quantile = |[low, high]: [f64; 2], which: usize, share: f64| {
-            let (mut below, mut above) = (low, high);
-            for _ in 0..40 {
-                let middle = 0.5 * (below + above);
-                let found = self.marginals(middle, middle)[which];
-                if found < share { below = middle } else { above = middle }
-            }
-            0.5 * (below + above)
-        };
-        let interval = |range, which| [TAIL, 1.0 - TAIL].map(|share| quantile(range, which, share));
+        let interval = |which| [TAIL, 1.0 - TAIL].map(|share| self.quantile(which, share));
         let (region_density, region_share) = self.region(1.0 - 2.0 * TAIL);
         let information = self.plane.integral_of(|w| if w > 0.0 { w * math::ln(w) } else { 0.0 }).max(0.0);
         Estimate {
             mean: [alpha, gamma],
             covariance: [alpha_var, moments.product - alpha * gamma, gamma_var],
-            alpha: interval(alphas, 0),
-            gamma: interval(gammas, 1),
+            alpha: interval(0),
+            gamma: interval(1),
             region_density,
             region_share,
             information,
@@ -257,24 +259,27 @@ impl Independent {
     }
 }
 
+/// The alpha (0) or gamma (1) of weighted samples up to which there is this probability.
+pub(super) fn sample_quantile(set: &SampleSet, weights: &[f64], which: usize, probability: f64) -> f64 {
+    let value = |perception: Perception| [perception.alpha, perception.gamma][which];
+    let mut values: Vec<(f64, f64)> =
+        set.samples().iter().map(|sample| value(sample.perception)).zip(weights.iter().copied()).collect();
+    values.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let mut left = probability;
+    let found = values.iter().find(|(_, weight)| {
+        left -= weight;
+        left <= 0.0
+    });
+    found.or(values.last()).map_or(0.0, |(value, _)| *value)
+}
+
 /// The figures of weighted samples.
 pub(super) fn of_samples(set: &SampleSet, weights: &[f64]) -> Estimate {
     let pairs = || set.samples().iter().map(|sample| sample.perception).zip(weights.iter().copied());
     let mean =
         |value: &dyn Fn(Perception) -> f64| -> f64 { pairs().map(|(p, weight)| weight * value(p)).sum() };
     let (alpha, gamma) = (mean(&|p| p.alpha), mean(&|p| p.gamma));
-    let interval = |value: &dyn Fn(Perception) -> f64| {
-        let mut values: Vec<_> = pairs().map(|(p, weight)| (value(p), weight)).collect();
-        values.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        [TAIL, 1.0 - TAIL].map(|share| {
-            let mut left = share;
-            let found = values.iter().find(|(_, weight)| {
-                left -= weight;
-                left <= 0.0
-            });
-            found.or(values.last()).map_or(0.0, |(value, _)| *value)
-        })
-    };
+    let interval = |which| [TAIL, 1.0 - TAIL].map(|share| sample_quantile(set, weights, which, share));
     let mut ratios: Vec<(f64, f64, f64)> =
         set.samples().iter().zip(weights).map(|(s, w)| (w / s.weight, *w, s.weight)).collect();
     ratios.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
@@ -294,8 +299,8 @@ pub(super) fn of_samples(set: &SampleSet, weights: &[f64]) -> Estimate {
             mean(&|p| (p.alpha - alpha) * (p.gamma - gamma)),
             mean(&|p| (p.gamma - gamma) * (p.gamma - gamma)),
         ],
-        alpha: interval(&|p| p.alpha),
-        gamma: interval(&|p| p.gamma),
+        alpha: interval(0),
+        gamma: interval(1),
         region_density: least,
         region_share: share,
         information: ratios.iter().map(relative).sum::<f64>().max(0.0),

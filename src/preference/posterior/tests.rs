@@ -122,7 +122,7 @@ fn learned(belief: &Belief, seen: &[Seen], rate: f64) -> (Posterior, Vec<f64>) {
     let mut posterior = Posterior::new(belief.clone(), RISK_WEIGHT).unwrap();
     let evidence = seen.iter().map(|Seen { prospects, likelihoods }| {
         posterior.mix_with_prior(rate).unwrap();
-        posterior.observe(prospects, None, likelihoods).unwrap()
+        posterior.observe(prospects, &Ways::default(), likelihoods).unwrap()
     });
     let evidence = evidence.collect();
     (posterior, evidence)
@@ -137,7 +137,7 @@ fn assert_is_grid(belief: &Belief, seen: &[Seen], rate: f64, rows: usize, tolera
         assert!((found - wanted).abs() < tolerance * wanted.max(0.01), "evidence {found} and {wanted}");
     }
     let (mut choice, mut costs) = (ChoiceDistribution::default(), Vec::new());
-    posterior.predict_from(&asked, None, &mut choice);
+    posterior.predict_from(&asked, &Ways::default(), &mut choice);
     posterior.expected_costs(&asked, &mut costs);
     for (option, prospect) in asked.iter().enumerate() {
         let is_chosen = |alpha: f64, gamma: f64| {
@@ -248,13 +248,13 @@ fn closed_form_the_same_observation_again_and_again() {
     let mut often = once.clone();
     let likelihoods: [f64; 4] = [0.3, 0.5, 0.9, 0.7];
     for _ in 0..10 {
-        often.observe(&prospects, None, &likelihoods).unwrap();
+        often.observe(&prospects, &Ways::default(), &likelihoods).unwrap();
     }
-    once.observe(&prospects, None, &likelihoods.map(|l| crate::math::pow(l, 10.0))).unwrap();
+    once.observe(&prospects, &Ways::default(), &likelihoods.map(|l| crate::math::pow(l, 10.0))).unwrap();
     let (mut a, mut b) = (ChoiceDistribution::default(), ChoiceDistribution::default());
     let asked = options(&mut rng);
-    once.predict_from(&asked, None, &mut a);
-    often.predict_from(&asked, None, &mut b);
+    once.predict_from(&asked, &Ways::default(), &mut a);
+    often.predict_from(&asked, &Ways::default(), &mut b);
     for (a, b) in a.probabilities().iter().zip(b.probabilities()) {
         assert!((a - b).abs() < 1e-9, "{a} {b}");
     }
@@ -272,7 +272,7 @@ fn closed_form_without_observations_it_is_the_predictor() {
     for prospects in [options(&mut rng), options(&mut rng)[..1].to_vec(), close] {
         let (mut a, mut b) = (ChoiceDistribution::default(), ChoiceDistribution::default());
         predictor.predict(&prospects, &mut a);
-        posterior.predict_from(&prospects, None, &mut b);
+        posterior.predict_from(&prospects, &Ways::default(), &mut b);
         let (mut c, mut d) = (Vec::new(), Vec::new());
         predictor.expected_costs(&prospects, &mut c);
         posterior.expected_costs(&prospects, &mut d);
@@ -293,10 +293,10 @@ fn closed_form_samples_are_weighted_by_what_they_choose() {
     let chosen = [sample(0.55, 1.1), sample(0.95, 0.5)]
         .map(|s| human_choice(&prospects, RISK_WEIGHT, s.perception, None));
     assert_eq!(chosen, [0, 1]);
-    let evidence = posterior.observe(&prospects, None, &[0.9, 0.1]).unwrap();
+    let evidence = posterior.observe(&prospects, &Ways::default(), &[0.9, 0.1]).unwrap();
     assert!((evidence - 0.5).abs() < 1e-15);
     let mut choice = ChoiceDistribution::default();
-    posterior.predict_from(&prospects, None, &mut choice);
+    posterior.predict_from(&prospects, &Ways::default(), &mut choice);
     assert!((choice.probabilities()[0] - 0.9).abs() < 1e-15);
     assert!((posterior.estimate().mean[0] - (0.9 * 0.55 + 0.1 * 0.95)).abs() < 1e-15);
 }
@@ -308,10 +308,10 @@ fn closed_form_bad_observations_are_refused_and_change_nothing() {
     let prospects = options(&mut rng);
     let before = posterior.learned();
     for bad in [&[1.0, 0.5, 0.5][..], &[1.0, f64::NAN, 1.0, 1.0], &[1.0, -0.1, 1.0, 1.0], &[]] {
-        let refused = posterior.observe(&prospects, None, bad);
+        let refused = posterior.observe(&prospects, &Ways::default(), bad);
         assert!(matches!(refused, Err(PreferenceError::Likelihoods { .. })), "{refused:?}");
     }
-    assert_eq!(posterior.observe(&prospects, None, &[0.0; 4]), Err(PreferenceError::Impossible));
+    assert_eq!(posterior.observe(&prospects, &Ways::default(), &[0.0; 4]), Err(PreferenceError::Impossible));
     assert!(matches!(posterior.mix_with_prior(1.5), Err(PreferenceError::Rate { .. })));
     assert_eq!(posterior.learned(), before);
 }
@@ -326,7 +326,7 @@ fn a_restored_belief_is_the_same_to_the_bit() {
     assert!(restored.restore(&posterior.learned()));
     let prospects = options(&mut rng);
     for belief in [&mut posterior, &mut restored] {
-        belief.observe(&prospects, None, &[0.2, 0.9, 0.2, 0.2]).unwrap();
+        belief.observe(&prospects, &Ways::default(), &[0.2, 0.9, 0.2, 0.2]).unwrap();
     }
     assert_eq!(posterior.learned(), restored.learned());
     assert_eq!(posterior.estimate(), restored.estimate());
@@ -347,8 +347,8 @@ fn a_warm_observation_allocates_nothing() {
     for (index, Seen { prospects, likelihoods }) in seen.iter().enumerate() {
         let allocated = allocation_counter::measure(|| {
             posterior.mix_with_prior(0.001).unwrap();
-            posterior.observe(prospects, None, likelihoods).unwrap();
-            posterior.predict_from(prospects, None, &mut choice);
+            posterior.observe(prospects, &Ways::default(), likelihoods).unwrap();
+            posterior.predict_from(prospects, &Ways::default(), &mut choice);
             posterior.expected_costs(prospects, &mut costs);
         });
         largest = largest.max(posterior.size());

@@ -1,5 +1,6 @@
 //! Errors in the setup of a physical plant.
 
+use crate::geometry::Point;
 use thiserror::Error;
 
 /// The reason why a physical plant was refused.
@@ -45,11 +46,8 @@ pub enum PhysicsError {
         /// The object's centre, y, m.
         y: f64,
     },
-    /// The robot has no room behind the start.
-    #[error(
-        "{file}: no room at the start: the robot comes from ({x:.3}, {y:.3}) and passes within {distance:.3} m of obstacle `{obstacle}`; leave {needed} m on either side, up to {length:.2} m behind start_m",
-        file = .0.file, x = .0.x, y = .0.y, distance = .0.distance, obstacle = .0.obstacle, needed = .0.needed, length = .0.length
-    )]
+    /// The team has no room at the start, at any heading.
+    #[error("{}: no room at the start: {}", .0.file, .0.at_start())]
     NoRoomAtStart(NoRoom),
     /// The human has no room at the end of an option.
     #[error(
@@ -65,7 +63,7 @@ pub enum PhysicsError {
 }
 
 /// A straight way of a carrier that comes too close to an obstacle.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct NoRoom {
     /// The world file.
     pub file: String,
@@ -81,4 +79,23 @@ pub struct NoRoom {
     pub needed: f64,
     /// How far from `start_m` or `target_m` an obstacle may be in the way, m.
     pub length: f64,
+    /// The nearest other start that has room.
+    pub nearest: Option<Point>,
+}
+
+impl NoRoom {
+    /// What is missing at the start, and where to start instead.
+    fn at_start(&self) -> String {
+        let Self { x, y, distance, obstacle, needed, length, nearest, .. } = self;
+        let fault = match needed - distance {
+            missing if missing > 0.0 => format!(
+                "the robot comes from ({x:.3}, {y:.3}) and passes within {distance:.3} m of obstacle `{obstacle}`; leave {needed} m on either side, up to {length:.2} m behind start_m ({missing:.3} m are missing)"
+            ),
+            _ => format!("the team fits, but cannot turn onto its path: obstacle `{obstacle}` is too near"),
+        };
+        match nearest {
+            Some(p) => format!("{fault}; the nearest start with room is ({:.2}, {:.2})", p.x, p.y),
+            None => fault,
+        }
+    }
 }

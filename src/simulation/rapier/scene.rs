@@ -11,7 +11,7 @@ use crate::geometry::{PlanarPose, Pose, direction};
 use crate::robot::{JointVector, Robot};
 use crate::simulation::KinematicPlant;
 use crate::simulation::convert::to_rapier;
-use crate::world::World;
+use crate::world::{Part, World};
 use nalgebra::Matrix3;
 use rapier3d::math::Vector;
 use rapier3d::parry::query::intersection_test;
@@ -103,9 +103,10 @@ impl Scene<'_> {
         let mut parts = Parts::default();
         let articulation = Articulation::new(&mut world, &mut parts, robot, &start, settings)?;
         for obstacle in &self.world.obstacles {
-            let (at, shape) = obstacle.solid();
-            let shape = ColliderBuilder::new(SharedShape(shape.clone_dyn().into())).position(at);
-            parts.add(&mut world, None, shape, &obstacle.name, (BodyKind::Obstacle, Group::Obstacle));
+            for (at, shape) in obstacle.parts.iter().map(Part::solid) {
+                let shape = ColliderBuilder::new(SharedShape(shape.clone_dyn().into())).position(at);
+                parts.add(&mut world, None, shape, &obstacle.name, (BodyKind::Obstacle, Group::Obstacle));
+            }
         }
 
         let [x, y, z] = object.size;

@@ -1,11 +1,11 @@
 //! The view of a world in a picture: its frame and scale, axes, obstacles, openings, start and target.
 
 use super::kit::{
-    Align, INK, OBSTACLE, OBSTACLE_EDGE, PAPER, PLAIN_OPENING, Plot, TITLE_SIZE, Text, disc, polygon,
+    Align, INK, OBSTACLE, OBSTACLE_EDGE, PAPER, PLAIN_OPENING, Plot, TITLE_SIZE, Text, area, disc, polygon,
     printable, rectangle, risk_colour, stroke,
 };
 use cocarry::geometry::{Bounds, Footprint, Point, Vector, direction};
-use cocarry::world::World;
+use cocarry::world::{Obstacle, World};
 use svg::node::element::{Group, Title};
 
 /// Thickness of the bars across openings, px.
@@ -87,16 +87,29 @@ impl MapView {
             .set("stroke-linejoin", "round");
         world.obstacles.iter().fold(style, |group, obstacle| {
             let title = Title::new(printable(&obstacle.name));
-            match &obstacle.footprint {
-                Footprint::Polygon(_) => group.add(polygon(&self.outline(&obstacle.footprint)).add(title)),
-                Footprint::Disc { center, radius } => {
+            match (&obstacle.outline, &obstacle.parts[0].footprint) {
+                (Some(_), _) => group.add(area(&self.outlines(obstacle)).add(title)),
+                (None, footprint @ Footprint::Polygon(_)) => {
+                    group.add(polygon(&self.outline(footprint)).add(title))
+                }
+                (None, Footprint::Disc { center, radius }) => {
                     group.add(disc(self.px(*center), radius * self.scale).add(title))
                 }
             }
         })
     }
 
-    /// The corners (px) of an obstacle's outline; a disc becomes a polygon.
+    /// The corners (px) of the outlines of an obstacle.
+    pub fn outlines(&self, obstacle: &Obstacle) -> Vec<Vec<Point>> {
+        match &obstacle.outline {
+            Some(outline) => {
+                outline.rings().iter().map(|ring| ring.iter().map(|p| self.px(*p)).collect()).collect()
+            }
+            None => obstacle.footprints().map(|footprint| self.outline(footprint)).collect(),
+        }
+    }
+
+    /// The corners (px) of a convex outline; a disc becomes a polygon.
     pub fn outline(&self, footprint: &Footprint) -> Vec<Point> {
         match footprint {
             Footprint::Polygon(corners) => corners.iter().map(|c| self.px(*c)).collect(),

@@ -28,9 +28,10 @@ const LEAST_SAVING: f64 = 60.0;
 pub(super) fn clutter(view: &MapView, world: &World) -> Clutter {
     let mut clutter = Clutter::new(view.frame());
     for obstacle in &world.obstacles {
-        let mut outline = view.outline(&obstacle.footprint);
-        outline.extend(outline.first().copied());
-        clutter.add(&outline, 0.8, OUTLINE_COST);
+        for mut outline in view.outlines(obstacle) {
+            outline.extend(outline.first().copied());
+            clutter.add(&outline, 0.8, OUTLINE_COST);
+        }
     }
     for opening in &world.openings {
         clutter.add(&opening.ends.map(|p| view.px(p)), BAR + 2.4, OPENING_COST);

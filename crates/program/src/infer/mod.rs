@@ -15,7 +15,7 @@ use cocarry::coordination;
 use cocarry::episode::{self, Watch};
 use cocarry::learning;
 use cocarry::options::OptionSet;
-use cocarry::scenario::{INITIAL_STUBBORNNESS, PLANNING_STEP, Plant, Scenario};
+use cocarry::scenario::{BELIEF_LAPSE, INITIAL_STUBBORNNESS, PLANNING_STEP, Plant, Scenario};
 use cocarry_recording::recording::{Reader, rerun, scenario};
 use cocarry_studies::fit::{
     AnswerFile, Answers, InferenceModel, InferenceSettings, Kind, Situation, Switch, SwitchFile, Switches,
@@ -54,7 +54,7 @@ pub(super) struct InferArguments {
     #[command(flatten)]
     model: ModelArguments,
     /// Probability that an answer or a switch says nothing about its participant
-    #[arg(long, value_name = "RATE", value_parser = super::calibrate::lapse_rate, allow_negative_numbers = true, default_value_t = learning::Settings::default().lapse_rate)]
+    #[arg(long, value_name = "RATE", value_parser = number(&BELIEF_LAPSE), allow_negative_numbers = true, default_value_t = learning::Settings::default().lapse_rate)]
     lapse_rate: f64,
     /// Median of eta a priori
     #[arg(long, conflicts_with = "means_of", value_name = "ETA", value_parser = of_eta, allow_negative_numbers = true, default_value_t = learning::TolerancePrior::default().median)]

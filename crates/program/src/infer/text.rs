@@ -11,28 +11,26 @@ fn interval([low, high]: [f64; 2], decimals: usize) -> String {
     format!("{low:.decimals$} to {high:.decimals$}")
 }
 
-/// Adds mean, standard deviation and interval of a figure; a row without it has none.
-fn figure<'a, R>(
-    columns: Columns<'a, R>,
-    name: &str,
-    key: &str,
-    decimals: usize,
-    of: impl Fn(&R) -> Option<Figure>,
-) -> Columns<'a, R> {
-    let keys = ["mean", "std", "low", "high"].map(|part| format!("{key}_{part}"));
+/// Adds the columns of a figure for programs; a row without it has none.
+fn figure<'a, R>(columns: Columns<'a, R>, key: &str, of: impl Fn(&R) -> Option<Figure>) -> Columns<'a, R> {
     let value = |number: Option<f64>| Value::from(number.filter(|n| n.is_finite()));
+    let numbers = |f: Figure| {
+        let ends = [f.interval, f.interval_50, f.interval_80].into_iter().flatten();
+        [f.mean, f.std].into_iter().chain(ends).chain([f.median]).collect::<Vec<f64>>()
+    };
+    let parts = ["mean", "std", "low", "high", "low_50", "high_50", "low_80", "high_80", "median"];
+    parts.iter().enumerate().fold(columns, |columns, (i, part)| {
+        columns.data(&format!("{key}_{part}"), |row| value(of(row).map(|figure| numbers(figure)[i])))
+    })
+}
+
+/// Adds median and intervals of a figure, for people.
+fn intervals<'a, R>(columns: Columns<'a, R>, decimals: usize, of: impl Fn(&R) -> Figure) -> Columns<'a, R> {
     columns
-        .column(name, false, &[&keys[0], &keys[1]], |row| {
-            let figure = of(row);
-            let shown =
-                figure.map_or("-".to_owned(), |f| format!("{:.decimals$} ± {:.decimals$}", f.mean, f.std));
-            Cell { shown, values: vec![value(figure.map(|f| f.mean)), value(figure.map(|f| f.std))] }
-        })
-        .column("95 %", false, &[&keys[2], &keys[3]], |row| {
-            let ends = of(row).map(|f| f.interval);
-            let shown = ends.map_or("-".to_owned(), |ends| interval(ends, decimals));
-            Cell { shown, values: vec![value(ends.map(|e| e[0])), value(ends.map(|e| e[1]))] }
-        })
+        .derived("median", |row| format!("{:.decimals$}", of(row).median))
+        .derived("50 %", |row| interval(of(row).interval_50, decimals))
+        .derived("80 %", |row| interval(of(row).interval_80, decimals))
+        .derived("95 %", |row| interval(of(row).interval, decimals))
 }
 
 /// All figures of every participant, for programs.
@@ -42,15 +40,50 @@ pub(super) fn people(inference: &Inference) -> Table {
         .text("participant", "participant", |p| p.participant.clone())
         .count("answers", "answers", |p| p.answers as u64)
         .count("looks", "looks", |p| p.looks as u64);
-    let columns = figure(columns, "alpha", "alpha", 3, |p| Some(p.alpha));
-    let columns = figure(columns, "gamma", "gamma", 3, |p| Some(p.gamma))
+    let columns = figure(columns, "alpha", |p| Some(p.alpha));
+    let columns = figure(columns, "gamma", |p| Some(p.gamma))
         .data("correlation", |p| p.correlation)
         .data("information_nats", |p| p.information)
         .data("log_evidence", |p| p.log_evidence);
-    let columns = figure(columns, "alpha", "population_alpha", 3, within(0));
-    let columns = figure(columns, "gamma", "population_gamma", 3, within(1));
+    let columns = figure(columns, "population_alpha", within(0));
+    let columns = figure(columns, "population_gamma", within(1));
     let columns = columns.count("episodes", "episodes", |p| p.episodes as u64);
-    figure(columns, "eta", "eta", 2, |p| p.eta).table("people", "Participants")
+    figure(columns, "eta", |p| p.eta).table("people", "Participants")
+}
+
+/// alpha or gamma of a participant.
+struct Parameter<'a> {
+    person: &'a Person,
+    name: &'static str,
+    figure: Figure,
+}
+
+/// The rows of alpha and gamma of every participant.
+fn parameters<'a>(
+    people: &[&'a Person],
+    figures: impl Fn(&Person) -> Option<[Figure; 2]>,
+) -> Vec<Parameter<'a>> {
+    let of = |person: &&'a Person| {
+        let person = *person;
+        let named =
+            figures(person).into_iter().flat_map(|figures| ["alpha", "gamma"].into_iter().zip(figures));
+        named.map(move |(name, figure)| Parameter { person, name, figure }).collect::<Vec<_>>()
+    };
+    people.iter().flat_map(of).collect()
+}
+
+fn of_parameters<'a>(rows: &'a [Parameter<'a>], has_counts: bool) -> Columns<'a, Parameter<'a>> {
+    // what belongs to both rows of a participant is in the first
+    let once = |row: &Parameter, text: String| if row.name == "alpha" { text } else { String::new() };
+    let name = |row: &Parameter| once(row, row.person.participant.clone());
+    let mut columns = Columns::of(rows).text("participant", "participant", name);
+    let counts: [(&str, fn(&Person) -> usize); 2] = [("answers", |p| p.answers), ("looks", |p| p.looks)];
+    for (heading, count) in counts.into_iter().filter(|_| has_counts) {
+        if rows.iter().any(|row| count(row.person) > 0) {
+            columns = columns.derived(heading, |row| once(row, count(row.person).to_string()));
+        }
+    }
+    intervals(columns.text("parameter", "parameter", |row| row.name), 2, |row| row.figure)
 }
 
 /// What a terminal shows.
@@ -58,24 +91,14 @@ pub(super) fn tables(inference: &Inference, settings: &InferenceSettings) -> Vec
     let mut tables = Vec::new();
     let answered: Vec<&Person> = inference.people.iter().filter(|p| p.answers + p.looks > 0).collect();
     if !answered.is_empty() {
-        let columns = Columns::of(&answered)
-            .text("participant", "participant", |p| p.participant.clone())
-            .count("answers", "answers", |p| p.answers as u64);
-        let columns = match answered.iter().any(|p| p.looks > 0) {
-            true => columns.count("looks", "looks", |p| p.looks as u64),
-            false => columns,
-        };
-        let columns = figure(columns, "alpha", "alpha", 2, |p| Some(p.alpha));
-        let table = figure(columns, "gamma", "gamma", 2, |p| Some(p.gamma))
+        let rows = parameters(&answered, |p| Some([p.alpha, p.gamma]));
+        let table = of_parameters(&rows, true)
             .table("answers", "alpha and gamma of each participant, from their own answers");
-        tables
-            .push(table.with_note(format!("Lapse rate {}. mean ± standard deviation.", settings.lapse_rate)));
+        tables.push(table.with_note(format!("Lapse rate {}. Central intervals.", settings.lapse_rate)));
     }
     if inference.population.is_some() && !answered.is_empty() {
-        let within = |which: usize| move |p: &&Person| p.within_population.map(|figures| figures[which]);
-        let columns = Columns::of(&answered).text("participant", "participant", |p| p.participant.clone());
-        let columns = figure(columns, "alpha", "alpha", 2, within(0));
-        let table = figure(columns, "gamma", "gamma", 2, within(1))
+        let rows = parameters(&answered, |p| p.within_population);
+        let table = of_parameters(&rows, false)
             .table("within", "The same within the population, from everybody's answers");
         let note =
             format!("{} draws, seed {}.", settings.draws * cocarry_studies::fit::CHAINS, settings.seed);
@@ -84,12 +107,12 @@ pub(super) fn tables(inference: &Inference, settings: &InferenceSettings) -> Vec
     if let Some(population) = &inference.population {
         tables.push(of_population(population));
     }
-    let watched: Vec<&Person> = inference.people.iter().filter(|p| p.episodes > 0).collect();
+    let watched: Vec<(&Person, Figure)> = inference.people.iter().filter_map(|p| Some((p, p.eta?))).collect();
     if !watched.is_empty() {
         let columns = Columns::of(&watched)
-            .text("participant", "participant", |p| p.participant.clone())
-            .count("episodes", "episodes", |p| p.episodes as u64);
-        let mut table = figure(columns, "eta", "eta", 2, |p| p.eta)
+            .text("participant", "participant", |(p, _)| p.participant.clone())
+            .count("episodes", "episodes", |(p, _)| p.episodes as u64);
+        let mut table = intervals(columns, 2, |(_, eta)| *eta)
             .table("tolerances", "eta of each participant, from their own switches");
         if let Some(overall) = inference.tolerances.as_ref().and_then(|fit| fit.overall) {
             let interval = inference.tolerances.as_ref().and_then(|fit| fit.median_interval);
@@ -120,10 +143,11 @@ pub(super) fn tables(inference: &Inference, settings: &InferenceSettings) -> Vec
 
 /// The quantities of a population, posterior and prior.
 pub(super) fn of_population(population: &Population) -> Table {
-    let rows: Vec<usize> = (0..QUANTITIES.len()).collect();
-    let columns = Columns::of(&rows).text("over people", "quantity", |row| QUANTITIES[*row]);
-    let columns = figure(columns, "posterior", "posterior", 3, |row| Some(population.posterior[*row]));
-    figure(columns, "prior", "prior", 3, |row| Some(population.prior[*row]))
+    let both = population.posterior.iter().zip(&population.prior).zip(QUANTITIES);
+    let rows: Vec<(&str, Figure)> =
+        both.flat_map(|((posterior, prior), name)| [(name, *posterior), ("  a priori", *prior)]).collect();
+    let columns = Columns::of(&rows).text("over people", "quantity", |(name, _)| *name);
+    intervals(columns, 3, |(_, figure)| *figure)
         .table("population", "The population of alpha and gamma")
         .with_note(format!(
             "Information of the answers about the population: {:.2} nats. Logarithm of their probability: {:.2}.",

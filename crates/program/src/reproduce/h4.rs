@@ -1,14 +1,17 @@
 //! `cocarry reproduce h4`: whether it pays that the robot learns who it carries with.
 
-use super::super::output::{Failure, examples, input, print, print_json, table_with_notes};
+use super::super::output::{
+    Failure, OverwriteArguments, csv_file, examples, input, print, print_json, table_with_notes, write_file,
+};
 use super::super::robot::load_robot;
 use super::common::Common;
 use clap::Args;
 use cocarry::episode::Settings;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry_studies::paper::h4::{FORGETFUL, HUMANS, RATIONALITY, Study, TASKS, WORLDS};
-use cocarry_studies::report::learning_tables;
+use cocarry_studies::report::{learning_tables, people_table};
 use serde_json::json;
+use std::path::PathBuf;
 
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
@@ -29,9 +32,15 @@ pub(in super::super) struct H4Arguments {
     /// Seed of humans and random worlds
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    /// Write a row for every person, task and robot into this CSV file
+    #[arg(long, value_name = "FILE", value_parser = csv_file)]
+    rows: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
 }
 
 pub(super) fn run(arguments: &H4Arguments) -> Result<(), Failure> {
+    let outputs = arguments.overwrite.outputs([], &arguments.rows)?;
     let settings = Settings::default();
     let plant = Plant::new(PlantKind::Kinematic, RobotSetup::new(&load_robot(None)?));
     let study = Study {
@@ -46,6 +55,9 @@ pub(super) fn run(arguments: &H4Arguments) -> Result<(), Failure> {
         .common
         .with_progress(study.units(), "people", |on_done| study.run(on_done))?
         .map_err(input)?;
+    if let Some(path) = &arguments.rows {
+        write_file(&outputs, path, people_table(&findings.people).csv())?;
+    }
     if arguments.common.json {
         let [lapse_rate, change_rate] = FORGETFUL;
         return print_json(&json!({

@@ -58,8 +58,13 @@ pub(super) fn world(world: &World, options: &OptionSet, time: u64) -> SceneUpdat
 
 fn obstacle(obstacle: &Obstacle, time: u64) -> SceneEntity {
     let mut drawn = entity(WORLD, format!("obstacle/{}", obstacle.name), time);
+    obstacle.footprints().for_each(|part| add_part(&mut drawn, obstacle, part));
+    drawn
+}
+
+fn add_part(drawn: &mut SceneEntity, obstacle: &Obstacle, part: &Footprint) {
     let height = obstacle.height;
-    match &obstacle.footprint {
+    match part {
         Footprint::Disc { center, radius } => drawn.cylinders.push(CylinderPrimitive {
             pose: at(center.x, center.y, height / 2.0),
             size: vector(&Vector3::new(2.0 * radius, 2.0 * radius, height)),
@@ -79,7 +84,6 @@ fn obstacle(obstacle: &Obstacle, time: u64) -> SceneEntity {
         }
         Footprint::Polygon(corners) => drawn.triangles.push(prism(corners, height, OBSTACLE)),
     }
-    drawn
 }
 
 /// The words on every opening, and their place (floor, height): above all obstacles, which would hide them, and

@@ -126,9 +126,11 @@ pub(super) fn pose(pose: &Pose) -> [f64; 7] {
 }
 
 fn world_json(world: &World) -> Value {
-    let obstacles = world.obstacles.iter().map(|obstacle| {
+    let parts =
+        world.obstacles.iter().flat_map(|obstacle| obstacle.footprints().map(move |part| (obstacle, part)));
+    let obstacles = parts.map(|(obstacle, part)| {
         let mut drawn = json!({ "name": obstacle.name, "height_m": obstacle.height });
-        match &obstacle.footprint {
+        match part {
             Footprint::Polygon(corners) => {
                 drawn["corners"] = corners.iter().map(|c| point(*c)).collect();
             }

@@ -11,7 +11,7 @@ use cocarry::episode::{self, prospects};
 use cocarry::learning::{Learner, LearningError, Settings, discomfort_limit, eta_interval};
 use cocarry::math;
 use cocarry::options::OptionSet;
-use cocarry::preference::{Perception, human_choice};
+use cocarry::preference::{Perception, Ways, human_choice};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
@@ -191,7 +191,7 @@ impl Calibration {
         let toward = set.next(&progress, chosen);
         let looks_like = (0..count).map(|option| set.next(&progress, option) == toward);
         // impossible only if no lapse is assumed: then nothing is learned from it
-        drop(learner.see_look(&options, None, looks_like));
+        drop(learner.see_look(&options, &Ways::default(), looks_like));
     }
 }
 

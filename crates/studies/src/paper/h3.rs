@@ -10,7 +10,7 @@ use super::{Route, prepared, route};
 use crate::parallel::{OnDone, in_parallel};
 use crate::statistics::{self, Paired, mean_and_std};
 use cocarry::control::{Avoid, CandidateSet, PoseCriterion};
-use cocarry::episode::{ControlSummary, Episode, LOSS_DISTANCE_M, Outcome, PreferenceChange, Settings};
+use cocarry::episode::{ControlSummary, Episode, Outcome, PreferenceChange, Settings};
 use cocarry::options::OptionSet;
 use cocarry::policy::Method;
 use cocarry::preference::{Belief, Perception};
@@ -97,11 +97,17 @@ impl PoseMethod {
         }
     }
 
+    /// The controller with this choice of configurations.
+    pub(super) fn choosing(self, settings: &control::Settings) -> control::Settings {
+        let (_, candidates, criterion, _) = self.entry();
+        control::Settings { candidates, criterion, ..*settings }
+    }
+
     /// The controller on a plant. On the physical plant it always avoids obstacles.
     fn control(self, plant: PlantKind, settings: &control::Settings) -> control::Settings {
-        let (_, candidates, criterion, avoid) = self.entry();
+        let (.., avoid) = self.entry();
         let avoid = if plant == PlantKind::Rapier { Avoid::Robot } else { avoid };
-        control::Settings { candidates, criterion, avoid, ..*settings }
+        control::Settings { avoid, ..self.choosing(settings) }
     }
 }
 
@@ -308,7 +314,7 @@ fn follow(mut episode: Episode) -> EpisodeResult {
     EpisodeResult {
         control,
         steps: summary.steps,
-        lost_object: summary.loss.is_some() || control.largest_error > LOSS_DISTANCE_M,
+        lost_object: summary.has_lost_object(),
         arrived: outcome == Outcome::Arrived,
         route: route(summary),
     }

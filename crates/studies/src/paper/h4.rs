@@ -6,15 +6,18 @@
 
 mod control;
 mod people;
+mod rows;
 
-pub use control::{ControlRow, METHODS, MOST_HUMANS};
+pub use control::{ControlRow, MOST_HUMANS, ROBOTS_WITH_ARM};
 pub use people::{HumanKind, RATIONALITY};
+pub use rows::{PersonRow, Task};
 
+use super::h3::PoseMethod;
 use super::{BuiltInError, prepared};
 use crate::parallel::{OnDone, in_parallel};
 use crate::statistics::{self, Paired, mean_and_std};
 use cocarry::coordination::{self, Mode, robot_choice};
-use cocarry::episode::{Episode, LOSS_DISTANCE_M, Outcome, Settings, Tick};
+use cocarry::episode::{Episode, Outcome, Settings, Tick};
 use cocarry::learning::{self, Learner, LearningError, TolerancePrior};
 use cocarry::math;
 use cocarry::policy::Method;
@@ -25,6 +28,7 @@ use people::{Person, outside};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
+use rows::Setting;
 use serde::Serialize;
 use thiserror::Error;
 
@@ -133,8 +137,11 @@ pub struct Findings {
     pub by_world: Vec<LearningRow>,
     /// All worlds, by kind of human.
     pub by_human: Vec<LearningRow>,
-    /// Humans of the model with a robot that has an arm, by method and world.
+    /// Humans of the model with a robot that has an arm, by method, pose optimisation and world.
     pub control: Vec<ControlRow>,
+    /// Every person in every task with every robot: what the other rows are of.
+    #[serde(skip)]
+    pub people: Vec<PersonRow>,
 }
 
 /// Why there are no findings.
@@ -166,21 +173,13 @@ struct Group {
     worlds: Vec<PreparedScenario>,
 }
 
-/// One task.
-#[derive(Clone, Copy, Default)]
-struct Task {
-    arrived: bool,
-    regret: f64,
-    human_cost: f64,
-    objective_cost: f64,
-    share_off_preference: f64,
-    took_over: bool,
-    control_cost: f64,
-    lost_object: bool,
-}
-
 /// The tasks of one person with each robot.
 type Tasks = [Vec<Task>; RobotKind::ALL.len()];
+
+/// The stream of a person of a group.
+fn stream_of(group: usize, human: usize) -> u64 {
+    ((group as u64 + 1) << 32) + human as u64
+}
 
 impl Study<'_> {
     /// Units of work, for a progress bar.
@@ -219,7 +218,33 @@ impl Study<'_> {
         for rows in [&mut by_world, &mut by_human] {
             statistics::correct(rows.iter_mut().flat_map(LearningRow::comparisons));
         }
-        Ok(Findings { by_world, by_human, control: self.control(on_done)? })
+        let mut people = Vec::new();
+        for (i, tasks) in all.iter().enumerate() {
+            let (group, kind, human) = (i / n / kinds, i / n % kinds, i % n);
+            people.extend(self.person_rows(
+                (Method::MUTUAL, None),
+                &groups[group],
+                self.person(group, HumanKind::ALL[kind], human),
+                (group, human),
+                tasks,
+            ));
+        }
+        let control = self.control(&mut people, on_done)?;
+        Ok(Findings { by_world, by_human, control, people })
+    }
+
+    /// The rows of one person.
+    fn person_rows(
+        &self,
+        (method, pose): (Method, Option<PoseMethod>),
+        group: &Group,
+        person: Person,
+        (number, human): (usize, usize),
+        tasks: &Tasks,
+    ) -> Vec<PersonRow> {
+        let (world, world_number) = (group.name.as_str(), human % group.worlds.len());
+        let setting = Setting { method, pose, world, world_number, stream: stream_of(number, human) };
+        rows::rows(setting, &person, tasks).collect()
     }
 
     /// The built-in worlds, each by itself.
@@ -274,7 +299,7 @@ impl Study<'_> {
 
     fn person(&self, group: usize, kind: HumanKind, human: usize) -> Person {
         // the same people for all kinds, as far as they can be
-        let mut rng = self.stream(((group as u64 + 1) << 32) + human as u64);
+        let mut rng = self.stream(stream_of(group, human));
         let belief = self.settings.predictor.belief();
         let eta = TolerancePrior::default().sample(&mut rng);
         let [first, second] = [0; 2].map(|_| belief.sample(&mut rng));
@@ -405,8 +430,10 @@ fn carry(episode: &mut Episode, settings: &Settings, human: Perception) -> Task 
         objective_cost: summary.accumulated_cost,
         share_off_preference: summary.human.share_off_preference(summary.steps),
         took_over: summary.transition.is_some(),
-        control_cost: summary.control.map_or(0.0, |control| control.cost()),
-        lost_object: summary.control.is_some_and(|control| control.largest_error > LOSS_DISTANCE_M),
+        control_cost: summary
+            .control
+            .map_or([0.0; 3], |control| [control.tracking, control.effort, control.pose]),
+        lost_object: summary.has_lost_object(),
     }
 }
 

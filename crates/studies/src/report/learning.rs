@@ -2,12 +2,15 @@
 
 use super::pairs::{difference, is_significant, rounded};
 use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
+use crate::paper::h3::PoseMethod;
 use crate::paper::h4::{
-    ALL_WORLDS, ControlRow, Findings, HumanKind, LearningRow, METHODS, RobotKind, Study, TASKS, WORLDS,
+    ALL_WORLDS, ControlRow, Findings, HumanKind, LearningRow, PersonRow, ROBOTS_WITH_ARM, RobotKind, Study,
+    TASKS, WORLDS,
 };
 use crate::parallel::OnDone;
 use crate::statistics::Paired;
 use crate::table::{Cell, Columns, Table};
+use cocarry::policy::Method;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry_output::drawing::{MeanPanel, MeanRow, means};
 use serde_json::Value;
@@ -41,11 +44,10 @@ fn pictures(findings: &Findings) -> Result<[Figure; 2], ReportError> {
     let last = |task: usize| task == TASKS;
     let by_human = findings.by_human.iter().filter(|row| last(row.task));
     let regret = by_human.map(|row| (row.humans.name(), row.robot, row.regret_against_prior));
-    let control = METHODS.map(|method| {
-        let name = method.to_string();
-        let rows = findings.control.iter().filter(|row| last(row.task) && row.method == name);
+    let control = ROBOTS_WITH_ARM.map(|(method, pose)| {
+        let rows = rows_of(findings, method, pose).filter(|row| last(row.task));
         let cells = rows.map(|row| (row.world.as_str(), row.robot, row.control_cost_against_prior));
-        panel(&name, cells)
+        panel(&format!("{method}, {}", pose.name()), cells)
     });
     let series: Vec<String> = RobotKind::ALL[1..].iter().map(|robot| robot.name().to_owned()).collect();
     let figure = |name: &str, caption: &str, panels: &[MeanPanel], axis: &str| {
@@ -66,6 +68,12 @@ fn pictures(findings: &Findings) -> Result<[Figure; 2], ReportError> {
             "C minus that with the prior",
         )?,
     ])
+}
+
+/// The control costs of robots with an arm that lead, and choose their configuration, like this.
+fn rows_of(findings: &Findings, method: Method, pose: PoseMethod) -> impl Iterator<Item = &ControlRow> {
+    let name = method.to_string();
+    findings.control.iter().filter(move |row| row.method == name && row.pose == pose)
 }
 
 /// The rows of one label after the other, each with the robots but the one with the prior.
@@ -95,16 +103,13 @@ fn finding(findings: &Findings) -> Finding {
     let learns = of(RobotKind::Learns);
     let regret = learns.is_some_and(|row| pays(row.regret_against_prior));
     let human = learns.is_some_and(|row| pays(row.human_cost_against_prior));
-    let costs = METHODS.map(|method| {
-        let name = method.to_string();
+    let costs = ROBOTS_WITH_ARM.map(|(method, pose)| {
         let cost = |robot: RobotKind| {
-            let is_it = |row: &&ControlRow| {
-                row.world == ALL_WORLDS && row.method == name && row.task == last && row.robot == robot
-            };
-            findings.control.iter().find(is_it).map_or(f64::NAN, |row| row.control_cost)
+            let is_it = |row: &&ControlRow| row.world == ALL_WORLDS && row.task == last && row.robot == robot;
+            rows_of(findings, method, pose).find(is_it).map_or(f64::NAN, |row| row.control_cost)
         };
         let [learns, prior] = [RobotKind::Learns, RobotKind::Prior].map(cost);
-        format!("{learns:.1} instead of {prior:.1} ({name})")
+        format!("{learns:.1} instead of {prior:.1} ({method}, {})", pose.name())
     });
     let costs = format!("control cost {}", costs.join(", "));
     Finding {
@@ -147,6 +152,7 @@ pub fn learning_tables(findings: &Findings) -> [Table; 3] {
 fn control(rows: &[ControlRow]) -> Table {
     let columns = Columns::of(rows)
         .text("method", "method", |r| r.method.clone())
+        .text("pose", "pose", |r| r.pose.name())
         .text("world", "world", |r| r.world.clone())
         .count("task", "task", |r| r.task as u64)
         .text("robot", "robot", |r| r.robot.name())
@@ -154,14 +160,46 @@ fn control(rows: &[ControlRow]) -> Table {
         .data("not_arrived", |r| r.not_arrived as u64)
         .count("lost", "lost_object", |r| r.lost_object as u64)
         .number("C", "control_cost", 1, |r| r.control_cost)
-        .data("control_cost_std", |r| r.control_cost_std);
+        .data("control_cost_std", |r| r.control_cost_std)
+        .number("tracking", "tracking", 1, |r| r.parts[0])
+        .number("effort", "effort", 1, |r| r.parts[1])
+        .number("change of pose", "pose_change", 1, |r| r.parts[2]);
     let tested = |r: &&ControlRow| r.control_cost_against_prior.is_some_and(|p| p.p_value.is_some());
     let tested = rows.iter().filter(tested).count();
     against(columns, "C - prior's", "control_cost", |r| r.control_cost_against_prior)
-        .table("learning-control", "H4, humans of the model: control cost C with pose optimisation on the kinematic plant")
+        .table("learning-control", "H4, humans of the model: control cost C on the kinematic plant")
         .with_note("lost: episodes in which the grasp was off by more than 10 cm, which go on here and cost many times as much;")
-        .with_note("human-led: the way is the human's with every robot, and only the weights of eq. (8) differ; differences and p-values: as above,")
+        .with_note("human-led: the way is the human's with every robot. What was learned decides which option eq. (7) tracks, and with-po the weights of")
+        .with_note("eq. (8), too; uniform-weights: eq. (8) with equal weights; without-po: no pose optimisation; differences and p-values: as above,")
         .with_note(format!("corrected for the {tested} comparisons tested here."))
+}
+
+/// Every person in every task with every robot.
+pub fn people_table(rows: &[PersonRow]) -> Table {
+    Columns::of(rows)
+        .text("method", "method", |r| r.method.clone())
+        .data("pose", |r| r.pose.map(PoseMethod::name))
+        .text("world", "world", |r| r.world.clone())
+        .count("world number", "world_number", |r| r.world_number as u64)
+        .text("humans", "humans", |r| r.humans.name())
+        .count("stream", "stream", |r| r.stream)
+        .count("task", "task", |r| r.task as u64)
+        .text("robot", "robot", |r| r.robot.name())
+        .data("alpha", |r| r.alpha)
+        .data("gamma", |r| r.gamma)
+        .data("eta", |r| r.eta)
+        .data("arrived", |r| r.result.arrived)
+        .data("regret", |r| r.result.regret)
+        .data("human_cost", |r| r.result.human_cost)
+        .data("objective_cost_m", |r| r.result.objective_cost)
+        .data("share_off_preference", |r| r.result.share_off_preference)
+        .data("took_over", |r| r.result.took_over)
+        .data("control_cost", |r| r.pose.map(|_| r.result.control_cost()))
+        .data("tracking", |r| r.pose.map(|_| r.result.control_cost[0]))
+        .data("effort", |r| r.pose.map(|_| r.result.control_cost[1]))
+        .data("pose_change", |r| r.pose.map(|_| r.result.control_cost[2]))
+        .data("lost_object", |r| r.pose.map(|_| r.result.lost_object))
+        .table("learning-people", "H4: every person in every task with every robot")
 }
 
 fn table<'a>(

@@ -20,7 +20,7 @@ pub use adaptation::{example_picture, example_table, table_2};
 pub use bodies::table_2_with_bodies;
 pub use choices::table_1;
 pub use contacts::contact_table;
-pub use learning::learning_tables;
+pub use learning::{learning_tables, people_table};
 pub use part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
 pub use preparation::{Compared, ratio_picture, table_3, table_3_ratios};
 pub use weight::answers_picture;

@@ -11,7 +11,6 @@ use cocarry::scenario::{
     Applies, Kind, PERCEPTION, POSTURE, PlantKind, PreferenceChanges, SETTINGS, Setting, Value, WorldText,
     one_of,
 };
-use cocarry::world::World;
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
 
@@ -164,7 +163,7 @@ impl Contents {
             return Ok(known);
         }
         let path = folder.join(&name);
-        let world = World::find(&path, &name)
+        let world = cocarry_maps::find(&path, &name)
             .map_err(|source| SweepError::World { place, source: Box::new(source) })?;
         // named as in the study, independent of the current directory
         self.worlds.push((name.clone(), WorldText { file: name, text: world.text }));

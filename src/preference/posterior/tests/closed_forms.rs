@@ -12,7 +12,7 @@ fn closed_form_the_figures_of_weighted_samples() {
     let mut posterior = Posterior::new(Belief::samples(weighted.to_vec()).unwrap(), RISK_WEIGHT).unwrap();
     let prospects = [Prospect::new(41.9, 0.2), Prospect::new(14.3, 0.6)];
     posterior.mix_with_prior(0.25).unwrap();
-    let evidence = posterior.observe(&prospects, None, &[0.98, 0.02]).unwrap();
+    let evidence = posterior.observe(&prospects, &Ways::default(), &[0.98, 0.02]).unwrap();
     assert!((evidence - (0.98 * 3.0 + 0.02 * 5.0) / 8.0).abs() < 1e-15);
     // the samples that prefer the first option have 97 % now, and had three of eight parts
     assert!((posterior.estimate().region_share - 0.375).abs() < 1e-15);
@@ -57,28 +57,36 @@ fn closed_form_the_figures_of_weighted_samples() {
     // another number of samples is another prior
     let fewer = Posterior::new(Belief::samples(weighted[..3].to_vec()).unwrap(), RISK_WEIGHT).unwrap();
     assert!(!posterior.restore(&fewer.learned()));
-    assert_eq!(posterior.observe(&prospects, None, &[0.0, 0.0]), Err(PreferenceError::Impossible));
+    assert_eq!(
+        posterior.observe(&prospects, &Ways::default(), &[0.0, 0.0]),
+        Err(PreferenceError::Impossible)
+    );
 }
 
 #[test]
-fn ties_go_to_the_current_option() {
+fn closed_form_tied_ways_share_their_probability_and_what_is_seen_says_half_as_much() {
     let prospects = [Prospect::new(17.4, 0.36), Prospect::new(17.4, 0.36), Prospect::new(14.3, 0.55)];
     let samples = [(0.6, 0.7), (0.7, 0.8)]
         .map(|(alpha, gamma)| WeightedSample { perception: Perception { alpha, gamma }, weight: 1.0 });
+    let mut ways = Ways::default();
+    ways.find(3, Some(1), |a, b| (a, b) == (0, 1));
     for belief in [Belief::default(), Belief::samples(samples.to_vec()).unwrap()] {
-        for (current, chosen, other) in [(None, 0, 1), (Some(0), 0, 1), (Some(1), 1, 0)] {
+        let mut posterior = Posterior::new(belief.clone(), RISK_WEIGHT).unwrap();
+        let mut choice = ChoiceDistribution::default();
+        // one way: option 1 stands for both, whatever was asked before
+        posterior.predict_from(&prospects, &Ways::default(), &mut choice);
+        let [first, second, _] = choice.probabilities() else { panic!("three options") };
+        assert!(first == second && *first > 0.05, "{choice:?}");
+        let whole = first + second;
+        posterior.predict_from(&prospects, &ways, &mut choice);
+        assert_eq!(choice.probabilities()[0], 0.0);
+        assert!((choice.probabilities()[1] - whole).abs() < 1e-12, "{choice:?}");
+        let likelihoods = [0.2, 0.8, 0.2];
+        // the probability of what is seen is the sum of P_o times its likelihood
+        for (ways, share) in [(Ways::default(), whole / 2.0), (ways.clone(), whole)] {
             let mut posterior = Posterior::new(belief.clone(), RISK_WEIGHT).unwrap();
-            let mut choice = ChoiceDistribution::default();
-            // whatever was asked before
-            posterior.predict_from(&prospects, Some(other), &mut choice);
-            posterior.predict_from(&prospects, current, &mut choice);
-            assert_eq!(choice.probabilities()[other], 0.0, "{current:?}");
-            let prior = choice.probabilities()[chosen];
-            assert!(prior > 0.1, "{prior}");
-            let mut likelihoods = [0.2; 3];
-            likelihoods[chosen] = 0.8;
-            let evidence = posterior.observe(&prospects, current, &likelihoods).unwrap();
-            assert!((evidence - (0.2 + 0.6 * prior)).abs() < 1e-9, "{current:?}: {evidence} {prior}");
+            let evidence = posterior.observe(&prospects, &ways, &likelihoods).unwrap();
+            assert!((evidence - (0.2 + 0.6 * share)).abs() < 1e-9, "{ways:?}: {evidence} {share}");
         }
     }
 }
@@ -87,16 +95,19 @@ fn ties_go_to_the_current_option() {
 fn an_option_that_everybody_prefers_says_nothing() {
     let mut posterior = Posterior::new(Belief::default(), RISK_WEIGHT).unwrap();
     let prospects = [Prospect::new(30.0, 0.6), Prospect::new(14.3, 0.2)];
-    assert_eq!(posterior.observe(&prospects, None, &[0.9, 0.3]), Ok(0.3));
-    assert_eq!(posterior.observe(&prospects, None, &[0.9, 0.0]), Err(PreferenceError::Impossible));
+    assert_eq!(posterior.observe(&prospects, &Ways::default(), &[0.9, 0.3]), Ok(0.3));
+    assert_eq!(
+        posterior.observe(&prospects, &Ways::default(), &[0.9, 0.0]),
+        Err(PreferenceError::Impossible)
+    );
     let mut choice = ChoiceDistribution::default();
-    posterior.predict_from(&prospects, None, &mut choice);
+    posterior.predict_from(&prospects, &Ways::default(), &mut choice);
     assert_eq!(choice.probabilities(), [0.0, 1.0]);
     assert_eq!(posterior.estimate().information, 0.0);
     // powers of these lengths overflow
     let endless = [Prospect::new(f64::MAX, 0.5), Prospect::new(f64::MAX, 0.3), Prospect::new(f64::MAX, 0.1)];
     let wide = Belief::uniform((1.2, 1.4), (0.5, 1.1)).unwrap();
-    Posterior::new(wide, RISK_WEIGHT).unwrap().predict_from(&endless, None, &mut choice);
+    Posterior::new(wide, RISK_WEIGHT).unwrap().predict_from(&endless, &Ways::default(), &mut choice);
     assert!((choice.probabilities().iter().sum::<f64>() - 1.0).abs() < 1e-12, "{:?}", choice.probabilities());
 }
 
@@ -107,7 +118,7 @@ fn every_change_of_the_belief_is_in_its_next_estimate() {
     let mut posterior = Posterior::new(Belief::default(), RISK_WEIGHT).unwrap();
     let prior = posterior.learned();
     for Seen { prospects, likelihoods } in &seen {
-        posterior.observe(prospects, None, likelihoods).unwrap();
+        posterior.observe(prospects, &Ways::default(), likelihoods).unwrap();
         let observed = posterior.estimate();
         let fresh = |learned: &Learned| {
             let mut other = Posterior::new(Belief::default(), RISK_WEIGHT).unwrap();
@@ -173,7 +184,7 @@ fn lines_without_a_step_are_not_kept() {
         let prospects = options(&mut rng);
         let chosen = human(&prospects, &mut rng);
         let likelihoods: Vec<f64> = (0..4).map(|option| f64::from(u8::from(option == chosen))).collect();
-        posterior.observe(&prospects, None, &likelihoods).unwrap();
+        posterior.observe(&prospects, &Ways::default(), &likelihoods).unwrap();
         let Learned(Contents::Plane { lines, segments }) = posterior.learned() else { panic!("a plane") };
         let has_step = |line: usize| segments.iter().any(|segment| segment.line as usize == line);
         assert!((0..lines.len()).all(has_step), "{} lines, {} steps", lines.len(), segments.len());

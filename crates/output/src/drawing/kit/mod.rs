@@ -25,7 +25,7 @@ pub(super) use palette::{
     BAND, FAINT, FAINT_WIDTH, GRID, INK, LineStyle, OBSTACLE, OBSTACLE_EDGE, PAPER, PLAIN_OPENING, STRIPE,
     risk_colour, width_by_rank, widths_by_probability,
 };
-pub(super) use shapes::{disc, path_data, polygon, px, rectangle, stroke};
+pub(super) use shapes::{area, disc, path_data, polygon, px, rectangle, stroke};
 pub(super) use strips::Strips;
 pub(super) use text::{Align, Text, number, printable, wrapped};
 

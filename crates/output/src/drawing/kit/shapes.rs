@@ -18,6 +18,12 @@ pub(in super::super) fn polygon(corners: &[Point]) -> Path {
     Path::new().set("d", path_data(corners) + "Z")
 }
 
+/// The area between closed outlines, to be filled.
+pub(in super::super) fn area(rings: &[Vec<Point>]) -> Path {
+    let data: String = rings.iter().map(|ring| path_data(ring) + "Z").collect();
+    Path::new().set("d", data).set("fill-rule", "evenodd")
+}
+
 pub(in super::super) fn disc(center: Point, radius: f64) -> Circle {
     Circle::new().set("cx", px(center.x)).set("cy", px(center.y)).set("r", px(radius))
 }

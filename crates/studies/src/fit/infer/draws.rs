@@ -157,7 +157,7 @@ impl Source<'_> {
             draw.log_density += person.log_evidence + math::ln(likelihood) + math::ln(density);
             draw.people.push([human.alpha, human.gamma]);
         }
-        draw.etas.extend(self.tolerances.iter().map(|tolerance| quantile(tolerance, rng.random())));
+        draw.etas.extend(self.tolerances.iter().map(|tolerance| tolerance.quantile(rng.random())));
         draw
     }
 }
@@ -209,12 +209,4 @@ fn alpha_along(steps: &[(f64, f64)], alpha: &Marginal, rng: &mut ChaCha8Rng) -> 
     let part = pick(&cumulated, rng);
     let [below, above] = parts.get(part).copied().unwrap_or([0.0, 1.0]);
     alpha.quantile(below + rng.random::<f64>() * (above - below))
-}
-
-/// The eta up to which there is this probability.
-fn quantile(tolerance: &Tolerance, probability: f64) -> f64 {
-    match probability < 0.5 {
-        true => tolerance.interval(1.0 - 2.0 * probability)[0],
-        false => tolerance.interval(2.0 * probability - 1.0)[1],
-    }
 }

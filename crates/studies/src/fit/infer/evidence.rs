@@ -6,32 +6,28 @@ use crate::fit::{Answers, FitError, Situation};
 use cocarry::episode::Look;
 use cocarry::learning::{MOST_TASKS, Tolerance, likelihoods_of_look};
 use cocarry::math;
-use cocarry::preference::{Belief, ChoiceDistribution, Posterior, PreferenceError, Prospect};
-
-/// The probability of an option in an answer if the human prefers it, and if the human prefers another.
-fn probabilities(options: usize, lapse_rate: f64) -> [f64; 2] {
-    let lapsed = lapse_rate / options as f64;
-    [1.0 - lapse_rate + lapsed, lapsed]
-}
+use cocarry::preference::{
+    Belief, ChoiceDistribution, Posterior, PreferenceError, Prospect, Ways, with_lapses,
+};
 
 /// The likelihood of an answer if the human prefers each option: one choice, distributed as the participant
 /// says.
 pub(super) fn likelihoods(shares: &[f64], lapse_rate: f64) -> Vec<f64> {
-    let [own, other] = probabilities(shares.len(), lapse_rate);
+    // of the option that the human prefers, and of another
+    let [own, other] = [1.0, 0.0].map(|preferred| with_lapses(preferred, lapse_rate, shares.len()));
     let power = |base: f64, exponent: f64| if exponent == 0.0 { 1.0 } else { math::pow(base, exponent) };
     shares.iter().map(|share| power(own, *share) * power(other, (1.0 - share).max(0.0))).collect()
 }
 
 /// The probability of each option in an answer, from the probability that the human prefers it.
-pub(super) fn with_lapses(preferred: &[f64], lapse_rate: f64) -> Vec<f64> {
-    let even = 1.0 / preferred.len() as f64;
-    preferred.iter().map(|p| (1.0 - lapse_rate) * p + lapse_rate * even).collect()
+pub(super) fn answered(preferred: &[f64], lapse_rate: f64) -> Vec<f64> {
+    preferred.iter().map(|p| with_lapses(*p, lapse_rate, preferred.len())).collect()
 }
 
 /// P_o in a world.
 pub(super) fn predicted(posterior: &mut Posterior, situation: &Situation) -> Vec<f64> {
     let mut choice = ChoiceDistribution::default();
-    posterior.predict_from(&situation.prospects, None, &mut choice);
+    posterior.predict_from(&situation.prospects, &Ways::default(), &mut choice);
     choice.probabilities().to_vec()
 }
 
@@ -59,8 +55,8 @@ impl Perceived {
 
     /// Learns from the likelihood of what was seen, by option. False, and no change, if no human of the
     /// belief gives it.
-    pub fn learn(&mut self, prospects: &[Prospect], current: Option<usize>, likelihoods: &[f64]) -> bool {
-        match self.posterior.observe(prospects, current, likelihoods) {
+    pub fn learn(&mut self, prospects: &[Prospect], ways: &Ways, likelihoods: &[f64]) -> bool {
+        match self.posterior.observe(prospects, ways, likelihoods) {
             Ok(evidence) => {
                 self.log_evidence += math::ln(evidence);
                 true
@@ -75,9 +71,9 @@ impl Perceived {
     /// [`FitError::Walk`].
     pub fn see(&mut self, walk: &Walk, lapse_rate: f64) -> Result<(), FitError> {
         let mut likelihoods = Vec::new();
-        for Look { prospects, current, looks_like } in &walk.looks {
+        for Look { prospects, ways, looks_like } in &walk.looks {
             likelihoods_of_look(looks_like.iter().copied(), lapse_rate, &mut likelihoods);
-            if !self.learn(prospects, Some(*current), &likelihoods) {
+            if !self.learn(prospects, ways, &likelihoods) {
                 let (file, participant) = (walk.file.clone(), walk.participant.clone());
                 return Err(FitError::Walk { file, participant });
             }
@@ -102,7 +98,7 @@ impl Perceived {
             let Some(shares) = shares.as_ref().filter(|_| without != Some(w)) else { continue };
             let situation = &answers.situations[w];
             perceived.answers += 1;
-            if !perceived.learn(&situation.prospects, None, &likelihoods(shares, lapse_rate)) {
+            if !perceived.learn(&situation.prospects, &Ways::default(), &likelihoods(shares, lapse_rate)) {
                 return Err(FitError::Contradiction {
                     file: answers.file.clone(),
                     participant: answers.participants[participant].clone(),

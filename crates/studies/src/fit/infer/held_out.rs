@@ -1,7 +1,7 @@
 //! How well answers in one world are predicted from the answers in the others, and whether there are as many
 //! answers for every option as predicted.
 
-use super::evidence::{Perceived, predicted, with_lapses};
+use super::evidence::{Perceived, answered, predicted};
 use super::inputs::{Model, Settings};
 use crate::fit::{Answers, FitError, RiskWeightSettings, fit_risk_weight};
 use crate::parallel::{OnDone, in_parallel};
@@ -74,8 +74,7 @@ pub(super) fn held_out(
         for (w, shares) in answers.shares[p].iter().enumerate() {
             let Some(shares) = shares.clone() else { continue };
             let situation = &answers.situations[w];
-            let by =
-                |mut known: Perceived| with_lapses(&predicted(&mut known.posterior, situation), lapse_rate);
+            let by = |mut known: Perceived| answered(&predicted(&mut known.posterior, situation), lapse_rate);
             let others = prior.after(answers, p, Some(w), lapse_rate)?;
             let by = [Some(by(others)), Some(by(prior.clone())), fits[w].clone()];
             all.push(Predicted { world: w, shares, by });
@@ -120,7 +119,7 @@ fn fitted(answers: &Answers, model: &Model, world: usize) -> Option<Vec<f64>> {
     let fit = fit_risk_weight(answers, &predictor, &settings, &|| ()).ok()?;
     let rows = fit.rows.iter().filter(|row| row.world == held_out);
     let preferred: Vec<f64> = rows.map(|row| 0.01 * row.likelihood_percent).collect();
-    Some(with_lapses(&preferred, fit.likelihood.lapse.unwrap_or_default()))
+    Some(answered(&preferred, fit.likelihood.lapse.unwrap_or_default()))
 }
 
 fn row(world: Option<String>, all: &[&Predicted]) -> HeldOut {

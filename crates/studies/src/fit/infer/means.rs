@@ -8,7 +8,7 @@ use super::population::{Grid, Population, weights};
 use crate::fit::{Answers, FitError};
 use crate::parallel::{OnDone, in_parallel};
 use cocarry::math;
-use cocarry::preference::{Belief, Marginal};
+use cocarry::preference::{Belief, Marginal, Ways, with_lapses};
 use serde::Serialize;
 
 /// What mean answers say.
@@ -59,7 +59,7 @@ pub fn infer_means(
         let is_own: Vec<f64> =
             (0..worlds[w].options.len()).map(|other| f64::from(u8::from(other == o))).collect();
         let mut own = prior.clone();
-        match own.learn(&worlds[w].prospects, None, &is_own) {
+        match own.learn(&worlds[w].prospects, &Ways::default(), &is_own) {
             false => vec![0.0; grid.len()],
             true => {
                 let share = math::exp(own.log_evidence);
@@ -69,8 +69,7 @@ pub fn infer_means(
         }
     });
     let probability = |i: usize, node: usize| {
-        let even = 1.0 / worlds[options[i].0].options.len() as f64;
-        (1.0 - settings.lapse_rate) * preferred[i][node] + settings.lapse_rate * even
+        with_lapses(preferred[i][node], settings.lapse_rate, worlds[options[i].0].options.len())
     };
     let answered: Vec<(f64, f64)> = options
         .iter()

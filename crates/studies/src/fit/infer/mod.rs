@@ -154,10 +154,9 @@ pub fn infer(
     let people = names.iter().zip(&mut all).enumerate().map(|(p, (name, known))| {
         let estimate = known.posterior.estimate();
         let [variance_alpha, covariance, variance_gamma] = estimate.covariance;
-        let figure = |which: usize, variance: f64, interval| Figure {
-            mean: estimate.mean[which],
-            std: variance.max(0.0).sqrt(),
-            interval,
+        let figure = |which: usize, variance: f64| {
+            let moments = [estimate.mean[which], variance.max(0.0).sqrt()];
+            Figure::new(moments, |share| known.posterior.quantile(which, share))
         };
         let drawn = |values: &Vec<f64>| {
             let weight = 1.0 / values.len() as f64;
@@ -167,8 +166,8 @@ pub fn infer(
             participant: (*name).clone(),
             answers: known.answers,
             looks: known.looks,
-            alpha: figure(0, variance_alpha, estimate.alpha),
-            gamma: figure(1, variance_gamma, estimate.gamma),
+            alpha: figure(0, variance_alpha),
+            gamma: figure(1, variance_gamma),
             correlation: covariance / (variance_alpha * variance_gamma).sqrt(),
             information: estimate.information,
             log_evidence: known.log_evidence,
@@ -178,7 +177,7 @@ pub fn infer(
             episodes: own(name).len(),
             eta: tolerances.get(p).filter(|_| !own(name).is_empty()).map(|tolerance| {
                 let [mean, variance] = tolerance.moments();
-                Figure { mean, std: variance.sqrt(), interval: tolerance.interval(0.95) }
+                Figure::new([mean, variance.sqrt()], |share| tolerance.quantile(share))
             }),
         }
     });

@@ -149,29 +149,47 @@ pub(super) fn along(steps: &[(f64, f64)], alpha: &Marginal) -> f64 {
 /// What is known of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Figure {
+    /// Median.
+    pub median: f64,
     /// Mean.
     pub mean: f64,
     /// Standard deviation.
     pub std: f64,
+    /// The central 50 % interval.
+    pub interval_50: [f64; 2],
+    /// The central 80 % interval.
+    pub interval_80: [f64; 2],
     /// The central 95 % interval.
     pub interval: [f64; 2],
 }
 
 impl Figure {
+    /// Of a distribution with this mean and standard deviation. `quantile` is the value up to which there is a
+    /// probability.
+    pub(super) fn new([mean, std]: [f64; 2], quantile: impl Fn(f64) -> f64) -> Self {
+        Self {
+            median: quantile(0.5),
+            mean,
+            std,
+            interval_50: [0.25, 0.75].map(&quantile),
+            interval_80: [0.1, 0.9].map(&quantile),
+            interval: [0.025, 0.975].map(&quantile),
+        }
+    }
+
     /// Of values with weights that sum to 1.
     pub(super) fn of(mut values: Vec<(f64, f64)>) -> Self {
         let mean: f64 = values.iter().map(|(value, weight)| value * weight).sum();
         let variance: f64 = values.iter().map(|(value, weight)| math::squared(value - mean) * weight).sum();
         values.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let quantile = |share: f64| {
+        Self::new([mean, variance.sqrt()], |share| {
             let mut sum = 0.0;
             let reaches = |(_, weight): &&(f64, f64)| {
                 sum += weight;
                 sum >= share
             };
             values.iter().find(reaches).or(values.last()).map_or(mean, |(value, _)| *value)
-        };
-        Self { mean, std: variance.sqrt(), interval: [quantile(0.025), quantile(0.975)] }
+        })
     }
 }
 
@@ -220,7 +238,7 @@ impl Population {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cocarry::preference::{Belief, Perception, Posterior, Prospect, human_choice};
+    use cocarry::preference::{Belief, Perception, Posterior, Prospect, Ways, human_choice};
 
     const RANGES: [[f64; 2]; 2] = [[0.55, 0.95], [0.5, 1.1]];
     const PROSPECTS: [Prospect; 4] = [
@@ -235,7 +253,7 @@ mod tests {
         let grid = Grid::new(RANGES).unwrap();
         let mut posterior = Posterior::new(Belief::default(), 10.0).unwrap();
         let likelihoods = [0.1, 0.3, 0.9, 0.05];
-        let evidence = posterior.observe(&PROSPECTS, None, &likelihoods).unwrap();
+        let evidence = posterior.observe(&PROSPECTS, &Ways::default(), &likelihoods).unwrap();
         let integrals = grid.integrals(&grid.steps(|gamma| posterior.steps_at(gamma)));
         for node in (0..grid.len()).step_by(4001) {
             let [a, g] = grid.at(node);

@@ -1,5 +1,6 @@
 use super::*;
 use crate::fit::Situation;
+use cocarry::learning::TolerancePrior;
 use cocarry::math;
 use cocarry::preference::{Marginal, Perception, Prospect, human_choice};
 use rand::{RngExt, SeedableRng};
@@ -226,4 +227,20 @@ fn mean_answers_find_the_population_of_their_options() {
         let [low, high] = means.population.posterior[which].interval;
         assert!(low <= truth && truth <= high, "{truth} is not in {low} to {high}");
     }
+}
+
+#[test]
+fn issue_a_mean_outside_its_interval_was_all_that_was_told() {
+    // a press of a button: a narrow interval of eta, but for lapses
+    let mut tolerance = Tolerance::new(TolerancePrior::default(), 0.02).unwrap();
+    tolerance.begin_task();
+    tolerance.set_task([27.4, 27.64]);
+    let [mean, variance] = tolerance.moments();
+    let figure = Figure::new([mean, variance.sqrt()], |share| tolerance.quantile(share));
+    assert!(figure.mean < figure.interval[0], "{figure:?}");
+    let ends = [figure.interval, figure.interval_80, figure.interval_50, [figure.median; 2]];
+    for (outer, inner) in ends.iter().zip(&ends[1..]) {
+        assert!(outer[0] <= inner[0] && inner[1] <= outer[1], "{figure:?}");
+    }
+    assert!(figure.interval[0] > 27.4 && figure.interval[1] < 27.64, "{figure:?}");
 }

@@ -1,6 +1,9 @@
-//! H4 with the robot's arm: the control cost when eq. (8) weighs the options by what was learned of the person.
+//! H4 with the robot's arm: the control cost when eqs. (7) and (8) use what was learned of the person. Eq. (7) follows
+//! the option that is most probable, eq. (8) weighs all of them; without pose optimisation, or with equal weights,
+//! what was learned has an effect on eq. (7) only.
 
-use super::{ALL_WORLDS, HumanKind, RobotKind, Study, StudyError, Tasks};
+use super::{ALL_WORLDS, HumanKind, PersonRow, RobotKind, Study, StudyError, Task, Tasks};
+use crate::paper::h3::PoseMethod;
 use crate::parallel::{OnDone, in_parallel};
 use crate::statistics::{self, Paired, mean_and_std};
 use cocarry::policy::Method;
@@ -9,8 +12,14 @@ use serde::Serialize;
 /// The most humans in each world who carry with an arm; their control takes most of the time.
 pub const MOST_HUMANS: usize = 100;
 
-/// With `human-led`, the human's way is the same with every robot, and only eq. (8) differs.
-pub const METHODS: [Method; 2] = [Method::HUMAN_LED, Method::MUTUAL];
+/// Who leads, and how the robot chooses its configuration. With `human-led`, the human's way is the same with every
+/// robot, and only control differs.
+pub const ROBOTS_WITH_ARM: [(Method, PoseMethod); 4] = [
+    (Method::HUMAN_LED, PoseMethod::WithPo),
+    (Method::HUMAN_LED, PoseMethod::UniformWeights),
+    (Method::HUMAN_LED, PoseMethod::WithoutPo),
+    (Method::MUTUAL, PoseMethod::WithPo),
+];
 
 /// One robot with humans of the model, in one of their tasks, on the kinematic plant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -19,6 +28,8 @@ pub struct ControlRow {
     pub world: String,
     /// Who leads.
     pub method: String,
+    /// How the robot chooses its configuration.
+    pub pose: PoseMethod,
     /// The task, from 1.
     pub task: usize,
     /// The robot.
@@ -34,6 +45,8 @@ pub struct ControlRow {
     pub control_cost: f64,
     /// Its standard deviation.
     pub control_cost_std: f64,
+    /// Mean parts of C: tracking, effort, pose.
+    pub parts: [f64; 3],
     /// The difference to [`RobotKind::Prior`] with the same humans, of those who arrive both times; corrected
     /// for all comparisons of the table.
     pub control_cost_against_prior: Option<Paired>,
@@ -45,44 +58,66 @@ impl Study<'_> {
     }
 
     pub(super) fn control_units(&self) -> usize {
-        METHODS.len() * self.group_count() * self.humans_with_arm()
+        ROBOTS_WITH_ARM.len() * self.group_count() * self.humans_with_arm()
     }
 
-    /// The control costs, by method and world.
-    pub(super) fn control(&self, on_done: OnDone) -> Result<Vec<ControlRow>, StudyError> {
+    /// The control costs, by method, pose optimisation and world. Adds the rows of their people to `people`.
+    pub(super) fn control(
+        &self,
+        people: &mut Vec<PersonRow>,
+        on_done: OnDone,
+    ) -> Result<Vec<ControlRow>, StudyError> {
         let n = self.humans_with_arm();
         let mut rows = Vec::new();
-        for method in METHODS {
-            let groups = self.groups(method, self.plant)?;
+        for (method, pose) in ROBOTS_WITH_ARM {
+            let mut plant = self.plant.clone();
+            plant
+                .robot_setup_mut()
+                .into_iter()
+                .for_each(|robot| robot.control = pose.choosing(&robot.control));
+            let groups = self.groups(method, &plant)?;
+            let person = |i: usize| self.person(i / n, HumanKind::Model, i % n);
             let all = in_parallel(groups.len() * n, on_done, |i| {
-                let person = self.person(i / n, HumanKind::Model, i % n);
                 let worlds = &groups[i / n].worlds;
-                self.tasks_of(&worlds[i % n % worlds.len()], &person)
+                self.tasks_of(&worlds[i % n % worlds.len()], &person(i))
             });
             let all = all.into_iter().collect::<Result<Vec<Tasks>, StudyError>>()?;
-            for (group, people) in groups.iter().zip(all.chunks(n)) {
-                rows.extend(self.control_rows(&group.name, method, people));
+            for (i, tasks) in all.iter().enumerate() {
+                let (group, robot) = (&groups[i / n], (method, Some(pose)));
+                people.extend(self.person_rows(robot, group, person(i), (i / n, i % n), tasks));
             }
-            rows.extend(self.control_rows(ALL_WORLDS, method, &all));
+            for (group, people) in groups.iter().zip(all.chunks(n)) {
+                rows.extend(self.control_rows(&group.name, (method, pose), people));
+            }
+            rows.extend(self.control_rows(ALL_WORLDS, (method, pose), &all));
         }
         statistics::correct(rows.iter_mut().filter_map(|row| row.control_cost_against_prior.as_mut()));
         Ok(rows)
     }
 
-    fn control_rows(&self, world: &str, method: Method, people: &[Tasks]) -> Vec<ControlRow> {
+    fn control_rows(
+        &self,
+        world: &str,
+        (method, pose): (Method, PoseMethod),
+        people: &[Tasks],
+    ) -> Vec<ControlRow> {
         let of = |task: usize, robot: usize| people.iter().map(move |tasks| &tasks[robot][task]);
         let cells =
             (0..self.tasks).flat_map(|task| RobotKind::ALL.into_iter().enumerate().map(move |r| (task, r)));
         cells
             .map(|(task, (robot, kind))| {
-                let costs: Vec<f64> = of(task, robot).map(|t| t.control_cost).collect();
+                let costs: Vec<f64> = of(task, robot).map(Task::control_cost).collect();
                 let both = of(task, robot).zip(of(task, 0)).filter(|(a, b)| a.arrived && b.arrived);
                 let (first, second): (Vec<f64>, Vec<f64>) =
-                    both.map(|(a, b)| (a.control_cost, b.control_cost)).unzip();
+                    both.map(|(a, b)| (a.control_cost(), b.control_cost())).unzip();
                 let (control_cost, control_cost_std) = mean_and_std(&costs);
+                let part = |part: usize| {
+                    mean_and_std(&of(task, robot).map(|t| t.control_cost[part]).collect::<Vec<f64>>()).0
+                };
                 ControlRow {
                     world: world.to_owned(),
                     method: method.to_string(),
+                    pose,
                     task: task + 1,
                     robot: kind,
                     episodes: people.len(),
@@ -90,6 +125,7 @@ impl Study<'_> {
                     lost_object: of(task, robot).filter(|t| t.lost_object).count(),
                     control_cost,
                     control_cost_std,
+                    parts: std::array::from_fn(part),
                     control_cost_against_prior: (robot > 0)
                         .then(|| Paired::of_lists(&first, &second, true))
                         .flatten(),

@@ -1,0 +1,164 @@
+//! Worlds from maps: occupancy grids as ROS's map_server has them (YAML with a PGM or PNG image), and floor
+//! plans (GeoJSON).
+//!
+//! A world file names its map:
+//!
+//! ```toml
+//! name = "Office"
+//! robot_width_m = 0.5
+//! start_m = [-2.0, -0.5]
+//! target_m = [2.0, 0.5]
+//!
+//! [map]
+//! file = "office.yaml"    # relative to this file
+//! tolerance_m = 0.05      # how far outlines may be from the cells' sides; a cell if not given
+//! height_m = 2.0          # of all obstacles
+//! unknown = "occupied"    # or "free"
+//! ```
+//!
+//! [`find`] reads it. The text of the world that it returns has the map's outlines as obstacles in place of the
+//! `[map]`, so that a recording is complete without the map.
+
+mod description;
+mod error;
+mod grid;
+mod image;
+mod map;
+mod plan;
+mod request;
+mod room;
+mod simplify;
+mod trace;
+
+pub use error::MapError;
+
+use cocarry::geometry::Point;
+use cocarry::located::{LARGEST_WORLD, Source, read_at_most};
+use cocarry::world::{World, WorldError};
+use request::{HEIGHT_M, MapEntry, Request, Unknown};
+use room::metres;
+use serde::Deserialize;
+use std::path::Path;
+
+/// The robot width of a world made from a map alone, m.
+const ROBOT_WIDTH_M: f64 = 0.5;
+
+/// The world in the file `path`, or, if there is no such file, the built-in world `name`. A world file may
+/// name a map.
+///
+/// # Errors
+/// [`WorldError`]; that of a map is a [`MapError`] in [`WorldError::Map`].
+pub fn find(path: &Path, name: &str) -> Result<World, WorldError> {
+    if !path.is_file() {
+        return World::find(path, name);
+    }
+    if is_map(path) {
+        return Err(wrapped(MapError::NoEnds { file: path.display().to_string() }));
+    }
+    let file = path.display().to_string();
+    let text = read_at_most(LARGEST_WORLD, path)?;
+    let source = Source { file: &file, text: &text };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    World::parse(&file, &with_obstacles(source, folder).map_err(wrapped)?)
+}
+
+/// Whether a file is a map by its extension: the YAML of map_server, or GeoJSON.
+pub fn is_map(path: &Path) -> bool {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    matches!(extension.as_deref(), Some("yaml" | "yml" | "geojson" | "json"))
+}
+
+/// What a map lacks for a world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ends {
+    /// The start A, m.
+    pub start: Point,
+    /// The target B, m.
+    pub target: Point,
+    /// The robot's width d_r, m; 0.5 if not given.
+    pub robot_width: Option<f64>,
+    /// How far outlines may be from the cells' sides, m; a cell if not given.
+    pub tolerance: Option<f64>,
+}
+
+/// The world of a map between two points.
+///
+/// # Errors
+/// As [`find`].
+pub fn from_map(path: &Path, ends: &Ends) -> Result<World, WorldError> {
+    let text =
+        |path: Option<&std::ffi::OsStr>| path.map_or(String::new(), |s| s.to_string_lossy().into_owned());
+    let quoted = |text: String| toml::Value::String(text).to_string();
+    let point = |p: Point| format!("[{}, {}]", metres(p.x), metres(p.y));
+    let tolerance = ends.tolerance.map(|tolerance| format!("tolerance_m = {}\n", metres(tolerance)));
+    let world = format!(
+        "name = {}\nrobot_width_m = {}\nstart_m = {}\ntarget_m = {}\n\n[map]\nfile = {}\n{}",
+        quoted(text(path.file_stem())),
+        metres(ends.robot_width.unwrap_or(ROBOT_WIDTH_M)),
+        point(ends.start),
+        point(ends.target),
+        quoted(text(path.file_name())),
+        tolerance.unwrap_or_default(),
+    );
+    let file = path.display().to_string();
+    let folder = path.parent().unwrap_or(Path::new(""));
+    World::parse(&file, &with_obstacles(Source { file: &file, text: &world }, folder).map_err(wrapped)?)
+}
+
+fn wrapped(error: MapError) -> WorldError {
+    match error {
+        MapError::File(error) => WorldError::File(error),
+        other => WorldError::Map(Box::new(other)),
+    }
+}
+
+/// The keys of a world file that a map is read with.
+#[derive(Deserialize)]
+struct Head {
+    robot_width_m: f64,
+    start_m: [f64; 2],
+    target_m: [f64; 2],
+    map: MapEntry,
+}
+
+/// The text of a world file with the obstacles of its map; unchanged where it names none. The lines about the
+/// map become comments, so that all others keep their numbers.
+fn with_obstacles(source: Source, folder: &Path) -> Result<String, MapError> {
+    let table = source.table("world file")?;
+    let Some((key, value)) = table.get_ref().get_key_value("map") else {
+        return Ok(source.text.to_owned());
+    };
+    let head: Head = source.parse("world file")?;
+    let [start, target] = [head.start_m, head.target_m].map(Point::from);
+    let request = Request {
+        file: source.file.to_owned(),
+        start,
+        target,
+        robot_width: head.robot_width_m,
+        tolerance: head.map.tolerance_m,
+        height: head.map.height_m.unwrap_or(HEIGHT_M),
+        is_unknown_free: head.map.unknown == Unknown::Free,
+        unit: head.map.unit,
+    };
+    let path = folder.join(&head.map.file);
+    let is_plan = path.extension().is_some_and(|extension| {
+        let extension = extension.to_string_lossy().to_lowercase();
+        extension == "geojson" || extension == "json"
+    });
+    let obstacles = if is_plan { plan::obstacles(&path, &request) } else { map::obstacles(&path, &request) }?;
+    let mut lines = vec![key.span(), value.span()];
+    if let Some(entries) = value.get_ref().as_table() {
+        lines.extend(entries.iter().flat_map(|(key, value)| [key.span(), value.span()]));
+    }
+    let first = lines.iter().map(|span| source.line(span.start)).min().unwrap_or(1);
+    let last = lines.iter().map(|span| source.line(span.end.saturating_sub(1))).max().unwrap_or(first);
+    let mut text = String::with_capacity(source.text.len() + obstacles.len());
+    for (i, line) in source.text.lines().enumerate() {
+        if (first..=last).contains(&(i + 1)) && !line.trim().is_empty() {
+            text += "# ";
+        }
+        text += line;
+        text.push('\n');
+    }
+    Ok(text + &obstacles)
+}

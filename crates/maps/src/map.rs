@@ -1,0 +1,99 @@
+//! The obstacles of an occupancy grid: everything but the free cells that a team reaches from the start.
+
+use crate::description::Description;
+use crate::error::MapError;
+use crate::grid::{Cell, Grid};
+use crate::image::Image;
+use crate::request::Request;
+use crate::room::Obstacles;
+use crate::simplify::simplified;
+use crate::trace::{Vertex, doubled_area, rings, without_pinches};
+use cocarry::geometry::Point;
+use cocarry::located::{Place, Source, read_at_most};
+use std::path::Path;
+
+/// The largest description of a map, bytes.
+const MAX_DESCRIPTION: u64 = 1 << 16;
+/// The largest number of corners of all outlines.
+const MAX_CORNERS: usize = 20_000;
+/// Passages that are narrower than the robot by more than this (cells) are not followed.
+const NARROWER_CELLS: f64 = 2.0;
+
+/// The obstacles of the map described in a file, for a team from A to B.
+pub(crate) fn obstacles(path: &Path, request: &Request) -> Result<String, MapError> {
+    let file = path.display().to_string();
+    let text = read_at_most(MAX_DESCRIPTION, path)?;
+    let description = Description::parse(Source { file: &file, text: &text })?;
+    let image = Image::read(&path.parent().unwrap_or(Path::new("")).join(&description.image))?;
+    let grid = Grid::new(&description, &image);
+    drop(image);
+    let rings = rings(&floor(&grid, &file, request)?, grid.width);
+    let tolerance = request.tolerance.map_or(1.0, |tolerance| tolerance / grid.resolution);
+    let simple = simplified(&rings, tolerance);
+    let corners = simple.iter().map(Vec::len).sum();
+    if corners > MAX_CORNERS {
+        let tolerance = tolerance * grid.resolution;
+        return Err(MapError::TooMany { map: file, corners, most: MAX_CORNERS, tolerance });
+    }
+    Ok(written(&grid, simple, request.height))
+}
+
+/// The outlines as obstacles: the walls around the floor, then what stands on it, by place.
+fn written(grid: &Grid, rings: Vec<Vec<Vertex>>, height: f64) -> String {
+    let points = |ring: &[Vertex]| -> Vec<Point> {
+        ring.iter().map(|[x, y]| grid.point(f64::from(*x), f64::from(*y))).collect()
+    };
+    let (around, mut within): (Vec<_>, Vec<_>) = rings.into_iter().partition(|ring| doubled_area(ring) > 0);
+    within.sort_by_key(|ring| ring.iter().map(|[x, y]| [*y, *x]).min());
+    let mut obstacles = Obstacles::default();
+    for ring in &around {
+        obstacles.add("walls", "room", &points(ring), &[], height);
+    }
+    for (i, ring) in within.iter().enumerate() {
+        obstacles.add(&format!("obstacle-{}", i + 1), "polygon", &points(ring), &[], height);
+    }
+    obstacles.text
+}
+
+/// The free cells that belong to the floor on which the team walks: those near a place where the robot's
+/// middle gets to. What lies behind a crack in a wall is none of it.
+fn floor(grid: &Grid, map: &str, request: &Request) -> Result<Vec<bool>, MapError> {
+    let is_free = |i: usize| match grid.cells[i] {
+        Cell::Free => true,
+        Cell::Unknown => request.is_unknown_free,
+        Cell::Occupied => false,
+    };
+    let [start, target] = [("start_m", request.start), ("target_m", request.target)].map(|(item, at)| {
+        let cell = grid.cell_at(at).map(|cell| grid.index(cell));
+        cell.filter(|i| is_free(*i)).ok_or_else(|| {
+            let cell = cell.map_or("no cell", |i| match grid.cells[i] {
+                Cell::Occupied => "an occupied cell",
+                _ => "an unknown cell",
+            });
+            let place = Place { file: request.file.clone(), line: None, item: item.to_owned() };
+            MapError::NotFree { place, x: at.x, y: at.y, cell, map: map.to_owned() }
+        })
+    });
+    let (start, target) = (start?, target?);
+    let radius = request.robot_width / 2.0 / grid.resolution;
+    let room = (radius - NARROWER_CELLS / 2.0).max(0.0);
+    let blocked = grid.within(|i| !is_free(i), room);
+    // a start too close to an obstacle is refused with the world that is made here
+    let is_open = |i: usize| is_free(i) && (!blocked[i] || blocked[start]);
+    let reached = grid.connected([start], is_open);
+    drop(blocked);
+    // a square corner is this far from where the robot's middle gets to
+    let corner = radius * std::f64::consts::SQRT_2 + NARROWER_CELLS;
+    let near = grid.within(|i| reached[i], corner);
+    let from = (0..reached.len()).filter(|i| reached[*i]);
+    let mut is_floor = grid.connected(from, |i| near[i] && is_free(i));
+    without_pinches(&mut is_floor, grid.width);
+    // what hung together by a corner is not connected now
+    let is_floor = grid.connected([start], |i| is_floor[i]);
+    if !is_floor[target] {
+        let [start, target] = [request.start, request.target].map(|p| [p.x, p.y]);
+        let width = 2.0 * room * grid.resolution;
+        return Err(MapError::NotConnected { map: map.to_owned(), start, target, width });
+    }
+    Ok(is_floor)
+}

@@ -1,0 +1,209 @@
+//! Where a team with bodies stands at the ends of its path: in line with it, or turned by as little as the
+//! surroundings ask for.
+
+use super::Pace;
+use super::in_tandem::InTandem;
+use super::team_path::{ARCS, BODY_ROOM_M, FreeSpace, TeamPath, Turned};
+use crate::control::RobotObstacles;
+use crate::geometry::{Path, PlanarPose, Point, direction, wrap_angle, write_turn_onto};
+use crate::options::OptionSet;
+use crate::simulation::{NoRoom, PhysicsError};
+use crate::world::World;
+use std::f64::consts::TAU;
+
+/// The largest angle (rad) between the object and the path ahead at which a team starts without an arc.
+const BENT_RAD: f64 = 0.7;
+/// The number of headings that are tried at a start.
+const HEADINGS: u32 = 36;
+/// Headings closer than this (rad) are the same.
+const SAME_HEADING_RAD: f64 = 1e-9;
+/// How far from A another start is looked for (m), in rings of this width and with this many places each.
+const SEARCH_M: f64 = 3.0;
+const RING_M: f64 = 0.1;
+const PLACES: u32 = 24;
+
+/// The distance between the points of a way that are looked at, m.
+const LOOK_M: f64 = 0.02;
+
+/// What decides on the place of a team at its start.
+#[derive(Clone, Copy)]
+pub struct Surroundings<'a, 'b> {
+    /// The world.
+    pub world: &'b World,
+    /// Its options.
+    pub options: &'a OptionSet,
+    /// Its obstacles.
+    pub obstacles: &'a RobotObstacles,
+    /// The position of the robot's base for a pose of the object.
+    pub base: &'b dyn Fn(&PlanarPose) -> Point,
+}
+
+impl<'a> InTandem<'a> {
+    /// A team at rest at the start of the path `first`, straight, as it was when it came, and the pose of the
+    /// object. The team is in line with the path; where there is no room for that, it is turned by the least
+    /// multiple of 10 degrees from which it can turn onto the path. A world may give the heading.
+    ///
+    /// # Errors
+    /// [`PhysicsError::NoRoomAtStart`]: the robot or the human has no room at any heading.
+    pub fn starting(
+        surroundings: Surroundings<'a, '_>,
+        first: &Path,
+        pace: Pace,
+    ) -> Result<(Self, PlanarPose), PhysicsError> {
+        let Surroundings { world, options, obstacles, base } = surroundings;
+        let free_space = FreeSpace { obstacles, options };
+        let is_free = |from, to| free_space.is_free(from, to);
+        let in_line = Self::new(free_space, pace, TeamPath::starting(world, first, is_free), true);
+        let ahead = in_line.goal();
+        let given = world.start_heading.map(|heading| wrap_angle(heading - ahead.yaw));
+        if given.is_none_or(|turn| turn.abs() < SAME_HEADING_RAD) {
+            match check(world, BODY_ROOM_M, [ahead.position, base(&ahead)]) {
+                Ok(()) => return Ok((in_line, ahead)),
+                Err(room) if given.is_some() => return Err(PhysicsError::NoRoomAtStart(room)),
+                Err(_) => {}
+            }
+        }
+        let turned = |turn: f64, first: &Path, at: Point| {
+            let pose = PlanarPose { position: at, yaw: wrap_angle(ahead.yaw + turn) };
+            if turn.abs() <= BENT_RAD {
+                // the human on the path, the robot on a way that bends at A
+                let way = PlanarPose { yaw: wrap_angle(ahead.yaw + 2.0 * turn), ..pose };
+                let bent = Self::new(free_space, pace, (TeamPath::new(world, &way), pose), true);
+                let pose = bent.team_path().pose(&bent.widened(first), 0.0);
+                if check(world, BODY_ROOM_M, [pose.position, base(&pose)]).is_ok() {
+                    return Ok((Self::new(free_space, pace, (bent.team_path().clone(), pose), true), pose));
+                }
+            }
+            let team = Self::new(free_space, pace, (TeamPath::new(world, &pose), pose), false);
+            team.check_start(world, base(&pose), first).map(|()| (team, pose))
+        };
+        let any = |first: &Path, at: Point| match given {
+            Some(turn) => turned(turn, first, at),
+            None => {
+                let mut turns = turns();
+                let mut refusal = NoRoom { distance: f64::NEG_INFINITY, ..NoRoom::default() };
+                let found = turns.find_map(|turn| match turned(turn, first, at) {
+                    Ok(team) => Some(team),
+                    Err(room) => {
+                        if room.distance > refusal.distance {
+                            refusal = room;
+                        }
+                        None
+                    }
+                });
+                found.ok_or(refusal)
+            }
+        };
+        any(first, ahead.position).map_err(|room| {
+            let nearest = places(ahead.position).find(|&place| {
+                let mut progress = options.begin();
+                options.advance(&mut progress, place);
+                let is_beside = obstacles.is_clear(place, world.robot_width / 2.0)
+                    && !options.goes_through_opening(ahead.position, place);
+                let path = (0..options.options().len()).find_map(|o| options.path(&progress, o));
+                is_beside && path.is_some_and(|path| any(&path, place).is_ok())
+            });
+            PhysicsError::NoRoomAtStart(NoRoom { nearest, ..room })
+        })
+    }
+
+    /// Whether robot, object and human have room where they stand, and can turn onto the path `first`.
+    fn check_start(&self, world: &World, base: Point, first: &Path) -> Result<(), NoRoom> {
+        let PlanarPose { position, yaw } = self.goal();
+        let body = position + direction(yaw) * self.team_path().body_ahead();
+        check(world, BODY_ROOM_M, [position, base])?;
+        check(world, BODY_ROOM_M, [position, body])?;
+        match self.turn_from_start(first) {
+            Some(_) => Ok(()),
+            // what is nearest to the human is in the way
+            None => Err(nearest(world, BODY_ROOM_M, [position, body])),
+        }
+    }
+
+    /// The turn from where the team stands onto a path that begins at the object's centre.
+    pub(super) fn turn_from_start(&self, next: &Path) -> Option<Turned> {
+        let PlanarPose { position, yaw } = self.goal();
+        let mut ahead = Path::default();
+        ahead.line(position, position + direction(yaw) * self.team_path().body_ahead());
+        self.team_path().planned_turn(&ahead, 0.0, next, self.free_space())
+    }
+
+    /// A path that ends so that the human has room beyond it: where there is none straight on, the team comes to
+    /// the end in an arc, turned by the least multiple of 10 degrees.
+    pub(super) fn ended(&self, path: Path) -> Path {
+        let is_free = |from, to| self.free_space().is_free(from, to);
+        let has_room = |path: &Path| {
+            let [from, to] = self.team_path().beyond_end(&self.widened(path));
+            let steps = ((to - from).norm() / LOOK_M).ceil();
+            let point = |i: usize| from + (to - from) * (i as f64 / steps);
+            (0..=steps as usize).all(|i| self.free_space().obstacles.is_clear(point(i), BODY_ROOM_M))
+        };
+        if path.length() == 0.0 || has_room(&path) {
+            return path;
+        }
+        let back = path.reversed();
+        let (Some(end), Some(heading)) = (back.point_at(0.0), back.heading_at(0.0)) else { return path };
+        let mut way = Path::default();
+        let found = turns().find_map(|turn| {
+            let heading = wrap_angle(heading + turn);
+            ARCS.iter().find_map(|arc| {
+                write_turn_onto(&back, end, heading, *arc, is_free, &mut way)?;
+                Some(way.reversed()).filter(has_room)
+            })
+        });
+        found.unwrap_or(path)
+    }
+
+    /// Refuses a world in which the human has no room beyond the end of an option.
+    ///
+    /// # Errors
+    /// [`PhysicsError::NoRoomAtTarget`].
+    pub fn check_targets(&self, world: &World) -> Result<(), PhysicsError> {
+        let options = self.free_space().options;
+        options.options().iter().enumerate().try_for_each(|(o, option)| {
+            let path = options.path(&options.begin(), o).unwrap_or_default();
+            let beyond = self.team_path().beyond_end(&self.widened(&self.ended(path)));
+            check(world, BODY_ROOM_M, beyond)
+                .map_err(|room| PhysicsError::NoRoomAtTarget { option: option.name.clone(), room })
+        })
+    }
+}
+
+/// Turns away from straight ahead, the smallest first, to the left and to the right.
+fn turns() -> impl Iterator<Item = f64> {
+    let step = TAU / f64::from(HEADINGS);
+    (1..=HEADINGS / 2)
+        .flat_map(move |i| [step * f64::from(i), -step * f64::from(i)])
+        .take(HEADINGS as usize - 1)
+}
+
+/// Places around a point, the nearest first.
+fn places(around: Point) -> impl Iterator<Item = Point> {
+    let rings = (SEARCH_M / RING_M).round() as u32;
+    (1..=rings).flat_map(move |ring| {
+        let angle = |i: u32| TAU * f64::from(i) / f64::from(PLACES);
+        (0..PLACES).map(move |i| around + direction(angle(i)) * (RING_M * f64::from(ring)))
+    })
+}
+
+/// Whether a straight way keeps this distance (m) from every obstacle.
+fn check(world: &World, needed: f64, ends: [Point; 2]) -> Result<(), NoRoom> {
+    let room = nearest(world, needed, ends);
+    if room.distance < needed { Err(room) } else { Ok(()) }
+}
+
+/// The obstacle that is nearest to a straight way.
+fn nearest(world: &World, needed: f64, ends: [Point; 2]) -> NoRoom {
+    let distances = world.obstacles.iter().map(|o| (o.distance_to_segment(ends[0], ends[1]), o));
+    let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0));
+    NoRoom {
+        file: world.file.clone(),
+        x: ends[1].x,
+        y: ends[1].y,
+        obstacle: nearest.map_or(String::new(), |(_, obstacle)| obstacle.name.clone()),
+        distance: nearest.map_or(f64::INFINITY, |(distance, _)| distance),
+        needed,
+        length: (ends[1] - ends[0]).norm() + needed,
+        nearest: None,
+    }
+}
