@@ -173,9 +173,12 @@ impl OptionSet {
     /// The crossing that a straight step from one point to another makes; of several, that of the first
     /// opening along the step.
     pub fn crossing(&self, from: Point, to: Point) -> Option<Crossing> {
-        let crossed =
-            |(opening, p): (usize, &Passage)| p.crossed(from, to).map(|(_, into)| Crossing { opening, into });
-        self.passages.iter().enumerate().find_map(crossed)
+        self.crossings(from, to).next()
+    }
+
+    /// The crossings that a straight step from one point to another makes, in order along the step.
+    pub fn crossings(&self, from: Point, to: Point) -> impl Iterator<Item = Crossing> + '_ {
+        progress::crossings(&self.passages, from, to)
     }
 
     /// The team at the start, with every option ahead of it.

@@ -60,6 +60,21 @@ fn visit(option: &PathOption, place: usize, region: usize) -> Option<usize> {
     later.or_else(|| option.regions[..place].iter().rposition(|&r| r == region))
 }
 
+/// The crossings that a straight step makes, in order along the step.
+pub(super) fn crossings(passages: &[Passage], from: Point, to: Point) -> impl Iterator<Item = Crossing> + '_ {
+    let mut walked = -1.0;
+    std::iter::from_fn(move || {
+        let (t, crossing) = passages
+            .iter()
+            .enumerate()
+            .filter_map(|(opening, p)| p.crossed(from, to).map(|(t, into)| (t, Crossing { opening, into })))
+            .filter(|(t, _)| *t > walked)
+            .min_by(|a, b| a.0.total_cmp(&b.0))?;
+        walked = t;
+        Some(crossing)
+    })
+}
+
 impl Progress {
     pub(super) fn new(position: Point, options: usize) -> Self {
         // capacity for what may happen on the way, so that steps do not allocate; cloning a vector would not
@@ -98,16 +113,7 @@ impl Progress {
         exit: impl Fn(Crossing, Option<Crossing>) -> f64,
     ) {
         let from = std::mem::replace(&mut self.position, to);
-        let mut walked = -1.0;
-        // one step may cross several openings: take them in order along the step
-        while let Some((t, crossing)) = passages
-            .iter()
-            .enumerate()
-            .filter_map(|(opening, p)| p.crossed(from, to).map(|(t, into)| (t, Crossing { opening, into })))
-            .filter(|(t, _)| *t > walked)
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-        {
-            walked = t;
+        for crossing in crossings(passages, from, to) {
             if self.inside.take_if(|c| c.back() == crossing).is_none() {
                 self.leave();
                 self.enter(crossing, options, region_after(crossing));

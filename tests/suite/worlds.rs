@@ -149,7 +149,7 @@ fn property_footprints_agree_with_parry() {
         .unwrap();
 }
 
-/// Walks an option to its end: D falls by the step, S never rises, and the openings are passed in order.
+/// Walks an option to its end: D falls by the step, S never rises, and the openings are crossed in order.
 fn walk(world: &World, set: &OptionSet, o: usize) {
     let option = &set.options()[o];
     let context = || format!("{}: option {}", world.file, option.name);
@@ -160,15 +160,18 @@ fn walk(world: &World, set: &OptionSet, o: usize) {
     let mut passed = Vec::new();
     let steps = (path.length() / 0.1).ceil() as usize;
     for k in 1..=steps {
+        let from = progress.position;
         set.advance(&mut progress, path.point_at(0.1 * k as f64).unwrap());
         let left = set.remaining(&progress, o);
         let step = if k == steps { before.length } else { 0.1 };
         let (was, is, at) = (before.length, left.length, progress.position);
         assert!((was - is - step).abs() < 1e-6, "{} at {at}: {was} m left, then {is} m", context());
         assert!(left.risk <= before.risk + 1e-12, "{} at {at}", context());
-        if let (Waypoint::Opening(crossing), true) = (before.next, before.next != left.next) {
-            passed.push(crossing);
-        }
+        passed.extend(set.crossings(from, at));
+        // next is the opening that was crossed last, until its straight part is left, or the one after it
+        let crossed = passed.last().map(|&crossing| Waypoint::Opening(crossing));
+        let onward = option.crossings.get(passed.len()).map_or(Waypoint::Target, |&c| Waypoint::Opening(c));
+        assert!(left.next == onward || Some(left.next) == crossed, "{} at {at}: {:?}", context(), left.next);
         before = left;
     }
     assert_eq!(passed, option.crossings, "{}", context());
