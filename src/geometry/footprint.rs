@@ -221,21 +221,61 @@ impl Footprint {
         bounds.grown(clearance).misses_segment(a, b) || self.distance_to_segment(a, b) >= clearance
     }
 
-    /// The part of the outline that lies farthest along the unit vector `toward`, within `tolerance` (m).
-    /// Returned as an interval on the axis to the left of `toward`, m from the world's origin.
-    pub fn farthest_part(&self, toward: Vector, tolerance: f64) -> [f64; 2] {
+    /// The face that lies farthest along the unit vector `toward`: the farthest corner, and what lies within
+    /// `tolerance` (m) of it along sides that are perpendicular to `toward` up to `slope` (rad). Returned as an
+    /// interval on the axis to the left of `toward`, m from the world's origin.
+    ///
+    /// It changes continuously with the outline: the tolerance decreases to 0 at `slope`.
+    pub fn farthest_face(&self, toward: Vector, tolerance: f64, slope: f64) -> [f64; 2] {
         let left = super::left_of(toward);
+        let corners = match self {
+            Self::Polygon(corners) => corners,
+            Self::Disc { center, .. } => return [center.coords.dot(&left); 2],
+        };
+        let reach = self.reach(toward);
+        let mut face = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut add = |along: f64| face = [face[0].min(along), face[1].max(along)];
+        for (a, b) in edges(corners) {
+            let [from, to] = [a, b].map(|c| (reach - c.coords.dot(&toward), c.coords.dot(&left)));
+            let (near, far) = if from.0 <= to.0 { (from, to) } else { (to, from) };
+            let (rise, length) = (far.0 - near.0, (b - a).norm());
+            let within = tolerance * (1.0 - rise / (length * slope)).max(0.0) - near.0;
+            if within >= 0.0 {
+                add(near.1);
+                add(if rise <= within { far.1 } else { near.1 + (far.1 - near.1) * (within / rise) });
+            }
+        }
+        face
+    }
+
+    /// The distances (m) from `p` along the unit vector `toward` between which that ray is in the outline's
+    /// area; `None` where it misses it.
+    pub fn along_ray(&self, p: Point, toward: Vector) -> Option<[f64; 2]> {
+        let [mut enters, mut leaves] = [0.0, f64::INFINITY];
         match self {
             Self::Polygon(corners) => {
-                let reach = self.reach(toward);
-                corners
-                    .iter()
-                    .filter(|c| c.coords.dot(&toward) >= reach - tolerance)
-                    .map(|c| c.coords.dot(&left))
-                    .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| [low.min(t), high.max(t)])
+                for (a, b) in edges(corners) {
+                    // inside is left of every side
+                    let (inside, slope) = (cross(b - a, p - a), cross(b - a, toward));
+                    if slope > 0.0 {
+                        enters = f64::max(enters, -inside / slope);
+                    } else if slope < 0.0 {
+                        leaves = f64::min(leaves, inside / -slope);
+                    } else if inside < 0.0 {
+                        return None;
+                    }
+                }
             }
-            Self::Disc { center, .. } => [center.coords.dot(&left); 2],
+            Self::Disc { center, radius } => {
+                let (along, beside) = ((center - p).dot(&toward), cross(toward, center - p));
+                let half = (radius * radius - beside * beside).max(0.0).sqrt();
+                if beside.abs() > *radius {
+                    return None;
+                }
+                [enters, leaves] = [f64::max(0.0, along - half), along + half];
+            }
         }
+        (enters <= leaves).then_some([enters, leaves])
     }
 }
 
@@ -285,6 +325,22 @@ mod tests {
 
     #[test]
     fn closed_form_the_farthest_part_of_a_square_is_its_side() {
-        assert_eq!(square().farthest_part(Vector::new(1.0, 0.0), 1e-9), [0.0, 2.0]);
+        assert_eq!(square().farthest_face(Vector::new(1.0, 0.0), 1e-9, 1e-3), [0.0, 2.0]);
+        // turned a little: the part of the side within the tolerance, then the corner alone
+        let face = |turn: f64| square().farthest_face(crate::geometry::direction(turn), 1e-5, 1e-3);
+        let length = |turn: f64| face(turn)[1] - face(turn)[0];
+        assert!((length(4e-6) - 2.0).abs() < 1e-9 && length(1e-3).abs() < 1e-6 && length(0.3) == 0.0);
+        assert!((length(1e-4) - 0.09).abs() < 1e-6, "{}", length(1e-4));
+    }
+
+    #[test]
+    fn closed_form_rays_through_a_square_and_a_disc() {
+        let (s, disc) = (square(), Footprint::Disc { center: Point::new(1.0, 1.0), radius: 1.0 });
+        for outline in [&s, &disc] {
+            assert_eq!(outline.along_ray(Point::new(-1.0, 1.0), Vector::x()), Some([1.0, 3.0]));
+            assert_eq!(outline.along_ray(Point::new(1.0, 1.0), -Vector::y()), Some([0.0, 1.0]));
+            assert_eq!(outline.along_ray(Point::new(3.0, 1.0), Vector::x()), None);
+            assert_eq!(outline.along_ray(Point::new(-1.0, 2.5), Vector::x()), None);
+        }
     }
 }

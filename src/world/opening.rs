@@ -12,9 +12,11 @@ use std::collections::BTreeSet;
 /// The width in robot widths above which an opening is free passage (Sec. III-A, footnote 1).
 pub const FREE_PASSAGE: f64 = 5.0;
 
-/// Obstacles this close to each other (m) touch. Outline parts within this distance of the closest ones count as
-/// closest too: parallel faces.
+/// Obstacles this close to each other (m) touch.
 pub(super) const TOUCHING_M: f64 = 1e-6;
+/// Points of a side within this distance (m) of the closest ones count as closest too: parallel faces, whose
+/// corners a file gives to a micrometre.
+const SAME_FACE_M: f64 = 1e-5;
 /// The distance (m) between the bounds of obstacles that may touch.
 const TOUCHING_BOUNDS_M: f64 = 1e-5;
 /// Accuracy of a gap's width, m. A gap wider than the robot by no more than this is impassable.
@@ -156,14 +158,14 @@ impl<'a> Gaps<'a> {
     fn face(&self, side: usize, toward: Vector) -> [f64; 2] {
         let outline = self.sides[side].footprint;
         let reach = outline.reach(toward);
-        let mut face = outline.farthest_part(toward, TOUCHING_M);
+        let mut face = outline.farthest_face(toward, SAME_FACE_M, SAME_DIRECTION_RAD);
         let mut seen = BTreeSet::from([side]);
         let mut queue = vec![side];
         while let Some(part) = queue.pop() {
             for next in self.nearby.meeting(self.bounds[part].grown(TOUCHING_BOUNDS_M)) {
                 let outline = self.sides[next].footprint;
                 let is_flush = (outline.reach(toward) - reach).abs() <= TOUCHING_M;
-                let [low, high] = outline.farthest_part(toward, TOUCHING_M);
+                let [low, high] = outline.farthest_face(toward, SAME_FACE_M, SAME_DIRECTION_RAD);
                 let is_apart = low > face[1] + TOUCHING_M || high < face[0] - TOUCHING_M;
                 if is_flush && !is_apart && seen.insert(next) {
                     face = [face[0].min(low), face[1].max(high)];
