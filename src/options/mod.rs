@@ -5,6 +5,7 @@
 //! their middles and connected by shortest collision-free paths. A tick costs one short query per option:
 //! only the first leg depends on the team's position, the rest is tabulated.
 
+mod alignment;
 mod enumerate;
 mod error;
 mod passage;
@@ -16,6 +17,7 @@ mod sites;
 mod stage;
 mod trajectory;
 
+pub use alignment::ALIGNMENT_M;
 pub use error::{Blockage, OptionError, TooMuch};
 pub use passage::Crossing;
 pub use path_option::PathOption;
@@ -32,10 +34,6 @@ use serde::{Deserialize, Serialize};
 use sites::{START, TARGET, before, beyond, site};
 use stage::Stages;
 use std::collections::BTreeSet;
-
-/// The length of the straight path before and after an opening, m. Human, object and robot in tandem are
-/// about 2.5 m long and must be aligned when they enter.
-pub const ALIGNMENT: f64 = 1.0;
 
 /// The options of a world, ready to be evaluated from any position.
 #[derive(Clone, Debug)]
@@ -398,11 +396,13 @@ fn passages(world: &World, space: &Space) -> Vec<Passage> {
         .iter()
         .enumerate()
         .map(|(i, opening)| {
+            let alignments = alignment::alignments(opening, space);
             // half of the distance to another opening is left for the straight part
-            let near = Bounds { min: opening.center(), max: opening.center() }.grown(3.0 * ALIGNMENT);
+            let farthest = 3.0 * ALIGNMENT_M.max(alignments[0]).max(alignments[1]);
+            let near = Bounds { min: opening.center(), max: opening.center() }.grown(farthest);
             let others = nearby.meeting(near).into_iter().filter(|j| *j != i);
             let others: Vec<[Point; 2]> = others.map(|j| world.openings[j].ends).collect();
-            Passage::new(opening, &others, space, world.robot_width, ALIGNMENT)
+            Passage::new(opening, &others, space, world.robot_width, alignments)
         })
         .collect()
 }

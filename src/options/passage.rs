@@ -49,17 +49,17 @@ pub(super) enum Exit {
 }
 
 impl Passage {
-    /// The passage through `opening`, straight for up to `alignment` (m) on either side, or less if an
+    /// The passage through `opening`, straight for up to `alignments` (m) on its sides 0 and 1, or less if an
     /// obstacle or another opening is closer.
     pub fn new(
         opening: &Opening,
         others: &[[Point; 2]],
         space: &Space,
         robot_width: f64,
-        alignment: f64,
+        alignments: [f64; 2],
     ) -> Self {
         let (center, axis) = (opening.center(), opening.axis());
-        let reach = [-axis, axis].map(|outward| {
+        let reach = [(-axis, alignments[0]), (axis, alignments[1])].map(|(outward, alignment)| {
             let free = others
                 .iter()
                 .filter_map(|gap| meets(center, outward, *gap))

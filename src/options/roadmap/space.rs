@@ -2,7 +2,7 @@
 
 use super::disc::{CLEARANCE_TOLERANCE_M, Disc, arc_crosses};
 use super::straight::Straight;
-use crate::geometry::{Bounds, Footprint, Nearby, Point, Solid, segments_meet};
+use crate::geometry::{Bounds, Footprint, Nearby, Point, Solid, Vector, segments_meet};
 use std::f64::consts::PI;
 
 /// The distance (m) beyond what a query needs at which obstacles and barriers are looked up: more than any
@@ -125,6 +125,32 @@ impl Space {
             false
         });
         room
+    }
+
+    /// The distance (m) from `p` along the unit vector `toward` to the first obstacle, at most `most`; 0 inside
+    /// one.
+    pub fn free_along(&self, p: Point, toward: Vector, most: f64) -> f64 {
+        let mut free = most;
+        self.near_obstacles.any_along(p, p + toward * most, LOOKUP_MARGIN_M, |i| {
+            if let Some([enters, _]) = self.obstacles[i].0.along_ray(p, toward) {
+                free = free.min(enters);
+            }
+            free <= 0.0
+        });
+        free
+    }
+
+    /// The length (m) along the unit vector `toward` for which a ray from the outline point `p` leads through
+    /// obstacles without a gap, at most `most`. Outlines within `tolerance` (m) touch.
+    pub fn filled_along(&self, p: Point, toward: Vector, most: f64, tolerance: f64) -> f64 {
+        let mut within = Vec::new();
+        self.near_obstacles.any_along(p, p + toward * most, LOOKUP_MARGIN_M, |i| {
+            within.extend(self.obstacles[i].0.along_ray(p, toward));
+            false
+        });
+        within.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+        let join = |to: f64, [from, until]: [f64; 2]| if from <= to + tolerance { to.max(until) } else { to };
+        within.into_iter().fold(0.0, join).min(most)
     }
 
     /// Whether an arc keeps clear. No distance changes faster than the arc length, so an arc is clear if its
