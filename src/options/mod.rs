@@ -35,6 +35,12 @@ use sites::{START, TARGET, before, beyond, site};
 use stage::Stages;
 use std::collections::BTreeSet;
 
+/// Gaps narrower than this (m) are not named where a target cannot be reached: obstacles meet there.
+const NARROWEST_NAMED_M: f64 = 0.001;
+
+/// The largest number of corners and cylinders of a world in which [`OptionSet::shortest_lengths`] searches.
+const MAX_CORNERS_OF_SHORTEST: usize = 400;
+
 /// The options of a world, ready to be evaluated from any position.
 #[derive(Clone, Debug)]
 pub struct OptionSet {
@@ -79,12 +85,7 @@ impl OptionSet {
     /// [`OptionError`]: the target cannot be reached, a listed option cannot be walked, or the world is too
     /// large to be searched.
     pub fn new(world: &World, risk_weight: f64) -> Result<Self, OptionError> {
-        let clearance = world.robot_width / 2.0;
-        let closed = world.closed_gaps();
-        let exactly = closed.iter().filter(|gap| gap.is_exactly_closed(world.robot_width));
-        let barriers = world.openings.iter().chain(exactly).map(|gap| gap.ends).collect();
-        let closed: Vec<[Point; 2]> = closed.iter().map(|gap| gap.ends).collect();
-        let space = Space::new(&world.solids, barriers, clearance);
+        let (space, closed) = space(world, &world.openings);
         let passages = passages(world, &space);
         let straights = passages.iter().enumerate().flat_map(|(i, p)| [0, 1].map(|side| p.straight(i, side)));
         let ends = [world.start, world.target].map(Straight::from);
@@ -182,6 +183,25 @@ impl OptionSet {
     /// The team at the start, with every option ahead of it.
     pub fn begin(&self) -> Progress {
         Progress::new(self.start, self.options.len())
+    }
+
+    /// For every option, the length (m) of the shortest path from the start through the same openings, wherever
+    /// it passes them and without straight parts: [`Remaining::length`] at the start is never shorter. `None`
+    /// where the world, which must be the one of these options, has too many corners to search.
+    pub fn shortest_lengths(&self, world: &World) -> Option<Vec<f64>> {
+        let (space, closed) = space(world, &[]);
+        if space.corners() > MAX_CORNERS_OF_SHORTEST {
+            return None;
+        }
+        let ends = [self.start, self.target].map(Straight::from);
+        let roadmap = Roadmap::new(space, &ends, &closed).ok()?;
+        let crossings = |from: Point, to: Point| match self.goes_through_opening(from, to) {
+            true => self.crossings(from, to).collect(),
+            false => Vec::new(),
+        };
+        let length =
+            |option: &PathOption| roadmap.length_through([START, TARGET], &option.crossings, crossings);
+        Some(self.options.iter().map(length).collect())
     }
 
     /// Whether a progress fits these options. One read from a file may not.
@@ -388,6 +408,15 @@ impl OptionSet {
     }
 }
 
+/// The free space of a world in which these openings are barriers, and the gaps that are too narrow.
+fn space(world: &World, openings: &[Opening]) -> (Space, Vec<[Point; 2]>) {
+    let closed = world.closed_gaps();
+    let exactly = closed.iter().filter(|gap| gap.is_exactly_closed(world.robot_width));
+    let barriers = openings.iter().chain(exactly).map(|gap| gap.ends).collect();
+    let space = Space::new(&world.solids, barriers, world.robot_width / 2.0);
+    (space, closed.iter().map(|gap| gap.ends).collect())
+}
+
 fn passages(world: &World, space: &Space) -> Vec<Passage> {
     let bounds = |o: &Opening| Bounds { min: o.ends[0].inf(&o.ends[1]), max: o.ends[0].sup(&o.ends[1]) };
     let nearby = Nearby::new(world.openings.iter().map(bounds));
@@ -408,7 +437,8 @@ fn passages(world: &World, space: &Space) -> Vec<Passage> {
 }
 
 fn unreachable(world: &World) -> OptionError {
-    let reason = match world.impassable_gaps().into_iter().next() {
+    let widest = world.impassable_gaps().into_iter().next();
+    let reason = match widest.filter(|gap| gap.width >= NARROWEST_NAMED_M) {
         None => Blockage::Walled,
         Some(gap) => Blockage::Gap {
             first: world.obstacles[gap.between[0]].name.clone(),

@@ -127,7 +127,11 @@ pub enum WorldError {
     },
     /// An opening that is too narrow.
     #[error(
-        "{place}: the gap between `{first}` and `{second}` is {width:.4} m wide, not more than the robot's {robot_width} m: impassable"
+        "{place}: {}, not more than the robot's {robot_width} m: impassable",
+        match *width < 0.001 {
+            true => format!("`{first}` and `{second}` touch or are less than 1 mm apart"),
+            false => format!("the gap between `{first}` and `{second}` is {width:.4} m wide"),
+        }
     )]
     Impassable {
         /// Where.

@@ -17,6 +17,8 @@ pub(super) struct WorldFile {
     pub target_m: Spanned<Pair<f64>>,
     pub start_heading_deg: Option<Spanned<f64>>,
     pub option_limit: Option<Spanned<i64>>,
+    pub free_passage_robot_widths: Option<Spanned<f64>>,
+    pub origin_m: Option<Spanned<Pair<f64>>>,
     pub object: Option<ObjectEntry>,
     pub map: Option<Spanned<toml::Value>>,
     #[serde(default, rename = "obstacle")]

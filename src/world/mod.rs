@@ -25,7 +25,7 @@ pub use object::{CarriedObject, ObjectShape};
 pub use obstacle::{Obstacle, Part};
 pub use opening::{FREE_PASSAGE, Opening};
 
-use crate::geometry::{Bounds, Point, Solid, Vector, cross};
+use crate::geometry::{Bounds, Point, Solid, Vector, cross, squared_distance_to_segment};
 use crate::located::{self, LARGEST_WORLD, Place, Source};
 use crate::suggestion;
 use file::{OptionEntry, WorldFile};
@@ -38,6 +38,8 @@ use values::{Pair, Values};
 
 /// Number of options to enumerate where a world lists none and sets no `option_limit`.
 pub const DEFAULT_OPTION_LIMIT: usize = 8;
+/// Largest value of `free_passage_robot_widths`.
+const MAX_FREE_PASSAGE: f64 = 100.0;
 /// Largest value of `option_limit`.
 pub const LARGEST_OPTION_LIMIT: usize = 64;
 
@@ -47,6 +49,9 @@ const USUAL_WIDTHS_M: std::ops::RangeInclusive<f64> = 0.1..=3.0;
 const LARGE_WORLD: f64 = 1000.0;
 /// Distance from A to B below which they are one point, m.
 const SAME_PLACE_M: f64 = 0.01;
+
+/// The distance (m) of a start or target from the line of a gap, at least.
+const OFF_GAP_M: f64 = 1e-6;
 
 /// The least difference of a robot's width from that of its world that counts, m.
 const WIDTH_TOLERANCE_M: f64 = 1e-6;
@@ -66,9 +71,9 @@ pub struct World {
     pub robot_width: f64,
     /// Whether that is the width of a robot that is wider than the file's `robot_width_m`.
     pub is_widened: bool,
-    /// Start A.
+    /// Start A. On the line of a gap it counts as on the target's side, and is moved there by a micrometre.
     pub start: Point,
-    /// Target B.
+    /// Target B, on the line of a gap on the start's side.
     pub target: Point,
     /// The direction in which a team with bodies faces at the start, rad; if not given, along its first path
     /// where there is room for that.
@@ -147,29 +152,43 @@ impl World {
         if let Some(map) = &entries.map {
             return Err(WorldError::NamesMap { place: source.place(map, "map") });
         }
-        let given = Check { place: &top(&entries.robot_width_m, "world") }
+        let origin = entries.origin_m.as_ref().map(|entry| {
+            let place = source.place(entry, "world");
+            Check { place: &place, origin: Vector::zeros() }.origin(entry.get_ref().0)
+        });
+        let origin = origin.transpose()?.unwrap_or_default();
+        let given = Check { place: &top(&entries.robot_width_m, "world"), origin }
             .size("robot_width_m", *entries.robot_width_m.get_ref())?;
         let is_widened = width > given + WIDTH_TOLERANCE_M;
         let robot_width = if is_widened { width } else { given };
         let object = entries.object.as_ref().map(|entry| CarriedObject::from_entry(source, entry));
         let object = object.transpose()?.unwrap_or_default();
-        let obstacles = obstacles(source, &entries)?;
-        let start = endpoint(source, "start_m", &entries.start_m, &obstacles, robot_width)?;
-        let target = endpoint(source, "target_m", &entries.target_m, &obstacles, robot_width)?;
+        let obstacles = obstacles(source, &entries, origin)?;
+        let endpoint = |field: &str, entry: &Spanned<Pair<f64>>| {
+            let place = source.place(entry, "world");
+            let point = Check { place: &place, origin }.point(field, entry.get_ref().0)?;
+            unoccupied(point, source.place(entry, field), &obstacles, robot_width)
+        };
+        let [start, target] =
+            [endpoint("start_m", &entries.start_m)?, endpoint("target_m", &entries.target_m)?];
         let heading = |entry: &Spanned<f64>| {
-            Check { place: &top(entry, "world") }.angle("start_heading_deg", *entry.get_ref())
+            Check { place: &top(entry, "world"), origin }.angle("start_heading_deg", *entry.get_ref())
         };
         let start_heading = entries.start_heading_deg.as_ref().map(heading).transpose()?.map(f64::to_radians);
         let openings_detected = entries.openings.is_empty();
         let alone = obstacles.iter().map(Obstacle::solid).collect();
         let (solids, members): (Vec<Solid>, Vec<Vec<usize>>) =
             Solid::joined(alone, TOUCHING_M).into_iter().unzip();
-        let openings = if openings_detected {
-            let openings = Gaps::between(&obstacles, &solids, &members).detect(robot_width);
-            numbered(openings, start, target)
+        let free_passage = free_passage(source, entries.free_passage_robot_widths.as_ref())?;
+        let mut openings = if openings_detected {
+            let gaps = Gaps::between(&obstacles, &solids, &members);
+            numbered(gaps.detect(robot_width, free_passage * robot_width), start, target)
         } else {
             declared_openings(source, &entries, &obstacles, robot_width)?
         };
+        openings.iter_mut().for_each(|opening| opening.free_passage = free_passage);
+        let [start, target] =
+            [[start, target], [target, start]].map(|[end, other]| off_gaps(end, other, &openings));
         let listed_options = listed_options(source, &entries.options, &openings)?;
         let option_limit = option_limit(source, entries.option_limit.as_ref())?;
         Ok(Self {
@@ -245,7 +264,7 @@ impl World {
     }
 }
 
-fn obstacles(source: Source, entries: &WorldFile) -> Result<Vec<Obstacle>, WorldError> {
+fn obstacles(source: Source, entries: &WorldFile, origin: Vector) -> Result<Vec<Obstacle>, WorldError> {
     let mut names = BTreeSet::new();
     entries
         .obstacles
@@ -256,26 +275,24 @@ fn obstacles(source: Source, entries: &WorldFile) -> Result<Vec<Obstacle>, World
             if !names.insert(&entry.name) {
                 return Err(WorldError::Duplicate { place, kind: "obstacle" });
             }
-            Obstacle::from_entry(entry, &place)
+            Obstacle::from_entry(entry, &place, origin)
         })
         .collect()
 }
 
-fn endpoint(
-    source: Source,
-    field: &str,
-    spanned: &Spanned<Pair<f64>>,
+/// A start or target at `place`, if the team has room there.
+fn unoccupied(
+    point: Point,
+    place: Place,
     obstacles: &[Obstacle],
     robot_width: f64,
 ) -> Result<Point, WorldError> {
-    let place = source.place(spanned, "world");
-    let point = Check { place: &place }.point(field, spanned.get_ref().0)?;
     let needed = robot_width / 2.0;
     let nearest =
         obstacles.iter().map(|o| (o, o.distance_to_point(point))).min_by(|a, b| a.1.total_cmp(&b.1));
     match nearest {
         Some((obstacle, distance)) if distance < needed => Err(WorldError::Occupied {
-            place: source.place(spanned, field),
+            place,
             x: point.x,
             y: point.y,
             obstacle: obstacle.name.clone(),
@@ -284,6 +301,20 @@ fn endpoint(
         }),
         _ => Ok(point),
     }
+}
+
+/// A start or target that is on the line of a gap, moved off that line by [`OFF_GAP_M`] to the side of `other`,
+/// the target or start: it must be on one side.
+fn off_gaps(point: Point, other: Point, openings: &[Opening]) -> Point {
+    openings.iter().fold(point, |point, gap| {
+        let [a, b] = gap.ends;
+        if squared_distance_to_segment(point, a, b) >= OFF_GAP_M * OFF_GAP_M {
+            return point;
+        }
+        let depth = |p: Point| (p - gap.center()).dot(&gap.axis());
+        let side = if depth(other) < 0.0 { -OFF_GAP_M } else { OFF_GAP_M };
+        point + gap.axis() * (side - depth(point))
+    })
 }
 
 fn declared_openings(
@@ -397,6 +428,23 @@ fn option_limit(source: Source, entry: Option<&Spanned<i64>>) -> Result<usize, W
             value: value as f64,
             expected: "a whole number from 1 to 64",
         }
+    })
+}
+
+/// The width in robot widths above which openings are free passage.
+fn free_passage(source: Source, entry: Option<&Spanned<f64>>) -> Result<f64, WorldError> {
+    let Some(spanned) = entry else {
+        return Ok(FREE_PASSAGE);
+    };
+    let value = *spanned.get_ref();
+    if (1.0..=MAX_FREE_PASSAGE).contains(&value) {
+        return Ok(value);
+    }
+    Err(WorldError::Number {
+        place: source.place(spanned, "world"),
+        field: "free_passage_robot_widths".to_owned(),
+        value,
+        expected: "a number of robot widths from 1 to 100",
     })
 }
 

@@ -3,7 +3,7 @@
 use super::error::WorldError;
 use super::file::{ObstacleEntry, ShapeEntry};
 use super::values::Pair;
-use crate::geometry::{Bounds, Footprint, Outline, Point, RingFault, cross, direction, left_of};
+use crate::geometry::{Bounds, Footprint, Outline, Point, RingFault, Vector, cross, direction, left_of};
 use crate::located::Place;
 use crate::math;
 use parry3d::math::{Pose, Rotation, Vec3};
@@ -11,6 +11,8 @@ use parry3d::shape::{Shape, SharedShape};
 
 /// Largest coordinate, m. Larger ones are mistakes of units and exceed what the tolerances can resolve.
 const LARGEST_COORDINATE_M: f64 = 1e4;
+/// Largest coordinate of `origin_m`, m: doubles resolve 15 nm there.
+const LARGEST_ORIGIN_M: f64 = 1e8;
 /// Shortest side of an obstacle, m.
 const SMALLEST_LENGTH_M: f64 = 1e-3;
 
@@ -54,8 +56,13 @@ enum Solid {
 }
 
 impl Obstacle {
-    pub(super) fn from_entry(entry: &ObstacleEntry, place: &Place) -> Result<Self, WorldError> {
-        let check = Check { place };
+    /// The obstacle of an entry whose coordinates are relative to `origin`.
+    pub(super) fn from_entry(
+        entry: &ObstacleEntry,
+        place: &Place,
+        origin: Vector,
+    ) -> Result<Self, WorldError> {
+        let check = Check { place, origin };
         let shape = entry.shape.name();
         let given = [
             ("center_m", entry.center_m.is_some(), "box cylinder"),
@@ -231,6 +238,8 @@ fn centroid(corners: &[Point]) -> Point {
 /// Checks of single numbers. Errors name the place.
 pub(super) struct Check<'a> {
     pub place: &'a Place,
+    /// The file's `origin_m`, which points are read relative to.
+    pub origin: Vector,
 }
 
 impl Check<'_> {
@@ -246,11 +255,21 @@ impl Check<'_> {
         self.number(field, value, good, "a length from 0.001 to 10000 (metres)")
     }
 
+    /// A point in the world frame, from its coordinates in the file.
     pub fn point(&self, field: &str, [x, y]: [f64; 2]) -> Result<Point, WorldError> {
-        let expected = "a coordinate from -10000 to 10000 (metres)";
-        self.number(&format!("{field}[0]"), x, x.abs() <= LARGEST_COORDINATE_M, expected)?;
-        self.number(&format!("{field}[1]"), y, y.abs() <= LARGEST_COORDINATE_M, expected)?;
-        Ok(Point::new(x, y))
+        let expected = "a coordinate from -10000 to 10000 (metres); for larger ones, as in maps, give origin_m = [x, y] near the room";
+        let point = Point::new(x, y) - self.origin;
+        self.number(&format!("{field}[0]"), x, point.x.abs() <= LARGEST_COORDINATE_M, expected)?;
+        self.number(&format!("{field}[1]"), y, point.y.abs() <= LARGEST_COORDINATE_M, expected)?;
+        Ok(point)
+    }
+
+    /// The origin of a file's coordinates.
+    pub fn origin(&self, [x, y]: [f64; 2]) -> Result<Vector, WorldError> {
+        let expected = "a coordinate from -100000000 to 100000000 (metres)";
+        self.number("origin_m[0]", x, x.abs() <= LARGEST_ORIGIN_M, expected)?;
+        self.number("origin_m[1]", y, y.abs() <= LARGEST_ORIGIN_M, expected)?;
+        Ok(Vector::new(x, y))
     }
 
     pub fn angle(&self, field: &str, value: f64) -> Result<f64, WorldError> {

@@ -1,15 +1,15 @@
-//! Gaps between obstacles, measured with parry, and the openings among them.
+//! Gaps between obstacles, measured between their outlines, and the openings among them.
 //!
 //! An opening is a local constriction of free space: of all obstacle points, the two ends of its gap are the
 //! nearest to its middle. The number of obstacles in a wall therefore does not matter. Where several touch or
 //! overlap, only their common outline counts.
 
-use super::obstacle::{Obstacle, Part};
+use super::obstacle::Obstacle;
 use crate::geometry::{Bounds, Footprint, Nearby, Point, Solid, Vector, left_of};
-use parry3d::query::{ClosestPoints, closest_points};
 use std::collections::BTreeSet;
 
-/// The width in robot widths above which an opening is free passage (Sec. III-A, footnote 1).
+/// The width in robot widths above which an opening is free passage, unless the world gives another (Sec.
+/// III-A, footnote 1).
 pub const FREE_PASSAGE: f64 = 5.0;
 
 /// Obstacles this close to each other (m) touch.
@@ -24,7 +24,7 @@ const WIDTH_TOLERANCE_M: f64 = 1e-6;
 /// Directions that differ by no more than this (rad) count as equal.
 const SAME_DIRECTION_RAD: f64 = 1e-3;
 /// Gaps whose ends differ by no more than this (m) are one gap, measured between different parts of the same
-/// walls. Closest points of cylinders are off by up to 2e-4 m along the outline.
+/// walls.
 const SAME_GAP_M: f64 = 3e-4;
 
 /// A passage between two obstacles.
@@ -40,6 +40,8 @@ pub struct Opening {
     pub ends: [Point; 2],
     /// Width w, m: the distance between the two obstacles.
     pub width: f64,
+    /// The width in robot widths above which it is free passage.
+    pub free_passage: f64,
 }
 
 impl Opening {
@@ -72,9 +74,9 @@ impl Opening {
             .any(|ends| ends.iter().zip(&self.ends).all(|(p, q)| (p - q).norm() <= 3.0 * SAME_GAP_M))
     }
 
-    /// The risk S_xi = d_r / w of passing (Sec. III-A): 0 where w > 5 d_r, 1 where w <= d_r.
+    /// The risk S_xi = d_r / w of passing (Sec. III-A): 0 in free passage, 1 where w <= d_r.
     pub fn risk(&self, robot_width: f64) -> f64 {
-        if self.width > FREE_PASSAGE * robot_width { 0.0 } else { (robot_width / self.width).min(1.0) }
+        if self.width > self.free_passage * robot_width { 0.0 } else { (robot_width / self.width).min(1.0) }
     }
 }
 
@@ -89,8 +91,6 @@ pub(super) struct Gaps<'a> {
 /// A convex outline that may be a side of a gap.
 struct Side<'a> {
     footprint: &'a Footprint,
-    /// The part of an obstacle that it is; `None` where it is a part of several obstacles that touch.
-    part: Option<&'a Part>,
     /// The obstacles to which it belongs.
     obstacles: &'a [usize],
 }
@@ -105,24 +105,18 @@ impl<'a> Gaps<'a> {
     /// The gaps between solids, each of which consists of some of the obstacles.
     pub fn between(obstacles: &'a [Obstacle], solids: &'a [Solid], members: &'a [Vec<usize>]) -> Self {
         let sides = solids.iter().zip(members).flat_map(|(solid, members)| {
-            solid.parts.iter().enumerate().map(move |(i, footprint)| {
-                let part = if let [alone] = members[..] { obstacles[alone].parts.get(i) } else { None };
-                Side { footprint, part, obstacles: members }
-            })
+            solid.parts.iter().map(move |footprint| Side { footprint, obstacles: members })
         });
         Self::new(obstacles, sides.collect())
     }
 
     /// The unnamed gap between two convex outlines; `None` where they touch.
     ///
-    /// The width and the direction come from the closest points: of solids, parry's. All stand on the floor,
-    /// so these points are at the same height.
+    /// The width and the direction come from the closest points of the outlines, which are exact up to
+    /// rounding (`tests/suite` compares them with parry's of the solids).
     fn measure(&self, between: [usize; 2]) -> Option<Opening> {
         let [first, second] = between.map(|i| &self.sides[i]);
-        let [p1, p2] = match (first.part, second.part) {
-            (Some(first), Some(second)) => closest([first, second])?,
-            _ => first.footprint.closest_points(second.footprint),
-        };
+        let [p1, p2] = first.footprint.closest_points(second.footprint);
         let width = (p2 - p1).norm();
         if width < TOUCHING_M {
             return None;
@@ -135,7 +129,7 @@ impl<'a> Gaps<'a> {
         let (low, high) = (part1[0].max(-part2[1]), part1[1].min(-part2[0]));
         let shift = if low < high { (low + high) / 2.0 - left.dot(&p1.coords) } else { 0.0 };
         let ends = [p1 + left * shift, p2 + left * shift];
-        Some(Opening { name: String::new(), between, ends, width })
+        Some(Opening { name: String::new(), between, ends, width, free_passage: FREE_PASSAGE })
     }
 
     /// A gap measured between outlines, between the obstacles at its ends.
@@ -200,12 +194,8 @@ impl<'a> Gaps<'a> {
     /// The gaps between obstacles as they are, those that touch apart.
     pub fn of(obstacles: &'a [Obstacle], numbers: &'a [usize]) -> Self {
         let sides = obstacles.iter().zip(numbers).flat_map(|(obstacle, number)| {
-            let side = |part: &'a Part| Side {
-                footprint: &part.footprint,
-                part: Some(part),
-                obstacles: std::slice::from_ref(number),
-            };
-            obstacle.parts.iter().map(side)
+            let obstacles = std::slice::from_ref(number);
+            obstacle.footprints().map(move |footprint| Side { footprint, obstacles })
         });
         Self::new(obstacles, sides.collect())
     }
@@ -236,14 +226,15 @@ impl<'a> Gaps<'a> {
             .filter(move |gap| gap.width <= widest)
     }
 
-    /// Every opening, without a name: d_r < w <= 5 d_r, and no third outline in the disc over the gap.
+    /// Every opening, without a name: wider than d_r, no wider than `widest` (m), and no third outline in the
+    /// disc over the gap.
     ///
     /// DEVIATION (design): a gap counts only if the disc that has it for a diameter is free of other
     /// obstacles, which is stronger than a free gap segment. Without it the diagonals between four pillars
     /// count as well: the same constriction twice, and gaps that cross.
-    pub fn detect(&self, robot_width: f64) -> Vec<Opening> {
+    pub fn detect(&self, robot_width: f64, widest: f64) -> Vec<Opening> {
         let is_opening = |gap: &Opening| gap.is_passable(robot_width) && self.obstructing(gap).is_none();
-        let gaps: Vec<Opening> = self.up_to(FREE_PASSAGE * robot_width).filter(is_opening).collect();
+        let gaps: Vec<Opening> = self.up_to(widest).filter(is_opening).collect();
         let mut is_new = vec![false; gaps.len()];
         for (i, same) in same_gaps(&gaps).into_iter().enumerate() {
             is_new[i] = !same.into_iter().any(|j| is_new[j]);
@@ -275,15 +266,6 @@ pub(super) fn same_gaps(gaps: &[Opening]) -> Vec<Vec<usize>> {
         near.into_iter().filter(|&j| j < i && gaps[j].is_same(gap)).collect()
     };
     gaps.iter().enumerate().map(same).collect()
-}
-
-/// The closest points of two solids, on the floor; `None` where they meet.
-fn closest(parts: [&Part; 2]) -> Option<[Point; 2]> {
-    let [(pose1, shape1), (pose2, shape2)] = parts.map(Part::solid);
-    match closest_points(&pose1, shape1, &pose2, shape2, f64::MAX).ok()? {
-        ClosestPoints::WithinMargin(p1, p2) => Some([p1, p2].map(|p| Point::new(p.x, p.y))),
-        _ => None,
-    }
 }
 
 /// The direction of a gap of this `width` (m) from the first to the second of two outlines, measured as

@@ -54,4 +54,5 @@ mod terminal;
 mod ties;
 
 mod walks;
+mod ways;
 mod worlds;

@@ -11,7 +11,7 @@ use cocarry::episode::{OptionTick, prospects};
 use cocarry::geometry::{Footprint, Point};
 use cocarry::options::{OptionSet, PathOption};
 use cocarry::preference::{ChoiceDistribution, Predictor, objective_cost};
-use cocarry::world::{FREE_PASSAGE, Obstacle, World};
+use cocarry::world::{Obstacle, World};
 use cocarry_maps::Ends;
 use cocarry_output::drawing;
 use serde_json::{Value, json};
@@ -90,11 +90,16 @@ fn point(text: &str) -> Result<Point, String> {
     Ok(Point::new(x, y))
 }
 
+/// The heading of the lengths of the shortest paths through the same openings, which need not be straight.
+const SHORTEST_HEADING: &str = "shortest (m)";
+
 /// An option, evaluated at the start.
 struct Offer {
     name: String,
     openings: Vec<String>,
     option: OptionTick,
+    /// Length of the shortest path through the same openings, m; `None` in worlds too large for it.
+    shortest: Option<f64>,
 }
 
 pub(super) fn run(arguments: &WorldArguments) -> Result<ExitCode, Failure> {
@@ -133,6 +138,7 @@ fn offers(world: &World, set: &OptionSet, predictor: &mut Predictor) -> Vec<Offe
     let mut expected = Vec::new();
     predictor.predict(&prospects, &mut choice);
     predictor.expected_costs(&prospects, &mut expected);
+    let shortest = set.shortest_lengths(world);
     let offer = |(o, option): (usize, &PathOption)| Offer {
         name: option.name.clone(),
         openings: option.crossings.iter().map(|c| world.openings[c.opening].name.clone()).collect(),
@@ -143,6 +149,7 @@ fn offers(world: &World, set: &OptionSet, predictor: &mut Predictor) -> Vec<Offe
             probability: choice.probabilities()[o],
             misaligned: false,
         },
+        shortest: shortest.as_ref().map(|lengths| lengths[o]),
     };
     set.options().iter().enumerate().map(offer).collect()
 }
@@ -179,7 +186,7 @@ fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
             o.name.clone(),
             format!("{first}, {second}"),
             format!("{:.4}", o.width),
-            if risk == 0.0 { format!("0 (wider than {FREE_PASSAGE} d_r)") } else { format!("{risk:.4}") },
+            if risk == 0.0 { format!("0 (wider than {} d_r)", o.free_passage) } else { format!("{risk:.4}") },
         ]);
     }
     text += &table_text(&openings);
@@ -196,12 +203,15 @@ fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
         }
     };
     text += &format!("\nOptions{origin}\n");
-    let mut options = table(OPTION_HEADINGS, 2);
+    let mut headings = OPTION_HEADINGS.to_vec();
+    headings.insert(3, SHORTEST_HEADING);
+    let mut options = table(headings, 2);
     for o in offers {
         options.add_row([
             o.name.clone(),
             if o.openings.is_empty() { "(none)".to_owned() } else { o.openings.join(" ") },
             format!("{:.4}", o.option.remaining.length),
+            o.shortest.map_or("-".to_owned(), |length| format!("{length:.4}")),
             format!("{:.4}", o.option.remaining.risk),
             format!("{:.4}", o.option.objective),
             format!("{:.4}", o.option.expected),
@@ -271,8 +281,14 @@ fn as_json(world: &World, set: &OptionSet, offers: &[Offer]) -> Value {
         "options_enumerated": world.listed_options.is_empty(),
         "options_cut": set.is_cut,
         "search_cut": set.is_search_cut,
-        "options": offers.iter().map(|o| option_json(&o.name, &o.openings, &o.option)).collect::<Vec<_>>(),
+        "options": offers.iter().map(offer_json).collect::<Vec<_>>(),
     })
+}
+
+fn offer_json(offer: &Offer) -> Value {
+    let mut fields = option_json(&offer.name, &offer.openings, &offer.option);
+    fields["shortest_length_m"] = json!(offer.shortest);
+    fields
 }
 
 fn obstacle_json(obstacle: &Obstacle) -> Value {

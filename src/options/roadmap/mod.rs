@@ -14,6 +14,7 @@ mod reachable;
 mod sight;
 mod space;
 mod straight;
+mod through;
 
 pub(super) use space::Space;
 pub(super) use straight::{MOST_BACKWARD, Straight};

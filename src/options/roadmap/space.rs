@@ -41,6 +41,11 @@ impl Space {
         Self { obstacles, near_obstacles, discs, barriers, near_barriers, clearance }
     }
 
+    /// The number of corners and cylinders that paths bend around.
+    pub fn corners(&self) -> usize {
+        self.discs.len()
+    }
+
     /// Whether the team can walk straight from `a` to `b`.
     pub fn is_clear(&self, a: Point, b: Point) -> bool {
         self.is_clear_by(a, b, self.clearance)
