@@ -82,3 +82,82 @@ fn shoulder(opening: &Opening, outward: Vector, depth: f64, space: &Space) -> f6
 fn rising(length: f64, [from, to]: [f64; 2]) -> f64 {
     ((length - from) / (to - from)).clamp(0.0, 1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::{BUILT_IN_WORLDS, World};
+
+    fn alignments_of(world: &World) -> Vec<[f64; 2]> {
+        let barriers = world.openings.iter().map(|opening| opening.ends).collect();
+        let space = Space::new(&world.solids, barriers, world.robot_width / 2.0);
+        world.openings.iter().map(|opening| alignments(opening, &space)).collect()
+    }
+
+    /// A world with two obstacles on either side of (0, 0) and an opening between them.
+    fn between(lower: &str, upper: &str) -> [f64; 2] {
+        let obstacle = |name: &str, entry: &str| format!("[[obstacle]]\nname = \"{name}\"\n{entry}\nheight_m = 1\n");
+        let text = format!(
+            "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [-9, 0]\ntarget_m = [9, 0]\n{}{}",
+            obstacle("lower", lower),
+            obstacle("upper", upper)
+        ) + "[[opening]]\nname = \"gap\"\nbetween = [\"lower\", \"upper\"]\n";
+        alignments_of(&World::parse("w", &text).unwrap_or_else(|error| panic!("{error}")))[0]
+    }
+
+    /// Boxes of this depth along the way and this breadth, with a gap of 0.6 m.
+    fn boxes(depth: f64, breadth: f64) -> [f64; 2] {
+        let entry = |y: f64| format!("shape = \"box\"\ncenter_m = [0, {y}]\nsize_m = [{depth}, {breadth}]");
+        between(&entry(-0.3 - breadth / 2.0), &entry(0.3 + breadth / 2.0))
+    }
+
+    #[test]
+    fn closed_form_the_papers_doors_are_straight_for_exactly_one_metre() {
+        for built_in in BUILT_IN_WORLDS.iter().filter(|world| world.name.starts_with("environment")) {
+            let world = World::parse(built_in.name, built_in.text).unwrap();
+            for (opening, alignments) in world.openings.iter().zip(alignments_of(&world)) {
+                assert_eq!(alignments, [ALIGNMENT_M; 2], "{}: {}", built_in.name, opening.name);
+            }
+        }
+    }
+
+    #[test]
+    fn closed_form_deep_passages_are_straight_until_the_team_is_out_and_pillars_are_not() {
+        let is_near = |found: [f64; 2], expected: f64| {
+            assert!(found.iter().all(|length| (length - expected).abs() < 1e-6), "{found:?}, not {expected}");
+        };
+        for thin in [0.02, 0.1, 0.2] {
+            assert_eq!(boxes(thin, 3.0), [ALIGNMENT_M; 2]);
+        }
+        is_near(boxes(0.4, 3.0), 1.1);
+        is_near(boxes(2.4, 3.0), 2.1);
+        // narrow walls along the way: a corridor
+        is_near(boxes(2.4, 0.1), 2.1);
+        // posts
+        is_near(boxes(0.3, 0.3), 0.15);
+        is_near(boxes(0.05, 0.3), SHORTEST_M);
+        for radius in [0.2, 0.5, 2.0] {
+            let pillar = |y: f64| format!("shape = \"cylinder\"\ncenter_m = [0, {y}]\nradius_m = {radius}");
+            let [before, beyond] = between(&pillar(-0.3 - radius), &pillar(0.3 + radius));
+            // where the passage is 0.1 m wider: r^2 - x^2 = (r - 0.05)^2
+            let depth: f64 = (0.1 * radius - 0.0025_f64).sqrt();
+            assert!((before - beyond).abs() < 1e-6, "{before}, {beyond}");
+            let is_short = before >= depth - 1e-6 && before <= depth + 1.3 * rising(depth, DEEP_M);
+            assert!(is_short, "radius {radius}: {before}, depth {depth}");
+        }
+    }
+
+    #[test]
+    fn property_the_straight_part_is_continuous_in_depth_and_breadth() {
+        for (depth, breadth) in [(0.2, 0.1), (0.8, 0.1), (0.8, 1.0)] {
+            let lengths = |by: [f64; 2]| -> Vec<f64> {
+                (0..80).map(|i| 0.01 * f64::from(i)).map(|s| boxes(depth + by[0] * s, breadth + by[1] * s)[1]).collect()
+            };
+            for by in [[1.0, 0.0], [0.0, 1.0]] {
+                let lengths = lengths(by);
+                let steepest = lengths.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+                assert!(steepest < 0.04, "from {depth}, {breadth} m by {by:?}: {lengths:?}");
+            }
+        }
+    }
+}
