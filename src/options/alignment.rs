@@ -50,8 +50,8 @@ fn depth(opening: &Opening, outward: Vector, space: &Space) -> f64 {
     let most = opening.width + WIDENING_M;
     let is_within = |depth: f64| {
         let p: Point = center + outward * depth;
-        let left = space.free_along(p, across, most);
-        left + space.free_along(p, -across, most - left) < most
+        let rest = most - space.free_along(p, across, most);
+        space.free_along(p, -across, rest) < rest
     };
     let mut within = 0.0;
     while within < MAX_DEPTH_M && is_within(within + DEPTH_STEP_M) {
