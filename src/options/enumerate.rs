@@ -5,7 +5,7 @@ use super::error::TooMuch;
 use super::passage::{Crossing, Passage};
 use super::regions::on_routes;
 use super::roadmap::Roadmap;
-use super::sites::{START, TARGET, before, beyond, site};
+use super::sites::{MAX_LANES, START, Sites, TARGET};
 use super::stage::Stages;
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -30,8 +30,9 @@ pub(super) struct Found {
 /// A partial sequence, ordered by a lower bound of the cost of its completions.
 struct Partial {
     bound: f64,
-    /// Length walked, m, and probability of safe passage so far.
-    length: f64,
+    /// Length of the shortest path so far, m, to every lane of the last crossing; without one, the first is 0.
+    lengths: [f64; MAX_LANES],
+    /// Probability of safe passage so far.
     safe: f64,
     last: Option<Rc<Step>>,
     arrived: bool,
@@ -60,7 +61,7 @@ const BOUND_ROUNDING_M: f64 = 1e-9;
 /// [`TooMuch`]: there are too many paths between openings to be searched.
 pub(super) fn cheapest(
     roadmap: &mut Roadmap,
-    passages: &[Passage],
+    (passages, sites): (&[Passage], &Sites),
     stages: &mut Stages,
     limit: usize,
     risk_weight: f64,
@@ -68,11 +69,11 @@ pub(super) fn cheapest(
     if stages.between(roadmap, START, TARGET).length().is_finite() {
         return Ok(Found { options: vec![Vec::new()], ..Found::default() });
     }
-    let layout = Layout::new(roadmap, passages.len());
+    let layout = Layout::new(roadmap, sites, passages.len());
     layout.tabulate(roadmap, stages)?;
     let search = Search::new(&layout, roadmap, passages, stages, risk_weight);
     let mut queue = BinaryHeap::new();
-    queue.push(Partial { bound: 0.0, length: 0.0, safe: 1.0, last: None, arrived: false });
+    queue.push(Partial { bound: 0.0, lengths: [0.0; MAX_LANES], safe: 1.0, last: None, arrived: false });
     let mut found = Found::default();
     let mut looked_at = 0;
     while let Some(partial) = queue.pop() {
@@ -98,7 +99,8 @@ pub(super) fn cheapest(
 }
 
 /// The regions that an option may enter, and the crossings between them.
-struct Layout {
+struct Layout<'a> {
+    sites: &'a Sites,
     /// The region of every site, numbered from 0.
     regions: Vec<usize>,
     /// The crossings from each region that an option may make.
@@ -107,14 +109,14 @@ struct Layout {
     entries: Vec<Vec<usize>>,
 }
 
-impl Layout {
-    fn new(roadmap: &Roadmap, openings: usize) -> Self {
-        let components: Vec<usize> = (0..2 + 2 * openings).map(|s| roadmap.component(s)).collect();
+impl<'a> Layout<'a> {
+    fn new(roadmap: &Roadmap, sites: &'a Sites, openings: usize) -> Self {
+        let components: Vec<usize> = (0..sites.count()).map(|s| roadmap.component(s)).collect();
         let mut known = components.clone();
         known.sort_unstable();
         known.dedup();
         let regions: Vec<usize> = components.iter().map(|c| known.partition_point(|k| k < c)).collect();
-        let sides = |opening: usize| [0, 1].map(|side| regions[site(opening, side)]);
+        let sides = |opening: usize| [0, 1].map(|into| regions[sites.beyond(Crossing { opening, into }, 0)]);
         let mut neighbors = vec![Vec::new(); known.len()];
         for [a, b] in (0..openings).map(sides) {
             neighbors[a].push(b);
@@ -128,33 +130,33 @@ impl Layout {
         for opening in 0..openings {
             for into in [0, 1] {
                 let crossing = Crossing { opening, into };
-                let (from, to) = (regions[before(crossing)], regions[beyond(crossing)]);
+                let (from, to) = (regions[sites.before(crossing, 0)], regions[sites.beyond(crossing, 0)]);
                 let is_useful = from != to && from != target && to != start;
                 if is_useful && is_on_route[from] && is_on_route[to] {
                     out[from].push(crossing);
-                    entries[to].push(beyond(crossing));
+                    entries[to].extend((0..sites.lanes(opening)).map(|lane| sites.beyond(crossing, lane)));
                 }
             }
         }
-        Self { regions, out, entries }
+        Self { sites, regions, out, entries }
     }
 
     /// Adds the paths within every region that an option may take to `stages`.
     fn tabulate(&self, roadmap: &mut Roadmap, stages: &mut Stages) -> Result<(), TooMuch> {
-        let to_target = (&self.entries[self.regions[TARGET]], TARGET);
+        let to_target = (&self.entries[self.regions[TARGET]], vec![TARGET]);
         let legs = self.out.iter().zip(&self.entries).flat_map(|(out, entries)| {
-            let mut exits: Vec<usize> = out.iter().map(|&crossing| before(crossing)).collect();
+            let mut exits: Vec<Vec<usize>> = out.iter().map(|c| self.sites.all_before(*c)).collect();
             exits.sort_unstable();
             exits.into_iter().map(move |exit| (entries, exit))
         });
         let legs: Vec<_> = legs.chain([to_target]).filter(|(entries, _)| !entries.is_empty()).collect();
-        let found = legs.iter().map(|(_, to)| roadmap.places_around(*to)).sum();
+        let found = legs.iter().flat_map(|(_, to)| to).map(|to| roadmap.places_around(*to)).sum();
         if found > MOST_SEARCHED {
             return Err(TooMuch::Searched { found, most: MOST_SEARCHED });
         }
         for (entries, to) in legs {
-            stages.tabulate(roadmap, entries, to);
-            roadmap.forget_paths_to(to);
+            stages.tabulate(roadmap, entries, &to);
+            to.into_iter().for_each(|to| roadmap.forget_paths_to(to));
         }
         Ok(())
     }
@@ -162,7 +164,7 @@ impl Layout {
 
 /// The search's view of regions and passages.
 struct Search<'a> {
-    layout: &'a Layout,
+    layout: &'a Layout<'a>,
     roadmap: &'a Roadmap,
     passages: &'a [Passage],
     stages: &'a Stages,
@@ -175,7 +177,7 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(
-        layout: &'a Layout,
+        layout: &'a Layout<'a>,
         roadmap: &'a Roadmap,
         passages: &'a [Passage],
         stages: &'a Stages,
@@ -185,7 +187,7 @@ impl<'a> Search<'a> {
         // the inverse of the probability of safe passage
         let danger = |_: usize, to: usize| match to {
             TARGET => 1.0,
-            _ => 1.0 / (1.0 - passages[(to - 2) / 2].risk),
+            _ => 1.0 / (1.0 - passages[layout.sites.opening(to)].risk),
         };
         let shortest = least_onward(layout, 0.0, length, |a, b| a + b);
         let safest = least_onward(layout, 1.0, danger, |a, b| a * b).into_iter().map(f64::recip).collect();
@@ -196,29 +198,44 @@ impl<'a> Search<'a> {
         self.stages.between(self.roadmap, from, to).length()
     }
 
+    /// The length (m) of the shortest path to a site that continues a sequence.
+    fn length_to(&self, partial: &Partial, to: usize) -> f64 {
+        let Some(step) = &partial.last else { return partial.lengths[0] + self.length(START, to) };
+        let sites = self.layout.sites;
+        let through =
+            |lane: usize| partial.lengths[lane] + self.length(sites.beyond(step.crossing, lane), to);
+        (0..sites.lanes(step.crossing.opening)).map(through).fold(f64::INFINITY, f64::min)
+    }
+
     /// The extensions of a sequence by one crossing or by the target.
     fn onward(&self, partial: &Partial) -> Vec<Partial> {
-        let leave = partial.last.as_ref().map_or(START, |step| beyond(step.crossing));
+        let sites = self.layout.sites;
+        let leave = partial.last.as_ref().map_or(START, |step| sites.beyond(step.crossing, 0));
         let here = self.layout.regions[leave];
         if here == self.layout.regions[TARGET] {
-            let length = partial.length + self.length(leave, TARGET);
+            let length = self.length_to(partial, TARGET);
             let bound = length + self.risk_weight * (1.0 - partial.safe);
-            let arrived =
-                Partial { bound, length, safe: partial.safe, last: partial.last.clone(), arrived: true };
+            let (lengths, last) = ([length; MAX_LANES], partial.last.clone());
+            let arrived = Partial { bound, lengths, safe: partial.safe, last, arrived: true };
             return if length.is_finite() { vec![arrived] } else { Vec::new() };
         }
         let can_reach_target = self.can_reach_target(partial, here);
         let extended = |crossing: &Crossing| {
-            let exit = beyond(*crossing);
-            let length = partial.length + self.length(leave, before(*crossing));
+            let mut lengths = [f64::INFINITY; MAX_LANES];
+            let mut shortest = f64::INFINITY;
+            for (lane, length) in lengths.iter_mut().enumerate().take(sites.lanes(crossing.opening)) {
+                *length = self.length_to(partial, sites.before(*crossing, lane));
+                shortest = shortest.min(*length + self.shortest[sites.beyond(*crossing, lane)]);
+            }
             let safe = partial.safe * (1.0 - self.passages[crossing.opening].risk);
-            let bound = length + self.shortest[exit] + self.risk_weight * (1.0 - safe * self.safest[exit]);
+            let safest = self.safest[sites.beyond(*crossing, 0)];
+            let bound = shortest + self.risk_weight * (1.0 - safe * safest);
             let last = Some(Rc::new(Step {
                 crossing: *crossing,
                 before: partial.last.clone(),
                 count: partial.count() + 1,
             }));
-            Partial { bound: bound - BOUND_ROUNDING_M, length, safe, last, arrived: false }
+            Partial { bound: bound - BOUND_ROUNDING_M, lengths, safe, last, arrived: false }
         };
         self.layout.out[here]
             .iter()
@@ -230,7 +247,7 @@ impl<'a> Search<'a> {
 
     /// The region that a crossing leads into.
     fn after(&self, crossing: Crossing) -> usize {
-        self.layout.regions[beyond(crossing)]
+        self.layout.regions[self.layout.sites.beyond(crossing, 0)]
     }
 
     /// For every region, whether the target can be reached from it through regions that the sequence has not

@@ -26,12 +26,13 @@ pub use trajectory::{nominal_trajectory, turned};
 
 use crate::geometry::{Bounds, Nearby, Path, Point};
 use crate::world::{ListedOption, Opening, World};
+use alignment::Alignment;
 use passage::{Exit, Passage};
-use path_option::After;
+use path_option::{After, Afters};
 use progress::Rest;
 use roadmap::{Roadmap, Space, Straight};
 use serde::{Deserialize, Serialize};
-use sites::{START, TARGET, before, beyond, site};
+use sites::{MAX_LANES, START, Sites, TARGET};
 use stage::Stages;
 use std::collections::BTreeSet;
 
@@ -46,6 +47,7 @@ const MAX_CORNERS_OF_SHORTEST: usize = 400;
 pub struct OptionSet {
     roadmap: Roadmap,
     passages: Vec<Passage>,
+    sites: Sites,
     stages: Stages,
     options: Vec<PathOption>,
     /// Whether more options exist than were enumerated, or may exist: see [`OptionSet::is_search_cut`].
@@ -87,15 +89,15 @@ impl OptionSet {
     pub fn new(world: &World, risk_weight: f64) -> Result<Self, OptionError> {
         let (space, closed) = space(world, &world.openings);
         let passages = passages(world, &space);
-        let straights = passages.iter().enumerate().flat_map(|(i, p)| [0, 1].map(|side| p.straight(i, side)));
-        let ends = [world.start, world.target].map(Straight::from);
-        let sites: Vec<Straight> = ends.into_iter().chain(straights).collect();
+        let sites = Sites::new(&passages);
+        let straights = straights([world.start, world.target], &passages);
         let too_open =
             |work| OptionError::TooOpen { file: world.file.clone(), obstacles: world.obstacles.len(), work };
-        let roadmap = Roadmap::new(space, &sites, &closed).map_err(too_open)?;
+        let roadmap = Roadmap::new(space, &straights, &closed).map_err(too_open)?;
         let mut set = Self {
             roadmap,
             passages,
+            sites,
             stages: Stages::default(),
             options: Vec::new(),
             is_cut: false,
@@ -104,9 +106,10 @@ impl OptionSet {
             target: world.target,
         };
         if world.listed_options.is_empty() {
-            let Self { roadmap, passages, stages, .. } = &mut set;
-            let found = enumerate::cheapest(roadmap, passages, stages, world.option_limit, risk_weight)
-                .map_err(too_open)?;
+            let Self { roadmap, passages, sites, stages, .. } = &mut set;
+            let found =
+                enumerate::cheapest(roadmap, (passages, sites), stages, world.option_limit, risk_weight)
+                    .map_err(too_open)?;
             set.is_cut = found.is_cut;
             set.is_search_cut = found.is_search_cut;
             set.tabulate(found.options.iter().flatten().map(|crossing| crossing.opening));
@@ -135,10 +138,12 @@ impl OptionSet {
 
     /// Tabulates the paths between these openings, the start and the target.
     fn tabulate(&mut self, openings: impl Iterator<Item = usize>) {
-        let sides: BTreeSet<usize> = openings.flat_map(|o| [0, 1].map(|side| site(o, side))).collect();
-        let with = |end: usize| sides.iter().copied().chain([end]).collect::<Vec<_>>();
-        let from = with(START);
-        with(TARGET).into_iter().for_each(|to| self.stages.tabulate(&self.roadmap, &from, to));
+        let openings: BTreeSet<usize> = openings.collect();
+        let mut from: Vec<usize> = openings.iter().flat_map(|&opening| self.sites.of(opening)).collect();
+        from.push(START);
+        let crossings = openings.iter().flat_map(|&opening| [1, 0].map(|into| Crossing { opening, into }));
+        let to: Vec<Vec<usize>> = crossings.map(|crossing| self.sites.all_before(crossing)).collect();
+        to.iter().chain([&vec![TARGET]]).for_each(|to| self.stages.tabulate(&self.roadmap, &from, to));
     }
 
     /// The options, in file order or cheapest first. Never empty.
@@ -211,7 +216,7 @@ impl OptionSet {
 
     /// Moves the team in a straight step to `to` and records the openings that it crosses.
     pub fn advance(&self, progress: &mut Progress, to: Point) {
-        let exit = |crossing, next| self.stages.exit(&self.roadmap, beyond(crossing), next);
+        let exit = |crossing, rest: &Rest, option: &PathOption| self.after_gap(crossing, rest, option).exit;
         progress.advance(to, &self.passages, &self.options, |c| self.region_after(c), exit);
     }
 
@@ -223,13 +228,14 @@ impl OptionSet {
     pub fn remaining(&self, progress: &Progress, option: usize) -> Remaining {
         let (next, rest, risk) =
             (self.next(progress, option), progress.rest(option), self.risk(progress, option));
+        let way = &self.options[option];
         let length = match progress.inside.zip(self.exit(progress, option)) {
-            None => self.length_from(progress.position, rest, option),
+            None => self.from_point(self.off_gaps(progress.position), rest, way).length,
             Some((crossing, Exit::Axis(end))) => {
-                (end - progress.position).norm() + self.length_beyond(crossing, rest, option)
+                (end - progress.position).norm() + self.after_gap(crossing, rest, way).length
             }
             Some((_, Exit::Beside(end))) => {
-                (end - progress.position).norm() + self.length_from(end, rest, option)
+                (end - progress.position).norm() + self.from_point(end, rest, way).length
             }
         };
         Remaining { length, risk, next }
@@ -263,20 +269,32 @@ impl OptionSet {
     /// Returns false, with the path cut short, where there is no path.
     pub fn write_path(&self, progress: &Progress, option: usize, path: &mut Path) -> bool {
         path.clear();
+        let (rest, way) = (progress.rest(option), &self.options[option]);
         let mut at = progress.position;
-        if let Some(Exit::Axis(end) | Exit::Beside(end)) = self.exit(progress, option) {
-            path.line(at, end);
-            at = end;
-        }
-        let rest = progress.rest(option);
-        let mut crossings = rest.ahead(&self.options[option]).peekable();
-        while let Some(crossing) = crossings.next() {
-            let Some(joined) = self.roadmap.extend(path, at, before(crossing)) else { return false };
-            let passage = &self.passages[crossing.opening];
-            let exit = self.stages.exit(&self.roadmap, beyond(crossing), crossings.peek().copied());
-            at = passage.at(crossing.into, exit);
-            path.line(joined, passage.center);
-            path.line(passage.center, at);
+        let mut lane = match progress.inside.zip(self.exit(progress, option)) {
+            None => {
+                at = self.off_gaps(at);
+                self.from_point(at, rest, way).lane
+            }
+            Some((crossing, exit)) => {
+                let (Exit::Axis(end) | Exit::Beside(end)) = exit;
+                path.line(at, end);
+                at = end;
+                match exit {
+                    Exit::Axis(_) => self.after_gap(crossing, rest, way).lane,
+                    Exit::Beside(_) => self.from_point(end, rest, way).lane,
+                }
+            }
+        };
+        for (i, crossing) in rest.ahead(way).enumerate() {
+            let site = self.sites.before(crossing, lane);
+            let Some(joined) = self.roadmap.extend(path, at, site) else { return false };
+            let (passage, after) = (&self.passages[crossing.opening], self.afters(rest, way, i)[lane]);
+            let middle = passage.middle(lane);
+            at = passage.at(lane, crossing.into, after.exit);
+            path.line(joined, middle);
+            path.line(middle, at);
+            lane = after.lane;
         }
         self.roadmap.extend(path, at, TARGET).is_some()
     }
@@ -288,38 +306,46 @@ impl OptionSet {
         if rest.has_left {
             return None;
         }
-        let next = rest.ahead(&self.options[option]).next();
-        let reach = self.stages.exit(&self.roadmap, beyond(crossing), next);
+        let reach = self.after_gap(crossing, rest, &self.options[option]).exit;
         self.passages[crossing.opening].exit(progress.position, crossing.into, reach)
     }
 
-    /// Length of the path to the target from a point that is in no straight part beyond a gap.
-    fn length_from(&self, p: Point, rest: &Rest, option: usize) -> f64 {
-        match rest.ahead(&self.options[option]).next() {
-            None => self.roadmap.leg(p, TARGET).length,
-            Some(next) => {
-                let (leg, after) = (self.roadmap.leg(p, before(next)), self.after(rest, option));
-                leg.length + (leg.depth + after.exit) + after.length
-            }
-        }
+    /// `p` off the lines of all gaps.
+    fn off_gaps(&self, p: Point) -> Point {
+        self.passages.iter().fold(p, |p, passage| passage.off_gap(p))
     }
 
-    /// Length of the path to the target from where it leaves the straight part beyond `crossing`.
-    fn length_beyond(&self, crossing: Crossing, rest: &Rest, option: usize) -> f64 {
-        let next = rest.ahead(&self.options[option]).next();
-        let after = next.map(|_| self.after(rest, option));
-        self.stages.after(&self.roadmap, beyond(crossing), next.zip(after)).length
+    /// The remainder of an option from a point that is in no straight part beyond a gap; the whole length is
+    /// [`After::length`].
+    fn from_point(&self, p: Point, rest: &Rest, way: &PathOption) -> After {
+        let Some(next) = rest.ahead(way).next() else {
+            return After { exit: 0.0, length: self.roadmap.leg(p, TARGET).length, lane: 0 };
+        };
+        let afters = self.afters(rest, way, 0);
+        let through = |lane: usize| {
+            let (leg, after) = (self.roadmap.leg(p, self.sites.before(next, lane)), afters[lane]);
+            After { exit: 0.0, length: leg.length + (leg.depth + after.exit) + after.length, lane }
+        };
+        let lanes = (0..self.sites.lanes(next.opening)).map(through);
+        lanes.min_by(|a, b| a.length.total_cmp(&b.length)).unwrap_or(After::NONE)
     }
 
-    /// The remainder from the gap of the first crossing ahead, which must exist.
-    fn after(&self, rest: &Rest, option: usize) -> After {
-        let option = &self.options[option];
-        let place = rest.place;
-        let mut next = option.crossings.get(place).copied().zip(option.after.get(place).copied());
-        for &crossing in &rest.back {
-            next = Some((crossing, self.stages.after(&self.roadmap, beyond(crossing), next)));
+    /// The remainder of an option from the gap of a straight part that the team is in. Such gaps have one lane.
+    fn after_gap(&self, crossing: Crossing, rest: &Rest, way: &PathOption) -> After {
+        let next = rest.ahead(way).next().map(|next| (next, self.afters(rest, way, 0)));
+        self.stages.after(&self.roadmap, &self.sites, self.sites.beyond(crossing, 0), next)
+    }
+
+    /// The remainders from the gap of the crossing with this index among those ahead, which must exist.
+    fn afters(&self, rest: &Rest, way: &PathOption, index: usize) -> Afters {
+        let Some(back) = rest.back.len().checked_sub(index) else {
+            return way.after[rest.place + index - rest.back.len()];
+        };
+        let mut next = way.crossings.get(rest.place).copied().zip(way.after.get(rest.place).copied());
+        for &crossing in &rest.back[..back] {
+            next = Some((crossing, self.stages.afters(&self.roadmap, &self.sites, crossing, next)));
         }
-        next.map_or(After { exit: 0.0, length: 0.0 }, |(_, after)| after)
+        next.map_or([After::NONE; MAX_LANES], |(_, afters)| afters)
     }
 
     /// S_o over the openings that are not behind the team.
@@ -339,18 +365,18 @@ impl OptionSet {
     }
 
     fn region_after(&self, crossing: Crossing) -> usize {
-        self.roadmap.component(beyond(crossing))
+        self.roadmap.component(self.sites.beyond(crossing, 0))
     }
 
     fn option(&self, name: String, crossings: Vec<Crossing>) -> PathOption {
         let start = self.roadmap.component(START);
         let regions = [start].into_iter().chain(crossings.iter().map(|&c| self.region_after(c))).collect();
         let n = crossings.len();
-        let mut after = vec![After { exit: 0.0, length: 0.0 }; n];
+        let mut after = vec![[After::NONE; MAX_LANES]; n];
         let mut risk_left = vec![0.0; n + 1];
         for i in (0..n).rev() {
             let next = crossings.get(i + 1).map(|&next| (next, after[i + 1]));
-            after[i] = self.stages.after(&self.roadmap, beyond(crossings[i]), next);
+            after[i] = self.stages.afters(&self.roadmap, &self.sites, crossings[i], next);
             risk_left[i] = self.risk_with(risk_left[i + 1], crossings[i]);
         }
         PathOption { name, crossings, regions, after, risk_left }
@@ -361,7 +387,8 @@ impl OptionSet {
     fn directed(&self, world: &World, listed: &ListedOption) -> Result<Vec<Crossing>, OptionError> {
         // for either direction of the last crossing: length so far and the crossings that lead there
         let mut ways: Vec<(f64, Vec<Crossing>)> = vec![(0.0, Vec::new())];
-        let leave = |way: &[Crossing]| way.last().map_or(START, |&c| beyond(c));
+        // the direction does not depend on the lane
+        let leave = |way: &[Crossing]| way.last().map_or(START, |&c| self.sites.beyond(c, 0));
         let not_walkable = |i: usize, to: String| OptionError::NotWalkable {
             file: world.file.clone(),
             line: listed.line,
@@ -383,7 +410,8 @@ impl OptionSet {
                     ways.clone()
                         .into_iter()
                         .map(|(length, mut way)| {
-                            let stage = self.stages.between(&self.roadmap, leave(&way), before(crossing));
+                            let before = self.sites.before(crossing, 0);
+                            let stage = self.stages.between(&self.roadmap, leave(&way), before);
                             way.push(crossing);
                             (length + stage.length(), way)
                         })
@@ -417,6 +445,12 @@ fn space(world: &World, openings: &[Opening]) -> (Space, Vec<[Point; 2]>) {
     (space, closed.iter().map(|gap| gap.ends).collect())
 }
 
+/// The straight parts of all sites.
+fn straights(ends: [Point; 2], passages: &[Passage]) -> Vec<Straight> {
+    let of_passages = passages.iter().enumerate().flat_map(|(i, passage)| passage.straights(i));
+    ends.map(Straight::from).into_iter().chain(of_passages).collect()
+}
+
 fn passages(world: &World, space: &Space) -> Vec<Passage> {
     let bounds = |o: &Opening| Bounds { min: o.ends[0].inf(&o.ends[1]), max: o.ends[0].sup(&o.ends[1]) };
     let nearby = Nearby::new(world.openings.iter().map(bounds));
@@ -425,13 +459,13 @@ fn passages(world: &World, space: &Space) -> Vec<Passage> {
         .iter()
         .enumerate()
         .map(|(i, opening)| {
-            let alignments = alignment::alignments(opening, space);
+            let alignment = Alignment::new(opening, space, world.openings.len());
             // half of the distance to another opening is left for the straight part
-            let farthest = 3.0 * ALIGNMENT_M.max(alignments[0]).max(alignments[1]);
+            let farthest = 3.0 * alignment.straight.into_iter().fold(ALIGNMENT_M, f64::max);
             let near = Bounds { min: opening.center(), max: opening.center() }.grown(farthest);
             let others = nearby.meeting(near).into_iter().filter(|j| *j != i);
             let others: Vec<[Point; 2]> = others.map(|j| world.openings[j].ends).collect();
-            Passage::new(opening, &others, space, world.robot_width, alignments)
+            Passage::new(opening, &others, space, world.robot_width, alignment)
         })
         .collect()
 }

@@ -1,10 +1,13 @@
-//! An opening as the team crosses it: straight through its middle.
+//! An opening as the team crosses it: straight through its middle, or between pillars in one of three lanes.
 
+use super::alignment::Alignment;
 use super::roadmap::{Space, Straight};
-use crate::geometry::{Point, Vector, cross};
+use super::sites::MAX_LANES;
+use crate::geometry::{Point, Vector, cross, left_of};
 use crate::world::Opening;
 
-/// An opening as the team crosses it: straight through its middle, perpendicular to the gap.
+/// An opening as the team crosses it: straight through its middle, perpendicular to the gap, or between
+/// pillars.
 #[derive(Clone, Debug)]
 pub(super) struct Passage {
     pub center: Point,
@@ -16,6 +19,8 @@ pub(super) struct Passage {
     pub risk: f64,
     /// Half the width of the gap, m. A step that meets the gap's line within it crosses the opening.
     half_width: f64,
+    /// The distance (m) of the lanes beside the middle from it; `None` where paths go through the middle alone.
+    beside: Option<f64>,
 }
 
 /// A passage crossed in one direction.
@@ -34,6 +39,13 @@ impl Crossing {
     }
 }
 
+/// The distance (m) between a path through a lane that is not straight and the gap's line, where it arrives and
+/// leaves: more than the tolerance within which lines meet the gap.
+const OFF_GAP_M: f64 = 1e-7;
+/// What lanes beside the middle keep from a pillar beyond the clearance, m.
+const FROM_PILLAR_M: f64 = 1e-6;
+/// Where lanes would be this near (m) to each other, there is one.
+const NARROWEST_LANES_M: f64 = 0.01;
 /// The length (m) by which the straight part beyond the gap shortens for every metre that the team is off the
 /// axis. The part thus narrows to a point, where the path through it and the path past it coincide.
 const NARROWING: f64 = 2.0;
@@ -49,37 +61,62 @@ pub(super) enum Exit {
 }
 
 impl Passage {
-    /// The passage through `opening`, straight for up to `alignments` (m) on its sides 0 and 1, or less if an
-    /// obstacle or another opening is closer.
+    /// The passage through `opening`, straight as `alignment` says or less if an obstacle or another opening is
+    /// closer. Between pillars paths go through it in any direction and in one of three lanes, in the middle or
+    /// as near to either pillar as the team may.
     pub fn new(
         opening: &Opening,
         others: &[[Point; 2]],
         space: &Space,
         robot_width: f64,
-        alignments: [f64; 2],
+        alignment: Alignment,
     ) -> Self {
         let (center, axis) = (opening.center(), opening.axis());
-        let reach = [(-axis, alignments[0]), (axis, alignments[1])].map(|(outward, alignment)| {
-            let free = others
-                .iter()
-                .filter_map(|gap| meets(center, outward, *gap))
-                // two openings that face each other share the distance between them
-                .map(|distance| distance / 2.0)
-                .fold(alignment, f64::min);
-            longest_clear(center, outward, free, space)
-        });
-        Self { center, axis, reach, risk: opening.risk(robot_width), half_width: opening.width / 2.0 }
+        let (risk, half_width) = (opening.risk(robot_width), opening.width / 2.0);
+        let beside = alignment.off_middle * (half_width - robot_width / 2.0 - FROM_PILLAR_M);
+        let beside = (beside > NARROWEST_LANES_M).then_some(beside);
+        let reach =
+            [(-axis, alignment.straight[0]), (axis, alignment.straight[1])].map(|(outward, straight)| {
+                let free = others
+                    .iter()
+                    .filter_map(|gap| meets(center, outward, *gap))
+                    // two openings that face each other share the distance between them
+                    .map(|distance| distance / 2.0)
+                    .fold(straight, f64::min);
+                longest_clear(center, outward, free, space).max(OFF_GAP_M)
+            });
+        Self { center, axis, reach, risk, half_width, beside }
     }
 
-    /// The straight part on one side of this passage; `opening` is the index of its opening.
-    pub fn straight(&self, opening: usize, side: usize) -> Straight {
-        let (center, outward, reach) = (self.center, self.outward(side), self.reach[side]);
-        Straight { center, outward, reach, barrier: Some(opening) }
+    /// The number of lanes: the first is in the middle.
+    pub fn lanes(&self) -> usize {
+        if self.beside.is_some() { MAX_LANES } else { 1 }
     }
 
-    /// The point of the axis at a distance (m) from the gap on one side.
-    pub fn at(&self, side: usize, depth: f64) -> Point {
-        self.center + self.outward(side) * depth
+    /// The place of a lane in the gap.
+    pub fn middle(&self, lane: usize) -> Point {
+        match (self.beside, lane) {
+            (Some(beside), 1) => self.center + left_of(self.axis) * beside,
+            (Some(beside), 2) => self.center - left_of(self.axis) * beside,
+            _ => self.center,
+        }
+    }
+
+    /// The straight parts of all lanes, in the order of their sites; `opening` is the index of its opening.
+    pub fn straights(&self, opening: usize) -> impl Iterator<Item = Straight> + '_ {
+        (0..self.lanes()).flat_map(move |lane| {
+            [0, 1].map(|side| Straight {
+                center: self.middle(lane),
+                outward: self.outward(side),
+                reach: self.reach[side],
+                barrier: Some(opening),
+            })
+        })
+    }
+
+    /// The point of a lane's axis at a distance (m) from the gap on one side.
+    pub fn at(&self, lane: usize, side: usize, depth: f64) -> Point {
+        self.middle(lane) + self.outward(side) * depth
     }
 
     /// Distance (m) of `p` from the gap's line, positive on the given side.
@@ -100,7 +137,7 @@ impl Passage {
             return None;
         }
         if self.off_axis(p) <= ON_AXIS_M {
-            return Some(Exit::Axis(self.at(side, reach)));
+            return Some(Exit::Axis(self.at(0, side, reach)));
         }
         Some(Exit::Beside(p + self.outward(side) * left))
     }
@@ -110,6 +147,16 @@ impl Passage {
     fn left(&self, p: Point, side: usize, reach: f64) -> f64 {
         let left = reach - NARROWING * self.off_axis(p) - self.depth(p, side);
         if left > 2.0 * NARROWING * ON_AXIS_M { left } else { 0.0 }
+    }
+
+    /// `p`, or the point [`OFF_GAP_M`] off the gap's line beside it, if `p` is nearer to it: no path leads from the
+    /// line itself. Points on it are on side 1, as for [`Passage::crossed`].
+    pub fn off_gap(&self, p: Point) -> Point {
+        let depth = self.depth(p, 1);
+        if depth.abs() >= OFF_GAP_M || self.off_axis(p) > self.half_width {
+            return p;
+        }
+        p + self.axis * (if depth < 0.0 { -OFF_GAP_M } else { OFF_GAP_M } - depth)
     }
 
     /// The fraction (0 to 1) of the step from `a` to `b` at which it crosses the gap, and the side that it

@@ -110,7 +110,7 @@ impl Progress {
         passages: &[Passage],
         options: &[PathOption],
         region_after: impl Fn(Crossing) -> usize,
-        exit: impl Fn(Crossing, Option<Crossing>) -> f64,
+        exit: impl Fn(Crossing, &Rest, &PathOption) -> f64,
     ) {
         let from = std::mem::replace(&mut self.position, to);
         for crossing in crossings(passages, from, to) {
@@ -125,7 +125,7 @@ impl Progress {
             return self.leave();
         }
         for (rest, option) in self.rests_outside.iter_mut().zip(options) {
-            let reach = exit(inside, rest.ahead(option).next());
+            let reach = exit(inside, rest, option);
             rest.has_left |= passage.exit(to, inside.into, reach).is_none();
         }
     }

@@ -5,9 +5,9 @@
 //! ([`MOST_BACKWARD`]), and joins the second likewise.
 
 use super::passage::Crossing;
-use super::path_option::After;
+use super::path_option::{After, Afters};
 use super::roadmap::{MOST_BACKWARD, Roadmap};
-use super::sites::{START, TARGET, before};
+use super::sites::{MAX_LANES, START, Sites, TARGET};
 
 /// Number of bisections in the search for where a path may leave a straight part.
 const HALVINGS: u32 = 48;
@@ -44,14 +44,29 @@ pub(super) struct Stages {
 }
 
 impl Stages {
-    /// Adds the paths from each of `from` to `to` to the table.
-    pub fn tabulate(&mut self, roadmap: &Roadmap, from: &[usize], to: usize) {
+    /// Adds the paths from each of `from` to all sites of `to` to the table: the lanes of one crossing. They leave
+    /// a straight part at the same point, so that a team that has left it for one lane has left it for all.
+    pub fn tabulate(&mut self, roadmap: &Roadmap, from: &[usize], to: &[usize]) {
         for &from in from {
             if self.rows.len() <= from {
                 self.rows.resize(from + 1, Vec::new());
             }
-            if let Err(place) = self.rows[from].binary_search_by_key(&to, |(to, _)| *to) {
-                self.rows[from].insert(place, (to, stage(roadmap, from, to)));
+            let row = &mut self.rows[from];
+            let is_known = |to: &usize| row.binary_search_by_key(to, |(to, _)| *to).is_ok();
+            if to.iter().all(is_known) {
+                continue;
+            }
+            let stages: Vec<Stage> = to.iter().map(|&to| stage(roadmap, from, to)).collect();
+            let exits = stages.iter().filter(|stage| stage.between.is_finite()).map(|stage| stage.exit);
+            let common = exits.fold(f64::INFINITY, f64::min);
+            for (&to, mut stage) in to.iter().zip(stages) {
+                if stage.between.is_finite() && stage.exit > common {
+                    let leg = roadmap.leg(roadmap.straight(from).at(common), to);
+                    stage = Stage { exit: common, between: leg.length, entry: leg.depth };
+                }
+                if let Err(place) = row.binary_search_by_key(&to, |(to, _)| *to) {
+                    row.insert(place, (to, stage));
+                }
             }
         }
     }
@@ -65,25 +80,43 @@ impl Stages {
         }
     }
 
-    /// The distance (m) beyond a gap at which the path to the next crossing, or to the target, leaves the
-    /// axis.
-    pub fn exit(&self, roadmap: &Roadmap, from: usize, next: Option<Crossing>) -> f64 {
-        self.between(roadmap, from, next.map_or(TARGET, before)).exit
+    /// The remainder of an option from the gap at `from` on. `next` is the next crossing with the remainders
+    /// from its gap on; `None` if the target comes next. Of the next gap's lanes it takes the shortest way.
+    pub fn after(
+        &self,
+        roadmap: &Roadmap,
+        sites: &Sites,
+        from: usize,
+        next: Option<(Crossing, Afters)>,
+    ) -> After {
+        let Some((crossing, afters)) = next else {
+            let stage = self.between(roadmap, from, TARGET);
+            return After { exit: stage.exit, length: stage.between, lane: 0 };
+        };
+        let through = |lane: usize| {
+            let stage = self.between(roadmap, from, sites.before(crossing, lane));
+            let after = afters[lane];
+            let length = stage.between + (stage.entry + after.exit) + after.length;
+            After { exit: stage.exit, length, lane }
+        };
+        let total = |after: &After| after.exit + after.length;
+        let lanes = (0..sites.lanes(crossing.opening)).map(through);
+        lanes.min_by(|a, b| total(a).total_cmp(&total(b))).unwrap_or(After::NONE)
     }
 
-    /// The remainder of an option from the gap at `from` on. `next` is the next crossing with the remainder
-    /// from its gap on; `None` if the target comes next.
-    pub fn after(&self, roadmap: &Roadmap, from: usize, next: Option<(Crossing, After)>) -> After {
-        match next {
-            None => {
-                let stage = self.between(roadmap, from, TARGET);
-                After { exit: stage.exit, length: stage.between }
-            }
-            Some((crossing, after)) => {
-                let stage = self.between(roadmap, from, before(crossing));
-                After { exit: stage.exit, length: stage.between + (stage.entry + after.exit) + after.length }
-            }
+    /// [`Stages::after`] from every lane of a crossing.
+    pub fn afters(
+        &self,
+        roadmap: &Roadmap,
+        sites: &Sites,
+        crossing: Crossing,
+        next: Option<(Crossing, Afters)>,
+    ) -> Afters {
+        let mut afters = [After::NONE; MAX_LANES];
+        for (lane, after) in afters.iter_mut().enumerate().take(sites.lanes(crossing.opening)) {
+            *after = self.after(roadmap, sites, sites.beyond(crossing, lane), next);
         }
+        afters
     }
 }
 

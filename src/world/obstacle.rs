@@ -175,6 +175,10 @@ impl Part {
         Some(Self { footprint: solid.footprint(), height, solid, shape })
     }
 
+    pub(super) fn is_box(&self) -> bool {
+        matches!(self.solid, Solid::Box { .. })
+    }
+
     /// The solid as a parry shape with its pose, `world_from_solid`. Its base is at z = 0.
     pub fn solid(&self) -> (Pose, &dyn Shape) {
         let middle = self.middle();

@@ -4,8 +4,9 @@
 //! nearest to its middle. The number of obstacles in a wall therefore does not matter. Where several touch or
 //! overlap, only their common outline counts.
 
-use super::obstacle::Obstacle;
+use super::obstacle::{Obstacle, Part};
 use crate::geometry::{Bounds, Footprint, Nearby, Point, Solid, Vector, left_of};
+use parry3d::query::{ClosestPoints, closest_points};
 use std::collections::BTreeSet;
 
 /// The width in robot widths above which an opening is free passage, unless the world gives another (Sec.
@@ -91,6 +92,8 @@ pub(super) struct Gaps<'a> {
 /// A convex outline that may be a side of a gap.
 struct Side<'a> {
     footprint: &'a Footprint,
+    /// The box that it is; `None` where it is something else, or a part of several obstacles that touch.
+    rectangle: Option<&'a Part>,
     /// The obstacles to which it belongs.
     obstacles: &'a [usize],
 }
@@ -105,18 +108,25 @@ impl<'a> Gaps<'a> {
     /// The gaps between solids, each of which consists of some of the obstacles.
     pub fn between(obstacles: &'a [Obstacle], solids: &'a [Solid], members: &'a [Vec<usize>]) -> Self {
         let sides = solids.iter().zip(members).flat_map(|(solid, members)| {
-            solid.parts.iter().map(move |footprint| Side { footprint, obstacles: members })
+            solid.parts.iter().enumerate().map(move |(i, footprint)| {
+                let part = if let [alone] = members[..] { obstacles[alone].parts.get(i) } else { None };
+                Side { footprint, rectangle: part.filter(|part| part.is_box()), obstacles: members }
+            })
         });
         Self::new(obstacles, sides.collect())
     }
 
     /// The unnamed gap between two convex outlines; `None` where they touch.
     ///
-    /// The width and the direction come from the closest points of the outlines, which are exact up to
-    /// rounding (`tests/suite` compares them with parry's of the solids).
+    /// The width and the direction come from the closest points of the outlines; of two boxes from parry's of
+    /// the solids, which stand on the floor, so that these points are at the same height. (parry's are off by up
+    /// to 2e-4 m along the outline of a cylinder.)
     fn measure(&self, between: [usize; 2]) -> Option<Opening> {
         let [first, second] = between.map(|i| &self.sides[i]);
-        let [p1, p2] = first.footprint.closest_points(second.footprint);
+        let [p1, p2] = match (first.rectangle, second.rectangle) {
+            (Some(first), Some(second)) => closest([first, second])?,
+            _ => first.footprint.closest_points(second.footprint),
+        };
         let width = (p2 - p1).norm();
         if width < TOUCHING_M {
             return None;
@@ -195,7 +205,11 @@ impl<'a> Gaps<'a> {
     pub fn of(obstacles: &'a [Obstacle], numbers: &'a [usize]) -> Self {
         let sides = obstacles.iter().zip(numbers).flat_map(|(obstacle, number)| {
             let obstacles = std::slice::from_ref(number);
-            obstacle.footprints().map(move |footprint| Side { footprint, obstacles })
+            obstacle.parts.iter().map(move |part| Side {
+                footprint: &part.footprint,
+                rectangle: Some(part).filter(|part| part.is_box()),
+                obstacles,
+            })
         });
         Self::new(obstacles, sides.collect())
     }
@@ -266,6 +280,15 @@ pub(super) fn same_gaps(gaps: &[Opening]) -> Vec<Vec<usize>> {
         near.into_iter().filter(|&j| j < i && gaps[j].is_same(gap)).collect()
     };
     gaps.iter().enumerate().map(same).collect()
+}
+
+/// The closest points of two solids, on the floor; `None` where they meet.
+fn closest(parts: [&Part; 2]) -> Option<[Point; 2]> {
+    let [(pose1, shape1), (pose2, shape2)] = parts.map(Part::solid);
+    match closest_points(&pose1, shape1, &pose2, shape2, f64::MAX).ok()? {
+        ClosestPoints::WithinMargin(p1, p2) => Some([p1, p2].map(|p| Point::new(p.x, p.y))),
+        _ => None,
+    }
 }
 
 /// The direction of a gap of this `width` (m) from the first to the second of two outlines, measured as

@@ -48,7 +48,8 @@ fn pillars(rng: &mut ChaCha8Rng) -> String {
                 rng.random_range(-90.0..90.0)
             ),
         };
-        text += &format!("[[obstacle]]\nname = \"p{i}\"\n{shape}\ncenter_m = [{x:.3}, {y:.3}]\nheight_m = 1\n");
+        text +=
+            &format!("[[obstacle]]\nname = \"p{i}\"\n{shape}\ncenter_m = [{x:.3}, {y:.3}]\nheight_m = 1\n");
     }
     text
 }
@@ -85,23 +86,23 @@ fn slow_shortest(world: &World, route: &[(usize, usize)]) -> f64 {
             };
             for (center, radius) in discs {
                 let outer = radius / math::cos(std::f64::consts::PI / SIDES as f64);
-                points.extend(
-                    (0..SIDES)
-                        .map(|s| center + direction(std::f64::consts::TAU * s as f64 / SIDES as f64) * outer),
-                );
+                points
+                    .extend((0..SIDES).map(|s| {
+                        center + direction(std::f64::consts::TAU * s as f64 / SIDES as f64) * outer
+                    }));
             }
         }
     }
-    let is_clear = |a: Point, b: Point| {
-        world.obstacles.iter().all(|o| o.distance_to_segment(a, b) >= CLEARANCE - 1e-9)
-    };
+    let is_clear =
+        |a: Point, b: Point| world.obstacles.iter().all(|o| o.distance_to_segment(a, b) >= CLEARANCE - 1e-9);
     points.retain(|&p| is_clear(p, p));
     let layers = route.len() + 1;
     let mut left = vec![f64::INFINITY; points.len() * layers];
     let mut done = vec![false; left.len()];
     left[0] = 0.0;
-    while let Some(state) =
-        (0..left.len()).filter(|&s| !done[s] && left[s].is_finite()).min_by(|&a, &b| left[a].total_cmp(&left[b]))
+    while let Some(state) = (0..left.len())
+        .filter(|&s| !done[s] && left[s].is_finite())
+        .min_by(|&a, &b| left[a].total_cmp(&left[b]))
     {
         done[state] = true;
         let (i, made) = (state / layers, state % layers);
@@ -163,7 +164,7 @@ fn property_between_pillars_options_are_hardly_longer_than_the_shortest_paths() 
     let above = excess.iter().filter(|excess| **excess > 0.05).count();
     let largest = excess[excess.len() - 1];
     println!("{above} of {} above 5 %, at most {:.1} %", excess.len(), 100.0 * largest);
-    assert!(above == 0, "{above} of {} options, up to {:.1} %", excess.len(), 100.0 * largest);
+    assert!(largest < 0.05, "{above} of {} options, up to {:.1} %", excess.len(), 100.0 * largest);
 }
 
 /// A room of the paper's kind: boxes, cylinders and polygons as (name, shape), which can be moved as a whole.
@@ -184,7 +185,8 @@ struct Room {
 impl Room {
     fn random(rng: &mut ChaCha8Rng) -> Self {
         let (length, height) = (rng.random_range(9.0..14.0), rng.random_range(7.0..11.0));
-        let side = |name: &str, center: [f64; 2], size: [f64; 2]| (name.to_owned(), Shape::Box(center, size, 0.0));
+        let side =
+            |name: &str, center: [f64; 2], size: [f64; 2]| (name.to_owned(), Shape::Box(center, size, 0.0));
         let mut obstacles = vec![
             side("S", [length / 2.0, -0.1], [length + 4.0, 0.2]),
             side("N", [length / 2.0, height + 0.1], [length + 4.0, 0.2]),
@@ -204,7 +206,8 @@ impl Room {
                     let (corners, radius) = (rng.random_range(3..8), rng.random_range(0.4..1.0));
                     let turn = rng.random_range(0.0..1.0);
                     let corner = |k: usize| {
-                        let at = direction(std::f64::consts::TAU * (k as f64 + turn) / corners as f64) * radius;
+                        let at =
+                            direction(std::f64::consts::TAU * (k as f64 + turn) / corners as f64) * radius;
                         [center[0] + at.x, center[1] + at.y]
                     };
                     Shape::Polygon((0..corners).map(corner).collect())
@@ -239,7 +242,8 @@ impl Room {
     fn redrawn(&self, boxes: bool) -> Self {
         let shape = |shape: &Shape| match shape {
             Shape::Box([x, y], [length, width], yaw) if boxes => {
-                let (along, across) = (direction(yaw.to_radians()), direction(yaw.to_radians() + 0.5 * std::f64::consts::PI));
+                let (along, across) =
+                    (direction(yaw.to_radians()), direction(yaw.to_radians() + 0.5 * std::f64::consts::PI));
                 let corner = |(u, v): (f64, f64)| {
                     let at = Vector::new(*x, *y) + along * (u * length / 2.0) + across * (v * width / 2.0);
                     [at.x, at.y]
@@ -313,7 +317,8 @@ fn property_options_do_not_depend_on_where_a_room_is_nor_on_how_it_is_written() 
             ("polygons clockwise", room.redrawn(false)),
         ];
         for (variant, room) in variants {
-            let found = offered(&room.text()).unwrap_or_else(|| panic!("{variant}: refused\n{}", room.text()));
+            let found =
+                offered(&room.text()).unwrap_or_else(|| panic!("{variant}: refused\n{}", room.text()));
             let ways = |options: &[(Vec<[String; 2]>, f64, f64)]| {
                 options.iter().map(|o| o.0.clone()).collect::<Vec<_>>()
             };
@@ -321,7 +326,11 @@ fn property_options_do_not_depend_on_where_a_room_is_nor_on_how_it_is_written() 
             for ((_, length, risk), (_, expected_length, expected_risk)) in found.iter().zip(&expected) {
                 let off = f64::max((length - expected_length).abs(), (risk - expected_risk).abs());
                 worst = f64::max(worst, off);
-                assert!(off < 1e-9, "{variant}: {length} m not {expected_length} m, {risk} not {expected_risk}\n{}", room.text());
+                assert!(
+                    off < 1e-9,
+                    "{variant}: {length} m not {expected_length} m, {risk} not {expected_risk}\n{}",
+                    room.text()
+                );
                 compared += 1;
             }
         }
@@ -421,7 +430,8 @@ fn the_width_of_free_passage_is_a_key_of_the_world() {
 #[test]
 fn no_refusal_names_a_gap_of_no_width() {
     // the doorway closed by a box that leaves a crack
-    let crack = |width: f64| two_rooms([1.0, 2.5], [9.0, 2.5], "") + &wall("door", [4.9, 2.0, 5.1, 3.0 - width]);
+    let crack =
+        |width: f64| two_rooms([1.0, 2.5], [9.0, 2.5], "") + &wall("door", [4.9, 2.0, 5.1, 3.0 - width]);
     let refused = |width: f64| {
         let world = World::parse("w", &crack(width)).unwrap();
         let error = OptionSet::new(&world, 10.0).map(|set| set.options().len()).unwrap_err();

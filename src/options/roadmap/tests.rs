@@ -5,7 +5,7 @@ use super::*;
 use crate::geometry::Path;
 use crate::geometry::{Footprint, Solid, Vector, direction};
 use crate::math;
-use crate::options::passages;
+use crate::options::{passages, straights};
 use crate::world::World;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -187,12 +187,7 @@ fn oracle_no_line_is_missed_behind_what_hides_the_rest_of_a_view() {
             closed.len()
         );
         let space = || Space::new(&world.solids, barriers.clone(), CLEARANCE);
-        let sites: Vec<Straight> = passages(&world, &space())
-            .iter()
-            .enumerate()
-            .flat_map(|(i, passage)| [0, 1].map(|side| passage.straight(i, side)))
-            .chain([Straight::from(world.start), Straight::from(world.target)])
-            .collect();
+        let sites = straights([world.start, world.target], &passages(&world, &space()));
         let [fast, all] = [&closed[..], &[]].map(|closed| Roadmap::new(space(), &sites, closed).unwrap());
         assert_eq!(fast.graph.edge_count(), all.graph.edge_count(), "a line is missing");
         let discs = &all.space.discs;

@@ -82,7 +82,8 @@ impl Roadmap {
     ) -> Vec<Crossing> {
         let Way::Arc { disc, from_angle, sweep, .. } = *way else { return crossings(from, to) };
         let chords = (sweep.abs() / CHORD_RAD).ceil().max(1.0) as usize;
-        let inner = (1..chords).map(|i| self.space.discs[disc].at(from_angle + sweep * i as f64 / chords as f64));
+        let inner =
+            (1..chords).map(|i| self.space.discs[disc].at(from_angle + sweep * i as f64 / chords as f64));
         let mut at = from;
         let mut made = Vec::new();
         for next in inner.chain([to]) {
