@@ -179,10 +179,7 @@ mod tests {
                 let largest =
                     |i: usize| ways.windows(2).map(|w| (w[1][i] - w[0][i]).abs()).fold(0.0, f64::max);
                 let steepest = [largest(0), largest(1)];
-                assert!(
-                    steepest.iter().all(|by| *by < 0.1),
-                    "from {depth}, {breadth} m by {by:?}: {ways:?}"
-                );
+                assert!(steepest.iter().all(|by| *by < 0.1), "from {depth}, {breadth} m by {by:?}: {ways:?}");
             }
         }
     }

@@ -142,7 +142,7 @@ fn paper_no_locked_cycles_in_random_worlds() {
     let findings = search(1000, 0);
     assert_eq!(findings.lost, []);
     assert!(findings.with_choice > 500, "{} worlds had a choice", findings.with_choice);
-    assert!(findings.with_changes > 20 && findings.most_changes <= 6, "{}", findings.most_changes);
+    assert!(findings.with_changes > 20 && findings.most_changes <= 8, "{}", findings.most_changes);
 }
 
 /// Worlds in which a team once turned round in every step for ever: the gap behind it counted for one option
