@@ -230,12 +230,12 @@ impl OptionSet {
             (self.next(progress, option), progress.rest(option), self.risk(progress, option));
         let way = &self.options[option];
         let length = match progress.inside.zip(self.exit(progress, option)) {
-            None => self.from_point(self.off_gaps(progress.position), rest, way).length,
+            None => self.beyond_point(self.off_gaps(progress.position), rest, way).length,
             Some((crossing, Exit::Axis(end))) => {
                 (end - progress.position).norm() + self.after_gap(crossing, rest, way).length
             }
             Some((_, Exit::Beside(end))) => {
-                (end - progress.position).norm() + self.from_point(end, rest, way).length
+                (end - progress.position).norm() + self.beyond_point(end, rest, way).length
             }
         };
         Remaining { length, risk, next }
@@ -274,7 +274,7 @@ impl OptionSet {
         let mut lane = match progress.inside.zip(self.exit(progress, option)) {
             None => {
                 at = self.off_gaps(at);
-                self.from_point(at, rest, way).lane
+                self.beyond_point(at, rest, way).lane
             }
             Some((crossing, exit)) => {
                 let (Exit::Axis(end) | Exit::Beside(end)) = exit;
@@ -282,7 +282,7 @@ impl OptionSet {
                 at = end;
                 match exit {
                     Exit::Axis(_) => self.after_gap(crossing, rest, way).lane,
-                    Exit::Beside(_) => self.from_point(end, rest, way).lane,
+                    Exit::Beside(_) => self.beyond_point(end, rest, way).lane,
                 }
             }
         };
@@ -317,7 +317,7 @@ impl OptionSet {
 
     /// The remainder of an option from a point that is in no straight part beyond a gap; the whole length is
     /// [`After::length`].
-    fn from_point(&self, p: Point, rest: &Rest, way: &PathOption) -> After {
+    fn beyond_point(&self, p: Point, rest: &Rest, way: &PathOption) -> After {
         let Some(next) = rest.ahead(way).next() else {
             return After { exit: 0.0, length: self.roadmap.leg(p, TARGET).length, lane: 0 };
         };
