@@ -14,6 +14,7 @@
 mod built_in;
 mod error;
 mod file;
+mod narrowest;
 mod object;
 mod obstacle;
 mod opening;
@@ -182,7 +183,7 @@ impl World {
         let free_passage = free_passage(source, entries.free_passage_robot_widths.as_ref())?;
         let mut openings = if openings_detected {
             let gaps = Gaps::between(&obstacles, &solids, &members);
-            numbered(gaps.detect(robot_width, free_passage * robot_width), start, target)
+            numbered(gaps.detect(robot_width, free_passage * robot_width), [start, target], robot_width)
         } else {
             declared_openings(source, &entries, &obstacles, robot_width)?
         };
@@ -370,9 +371,9 @@ fn declared_openings(
     Ok(openings)
 }
 
-/// These openings, named in the order in which they lie on the way from A to B, and from left to right where
-/// they lie side by side.
-fn numbered(mut openings: Vec<Opening>, start: Point, target: Point) -> Vec<Opening> {
+/// The openings among these gaps, named in the order in which they lie on the way from A to B, and from left to
+/// right where they lie side by side.
+fn numbered(mut openings: Vec<Opening>, [start, target]: [Point; 2], robot_width: f64) -> Vec<Opening> {
     let along = (target - start).try_normalize(0.0).unwrap_or(Vector::x());
     // up to rounding, so that a room that is moved or turned has the same order
     let micrometres = |length: f64| (length * 1e6).round() as i64;
@@ -380,6 +381,7 @@ fn numbered(mut openings: Vec<Opening>, start: Point, target: Point) -> Vec<Open
         let from_start = opening.center() - start;
         (micrometres(from_start.dot(&along)), micrometres(cross(from_start, along)))
     });
+    let mut openings = narrowest::narrowest(openings, robot_width);
     for (i, opening) in openings.iter_mut().enumerate() {
         opening.name = format!("xi{}", i + 1);
     }

@@ -43,6 +43,8 @@ pub struct Opening {
     pub width: f64,
     /// The width in robot widths above which it is free passage.
     pub free_passage: f64,
+    /// The share (0 to 1) of its risk that counts; less than 1 near a narrower gap of the same passage.
+    pub share: f64,
 }
 
 impl Opening {
@@ -75,9 +77,15 @@ impl Opening {
             .any(|ends| ends.iter().zip(&self.ends).all(|(p, q)| (p - q).norm() <= 3.0 * SAME_GAP_M))
     }
 
-    /// The risk S_xi = d_r / w of passing (Sec. III-A): 0 in free passage, 1 where w <= d_r.
+    /// The risk S_xi = d_r / w of passing (Sec. III-A): 0 in free passage, 1 where w <= d_r. Of a gap near a
+    /// narrower one of the same passage, its share of that.
+    ///
+    /// DEVIATION (Sec. III-A): the paper's openings have no share; grooves and ribs would count as doors.
     pub fn risk(&self, robot_width: f64) -> f64 {
-        if self.width > self.free_passage * robot_width { 0.0 } else { (robot_width / self.width).min(1.0) }
+        if self.width > self.free_passage * robot_width {
+            return 0.0;
+        }
+        self.share * (robot_width / self.width).min(1.0)
     }
 }
 
@@ -139,7 +147,7 @@ impl<'a> Gaps<'a> {
         let (low, high) = (part1[0].max(-part2[1]), part1[1].min(-part2[0]));
         let shift = if low < high { (low + high) / 2.0 - left.dot(&p1.coords) } else { 0.0 };
         let ends = [p1 + left * shift, p2 + left * shift];
-        Some(Opening { name: String::new(), between, ends, width, free_passage: FREE_PASSAGE })
+        Some(Opening { name: String::new(), between, ends, width, free_passage: FREE_PASSAGE, share: 1.0 })
     }
 
     /// A gap measured between outlines, between the obstacles at its ends.

@@ -467,3 +467,63 @@ fn the_length_of_every_option_is_shown_beside_the_shortest_one() {
         }
     }
 }
+
+/// A room cut by a wall with doors of 0.9 m and 1.0 m; the nearer one has ribs in its jambs, each of this place
+/// and thickness (m) along the way.
+fn ribbed(ribs: &[[f64; 2]]) -> World {
+    let sides = [
+        [-3.0, -0.2, 13.0, 0.0],
+        [-3.0, 8.0, 13.0, 8.2],
+        [-3.0, -0.2, -2.8, 8.2],
+        [12.8, -0.2, 13.0, 8.2],
+        [4.9, 0.0, 5.1, 2.0],
+        [4.9, 3.0, 5.1, 5.5],
+        [4.9, 6.5, 5.1, 8.0],
+    ];
+    let mut text = format!("{HEAD}start_m = [1.0, 3.2]\ntarget_m = [9.0, 3.2]\n");
+    for (i, side) in sides.iter().enumerate() {
+        text += &wall(&format!("w{i}"), *side);
+    }
+    for (i, [x, thick]) in ribs.iter().enumerate() {
+        text += &wall(&format!("low-{i}"), [x - thick / 2.0, 2.0, x + thick / 2.0, 2.05]);
+        text += &wall(&format!("high-{i}"), [x - thick / 2.0, 2.95, x + thick / 2.0, 3.0]);
+    }
+    World::parse("ribbed", &text).unwrap()
+}
+
+fn first_risk(world: &World) -> f64 {
+    let set = OptionSet::new(world, 10.0).unwrap();
+    let risk = |o: usize| set.remaining(&set.begin(), o).risk;
+    let through = |o: usize| world.openings[set.options()[o].crossings[0].opening].center().y < 4.0;
+    (0..set.options().len()).find(|&o| through(o)).map(risk).expect("the nearer door")
+}
+
+#[test]
+fn grooves_and_ribs_in_a_doorway_are_one_opening() {
+    let plain = first_risk(&ribbed(&[[5.0, 0.11]]));
+    assert!((plain - 0.5 / 0.9).abs() < 1e-9);
+    let groove = ribbed(&[[4.97, 0.05], [5.03, 0.05]]);
+    assert_eq!(groove.openings.len(), 2);
+    assert!((first_risk(&groove) - plain).abs() < 1e-9);
+    assert!((first_risk(&ribbed(&[[4.93, 0.02], [5.0, 0.02], [5.07, 0.02]])) - plain).abs() < 1e-9);
+}
+
+#[test]
+fn property_the_risk_of_two_frames_is_continuous_in_their_distance() {
+    // two walls with a door each, the second at growing distances
+    let risk = |distance: f64| {
+        let mut text = format!("{HEAD}start_m = [1.0, 2.5]\ntarget_m = [9.0, 2.5]\n");
+        let mut sides =
+            vec![[-0.2, -0.2, 10.2, 0.0], [-0.2, 5.0, 10.2, 5.2], [-0.2, 0.0, 0.0, 5.0], [10.0, 0.0, 10.2, 5.0]];
+        for x in [4.0, 4.0 + distance] {
+            sides.extend([[x, 0.0, x + 0.02, 2.0], [x, 3.0, x + 0.02, 5.0]]);
+        }
+        for (i, side) in sides.iter().enumerate() {
+            text += &wall(&format!("w{i}"), *side);
+        }
+        first_risk(&World::parse("frames", &text).unwrap())
+    };
+    let risks: Vec<f64> = (3..160).map(|i| risk(0.01 * f64::from(i))).collect();
+    assert!((risks[0] - 0.5).abs() < 1e-9 && (risks[risks.len() - 1] - 0.75).abs() < 1e-9, "{risks:?}");
+    assert!(risks.is_sorted() && risks.windows(2).all(|pair| pair[1] - pair[0] < 0.01), "{risks:?}");
+}

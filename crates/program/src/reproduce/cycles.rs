@@ -102,12 +102,14 @@ fn text(findings: &Findings, sway: Option<f64>) -> String {
     let Findings { episodes, with_choice, with_changes, most_changes, arrived, longest_detour, .. } =
         findings;
     let [robot, object, human] = findings.touched;
+    let dropped = findings.dropped_soon.len();
     let what = match sway {
         None => "No locked cycles (Sec. IV-B):".to_owned(),
         Some(sway) => format!("Random worlds with bodies, sway {sway} m:"),
     };
     let mut text = format!(
-        "{what} {episodes} random worlds, {with_choice} with two options or more; the executed option changed in {with_changes}, at most {most_changes} times.\n\
+        "{what} {episodes} random worlds, {with_choice} with two options or more; the executed option changed in {with_changes}, at most {most_changes} times;\n\
+         in {dropped} an option was taken up and dropped again within 5 steps.\n\
          {arrived} arrived, the longest after {longest_detour:.1} times the steps of its cheapest option.\n"
     );
     if sway.is_some() {

@@ -5,7 +5,7 @@
 use super::{prepared, run};
 use crate::parallel::{OnDone, in_parallel};
 use cocarry::coordination;
-use cocarry::episode::{Outcome, Settings, Summary};
+use cocarry::episode::{Outcome, Settings, Summary, Tick};
 use cocarry::math;
 use cocarry::preference::Perception;
 use cocarry::scenario::{Plant, PlantKind, Scenario, ScenarioError, WorldText};
@@ -20,6 +20,9 @@ use std::ops::Range;
 pub const WORLDS: usize = 10_000;
 /// Default number of worlds for a team with bodies.
 pub const WORLDS_WITH_BODIES: usize = 200;
+
+/// An option that is dropped after no more steps than this was dropped soon.
+const SOON_STEPS: u64 = 5;
 
 /// The search for locked cycles.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +48,8 @@ pub struct Findings {
     pub with_changes: usize,
     /// Largest number of changes of the executed option in one episode.
     pub most_changes: u32,
+    /// Seeds of the episodes in which an option was taken up and dropped again within [`SOON_STEPS`] steps.
+    pub dropped_soon: Vec<u64>,
     /// Episodes that arrived without contact.
     pub arrived: usize,
     /// Episodes in which the robot, the object or the human touched an obstacle.
@@ -82,6 +87,8 @@ struct Trial {
     options: usize,
     detour: f64,
     from_target: Option<f64>,
+    /// Whether an option was taken up and dropped again soon.
+    dropped_soon: bool,
     summary: Summary,
 }
 
@@ -102,6 +109,7 @@ impl Search<'_> {
             with_choice: trials.iter().filter(|t| t.options > 1).count(),
             with_changes: trials.iter().filter(|t| t.summary.option_changes > 0).count(),
             most_changes: trials.iter().map(|t| t.summary.option_changes).max().unwrap_or(0),
+            dropped_soon: trials.iter().filter(|t| t.dropped_soon).map(|t| t.scenario.seed).collect(),
             arrived: trials.iter().filter(arrived).count(),
             touched: [BodyKind::Robot, BodyKind::Object, BodyKind::Human].map(by),
             longest_detour: trials.iter().filter(arrived).map(|t| t.detour).fold(0.0, f64::max),
@@ -126,7 +134,18 @@ impl Search<'_> {
                 stage => stage?,
             };
             let stage = stage.prepare(Scenario { seed, human, ..stage.scenario().clone() })?;
-            let summary = match run(&stage, |_| {}) {
+            let mut taken_up: Option<(usize, u64)> = None;
+            let mut dropped_soon = false;
+            let on_tick = |tick: &Tick| match taken_up {
+                Some((option, _)) if option == tick.executed => {}
+                before => {
+                    // the first option is not taken up but given
+                    let soon = before.is_some_and(|(_, since)| since > 0 && tick.step - since <= SOON_STEPS);
+                    dropped_soon |= soon;
+                    taken_up = Some((tick.executed, tick.step));
+                }
+            };
+            let summary = match run(&stage, on_tick) {
                 Err(ScenarioError::Physics(
                     PhysicsError::Occupied { .. }
                     | PhysicsError::NoRoomAtStart(_)
@@ -143,6 +162,7 @@ impl Search<'_> {
                 options: options.options().len(),
                 detour: summary.steps as f64 / shortest.max(1.0),
                 from_target: contact.map(|c| (c.point.xy() - stage.world().target).norm()),
+                dropped_soon,
                 summary,
             });
         }
