@@ -513,8 +513,12 @@ fn property_the_risk_of_two_frames_is_continuous_in_their_distance() {
     // two walls with a door each, the second at growing distances
     let risk = |distance: f64| {
         let mut text = format!("{HEAD}start_m = [1.0, 2.5]\ntarget_m = [9.0, 2.5]\n");
-        let mut sides =
-            vec![[-0.2, -0.2, 10.2, 0.0], [-0.2, 5.0, 10.2, 5.2], [-0.2, 0.0, 0.0, 5.0], [10.0, 0.0, 10.2, 5.0]];
+        let mut sides = vec![
+            [-0.2, -0.2, 10.2, 0.0],
+            [-0.2, 5.0, 10.2, 5.2],
+            [-0.2, 0.0, 0.0, 5.0],
+            [10.0, 0.0, 10.2, 5.0],
+        ];
         for x in [4.0, 4.0 + distance] {
             sides.extend([[x, 0.0, x + 0.02, 2.0], [x, 3.0, x + 0.02, 5.0]]);
         }

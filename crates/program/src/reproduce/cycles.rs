@@ -109,7 +109,7 @@ fn text(findings: &Findings, sway: Option<f64>) -> String {
     };
     let mut text = format!(
         "{what} {episodes} random worlds, {with_choice} with two options or more; the executed option changed in {with_changes}, at most {most_changes} times;\n\
-         in {dropped} an option was taken up and dropped again within 5 steps.\n\
+         in {dropped} the same leader took up an option and dropped it again within 5 steps.\n\
          {arrived} arrived, the longest after {longest_detour:.1} times the steps of its cheapest option.\n"
     );
     if sway.is_some() {

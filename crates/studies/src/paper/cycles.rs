@@ -4,7 +4,7 @@
 
 use super::{prepared, run};
 use crate::parallel::{OnDone, in_parallel};
-use cocarry::coordination;
+use cocarry::coordination::{self, Mode};
 use cocarry::episode::{Outcome, Settings, Summary, Tick};
 use cocarry::math;
 use cocarry::preference::Perception;
@@ -21,7 +21,7 @@ pub const WORLDS: usize = 10_000;
 /// Default number of worlds for a team with bodies.
 pub const WORLDS_WITH_BODIES: usize = 200;
 
-/// An option that is dropped after no more steps than this was dropped soon.
+/// An option that is dropped after no more steps than this is dropped soon.
 const SOON_STEPS: u64 = 5;
 
 /// The search for locked cycles.
@@ -48,7 +48,7 @@ pub struct Findings {
     pub with_changes: usize,
     /// Largest number of changes of the executed option in one episode.
     pub most_changes: u32,
-    /// Seeds of the episodes in which an option was taken up and dropped again within [`SOON_STEPS`] steps.
+    /// Seeds of the episodes in which the same leader took up an option and dropped it again within 5 steps.
     pub dropped_soon: Vec<u64>,
     /// Episodes that arrived without contact.
     pub arrived: usize,
@@ -134,15 +134,16 @@ impl Search<'_> {
                 stage => stage?,
             };
             let stage = stage.prepare(Scenario { seed, human, ..stage.scenario().clone() })?;
-            let mut taken_up: Option<(usize, u64)> = None;
+            let mut taken_up: Option<(usize, u64, Mode)> = None;
             let mut dropped_soon = false;
             let on_tick = |tick: &Tick| match taken_up {
-                Some((option, _)) if option == tick.executed => {}
+                Some((option, ..)) if option == tick.executed => {}
                 before => {
                     // the first option is not taken up but given
-                    let soon = before.is_some_and(|(_, since)| since > 0 && tick.step - since <= SOON_STEPS);
-                    dropped_soon |= soon;
-                    taken_up = Some((tick.executed, tick.step));
+                    dropped_soon |= before.is_some_and(|(_, since, mode)| {
+                        since > 0 && tick.step - since <= SOON_STEPS && mode == tick.mode
+                    });
+                    taken_up = Some((tick.executed, tick.step, tick.mode));
                 }
             };
             let summary = match run(&stage, on_tick) {
