@@ -43,7 +43,7 @@ pub(super) fn narrowest(mut gaps: Vec<Opening>, robot_width: f64) -> Vec<Opening
 fn apart(narrower: &Opening, wider: &Opening) -> f64 {
     let between = wider.center() - narrower.center();
     let beside = cross(narrower.axis(), between).abs();
-    let along = between.norm_squared() - (wider.width.powi(2) - narrower.width.powi(2)) / 4.0;
+    let along = between.norm_squared() - (wider.width * wider.width - narrower.width * narrower.width) / 4.0;
     let turned = 1.0 - narrower.axis().dot(&wider.axis()).abs();
     along.max(0.0).sqrt() + BESIDE * beside + TURNED_M * turned
 }
