@@ -17,7 +17,7 @@ pub struct ChoiceDistribution {
 /// preferred. In a lapse, with probability l, any of the n options is taken.
 ///
 /// ```
-/// assert_eq!(cocarry::preference::with_lapses(0.75, 0.1, 4), 0.7);
+/// assert_eq!(cocarry::preference::with_lapses(0.75, 0.5, 4), 0.5);
 /// ```
 pub fn with_lapses(probability: f64, lapse_rate: f64, options: usize) -> f64 {
     (1.0 - lapse_rate) * probability + lapse_rate / options as f64
