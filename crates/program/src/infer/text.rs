@@ -77,7 +77,8 @@ fn of_parameters<'a>(rows: &'a [Parameter<'a>], has_counts: bool) -> Columns<'a,
     let once = |row: &Parameter, text: String| if row.name == "alpha" { text } else { String::new() };
     let name = |row: &Parameter| once(row, row.person.participant.clone());
     let mut columns = Columns::of(rows).text("participant", "participant", name);
-    let counts: [(&str, fn(&Person) -> usize); 2] = [("answers", |p| p.answers), ("looks", |p| p.looks)];
+    type Count = fn(&Person) -> usize;
+    let counts: [(&str, Count); 2] = [("answers", |p| p.answers), ("looks", |p| p.looks)];
     for (heading, count) in counts.into_iter().filter(|_| has_counts) {
         if rows.iter().any(|row| count(row.person) > 0) {
             columns = columns.derived(heading, |row| once(row, count(row.person).to_string()));
