@@ -472,7 +472,7 @@ fn a_world_without_room_for_the_team_is_refused() {
     let posts = |angles: &[f64]| {
         let mut text = std::fs::read_to_string(repository("worlds/environment-4.toml")).unwrap();
         for (i, degrees) in angles.iter().enumerate() {
-            let (sin, cos) = degrees.to_radians().sin_cos();
+            let (sin, cos) = cocarry::math::sin_cos(degrees.to_radians());
             let [x, y] = [1.2 * cos, 0.1865 + 1.2 * sin];
             text += &format!(
                 "\n[[obstacle]]\nname = \"post{i}\"\nshape = \"cylinder\"\ncenter_m = [{x}, {y}]\nradius_m = 0.3\nheight_m = 1\n"

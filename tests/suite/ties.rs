@@ -16,7 +16,7 @@ use std::path::PathBuf;
 /// One post in the middle of a corridor, a little to the left of it, in a room turned by an angle.
 fn corridor(half_width: f64, left_m: f64, turned_deg: f64) -> String {
     let turn = |x: f64, y: f64| {
-        let (sin, cos) = turned_deg.to_radians().sin_cos();
+        let (sin, cos) = cocarry::math::sin_cos(turned_deg.to_radians());
         format!("[{:?}, {:?}]", x * cos - y * sin, x * sin + y * cos)
     };
     let wall = |name: &str, y: f64| {

@@ -115,10 +115,10 @@ fn slow_shortest(world: &World, route: &[(usize, usize)]) -> f64 {
                 continue;
             }
             let through = gaps_on(world, points[i], points[j]);
-            if route[made..].starts_with(&through) && length < left[j * layers + made + through.len()] {
-                if is_clear(points[i], points[j]) {
-                    left[j * layers + made + through.len()] = length;
-                }
+            let leads_there = route[made..].starts_with(&through);
+            let reached = j * layers + made + through.len();
+            if leads_there && length < left[reached] && is_clear(points[i], points[j]) {
+                left[reached] = length;
             }
         }
     }
@@ -138,9 +138,8 @@ fn oracle_the_shortest_paths_through_openings_are_those_of_a_visibility_graph() 
         let Ok(set) = OptionSet::new(&world, 10.0) else { continue };
         world_count += 1;
         let shortest = set.shortest_lengths(&world).expect("few corners");
-        for option in 0..set.options().len().min(2) {
+        for (option, exact) in shortest.into_iter().enumerate().take(2) {
             let slow = slow_shortest(&world, &route(&set, option));
-            let exact = shortest[option];
             assert!(exact <= slow + 1e-6 && slow <= 1.01 * exact, "option {option}: {exact}, not {slow}");
             assert!(set.remaining(&set.begin(), option).length >= exact - 1e-9);
             compared += 1;
@@ -279,9 +278,11 @@ impl Room {
     }
 }
 
-/// The options of a room, each with the obstacles of its openings, its length and its risk, in order; `None`
-/// where it is refused.
-fn offered(text: &str) -> Option<Vec<(Vec<[String; 2]>, f64, f64)>> {
+/// The obstacles of an option's openings, its length (m) and its risk.
+type Offer = (Vec<[String; 2]>, f64, f64);
+
+/// The options of a room in order; `None` where it is refused.
+fn offered(text: &str) -> Option<Vec<Offer>> {
     let world = World::parse("room", text).ok()?;
     let set = OptionSet::new(&world, 10.0).ok()?;
     let begin = set.begin();

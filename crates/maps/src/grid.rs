@@ -157,14 +157,14 @@ mod tests {
             origin: [0.0; 3],
             cells: vec![Cell::Free; width * height],
         };
-        let is_marked = |i: usize| (i * 7919) % 61 == 0;
+        let is_marked = |i: usize| (i * 7919).is_multiple_of(61);
         for radius in [0.0, 1.0, 1.5, 3.2, 40.0] {
             let found = grid.within(is_marked, radius);
             for (i, found) in found.into_iter().enumerate() {
                 let at = |i: usize| ((i % width) as f64, (i / width) as f64);
                 let near = |j: usize| {
                     let ((x, y), (u, v)) = (at(i), at(j));
-                    (x - u).powi(2) + (y - v).powi(2) <= radius * radius
+                    (x - u) * (x - u) + (y - v) * (y - v) <= radius * radius
                 };
                 assert_eq!(found, (0..width * height).any(|j| is_marked(j) && near(j)), "{i} {radius}");
             }
