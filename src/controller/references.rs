@@ -117,7 +117,7 @@ impl References {
         let observed = way.walk.observed_speed(seen, &self.intent, way.travel);
         self.references.clear();
         for (option, path) in self.paths.iter_mut().enumerate().take(probabilities.len()) {
-            way.options.write_path(way.progress, option, path);
+            way.options.write_path(way.progress, option, way.walk.passing(), path);
             way.walk.expect(way.path, way.along, path, &mut self.widened);
             let ahead = PathAhead { turn: Some(path), ..*ahead };
             let height = manipulator.robot.grasp_height;

@@ -5,7 +5,7 @@ use super::{Episode, Manipulator, Settings, Summary, Tick, prospects};
 use crate::controller::{Controller, Guide, NoRobot, Predictive};
 use crate::geometry::{Path, PlanarPose, direction};
 use crate::human::{Human, PreferenceHuman};
-use crate::options::OptionSet;
+use crate::options::{OptionSet, Passing};
 use crate::plant::{Kinematic, Physical, Plant, PointPlant};
 use crate::policy::RobotPolicy;
 use crate::preference::{Perception, Ways};
@@ -124,7 +124,7 @@ impl<'a> EpisodeBuilder<'a> {
     pub fn begin(self) -> Result<Episode<'a>, PhysicsError> {
         let Self { options, settings, human, policy, team, controller, plant } = self;
         let mut episode = point_episode(options, settings, human, policy);
-        let first = if let Team::Point = team { Path::default() } else { episode.first_path() };
+        let first = if let Team::Point = team { Path::default() } else { episode.first_path(team.passing()) };
         let LinedUp { walk, controller: built_in, plant } = team.line_up(options, settings, &first, plant)?;
         episode.manipulator = team.manipulator();
         episode.walk = walk;
@@ -135,6 +135,14 @@ impl<'a> EpisodeBuilder<'a> {
 }
 
 impl<'a> Team<'a> {
+    /// That of the walk that [`Team::line_up`] gives it.
+    fn passing(self) -> Passing {
+        match self {
+            Self::Point | Self::Robot(_) => Passing::Shortest,
+            Self::Bodies { .. } => InTandem::PASSING,
+        }
+    }
+
     fn manipulator(self) -> Option<Manipulator<'a>> {
         match self {
             Self::Point => None,
@@ -236,7 +244,7 @@ pub(super) fn point_episode<'a>(
 impl Episode<'_> {
     /// The path on which the team will line up, from the first decisions of copies of the human and the
     /// policy: the robot, whose place follows from it, is not there yet.
-    fn first_path(&mut self) -> Path {
+    fn first_path(&mut self, passing: Passing) -> Path {
         let now = self.now();
         let copy = self.human.clone();
         let human = std::mem::replace(&mut self.human, copy);
@@ -245,6 +253,6 @@ impl Episode<'_> {
         let seen = view(now, &begun, self.options, &self.progress, self.plant.observe());
         let lead = self.policy.clone().decide(&seen);
         let option = self.option(now, &begun.human, &lead);
-        self.options.path(&self.progress, option).unwrap_or_default()
+        self.options.path_passing(&self.progress, option, passing).unwrap_or_default()
     }
 }

@@ -20,7 +20,8 @@ impl Episode<'_> {
         let option = self.option(now, human, lead);
         match now.executed {
             None => {
-                let path = self.options.path(&self.progress, option).unwrap_or_default();
+                let passing = self.walk.passing();
+                let path = self.options.path_passing(&self.progress, option, passing).unwrap_or_default();
                 self.route.begin(self.walk.begin(path));
                 (option, None)
             }

@@ -1,11 +1,11 @@
 //! The length of the straight path on either side of an opening.
 //!
-//! Human, object and robot in tandem are about 2.5 m long and must be aligned until they are out of the passage.
-//! Two lengths decide: the *depth* of the passage, over which it stays as narrow as its gap, and the *shoulder*
-//! beside its end, around which the team turns. Behind the shoulder of a wall, which is broad, the team is
-//! straight for [`BEYOND_END_M`] from the passage's end, and for [`ALIGNMENT_M`] from the middle of a thin wall.
-//! A pillar, round or narrow, has no shoulder: where neither side of a gap has one, paths need not be straight, nor
-//! go through the middle. In between, both rules are continuous in the place of obstacles.
+//! Human, object and robot in tandem are about 2.5 m long and must be aligned until they are out of the
+//! passage. Two lengths decide: the *depth* of the passage, over which it stays as narrow as its gap, and the
+//! *shoulder* beside its end, around which the team turns. Behind the shoulder of a wall, which is broad, the
+//! team is straight for [`BEYOND_END_M`] from the passage's end, and for [`ALIGNMENT_M`] from the middle of a
+//! thin wall. A pillar, round or narrow, has no shoulder: where neither side of a gap has one, paths need not
+//! be straight, nor go through the middle. In between, both rules are continuous in the place of obstacles.
 
 use super::roadmap::Space;
 use crate::geometry::{Point, Vector, left_of};
@@ -29,8 +29,9 @@ const SHOULDER_M: [f64; 3] = [0.5, 0.65, 0.8];
 /// Likewise for the depth of the passage (m): in a deep one the team must be straight however narrow the
 /// obstacles are.
 const DEEP_M: [f64; 3] = [0.4, 0.55, 0.7];
-/// The largest number of openings of a world in which paths may be off the middle: it takes three times the sites.
-const MOST_WITH_LANES: usize = 200;
+/// The largest number of openings of a world in which paths may be off the middle: it takes three times the
+/// sites.
+const MAX_OPENINGS_WITH_LANES: usize = 200;
 /// The distance (m) from a gap's end to the outline that it is on, at most.
 const AT_OUTLINE_M: f64 = 1e-3;
 
@@ -45,8 +46,8 @@ pub(super) struct Alignment {
 }
 
 impl Alignment {
-    /// That of an opening among this number of openings. Where there are more than [`MOST_WITH_LANES`], paths go
-    /// through the middle.
+    /// That of an opening among this number of openings. Where there are more than [`MAX_OPENINGS_WITH_LANES`], paths
+    /// go through the middle.
     pub fn new(opening: &Opening, space: &Space, openings: usize) -> Self {
         let axis = opening.axis();
         let sides = [-axis, axis].map(|outward| {
@@ -61,7 +62,7 @@ impl Alignment {
         let free = sides.map(|(depth, shoulder)| {
             1.0 - rising(shoulder, [SHOULDER_M[0], SHOULDER_M[1]]).max(rising(depth, [DEEP_M[0], DEEP_M[1]]))
         });
-        let off_middle = if openings > MOST_WITH_LANES { 0.0 } else { free[0].min(free[1]) };
+        let off_middle = if openings > MAX_OPENINGS_WITH_LANES { 0.0 } else { free[0].min(free[1]) };
         Self { straight, off_middle }
     }
 }

@@ -2,8 +2,9 @@
 //! team's position.
 //!
 //! The openings cut free space into regions. An option is a sequence of openings, crossed straight through
-//! their middles and connected by shortest collision-free paths. A tick costs one short query per option:
-//! only the first leg depends on the team's position, the rest is tabulated.
+//! their middles (between pillars: see [`Passing`]) and connected by shortest collision-free paths. A tick
+//! costs one short query per option: only the first leg depends on the team's position, the rest is
+//! tabulated.
 
 mod alignment;
 mod enumerate;
@@ -41,6 +42,17 @@ const NARROWEST_NAMED_M: f64 = 0.001;
 
 /// The largest number of corners and cylinders of a world in which [`OptionSet::shortest_lengths`] searches.
 const MAX_CORNERS_OF_SHORTEST: usize = 400;
+
+/// Where a path goes through a gap between pillars. Elsewhere there is one way through.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Passing {
+    /// On the shortest way, which D_o is the length of: as near to a pillar as a point may.
+    Shortest,
+    /// Through the middle: room for what is long, which cuts the corner round a pillar.
+    ///
+    /// DEVIATION (eq. 1): the team walks farther than D_o says, by at most a quarter between random pillars.
+    Middle,
+}
 
 /// The options of a world, ready to be evaluated from any position.
 #[derive(Clone, Debug)]
@@ -261,28 +273,38 @@ impl OptionSet {
     /// The remaining path of an option from the team's position. Its length is [`Remaining::length`]. `None`
     /// where there is no path.
     pub fn path(&self, progress: &Progress, option: usize) -> Option<Path> {
-        let mut path = Path::default();
-        self.write_path(progress, option, &mut path).then_some(path)
+        self.path_passing(progress, option, Passing::Shortest)
     }
 
-    /// [`OptionSet::path`] written into an existing path, without allocation once that has enough capacity.
-    /// Returns false, with the path cut short, where there is no path.
-    pub fn write_path(&self, progress: &Progress, option: usize, path: &mut Path) -> bool {
+    /// The remaining path of an option from the team's position, as it goes through gaps between pillars.
+    /// `None` where there is no path.
+    pub fn path_passing(&self, progress: &Progress, option: usize, passing: Passing) -> Option<Path> {
+        let mut path = Path::default();
+        self.write_path(progress, option, passing, &mut path).then_some(path)
+    }
+
+    /// [`OptionSet::path_passing`] written into an existing path, without allocation once that has enough
+    /// capacity. Returns false, with the path cut short, where there is no path.
+    pub fn write_path(&self, progress: &Progress, option: usize, passing: Passing, path: &mut Path) -> bool {
         path.clear();
+        let chosen = |after: After| match passing {
+            Passing::Shortest => after.lane,
+            Passing::Middle => 0,
+        };
         let (rest, way) = (progress.rest(option), &self.options[option]);
         let mut at = progress.position;
         let mut lane = match progress.inside.zip(self.exit(progress, option)) {
             None => {
                 at = self.off_gaps(at);
-                self.beyond_point(at, rest, way).lane
+                chosen(self.beyond_point(at, rest, way))
             }
             Some((crossing, exit)) => {
                 let (Exit::Axis(end) | Exit::Beside(end)) = exit;
                 path.line(at, end);
                 at = end;
                 match exit {
-                    Exit::Axis(_) => self.after_gap(crossing, rest, way).lane,
-                    Exit::Beside(_) => self.beyond_point(end, rest, way).lane,
+                    Exit::Axis(_) => chosen(self.after_gap(crossing, rest, way)),
+                    Exit::Beside(_) => chosen(self.beyond_point(end, rest, way)),
                 }
             }
         };
@@ -294,7 +316,7 @@ impl OptionSet {
             at = passage.at(lane, crossing.into, after.exit);
             path.line(joined, middle);
             path.line(middle, at);
-            lane = after.lane;
+            lane = chosen(after);
         }
         self.roadmap.extend(path, at, TARGET).is_some()
     }

@@ -149,8 +149,8 @@ impl Passage {
         if left > 2.0 * NARROWING * ON_AXIS_M { left } else { 0.0 }
     }
 
-    /// `p`, or the point [`OFF_GAP_M`] off the gap's line beside it, if `p` is nearer to it: no path leads from the
-    /// line itself. Points on it are on side 1, as for [`Passage::crossed`].
+    /// `p`, or the point [`OFF_GAP_M`] off the gap's line beside it, if `p` is nearer to it: no path leads
+    /// from the line itself. Points on it are on side 1, as for [`Passage::crossed`].
     pub fn off_gap(&self, p: Point) -> Point {
         let depth = self.depth(p, 1);
         if depth.abs() >= OFF_GAP_M || self.off_axis(p) > self.half_width {

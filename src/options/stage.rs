@@ -44,8 +44,9 @@ pub(super) struct Stages {
 }
 
 impl Stages {
-    /// Adds the paths from each of `from` to all sites of `to` to the table: the lanes of one crossing. They leave
-    /// a straight part at the same point, so that a team that has left it for one lane has left it for all.
+    /// Adds the paths from each of `from` to all sites of `to` to the table: the lanes of one crossing. They
+    /// leave a straight part at the same point, so that a team that has left it for one lane has left it for
+    /// all.
     pub fn tabulate(&mut self, roadmap: &Roadmap, from: &[usize], to: &[usize]) {
         for &from in from {
             if self.rows.len() <= from {

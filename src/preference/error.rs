@@ -6,8 +6,8 @@ use thiserror::Error;
 /// The largest lapse rate.
 pub const MAX_LAPSE_RATE: f64 = 0.5;
 
-/// The largest rationality of a belief. Beyond it, costs would have to be exact to more digits than they have, and
-/// choices are those of eq. (3).
+/// The largest rationality of a belief. Beyond it, costs would have to be exact to more digits than they
+/// have, and choices are those of eq. (3).
 pub const MAX_RATIONALITY: f64 = 1000.0;
 
 /// Checks the probability of a lapse: of a choice, or of a time of taking over, that says nothing about the

@@ -18,12 +18,12 @@ use serde::{Deserialize, Serialize};
 /// predictor solves for the parts of the range of `alpha` in which each option is the cheapest, and
 /// integrates their probabilities over `gamma` piece by piece. An empirical belief is summed sample by
 /// sample. With a lapse rate l, the human takes any of the n options with probability l / n, whatever they
-/// prefer. With a rationality beta, humans choose an option with probability proportional to
-/// exp(-beta J^_o) in place of eq. (3), as [`Boltzmann`](crate::human::Boltzmann) humans do. The predictor owns all working memory: once warm, a call with no more options than before
-/// allocates nothing. Equal calls give equal bits.
+/// prefer. With a rationality beta, humans choose an option with probability proportional to exp(-beta J^_o)
+/// in place of eq. (3), as [`Boltzmann`](crate::human::Boltzmann) humans do. The predictor owns all working
+/// memory: once warm, a call with no more options than before allocates nothing. Equal calls give equal bits.
 ///
-/// It is serialised as belief, risk weight, lapse rate and rationality, and two predictors with the same ones are
-/// equal.
+/// It is serialised as belief, risk weight, lapse rate and rationality, and two predictors with the same ones
+/// are equal.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(try_from = "Basis", into = "Basis")]
 pub struct Predictor {

@@ -1,10 +1,10 @@
-//! Probabilities of a noisy-rational (Boltzmann) human's choices: the mean of exp(-beta J^_o) / sum_p exp(-beta J^_p)
-//! over independent alpha and gamma.
+//! Probabilities of a noisy-rational (Boltzmann) human's choices: the mean of exp(-beta J^_o) / sum_p
+//! exp(-beta J^_p) over independent alpha and gamma.
 //!
-//! The range of (alpha, gamma) is cut into cells until, in each, the costs of the options that matter there move
-//! by little relative to each other. The choice is then a smooth function on the cell, which a product of two
-//! Gauss rules integrates to about 1e-11. Costs are a sum of a part by alpha and one by gamma, so a cell takes a few
-//! exponentials for each option.
+//! The range of (alpha, gamma) is cut into cells until, in each, the costs of the options that matter there
+//! move by little relative to each other. The choice is then a smooth function on the cell, which a product
+//! of two Gauss rules integrates to about 1e-11. Costs are a sum of a part by alpha and one by gamma, so a
+//! cell takes a few exponentials for each option.
 
 use super::curve::Curve;
 use super::rule::{NODES, Rule, Samples};
@@ -13,7 +13,8 @@ use super::ties::Ties;
 use super::{Marginal, Prospect, WeightedSample, subjective_cost};
 use crate::math;
 
-/// The largest change, over a cell, of the exponent of an option that matters there, relative to the best one's.
+/// The largest change, over a cell, of the exponent of an option that matters there, relative to the best
+/// one's.
 const MAX_CHANGE: f64 = 2.0;
 
 /// Exponents below that of the best option by which an option does not matter: exp(-36) is a rounding error.
@@ -45,7 +46,8 @@ struct Parts {
     by_gamma: [f64; 3],
 }
 
-/// An option that matters in a cell, relative to the best one in its middle: factors of its weight at the nodes.
+/// An option that matters in a cell, relative to the best one in its middle: factors of its weight at the
+/// nodes.
 #[derive(Debug, Clone, Copy)]
 struct Term {
     choice: usize,

@@ -30,9 +30,9 @@ pub struct Ways {
 }
 
 impl Ways {
-    /// Finds the ways of so many `options`. `is_same(a, b)`, asked with `a < b`, says whether both lead the same
-    /// way. An option represents its way if it is `current`, the option being executed, or if no other one does
-    /// and it is the first.
+    /// Finds the ways of so many `options`. `is_same(a, b)`, asked with `a < b`, says whether both lead the
+    /// same way. An option represents its way if it is `current`, the option being executed, or if no other
+    /// one does and it is the first.
     pub fn find(&mut self, options: usize, current: Option<usize>, is_same: impl Fn(usize, usize) -> bool) {
         self.representatives.clear();
         for option in 0..options {

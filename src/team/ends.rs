@@ -100,7 +100,8 @@ impl<'a> InTandem<'a> {
                 options.advance(&mut progress, place);
                 let is_beside = obstacles.is_clear(place, world.robot_width / 2.0)
                     && !options.goes_through_opening(ahead.position, place);
-                let path = (0..options.options().len()).find_map(|o| options.path(&progress, o));
+                let path = (0..options.options().len())
+                    .find_map(|o| options.path_passing(&progress, o, Self::PASSING));
                 is_beside && path.is_some_and(|path| any(&path, place).is_ok())
             });
             PhysicsError::NoRoomAtStart(NoRoom { nearest, ..room })
@@ -128,8 +129,8 @@ impl<'a> InTandem<'a> {
         self.team_path().planned_turn(&ahead, 0.0, next, self.free_space())
     }
 
-    /// A path that ends so that the human has room beyond it: where there is none straight on, the team comes to
-    /// the end in an arc, turned by the least multiple of 10 degrees.
+    /// A path that ends so that the human has room beyond it: where there is none straight on, the team comes
+    /// to the end in an arc, turned by the least multiple of 10 degrees.
     pub(super) fn ended(&self, path: Path) -> Path {
         let is_free = |from, to| self.free_space().is_free(from, to);
         let has_room = |path: &Path| {
@@ -161,7 +162,7 @@ impl<'a> InTandem<'a> {
     pub fn check_targets(&self, world: &World) -> Result<(), PhysicsError> {
         let options = self.free_space().options;
         options.options().iter().enumerate().try_for_each(|(o, option)| {
-            let path = options.path(&options.begin(), o).unwrap_or_default();
+            let path = options.path_passing(&options.begin(), o, Self::PASSING).unwrap_or_default();
             let beyond = self.team_path().beyond_end(&self.widened(&self.ended(path)));
             check(world, BODY_ROOM_M, beyond)
                 .map_err(|room| PhysicsError::NoRoomAtTarget { option: option.name.clone(), room })

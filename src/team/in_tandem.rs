@@ -8,7 +8,7 @@ use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose, Widening, angle_of, direction, nearest, wrap_angle};
 use crate::human::Stance;
 use crate::math;
-use crate::options::OptionSet;
+use crate::options::{OptionSet, Passing};
 use crate::plant::{HumanMotion, Seen, on_floor};
 use crate::saved::{NotRestored, Saved};
 use crate::simulation::Observation;
@@ -56,6 +56,9 @@ struct State {
 }
 
 impl<'a> InTandem<'a> {
+    /// Round a pillar the object is on the inside of the bend.
+    pub(crate) const PASSING: Passing = Passing::Middle;
+
     pub(super) fn new(
         free_space: FreeSpace<'a>,
         pace: Pace,
@@ -142,6 +145,10 @@ impl<'a> InTandem<'a> {
 }
 
 impl Walk for InTandem<'_> {
+    fn passing(&self) -> Passing {
+        Self::PASSING
+    }
+
     fn walkable(&self, path: Path) -> Path {
         self.widened(&self.ended(path))
     }

@@ -22,6 +22,7 @@ use crate::control::{Intent, Reference};
 use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose, Widening};
 use crate::human::Stance;
+use crate::options::Passing;
 use crate::plant::{HumanMotion, Seen};
 use crate::saved::{NotRestored, Saved};
 
@@ -33,6 +34,11 @@ pub trait Walk: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// The path that this team walks for `path`, which is planned for a point.
     fn walkable(&self, path: Path) -> Path {
         path
+    }
+
+    /// Where the paths of this team go through gaps between pillars.
+    fn passing(&self) -> Passing {
+        Passing::Shortest
     }
 
     /// The way onto the first path, which begins where the team stands.

@@ -84,7 +84,7 @@ impl Route {
         if self.along < self.turns_until {
             return TurnOutcome::GoesOn;
         }
-        let next = options.path(progress, option).unwrap_or_default();
+        let next = options.path_passing(progress, option, walk.passing()).unwrap_or_default();
         match walk.turn(&self.path, self.along, next) {
             Some(turned) => {
                 *self = Self { path: turned.path, turns_until: turned.until, ..Self::default() };
@@ -107,7 +107,7 @@ impl Route {
             let next = |from: Point| {
                 let mut progress = progress.clone();
                 options.advance(&mut progress, from);
-                options.path(&progress, option).unwrap_or_default()
+                options.path_passing(&progress, option, walk.passing()).unwrap_or_default()
             };
             let place = walk.place_to_turn(&self.path, [self.turns_until, self.along], &next);
             self.reversing = place.map_or(Reversing::No, Reversing::To);

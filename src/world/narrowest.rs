@@ -38,8 +38,8 @@ pub(super) fn narrowest(mut gaps: Vec<Opening>, robot_width: f64) -> Vec<Opening
     gaps
 }
 
-/// The distance (m) between a gap and a wider one, less that at which the wider one's disc contains the narrower
-/// one's sides.
+/// The distance (m) between a gap and a wider one, less that at which the wider one's disc contains the
+/// narrower one's sides.
 fn apart(narrower: &Opening, wider: &Opening) -> f64 {
     let between = wider.center() - narrower.center();
     let beside = cross(narrower.axis(), between).abs();

@@ -12,7 +12,7 @@ use parry3d::shape::{Shape, SharedShape};
 /// Largest coordinate, m. Larger ones are mistakes of units and exceed what the tolerances can resolve.
 const LARGEST_COORDINATE_M: f64 = 1e4;
 /// Largest coordinate of `origin_m`, m: doubles resolve 15 nm there.
-const LARGEST_ORIGIN_M: f64 = 1e8;
+const MAX_ORIGIN_M: f64 = 1e8;
 /// Shortest side of an obstacle, m.
 const SMALLEST_LENGTH_M: f64 = 1e-3;
 
@@ -271,8 +271,8 @@ impl Check<'_> {
     /// The origin of a file's coordinates.
     pub fn origin(&self, [x, y]: [f64; 2]) -> Result<Vector, WorldError> {
         let expected = "a coordinate from -100000000 to 100000000 (metres)";
-        self.number("origin_m[0]", x, x.abs() <= LARGEST_ORIGIN_M, expected)?;
-        self.number("origin_m[1]", y, y.abs() <= LARGEST_ORIGIN_M, expected)?;
+        self.number("origin_m[0]", x, x.abs() <= MAX_ORIGIN_M, expected)?;
+        self.number("origin_m[1]", y, y.abs() <= MAX_ORIGIN_M, expected)?;
         Ok(Vector::new(x, y))
     }
 

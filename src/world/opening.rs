@@ -127,8 +127,8 @@ impl<'a> Gaps<'a> {
     /// The unnamed gap between two convex outlines; `None` where they touch.
     ///
     /// The width and the direction come from the closest points of the outlines; of two boxes from parry's of
-    /// the solids, which stand on the floor, so that these points are at the same height. (parry's are off by up
-    /// to 2e-4 m along the outline of a cylinder.)
+    /// the solids, which stand on the floor, so that these points are at the same height. (parry's are off by
+    /// up to 2e-4 m along the outline of a cylinder.)
     fn measure(&self, between: [usize; 2]) -> Option<Opening> {
         let [first, second] = between.map(|i| &self.sides[i]);
         let [p1, p2] = match (first.rectangle, second.rectangle) {

@@ -412,24 +412,46 @@ fn a_target_without_room_for_the_human_is_reached_in_an_arc_or_refused() {
     }
 }
 
+/// A path that bends shortly before its end: the room that is checked is where the human comes to stand, and
+/// where that is taken, the team comes to the end in another arc, if there is room for one.
 #[test]
-fn at_the_end_of_a_bend_the_team_turns_where_it_has_room() {
+fn the_room_at_the_end_of_a_bend_is_where_the_human_stands() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("bend.toml");
-    let cylinder = |name: &str, center: [f64; 2], radius: f64| {
+    let cylinder = |name: &str, [x, y]: [f64; 2], radius: f64| {
         format!(
-            "[[obstacle]]\nname = \"{name}\"\nshape = \"cylinder\"\ncenter_m = {center:?}\nradius_m = {radius}\nheight_m = 1\n"
+            "[[obstacle]]\nname = \"{name}\"\nshape = \"cylinder\"\ncenter_m = [{x}, {y}]\nradius_m = {radius}\nheight_m = 1\n"
         )
     };
-    let bend =
+    let open =
         format!("{HEAD}start_m = [0, 0]\ntarget_m = [4, 0.9]\n") + &cylinder("pillar", [3.5, 0.55], 0.25);
+    let corner = wall("top", [1.5, 2.0, 6.0, 2.2], 0.0) + &wall("east", [5.1, -2.0, 5.3, 2.0], 0.0);
     let run = |text: &str| {
         std::fs::write(&file, text).unwrap();
-        cocarry(&["run", file.to_str().unwrap()])
+        let ticks = folder.path().join("ticks.csv");
+        let name = ticks.to_str().unwrap();
+        let output = cocarry(&["run", file.to_str().unwrap(), "--ticks", name, "--overwrite"]);
+        if output.status.code() == Some(2) {
+            return Err(stderr(&output));
+        }
+        assert!(stdout(&output).contains("arrived"), "{text}: {}", stdout(&output));
+        let mut rows = csv::Reader::from_path(&ticks).unwrap();
+        let headers = rows.headers().unwrap().clone();
+        let last = rows.records().last().unwrap().unwrap();
+        let column = |key| headers.iter().position(|name| name == key).unwrap();
+        Ok(["torso_x_m", "torso_y_m"].map(|key| last[column(key)].parse::<f64>().unwrap()))
     };
-    // the post is where the human would end in line with the last path
-    for post in ["".to_owned(), cylinder("post", [4.784, -0.161], 0.1)] {
-        let output = run(&(bend.clone() + &post));
-        assert!(stdout(&output).contains("arrived"), "{post}: {}{}", stdout(&output), stderr(&output));
-    }
+    let stands = run(&(open.clone() + &corner)).expect("room in the corner");
+    let error = run(&(open.clone() + &corner + &cylinder("post", stands, 0.1))).expect_err("no room");
+    assert!(error.contains("`post`"), "{error}");
+    let (_, place) = error.split_once("walks on to (").expect("the place");
+    let named: Vec<f64> =
+        place.split(')').next().unwrap().split(", ").map(|number| number.parse().unwrap()).collect();
+    let off = cocarry::math::hypot(stands[0] - named[0], stands[1] - named[1]);
+    assert!(off < 0.03, "{named:?} is {off} m from {stands:?}");
+
+    let straight_on = run(&open).expect("room in the open");
+    let turned = run(&(open + &cylinder("post", [4.784, -0.161], 0.1))).expect("room for an arc");
+    let aside = cocarry::math::hypot(turned[0] - straight_on[0], turned[1] - straight_on[1]);
+    assert!(aside > 0.3, "{turned:?} is {aside} m from {straight_on:?}");
 }

@@ -193,7 +193,7 @@ fn h4_pairs_the_same_people_and_a_robot_that_knows_them_has_no_regret() {
     for pose in ["with-po", "uniform-weights", "without-po"] {
         for robot in ["learns", "knows"] {
             let [knows, prior] = [robot, "prior"].map(|robot| cost(pose, robot, "all"));
-            assert!(prior > 10.0 && knows < 0.95 * prior, "{pose}, {robot}: {knows} and {prior}");
+            assert!(prior > 10.0 && knows < 0.9 * prior, "{pose}, {robot}: {knows} and {prior}");
             let [less, all] = [robot, "prior"].map(|robot| cost(pose, robot, "tracking"));
             assert!(prior - knows < 1.5 * (all - less), "{pose}, {robot}: tracking {less} and {all}");
         }

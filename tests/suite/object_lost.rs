@@ -2,7 +2,7 @@
 
 use crate::support::{cocarry, repository, stderr};
 use cocarry::control;
-use cocarry::episode::{LOSS_DISTANCE_M, Manipulator, Outcome, Settings};
+use cocarry::episode::{Episode, EpisodeBuilder, LOSS_DISTANCE_M, Manipulator, Outcome, Settings, Summary};
 use cocarry::geometry::{Point, direction};
 use cocarry::human::{Human, HumanDecision, HumanView, Stance};
 use cocarry::math;
@@ -82,11 +82,15 @@ impl Human for Stubborn {
     }
 }
 
-/// The hand, the softer grip with 1200 N/m, yields first.
-#[test]
-fn a_robot_that_backs_away_from_a_human_who_resists_loses_the_object() {
-    let world = paper::ENVIRONMENTS[0].world().expect("a built-in world");
-    let (robot, settings) = (Robot::built_in().expect("the robot"), Settings::default());
+/// What came of an episode of the built-in robot in one of the paper's environments, on the physical plant, and
+/// the peak force of its last step, N.
+fn carried(
+    environment: usize,
+    settings: &Settings,
+    team: impl for<'a> FnOnce(EpisodeBuilder<'a>) -> EpisodeBuilder<'a>,
+) -> (Summary, f64) {
+    let world = paper::ENVIRONMENTS[environment].world().expect("a built-in world");
+    let robot = Robot::built_in().expect("the robot");
     let options = OptionSet::new(&world, 10.0).expect("its options");
     let obstacles = control::RobotObstacles::new(&world);
     let manipulator = Manipulator {
@@ -95,21 +99,25 @@ fn a_robot_that_backs_away_from_a_human_who_resists_loses_the_object() {
         control: control::Settings::default(),
         obstacles: &obstacles,
     };
-    let mut episode = cocarry::episode::Episode::builder(&options, &settings, paper::EXAMPLE_HUMAN)
-        .with_physics(manipulator, &world, &PhysicsSettings::default(), 1)
-        .with_policy(BackAway)
-        .with_human(Stubborn)
-        .begin()
-        .expect("room to start");
+    let episode = Episode::builder(&options, settings, paper::EXAMPLE_HUMAN);
+    let episode = episode.with_physics(manipulator, &world, &PhysicsSettings::default(), 1);
+    let mut episode = team(episode).begin().expect("room to start");
     while episode.step().is_none() {}
-    let summary = episode.summary();
+    let physics = episode.tick().robot.and_then(|robot| robot.physics).expect("bodies");
+    (episode.summary().clone(), physics.peak_force)
+}
+
+/// The hand, the softer grip with 1200 N/m, yields first.
+#[test]
+fn a_robot_that_backs_away_from_a_human_who_resists_loses_the_object() {
+    let (summary, peak_force) =
+        carried(0, &Settings::default(), |team| team.with_policy(BackAway).with_human(Stubborn));
     assert_eq!(summary.outcome, Outcome::ObjectLost);
     let loss = summary.loss.expect("a loss");
     assert_eq!(loss.by, BodyKind::Human);
     assert!(loss.distance > LOSS_DISTANCE_M && loss.distance < 0.25, "{} m", loss.distance);
     assert!(loss.step < 10 && loss.step + 1 == summary.steps, "step {}", loss.step);
-    let force = episode.tick().robot.and_then(|robot| robot.physics).expect("bodies").peak_force;
-    assert!(force > 100.0, "{force} N");
+    assert!(peak_force > 100.0, "{peak_force} N");
 }
 
 /// Leads, and steers the hand to and fro by 29 degrees, whatever path is planned.
@@ -133,24 +141,8 @@ impl Human for Steering {
 /// The distance to the planned path is a figure, not a loss: both grips hold the object.
 #[test]
 fn a_hand_that_leaves_the_planned_path_loses_nothing() {
-    let world = paper::ENVIRONMENTS[3].world().expect("a built-in world");
-    let robot = Robot::built_in().expect("the robot");
     let settings = Settings { method: Method::HUMAN_LED, tick_limit: Some(60), ..Settings::default() };
-    let options = OptionSet::new(&world, 10.0).expect("its options");
-    let obstacles = control::RobotObstacles::new(&world);
-    let manipulator = Manipulator {
-        robot: &robot,
-        posture: robot.postures[0].joints,
-        control: control::Settings::default(),
-        obstacles: &obstacles,
-    };
-    let mut episode = cocarry::episode::Episode::builder(&options, &settings, paper::EXAMPLE_HUMAN)
-        .with_physics(manipulator, &world, &PhysicsSettings::default(), 1)
-        .with_human(Steering::default())
-        .begin()
-        .expect("room to start");
-    while episode.step().is_none() {}
-    let summary = episode.summary();
+    let (summary, _) = carried(3, &settings, |team| team.with_human(Steering::default()));
     let (control, interaction) = (summary.control.expect("a robot"), summary.interaction.expect("bodies"));
     assert_eq!((summary.outcome, summary.loss), (Outcome::OutOfTime, None));
     assert!(

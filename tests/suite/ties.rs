@@ -1,5 +1,5 @@
-//! Rooms with equal ways: the probability of a tie is shared, and a belief with lapses or a rationality does not
-//! hang on a tenth of a millimetre.
+//! Rooms with equal ways: the probability of a tie is shared, and a belief with lapses or a rationality does
+//! not hang on a tenth of a millimetre.
 
 use crate::support::{cocarry, json, load, stderr};
 use cocarry::episode::prospects;

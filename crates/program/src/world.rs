@@ -28,7 +28,8 @@ use std::process::ExitCode;
     ("cocarry world map.yaml --start 0,0 --target 4,1.5 --write room.toml", "a map of map_server, kept as a world file"),
 ]))]
 pub(super) struct WorldArguments {
-    /// World file (TOML), a built-in world (see `cocarry worlds`), or a map: the YAML of ROS's map_server, or GeoJSON
+    /// World file (TOML), a built-in world (see `cocarry worlds`), or a map: the YAML of ROS's map_server, or
+    /// GeoJSON
     world: PathBuf,
     #[command(flatten)]
     map: MapArguments,

@@ -11,7 +11,8 @@ use super::{HORIZON, Inputs};
 use crate::geometry::Footprint;
 use crate::robot::{Configuration, Robot};
 
-/// The number of outlines near the robot for which memory is set aside: of a map's many, few are near at a time.
+/// The number of outlines near the robot for which memory is set aside: of a map's many, few are near at a
+/// time.
 const MANY_OUTLINES: usize = 32;
 
 impl RobotObstacles {

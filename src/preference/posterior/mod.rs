@@ -96,9 +96,9 @@ impl Posterior {
     }
 
     /// Learns from one observation: `likelihoods` is the probability of what was seen if the human prefers
-    /// each option. A human to whom several ways are tied prefers each of them equally often, and options that
-    /// have become one of the `ways` are one choice. Returns the probability of what was seen under the belief so
-    /// far.
+    /// each option. A human to whom several ways are tied prefers each of them equally often, and options
+    /// that have become one of the `ways` are one choice. Returns the probability of what was seen under the
+    /// belief so far.
     ///
     /// # Errors
     /// [`PreferenceError::Likelihoods`]; [`PreferenceError::Impossible`] if that probability is 0. The belief

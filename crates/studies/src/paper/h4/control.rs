@@ -1,6 +1,6 @@
-//! H4 with the robot's arm: the control cost when eqs. (7) and (8) use what was learned of the person. Eq. (7) follows
-//! the option that is most probable, eq. (8) weighs all of them; without pose optimisation, or with equal weights,
-//! what was learned has an effect on eq. (7) only.
+//! H4 with the robot's arm: the control cost when eqs. (7) and (8) use what was learned of the person. Eq.
+//! (7) follows the option that is most probable, eq. (8) weighs all of them; without pose optimisation, or
+//! with equal weights, what was learned has an effect on eq. (7) only.
 
 use super::{ALL_WORLDS, HumanKind, PersonRow, RobotKind, Study, StudyError, Task, Tasks};
 use crate::paper::h3::PoseMethod;
@@ -12,8 +12,8 @@ use serde::Serialize;
 /// The most humans in each world who carry with an arm; their control takes most of the time.
 pub const MOST_HUMANS: usize = 100;
 
-/// Who leads, and how the robot chooses its configuration. With `human-led`, the human's way is the same with every
-/// robot, and only control differs.
+/// Who leads, and how the robot chooses its configuration. With `human-led`, the human's way is the same with
+/// every robot, and only control differs.
 pub const ROBOTS_WITH_ARM: [(Method, PoseMethod); 4] = [
     (Method::HUMAN_LED, PoseMethod::WithPo),
     (Method::HUMAN_LED, PoseMethod::UniformWeights),

@@ -18,8 +18,8 @@ pub struct PersonRow {
     pub world_number: usize,
     /// How the person decides.
     pub humans: HumanKind,
-    /// The stream of the seed's generator from which the person is drawn. People of one stream are the same, as far
-    /// as their kinds let them.
+    /// The stream of the seed's generator from which the person is drawn. People of one stream are the same,
+    /// as far as their kinds let them.
     pub stream: u64,
     /// The task, from 1.
     pub task: usize,
