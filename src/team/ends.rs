@@ -3,6 +3,7 @@
 
 use super::Pace;
 use super::in_tandem::InTandem;
+use super::object_room::SHARPEST_RAD_PER_M;
 use super::team_path::{ARCS, BODY_ROOM_M, FreeSpace, TeamPath, Turned};
 use crate::control::RobotObstacles;
 use crate::geometry::{Path, PlanarPose, Point, direction, wrap_angle, write_turn_onto};
@@ -21,6 +22,11 @@ const SAME_HEADING_RAD: f64 = 1e-9;
 const SEARCH_M: f64 = 3.0;
 const RING_M: f64 = 0.1;
 const PLACES: u32 = 24;
+
+/// The length of the beginning and of the end of a path, m, on which the object should not turn too much for
+/// the arm.
+const GENTLE_M: f64 = 1.6;
+const TURN_STEP_M: f64 = 0.1;
 
 /// The distance between the points of a way that are looked at, m.
 const LOOK_M: f64 = 0.02;
@@ -56,7 +62,8 @@ impl<'a> InTandem<'a> {
         let in_line = Self::new(free_space, pace, TeamPath::starting(world, first, is_free), true);
         let ahead = in_line.goal();
         let given = world.start_heading.map(|heading| wrap_angle(heading - ahead.yaw));
-        if given.is_none_or(|turn| turn.abs() < SAME_HEADING_RAD) {
+        let gentle = |team: &Self| given.is_some() || team.starts_gently(first);
+        if given.is_none_or(|turn| turn.abs() < SAME_HEADING_RAD) && gentle(&in_line) {
             match check(world, BODY_ROOM_M, [ahead.position, base(&ahead)]) {
                 Ok(()) => return Ok((in_line, ahead)),
                 Err(room) if given.is_some() => return Err(PhysicsError::NoRoomAtStart(room)),
@@ -70,7 +77,7 @@ impl<'a> InTandem<'a> {
                 let way = PlanarPose { yaw: wrap_angle(ahead.yaw + 2.0 * turn), ..pose };
                 let bent = Self::new(free_space, pace, (TeamPath::new(world, &way), pose), true);
                 let pose = bent.team_path().pose(&bent.widened(first), 0.0);
-                if check(world, BODY_ROOM_M, [pose.position, base(&pose)]).is_ok() {
+                if gentle(&bent) && check(world, BODY_ROOM_M, [pose.position, base(&pose)]).is_ok() {
                     return Ok((Self::new(free_space, pace, (bent.team_path().clone(), pose), true), pose));
                 }
             }
@@ -94,7 +101,11 @@ impl<'a> InTandem<'a> {
                 found.ok_or(refusal)
             }
         };
-        any(first, ahead.position).map_err(|room| {
+        let found = any(first, ahead.position);
+        if found.is_err() && given.is_none() && check(world, BODY_ROOM_M, [ahead.position, base(&ahead)]).is_ok() {
+            return Ok((in_line, ahead));
+        }
+        found.map_err(|room| {
             let nearest = places(ahead.position).find(|&place| {
                 let mut progress = options.begin();
                 options.advance(&mut progress, place);
@@ -106,6 +117,18 @@ impl<'a> InTandem<'a> {
             });
             PhysicsError::NoRoomAtStart(NoRoom { nearest, ..room })
         })
+    }
+
+    /// Whether the object turns slowly enough at the beginning of a path.
+    fn starts_gently(&self, first: &Path) -> bool {
+        self.is_gentle(&self.widened(first), [0.0, GENTLE_M])
+    }
+
+    /// Whether the object turns slowly enough for the arm between two positions (m) along a path.
+    fn is_gentle(&self, way: &Path, [from, to]: [f64; 2]) -> bool {
+        let steps = (to - from.max(0.0)) / TURN_STEP_M;
+        let yaw = |i: u32| self.team_path().pose(way, from.max(0.0) + TURN_STEP_M * f64::from(i)).yaw;
+        (0..steps as u32).all(|i| wrap_angle(yaw(i + 1) - yaw(i)).abs() <= SHARPEST_RAD_PER_M * TURN_STEP_M)
     }
 
     /// Whether robot, object and human have room where they stand, and can turn onto the path `first`.
@@ -144,14 +167,21 @@ impl<'a> InTandem<'a> {
         }
         let back = path.reversed();
         let (Some(end), Some(heading)) = (back.point_at(0.0), back.heading_at(0.0)) else { return path };
-        let mut way = Path::default();
-        let found = turns().find_map(|turn| {
-            let heading = wrap_angle(heading + turn);
-            ARCS.iter().find_map(|arc| {
-                write_turn_onto(&back, end, heading, *arc, is_free, &mut way)?;
-                Some(way.reversed()).filter(has_room)
+        let ended = |is_right: &dyn Fn(&Path) -> bool| {
+            turns().find_map(|turn| {
+                let heading = wrap_angle(heading + turn);
+                ARCS.iter().find_map(|arc| {
+                    let mut way = Path::default();
+                    write_turn_onto(&back, end, heading, *arc, is_free, &mut way)?;
+                    Some(way.reversed()).filter(|way| has_room(way) && is_right(way))
+                })
             })
-        });
+        };
+        let is_gentle = |way: &Path| {
+            let way = self.widened(way);
+            self.is_gentle(&way, [way.length() - GENTLE_M, way.length()])
+        };
+        let found = ended(&is_gentle).or_else(|| ended(&|_| true));
         found.unwrap_or(path)
     }
 

@@ -32,6 +32,9 @@ const RESISTANCE_M: [f64; 2] = [0.03, 0.06];
 /// a hand that is steered need not be on the path.
 const ARRIVAL_DISTANCE_M: f64 = 0.1;
 
+/// The largest bend (rad) between a turn and a path that ends in an arc.
+const LARGEST_BEND_RAD: f64 = 0.5;
+
 /// Human, object and robot, one behind the other.
 #[derive(Clone, Debug)]
 pub struct InTandem<'a> {
@@ -80,6 +83,24 @@ impl<'a> InTandem<'a> {
         let is_free = |from, to| free_space.is_free(from, to);
         self.state.team_path.write_widened(path, is_free, &mut Widening::default(), &mut widened);
         widened
+    }
+
+    /// A turn with room for the object after it, and for the human beyond the end: a turn may join its path
+    /// beyond the arc with which that ends.
+    fn after_turn(&self, turned: Turned) -> Turned {
+        let Turned { path, until } = turned;
+        let (mut turn, mut rest) = (Path::default(), Path::default());
+        turn.push_rest(&path.reversed(), path.length() - until);
+        rest.push_rest(&path, until);
+        let mut ended = turn.reversed();
+        ended.push_rest(&self.ended(rest), 0.0);
+        let is_smooth = ended.sharpest_bend() <= path.sharpest_bend().max(LARGEST_BEND_RAD);
+        Turned { path: self.with_object_room(if is_smooth { ended } else { path }), until }
+    }
+
+    /// A path as the team walks it, with room for the object.
+    fn with_object_room(&self, path: Path) -> Path {
+        self.state.team_path.with_object_room(path, self.free_space())
     }
 
     pub(super) fn team_path(&self) -> &TeamPath {
@@ -150,13 +171,16 @@ impl Walk for InTandem<'_> {
     }
 
     fn walkable(&self, path: Path) -> Path {
-        self.widened(&self.ended(path))
+        self.with_object_room(self.widened(&self.ended(path)))
     }
 
     fn begin(&mut self, path: Path) -> Turned {
         let path = self.ended(path);
         let turned = if self.faces_path { None } else { self.turn_from_start(&path) };
-        turned.unwrap_or_else(|| Turned { path: self.widened(&path), until: 0.0 })
+        match turned {
+            Some(turned) => self.after_turn(turned),
+            None => Turned { path: self.with_object_room(self.widened(&path)), until: 0.0 },
+        }
     }
 
     fn turn(&mut self, path: &Path, along: f64, next: Path) -> Option<Turned> {
@@ -165,7 +189,7 @@ impl Walk for InTandem<'_> {
         let turned = team_path.planned_turn(path, along, &next, free_space)?;
         team_path.leave(path, along);
         *path_position -= along;
-        Some(turned)
+        Some(self.after_turn(turned))
     }
 
     fn place_to_turn(&self, path: &Path, range: [f64; 2], next: &dyn Fn(Point) -> Path) -> Option<f64> {

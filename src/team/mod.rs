@@ -5,6 +5,7 @@
 
 mod ends;
 mod in_tandem;
+mod object_room;
 mod on_path;
 mod pace;
 mod route;

@@ -4,6 +4,7 @@
 //! others follow on the same path. Where there is no room for an arc, as in a doorway, the team does not
 //! turn. The team takes corners wide, because the object is on their inside.
 
+use super::object_room::ObjectRoom;
 use crate::control::RobotObstacles;
 use crate::geometry::{Arc, Path, PlanarPose, Point, Tandem, Widening, angle_of, direction, write_turn_onto};
 use crate::options::{Crossing, OptionSet};
@@ -121,6 +122,11 @@ impl TeamPath {
             self.tandem.corner_radius(sweep, obstacle + self.beside + OBJECT_ROOM_M + ROUNDING_M)
         };
         widening.write(path, radius, is_free, way);
+    }
+
+    /// The path, with room for the object. It stays as it is up to where the human's body is now.
+    pub fn with_object_room(&self, path: Path, free_space: FreeSpace) -> Path {
+        ObjectRoom::new(&self.tandem, self.beside, free_space).on(path, self.body_ahead())
     }
 
     /// The object's pose when its centre has come `walked` (m) along `path`.

@@ -1,6 +1,6 @@
 //! The outlines of a world's obstacles, as the robot sees them.
 
-use crate::geometry::{Bounds, Footprint, Placed, PlanarPose, Point, Vector};
+use crate::geometry::{Bounds, Footprint, Placed, PlanarPose, Point, Vector, Witness};
 use crate::world::World;
 
 /// Additional distance (m) of base and arm from obstacles, because a soft bound may be violated by
@@ -80,6 +80,27 @@ impl RobotObstacles {
         self.outlines.iter().all(|o| {
             o.near(base.position, radius).is_none() || placed.separation(&o.footprint).distance > -tolerance
         })
+    }
+
+    /// Calls `on_near` with the signed distance (m) and its gradient of every obstacle within `reach` (m, not
+    /// negative) of `p`.
+    pub fn near_point(&self, p: Point, reach: f64, mut on_near: impl FnMut(f64, Vector)) {
+        self.outlines.iter().filter_map(|o| o.near(p, reach)).for_each(|(distance, away)| on_near(distance, away));
+    }
+
+    /// Calls `on_near` for every obstacle within `reach` (m, not negative) of a polygon at this pose, with
+    /// the nearest point of the polygon. `radius` is that of the polygon's circle, m.
+    pub fn near_outline(
+        &self,
+        pose: &PlanarPose,
+        (outline, radius): (&Footprint, f64),
+        reach: f64,
+        on_near: impl FnMut(Witness),
+    ) {
+        let placed = Placed::new(outline, pose);
+        let is_near = |o: &&Outline| o.near(pose.position, radius + reach).is_some();
+        let witnesses = self.outlines.iter().filter(is_near).map(|o| placed.separation(&o.footprint));
+        witnesses.filter(|witness| witness.distance <= reach).for_each(on_near);
     }
 
     /// Whether every obstacle is farther than `room` (m, not negative) from `p`.
