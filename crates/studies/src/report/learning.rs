@@ -17,7 +17,7 @@ use serde_json::Value;
 
 /// H4.
 pub(super) const PART: Part =
-    Part { name: "people to learn", episodes: |plan| with_study(plan, |study| study.units()), run };
+    Part { id: "h4", name: "people to learn", episodes: |plan| with_study(plan, |study| study.units()), run };
 
 fn with_study<T>(plan: &Plan, work: impl FnOnce(&Study) -> T) -> T {
     let plant = &Plant::new(PlantKind::Kinematic, RobotSetup::new(plan.robot));

@@ -13,7 +13,7 @@ use cocarry::preference::RISK_WEIGHT;
 use cocarry_output::drawing::{self, AnswerPanel, AnswerRow, DrawingError, RiskWeightMark};
 
 /// The fit of c_r.
-pub(super) const PART: Part = Part { name: "fit of c_r", episodes: |_| 0, run };
+pub(super) const PART: Part = Part { id: "risk-weight", name: "fit of c_r", episodes: |_| 0, run };
 
 /// Answers and fits, and the error over c_r.
 ///
@@ -87,6 +87,7 @@ fn table(fit: &RiskWeightFit) -> Table {
     Columns::of(&[("likelihood", &fit.likelihood), ("least squares", &fit.least_squares)])
         .text("by", "by", |(by, _)| *by)
         .number("c_r (m)", "risk_weight_m", 2, |(_, e)| e.risk_weight)
+        .data("lapse", |(_, e)| e.lapse)
         .number("paper (m)", "paper_m", 0, |_| RISK_WEIGHT)
         .number("rms error, fitted (pp)", "fitted_rms_points", 2, |(_, e)| e.fitted.rms)
         .number("Environment 4, held out (pp)", "held_out_rms_points", 2, |(_, e)| held_out(e))
