@@ -124,6 +124,7 @@ fn paper_table_3() {
     let study = Study {
         plant: &Plant::new(PlantKind::Kinematic, RobotSetup::new(&robot)),
         starts: &[&robot.postures[0].name],
+        methods: &PoseMethod::ALL,
         episodes: 3,
         seed: 0,
         settings: &Settings::default(),

@@ -93,6 +93,77 @@ fn the_likelihood_is_recommended_and_what_least_squares_leave_out_is_said() {
     assert_eq!(fit["least_squares_caution"], LEAST_SQUARES_CAUTION);
 }
 
+/// Two options in one world: every c_r from that of the model on gives these answers with lapses of its own.
+#[test]
+fn a_c_r_that_the_likelihood_does_not_determine_is_not_recommended() {
+    let obstacle = |name: &str, y: f64, size: [f64; 2]| {
+        format!(
+            "[[obstacle]]\nname = \"{name}\"\nshape = \"box\"\ncenter_m = [4.0, {y:?}]\nsize_m = {size:?}\nheight_m = 1.0\n"
+        )
+    };
+    let way = |option: u32, between: &str| {
+        format!(
+            "[[opening]]\nname = \"xi{option}\"\nbetween = [{between}]\n[[option]]\nname = \"{option}\"\nopenings = [\"xi{option}\"]\n"
+        )
+    };
+    let world = "name = \"two ways\"\nrobot_width_m = 0.5\nstart_m = [0, 1.4]\ntarget_m = [8, 1.4]\n"
+        .to_owned()
+        + &obstacle("island", 0.0, [0.8, 2.4])
+        + &obstacle("north", 52.0, [0.2, 100.0])
+        + &obstacle("south", -52.6, [0.2, 100.0])
+        + &way(1, "\"island\", \"north\"")
+        + &way(2, "\"south\", \"island\"");
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("w.toml"), world).unwrap();
+    let (_, set) = load(&folder.path().join("w.toml"));
+    let model = |c_r: f64| {
+        let mut choice = ChoiceDistribution::default();
+        let mut predictor = Predictor::new(Belief::default(), c_r).unwrap();
+        predictor.predict(&prospects(&set, &set.begin()), &mut choice);
+        choice.probabilities().to_vec()
+    };
+    let truth = 6.0;
+    let p = model(truth);
+    assert!(p.len() == 2 && p.iter().all(|p| (0.1..0.9).contains(p)), "{p:?}");
+    let mut text = "participant,world,option,percent\n".to_owned();
+    for (person, share) in [("a", 0.5), ("b", -0.5)] {
+        let off = share * p[0].min(p[1]);
+        for (option, p) in set.options().iter().zip([p[0] + off, p[1] - off]) {
+            text += &format!("{person},w.toml,{},{}\n", option.name, 100.0 * p);
+        }
+    }
+    let file = folder.path().join("answers.csv");
+    std::fs::write(&file, text).unwrap();
+    let svg = folder.path().join("fit.svg");
+    let arguments = ["fit", "risk-weight", file.to_str().unwrap(), "--svg", svg.to_str().unwrap()];
+    let fit = json(&[&arguments[..], &["--json"]].concat());
+    assert!(fit["recommended"].is_null(), "{fit}");
+    let likelihood = &fit["likelihood"];
+    let [low, high] = [0, 1].map(|i| likelihood["undetermined_m"][i].as_f64().unwrap());
+    // lapses bring the rarer option nearer to a half: the model must give it less than its share
+    let rarer = usize::from(p[1] < p[0]);
+    assert!(model(2.0 * truth)[rarer] < p[rarer] && model(0.7 * truth)[rarer] > p[rarer]);
+    assert!((low - truth).abs() < 0.01 && high == 1000.0, "{low} to {high}");
+    assert!(
+        (likelihood["risk_weight_m"].as_f64().unwrap() - truth).abs() < 0.01,
+        "the fewest lapses: {likelihood}"
+    );
+    assert!(
+        likelihood["lapse"].as_f64().unwrap() < 1e-3 && likelihood["interval_m"].is_null(),
+        "{likelihood}"
+    );
+    assert_eq!(likelihood["other_optima_m"], Value::Array(Vec::new()));
+    assert!(fit["least_squares"]["undetermined_m"].is_null());
+    let said = stdout(&cocarry(&[&arguments[..], &["--overwrite"]].concat()));
+    let drawn = std::fs::read_to_string(&svg).unwrap();
+    let range = format!("does not determine c_r: every c_r from {low:.2} to 1000.00 m");
+    for text in [&said, &drawn] {
+        assert!(!text.contains("(recommended)") && text.contains("likelihood (undetermined)"), "{text}");
+    }
+    assert!(said.contains(&range), "{said}");
+    assert!(drawn.contains("does not determine"), "{drawn}");
+}
+
 #[test]
 fn lapses_are_told_from_risk() {
     // a fifth of every answer is spread evenly

@@ -144,17 +144,6 @@ fn the_pictures_of_environment_4_are_of_the_present_program() {
     }
 }
 
-/// The figure of Table III. Writes it anew with `COCARRY_UPDATE_BOOK=1`.
-#[test]
-#[ignore = "takes minutes"]
-fn the_picture_of_table_3_is_of_the_present_program() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("table-3-ratios.svg");
-    let output = cocarry(&["reproduce", "h3", "--svg", file.to_str().unwrap()]);
-    assert!(output.status.success(), "{}", stderr(&output));
-    settle_text("book/src/pictures/table-3-ratios.svg", &std::fs::read_to_string(file).unwrap());
-}
-
 /// Compares an SVG of the book with what the program draws, or writes it.
 pub fn settle_text(file: &str, made: &str) {
     if is_updating() {

@@ -11,13 +11,14 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-const TABLES: [&str; 19] = [
+const TABLES: [&str; 25] = [
     "table-1",
     "table-1-fit",
     "risk-weight",
     "table-2",
     "example-environment-4",
     "table-2-bodies",
+    "arrivals",
     "contacts",
     "cycles",
     "worlds-with-bodies",
@@ -28,6 +29,11 @@ const TABLES: [&str; 19] = [
     "table-3-parts-elbow-up",
     "table-3-parts-elbow-out",
     "table-3-all",
+    "table-3-omni-elbow-up",
+    "table-3-omni-ratios-elbow-up",
+    "table-3-omni-elbow-out",
+    "table-3-omni-ratios-elbow-out",
+    "table-3-choices",
     "learning-by-world",
     "learning-by-human",
     "learning-control",
@@ -59,7 +65,7 @@ fn small(folder: &Path, more: &[&str]) -> std::process::Output {
     cocarry(&[&as_little(folder.to_str().expect("a path")), more].concat())
 }
 
-fn as_little(folder: &str) -> [&str; 16] {
+fn as_little(folder: &str) -> [&str; 20] {
     [
         "reproduce",
         "all",
@@ -75,6 +81,11 @@ fn as_little(folder: &str) -> [&str; 16] {
         "1",
         "--people",
         "2",
+        "--seeds",
+        "2",
+        // as h3-omni, but for the plant; it takes longer than all others
+        "--parts",
+        "h1,risk-weight,h2,h2-bodies,arrivals,contacts,cycles,cycles-bodies,h3,h3-omni,h3-choices,h4",
         "--report",
         folder,
     ]
@@ -119,7 +130,7 @@ fn the_report_has_every_table_and_figure_as_files_and_on_the_page() {
     let (folder, told) = report();
     let tables = TABLES.iter().map(|name| format!("{name}.csv"));
     let figures = FIGURES.iter().map(|name| format!("figures/{name}.svg"));
-    let texts = ["report.html", "report.md"].map(str::to_owned);
+    let texts = ["report.html", "report.md", "tables.csv"].map(str::to_owned);
     let mut expected: Vec<String> = tables.chain(figures).chain(texts).collect();
     expected.sort();
     assert_eq!(files(folder), expected);
@@ -151,7 +162,36 @@ fn the_report_has_every_table_and_figure_as_files_and_on_the_page() {
     ] {
         assert!(page.contains(part) && markdown.contains(part), "{part}");
     }
-    assert_eq!(told["claims"].as_array().unwrap().len(), 9);
+    assert_eq!(told["claims"].as_array().unwrap().len(), 12);
+    let index = text("tables.csv");
+    let listed: Vec<&str> = index.lines().skip(1).map(|line| line.split(',').nth(1).unwrap()).collect();
+    assert_eq!(listed, TABLES);
+    for line in index.lines().skip(1) {
+        let [_, name, count, crc] = line.split(',').collect::<Vec<_>>()[..] else { panic!("{line}") };
+        let table = text(&format!("{name}.csv"));
+        assert_eq!(
+            (count, crc),
+            (&*rows(name).len().to_string(), &*format!("{:08x}", crc32fast::hash(table.as_bytes())))
+        );
+    }
+}
+
+#[test]
+fn some_parts_give_the_same_tables_as_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let some = folder.path().join("some");
+    let arguments = ["reproduce", "all", "--parts", "cycles,h1", "--worlds", "20", "--report"];
+    let output = cocarry(&[&arguments[..], &[some.to_str().unwrap()]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let index = std::fs::read_to_string(some.join("tables.csv")).unwrap();
+    let parts: Vec<&str> = index.lines().skip(1).map(|line| line.split(',').next().unwrap()).collect();
+    assert_eq!(parts, ["h1", "h1", "cycles"]);
+    for line in index.lines().skip(1) {
+        assert!(text("tables.csv").contains(line), "{line}");
+    }
+    let output = cocarry(&["reproduce", "all", "--parts", "h9", "--report", some.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("h9"), "{}", stderr(&output));
 }
 
 #[test]

@@ -13,9 +13,10 @@
 //! | anything else | nothing |
 //!
 //! `` `cocarry ...` `` within a sentence is parsed. Comments above and behind commands are checked by
-//! [`CLAIMS`]. A picture whose file name a command of the page has written must be that file. With the
+//! [`CLAIMS`]. Figures that depend on many episodes come from kept tables: see [`figures`]. A picture whose file name a command of the page has written must be that file. With the
 //! environment variable [`UPDATE`], outputs, pictures and the pages of [`reference`] are written anew instead.
 
+mod figures;
 mod links;
 mod reference;
 
@@ -155,7 +156,7 @@ fn follow(page: &str) {
         }
         expected += "```\n";
     }
-    settle(page, &text, &expected);
+    settle(page, &text, &figures::fill(page, &expected));
     workplace.compare_pictures(&text);
 }
 

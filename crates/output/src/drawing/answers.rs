@@ -34,6 +34,8 @@ pub struct AnswerRow {
 /// A fitted c_r, m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RiskWeightMark {
+    /// Its entry in the legend.
+    pub name: &'static str,
     /// Its value.
     pub at: f64,
     /// Its 95 % interval, if there is one.
@@ -47,8 +49,6 @@ const ROW_HEIGHT: f64 = 30.0;
 const MEAN_HEIGHT: f64 = 22.0;
 /// Height of the error chart, px.
 const CHART_HEIGHT: f64 = 200.0;
-/// Legend of the two fits.
-const FITS: [&str; 2] = ["likelihood (recommended)", "least squares"];
 
 /// Answers and fits, one panel per world. Below, the rms error over c_r with the two fitted values, by
 /// likelihood and by least squares, and the sentences of `caution`.
@@ -87,7 +87,8 @@ pub fn answers(
         legend = legend.entry(answer_mark(), "answers");
     }
     legend = legend.entry(mean_bar(MEAN_HEIGHT), if has_several { "their mean" } else { "answer" });
-    legend = FITS.iter().enumerate().fold(legend, |legend, (fit, name)| legend.entry(fit_mark(fit), *name));
+    legend =
+        marks.iter().enumerate().fold(legend, |legend, (fit, mark)| legend.entry(fit_mark(fit), mark.name));
     let (legend, bottom) = legend.draw(Point::new(MARGIN, top), WIDTH - 2.0 * MARGIN);
     let frame = frame(bottom + GAP, CHART_HEIGHT);
     let (caution, bottom) = notes(caution.split_inclusive(". "), frame.max.y + AXIS_ROOM);
@@ -208,7 +209,7 @@ mod tests {
     #[test]
     fn the_figure_is_well_formed_and_shows_every_answer() {
         let curve = [(0.1, 30.0), (10.0, 5.0), (1000.0, 20.0)];
-        let marks = [8.0, 9.0].map(|at| RiskWeightMark { at, interval: Some([7.0, 11.0]) });
+        let marks = [8.0, 9.0].map(|at| RiskWeightMark { name: "fit", at, interval: Some([7.0, 11.0]) });
         let picture = checked(|| answers(&panels(), &curve, &marks, "One <. Two"));
         let (legend, chart) = (1, 2);
         assert_eq!(picture.matches("class=\"answer\"").count(), 4 + legend);
@@ -229,7 +230,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_drawn_is_refused() {
-        let marks = [RiskWeightMark { at: 8.0, interval: None }; 2];
+        let marks = [RiskWeightMark { name: "fit", at: 8.0, interval: None }; 2];
         let curve = [(0.1, 30.0), (10.0, 5.0)];
         assert!(matches!(answers(&[], &curve, &marks, ""), Err(DrawingError::NoPanels)));
         let mut spoiled = panels();

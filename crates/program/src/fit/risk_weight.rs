@@ -86,10 +86,11 @@ pub(super) fn run(arguments: &RiskWeightArguments) -> Result<(), Failure> {
     if arguments.common.json {
         return print_json(&json!({
             "participants": answers.participants.len(),
-            "recommended": "likelihood",
+            "recommended": fit.is_determined().then_some("likelihood"),
             "likelihood": fit.likelihood,
             "least_squares": fit.least_squares,
             "least_squares_caution": LEAST_SQUARES_CAUTION,
+            "caution": fit.caution(),
             "nearly_as_good_m": fit.nearly_as_good,
             "tried_m": settings.range,
             "resamples": settings.resamples,
@@ -117,7 +118,11 @@ fn text(answers: &Answers, settings: &RiskWeightSettings, fit: &RiskWeightFit) -
     for (name, estimate) in estimates {
         let interval = estimate.interval.map(|[low, high]| format!("{low:.2} to {high:.2}"));
         shown.add_row([
-            if estimate.lapse.is_some() { format!("{name} (recommended)") } else { name.to_owned() },
+            match estimate.lapse {
+                Some(_) if fit.is_determined() => format!("{name} (recommended)"),
+                Some(_) => format!("{name} (undetermined)"),
+                None => name.to_owned(),
+            },
             format!("{:.3}", estimate.risk_weight),
             interval.unwrap_or_else(|| "-".to_owned()),
             estimate.lapse.map_or("-".to_owned(), |lapse| format!("{:.1}", 100.0 * lapse)),
@@ -126,7 +131,7 @@ fn text(answers: &Answers, settings: &RiskWeightSettings, fit: &RiskWeightFit) -
         ]);
     }
     text += &table_text(&shown);
-    let _ = writeln!(text, "{LEAST_SQUARES_CAUTION}");
+    let _ = writeln!(text, "{}", fit.caution());
     let [low, high] = fit.nearly_as_good;
     let _ = writeln!(
         text,

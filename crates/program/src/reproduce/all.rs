@@ -6,8 +6,9 @@ use super::super::robot::load_robot;
 use super::common::Common;
 use anyhow::{Context, anyhow};
 use clap::Args;
+use clap::builder::PossibleValuesParser;
 use cocarry_output::output_file::{OutputFile, Outputs};
-use cocarry_studies::report::{PARTS, Plan, Report, ReportError, Section};
+use cocarry_studies::report::{PARTS, Part, Plan, Report, ReportError, Section};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -15,16 +16,32 @@ use std::time::Instant;
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry reproduce all --report report", "the page is report/report.html"),
+    ("cocarry reproduce all --report draft --short", "a little of everything, in a minute"),
+    ("cocarry reproduce all --report some --parts h1,h2", ""),
 ]))]
 pub(in super::super) struct AllArguments {
     #[command(flatten)]
     common: Common,
-    /// Write the report into this folder: report.html, report.md, a CSV file for each table, figures/*.svg
+    /// Write the report into this folder: report.html, report.md, a CSV file for each table, tables.csv with their
+    /// checksums, figures/*.svg
     #[arg(long, value_name = "FOLDER")]
     report: PathBuf,
+    /// Only these parts, separated by commas [default: all]
+    #[arg(long, value_delimiter = ',', value_parser = PossibleValuesParser::new(PARTS.iter().map(|part| part.id)))]
+    parts: Vec<String>,
+    /// Few episodes in every part: a first look in a short time
+    #[arg(long)]
+    short: bool,
     /// Random humans in each of the 16 cells of Table III [default: 100]
     #[arg(long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
     episodes: Option<u64>,
+    /// Random humans in each cell of Table III with bodies [default: 6]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    episodes_with_bodies: Option<u64>,
+    /// Humans in each of 5 worlds with each of 4 methods, with bodies; and two fifths of them where they lead or change
+    /// their mind [default: 100]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    seeds: Option<u64>,
     /// Humans in each of the 16 cells of Table II with bodies [default: 20]
     #[arg(long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
     humans: Option<u64>,
@@ -55,9 +72,14 @@ pub(super) fn run(arguments: &AllArguments) -> Result<(), Failure> {
     let folder = &arguments.report;
     prepare(folder, arguments.overwrite)?;
     let robot = load_robot(None)?;
-    let mut plan = Plan::new(&robot);
+    let mut plan = if arguments.short { Plan::short(&robot) } else { Plan::new(&robot) };
+    let is_asked =
+        |part: &&Part| arguments.parts.is_empty() || arguments.parts.iter().any(|id| id == part.id);
+    let parts: Vec<&Part> = PARTS.iter().filter(is_asked).collect();
     let given = |to: &mut usize, count: Option<u64>| *to = count.map_or(*to, |n| n as usize);
     given(&mut plan.episodes, arguments.episodes);
+    given(&mut plan.episodes_with_bodies, arguments.episodes_with_bodies);
+    given(&mut plan.seeds, arguments.seeds);
     given(&mut plan.humans, arguments.humans);
     given(&mut plan.worlds, arguments.worlds);
     given(&mut plan.worlds_with_bodies, arguments.worlds_with_bodies);
@@ -67,8 +89,8 @@ pub(super) fn run(arguments: &AllArguments) -> Result<(), Failure> {
 
     let begun = Instant::now();
     let (sections, threads) =
-        arguments.common.on_threads(|| (sections(&plan), rayon::current_num_threads()))?;
-    let report = Report::new(&plan, sections.map_err(input)?);
+        arguments.common.on_threads(|| (sections(&plan, &parts), rayon::current_num_threads()))?;
+    let report = Report::new(&plan, &parts, sections.map_err(input)?);
     let made = format!(
         "Made in {:.0} s on {threads} {}.",
         begun.elapsed().as_secs_f64(),
@@ -76,7 +98,7 @@ pub(super) fn run(arguments: &AllArguments) -> Result<(), Failure> {
     );
     let files = write(&report, folder, &made)?;
     if arguments.common.json {
-        return print_json(&report_json(&report, &plan, folder, &files));
+        return print_json(&report_json(&report, (&plan, &parts), folder, &files));
     }
     let mut text = String::new();
     for section in &report.sections {
@@ -91,9 +113,9 @@ pub(super) fn run(arguments: &AllArguments) -> Result<(), Failure> {
     ))
 }
 
-/// Every claim's section, in order.
-fn sections(plan: &Plan) -> Result<Vec<Section>, ReportError> {
-    PARTS
+/// Every part's section, in order.
+fn sections(plan: &Plan, parts: &[&Part]) -> Result<Vec<Section>, ReportError> {
+    parts
         .iter()
         .map(|part| {
             let bar = Progress::new((part.episodes)(plan), part.name);
@@ -140,6 +162,7 @@ fn write(report: &Report, folder: &Path, made: &str) -> Result<Vec<String>, Fail
     let tables = report.tables().map(|t| (format!("{}.csv", t.name), t.csv()));
     let texts = [
         ("report.md".to_owned(), report.markdown.clone().into_bytes()),
+        ("tables.csv".to_owned(), report.index().into_bytes()),
         (PAGE.to_owned(), report.page(made).into_bytes()),
     ];
     // the folder is this report's: that was asked before the work
@@ -155,7 +178,7 @@ fn write(report: &Report, folder: &Path, made: &str) -> Result<Vec<String>, Fail
 }
 
 /// The findings and the files written, as JSON.
-fn report_json(report: &Report, plan: &Plan, folder: &Path, files: &[String]) -> Value {
+fn report_json(report: &Report, (plan, parts): (&Plan, &[&Part]), folder: &Path, files: &[String]) -> Value {
     let claims = report.sections.iter().map(|section| {
         let finding = &section.finding;
         json!({ "claim": finding.claim, "verdict": finding.verdict, "figures": finding.figures })
@@ -164,7 +187,7 @@ fn report_json(report: &Report, plan: &Plan, folder: &Path, files: &[String]) ->
     json!({
         "report": folder.display().to_string(),
         "files": files,
-        "episodes": PARTS.iter().map(|part| (part.episodes)(plan)).sum::<usize>(),
+        "episodes": parts.iter().map(|part| (part.episodes)(plan)).sum::<usize>(),
         "seed": plan.seed,
         "claims": claims.collect::<Vec<_>>(),
         "tables": tables,

@@ -59,20 +59,20 @@ pub(super) fn run(arguments: &H3Arguments) -> Result<(), Failure> {
     let episodes = arguments.episodes.map_or(default, |n| n as usize);
     let plant = Plant::new(arguments.plant, RobotSetup::new(&robot));
     let starts: Vec<&str> = robot.postures.iter().map(|p| p.name.as_str()).collect();
-    let study = Study { plant: &plant, starts: &starts, episodes, seed: arguments.seed, settings: &settings };
+    let methods = PoseMethod::on(plant.kind());
+    let (starts, seed) = (&starts[..], arguments.seed);
+    let study = Study { plant: &plant, starts, methods, episodes, seed, settings: &settings };
     if let Some(path) = &arguments.humans {
         let humans = study.humans().map_err(input)?;
         write_file(&outputs, path, humans_as_csv(&humans, study.seed).map_err(Failure::Output)?)?;
     }
     let rows = arguments
         .common
-        .with_progress(units(plant.kind(), starts.len(), episodes), "Table III", |on_done| {
-            study.table(on_done)
-        })?
+        .with_progress(units(methods, starts.len(), episodes), "Table III", |on_done| study.table(on_done))?
         .map_err(input)?;
-    let of = |start| Compared { rows: &rows, start, methods: PoseMethod::on(plant.kind()) };
+    let of = |start| Compared { rows: &rows, start, methods };
     if let Some(path) = &arguments.svg {
-        let svg = ratio_picture(&rows, &starts)
+        let svg = ratio_picture(&rows, starts)
             .with_context(|| path.display().to_string())
             .map_err(Failure::Output)?;
         write_file(&outputs, path, &svg)?;

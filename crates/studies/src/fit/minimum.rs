@@ -23,6 +23,33 @@ pub(super) fn valleys(values: &[f64]) -> Vec<usize> {
     (0..values.len()).filter(|&i| falls_to(i) && rises_after(i)).collect()
 }
 
+/// The least and the largest number at which `value` is at most `limit`, between the first and the last of those
+/// scanned and their neighbours beyond; `None` if fewer than two of those scanned are that low. `values` are
+/// those at the numbers scanned.
+pub(super) fn level(
+    scanned: &[f64],
+    values: &[f64],
+    limit: f64,
+    mut value: impl FnMut(f64) -> f64,
+) -> Option<[f64; 2]> {
+    let is_low = |v: &f64| *v <= limit;
+    let [first, last] = [values.iter().position(is_low)?, values.iter().rposition(is_low)?];
+    // the last low number on the way from `low` to `high`
+    let mut end = |low: f64, high: f64| {
+        let [mut low, mut high] = [low, high].map(math::ln);
+        while (high - low).abs() > 1e-6 {
+            let middle = (low + high) / 2.0;
+            if value(math::exp(middle)) <= limit { low = middle } else { high = middle }
+        }
+        math::exp(low)
+    };
+    let ends = [
+        if first == 0 { scanned[first] } else { end(scanned[first], scanned[first - 1]) },
+        if last + 1 == scanned.len() { scanned[last] } else { end(scanned[last], scanned[last + 1]) },
+    ];
+    (first < last).then_some(ends)
+}
+
 /// The value between the neighbours of the number at `index` at which `value` is least, to a millionth.
 pub(super) fn refined(scanned: &[f64], index: usize, mut value: impl FnMut(f64) -> f64) -> f64 {
     let ends = [index.saturating_sub(1), (index + 1).min(scanned.len() - 1)].map(|i| math::ln(scanned[i]));
@@ -67,6 +94,20 @@ mod tests {
         let found = refined(&numbers, least(&values), value);
         assert!((math::ln(found) - 3.0).abs() < 1e-6, "{found}");
         assert_eq!(valleys(&values).len(), 2);
+    }
+
+    #[test]
+    fn closed_form_a_level_has_its_ends() {
+        let numbers = scanned([0.1, 1000.0]);
+        let ends = |value: fn(f64) -> f64| {
+            let values: Vec<f64> = numbers.iter().map(|x| value(*x)).collect();
+            level(&numbers, &values, 1e-9, value)
+        };
+        let [low, high] = ends(|x| (6.08 - x).max(0.0)).unwrap();
+        assert!((low - 6.08).abs() < 1e-5 && high == 1000.0, "{low} to {high}");
+        let [low, high] = ends(|x| (x - 20.0).max(0.0)).unwrap();
+        assert!(low == 0.1 && (high - 20.0).abs() < 1e-4, "{low} to {high}");
+        assert_eq!(ends(|x| math::squared(x - 5.0)), None);
     }
 
     #[test]

@@ -8,8 +8,12 @@
 //! density does not allow. P_o is exactly 0 for options that another one beats in both length and risk,
 //! although people give them some percent. The model is therefore q_o = (1 - lapse) P_o + lapse / options:
 //! with probability `lapse`, fitted along with c_r, an answer does not come from the model.
+//!
+//! The likelihood may not determine c_r: with one world of two options, a larger c_r with more lapses gives the
+//! same probabilities. [`Estimate::undetermined`] is the range of such c_r; of these, the estimate has the
+//! fewest lapses.
 
-use super::minimum::{least, refined, scanned, valleys};
+use super::minimum::{least, level, refined, scanned, valleys};
 use super::{Answers, FitError};
 use crate::parallel::{OnDone, in_parallel};
 use cocarry::math;
@@ -25,6 +29,9 @@ pub const CELL_ERROR: f64 = 0.5;
 /// The limitation of least squares, reported with every c_r that they give.
 pub const LEAST_SQUARES_CAUTION: &str = "Least squares assume that every answer follows the model. Answers that do not (lapses) bias c_r, and the interval does not \
      include that bias. The likelihood estimates the share of lapses along with c_r and is recommended.";
+
+/// The difference of log-likelihoods, per answer, up to which two values of c_r are equally likely: rounding.
+const EQUALLY_LIKELY: f64 = 1e-10;
 
 /// Settings of the fit of c_r.
 #[derive(Clone, Debug)]
@@ -48,10 +55,15 @@ impl Default for RiskWeightSettings {
 /// A fitted c_r.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Estimate {
-    /// c_r, m.
+    /// c_r, m. Of equally likely ones, the one with the fewest lapses.
     #[serde(rename = "risk_weight_m")]
     pub risk_weight: f64,
-    /// Its 95 % bootstrap interval over participants, m; `None` for a single participant.
+    /// The least and the largest c_r that are as likely as `risk_weight`, each with its own lapse, m: the
+    /// answers do not determine c_r. `None` where one c_r is the likeliest, and for least squares.
+    #[serde(rename = "undetermined_m")]
+    pub undetermined: Option<[f64; 2]>,
+    /// Its 95 % bootstrap interval over participants, m; `None` for a single participant, and where c_r is
+    /// undetermined.
     #[serde(rename = "interval_m")]
     pub interval: Option<[f64; 2]>,
     /// Share of answers that do not come from the model; `None` for least squares.
@@ -114,6 +126,34 @@ pub struct RiskWeightFit {
     pub rows: Vec<Row>,
 }
 
+impl RiskWeightFit {
+    /// Whether the likelihood determines c_r. Only then is its estimate recommended.
+    pub fn is_determined(&self) -> bool {
+        self.likelihood.undetermined.is_none()
+    }
+
+    /// The limitation of the estimates, in sentences that end with a period and a blank.
+    pub fn caution(&self) -> String {
+        match self.likelihood.undetermined {
+            None => LEAST_SQUARES_CAUTION.to_owned(),
+            Some([low, high]) => format!(
+                "The likelihood does not determine c_r: every c_r from {low:.2} to {high:.2} m, with its own lapse, is equally likely. The one shown has the fewest \
+                 lapses; none is recommended. Answers in more worlds, or in worlds with more options, separate c_r from lapses."
+            ),
+        }
+    }
+}
+
+/// The c_r of the largest likelihood.
+struct Likeliest {
+    risk_weight: f64,
+    lapse: f64,
+    /// The ends of the range of equally likely c_r, if there is more than one.
+    undetermined: Option<[f64; 2]>,
+    /// The negative log-likelihoods at the values tried.
+    losses: Vec<f64>,
+}
+
 /// P_o at the values of c_r tried.
 struct Model<'a> {
     answers: &'a Answers,
@@ -159,28 +199,34 @@ pub fn fit_risk_weight(
     let samples = bootstrap(&model, &predictor, settings, on_done);
 
     let (by_squares, squares) = model.least_squares(&weights, &mut predictor);
-    let (by_likelihood, lapse, losses) = model.maximum_likelihood(&weights, &mut predictor);
-    let estimate = |risk_weight: f64, lapse, losses: &[f64], samples: Vec<f64>, predictor: &mut Predictor| {
+    let likeliest = model.maximum_likelihood(&weights, &mut predictor);
+    let estimate = |found: &Likeliest, lapse, samples: Vec<f64>, predictor: &mut Predictor| {
+        let &Likeliest { risk_weight, undetermined, ref losses, .. } = found;
         let errors = |held_out: bool| model.errors(&weights, predictor, risk_weight, held_out);
         let [fitted, held_out] = [false, true].map(errors);
         let best = least(losses);
-        let mut others: Vec<usize> = valleys(losses).into_iter().filter(|&i| i != best).collect();
+        let is_other = |i: &usize| {
+            *i != best && undetermined.is_none_or(|[low, high]| !(low..=high).contains(&model.scanned[*i]))
+        };
+        let mut others: Vec<usize> = valleys(losses).into_iter().filter(is_other).collect();
         others.sort_by(|&a, &b| losses[a].total_cmp(&losses[b]));
         Estimate {
             risk_weight,
-            interval: interval(samples),
+            undetermined,
+            interval: if undetermined.is_some() { None } else { interval(samples) },
             lapse,
-            is_at_end: best == 0 || best + 1 == losses.len(),
+            is_at_end: undetermined.is_none() && (best == 0 || best + 1 == losses.len()),
             other_optima: others.into_iter().map(|i| model.scanned[i]).collect(),
             fitted: fitted.unwrap_or(Errors { rms: 0.0, mean_absolute: 0.0, largest: 0.0 }),
             held_out,
         }
     };
     let (by_square, by_chance): (Vec<f64>, Vec<f64>) = samples.into_iter().unzip();
-    let least_squares = estimate(by_squares, None, &squares, by_square, &mut predictor);
-    let likelihood = estimate(by_likelihood, Some(lapse), &losses, by_chance, &mut predictor);
+    let by_squares = Likeliest { risk_weight: by_squares, lapse: 0.0, undetermined: None, losses: squares };
+    let least_squares = estimate(&by_squares, None, by_square, &mut predictor);
+    let likelihood = estimate(&likeliest, Some(likeliest.lapse), by_chance, &mut predictor);
 
-    let rms: Vec<f64> = squares.iter().map(|s| 100.0 * s.sqrt()).collect();
+    let rms: Vec<f64> = by_squares.losses.iter().map(|s| 100.0 * s.sqrt()).collect();
     let good = |i: &usize| rms[*i] <= least_squares.fitted.rms + CELL_ERROR;
     let mut indices = 0..rms.len();
     let [first, last] = [indices.clone().find(good), indices.rfind(good)];
@@ -234,7 +280,7 @@ fn bootstrap(
         let mut predictor = predictor.clone();
         is_some.then(|| {
             let (by_squares, _) = model.least_squares(&weights, &mut predictor);
-            (by_squares, model.maximum_likelihood(&weights, &mut predictor).0)
+            (by_squares, model.maximum_likelihood(&weights, &mut predictor).risk_weight)
         })
     });
     samples.into_iter().flatten().collect()
@@ -315,16 +361,29 @@ impl Model<'_> {
         (c_r, squares)
     }
 
-    /// c_r with its lapse, and the negative log-likelihoods at the values tried.
-    fn maximum_likelihood(&self, weights: &Weights, predictor: &mut Predictor) -> (f64, f64, Vec<f64>) {
+    /// c_r with its lapse; of equally likely ones, the one with the fewest lapses.
+    fn maximum_likelihood(&self, weights: &Weights, predictor: &mut Predictor) -> Likeliest {
         let losses: Vec<f64> =
             self.probabilities.iter().map(|p| self.with_best_lapse(weights, |w| &p[w]).1).collect();
-        let c_r = refined(&self.scanned, least(&losses), |c| {
-            let p = self.at(predictor, c);
-            self.with_best_lapse(weights, |w| &p[w]).1
-        });
-        let p = self.at(predictor, c_r);
-        (c_r, self.with_best_lapse(weights, |w| &p[w]).0, losses)
+        let mut at = |c_r: f64| {
+            let p = self.at(predictor, c_r);
+            self.with_best_lapse(weights, |w| &p[w])
+        };
+        let mut risk_weight = refined(&self.scanned, least(&losses), |c| at(c).1);
+        let (mut lapse, loss) = at(risk_weight);
+        let answers: f64 = self.fitted.iter().map(|&w| weights.counts[w]).sum();
+        let limit = loss + EQUALLY_LIKELY * answers;
+        let undetermined = level(&self.scanned, &losses, limit, |c| at(c).1);
+        if let Some(ends) = undetermined {
+            let equal = self.scanned.iter().zip(&losses).filter(|(_, loss)| **loss <= limit);
+            for c_r in ends.into_iter().chain(equal.map(|(c_r, _)| *c_r)) {
+                let (fewer, _) = at(c_r);
+                if fewer < lapse {
+                    (risk_weight, lapse) = (c_r, fewer);
+                }
+            }
+        }
+        Likeliest { risk_weight, lapse, undetermined, losses }
     }
 
     /// The lapse from 0 to 1 of the largest likelihood, and the negative log-likelihood at it.

@@ -22,7 +22,7 @@ pub const WORLDS: usize = 10_000;
 pub const WORLDS_WITH_BODIES: usize = 200;
 
 /// An option that is dropped after no more steps than this is dropped soon.
-const SOON_STEPS: u64 = 5;
+pub const SOON_STEPS: u64 = 5;
 
 /// The search for locked cycles.
 #[derive(Clone, Copy, Debug)]

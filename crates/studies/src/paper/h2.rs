@@ -9,7 +9,7 @@ use cocarry::coordination::{self, Mode};
 use cocarry::episode::{Episode, Outcome, Settings, Summary, Tick};
 use cocarry::policy::Method;
 use cocarry::preference::{Belief, Perception};
-use cocarry::scenario::{Plant, PreparedScenario, Scenario, ScenarioError};
+use cocarry::scenario::{Plant, PreparedScenario, Scenario, ScenarioError, WorldText};
 use cocarry::world::World;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -54,7 +54,7 @@ pub struct CostRow {
 /// # Errors
 /// If a built-in world is not valid.
 pub fn table(settings: &Settings, seed: u64, on_done: OnDone) -> Result<Vec<CostRow>, BuiltInError> {
-    let grid = humans_on_grid(settings.predictor.belief());
+    let grid = humans_on_grid(settings.predictor.belief(), GRID);
     let sample = humans_at_random(settings.predictor.belief(), seed, SAMPLES);
     let mut rows = Vec::new();
     for environment in &ENVIRONMENTS {
@@ -107,6 +107,32 @@ fn cell(
     Ok((row, at_random))
 }
 
+/// The expectations of Table II in another world, m, in the order of [`COLUMNS`]: over an `n` by `n` midpoint grid of
+/// humans. NaN where an episode does not arrive.
+///
+/// # Errors
+/// If the world or its options are not valid.
+pub fn expected_costs(
+    world: impl Into<WorldText>,
+    settings: &Settings,
+    n: usize,
+) -> Result<[f64; COLUMNS.len()], ScenarioError> {
+    let stage = prepared(world, settings, &Plant::Point)?;
+    let humans = humans_on_grid(settings.predictor.belief(), n);
+    let mut means = [f64::NAN; COLUMNS.len()];
+    for (mean, eta) in means.iter_mut().zip(COLUMNS) {
+        let stage = with_eta(&stage, eta, EXAMPLE_HUMAN)?;
+        let (led, _) = led_by_robot(&stage)?;
+        let ends = in_parallel(humans.len(), &|| (), |i| finish(led.clone().with_preference(humans[i])));
+        let costs = ends.iter().map(|s| match s.outcome {
+            Outcome::Arrived => s.accumulated_cost,
+            _ => f64::NAN,
+        });
+        *mean = mean_and_std(&costs.collect::<Vec<f64>>()).0;
+    }
+    Ok(means)
+}
+
 /// The method of a column of Table II.
 fn method(eta: Option<f64>) -> Method {
     if eta.is_some() { Method::MUTUAL } else { Method::WITHOUT_MODEL }
@@ -157,14 +183,14 @@ fn finish(mut episode: Episode) -> Summary {
 }
 
 /// The humans of the expectation: midpoints of equal shares of probability, or the belief's samples.
-fn humans_on_grid(belief: &Belief) -> Vec<Perception> {
-    let middle = |i: usize| (i as f64 + 0.5) / GRID as f64;
+fn humans_on_grid(belief: &Belief, n: usize) -> Vec<Perception> {
+    let middle = |i: usize| (i as f64 + 0.5) / n as f64;
     match belief {
         Belief::Samples(set) => set.samples().iter().map(|s| s.perception).collect(),
-        Belief::Independent { alpha, gamma } => (0..GRID * GRID)
+        Belief::Independent { alpha, gamma } => (0..n * n)
             .map(|i| Perception {
-                alpha: alpha.quantile(middle(i / GRID)),
-                gamma: gamma.quantile(middle(i % GRID)),
+                alpha: alpha.quantile(middle(i / n)),
+                gamma: gamma.quantile(middle(i % n)),
             })
             .collect(),
     }

@@ -23,6 +23,8 @@ use std::collections::BTreeSet;
 
 /// Random episodes per cell, as in the paper.
 pub const EPISODES: usize = 100;
+/// Default number of them with bodies.
+pub const EPISODES_WITH_BODIES: usize = 6;
 
 /// A method of choosing the configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -119,6 +121,9 @@ pub struct Study<'a> {
     pub plant: &'a Plant,
     /// The postures at the start, by name.
     pub starts: &'a [&'a str],
+    /// The methods, by default those of [`PoseMethod::on`] the plant. Without a method's baseline, the first one
+    /// takes its place.
+    pub methods: &'a [PoseMethod],
     /// Random episodes per cell.
     pub episodes: usize,
     /// Seed of the humans.
@@ -175,8 +180,8 @@ pub struct PoseRow {
 }
 
 /// Units of work of [`Study::table`], for a progress bar.
-pub fn units(plant: PlantKind, starts: usize, episodes: usize) -> usize {
-    ENVIRONMENTS.len() * SETTINGS.len() * starts * PoseMethod::on(plant).len() * episodes
+pub fn units(methods: &[PoseMethod], starts: usize, episodes: usize) -> usize {
+    ENVIRONMENTS.len() * SETTINGS.len() * starts * methods.len() * episodes
 }
 
 impl Study<'_> {
@@ -202,7 +207,7 @@ impl Study<'_> {
         let humans = self.humans_of(environment, stage.options())?;
         let is_physical = self.plant.kind() == PlantKind::Rapier;
         // all episodes of the environment; the last index varies fastest
-        let (starts, methods, n) = (self.starts, PoseMethod::on(self.plant.kind()), self.episodes);
+        let (starts, methods, n) = (self.starts, self.methods, self.episodes);
         let cells = SETTINGS.len() * starts.len() * methods.len();
         let ends = in_parallel(cells * n, on_done, |i| {
             let (cell, episode) = (i / n, i % n);

@@ -4,6 +4,7 @@
 //! Source: A. J. Mahmud, W. Li, X. Wang, "Mutual Adaptation in Human-Robot Co-Transportation with Human
 //! Preference Uncertainty"; the table is named at each figure.
 
+pub mod arrivals;
 pub mod contacts;
 pub mod cycles;
 pub mod h1;

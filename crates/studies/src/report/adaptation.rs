@@ -14,7 +14,7 @@ use cocarry_output::drawing::{
 };
 
 /// Table II.
-pub(super) const PART: Part = Part { name: "Table II", episodes: |_| h2::EPISODES, run };
+pub(super) const PART: Part = Part { id: "h2", name: "Table II", episodes: |_| h2::EPISODES, run };
 
 /// Table II: accumulated objective costs.
 pub fn table_2(rows: &[CostRow]) -> Table {

@@ -13,7 +13,7 @@ use cocarry_output::drawing::{DifferencePanel, DifferenceRow, differences};
 
 /// Table II with bodies.
 pub(super) const PART: Part =
-    Part { name: "Table II with bodies", episodes: |plan| 2 * h2::units(plan.humans), run };
+    Part { id: "h2-bodies", name: "Table II with bodies", episodes: |plan| 2 * h2::units(plan.humans), run };
 
 /// Table II's episodes with bodies, compared with those without.
 pub fn table_2_with_bodies(rows: &[BodiesRow], humans: usize, sway: f64) -> Table {

@@ -9,7 +9,7 @@ use cocarry_output::drawing::{Curve, CurvePanel, curves};
 
 /// The study of contacts.
 pub(super) const PART: Part =
-    Part { name: "contacts", episodes: |plan| RISKS.len() * ANGLES.len() * plan.walks, run };
+    Part { id: "contacts", name: "contacts", episodes: |plan| RISKS.len() * ANGLES.len() * plan.walks, run };
 
 fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(plan.robot));

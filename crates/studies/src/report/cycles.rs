@@ -2,16 +2,17 @@
 
 use super::part::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::paper::BuiltInError;
-use crate::paper::cycles::{Findings, Search};
+use crate::paper::cycles::{Findings, SOON_STEPS, Search};
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 
 /// The search.
-pub(super) const PART: Part = Part { name: "random worlds", episodes: |plan| plan.worlds, run };
+pub(super) const PART: Part = Part { id: "cycles", name: "random worlds", episodes: |plan| plan.worlds, run };
 
 /// The same worlds' kind with bodies.
 pub(super) const WITH_BODIES: Part = Part {
+    id: "cycles-bodies",
     name: "random worlds with bodies",
     episodes: |plan| plan.worlds_with_bodies,
     run: run_with_bodies,
@@ -85,9 +86,11 @@ fn table(findings: &Findings) -> Table {
         .count("option changed in", "with_changes", |f| f.with_changes as u64)
         .count("most changes", "most_changes", |f| u64::from(f.most_changes))
         .number("longest / cheapest option", "longest_detour", 2, |f| f.longest_detour)
+        .count("dropped soon", "dropped_soon", |f| f.dropped_soon.len() as u64)
         .count("counterexamples", "counterexamples", |f| f.lost.len() as u64)
         .table("cycles", "The search for locked cycles")
-        .with_note("longest / cheapest option: the most steps that an episode took, over those of its cheapest option at the start.")
+        .with_note("longest / cheapest option: the most steps that an episode took, over those of its cheapest option at the start;")
+        .with_note(format!("dropped soon: episodes in which the same leader took up an option and dropped it again within {SOON_STEPS} steps."))
 }
 
 fn finding(findings: &Findings) -> Finding {

@@ -4,6 +4,7 @@
 //! then part of the report, its files and `--json`. The report is Markdown; the HTML page is made from it.
 
 mod adaptation;
+mod arrivals;
 mod bodies;
 mod choices;
 mod contacts;
@@ -13,6 +14,7 @@ mod page;
 mod pairs;
 mod part;
 mod preparation;
+mod preparation_elsewhere;
 mod run;
 mod weight;
 
@@ -27,32 +29,38 @@ pub use weight::answers_picture;
 
 use crate::table::Table;
 
-/// The claims, in the order of the report.
+/// The claims, in the order of the report. A report may have some of them only.
 pub const PARTS: &[Part] = &[
     choices::PART,
     weight::PART,
     adaptation::PART,
     bodies::PART,
+    arrivals::PART,
     contacts::PART,
     cycles::PART,
     cycles::WITH_BODIES,
     preparation::PART,
+    preparation_elsewhere::WITH_BODIES,
+    preparation_elsewhere::OMNIDIRECTIONAL,
+    preparation_elsewhere::CHOICES,
     learning::PART,
 ];
 
 /// The whole report. Equal plans give byte-identical reports on any number of threads.
 #[derive(Clone, Debug)]
 pub struct Report {
-    /// The claims, in order.
+    /// The ids of the parts, in order.
+    pub parts: Vec<&'static str>,
+    /// Their sections.
     pub sections: Vec<Section>,
     /// The report as Markdown. Pictures are links to `figures/NAME.svg`, tables to `NAME.csv`.
     pub markdown: String,
 }
 
 impl Report {
-    /// Assembles the sections of all [`PARTS`].
-    pub fn new(plan: &Plan, sections: Vec<Section>) -> Self {
-        let mut markdown = run::opening(plan, PARTS, &sections);
+    /// Assembles the sections of these parts.
+    pub fn new(plan: &Plan, parts: &[&Part], sections: Vec<Section>) -> Self {
+        let mut markdown = run::opening(plan, parts, &sections);
         let mut number = 0;
         for section in &sections {
             markdown += &format!("## {}\n\n", section.title);
@@ -67,14 +75,30 @@ impl Report {
                 };
             }
         }
-        markdown += &run::end(plan, PARTS);
+        markdown += &run::end(plan, parts);
         let markdown = run::with_contents(&markdown);
-        Self { sections, markdown }
+        let parts = parts.iter().map(|part| part.id).collect();
+        Self { parts, sections, markdown }
     }
 
     /// The tables, in order.
     pub fn tables(&self) -> impl Iterator<Item = &Table> {
         self.blocks().filter_map(|block| if let Block::Table(table) = block { Some(table) } else { None })
+    }
+
+    /// The index of the tables, as CSV: part, table, number of rows, and the CRC-32 of its CSV file as eight
+    /// hexadecimal digits. Two reports with equal indices have equal tables.
+    pub fn index(&self) -> String {
+        let mut text = "part,table,rows,crc32\n".to_owned();
+        for (part, section) in self.parts.iter().zip(&self.sections) {
+            for block in &section.blocks {
+                if let Block::Table(table) = block {
+                    let crc = crc32fast::hash(&table.csv());
+                    text += &format!("{part},{},{},{crc:08x}\n", table.name, table.rows.len());
+                }
+            }
+        }
+        text
     }
 
     /// The pictures, in order.

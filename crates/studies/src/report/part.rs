@@ -2,12 +2,12 @@
 
 use crate::fit::FitError;
 use crate::paper::BuiltInError;
-use crate::paper::{contacts, cycles as locked, h2, h3, h4};
+use crate::paper::{arrivals, contacts, cycles as locked, h2, h3, h4};
 use crate::parallel::OnDone;
 use crate::table::Table;
 use cocarry::episode::Settings;
 use cocarry::options::OptionError;
-use cocarry::robot::Robot;
+use cocarry::robot::{Robot, RobotError};
 use cocarry::world::WorldError;
 use cocarry_output::drawing::DrawingError;
 use thiserror::Error;
@@ -21,6 +21,10 @@ pub struct Plan<'a> {
     pub settings: Settings,
     /// Number of random humans in each cell of Table III.
     pub episodes: usize,
+    /// Number of random humans in each cell of Table III with bodies.
+    pub episodes_with_bodies: usize,
+    /// Number of humans in each world with each method, in the study of arrivals.
+    pub seeds: usize,
     /// Number of humans in each cell of Table II with bodies.
     pub humans: usize,
     /// Number of random worlds in the search for locked cycles.
@@ -42,6 +46,8 @@ impl<'a> Plan<'a> {
             robot,
             settings: Settings::default(),
             episodes: h3::EPISODES,
+            episodes_with_bodies: h3::EPISODES_WITH_BODIES,
+            seeds: arrivals::SEEDS,
             humans: h2::SAMPLES,
             worlds: locked::WORLDS,
             worlds_with_bodies: locked::WORLDS_WITH_BODIES,
@@ -50,10 +56,28 @@ impl<'a> Plan<'a> {
             seed: 0,
         }
     }
+
+    /// A little of everything: a first look, and whether figures of the whole extent are still those of this
+    /// program.
+    pub fn short(robot: &'a Robot) -> Self {
+        Self {
+            episodes: 2,
+            episodes_with_bodies: 1,
+            seeds: 1,
+            humans: 2,
+            worlds: 200,
+            worlds_with_bodies: 5,
+            walks: 1,
+            people: 2,
+            ..Self::new(robot)
+        }
+    }
 }
 
 /// A claim and its evaluation.
 pub struct Part {
+    /// Name in arguments and in the index of tables.
+    pub id: &'static str,
     /// Name in a progress bar.
     pub name: &'static str,
     /// Number of episodes that it runs.
@@ -120,6 +144,9 @@ pub enum ReportError {
     /// An error of the fit of c_r.
     #[error(transparent)]
     Fit(#[from] FitError),
+    /// An error of a built-in robot.
+    #[error(transparent)]
+    Robot(#[from] RobotError),
     /// An error of the study of learning.
     #[error(transparent)]
     Learning(#[from] h4::StudyError),

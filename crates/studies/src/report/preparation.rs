@@ -11,8 +11,9 @@ use cocarry_output::drawing::{DrawingError, RatioPanel, RatioRow, cost_ratios};
 
 /// Table III.
 pub(super) const PART: Part = Part {
+    id: "h3",
     name: "Table III",
-    episodes: |plan| h3::units(PlantKind::Kinematic, plan.robot.postures.len(), plan.episodes),
+    episodes: |plan| h3::units(&PoseMethod::ALL, plan.robot.postures.len(), plan.episodes),
     run,
 };
 
@@ -271,10 +272,10 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     let plant = Plant::new(PlantKind::Kinematic, RobotSetup::new(plan.robot));
     let starts: Vec<&str> = plan.robot.postures.iter().map(|p| p.name.as_str()).collect();
     let (episodes, seed, settings) = (plan.episodes, plan.seed, &plan.settings);
-    let study = Study { plant: &plant, starts: &starts, episodes, seed, settings };
+    let methods = &PoseMethod::ALL;
+    let study = Study { plant: &plant, starts: &starts, methods, episodes, seed, settings };
     let rows = study.table(on_done)?;
-    let starts: Vec<&str> = plan.robot.postures.iter().map(|p| p.name.as_str()).collect();
-    let of = |start| Compared { rows: &rows, start, methods: PoseMethod::on(plant.kind()) };
+    let of = |start| Compared { rows: &rows, start, methods };
     let text = "The human leads from the start and changes (\u{3b1}, \u{3b3}) once or twice during the episode; the robot knows only the full ranges. C is the true control \
                 cost of Sec. V-C. Every method meets the same humans, so all comparisons are paired.";
     let all: Vec<Compared> = starts.iter().map(|start| of(start)).collect();
@@ -295,7 +296,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
 }
 
 /// The finding on `compared`, which has every start, the robot's first one first.
-fn finding(compared: &[Compared]) -> Finding {
+pub(super) fn finding(compared: &[Compared]) -> Finding {
     let pairs: Vec<[&PoseRow; 2]> = compared.iter().take(1).flat_map(|c| c.pairs()).collect();
     let cheaper = |pairs: &[[&PoseRow; 2]]| pairs.iter().filter(|[_, with]| with.ratio < 1.0).count();
     let sum = |of: fn(&PoseRow) -> usize| pairs.iter().map(|[_, with]| of(with)).sum::<usize>();
@@ -323,11 +324,15 @@ fn finding(compared: &[Compared]) -> Finding {
         compared.first().map_or(String::new(), |c| ratio(c, PoseMethod::WithPo)),
         paper_ratio(),
     );
+    let is_run = |method: &PoseMethod| compared.first().is_some_and(|c| c.methods.contains(method));
     for (method, what) in [
         (PoseMethod::UniformWeights, "weights without P\u{2092}"),
         (PoseMethod::TrackedOption, "the tracked option alone"),
         (PoseMethod::Manipulability, "manipulability"),
-    ] {
+    ]
+    .into_iter()
+    .filter(|(method, _)| is_run(method))
+    {
         figures += &compared.first().map_or(String::new(), |c| format!(", with {what} {}", ratio(c, method)));
     }
     for c in compared.iter().skip(1) {

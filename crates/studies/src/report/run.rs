@@ -9,7 +9,7 @@ use cocarry::simulation::PhysicsSettings;
 const DEVIATIONS: &str = include_str!("../../../../book/src/deviations.md");
 
 /// Title and findings.
-pub(super) fn opening(plan: &Plan, run: &[Part], sections: &[Section]) -> String {
+pub(super) fn opening(plan: &Plan, run: &[&Part], sections: &[Section]) -> String {
     let mut text = format!(
         "# Human-robot co-transportation, reproduced\n\n\
          Every table and figure of A. J. Mahmud, W. Li and X. Wang, *Mutual Adaptation in Human-Robot Co-Transportation with Human Preference Uncertainty*, with those \
@@ -39,18 +39,18 @@ pub(super) fn anchor(title: &str) -> String {
 }
 
 /// Deviations, episodes and settings.
-pub(super) fn end(plan: &Plan, run: &[Part]) -> String {
+pub(super) fn end(plan: &Plan, run: &[&Part]) -> String {
     // the document's title becomes a section's
     let deviations = DEVIATIONS.trim().replacen("# ", "## ", 1);
     format!("{deviations}\n\n## This run\n\n{}{}", parts(plan, run), settings(plan))
 }
 
-fn episodes(plan: &Plan, run: &[Part]) -> usize {
+fn episodes(plan: &Plan, run: &[&Part]) -> usize {
     run.iter().map(|part| (part.episodes)(plan)).sum()
 }
 
 /// The number of episodes of each part.
-fn parts(plan: &Plan, run: &[Part]) -> String {
+fn parts(plan: &Plan, run: &[&Part]) -> String {
     let mut text = "| part | episodes |\n| :-- | --: |\n".to_owned();
     for part in run {
         text += &format!("| {} | {} |\n", part.name, grouped((part.episodes)(plan)));

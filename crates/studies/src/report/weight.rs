@@ -3,8 +3,7 @@
 
 use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
 use crate::fit::{
-    Answers, CELL_ERROR, Estimate, LEAST_SQUARES_CAUTION, RiskWeightFit, RiskWeightSettings, Situation,
-    fit_risk_weight,
+    Answers, CELL_ERROR, Estimate, RiskWeightFit, RiskWeightSettings, Situation, fit_risk_weight,
 };
 use crate::paper::ENVIRONMENTS;
 use crate::parallel::OnDone;
@@ -14,7 +13,7 @@ use cocarry::preference::RISK_WEIGHT;
 use cocarry_output::drawing::{self, AnswerPanel, AnswerRow, DrawingError, RiskWeightMark};
 
 /// The fit of c_r.
-pub(super) const PART: Part = Part { name: "fit of c_r", episodes: |_| 0, run };
+pub(super) const PART: Part = Part { id: "risk-weight", name: "fit of c_r", episodes: |_| 0, run };
 
 /// Answers and fits, and the error over c_r.
 ///
@@ -37,9 +36,11 @@ pub fn answers_picture(fit: &RiskWeightFit) -> Result<String, DrawingError> {
                 .collect(),
         })
         .collect();
-    let marks = [&fit.likelihood, &fit.least_squares]
-        .map(|e| RiskWeightMark { at: e.risk_weight, interval: e.interval });
-    drawing::answers(&panels, &fit.curve, &marks, LEAST_SQUARES_CAUTION)
+    let by_likelihood =
+        if fit.is_determined() { "likelihood (recommended)" } else { "likelihood (undetermined)" };
+    let marks = [(by_likelihood, &fit.likelihood), ("least squares", &fit.least_squares)]
+        .map(|(name, e)| RiskWeightMark { name, at: e.risk_weight, interval: e.interval });
+    drawing::answers(&panels, &fit.curve, &marks, &fit.caution())
 }
 
 fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
@@ -86,12 +87,14 @@ fn table(fit: &RiskWeightFit) -> Table {
     Columns::of(&[("likelihood", &fit.likelihood), ("least squares", &fit.least_squares)])
         .text("by", "by", |(by, _)| *by)
         .number("c_r (m)", "risk_weight_m", 2, |(_, e)| e.risk_weight)
+        .data("lapse", |(_, e)| e.lapse)
         .number("paper (m)", "paper_m", 0, |_| RISK_WEIGHT)
         .number("rms error, fitted (pp)", "fitted_rms_points", 2, |(_, e)| e.fitted.rms)
         .number("Environment 4, held out (pp)", "held_out_rms_points", 2, |(_, e)| held_out(e))
         .table("risk-weight", "c_r, fitted to the human column of Table I")
         .with_note(format!(
-            "From {low:.2} to {high:.2} m, the rms error is at most {CELL_ERROR} percentage points (pp) above the least. {LEAST_SQUARES_CAUTION}"
+            "From {low:.2} to {high:.2} m, the rms error is at most {CELL_ERROR} percentage points (pp) above the least. {}",
+            fit.caution()
         ))
 }
 
