@@ -102,7 +102,10 @@ impl<'a> InTandem<'a> {
             }
         };
         let found = any(first, ahead.position);
-        if found.is_err() && given.is_none() && check(world, BODY_ROOM_M, [ahead.position, base(&ahead)]).is_ok() {
+        if found.is_err()
+            && given.is_none()
+            && check(world, BODY_ROOM_M, [ahead.position, base(&ahead)]).is_ok()
+        {
             return Ok((in_line, ahead));
         }
         found.map_err(|room| {

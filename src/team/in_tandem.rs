@@ -89,13 +89,18 @@ impl<'a> InTandem<'a> {
     /// beyond the arc with which that ends.
     fn after_turn(&self, turned: Turned) -> Turned {
         let Turned { path, until } = turned;
-        let (mut turn, mut rest) = (Path::default(), Path::default());
-        turn.push_rest(&path.reversed(), path.length() - until);
+        let mut rest = Path::default();
         rest.push_rest(&path, until);
-        let mut ended = turn.reversed();
-        ended.push_rest(&self.ended(rest), 0.0);
-        let is_smooth = ended.sharpest_bend() <= path.sharpest_bend().max(LARGEST_BEND_RAD);
-        Turned { path: self.with_object_room(if is_smooth { ended } else { path }), until }
+        let ended = self.ended(rest.clone());
+        if ended == rest {
+            return Turned { path: self.with_object_room(path), until };
+        }
+        let mut turn = Path::default();
+        turn.push_rest(&path.reversed(), path.length() - until);
+        let mut way = turn.reversed();
+        way.push_rest(&ended, 0.0);
+        let is_smooth = way.sharpest_bend() <= path.sharpest_bend().max(LARGEST_BEND_RAD);
+        Turned { path: self.with_object_room(if is_smooth { way } else { path }), until }
     }
 
     /// A path as the team walks it, with room for the object.

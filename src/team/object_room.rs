@@ -227,3 +227,73 @@ fn positions(length: f64) -> impl Iterator<Item = f64> {
     let steps = (length / STEP_M).ceil().max(1.0);
     (0..=steps as usize).map(move |i| length * i as f64 / steps)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::RobotObstacles;
+    use crate::options::OptionSet;
+    use crate::world::World;
+
+    /// A path that goes through the gap between two pillars and turns by so much (rad) in it, with its world.
+    fn round_a_pillar(turn: f64) -> (World, Path) {
+        let text = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [-4, 0]\ntarget_m = [4, 0.2]\n\
+                    [[obstacle]]\nname = \"a\"\nshape = \"cylinder\"\ncenter_m = [0, 0.6]\nradius_m = 0.2\nheight_m = 1\n\
+                    [[obstacle]]\nname = \"b\"\nshape = \"cylinder\"\ncenter_m = [0, -0.6]\nradius_m = 0.2\nheight_m = 1\n";
+        let mut path = Path::default();
+        path.line(Point::new(-4.0, 0.0), Point::origin());
+        path.line(Point::origin(), Point::from(direction(turn) * 4.0));
+        (World::parse("w.toml", text).unwrap(), path)
+    }
+
+    fn rooms(turn: f64, width: f64) -> (Path, Path, [f64; 2]) {
+        let (world, path) = round_a_pillar(turn);
+        let (options, obstacles) = (OptionSet::new(&world, 10.0).unwrap(), RobotObstacles::new(&world));
+        let tandem = Tandem::new(1.2, Point::new(-4.0, 0.0), 0.0);
+        let free_space = FreeSpace { obstacles: &obstacles, options: &options };
+        let room = ObjectRoom::new(&tandem, width / 2.0, free_space);
+        let shifted = room.on(path.clone(), 1.0);
+        let missing = [&path, &shifted].map(|path| room.missing(path));
+        assert_eq!(room.crossed(&path), room.crossed(&shifted));
+        assert_eq!(room.crossed(&path).len(), 1);
+        (path, shifted, missing)
+    }
+
+    #[test]
+    fn a_path_with_room_stays_as_it_is() {
+        for turn in [0.0, 0.2] {
+            let (path, shifted, _) = rooms(turn, 0.1);
+            assert_eq!(path, shifted, "turn {turn}");
+        }
+    }
+
+    #[test]
+    fn round_a_pillar_the_path_makes_room_for_the_object_and_keeps_its_ends() {
+        for turn in [0.9, -0.9, 1.3, -1.3] {
+            let (path, shifted, [before, after]) = rooms(turn, 0.1);
+            assert!(before > OBJECT_ROOM_M, "turn {turn}: the object touches: {before}");
+            assert!(after <= TOLERANCE_M, "turn {turn}: {after} m of {before} m are missing");
+            for along in [0.0, 0.5, 1.0] {
+                let [a, b] = [&path, &shifted].map(|path| path.point_at(along).unwrap());
+                assert!((a - b).norm() < 1e-12, "turn {turn}: {a} {b}");
+            }
+            let [a, b] = [&path, &shifted].map(|path| path.point_at(f64::INFINITY).unwrap());
+            assert!((a - b).norm() < 1e-12, "turn {turn}: {a} {b}");
+        }
+    }
+
+    #[test]
+    fn a_corner_that_is_too_sharp_for_the_arm_is_rounded() {
+        let (world, _) = round_a_pillar(0.0);
+        let (options, obstacles) = (OptionSet::new(&world, 10.0).unwrap(), RobotObstacles::new(&world));
+        let tandem = Tandem::new(1.2, Point::new(-8.0, 5.0), 0.0);
+        let room = ObjectRoom::new(&tandem, 0.05, FreeSpace { obstacles: &obstacles, options: &options });
+        let mut path = Path::default();
+        path.line(Point::new(-8.0, 5.0), Point::new(-4.0, 5.0));
+        path.line(Point::new(-4.0, 5.0), Point::new(-4.0, 5.0) + direction(2.2) * 4.0);
+        let shifted = room.on(path.clone(), 1.0);
+        let [before, after] = [&path, &shifted].map(|path| room.missing(path));
+        assert!(before > 0.01 && after <= TOLERANCE_M, "{before} {after}");
+        assert!(shifted.length() < path.length());
+    }
+}

@@ -44,6 +44,7 @@ mod scenarios;
 mod seams;
 mod settings;
 mod shared_ways;
+mod sharp_bends;
 mod snapshots;
 mod spoiled_robot;
 mod starting;

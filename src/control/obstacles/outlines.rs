@@ -85,7 +85,10 @@ impl RobotObstacles {
     /// Calls `on_near` with the signed distance (m) and its gradient of every obstacle within `reach` (m, not
     /// negative) of `p`.
     pub fn near_point(&self, p: Point, reach: f64, mut on_near: impl FnMut(f64, Vector)) {
-        self.outlines.iter().filter_map(|o| o.near(p, reach)).for_each(|(distance, away)| on_near(distance, away));
+        self.outlines
+            .iter()
+            .filter_map(|o| o.near(p, reach))
+            .for_each(|(distance, away)| on_near(distance, away));
     }
 
     /// Calls `on_near` for every obstacle within `reach` (m, not negative) of a polygon at this pose, with

@@ -1,0 +1,22 @@
+//! Teams with bodies in random walled worlds: round sharp bends nobody touches anything, and the grips hold.
+
+use cocarry::episode::Settings;
+use cocarry::robot::Robot;
+use cocarry::scenario::{Plant, PlantKind, RobotSetup};
+use cocarry_studies::paper::cycles::Search;
+
+/// Worlds in which the object touched a pillar or the end of a wall in a bend (14, 39, 121, 233), in which the arm
+/// folded up to its limits in a bend at the start (146, 416), and in which the human touched a wall beyond the
+/// target, where the team had turned from its start onto the last line of the path (238, 282, 458).
+const SEEDS: [u64; 9] = [14, 39, 121, 146, 233, 238, 282, 416, 458];
+
+#[test]
+fn teams_go_round_sharp_bends_without_contact_and_keep_hold_of_the_object() {
+    let robot = Robot::built_in().expect("the built-in robot");
+    let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(&robot));
+    for seed in SEEDS {
+        let search = Search { plant: &plant, settings: &Settings::default(), worlds: 1, seed };
+        let found = search.run(&|| {}).expect("a world with room");
+        assert_eq!(found.arrived, 1, "world {seed}: {:?}", found.lost[0].outcome);
+    }
+}
