@@ -17,7 +17,6 @@
 //! ```
 
 mod check;
-mod error;
 mod plant;
 mod preference_changes;
 mod prepared;
@@ -26,7 +25,6 @@ mod settings;
 mod snapshot;
 mod word;
 
-pub use error::ScenarioError;
 pub use plant::{Plant, PlantKind, RobotSetup};
 pub use preference_changes::{NotPreferenceChanges, PreferenceChanges, drawn_changes};
 pub use prepared::{Partners, PreparedScenario};
@@ -35,10 +33,11 @@ pub use settings::{
     AVOID, BELIEF_LAPSE, BELIEF_RATIONALITY, INITIAL_STUBBORNNESS, PERCEPTION, PERIOD, PLANNING_STEP, POSE,
     POSTURE, RISK_WEIGHT, SETTINGS, SWAY,
 };
-pub use snapshot::{Snapshot, SnapshotError};
+pub use snapshot::Snapshot;
 pub use word::{Word, one_of};
 
 use crate::episode::{self, PreferenceChange};
+use crate::error::Error;
 use crate::human::ModelName;
 use crate::preference::{Belief, Perception};
 use crate::world::World;
@@ -135,10 +134,10 @@ impl Scenario {
     /// Reads a scenario's text (TOML) and checks its numbers.
     ///
     /// # Errors
-    /// [`ScenarioError`], which names the line, or the key and the value. World, robot and posture are
-    /// checked by [`Scenario::prepare`].
-    pub fn parse(text: &str) -> Result<Self, ScenarioError> {
-        let scenario: Self = toml::from_str(text).map_err(|e| ScenarioError::Syntax(Box::new(e)))?;
+    /// The line, or the key and the value. World, robot and posture are checked by [`Scenario::prepare`].
+    pub fn parse(text: &str) -> Result<Self, Error> {
+        let scenario: Self =
+            toml::from_str(text).map_err(|e| Error::new("not a valid scenario").because(e))?;
         scenario.check()?;
         Ok(scenario)
     }
@@ -146,8 +145,9 @@ impl Scenario {
     /// The scenario as text (TOML); numbers are exact to the last bit.
     ///
     /// # Errors
-    /// [`ScenarioError::Unwritable`], if TOML cannot represent a value.
-    pub fn text(&self) -> Result<String, ScenarioError> {
-        toml::to_string_pretty(self).map_err(|e| ScenarioError::Unwritable(Box::new(e)))
+    /// TOML cannot represent a value.
+    pub fn text(&self) -> Result<String, Error> {
+        let unwritable = |e| Error::new("the scenario cannot be written as TOML").because(e);
+        toml::to_string_pretty(self).map_err(unwritable)
     }
 }

@@ -1,8 +1,9 @@
 //! Prepared scenarios, which own everything that their episodes borrow.
 
-use super::{Scenario, ScenarioError};
+use super::Scenario;
 use crate::control::RobotObstacles;
 use crate::episode::{Episode, EpisodeBuilder, Manipulator};
+use crate::error::{Error, Place};
 use crate::human::{Human, Participant};
 use crate::options::OptionSet;
 use crate::policy::RobotPolicy;
@@ -41,14 +42,13 @@ impl Scenario {
     /// Builds the world, options and robot that the episode needs.
     ///
     /// # Errors
-    /// [`ScenarioError`]: a number is out of its range, or world, options, human model, robot or posture are
-    /// not valid.
-    pub fn prepare(self) -> Result<PreparedScenario, ScenarioError> {
+    /// A number is out of its range, or world, options, human model, robot or posture are not valid.
+    pub fn prepare(self) -> Result<PreparedScenario, Error> {
         self.prepare_beside(None)
     }
 
     /// As [`Scenario::prepare`], but shares equal worlds and robots with `other`.
-    fn prepare_beside(self, other: Option<&PreparedScenario>) -> Result<PreparedScenario, ScenarioError> {
+    fn prepare_beside(self, other: Option<&PreparedScenario>) -> Result<PreparedScenario, Error> {
         self.check()?;
         let robot = match self.plant.robot_setup() {
             None => None,
@@ -60,11 +60,15 @@ impl Scenario {
                 };
                 if robot.posture(&setup.posture).is_none() {
                     let known: Vec<_> = robot.postures.iter().map(|p| format!("`{}`", p.name)).collect();
-                    return Err(ScenarioError::Posture {
-                        posture: setup.posture.clone(),
-                        file: setup.robot.file.clone(),
-                        known: known.join(", "),
-                    });
+                    return Err(Error::value(
+                        Place::item("scenario", "posture"),
+                        format_args!(
+                            "{:?}: {} has no posture of that name; it has {}",
+                            setup.posture,
+                            setup.robot.file,
+                            known.join(", ")
+                        ),
+                    ));
                 }
                 Some(robot)
             }
@@ -105,7 +109,7 @@ impl PreparedScenario {
     ///
     /// # Errors
     /// As [`Scenario::prepare`].
-    pub fn prepare(&self, scenario: Scenario) -> Result<Self, ScenarioError> {
+    pub fn prepare(&self, scenario: Scenario) -> Result<Self, Error> {
         scenario.prepare_beside(Some(self))
     }
 
@@ -123,8 +127,8 @@ impl PreparedScenario {
     /// seed is the same whatever carries with them.
     ///
     /// # Errors
-    /// [`ScenarioError::Options`].
-    pub fn options_as_written(&self) -> Result<&OptionSet, ScenarioError> {
+    /// As [`OptionSet::new`].
+    pub fn options_as_written(&self) -> Result<&OptionSet, Error> {
         let Scene { world, options, as_written, .. } = self.scene.as_ref();
         if !world.is_widened {
             return Ok(options);
@@ -160,7 +164,7 @@ impl PreparedScenario {
                  their risks and all clearances are for {width:.2} m"
             )
         });
-        let notes = robot.notes.iter().filter(|note| has_contacts && note.is_about_missing_shapes());
+        let notes = robot.warnings.iter().filter(|note| has_contacts && note.is_about_missing_shapes());
         widened.into_iter().chain(notes.map(ToString::to_string)).collect()
     }
 
@@ -174,8 +178,8 @@ impl PreparedScenario {
     /// The episode, before its first step.
     ///
     /// # Errors
-    /// [`ScenarioError::Physics`]: the team does not fit at the start.
-    pub fn episode(&self) -> Result<Episode<'_>, ScenarioError> {
+    /// The team does not fit at the start.
+    pub fn episode(&self) -> Result<Episode<'_>, Error> {
         self.episode_of(Partners::default())
     }
 
@@ -183,7 +187,7 @@ impl PreparedScenario {
     ///
     /// # Errors
     /// As [`PreparedScenario::episode`].
-    pub fn episode_of<'a>(&'a self, partners: Partners<'a>) -> Result<Episode<'a>, ScenarioError> {
+    pub fn episode_of<'a>(&'a self, partners: Partners<'a>) -> Result<Episode<'a>, Error> {
         let mut builder = self.builder()?;
         if let Some(human) = partners.human {
             builder = builder.with_boxed_human(human);
@@ -191,14 +195,14 @@ impl PreparedScenario {
         if let Some(policy) = partners.policy {
             builder = builder.with_boxed_policy(policy);
         }
-        Ok(builder.begin()?)
+        builder.begin()
     }
 
     /// The parts of the episode, any of which may be replaced.
     ///
     /// # Errors
-    /// [`ScenarioError::HumanModel`].
-    pub fn builder(&self) -> Result<EpisodeBuilder<'_>, ScenarioError> {
+    /// The human model is not valid.
+    pub fn builder(&self) -> Result<EpisodeBuilder<'_>, Error> {
         let Self { scenario, scene, .. } = self;
         let builder = Episode::builder(&scene.options, &scenario.settings, scenario.human)
             .with_boxed_human(self.human()?);
@@ -211,12 +215,15 @@ impl PreparedScenario {
         })
     }
 
-    fn human(&self) -> Result<Box<dyn Human>, ScenarioError> {
+    fn human(&self) -> Result<Box<dyn Human>, Error> {
         let Scenario { human_model, human: perception, changes, settings, seed, .. } = &self.scenario;
         let (options, stubbornness) = (&self.scene.options, settings.coordination);
         let participant =
             Participant { perception: *perception, changes, stubbornness, seed: *seed, options };
         let human = human_model.make(&participant);
-        human.map_err(|source| ScenarioError::HumanModel { model: human_model.to_string(), source })
+        human.map_err(|error| {
+            let model = human_model.to_string();
+            Error::value(Place::item("scenario", "human_model"), format_args!("{model:?}")).because(error)
+        })
     }
 }

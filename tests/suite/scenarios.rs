@@ -2,12 +2,13 @@
 //! named.
 
 use crate::support::repository;
+use cocarry::Error;
 use cocarry::control;
 use cocarry::episode::{Episode, PreferenceChange, Settings};
 use cocarry::policy::Method;
 use cocarry::preference::{Belief, Marginal, Perception, Predictor, WeightedSample};
 use cocarry::robot::Robot;
-use cocarry::scenario::{Plant, RobotSetup, Scenario, ScenarioError, WorldText};
+use cocarry::scenario::{Plant, RobotSetup, Scenario, WorldText};
 use cocarry::simulation::PhysicsSettings;
 use proptest::prelude::*;
 
@@ -59,7 +60,7 @@ fn parsed(text: &str) -> Scenario {
 }
 
 /// An error with its causes, as the program prints it.
-fn chain(error: ScenarioError) -> String {
+fn chain(error: Error) -> String {
     format!("{:#}", anyhow::Error::from(error))
 }
 

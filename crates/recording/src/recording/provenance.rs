@@ -2,8 +2,9 @@
 
 use super::records::Attachment;
 use super::{Entry, ReadError, Reader};
+use cocarry::Error;
 use cocarry::arithmetic;
-use cocarry::scenario::{Scenario, ScenarioError};
+use cocarry::scenario::Scenario;
 use std::collections::BTreeMap;
 use std::io::Read;
 
@@ -32,8 +33,8 @@ impl Provenance {
     /// The provenance of a recording of a scenario. Files are named without their folders.
     ///
     /// # Errors
-    /// [`ScenarioError::Unwritable`].
-    pub fn of(scenario: &Scenario) -> Result<Self, ScenarioError> {
+    /// [`Error::Unwritable`].
+    pub fn of(scenario: &Scenario) -> Result<Self, Error> {
         let mut scenario = scenario.clone();
         strip(&mut scenario.world.file);
         if let Some(setup) = scenario.plant.robot_setup_mut() {

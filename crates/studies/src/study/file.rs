@@ -4,7 +4,7 @@ use super::cell::{Axes, Cell, LARGEST_RUN};
 use super::humans::{Humans, Range};
 use super::source::{self, Source, get, number, whole};
 use super::{Run, Seeds, SweepError};
-use cocarry::located::Place;
+use cocarry::error::Place;
 use cocarry::preference::{Belief, Marginal};
 use cocarry::robot::{Robot, RobotTexts};
 use cocarry::scenario::{
@@ -279,7 +279,7 @@ fn list_key(setting: &Setting) -> &'static str {
 
 /// The index of the posture in [`SETTINGS`].
 fn posture() -> usize {
-    SETTINGS.iter().position(|setting| setting.key == POSTURE.key).unwrap_or_default()
+    SETTINGS.iter().position(|setting| setting.key == POSTURE.key).expect("the posture is a setting")
 }
 
 /// The value of a setting in a study file.
