@@ -21,7 +21,7 @@ use cocarry::episode::{Settings, prospects};
 use cocarry::math;
 use cocarry::options::OptionSet;
 use cocarry::preference::ChoiceDistribution;
-use cocarry::scenario::{Plant, Scenario, WorldText};
+use cocarry::scenario::{GivenWorld, Plant, Scenario};
 use cocarry::world::World;
 use cocarry_studies::paper::ENVIRONMENTS;
 use cocarry_studies::paper::h2::expected_costs;
@@ -151,7 +151,7 @@ impl Cells {
         let mut choice = ChoiceDistribution::default();
         settings.predictor.clone().predict(&prospects(&set, &set.begin()), &mut choice);
         let choices: [f64; 4] = choice.probabilities().try_into().ok()?;
-        let world = WorldText { file: "environment-2".to_owned(), text };
+        let world = GivenWorld::from(world);
         let coordination = coordination::Settings { eta: 1e6, ..settings.coordination };
         let led = Settings { coordination, predict_while_human_leads: false, ..settings.clone() };
         let led = Scenario { settings: led, ..Scenario::new(world.clone(), Plant::Point) }.prepare().ok()?;

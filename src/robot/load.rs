@@ -243,7 +243,7 @@ pub(super) fn complete(texts: RobotTexts) -> Result<Robot, Vec<Error>> {
     if texts.hulls.as_ref().is_some_and(|hulls| hulls.0.is_empty()) && warnings.is_empty() && !replaces {
         robot.texts.hulls = None;
     }
-    robot.warnings.splice(0..0, warnings);
+    robot.warnings.splice(0..0, warnings.into_iter().map(RobotWarning::about_file));
     Ok(robot)
 }
 

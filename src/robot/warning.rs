@@ -7,6 +7,7 @@ use std::fmt;
 pub struct RobotWarning {
     text: String,
     kind: WarningKind,
+    is_about_file: bool,
 }
 
 /// What a [`RobotWarning`] is about.
@@ -23,12 +24,23 @@ pub enum WarningKind {
 impl RobotWarning {
     /// A warning of [`WarningKind::Other`].
     pub(super) fn new(text: String) -> Self {
-        Self { text, kind: WarningKind::Other }
+        Self { text, kind: WarningKind::Other, is_about_file: false }
     }
 
     /// A warning of another kind.
     pub(super) fn of_kind(kind: WarningKind, text: String) -> Self {
-        Self { text, kind }
+        Self { text, kind, is_about_file: false }
+    }
+
+    /// The same as a warning about a file that was looked for as the robot was loaded.
+    pub(super) fn about_file(self) -> Self {
+        Self { is_about_file: true, ..self }
+    }
+
+    /// Whether it is about a file that was looked for as the robot was loaded. What a missing file means for the
+    /// robot is a warning of its own.
+    pub fn is_about_file(&self) -> bool {
+        self.is_about_file
     }
 
     /// What it is about.

@@ -7,7 +7,7 @@ use crate::error::{Error, Place};
 use crate::human::{Human, Participant};
 use crate::options::OptionSet;
 use crate::policy::RobotPolicy;
-use crate::robot::{Robot, SlowDrive};
+use crate::robot::{Robot, RobotWarning, SlowDrive};
 use crate::world::World;
 use std::sync::{Arc, OnceLock};
 
@@ -22,11 +22,11 @@ pub struct PreparedScenario {
 /// A world with the options and obstacles built from it and c_r.
 #[derive(Debug)]
 struct Scene {
-    world: World,
-    options: OptionSet,
+    world: Arc<World>,
+    options: Arc<OptionSet>,
     obstacles: RobotObstacles,
     /// The options for the world's own `robot_width_m`, where a wider robot takes its place; made when asked.
-    as_written: OnceLock<OptionSet>,
+    as_written: OnceLock<Arc<OptionSet>>,
 }
 
 /// Partners in place of those of a scenario; `None` keeps the scenario's.
@@ -53,11 +53,9 @@ impl Scenario {
         let robot = match self.plant.robot_setup() {
             None => None,
             Some(setup) => {
-                let shared = other.and_then(|other| other.robot.as_ref());
-                let robot = match shared.filter(|robot| robot.texts == setup.robot) {
-                    Some(robot) => Arc::clone(robot),
-                    None => Arc::new(Robot::parse(&setup.robot)?),
-                };
+                let others = other.and_then(|other| other.scenario.plant.robot_setup());
+                let shared = others.map(|others| &others.robot).filter(|robot| **robot == setup.robot);
+                let robot = shared.unwrap_or(&setup.robot).robot()?;
                 if robot.posture(&setup.posture).is_none() {
                     let known: Vec<_> = robot.postures.iter().map(|p| format!("`{}`", p.name)).collect();
                     return Err(Error::value(
@@ -65,7 +63,7 @@ impl Scenario {
                         format_args!(
                             "{:?}: {} has no posture of that name; it has {}",
                             setup.posture,
-                            setup.robot.file,
+                            setup.robot.texts().file,
                             known.join(", ")
                         ),
                     ));
@@ -77,8 +75,12 @@ impl Scenario {
         let scene = match other.filter(|other| self.has_scene_of(other, width)) {
             Some(other) => Arc::clone(&other.scene),
             None => {
-                let world = World::parse_for(&self.world.file, &self.world.text, width)?;
-                let options = OptionSet::new(&world, self.settings.predictor.risk_weight())?;
+                let world = self.world.for_width(width)?;
+                let risk_weight = self.settings.predictor.risk_weight();
+                let options = match world.is_widened {
+                    true => Arc::new(OptionSet::new(&world, risk_weight)?),
+                    false => self.world.options(risk_weight)?,
+                };
                 let obstacles = RobotObstacles::new(&world);
                 Arc::new(Scene { world, options, obstacles, as_written: OnceLock::new() })
             }
@@ -136,8 +138,7 @@ impl PreparedScenario {
         if let Some(made) = as_written.get() {
             return Ok(made);
         }
-        let narrower = World::parse(&world.file, &world.text)?;
-        let made = OptionSet::new(&narrower, self.scenario.settings.predictor.risk_weight())?;
+        let made = self.scenario.world.options(self.scenario.settings.predictor.risk_weight())?;
         Ok(as_written.get_or_init(|| made))
     }
 
@@ -158,13 +159,15 @@ impl PreparedScenario {
         let Some(robot) = self.robot() else { return Vec::new() };
         let has_contacts = self.scenario.plant.physics().is_some();
         let widened = self.world().is_widened.then(|| {
-            let (name, file, width) = (&robot.name, &self.scenario.world.file, robot.width());
+            let (name, file, width) = (&robot.name, self.scenario.world.file(), robot.width());
             format!(
                 "robot `{name}` is {width:.2} m wide (base_width_m), more than robot_width_m of {file}: its openings, \
                  their risks and all clearances are for {width:.2} m"
             )
         });
-        let notes = robot.warnings.iter().filter(|note| has_contacts && note.is_about_missing_shapes());
+        let of_shapes =
+            |note: &&RobotWarning| has_contacts && note.is_about_missing_shapes() && !note.is_about_file();
+        let notes = robot.warnings.iter().filter(of_shapes);
         widened.into_iter().chain(notes.map(ToString::to_string)).collect()
     }
 

@@ -224,6 +224,11 @@ impl World {
         })
     }
 
+    /// Whether it is as it would be parsed for a robot of this width (m).
+    pub(crate) fn has_room_for(&self, width: f64) -> bool {
+        !self.is_widened && width <= self.robot_width + WIDTH_TOLERANCE_M
+    }
+
     /// What is probably a mistake, such as lengths in millimetres, a sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let Self { file, robot_width, start, target, .. } = self;

@@ -9,7 +9,7 @@ use cocarry::coordination;
 use cocarry::episode::{ControlSummary, InteractionSummary, Outcome, Settings, Summary};
 use cocarry::policy::Method;
 use cocarry::scenario::{
-    GivenPerception, Plant, PreferenceChanges, Scenario, WorldText, drawn_changes, drawn_human,
+    GivenPerception, GivenWorld, Plant, PreferenceChanges, Scenario, WorldText, drawn_changes, drawn_human,
 };
 use cocarry::world::BUILT_IN_WORLDS;
 use serde::Serialize;
@@ -96,7 +96,7 @@ impl Study<'_> {
     pub fn table(&self, on_done: OnDone) -> Result<Vec<ArrivalRow>, Error> {
         let mut rows = Vec::new();
         for world in BUILT_IN_WORLDS {
-            let world = WorldText { file: world.name.to_owned(), text: world.text.to_owned() };
+            let world = WorldText { file: world.name.to_owned(), text: world.text.to_owned() }.into();
             for (cell, n) in self.cells() {
                 rows.push(self.row(&world, cell, n, on_done)?);
             }
@@ -104,7 +104,7 @@ impl Study<'_> {
         Ok(rows)
     }
 
-    fn row(&self, world: &WorldText, cell: Cell, n: usize, on_done: OnDone) -> Result<ArrivalRow, Error> {
+    fn row(&self, world: &GivenWorld, cell: Cell, n: usize, on_done: OnDone) -> Result<ArrivalRow, Error> {
         let base = self.settings.coordination;
         let coordination = coordination::Settings { eta: cell.eta.unwrap_or(base.eta), ..base };
         let settings = Settings { method: cell.method, coordination, ..self.settings.clone() };

@@ -172,7 +172,7 @@ impl Trial {
         let Self { scenario, summary, from_target, .. } = self;
         Lost {
             index: scenario.seed,
-            world: scenario.world.text.clone(),
+            world: scenario.world.text().to_owned(),
             alpha: scenario.human.alpha,
             gamma: scenario.human.gamma,
             eta: scenario.settings.coordination.eta,

@@ -10,7 +10,7 @@ use cocarry::coordination::{self, Mode};
 use cocarry::episode::{Episode, Outcome, Settings, Summary, Tick};
 use cocarry::policy::Method;
 use cocarry::preference::{Belief, Perception};
-use cocarry::scenario::{Plant, PreparedScenario, Scenario, WorldText};
+use cocarry::scenario::{GivenWorld, Plant, PreparedScenario, Scenario};
 use cocarry::world::World;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -114,7 +114,7 @@ fn cell(
 /// # Errors
 /// If the world or its options are not valid.
 pub fn expected_costs(
-    world: impl Into<WorldText>,
+    world: impl Into<GivenWorld>,
     settings: &Settings,
     n: usize,
 ) -> Result<[f64; COLUMNS.len()], Error> {

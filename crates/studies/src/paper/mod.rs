@@ -15,7 +15,7 @@ pub mod h4;
 use cocarry::Error;
 use cocarry::episode::{Settings, Summary, Tick};
 use cocarry::preference::Perception;
-use cocarry::scenario::{Plant, PreparedScenario, Scenario, WorldText};
+use cocarry::scenario::{GivenWorld, Plant, PreparedScenario, Scenario};
 use cocarry::world::World;
 use std::path::Path;
 
@@ -125,7 +125,7 @@ impl Environment {
 
 /// The prepared scenario of a team in a world, which the scenarios of its humans share.
 fn prepared(
-    world: impl Into<WorldText>,
+    world: impl Into<GivenWorld>,
     settings: &Settings,
     plant: &Plant,
 ) -> Result<PreparedScenario, Error> {
