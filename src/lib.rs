@@ -35,8 +35,9 @@
 //! world          a TOML file -> obstacles, openings, start, target
 //! robot          a TOML file and a URDF -> drive, arm, grasp; forward kinematics and B(q)
 //! geometry       points, poses, outlines, paths
-//! math, saved, suggestion, located
-//!                transcendental functions with the same bits everywhere; saved states; "did you mean"; files read
+//! math, suggestion; above them error, then located and saved
+//!                transcendental functions with the same bits everywhere; "did you mean"; refusals of input; files
+//!                read; saved states
 //! ```
 //!
 //! This crate has no C code, no clock and no randomness from the operating system, and is for WebAssembly too
@@ -95,6 +96,7 @@ pub mod control;
 pub mod controller;
 pub mod coordination;
 pub mod episode;
+pub mod error;
 pub mod geometry;
 pub mod human;
 pub mod learning;
@@ -112,3 +114,5 @@ pub mod simulation;
 pub mod suggestion;
 pub mod team;
 pub mod world;
+
+pub use error::{Error, ErrorKind};

@@ -8,6 +8,12 @@ use serde::{Deserialize, Serialize};
 #[serde(transparent)]
 pub struct Saved(#[serde(with = "serde_bytes")] Vec<u8>);
 
+impl From<NotRestored> for crate::error::Error {
+    fn from(error: NotRestored) -> Self {
+        Self::new(error.to_string())
+    }
+}
+
 /// A saved state that does not belong to the part that should restore it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("the state belongs to another episode: its {part} does not match")]

@@ -10,7 +10,7 @@ const MOST_FILES: usize = 1000;
 
 /// The known name that is most like `name`. What a name has in parentheses is not compared.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let stem = |name: &str| name.split('(').next().unwrap_or_default().to_lowercase();
+    let stem = |name: &str| name.split_once('(').map_or(name, |(stem, _)| stem).to_lowercase();
     let similarity = |other: &str| {
         let (name, other) = (stem(name), stem(other));
         // one slip of the finger, also in a short name
@@ -27,6 +27,16 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
 /// The end of an error about `name`: "; did you mean `OTHER`?", or nothing.
 pub fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     nearest(name, known).map_or(String::new(), |other| format!("; did you mean `{other}`?"))
+}
+
+/// Known names for an error, each in backticks: the first `most` of a long list.
+pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>, most: usize) -> String {
+    let names: Vec<String> = names.into_iter().map(|name| format!("`{name}`")).collect();
+    match names.len() {
+        0 => "none".to_owned(),
+        n if n <= most => names.join(", "),
+        n => format!("{} and {} more", names[..most].join(", "), n - most),
+    }
 }
 
 /// [`hint`] for an error that lists the known names, each in quotes or backticks.

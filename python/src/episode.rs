@@ -9,7 +9,7 @@ use crate::value;
 use cocarry::episode::{self, Outcome};
 use cocarry::human::Human;
 use cocarry::quantities::{EPISODE, LEARNED, Record, TICK, View};
-use cocarry::scenario::{Partners, PreparedScenario, ScenarioError as ScenarioRefused, Snapshot};
+use cocarry::scenario::{Partners, PreparedScenario, Snapshot};
 use cocarry_recording::recording::{self, Ending, FileRecorder, Recorder};
 use numpy::PyArray1;
 use pyo3::exceptions::{PyKeyError, PyStopIteration};
@@ -44,7 +44,7 @@ impl Cell {
     pub fn beginning(
         prepared: Arc<PreparedScenario>,
         human: Option<Box<dyn Human>>,
-    ) -> Result<Self, ScenarioRefused> {
+    ) -> Result<Self, cocarry::Error> {
         Self::try_new(prepared, |stage| {
             let episode = stage.episode_of(Partners { human, policy: None })?;
             Ok(Running { episode, recorder: None, outcome: None })
@@ -95,7 +95,7 @@ pub fn cell(
                 if let Some(state) = state {
                     episode = episode.resume(state)?;
                 }
-                Ok::<_, ScenarioRefused>(Running { episode, recorder: None, outcome: None })
+                Ok::<_, cocarry::Error>(Running { episode, recorder: None, outcome: None })
             })
         })
     });

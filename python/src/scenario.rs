@@ -2,6 +2,7 @@
 
 use crate::error::{RobotError, ScenarioError, WorldError, raise};
 use crate::value::repr;
+use cocarry::episode;
 use cocarry::geometry::Point;
 use cocarry::human::PreferenceChange;
 use cocarry::options::OptionSet;
@@ -9,7 +10,7 @@ use cocarry::preference::{Belief, Marginal, Perception, Predictor, RISK_WEIGHT, 
 use cocarry::robot;
 use cocarry::scenario::{
     self, GivenPerception, Kind, PERCEPTION, PERIOD, Plant, PlantKind, PreferenceChanges, PreparedScenario,
-    RobotSetup, SETTINGS, Setting, Value, drawn_changes, drawn_human,
+    RobotSetup, SETTINGS, Setting, Value, drawn_changes,
 };
 use cocarry::world;
 use cocarry_maps::Ends;
@@ -355,14 +356,15 @@ impl Scenario {
             PlantKind::Point => Plant::Point,
             kind => Plant::new(kind, RobotSetup::new(&robot_of(robot)?)),
         };
-        let mut made = scenario::Scenario { seed, ..scenario::Scenario::new(world.clone().into(), plant) };
         let belief = belief_of(belief_alpha, belief_gamma, belief_samples)?;
-        made.settings.predictor =
-            Predictor::new(belief, RISK_WEIGHT).map_err(|e| raise::<ScenarioError>(&e))?;
+        let predictor =
+            Predictor::new(belief.clone(), RISK_WEIGHT).map_err(|e| raise::<ScenarioError>(&e))?;
+        let chosen = episode::Settings { predictor, ..episode::Settings::default() };
+        let given = GivenPerception { alpha, gamma };
+        let mut made = scenario::Scenario::of_seed(seed, world.into(), plant, chosen, &belief, given);
         apply(&mut made, settings)?;
-        let given =
-            GivenPerception { alpha: perception("alpha", alpha)?, gamma: perception("gamma", gamma)? };
-        made.human = drawn_human(made.settings.predictor.belief(), given, seed);
+        perception("alpha", alpha)?;
+        perception("gamma", gamma)?;
         if changes.is_some() && preference_changes.is_some() {
             return Err(ScenarioError::new_err(
                 "scenario: give changes or preference_changes, which draws them, not both",
@@ -379,9 +381,9 @@ impl Scenario {
                 .parse()
                 .map_err(|_| refused("preference_changes", repr(count), PreferenceChanges::expected()))?;
             let settings = &made.settings;
-            let options = OptionSet::new(&world, settings.predictor.risk_weight())
-                .map_err(|e| raise::<WorldError>(&e))?;
-            made.changes = drawn_changes(count, settings.predictor.belief(), given, seed, &options, settings);
+            let options = made.world.options(settings.predictor.risk_weight());
+            let options = options.map_err(|e| raise::<WorldError>(&e))?;
+            made.changes = drawn_changes(count, &belief, given, seed, &options, settings);
         }
         Ok(Self::of(made))
     }
@@ -477,7 +479,7 @@ impl Scenario {
     fn __repr__(&self) -> String {
         let scenario::Scenario { seed, world, human, .. } = &self.scenario;
         let (plant, Perception { alpha, gamma }) = (self.scenario.plant.name(), human);
-        format!("<cocarry.Scenario {:?}, {plant}, seed {seed}, alpha {alpha}, gamma {gamma}>", world.file)
+        format!("<cocarry.Scenario {:?}, {plant}, seed {seed}, alpha {alpha}, gamma {gamma}>", world.file())
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {

@@ -4,7 +4,7 @@ use crate::error::{StudyError, guarded, raise};
 use crate::partners::{Fault, Own};
 use crate::table::Table;
 use cocarry::episode::Episode;
-use cocarry::scenario::{PreparedScenario, ScenarioError};
+use cocarry::scenario::PreparedScenario;
 use cocarry_studies::columns::Columns;
 use cocarry_studies::study::{Shard, Study, Sweep, SweepError, SweepOutputs, columns, read_rows};
 use pyo3::prelude::*;
@@ -30,7 +30,7 @@ struct Work<'w> {
 
 impl Work<'_> {
     /// Runs an episode to its end, or until the sweep is stopped.
-    fn run<'s>(&self, stage: &'s PreparedScenario) -> Result<Episode<'s>, ScenarioError> {
+    fn run<'s>(&self, stage: &'s PreparedScenario) -> Result<Episode<'s>, cocarry::Error> {
         let own = match self.own.is_empty() {
             true => Own::default(),
             false => Python::attach(|py| self.own.copied(py)).unwrap_or_else(|error| {

@@ -74,10 +74,7 @@ impl Guide {
 
 /// Shifts the points of a way to the right of its direction by `by` (m; negative: to the left).
 fn shift_right(way: &mut [Point], by: f64) {
-    if by == 0.0 {
-        return;
-    }
-    let mut before = way.first().copied().unwrap_or_default();
+    let Some(mut before) = way.first().copied().filter(|_| by != 0.0) else { return };
     for i in 0..way.len() {
         let (here, next) = (way[i], way[(i + 1).min(way.len() - 1)]);
         let ahead = (next - before).try_normalize(1e-9).unwrap_or_default();

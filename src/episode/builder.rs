@@ -3,13 +3,14 @@
 use super::view::view;
 use super::{Episode, Manipulator, Settings, Summary, Tick, prospects};
 use crate::controller::{Controller, Guide, NoRobot, Predictive};
+use crate::error::Error;
 use crate::geometry::{Path, PlanarPose, direction};
 use crate::human::{Human, PreferenceHuman};
 use crate::options::{OptionSet, Passing};
 use crate::plant::{Kinematic, Physical, Plant, PointPlant};
 use crate::policy::RobotPolicy;
 use crate::preference::{Perception, Ways};
-use crate::simulation::{KinematicPlant, PhysicsError, PhysicsSettings};
+use crate::simulation::{KinematicPlant, PhysicsSettings};
 use crate::team::{InTandem, OnPath, Route, Surroundings, Walk};
 use crate::world::World;
 
@@ -119,10 +120,11 @@ impl<'a> EpisodeBuilder<'a> {
     /// The episode before its first step: the team stands at the start and faces its first path.
     ///
     /// # Errors
-    /// [`PhysicsError`] if a team of bodies does not fit at its start, the robot has no room on its way to the
+    /// A team of bodies does not fit at its start, the robot has no room on its way to the
     /// start or the human at the end of an option, or a setting is out of its range.
-    pub fn begin(self) -> Result<Episode<'a>, PhysicsError> {
+    pub fn begin(self) -> Result<Episode<'a>, Error> {
         let Self { options, settings, human, policy, team, controller, plant } = self;
+        settings.learning.map_or(Ok(()), |learning| learning.check())?;
         let mut episode = point_episode(options, settings, human, policy);
         let first = if let Team::Point = team { Path::default() } else { episode.first_path(team.passing()) };
         let LinedUp { walk, controller: built_in, plant } = team.line_up(options, settings, &first, plant)?;
@@ -157,7 +159,7 @@ impl<'a> Team<'a> {
         settings: &Settings,
         first: &Path,
         plant: Option<MakePlant<'a>>,
-    ) -> Result<LinedUp<'a>, PhysicsError> {
+    ) -> Result<LinedUp<'a>, Error> {
         let (pace, count) = (settings.pace(), options.options().len());
         let yaw = first.heading_at(0.0).unwrap_or(0.0);
         let pose = PlanarPose { position: options.begin().position, yaw };

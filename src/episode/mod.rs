@@ -105,6 +105,9 @@ pub fn run(
 
 impl<'a> Episode<'a> {
     /// An episode with the paper's human, the settings' method and a point as the team.
+    ///
+    /// # Panics
+    /// Settings of learning are out of their ranges, which [`EpisodeBuilder::begin`] refuses.
     pub fn new(options: &'a OptionSet, settings: &'a Settings, human: Perception) -> Self {
         let human = Box::new(PreferenceHuman::new(human, settings.coordination));
         builder::point_episode(options, settings, human, settings.method.policy())

@@ -81,7 +81,7 @@ impl Settings {
     pub(super) fn learner(&self) -> Option<Box<learning::Learner>> {
         let (predictor, phi) = (&self.predictor, self.coordination.initial_stubbornness);
         let (belief, risk_weight) = (predictor.belief().clone(), predictor.risk_weight());
-        // a scenario's check has refused settings that are out of their ranges
-        learning::Learner::new(self.learning?, belief, risk_weight, phi).ok().map(Box::new)
+        let learner = learning::Learner::new(self.learning?, belief, risk_weight, phi);
+        Some(Box::new(learner.expect("learning settings are within their ranges")))
     }
 }

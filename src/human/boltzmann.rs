@@ -1,6 +1,6 @@
 //! The noisy-rational (Boltzmann) human, who chooses options of lower cost with higher probability.
 
-use super::model::{HumanModel, ModelError, Participant, PreferenceChange};
+use super::model::{HumanModel, Participant, PreferenceChange, bad_arguments};
 use super::{Human, HumanDecision, HumanView, PreferenceHuman};
 use crate::math;
 use crate::preference::{Perception, subjective_cost};
@@ -20,7 +20,7 @@ pub(super) const MODEL: HumanModel = HumanModel {
     make: |arguments, participant| {
         let rationality = arguments.parse().ok().filter(|r: &f64| *r > 0.0 && *r <= 1e6);
         let expected = "the rationality, a number greater than 0 and at most 1000000";
-        let rationality = rationality.ok_or(ModelError::Arguments { expected })?;
+        let rationality = rationality.ok_or_else(|| bad_arguments(expected))?;
         Ok(Box::new(Boltzmann::new(participant, rationality)))
     },
 };

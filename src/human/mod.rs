@@ -12,7 +12,7 @@ mod preference;
 mod scripted;
 
 pub use boltzmann::{Boltzmann, disturbances};
-pub use model::{HumanModel, ModelError, Participant, PreferenceChange};
+pub use model::{HumanModel, Participant, PreferenceChange};
 pub use models::{MODELS, ModelName};
 pub use preference::PreferenceHuman;
 pub use scripted::Scripted;

@@ -1,14 +1,14 @@
-//! A human model by its name, what a human is made from, and why there may be none.
+//! A human model by its name, and what a human is made from.
 
 use super::Human;
 use crate::coordination;
+use crate::error::Error;
 use crate::options::OptionSet;
 use crate::preference::Perception;
-use crate::suggestion;
 use serde::{Deserialize, Serialize};
 
 /// A human, or the reason why the model cannot be made.
-type Made = Result<Box<dyn Human>, ModelError>;
+type Made = Result<Box<dyn Human>, Error>;
 
 /// A model of human decisions.
 #[derive(Debug)]
@@ -38,36 +38,9 @@ pub struct Participant<'a> {
     pub options: &'a OptionSet,
 }
 
-/// The reason why a model cannot be made.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ModelError {
-    /// No model has this name.
-    #[error(
-        "unknown human model `{name}`; expected one of: {known}{}",
-        suggestion::hint_of_list(name, known)
-    )]
-    Unknown {
-        /// The name found.
-        name: String,
-        /// How the models are written.
-        known: String,
-    },
-    /// The arguments do not fit the model.
-    #[error("the arguments must be {expected}")]
-    Arguments {
-        /// The arguments that fit.
-        expected: &'static str,
-    },
-    /// The script names an option that the world does not have.
-    #[error("step {step}: unknown option `{option}`; expected one of: {known}")]
-    Option {
-        /// The script's step.
-        step: u64,
-        /// The name found.
-        option: String,
-        /// The world's options.
-        known: String,
-    },
+/// The error of arguments that do not fit a model.
+pub(super) fn bad_arguments(expected: &str) -> Error {
+    Error::new(format!("the arguments must be {expected}"))
 }
 
 /// A preference change: from a step on, the human perceives risk and distance differently. The robot is not

@@ -1,7 +1,9 @@
 //! The human models that scenarios, studies and the command line know by name.
 
-use super::model::{HumanModel, ModelError, Participant};
+use super::model::{HumanModel, Participant};
 use super::{Human, boltzmann, preference, scripted};
+use crate::error::Error;
+use crate::suggestion;
 use std::str::FromStr;
 
 /// All models. A new model needs its own file and a line here.
@@ -18,8 +20,8 @@ impl ModelName {
     /// Makes the human.
     ///
     /// # Errors
-    /// [`ModelError`]: the arguments do not fit the model or the world.
-    pub fn make(&self, participant: &Participant<'_>) -> Result<Box<dyn Human>, ModelError> {
+    /// The arguments do not fit the model or the world.
+    pub fn make(&self, participant: &Participant<'_>) -> Result<Box<dyn Human>, Error> {
         (self.model.make)(&self.arguments, participant)
     }
 
@@ -47,16 +49,20 @@ impl PartialEq for ModelName {
 }
 
 impl FromStr for ModelName {
-    type Err = ModelError;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<Self, ModelError> {
+    fn from_str(text: &str) -> Result<Self, Error> {
         let text = text.trim();
         let (name, arguments) = match text.split_once('(') {
             Some((name, rest)) => (name.trim(), rest.strip_suffix(')').unwrap_or(rest).trim()),
             None => (text, ""),
         };
         let model = MODELS.into_iter().find(|model| model.name == name);
-        let model = model.ok_or_else(|| ModelError::Unknown { name: name.to_owned(), known: forms() })?;
+        let model = model.ok_or_else(|| {
+            let forms = MODELS.map(|model| model.form);
+            let (known, hint) = (forms.join(", "), suggestion::hint(name, forms));
+            Error::new(format!("unknown human model `{name}`; expected one of: {known}{hint}"))
+        })?;
         Ok(Self { model, arguments: arguments.to_owned() })
     }
 }
@@ -85,8 +91,4 @@ impl<'de> serde::Deserialize<'de> for ModelName {
         let text = String::deserialize(deserializer)?;
         text.parse().map_err(serde::de::Error::custom)
     }
-}
-
-fn forms() -> String {
-    MODELS.map(|model| model.form).join(", ")
 }

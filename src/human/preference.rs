@@ -1,6 +1,6 @@
 //! The paper's human, who chooses by eq. (3) and takes the lead by eq. (5).
 
-use super::model::{HumanModel, ModelError, Participant, PreferenceChange};
+use super::model::{HumanModel, Participant, PreferenceChange, bad_arguments};
 use super::{Human, HumanDecision, HumanView};
 use crate::coordination::{Settings, Stubbornness};
 use crate::preference::{Perception, human_choice};
@@ -14,7 +14,7 @@ pub(super) const MODEL: HumanModel = HumanModel {
     about: "Prefers the option of least subjective cost, eq. (3)",
     make: |arguments, participant| match arguments {
         "" => Ok(Box::new(PreferenceHuman::of(participant))),
-        _ => Err(ModelError::Arguments { expected: "no arguments" }),
+        _ => Err(bad_arguments("no arguments")),
     },
 };
 

@@ -1,8 +1,9 @@
 //! A human who follows a script of options, each from a given step on.
 
-use super::model::{HumanModel, ModelError, Participant};
+use super::model::{HumanModel, Participant, bad_arguments};
 use super::{Human, HumanDecision, HumanView};
 use crate::coordination::Stubbornness;
+use crate::error::Error;
 use crate::preference::Perception;
 use crate::saved::{NotRestored, Saved};
 
@@ -25,21 +26,20 @@ pub struct Scripted {
 }
 
 impl Scripted {
-    fn parse(script: &str, participant: &Participant<'_>) -> Result<Self, ModelError> {
+    fn parse(script: &str, participant: &Participant<'_>) -> Result<Self, Error> {
         let expected = "comma-separated entries STEP:OPTION, ordered by step, the first at step 0";
-        let wrong = || ModelError::Arguments { expected };
+        let wrong = || bad_arguments(expected);
         let options = participant.options.options();
         let entry = |text: &str| {
             let (step, name) = text.split_once(':').ok_or_else(wrong)?;
             let step: u64 = step.trim().parse().map_err(|_| wrong())?;
             let name = name.trim();
             let option = options.iter().position(|option| option.name == name);
-            let option = option.ok_or_else(|| ModelError::Option {
-                step,
-                option: name.to_owned(),
-                known: options.iter().map(|o| format!("`{}`", o.name)).collect::<Vec<_>>().join(", "),
+            let option = option.ok_or_else(|| {
+                let known = options.iter().map(|o| format!("`{}`", o.name)).collect::<Vec<_>>().join(", ");
+                Error::new(format!("step {step}: unknown option `{name}`; expected one of: {known}"))
             })?;
-            Ok((step, option))
+            Ok::<_, Error>((step, option))
         };
         let script: Vec<_> = script.split(',').map(entry).collect::<Result<_, _>>()?;
         let in_order = script.windows(2).all(|pair| pair[0].0 < pair[1].0);

@@ -44,6 +44,12 @@ pub struct LearningError {
     pub expected: &'static str,
 }
 
+impl From<LearningError> for crate::error::Error {
+    fn from(error: LearningError) -> Self {
+        Self::new(error.to_string())
+    }
+}
+
 fn check_rate(name: &'static str, value: f64) -> Result<(), LearningError> {
     match (0.0..=MAX_LAPSE_RATE).contains(&value) {
         true => Ok(()),

@@ -1,7 +1,6 @@
 //! Enumeration of options: the cheapest sequences of openings from the start to the target that enter no
 //! region twice.
 
-use super::error::TooMuch;
 use super::passage::{Crossing, Passage};
 use super::regions::on_routes;
 use super::roadmap::Roadmap;
@@ -58,14 +57,14 @@ const BOUND_ROUNDING_M: f64 = 1e-9;
 /// are added to `stages`.
 ///
 /// # Errors
-/// [`TooMuch`]: there are too many paths between openings to be searched.
+/// That there are too many paths between openings to be searched.
 pub(super) fn cheapest(
     roadmap: &mut Roadmap,
     (passages, sites): (&[Passage], &Sites),
     stages: &mut Stages,
     limit: usize,
     risk_weight: f64,
-) -> Result<Found, TooMuch> {
+) -> Result<Found, String> {
     if stages.between(roadmap, START, TARGET).length().is_finite() {
         return Ok(Found { options: vec![Vec::new()], ..Found::default() });
     }
@@ -142,7 +141,7 @@ impl<'a> Layout<'a> {
     }
 
     /// Adds the paths within every region that an option may take to `stages`.
-    fn tabulate(&self, roadmap: &mut Roadmap, stages: &mut Stages) -> Result<(), TooMuch> {
+    fn tabulate(&self, roadmap: &mut Roadmap, stages: &mut Stages) -> Result<(), String> {
         let to_target = (&self.entries[self.regions[TARGET]], vec![TARGET]);
         let legs = self.out.iter().zip(&self.entries).flat_map(|(out, entries)| {
             let mut exits: Vec<Vec<usize>> = out.iter().map(|c| self.sites.all_before(*c)).collect();
@@ -150,9 +149,11 @@ impl<'a> Layout<'a> {
             exits.into_iter().map(move |exit| (entries, exit))
         });
         let legs: Vec<_> = legs.chain([to_target]).filter(|(entries, _)| !entries.is_empty()).collect();
-        let found = legs.iter().flat_map(|(_, to)| to).map(|to| roadmap.places_around(*to)).sum();
+        let found: u64 = legs.iter().flat_map(|(_, to)| to).map(|to| roadmap.places_around(*to)).sum();
         if found > MOST_SEARCHED {
-            return Err(TooMuch::Searched { found, most: MOST_SEARCHED });
+            return Err(format!(
+                "paths to the openings would be searched from {found} places, and at most {MOST_SEARCHED} are"
+            ));
         }
         for (entries, to) in legs {
             stages.tabulate(roadmap, entries, &to);

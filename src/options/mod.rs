@@ -8,7 +8,6 @@
 
 mod alignment;
 mod enumerate;
-mod error;
 mod passage;
 mod path_option;
 mod progress;
@@ -19,12 +18,12 @@ mod stage;
 mod trajectory;
 
 pub use alignment::ALIGNMENT_M;
-pub use error::{Blockage, OptionError, TooMuch};
 pub use passage::Crossing;
 pub use path_option::PathOption;
 pub use progress::Progress;
 pub use trajectory::{nominal_trajectory, turned};
 
+use crate::error::{Error, ErrorKind, Place};
 use crate::geometry::{Bounds, Nearby, Path, Point};
 use crate::world::{ListedOption, Opening, World};
 use alignment::Alignment;
@@ -96,15 +95,22 @@ impl OptionSet {
     /// world's limit, with `risk_weight` c_r (m).
     ///
     /// # Errors
-    /// [`OptionError`]: the target cannot be reached, a listed option cannot be walked, or the world is too
-    /// large to be searched.
-    pub fn new(world: &World, risk_weight: f64) -> Result<Self, OptionError> {
+    /// The target cannot be reached, a listed option cannot be walked, or the world is too large to be searched.
+    /// All are of [`ErrorKind::World`].
+    pub fn new(world: &World, risk_weight: f64) -> Result<Self, Error> {
         let (space, closed) = space(world, &world.openings);
         let passages = passages(world, &space);
         let sites = Sites::new(&passages);
         let straights = straights([world.start, world.target], &passages);
-        let too_open =
-            |work| OptionError::TooOpen { file: world.file.clone(), obstacles: world.obstacles.len(), work };
+        let too_open = |work: String| {
+            let obstacles = world.obstacles.len();
+            refused(
+                Place::file(&world.file),
+                format_args!(
+                    "{obstacles} obstacles are too many for so open a world: {work}; use fewer obstacles, or fewer corners (a cylinder has none)"
+                ),
+            )
+        };
         let roadmap = Roadmap::new(space, &straights, &closed).map_err(too_open)?;
         let mut set = Self {
             roadmap,
@@ -143,7 +149,7 @@ impl OptionSet {
                     let crossings = set.directed(world, listed)?;
                     Ok(set.option(listed.name.clone(), crossings))
                 })
-                .collect::<Result<_, _>>()?;
+                .collect::<Result<_, Error>>()?;
         }
         Ok(set)
     }
@@ -406,21 +412,24 @@ impl OptionSet {
 
     /// The direction of every crossing of a listed option: of the walkable directions, those that give the
     /// shortest path.
-    fn directed(&self, world: &World, listed: &ListedOption) -> Result<Vec<Crossing>, OptionError> {
+    fn directed(&self, world: &World, listed: &ListedOption) -> Result<Vec<Crossing>, Error> {
         // for either direction of the last crossing: length so far and the crossings that lead there
         let mut ways: Vec<(f64, Vec<Crossing>)> = vec![(0.0, Vec::new())];
         // the direction does not depend on the lane
         let leave = |way: &[Crossing]| way.last().map_or(START, |&c| self.sites.beyond(c, 0));
-        let not_walkable = |i: usize, to: String| OptionError::NotWalkable {
-            file: world.file.clone(),
-            line: listed.line,
-            option: listed.name.clone(),
-            from: match i.checked_sub(1) {
+        let not_walkable = |i: usize, to: String| {
+            let item = format!("option `{}`", listed.name);
+            let from = match i.checked_sub(1) {
                 None => "the start".to_owned(),
                 Some(before) => format!("opening `{}`", world.openings[listed.openings[before]].name),
-            },
-            to,
-            clearance: world.robot_width / 2.0,
+            };
+            let clearance = world.robot_width / 2.0;
+            refused(
+                Place { file: world.file.clone(), line: Some(listed.line), item },
+                format_args!(
+                    "no path leads from {from} to {to} with {clearance} m clear on either side and through no other opening"
+                ),
+            )
         };
         let shortest = |ways: Vec<(f64, Vec<Crossing>)>| {
             ways.into_iter().filter(|w| w.0.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0))
@@ -492,23 +501,25 @@ fn passages(world: &World, space: &Space) -> Vec<Passage> {
         .collect()
 }
 
-fn unreachable(world: &World) -> OptionError {
+fn unreachable(world: &World) -> Error {
     let widest = world.impassable_gaps().into_iter().next();
     let reason = match widest.filter(|gap| gap.width >= NARROWEST_NAMED_M) {
-        None => Blockage::Walled,
-        Some(gap) => Blockage::Gap {
-            first: world.obstacles[gap.between[0]].name.clone(),
-            second: world.obstacles[gap.between[1]].name.clone(),
-            width: gap.width,
-            robot_width: world.robot_width,
-        },
+        None => "obstacles enclose it".to_owned(),
+        Some(Opening { between, width, .. }) => {
+            let [first, second] = between.map(|i| &world.obstacles[i].name);
+            let robot_width = world.robot_width;
+            format!(
+                "no opening leads there; the widest gap that is too narrow for the robot ({robot_width} m) is {width:.4} m wide, between `{first}` and `{second}`"
+            )
+        }
     };
-    OptionError::Unreachable {
-        file: world.file.clone(),
-        sx: world.start.x,
-        sy: world.start.y,
-        tx: world.target.x,
-        ty: world.target.y,
-        reason,
-    }
+    let ([sx, sy], [tx, ty]) = ([world.start.x, world.start.y], [world.target.x, world.target.y]);
+    refused(
+        Place::file(&world.file),
+        format_args!("the target ({tx}, {ty}) cannot be reached from the start ({sx}, {sy}): {reason}"),
+    )
+}
+
+fn refused(place: Place, sentence: std::fmt::Arguments) -> Error {
+    Error::at(place, sentence).of_kind(ErrorKind::World)
 }

@@ -1,10 +1,11 @@
 //! The physical plant: robot, object and human as bodies in rapier.
 
 use super::{Command, HumanMotion, Plant, Seen, on_floor};
+use crate::error::Error;
 use crate::geometry::{PlanarPose, Pose};
 use crate::robot::{JointVector, Robot};
 use crate::saved::{NotRestored, Saved};
-use crate::simulation::{HumanCommand, Observation, PhysicalPlant, PhysicsError, PhysicsSettings};
+use crate::simulation::{HumanCommand, Observation, PhysicalPlant, PhysicsSettings};
 use crate::world::World;
 use serde::{Deserialize, Serialize};
 
@@ -33,7 +34,7 @@ impl<'a> Physical<'a> {
         start: &PlanarPose,
         settings: &PhysicsSettings,
         seed: u64,
-    ) -> Result<Self, PhysicsError> {
+    ) -> Result<Self, Error> {
         let plant = PhysicalPlant::new(world, robot, posture, start, settings, seed)?;
         Ok(Self { robot, state: State { seen: plant.observe(), plant } })
     }

@@ -22,6 +22,12 @@ pub(crate) fn check_lapse_rate(value: f64) -> Result<(), PreferenceError> {
     }
 }
 
+impl From<PreferenceError> for crate::error::Error {
+    fn from(error: PreferenceError) -> Self {
+        Self::new(error.to_string())
+    }
+}
+
 /// An invalid belief or risk weight. Options never cause an error: see [`Prospect`](super::Prospect).
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PreferenceError {

@@ -1,12 +1,11 @@
 //! The arm from the base to the grasp: its joints, its kinematic chain, and the coupling of every joint.
 
-use super::error::{RobotError, known};
-use super::fault::ArmFault;
 use super::link::{Coupling, Joint, JointKind, Limits, Link};
 use super::urdf::Urdf;
-use super::{ArmJoint, ChainLink, MAX_JOINTS, Motion};
+use super::{ArmJoint, ChainLink, MAX_JOINTS, MAX_LISTED, Motion};
+use crate::error::{Error, Place};
 use crate::geometry::Pose;
-use crate::located::Place;
+use crate::suggestion::listed;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::collections::BTreeMap;
 
@@ -40,8 +39,8 @@ impl Arm {
         links: &mut [Link],
         ends: &Ends,
         held: &BTreeMap<usize, f64>,
-    ) -> Result<Self, RobotError> {
-        let fault = |why| RobotError::NotAnArm { place: ends.place.clone(), why };
+    ) -> Result<Self, Error> {
+        let fault = |why: String| Error::at(ends.place.clone(), why);
         let path = path(links, ends).map_err(fault)?;
         let moving = movable(urdf, links, &path)?;
         let driven: Vec<usize> = moving
@@ -51,14 +50,17 @@ impl Arm {
             .collect();
         couple(urdf, links, &driven, held)?;
 
-        let base = links[ends.base].name.clone();
+        let base = &links[ends.base].name;
         if driven.is_empty() {
-            return Err(fault(ArmFault::NothingMoves { base }));
+            return Err(fault(format!("no joint between it and `{base}` moves independently")));
         }
         if driven.len() > MAX_JOINTS {
-            let joints = known(driven.iter().filter_map(|&i| joint(links, i)).map(|j| j.name.as_str()));
-            let (count, most) = (driven.len(), MAX_JOINTS);
-            return Err(fault(ArmFault::TooManyJoints { base, count, most, joints }));
+            let joints =
+                listed(driven.iter().filter_map(|&i| joint(links, i)).map(|j| j.name.as_str()), MAX_LISTED);
+            return Err(fault(format!(
+                "{} joints move independently between it and `{base}`, more than {MAX_JOINTS}; fix some of them under [hold]: {joints}",
+                driven.len()
+            )));
         }
         let mut joints = Vec::with_capacity(driven.len());
         for joint in driven.iter().filter_map(|&i| joint(links, i)) {
@@ -92,7 +94,9 @@ impl Arm {
         }
         let (count, most) = (chain.len(), 2 * MAX_JOINTS);
         if count > most {
-            return Err(fault(ArmFault::TooManyMoving { base, count, most }));
+            return Err(fault(format!(
+                "{count} joints move between it and `{base}`, mimicking joints included, more than {most}"
+            )));
         }
         Ok(Self { joints, chain, last_from_grasp: before })
     }
@@ -123,32 +127,37 @@ fn moves(kind: JointKind) -> bool {
 }
 
 /// The links from behind the base to the grasp.
-fn path(links: &[Link], ends: &Ends) -> Result<Vec<usize>, ArmFault> {
+fn path(links: &[Link], ends: &Ends) -> Result<Vec<usize>, String> {
     if ends.base == ends.grasp {
-        return Err(ArmFault::GraspIsBase);
+        return Err("is the base link itself; name the link at the end of the arm".to_owned());
     }
     let mut path = vec![];
     let mut at = ends.grasp;
     while at != ends.base {
         path.push(at);
         let (base, root) = (&links[ends.base].name, &links[at].name);
-        at =
-            links[at].parent.ok_or_else(|| ArmFault::Elsewhere { base: base.clone(), root: root.clone() })?;
+        let elsewhere = || format!("does not descend from `{base}`: its root is `{root}`");
+        at = links[at].parent.ok_or_else(elsewhere)?;
     }
     path.reverse();
     Ok(path)
 }
 
 /// The links of the path that a joint moves.
-fn movable(urdf: Urdf, links: &[Link], path: &[usize]) -> Result<Vec<usize>, RobotError> {
+fn movable(urdf: Urdf, links: &[Link], path: &[usize]) -> Result<Vec<usize>, Error> {
     let mut moving = Vec::new();
     for &i in path {
         let Some(joint) = joint(links, i) else { continue };
         if moves(joint.kind) {
             moving.push(i);
         } else if joint.kind != JointKind::Fixed {
-            let why = ArmFault::Kind { kind: joint.kind.name() };
-            return Err(RobotError::NotAnArm { place: joint_place(urdf, joint), why });
+            return Err(Error::at(
+                joint_place(urdf, joint),
+                format_args!(
+                    "is {}; between the base and the grasp a joint must be revolute, continuous, prismatic or fixed",
+                    joint.kind.name()
+                ),
+            ));
         }
     }
     Ok(moving)
@@ -160,7 +169,7 @@ pub(super) fn held(
     links: &[Link],
     wheels: &[usize],
     holds: &[Hold],
-) -> Result<BTreeMap<usize, f64>, Vec<RobotError>> {
+) -> Result<BTreeMap<usize, f64>, Vec<Error>> {
     let (mut held, mut faults) = (BTreeMap::new(), Vec::new());
     for hold in holds {
         match held_position(urdf, links, wheels, hold) {
@@ -172,67 +181,59 @@ pub(super) fn held(
 }
 
 /// The link of a held joint and its position, rad or m.
-fn held_position(
-    urdf: Urdf,
-    links: &[Link],
-    wheels: &[usize],
-    hold: &Hold,
-) -> Result<(usize, f64), RobotError> {
+fn held_position(urdf: Urdf, links: &[Link], wheels: &[usize], hold: &Hold) -> Result<(usize, f64), Error> {
     let moving = (0..links.len()).filter(|i| !wheels.contains(i));
     let moving = moving.filter_map(|i| joint(links, i).map(|j| (i, j)));
     let named = moving.filter(|(_, j)| moves(j.kind));
     let Some((i, joint)) = named.clone().find(|(_, j)| j.name == hold.joint) else {
-        return Err(RobotError::Unknown {
-            place: hold.place.clone(),
-            kind: "moving joint",
-            name: hold.joint.to_owned(),
-            known: known(named.filter(|(_, j)| j.mimic.is_none()).map(|(_, j)| j.name.as_str())),
-        });
+        let known = named.filter(|(_, j)| j.mimic.is_none()).map(|(_, j)| j.name.as_str());
+        return Err(Error::unknown(hold.place.clone(), "moving joint", hold.joint, known, MAX_LISTED));
     };
     if let Some(mimic) = &joint.mimic {
-        let kind = format!("an independent joint; it mimics `{}`, which may be held instead", mimic.joint);
-        return Err(RobotError::Missing { place: hold.place.clone(), needed: kind });
+        let needed = format!("an independent joint; it mimics `{}`, which may be held instead", mimic.joint);
+        return Err(Error::missing(hold.place.clone(), needed));
     }
     let (key, scale, given, other) = match joint.kind {
         JointKind::Prismatic => ("position_m", 1.0, hold.position_m, hold.angle_deg),
         _ => ("angle_deg", 1f64.to_radians(), hold.angle_deg, hold.position_m),
     };
     let (Some(value), None) = (given, other) else {
-        let (place, joint, kind) = (hold.place.clone(), joint.name.clone(), joint.kind.name());
-        return Err(RobotError::Unit { place, joint, kind, key });
+        return Err(other_unit(hold.place.clone(), &joint.name, joint.kind.name(), key));
     };
     let limits = checked_limits(urdf, joint, false)?;
     let position = value * scale;
     if !position.is_finite() || position < limits.lower || position > limits.upper {
-        return Err(RobotError::Number {
-            place: hold.place.clone(),
-            field: key.to_owned(),
-            value,
-            expected: format!("from {} to {}", limits.lower / scale, limits.upper / scale),
-        });
+        let expected = format!("from {} to {}", limits.lower / scale, limits.upper / scale);
+        return Err(Error::number(hold.place.clone(), key, value, &expected));
     }
     Ok((i, position))
 }
 
+/// The error of a position that is given under the key for the other kind of joint.
+pub(super) fn other_unit(place: Place, joint: &str, kind: &str, key: &str) -> Error {
+    Error::at(place, format_args!("`{joint}` is {kind}; give its position as {key}"))
+}
+
+/// The error of a lower limit that is not below the upper one.
+pub(super) fn bad_limits(place: Place, lower: f64, upper: f64) -> Error {
+    Error::at(place, format_args!("invalid limits: lower {lower} must be below upper {upper}"))
+}
+
 /// Limits of a joint between the base and the grasp, where limits are required.
-fn checked_limits(urdf: Urdf, joint: &Joint, needs_rate: bool) -> Result<Limits, RobotError> {
+fn checked_limits(urdf: Urdf, joint: &Joint, needs_rate: bool) -> Result<Limits, Error> {
     let limits = joint.limits;
     let place = joint_place(urdf, joint);
     if [limits.lower, limits.upper, limits.rate] == [0.0; 3] {
         let needed =
             format!("<limit> with lower, upper and velocity; a {} joint needs it", joint.kind.name());
-        return Err(RobotError::Missing { place, needed });
+        return Err(Error::missing(place, needed));
     }
     if limits.lower >= limits.upper {
-        return Err(RobotError::Limits { place, lower: limits.lower, upper: limits.upper });
+        return Err(bad_limits(place, limits.lower, limits.upper));
     }
     if needs_rate && !(limits.rate > 0.0 && limits.rate.is_finite()) {
-        return Err(RobotError::Number {
-            place,
-            field: "limit velocity".to_owned(),
-            value: limits.rate,
-            expected: "greater than 0 and finite for a moving joint".to_owned(),
-        });
+        let expected = "greater than 0 and finite for a moving joint";
+        return Err(Error::number(place, "limit velocity", limits.rate, expected));
     }
     Ok(limits)
 }
@@ -244,7 +245,7 @@ fn couple(
     links: &mut [Link],
     driven: &[usize],
     held: &BTreeMap<usize, f64>,
-) -> Result<(), RobotError> {
+) -> Result<(), Error> {
     for i in 0..links.len() {
         let (master, ratio, offset) = followed(urdf, links, i)?;
         let driver = driven.iter().position(|&d| d == master).filter(|_| ratio != 0.0);
@@ -262,16 +263,14 @@ fn couple(
 
 /// The link whose joint drives the joint of link `i` through all mimics, with ratio and offset; `i` itself, 1
 /// and 0 if the joint mimics none.
-fn followed(urdf: Urdf, links: &[Link], i: usize) -> Result<(usize, f64, f64), RobotError> {
+fn followed(urdf: Urdf, links: &[Link], i: usize) -> Result<(usize, f64, f64), Error> {
     let (mut at, mut ratio, mut offset) = (i, 1.0, 0.0);
     let mut seen = vec![i];
     while let Some((follower, mimic)) = joint(links, at).and_then(|j| Some((j, j.mimic.as_ref()?))) {
         let named = |l: &Link| l.joint.as_ref().is_some_and(|j| j.name == mimic.joint);
-        at = links.iter().position(named).ok_or_else(|| RobotError::Unknown {
-            place: joint_place(urdf, follower),
-            kind: "joint to mimic",
-            name: mimic.joint.clone(),
-            known: known(links.iter().filter_map(|l| Some(l.joint.as_ref()?.name.as_str()))),
+        at = links.iter().position(named).ok_or_else(|| {
+            let known = links.iter().filter_map(|l| Some(l.joint.as_ref()?.name.as_str()));
+            Error::unknown(joint_place(urdf, follower), "joint to mimic", &mimic.joint, known, MAX_LISTED)
         })?;
         offset += ratio * mimic.offset;
         ratio *= mimic.ratio;
@@ -279,28 +278,27 @@ fn followed(urdf: Urdf, links: &[Link], i: usize) -> Result<(usize, f64, f64), R
         if seen[..seen.len() - 1].contains(&at) {
             let names = seen.iter().filter_map(|&s| joint(links, s)).map(|j| format!("`{}`", j.name));
             let circle = names.collect::<Vec<_>>().join(" follows ");
-            return Err(RobotError::MimicCircle { place: joint_place(urdf, follower), circle });
+            return Err(Error::at(
+                joint_place(urdf, follower),
+                format_args!("mimics itself: {circle}; a joint must follow one that moves independently"),
+            ));
         }
     }
     Ok((at, ratio, offset))
 }
 
 /// Checks the position of a joint that mimics a fixed one.
-fn stands_within_limits(urdf: Urdf, joint: &Joint) -> Result<(), RobotError> {
+fn stands_within_limits(urdf: Urdf, joint: &Joint) -> Result<(), Error> {
     let (limits, position) = (checked_limits(urdf, joint, false)?, joint.coupling.offset);
     if (limits.lower..=limits.upper).contains(&position) {
         return Ok(());
     }
-    Err(RobotError::Number {
-        place: joint_place(urdf, joint),
-        field: "position that it mimics (rad or m)".to_owned(),
-        value: position,
-        expected: format!("from {} to {}", limits.lower, limits.upper),
-    })
+    let expected = format!("from {} to {}", limits.lower, limits.upper);
+    Err(Error::number(joint_place(urdf, joint), "position that it mimics (rad or m)", position, &expected))
 }
 
 /// Narrows an arm joint's limits so that a joint that mimics it stays within its own.
-fn tighten(urdf: Urdf, follower: &Joint, arm_joint: &mut ArmJoint) -> Result<(), RobotError> {
+fn tighten(urdf: Urdf, follower: &Joint, arm_joint: &mut ArmJoint) -> Result<(), Error> {
     let limits = checked_limits(urdf, follower, true)?;
     let Coupling { ratio, offset, .. } = follower.coupling;
     let ends = [limits.lower, limits.upper].map(|limit| (limit - offset) / ratio);
@@ -309,8 +307,7 @@ fn tighten(urdf: Urdf, follower: &Joint, arm_joint: &mut ArmJoint) -> Result<(),
     arm_joint.rate_limit = arm_joint.rate_limit.min(limits.rate / ratio.abs());
     if arm_joint.lower >= arm_joint.upper {
         let item = format!("joint `{}`, which `{}` mimics,", arm_joint.name, follower.name);
-        let (lower, upper) = (arm_joint.lower, arm_joint.upper);
-        return Err(RobotError::Limits { place: urdf.place(item), lower, upper });
+        return Err(bad_limits(urdf.place(item), arm_joint.lower, arm_joint.upper));
     }
     Ok(())
 }

@@ -1,10 +1,10 @@
 //! Shapes in place of collision shapes that are missing, and the check of inertias on merged bodies.
 
-use super::error::RobotError;
 use super::link::{Geometry, Inertial, Link, Shape};
-use super::note::{RobotNote, some_of};
 use super::urdf::Urdf;
+use super::warning::{RobotWarning, WarningKind, some_of};
 use super::{Configuration, JointVector, Robot};
+use crate::error::Error;
 use crate::geometry::{PlanarPose, Point, Pose};
 use crate::math;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -34,8 +34,8 @@ pub(super) fn bodies(robot: &Robot) -> Vec<usize> {
 
 /// Gives shapes to the base and to moving links of the chain that have none, and says so. A base with any mesh
 /// that is missing gets its `footprint`, or a cylinder, beside its other shapes.
-pub(super) fn complete(robot: &mut Robot, footprint: Option<&[Point]>) -> Vec<RobotNote> {
-    let mut notes = Vec::new();
+pub(super) fn complete(robot: &mut Robot, footprint: Option<&[Point]>) -> Vec<RobotWarning> {
+    let mut warnings = Vec::new();
     let body = bodies(robot);
     let of_body = |robot: &Robot, at: usize| -> Vec<usize> {
         (0..robot.links.len())
@@ -67,7 +67,10 @@ pub(super) fn complete(robot: &mut Robot, footprint: Option<&[Point]>) -> Vec<Ro
         let link_from_shape = robot.drive_from_base.inverse() * drive_from_shape;
         let base = robot.base_link;
         robot.links[base].collisions.push(Geometry { link_from_shape, shape, color: None });
-        notes.push(RobotNote::Footprint { why, shape: named, height: FOOTPRINT_HEIGHT_M });
+        warnings.push(RobotWarning::of_kind(
+            WarningKind::MissingBaseShape,
+            format!("{why}; the base collides as {named}, {FOOTPRINT_HEIGHT_M} m high"),
+        ));
     }
     let mut path: Vec<usize> = std::iter::successors(Some(robot.grasp_link), |&at| robot.links[at].parent)
         .take_while(|&at| at != robot.base_link)
@@ -101,8 +104,13 @@ pub(super) fn complete(robot: &mut Robot, footprint: Option<&[Point]>) -> Vec<Ro
         };
         let link_from_shape = Pose::from_parts((along / 2.0).into(), turn);
         robot.links[at].collisions.push(Geometry { link_from_shape, shape, color: None });
-        let link = robot.links[at].name.clone();
-        notes.push(RobotNote::Capsule { link, radius: CAPSULE_RADIUS_M });
+        warnings.push(RobotWarning::of_kind(
+            WarningKind::MissingShape,
+            format!(
+                "link `{}` has no collision shape; it collides as a capsule of {CAPSULE_RADIUS_M} m radius",
+                robot.links[at].name
+            ),
+        ));
     }
     let is_told = |i: usize| body[i] == robot.base_link || moving.contains(&i);
     let left_out: Vec<&str> = (0..robot.links.len())
@@ -110,9 +118,10 @@ pub(super) fn complete(robot: &mut Robot, footprint: Option<&[Point]>) -> Vec<Ro
         .map(|i| robot.links[i].name.as_str())
         .collect();
     if !left_out.is_empty() {
-        notes.push(RobotNote::LeftOut { links: some_of(&left_out) });
+        let text = format!("left out of collisions: {}", some_of(&left_out));
+        warnings.push(RobotWarning::of_kind(WarningKind::MissingShape, text));
     }
-    notes
+    warnings
 }
 
 /// Whether the base has a collision shape that the physics can use, besides its wheels.
@@ -131,8 +140,8 @@ fn prism(corners: &[Point]) -> Shape {
 
 /// The check of inertias and masses on the bodies that move as one. A link whose inertia no body has is a fault
 /// only if its body's is not possible either.
-pub(super) fn check_inertias(urdf: Urdf, robot: &Robot) -> (Vec<RobotError>, Vec<RobotNote>) {
-    let (mut faults, mut notes) = (Vec::new(), Vec::new());
+pub(super) fn check_inertias(urdf: Urdf, robot: &Robot) -> (Vec<Error>, Vec<RobotWarning>) {
+    let (mut faults, mut warnings) = (Vec::new(), Vec::new());
     let body = bodies(robot);
     let zero = Configuration {
         base: PlanarPose { position: Point::origin(), yaw: 0.0 },
@@ -149,7 +158,10 @@ pub(super) fn check_inertias(urdf: Urdf, robot: &Robot) -> (Vec<RobotError>, Vec
         let massless = members.iter().filter_map(|&i| own(i)).all(|inertial| inertial.mass <= 0.0);
         let has_arm = robot.links[at].joint.as_ref().is_some_and(|j| j.coupling.joint.is_some());
         if massless && has_arm && at != robot.base_link {
-            notes.push(RobotNote::Massless { link: robot.links[at].name.clone() });
+            let link = &robot.links[at].name;
+            warnings.push(RobotWarning::new(format!(
+                "link `{link}` moves but has no mass; the physical plant gives it 10 g"
+            )));
         }
         let bad = members.iter().filter_map(|&i| Some((i, own(i)?)));
         let bad: Vec<(usize, Inertial)> =
@@ -159,19 +171,21 @@ pub(super) fn check_inertias(urdf: Urdf, robot: &Robot) -> (Vec<RobotError>, Vec
         }
         let merged = is_possible(&merged(robot, &poses, &members));
         for (i, inertial) in bad {
-            let (link, least) = (robot.links[i].name.clone(), least(&inertial.inertia));
+            let (link, least) = (&robot.links[i].name, least(&inertial.inertia));
             match merged {
-                true => notes.push(RobotNote::Inertia { link, least }),
-                false => faults.push(RobotError::Number {
-                    place: urdf.place(format!("link `{link}`")),
-                    field: "least principal moment of inertia".to_owned(),
-                    value: least,
-                    expected: "at least 0".to_owned(),
-                }),
+                true => warnings.push(RobotWarning::new(format!(
+                    "link `{link}`: inertia that no body has (least principal moment {least:.2e} kg m^2); the body that it is part of is sound"
+                ))),
+                false => faults.push(Error::number(
+                    urdf.place(format!("link `{link}`")),
+                    "least principal moment of inertia",
+                    least,
+                    "at least 0",
+                )),
             }
         }
     }
-    (faults, notes)
+    (faults, warnings)
 }
 
 /// The least principal moment of an inertia.

@@ -1,14 +1,15 @@
 //! A robot file drafted from a URDF: the base, its wheels, the arm, the grasp and postures, each found or
 //! assumed.
 
-use super::draft_request::{DraftError, DraftRequest};
+use super::draft_request::DraftRequest;
 use super::draft_search::{self, Parts};
 use super::footprint;
 use super::level::FULL;
 use super::load::{self, RobotTexts};
-use super::note::RobotNote;
 use super::postures::{self, Found};
+use super::warning::WarningKind;
 use super::{Motion, Robot};
+use crate::error::{Error, Place};
 use crate::geometry::{Footprint, Point};
 use crate::math;
 use nalgebra::{Rotation3, Vector3};
@@ -44,8 +45,8 @@ impl Draft {
     /// The same URDF gives the same text.
     ///
     /// # Errors
-    /// [`DraftError`].
-    pub fn new(urdf: &Path, named: &str, file: &str, request: &DraftRequest) -> Result<Self, DraftError> {
+    /// The URDF is not valid, or a part of the robot is not found in it.
+    pub fn new(urdf: &Path, named: &str, file: &str, request: &DraftRequest) -> Result<Self, Error> {
         let mut texts = RobotTexts::of_urdf(urdf)?;
         texts.file = file.to_owned();
         let urdf_file = texts.urdf_file.clone();
@@ -108,7 +109,13 @@ impl Draft {
             let heights = heights.iter().map(|h| h.to_string()).collect::<Vec<_>>().join(", ");
             let hint =
                 if robot.freedom() < FULL { "; the arm cannot place its grasp in any pose" } else { "" };
-            return Err(DraftError::NoPosture { file: urdf_file, tool: parts.tool, heights, hint });
+            let tool = &parts.tool;
+            return Err(Error::at(
+                Place::file(urdf_file),
+                format_args!(
+                    "no posture found that holds `{tool}` level and straight ahead at {heights} m; try --grasp-height or --tool{hint}"
+                ),
+            ));
         };
         let roll = found[0].roll;
         let level = Rotation3::from_axis_angle(&Vector3::x_axis(), -roll);
@@ -130,7 +137,7 @@ impl Draft {
                 let arm = if across < width { format!(", and {width:.2} m with its arm") } else { String::new() };
                 format!(
                     "the base is {across:.2} m wide{arm}: its collision shapes seen from above; a disc about the axle would be {:.2} m wide",
-                    2.0 * robot.base_extent().unwrap_or_default()
+                    2.0 * robot.base_extent().expect("the outline is that of collision shapes")
                 )
             }
         });
@@ -185,7 +192,7 @@ impl BaseSize {
 
     /// The polygon around the base's shapes where it is much narrower than a disc.
     fn polygon_around(robot: &Robot, disc: &Self) -> Option<Self> {
-        if robot.notes.iter().any(|note| matches!(note, RobotNote::Footprint { .. })) {
+        if robot.warnings.iter().any(|w| w.kind() == WarningKind::MissingBaseShape) {
             return None;
         }
         let footprint = Footprint::Polygon(footprint::around_shapes(robot).ok()?);

@@ -1,10 +1,11 @@
 //! The drive of a URDF: found where names say which it is, and asked for where they do not.
 
-use super::draft_request::{DraftError, DraftRequest};
+use super::draft_request::DraftRequest;
 use super::drive::DriveKind;
 use super::driven::SKID_MULTIPLIER;
 use super::link::{JointKind, Link};
 use super::wheel_search::{self, is_mecanum, is_wheel};
+use crate::error::{Error, Place};
 use crate::geometry::Pose;
 use nalgebra::Vector3;
 
@@ -70,22 +71,18 @@ pub(super) fn drive(
     poses: &[Pose],
     request: &DraftRequest,
     assumed: &mut Vec<String>,
-) -> Result<Found, DraftError> {
+) -> Result<Found, Error> {
     let wheels = wheels(links, poses);
-    let many = |wheels: &[usize]| {
-        let (count, names) = (wheels.len(), listed(links, wheels));
-        DraftError::ManyWheels { file: file.to_owned(), count, names }
-    };
     if let Some(names) = &request.wheels {
         let found = names.each_ref().map(|name| (0..links.len()).find(|&i| joint_name(links, i) == *name));
         let [Some(left), Some(right)] = found else {
             let seen = format!("no joint has the name given; wheels are: {}", listed(links, &wheels));
-            return Err(DraftError::NoWheels { file: file.to_owned(), seen });
+            return Err(no_wheels(file, &seen));
         };
         let others = wheel_search::others(links, &[left, right]);
         // mecanum wheels are refused by the loader, whoever says that they are something else
         if request.drive.is_none() && !others.is_empty() {
-            return Err(many(&[vec![left, right], others].concat()));
+            return Err(many_wheels(file, links, &[vec![left, right], others].concat()));
         }
         return Ok(Found::Differential([left, right], request.drive.is_some()));
     }
@@ -114,7 +111,7 @@ pub(super) fn drive(
                     "a skid-steer base has two or more on either side, and here are {}",
                     listed(links, &wheels)
                 );
-                return Err(DraftError::NoWheels { file: file.to_owned(), seen });
+                return Err(no_wheels(file, &seen));
             }
             let [left, right] = sides.each_ref().map(|side| listed(links, side));
             assumed.push(format!("the driven wheels are {left} on the left and {right} on the right"));
@@ -147,6 +144,27 @@ fn wheels(links: &[Link], poses: &[Pose]) -> Vec<usize> {
     (0..links.len()).filter(|&i| is_wheel(links, poses, i)).collect()
 }
 
+/// The error of a URDF in which no pair of driven wheels is found, with what is `seen` instead.
+fn no_wheels(file: &str, seen: &str) -> Error {
+    Error::at(
+        Place::file(file),
+        format_args!(
+            "no pair of driven wheels: expected two continuous joints about the base's y axis, one on either side; {seen}; an omnidirectional base needs --drive omnidirectional"
+        ),
+    )
+}
+
+/// The error of a URDF with more than one pair of wheels.
+fn many_wheels(file: &str, links: &[Link], wheels: &[usize]) -> Error {
+    let (count, names) = (wheels.len(), listed(links, wheels));
+    Error::at(
+        Place::file(file),
+        format_args!(
+            "{count} wheels could be driven: {names}; say which drive it has: --drive skid-steer, --drive omnidirectional (mecanum), or, if only two are driven and the others roll freely, --drive differential with --left-wheel and --right-wheel"
+        ),
+    )
+}
+
 /// The name of the joint that carries a link.
 pub(super) fn joint_name(links: &[Link], i: usize) -> &str {
     links[i].joint.as_ref().map_or("", |joint| joint.name.as_str())
@@ -172,7 +190,7 @@ pub(super) fn standing(links: &[Link]) -> usize {
 }
 
 /// The only pair of wheels that mirror each other, left first.
-fn pair(file: &str, links: &[Link], poses: &[Pose]) -> Result<[usize; 2], DraftError> {
+fn pair(file: &str, links: &[Link], poses: &[Pose]) -> Result<[usize; 2], Error> {
     let wheels = wheels(links, poses);
     let at = |i: usize| poses[i].translation.vector;
     let mut pairs = Vec::new();
@@ -195,11 +213,8 @@ fn pair(file: &str, links: &[Link], poses: &[Pose]) -> Result<[usize; 2], DraftE
                 }
                 false => format!("its continuous joints are {turning}"),
             };
-            Err(DraftError::NoWheels { file: file.to_owned(), seen })
+            Err(no_wheels(file, &seen))
         }
-        _ => {
-            let (count, names) = (wheels.len(), listed(links, &wheels));
-            Err(DraftError::ManyWheels { file: file.to_owned(), count, names })
-        }
+        _ => Err(many_wheels(file, links, &wheels)),
     }
 }

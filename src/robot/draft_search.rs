@@ -1,10 +1,11 @@
 //! The base, the driven wheels and the tool of a URDF, found by what they are and then by their names.
 
 use super::draft_drive::{Found, common, drive, joint_name, standing};
-use super::draft_request::{DraftError, DraftRequest};
+use super::draft_request::DraftRequest;
 use super::link::{Joint, JointKind, Link, Shape};
 use super::wheel_search::poses;
 use super::{MAX_JOINTS, hull};
+use crate::error::{Error, Place};
 use crate::geometry::Pose;
 use nalgebra::{Point3, Rotation3, Vector3};
 
@@ -51,7 +52,7 @@ const NO_TOOLS: [&str; 16] = [
 ];
 
 /// Finds the parts. Names that the request gives are taken as they are.
-pub(super) fn find(file: &str, links: &[Link], request: &DraftRequest) -> Result<Parts, DraftError> {
+pub(super) fn find(file: &str, links: &[Link], request: &DraftRequest) -> Result<Parts, Error> {
     let poses = poses(links);
     let mut assumed = Vec::new();
     let drive = drive(file, links, &poses, request, &mut assumed)?;
@@ -64,8 +65,15 @@ pub(super) fn find(file: &str, links: &[Link], request: &DraftRequest) -> Result
     let tool = match &request.tool {
         // an unknown name is an error of the robot file
         Some(name) => links.iter().position(|l| l.name == *name).unwrap_or(base),
-        None => tool(links, base, &wheels)
-            .ok_or_else(|| DraftError::NoArm { file: file.to_owned(), base: links[base].name.clone() })?,
+        None => tool(links, base, &wheels).ok_or_else(|| {
+            let base = &links[base].name;
+            Error::at(
+                Place::file(file),
+                format_args!(
+                    "no arm of 1 to 8 moving joints descends from `{base}`; name its last link with --tool"
+                ),
+            )
+        })?,
     };
     let tool_name = request.tool.clone().unwrap_or_else(|| links[tool].name.clone());
     if request.tool.is_none() {
@@ -79,7 +87,13 @@ pub(super) fn find(file: &str, links: &[Link], request: &DraftRequest) -> Result
     };
     let radius = match wheels.first() {
         Some(&wheel) if !measurable(wheel) => Some(mesh_radius(&links[wheel]).ok_or_else(|| {
-            DraftError::NoRadius { file: file.to_owned(), wheel: joint_name(links, wheel).to_owned() }
+            let wheel = joint_name(links, wheel);
+            Error::at(
+                Place::file(file),
+                format_args!(
+                    "the radius of `{wheel}` cannot be measured: it has no shape; give one in the URDF"
+                ),
+            )
         })?),
         _ => None,
     };

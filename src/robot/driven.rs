@@ -1,14 +1,14 @@
 //! The drive that a robot file names: its kind, its wheels and its limits.
 
 use super::drive::DriveKind;
-use super::error::{RobotError, known};
-use super::fault::DriveFault;
 use super::file::{RobotFile, number};
 use super::link::Link;
 use super::urdf::Urdf;
-use super::wheel_search;
 use super::wheels::{Named, Omnidirectional};
-use crate::located::{Place, Source};
+use super::{MAX_LISTED, wheel_search};
+use crate::error::{Error, Place};
+use crate::located::Source;
+use crate::suggestion::listed;
 use toml::Spanned;
 
 /// Track of a skid-steer drive as a multiple of the distance between its wheels, where the robot file gives
@@ -21,7 +21,7 @@ pub(super) fn named(
     urdf: Urdf,
     links: &[Link],
     entries: &RobotFile,
-) -> Result<Named, Vec<RobotError>> {
+) -> Result<Named, Vec<Error>> {
     let kind = entries.drive.as_ref().map_or(DriveKind::Differential, |drive| *drive.get_ref());
     let mut reader = Reader { source, links, kind, faults: Vec::new() };
     reader.refuse_others(entries);
@@ -45,7 +45,7 @@ fn other_drive(
     entries: &RobotFile,
     kind: DriveKind,
     named: &[usize],
-) -> Option<RobotError> {
+) -> Option<Error> {
     if kind == DriveKind::Omnidirectional {
         return None;
     }
@@ -58,12 +58,23 @@ fn other_drive(
     let all: Vec<usize> = named.iter().chain(&others).copied().collect();
     let mecanum: Vec<&str> = all.iter().filter(|&&i| wheel_search::is_mecanum(links, i)).map(joint).collect();
     if !mecanum.is_empty() {
-        let (wheels, drive) = (known(mecanum.into_iter()), kind.name());
-        return Some(RobotError::OtherDrive { place, why: DriveFault::Mecanum { wheels, drive } });
+        return Some(Error::at(
+            place,
+            format_args!(
+                "this base has mecanum or omnidirectional wheels: {}; it is not a {} one; write drive = \"omnidirectional\"",
+                listed(mecanum, MAX_LISTED),
+                kind.name()
+            ),
+        ));
     }
     if entries.drive.is_none() && !others.is_empty() {
-        let wheels = known(others.iter().map(joint));
-        return Some(RobotError::OtherDrive { place, why: DriveFault::OtherWheels { wheels } });
+        return Some(Error::at(
+            place,
+            format_args!(
+                "this base has other wheels that may be driven: {}; say which drive it has: drive = \"skid-steer\", \"omnidirectional\" (mecanum), or \"differential\" if they roll freely",
+                listed(others.iter().map(joint), MAX_LISTED)
+            ),
+        ));
     }
     None
 }
@@ -72,11 +83,11 @@ struct Reader<'a> {
     source: Source<'a>,
     links: &'a [Link],
     kind: DriveKind,
-    faults: Vec<RobotError>,
+    faults: Vec<Error>,
 }
 
 impl Reader<'_> {
-    fn keep<T>(&mut self, result: Result<T, RobotError>) -> Option<T> {
+    fn keep<T>(&mut self, result: Result<T, Error>) -> Option<T> {
         result.map_err(|fault| self.faults.push(fault)).ok()
     }
 
@@ -113,7 +124,9 @@ impl Reader<'_> {
         for (key, drives, span) in given {
             if let Some(span) = span.filter(|_| !drives.contains(&self.kind)) {
                 let place = self.source.place_at(span, "robot");
-                self.faults.push(RobotError::NoKey { place, key, drive: self.kind.name(), instead });
+                let drive = self.kind.name();
+                let sentence = format_args!("{key} does not apply to drive = \"{drive}\"; {instead}");
+                self.faults.push(Error::at(place, sentence));
             }
         }
     }
@@ -171,8 +184,7 @@ impl Reader<'_> {
     }
 
     fn missing(&mut self, needed: String) {
-        let place = Place { file: self.source.file.to_owned(), line: None, item: "robot".to_owned() };
-        self.faults.push(RobotError::Missing { place, needed });
+        self.faults.push(Error::missing(Place::item(self.source.file, "robot"), needed));
     }
 
     fn one(&mut self, key: &str, name: &Option<Spanned<String>>) -> Option<usize> {
@@ -199,7 +211,7 @@ impl Reader<'_> {
             };
             if found.contains(&one) {
                 let place = self.source.place(name, format!("`{}` in {key}", name.get_ref()));
-                self.faults.push(RobotError::Duplicate { place, kind: "wheel" });
+                self.faults.push(Error::duplicate(place, "wheel"));
             }
             found.push(one);
         }
@@ -230,20 +242,15 @@ impl Reader<'_> {
 }
 
 /// The child link of the joint of this name.
-fn carried_by(
+fn carried_by<'l>(
     source: Source,
-    links: &[Link],
+    links: &'l [Link],
     key: &str,
     name: &Spanned<String>,
-) -> Result<usize, RobotError> {
-    let joint_name = |l: &Link| l.joint.as_ref().map(|j| j.name.clone());
-    links.iter().position(|l| joint_name(l).as_ref() == Some(name.get_ref())).ok_or_else(|| {
-        let names: Vec<String> = links.iter().filter_map(joint_name).collect();
-        RobotError::Unknown {
-            place: source.place(name, key),
-            kind: "joint",
-            name: name.get_ref().clone(),
-            known: known(names.iter().map(String::as_str)),
-        }
+) -> Result<usize, Error> {
+    let joint = |l: &'l Link| l.joint.as_ref().map(|joint| joint.name.as_str());
+    links.iter().position(|l| joint(l) == Some(name.get_ref())).ok_or_else(|| {
+        let known = links.iter().filter_map(joint);
+        Error::unknown(source.place(name, key), "joint", name.get_ref(), known, MAX_LISTED)
     })
 }

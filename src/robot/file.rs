@@ -1,7 +1,7 @@
 //! A robot file as written, each item with its line.
 
 use super::drive::DriveKind;
-use super::error::RobotError;
+use crate::error::Error;
 use crate::located::Source;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -65,19 +65,13 @@ pub(super) struct PostureEntry {
 /// A number that must be in a range.
 pub(super) fn number(
     source: Source,
-    field: &str,
+    key: &str,
     spanned: &Spanned<f64>,
     is_good: impl Fn(f64) -> bool,
     expected: &str,
-) -> Result<f64, RobotError> {
-    let value = *spanned.get_ref();
-    if is_good(value) {
-        return Ok(value);
+) -> Result<f64, Error> {
+    match *spanned.get_ref() {
+        value if is_good(value) => Ok(value),
+        value => Err(Error::number(source.place(spanned, "robot"), key, value, expected)),
     }
-    Err(RobotError::Number {
-        place: source.place(spanned, "robot"),
-        field: field.to_owned(),
-        value,
-        expected: expected.to_owned(),
-    })
 }

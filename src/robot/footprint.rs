@@ -2,11 +2,10 @@
 
 use super::Robot;
 use super::collision;
-use super::error::RobotError;
-use super::fault::FootprintFault;
 use super::link::Shape;
+use crate::error::{Error, Place};
 use crate::geometry::{Footprint, Point, Pose, Vector, convex_hull, direction, with_fewer_corners};
-use crate::located::{Place, Source};
+use crate::located::Source;
 use crate::math;
 use nalgebra::{Point3, Vector3};
 use toml::{Spanned, Value};
@@ -47,33 +46,37 @@ impl Asked {
 }
 
 /// What the key asks for.
-pub(super) fn asked(source: Source, entry: &Option<Spanned<Value>>) -> Result<Asked, RobotError> {
+pub(super) fn asked(source: Source, entry: &Option<Spanned<Value>>) -> Result<Asked, Error> {
     let Some(spanned) = entry else { return Ok(Asked::Disc) };
     let place = || source.place(spanned, "robot");
-    let refused = |why| RobotError::Footprint { place: place(), why };
+    let refused = |why: String| Error::at(place(), why);
     let list = match spanned.get_ref() {
         Value::String(word) if word == "collision" => return Ok(Asked::Collision(place())),
         Value::Array(list) => list,
-        other => return Err(refused(FootprintFault::Kind { found: shortened(other) })),
+        other => {
+            return Err(refused(format!(
+                "{KEY} = {}; it must be \"collision\", or a list of corners [[x, y], ...] in metres",
+                shortened(other)
+            )));
+        }
     };
     if !(FEWEST_CORNERS..=MOST_CORNERS).contains(&list.len()) {
-        let (fewest, most) = (FEWEST_CORNERS, MOST_CORNERS);
-        return Err(refused(FootprintFault::Count { count: list.len(), fewest, most }));
+        let count = list.len();
+        return Err(refused(format!(
+            "{KEY} has {count} corners; it must have {FEWEST_CORNERS} to {MOST_CORNERS}"
+        )));
     }
     let mut corners = Vec::with_capacity(list.len());
     for (i, entry) in list.iter().enumerate() {
         let numbers = entry.as_array().map(|pair| pair.iter().map(number).collect::<Option<Vec<f64>>>());
         let Some(Some([x, y])) = numbers.as_ref().map(|n| n.as_deref()) else {
-            return Err(refused(FootprintFault::Corner { corner: i, found: shortened(entry) }));
+            let found = shortened(entry);
+            return Err(refused(format!("{KEY}[{i}] = {found}; it must be a corner [x, y] in metres")));
         };
         for (axis, value) in [x, y].into_iter().enumerate() {
             if value.is_nan() || value.abs() > FARTHEST_M {
-                return Err(RobotError::Number {
-                    place: place(),
-                    field: format!("{KEY}[{i}][{axis}]"),
-                    value: *value,
-                    expected: format!("from -{FARTHEST_M} to {FARTHEST_M} (metres)"),
-                });
+                let expected = format!("from -{FARTHEST_M} to {FARTHEST_M} (metres)");
+                return Err(Error::number(place(), &format!("{KEY}[{i}][{axis}]"), *value, &expected));
             }
         }
         corners.push(Point::new(*x, *y));
@@ -83,17 +86,20 @@ pub(super) fn asked(source: Source, entry: &Option<Spanned<Value>>) -> Result<As
 
 /// Gives the robot the footprint that is asked for. `has_shapes`: before others stand in for those that are
 /// missing.
-pub(super) fn set(robot: &mut Robot, asked: Asked, has_shapes: bool) -> Result<(), RobotError> {
+pub(super) fn set(robot: &mut Robot, asked: Asked, has_shapes: bool) -> Result<(), Error> {
     let corners = match asked {
         Asked::Disc => return Ok(()),
         Asked::Corners(corners) => corners,
         Asked::Collision(place) if !has_shapes => {
-            let base = robot.links[robot.base_link].name.clone();
-            return Err(RobotError::Footprint { place, why: FootprintFault::NoShapes { base } });
+            let base = &robot.links[robot.base_link].name;
+            return Err(Error::at(
+                place,
+                format_args!(
+                    "{KEY} = \"collision\", but `{base}` has no collision shape; give corners [[x, y], ...] in metres"
+                ),
+            ));
         }
-        Asked::Collision(place) => {
-            around_shapes(robot).map_err(|why| RobotError::Footprint { place, why })?
-        }
+        Asked::Collision(place) => around_shapes(robot).map_err(|why| Error::at(place, why))?,
     };
     robot.drive.base_radius = corners.iter().map(|c| math::hypot(c.x, c.y)).fold(0.0, f64::max);
     robot.footprint = Footprint::Polygon(corners);
@@ -107,7 +113,7 @@ pub(super) fn across(footprint: &Footprint) -> f64 {
 }
 
 /// The corners of the polygon around the base's collision shapes, wheels included.
-pub(super) fn around_shapes(robot: &Robot) -> Result<Vec<Point>, FootprintFault> {
+pub(super) fn around_shapes(robot: &Robot) -> Result<Vec<Point>, String> {
     let mut points = Vec::new();
     for (drive_from_shape, shape) in collision::base_shapes(robot) {
         add_outline(&drive_from_shape, shape, &mut points);
@@ -149,7 +155,7 @@ fn add_outline(drive_from_shape: &Pose, shape: &Shape, points: &mut Vec<Point>) 
 }
 
 /// The convex hull of some corners, if it is a footprint.
-fn checked(corners: Vec<Point>) -> Result<Vec<Point>, FootprintFault> {
+fn checked(corners: Vec<Point>) -> Result<Vec<Point>, String> {
     let hull = convex_hull(&corners);
     let n = hull.len();
     let across = |i: usize| {
@@ -159,12 +165,17 @@ fn checked(corners: Vec<Point>) -> Result<Vec<Point>, FootprintFault> {
     };
     let narrowest = if n < 3 { 0.0 } else { (0..n).map(across).fold(f64::INFINITY, f64::min) };
     if narrowest < LEAST_EXTENT_M {
-        return Err(FootprintFault::Flat { narrowest, least: LEAST_EXTENT_M });
+        return Err(format!(
+            "{KEY} is {narrowest:.4} m across where it is narrowest; its corners must be around an area at least {LEAST_EXTENT_M} m across"
+        ));
     }
     let (least, most) = hull.iter().fold((hull[0], hull[0]), |(a, b), c| (a.inf(c), b.sup(c)));
     let hull = Footprint::Polygon(hull);
     if hull.separation(Point::origin()).0 >= 0.0 {
-        return Err(FootprintFault::Beside { x: [least.x, most.x], y: [least.y, most.y] });
+        return Err(format!(
+            "{KEY}, from x = {:.3} to {:.3} and y = {:.3} to {:.3} m, does not have the middle of the drive (0, 0) inside; its corners must be around it, x ahead and y to the left",
+            least.x, most.x, least.y, most.y
+        ));
     }
     let Footprint::Polygon(corners) = hull else { return Ok(corners) };
     Ok(corners)

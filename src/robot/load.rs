@@ -1,16 +1,17 @@
 //! Loading of a robot from its robot file and the URDF that it names.
 
 use super::arm::{self, Arm, Ends, Hold};
-use super::error::{RobotError, known};
 use super::file::{RobotFile, number};
 use super::link::{Coupling, Joint, JointKind, Limits, Link};
 use super::mesh::MeshFolders;
-use super::note::RobotNote;
 use super::urdf::{Hulls, Links, Urdf, is_xacro};
+use super::warning::RobotWarning;
 use super::wheels::Wheels;
-use super::{Posture, Robot, SelfContacts, collision, driven, footprint, posture};
+use super::{MAX_LISTED, Posture, Robot, SelfContacts, collision, driven, footprint, posture};
+use crate::error::{Error, Place};
 use crate::geometry::{Footprint, Point, Pose};
-use crate::located::{self, LARGEST_SETTINGS, Place, Source};
+use crate::located::{self, LARGEST_SETTINGS, Source};
+use crate::suggestion;
 use nalgebra::{Rotation3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -67,7 +68,7 @@ impl Eq for MeshFolder {}
 impl RobotTexts {
     /// Reads a robot file (`.toml`) and the URDF that it names, or a URDF (`.urdf`, `.xml`) and the robot
     /// file of the same name beside it.
-    fn read(path: &Path) -> Result<Self, RobotError> {
+    fn read(path: &Path) -> Result<Self, Error> {
         let file = path.display().to_string();
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
         let robot_file = match extension.as_str() {
@@ -76,14 +77,28 @@ impl RobotTexts {
             // of `robot.urdf.xacro` as well as of `robot.xacro`
             "xacro" if path.exists() => path.with_extension("").with_extension("toml"),
             "xacro" => return Err(xacro(path)),
-            _ => return Err(RobotError::Format { file }),
+            _ => {
+                let hint = hint_of_file(path);
+                return Err(Error::at(
+                    Place::file(file),
+                    format_args!(
+                        "expected a robot file (.toml), or a URDF (.urdf or .xml) with a robot file beside it{hint}"
+                    ),
+                ));
+            }
         };
         let asked = (extension != "toml").then_some(path);
         if let Some(urdf) = asked
             && urdf.exists()
             && !robot_file.exists()
         {
-            return Err(RobotError::NoRobotFile { urdf: file, needed: robot_file.display().to_string() });
+            return Err(Error::at(
+                Place::file(&file),
+                format_args!(
+                    "needs a robot file beside it, {}, which names urdf, base_link, grasp_frame, left_wheel and right_wheel (or another drive), base_width_m, grasp_height_m and a [[posture]]; `cocarry robot init {file}` drafts one",
+                    robot_file.display()
+                ),
+            ));
         }
         let (name, text) =
             (robot_file.display().to_string(), located::read_at_most(LARGEST_SETTINGS, &robot_file)?);
@@ -92,11 +107,14 @@ impl RobotTexts {
         let folder = robot_file.parent().unwrap_or(Path::new(""));
         let urdf = folder.join(entries.urdf.get_ref());
         if let Some(asked) = asked.filter(|&asked| !is_same(asked, &urdf)) {
-            return Err(RobotError::OtherUrdf {
-                place: source.place(&entries.urdf, "urdf"),
-                found: entries.urdf.get_ref().clone(),
-                asked: asked.display().to_string(),
-            });
+            return Err(Error::value(
+                source.place(&entries.urdf, "urdf"),
+                format_args!(
+                    "{:?}; expected {}, which was asked for",
+                    entries.urdf.get_ref(),
+                    asked.display()
+                ),
+            ));
         }
         let urdf_text = read_urdf(&urdf)?;
         let packages = entries.packages.iter().map(|package| folder.join(package));
@@ -106,7 +124,7 @@ impl RobotTexts {
     }
 
     /// A URDF without a robot file yet.
-    pub(super) fn of_urdf(path: &Path) -> Result<Self, RobotError> {
+    pub(super) fn of_urdf(path: &Path) -> Result<Self, Error> {
         let urdf = read_urdf(path)?;
         let urdf_file = path.display().to_string();
         let meshes = MeshFolder(Some(MeshFolders::new(path, std::iter::empty())));
@@ -119,12 +137,12 @@ impl RobotTexts {
         Self { text, ..self.clone() }
     }
 
-    /// The same with the hulls of the URDF's collision meshes, and notes on those that have none.
-    fn with_hulls(mut self) -> (Self, Vec<RobotNote>) {
+    /// The same with the hulls of the URDF's collision meshes, and warnings about those that have none.
+    fn with_hulls(mut self) -> (Self, Vec<RobotWarning>) {
         let urdf = Urdf { file: &self.urdf_file, folders: self.meshes.0.as_ref(), hulls: None };
-        let (hulls, notes) = urdf.collision_hulls(&self.urdf);
+        let (hulls, warnings) = urdf.collision_hulls(&self.urdf);
         self.hulls = Some(SharedHulls(hulls));
-        (self, notes)
+        (self, warnings)
     }
 }
 
@@ -133,8 +151,8 @@ impl Robot {
     /// with the robot file of the same name beside it.
     ///
     /// # Errors
-    /// [`RobotError`], which names the file, the item and the numbers.
-    pub fn load(path: &Path) -> Result<Self, RobotError> {
+    /// The file, the item and the numbers.
+    pub fn load(path: &Path) -> Result<Self, Error> {
         Self::check(path).map_err(|mut faults| faults.swap_remove(0))
     }
 
@@ -142,8 +160,8 @@ impl Robot {
     /// checked only if everything else is valid.
     ///
     /// # Errors
-    /// At least one [`RobotError`].
-    pub fn check(path: &Path) -> Result<Self, Vec<RobotError>> {
+    /// At least one.
+    pub fn check(path: &Path) -> Result<Self, Vec<Error>> {
         complete(RobotTexts::read(path).map_err(|fault| vec![fault])?)
     }
 
@@ -152,7 +170,7 @@ impl Robot {
     ///
     /// # Errors
     /// As [`Robot::load`].
-    pub fn parse(texts: &RobotTexts) -> Result<Self, RobotError> {
+    pub fn parse(texts: &RobotTexts) -> Result<Self, Error> {
         // files that were there may be gone
         let found = texts.meshes.0.as_ref().and_then(|folders| build(texts, Some(folders)).ok());
         found.map_or_else(|| build(texts, None), Ok).map_err(|mut faults| faults.swap_remove(0))
@@ -162,7 +180,7 @@ impl Robot {
     ///
     /// # Errors
     /// None, as long as the two files in `assets/robots` are valid, which tests check.
-    pub fn built_in() -> Result<Self, RobotError> {
+    pub fn built_in() -> Result<Self, Error> {
         let text = include_str!("../../assets/robots/carrier.toml").to_owned();
         let urdf = include_str!("../../assets/robots/carrier.urdf").to_owned();
         let (file, urdf_file) = ("carrier".to_owned(), "carrier.urdf".to_owned());
@@ -172,7 +190,7 @@ impl Robot {
 }
 
 /// The text of a URDF. A xacro is expanded where the program `xacro` is installed.
-fn read_urdf(path: &Path) -> Result<String, RobotError> {
+fn read_urdf(path: &Path) -> Result<String, Error> {
     let text = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("xacro")) {
         None
     } else {
@@ -192,7 +210,10 @@ fn read_urdf(path: &Path) -> Result<String, RobotError> {
         (Ok(output), _) => {
             let said = String::from_utf8_lossy(&output.stderr).into_owned();
             let said = said.trim().lines().last().unwrap_or("no message").to_owned();
-            Err(RobotError::XacroFailed { file: path.display().to_string(), said })
+            Err(Error::at(
+                Place::file(path.display().to_string()),
+                format_args!("`xacro` cannot expand it: {said}"),
+            ))
         }
         // without the program
         (Err(_), _) => Err(xacro(path)),
@@ -200,7 +221,7 @@ fn read_urdf(path: &Path) -> Result<String, RobotError> {
 }
 
 /// The links of a URDF from which a robot file is drafted.
-pub(super) fn links_to_draft(texts: &RobotTexts) -> Result<Vec<Link>, RobotError> {
+pub(super) fn links_to_draft(texts: &RobotTexts) -> Result<Vec<Link>, Error> {
     let hulls = texts.hulls.as_ref().map(|hulls| &hulls.0);
     let urdf = Urdf { file: &texts.urdf_file, folders: texts.meshes.0.as_ref(), hulls };
     let Links { links, faults, .. } = urdf.links(&texts.urdf)?;
@@ -208,30 +229,47 @@ pub(super) fn links_to_draft(texts: &RobotTexts) -> Result<Vec<Link>, RobotError
 }
 
 /// The robot of some texts whose robot file has no postures yet.
-pub(super) fn without_postures(texts: &RobotTexts) -> Result<Robot, RobotError> {
+pub(super) fn without_postures(texts: &RobotTexts) -> Result<Robot, Error> {
     assemble(texts, texts.meshes.0.as_ref())
         .map_err(|mut faults| faults.swap_remove(0))
         .map(|(robot, _)| robot)
 }
 
 /// The robot of texts that were just read, with the hulls of its meshes; or all its faults.
-pub(super) fn complete(texts: RobotTexts) -> Result<Robot, Vec<RobotError>> {
-    let (texts, notes) = texts.with_hulls();
+pub(super) fn complete(texts: RobotTexts) -> Result<Robot, Vec<Error>> {
+    let (texts, warnings) = texts.with_hulls();
     let mut robot = build(&texts, texts.meshes.0.as_ref())?;
-    let replaces = robot.notes.iter().any(RobotNote::is_about_missing_shapes);
-    if texts.hulls.as_ref().is_some_and(|hulls| hulls.0.is_empty()) && notes.is_empty() && !replaces {
+    let replaces = robot.warnings.iter().any(RobotWarning::is_about_missing_shapes);
+    if texts.hulls.as_ref().is_some_and(|hulls| hulls.0.is_empty()) && warnings.is_empty() && !replaces {
         robot.texts.hulls = None;
     }
-    robot.notes.splice(0..0, notes);
+    robot.warnings.splice(0..0, warnings.into_iter().map(RobotWarning::about_file));
     Ok(robot)
 }
 
-fn xacro(path: &Path) -> RobotError {
+fn xacro(path: &Path) -> Error {
     let stem = path.with_extension("");
     let has_urdf = stem.extension().is_some_and(|e| e == "urdf");
     let expanded = if has_urdf { stem } else { stem.with_extension("urdf") };
     let expanded = if expanded == path { path.with_extension("expanded.urdf") } else { expanded };
-    RobotError::Xacro { file: path.display().to_string(), expanded: expanded.display().to_string() }
+    let (file, expanded) = (path.display(), expanded.display());
+    Error::at(
+        Place::file(file.to_string()),
+        format_args!(
+            "a xacro, not a URDF; expand it first: `xacro {file} > {expanded}` (`pip install xacro` has the program)"
+        ),
+    )
+}
+
+/// A hint for a file of an unknown kind: the built-in robot's name in studies, or a file beside it.
+fn hint_of_file(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    match path.exists() {
+        true => String::new(),
+        false => Some(suggestion::hint(&name, ["built-in"]))
+            .filter(|hint| !hint.is_empty())
+            .unwrap_or_else(|| suggestion::hint_of_files(path)),
+    }
 }
 
 fn is_same(a: &Path, b: &Path) -> bool {
@@ -241,21 +279,21 @@ fn is_same(a: &Path, b: &Path) -> bool {
 
 /// The results of checks, of which each failed one adds its faults.
 #[derive(Default)]
-struct Faults(Vec<RobotError>);
+struct Faults(Vec<Error>);
 
 impl Faults {
-    fn keep<T>(&mut self, result: Result<T, RobotError>) -> Option<T> {
+    fn keep<T>(&mut self, result: Result<T, Error>) -> Option<T> {
         result.map_err(|fault| self.0.push(fault)).ok()
     }
 
-    fn keep_all<T>(&mut self, result: Result<T, Vec<RobotError>>) -> Option<T> {
+    fn keep_all<T>(&mut self, result: Result<T, Vec<Error>>) -> Option<T> {
         result.map_err(|faults| self.0.extend(faults)).ok()
     }
 }
 
 /// The robot built from these texts, or all its faults, at least one. Meshes are searched for in `folders`,
 /// if there are any.
-fn build(texts: &RobotTexts, folders: Option<&MeshFolders>) -> Result<Robot, Vec<RobotError>> {
+fn build(texts: &RobotTexts, folders: Option<&MeshFolders>) -> Result<Robot, Vec<Error>> {
     let (mut robot, entries) = assemble(texts, folders)?;
     let source = Source { file: &texts.file, text: &texts.text };
     robot.postures = postures(source, &entries, &robot)?;
@@ -263,12 +301,9 @@ fn build(texts: &RobotTexts, folders: Option<&MeshFolders>) -> Result<Robot, Vec
 }
 
 /// As [`build`], without postures.
-fn assemble(
-    texts: &RobotTexts,
-    folders: Option<&MeshFolders>,
-) -> Result<(Robot, RobotFile), Vec<RobotError>> {
+fn assemble(texts: &RobotTexts, folders: Option<&MeshFolders>) -> Result<(Robot, RobotFile), Vec<Error>> {
     let source = Source { file: &texts.file, text: &texts.text };
-    let parsed = source.parse::<RobotFile>(KIND).map_err(|fault| vec![fault.into()])?;
+    let parsed = source.parse::<RobotFile>(KIND).map_err(|fault| vec![fault])?;
     let entries = &parsed;
     let hulls = texts.hulls.as_ref().map(|hulls| &hulls.0);
     let (urdf, text) = (Urdf { file: &texts.urdf_file, folders, hulls }, texts.urdf.as_str());
@@ -302,7 +337,7 @@ fn assemble(
     let rate =
         faults.keep(checked(&entries.wheel_rate_limit_rad_s, "wheel_rate_limit_rad_s", 1000.0, "rad/s"));
     let tool = faults.keep(tool(source, entries));
-    let Links { mut links, faults: of_links, mut notes } = match urdf.links(text) {
+    let Links { mut links, faults: of_links, mut warnings } = match urdf.links(text) {
         Ok(read) => read,
         Err(fault) => {
             faults.0.push(fault);
@@ -359,7 +394,7 @@ fn assemble(
         return Err(faults.0);
     };
     let Arm { joints, chain, last_from_grasp } = arm;
-    notes.extend(measured.notes);
+    warnings.extend(measured.warnings);
     let center = Point::origin();
     let mut robot = Robot {
         name: entries.name.clone(),
@@ -374,7 +409,7 @@ fn assemble(
         base_link: base,
         grasp_link: grasp,
         wheels: measured.wheels,
-        notes: Vec::new(),
+        warnings: Vec::new(),
         drive_from_base,
         chain,
         last_from_grasp,
@@ -382,15 +417,15 @@ fn assemble(
     };
     let (of_inertias, about_inertias) = collision::check_inertias(urdf, &robot);
     faults.0.extend(of_inertias);
-    notes.extend(about_inertias);
+    warnings.extend(about_inertias);
     if let Some(asked) = asked {
         let has_shapes = collision::has_shapes(&robot);
         if hulls.is_some() {
-            notes.extend(collision::complete(&mut robot, asked.corners()));
+            warnings.extend(collision::complete(&mut robot, asked.corners()));
         }
         faults.keep(footprint::set(&mut robot, asked, has_shapes));
     }
-    robot.notes = notes;
+    robot.warnings = warnings;
     if !faults.0.is_empty() {
         return Err(faults.0);
     }
@@ -399,17 +434,14 @@ fn assemble(
 }
 
 /// `tool_from_grasp`, if the robot file gives any of it.
-fn tool(source: Source, entries: &RobotFile) -> Result<Option<Pose>, RobotError> {
+fn tool(source: Source, entries: &RobotFile) -> Result<Option<Pose>, Error> {
     let vector = |key: &str, spanned: &Option<Spanned<[f64; 3]>>, most: f64, unit: &str| {
         let Some(spanned) = spanned else { return Ok(Vector3::zeros()) };
         for (axis, value) in ["[0]", "[1]", "[2]"].iter().zip(spanned.get_ref()) {
             if value.abs() > most || value.is_nan() {
-                return Err(RobotError::Number {
-                    place: source.place(spanned, "robot"),
-                    field: format!("{key}{axis}"),
-                    value: *value,
-                    expected: format!("from -{most} to {most} ({unit})"),
-                });
+                let (place, key) = (source.place(spanned, "robot"), format!("{key}{axis}"));
+                let expected = format!("from -{most} to {most} ({unit})");
+                return Err(Error::number(place, &key, *value, &expected));
             }
         }
         Ok(Vector3::from(*spanned.get_ref()))
@@ -446,10 +478,10 @@ fn tool_link(links: &[Link], tool: usize, tool_from_grasp: Pose) -> Link {
 }
 
 /// All postures, or the faults of all.
-fn postures(source: Source, entries: &RobotFile, robot: &Robot) -> Result<Vec<Posture>, Vec<RobotError>> {
+fn postures(source: Source, entries: &RobotFile, robot: &Robot) -> Result<Vec<Posture>, Vec<Error>> {
     if entries.postures.is_empty() {
-        let place = Place { file: source.file.to_owned(), line: None, item: "robot".to_owned() };
-        return Err(vec![RobotError::Missing { place, needed: "a [[posture]] to start from".to_owned() }]);
+        let place = Place::item(source.file, "robot");
+        return Err(vec![Error::missing(place, "a [[posture]] to start from")]);
     }
     let mut names = BTreeSet::new();
     let (mut found, mut faults) = (Vec::new(), Faults::default());
@@ -459,18 +491,16 @@ fn postures(source: Source, entries: &RobotFile, robot: &Robot) -> Result<Vec<Po
             found.extend(faults.keep(posture::read(source, spanned, robot)));
         } else {
             let place = source.place(spanned, format!("posture `{name}`"));
-            faults.0.push(RobotError::Duplicate { place, kind: "posture" });
+            faults.0.push(Error::duplicate(place, "posture"));
         }
     }
     if faults.0.is_empty() { Ok(found) } else { Err(faults.0) }
 }
 
 /// The link of this name.
-fn link(source: Source, links: &[Link], key: &str, name: &Spanned<String>) -> Result<usize, RobotError> {
-    links.iter().position(|l| l.name == *name.get_ref()).ok_or_else(|| RobotError::Unknown {
-        place: source.place(name, key),
-        kind: "link",
-        name: name.get_ref().clone(),
-        known: known(links.iter().map(|l| l.name.as_str())),
+fn link(source: Source, links: &[Link], key: &str, name: &Spanned<String>) -> Result<usize, Error> {
+    links.iter().position(|l| l.name == *name.get_ref()).ok_or_else(|| {
+        let known = links.iter().map(|l| l.name.as_str());
+        Error::unknown(source.place(name, key), "link", name.get_ref(), known, MAX_LISTED)
     })
 }

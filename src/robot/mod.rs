@@ -12,9 +12,7 @@ mod draft_request;
 mod draft_search;
 mod drive;
 mod driven;
-mod error;
 mod factor;
-mod fault;
 mod file;
 mod footprint;
 mod hull;
@@ -23,29 +21,27 @@ mod level;
 mod link;
 mod load;
 mod mesh;
-mod note;
 mod posture;
 mod postures;
 mod reach;
 mod self_contact;
 mod tree;
 mod urdf;
+mod warning;
 mod wheel_search;
 mod wheels;
 
 pub use draft::Draft;
-pub use draft_request::{DraftError, DraftRequest};
+pub use draft_request::DraftRequest;
 pub(crate) use drive::without_last;
 pub use drive::{BaseInput, BaseTwist, Drive, DriveKind, MAX_BASE_INPUTS, SlowDrive, Wheel};
-pub use error::RobotError;
 pub(crate) use factor::{Factor, Lanes};
-pub use fault::{ArmFault, DriveFault, FootprintFault, PostureFault, TreeFault, WheelFault};
 pub use kinematics::{Kinematics, pose_difference};
 pub use link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
 pub use load::RobotTexts;
-pub use note::RobotNote;
 pub use reach::Reach;
 pub(crate) use self_contact::SelfContacts;
+pub use warning::{RobotWarning, WarningKind};
 
 use crate::geometry::{Footprint, PlanarPose, Pose};
 use nalgebra::{SMatrix, SVector};
@@ -54,6 +50,9 @@ use nalgebra::{SMatrix, SVector};
 pub const MAX_JOINTS: usize = 8;
 /// The largest number of inputs: the base's, then the joints'.
 pub const MAX_INPUTS: usize = MAX_JOINTS + MAX_BASE_INPUTS;
+
+/// The largest number of names of links or joints that an error lists.
+const MAX_LISTED: usize = 12;
 
 /// One number per joint, in the order of [`Robot::joints`]; further entries are 0.
 pub type JointVector = SVector<f64, MAX_JOINTS>;
@@ -93,8 +92,8 @@ pub struct Robot {
     pub grasp_link: usize,
     /// The driven wheels: those of the left side first. An omnidirectional base may have none.
     pub wheels: Vec<Wheel>,
-    /// What its files lack and what stands in for it.
-    pub notes: Vec<RobotNote>,
+    /// Parts that its files lack and their substitutes.
+    pub warnings: Vec<RobotWarning>,
     /// From the drive's frame to the base link's; the two differ by a translation.
     pub(crate) drive_from_base: Pose,
     /// The kinematic chain of the grasp, from the base outward.

@@ -1,10 +1,10 @@
 //! Starting postures, closed so that they hold the object level at its height.
 
-use super::error::{RobotError, known};
-use super::fault::PostureFault;
+use super::arm::other_unit;
 use super::file::PostureEntry;
 use super::level::{FULL, HEIGHT_TOLERANCE_M, TURN_TOLERANCE_RAD};
-use super::{Configuration, JointVector, Motion, Posture, Robot};
+use super::{Configuration, JointVector, MAX_LISTED, Motion, Posture, Robot};
+use crate::error::Error;
 use crate::geometry::{PlanarPose, Point, Pose};
 use crate::located::Source;
 use crate::math;
@@ -21,11 +21,7 @@ const LARGEST_SLIDE_M: f64 = 0.05;
 /// Reads a posture and closes it. x and y of the grasp stay as the given angles place them; height and
 /// orientation become what the object needs. An arm that cannot place its grasp in any pose comes as near to
 /// these as it can ([`Robot::level`]), and x and y are free.
-pub(super) fn read(
-    source: Source,
-    spanned: &Spanned<PostureEntry>,
-    robot: &Robot,
-) -> Result<Posture, RobotError> {
+pub(super) fn read(source: Source, spanned: &Spanned<PostureEntry>, robot: &Robot) -> Result<Posture, Error> {
     let entry = spanned.get_ref();
     let place = source.place(spanned, format!("posture `{}`", entry.name));
     let given = angles(source, spanned, robot)?;
@@ -35,26 +31,30 @@ pub(super) fn read(
     let at = grasp.translation.vector;
     let level = Vector3::new(at.x, at.y, robot.grasp_height);
     let level = Pose::from_parts(level.into(), Rotation3::identity());
-    let fault = |why| {
+    let fault = |why: String| {
         let [up, ahead] = [Vector3::z(), Vector3::x()].map(|axis| grasp.rotation * axis);
-        RobotError::Posture {
-            place: place.clone(),
-            height: at.z,
-            tilt_deg: math::acos(up.z.clamp(-1.0, 1.0)).to_degrees(),
-            heading_deg: math::atan2(ahead.y, ahead.x).to_degrees(),
-            needed: robot.grasp_height,
-            why,
-        }
+        Error::at(
+            place.clone(),
+            format_args!(
+                "the given angles hold the grasp {:.4} m above the floor, tilted by {:.2} deg and turned by {:.2} deg from straight ahead; it must be level, straight ahead, at grasp_height_m = {} m: {why}",
+                at.z,
+                math::acos(up.z.clamp(-1.0, 1.0)).to_degrees(),
+                math::atan2(ahead.y, ahead.x).to_degrees(),
+                robot.grasp_height
+            ),
+        )
     };
     let closed = match robot.freedom() {
         free @ 0..FULL => {
-            let (height, turn) = (HEIGHT_TOLERANCE_M, TURN_TOLERANCE_RAD);
-            let none = || fault(PostureFault::NotFree { free, height, turn });
-            robot.level(given, robot.grasp_height, &Rotation3::identity()).ok_or_else(none)?
+            robot.level(given, robot.grasp_height, &Rotation3::identity()).ok_or_else(|| {
+                fault(format!(
+                    "the arm moves its grasp in {free} of 6 directions, and does not come within {HEIGHT_TOLERANCE_M} m and {TURN_TOLERANCE_RAD} rad of that; give closer angles or another grasp_height_m"
+                ))
+            })?
         }
         _ => {
             let closed = robot.close(&start, &level, TOLERANCE);
-            closed.ok_or_else(|| fault(PostureFault::NoSolution))?.0.joints
+            closed.ok_or_else(|| fault("no angles near the given ones achieve that".to_owned()))?.0.joints
         }
     };
     for (i, joint) in robot.joints.iter().enumerate() {
@@ -62,18 +62,24 @@ pub(super) fn read(
         let by = (position - given[i]).abs();
         let most = if joint.motion == Motion::Prismatic { LARGEST_SLIDE_M } else { LARGEST_TURN_RAD };
         if by > most {
-            return Err(fault(PostureFault::Far { joint: joint.name.clone(), by, most }));
+            return Err(fault(format!(
+                "`{}` would have to move by {by:.4}, more than {most} (rad or m); give closer angles",
+                joint.name
+            )));
         }
         let (lower, upper) = (joint.lower, joint.upper);
         if !(lower..=upper).contains(&position) {
-            return Err(fault(PostureFault::Limit { joint: joint.name.clone(), position, lower, upper }));
+            return Err(fault(format!(
+                "`{}` would have to be at {position:.6}, beyond its limits from {lower} to {upper} (rad or m)",
+                joint.name
+            )));
         }
     }
     Ok(Posture { name: entry.name.clone(), joints: closed })
 }
 
 /// The given positions, one for every arm joint, rad or m.
-fn angles(source: Source, spanned: &Spanned<PostureEntry>, robot: &Robot) -> Result<JointVector, RobotError> {
+fn angles(source: Source, spanned: &Spanned<PostureEntry>, robot: &Robot) -> Result<JointVector, Error> {
     let entry = spanned.get_ref();
     let item = format!("posture `{}`", entry.name);
     let mut joints = JointVector::zeros();
@@ -83,16 +89,15 @@ fn angles(source: Source, spanned: &Spanned<PostureEntry>, robot: &Robot) -> Res
     for ((name, value), motion) in angles.chain(positions) {
         let place = source.place(value, item.clone());
         let Some(i) = robot.joints.iter().position(|j| j.name == *name) else {
-            let (kind, name) = ("independent joint of the arm", name.clone());
-            let known = known(robot.joints.iter().map(|j| j.name.as_str()));
-            return Err(RobotError::Unknown { place, kind, name, known });
+            let known = robot.joints.iter().map(|j| j.name.as_str());
+            return Err(Error::unknown(place, "independent joint of the arm", name, known, MAX_LISTED));
         };
         if robot.joints[i].motion != motion {
             let (kind, key) = match robot.joints[i].motion {
                 Motion::Revolute => ("revolute", "angles_deg"),
                 Motion::Prismatic => ("prismatic", "positions_m"),
             };
-            return Err(RobotError::Unit { place, joint: name.clone(), kind, key });
+            return Err(other_unit(place, name, kind, key));
         }
         let (number, largest, expected) = match motion {
             Motion::Revolute => {
@@ -101,8 +106,7 @@ fn angles(source: Source, spanned: &Spanned<PostureEntry>, robot: &Robot) -> Res
             Motion::Prismatic => (*value.get_ref(), 100.0, "a position from -100 to 100 (metres)"),
         };
         if value.get_ref().abs() > largest || !number.is_finite() {
-            let (value, expected) = (*value.get_ref(), expected.to_owned());
-            return Err(RobotError::Number { place, field: name.clone(), value, expected });
+            return Err(Error::number(place, name, *value.get_ref(), expected));
         }
         joints[i] = number;
         is_given[i] = true;
@@ -113,7 +117,7 @@ fn angles(source: Source, spanned: &Spanned<PostureEntry>, robot: &Robot) -> Res
             let joint = &robot.joints[i];
             let key = if joint.motion == Motion::Revolute { "angles_deg" } else { "positions_m" };
             let needed = format!("`{}` under {key}; every independent joint needs a position", joint.name);
-            Err(RobotError::Missing { place: source.place(spanned, item), needed })
+            Err(Error::missing(source.place(spanned, item), needed))
         }
     }
 }

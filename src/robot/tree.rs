@@ -1,8 +1,7 @@
 //! The order of links in which parents come before children.
 
-use super::error::{RobotError, known};
-use super::fault::TreeFault;
-use crate::located::Place;
+use super::MAX_LISTED;
+use crate::error::{Error, Place};
 use std::collections::BTreeMap;
 
 /// A joint with the two links that it connects.
@@ -24,32 +23,33 @@ pub(super) struct Spot {
 
 /// The links of the tree from its root, branch by branch in the order of their joints; or the reason why they
 /// are not a tree.
-pub(super) fn order(file: &str, names: Vec<&str>, joints: &[Edge]) -> Result<Vec<Spot>, RobotError> {
-    let place = |item: String| Place { file: file.to_owned(), line: None, item };
-    let fault = |link: &str, why| RobotError::NotATree { place: place(format!("link `{link}`")), why };
+pub(super) fn order(file: &str, names: Vec<&str>, joints: &[Edge]) -> Result<Vec<Spot>, Error> {
+    let fault = |link: &str, why: String| Error::at(Place::item(file, format!("link `{link}`")), why);
     let index: BTreeMap<&str, usize> = names.iter().enumerate().map(|(i, &n)| (n, i)).collect();
     let mut carrier: Vec<Option<usize>> = vec![None; names.len()];
     let mut children: Vec<Vec<(usize, usize)>> = vec![Vec::new(); names.len()];
     for (j, edge) in joints.iter().enumerate() {
         let find = |name: &str| {
-            index.get(name).copied().ok_or_else(|| RobotError::Unknown {
-                place: place(format!("joint `{}`", edge.joint)),
-                kind: "link",
-                name: name.to_owned(),
-                known: known(names.iter().copied()),
+            index.get(name).copied().ok_or_else(|| {
+                let place = Place::item(file, format!("joint `{}`", edge.joint));
+                Error::unknown(place, "link", name, names.iter().copied(), MAX_LISTED)
             })
         };
         let (parent, child) = (find(edge.parent)?, find(edge.child)?);
         if let Some(first) = carrier[child].replace(j) {
-            let (first, second) = (joints[first].joint.to_owned(), edge.joint.to_owned());
-            return Err(fault(names[child], TreeFault::TwoParents { first, second }));
+            let (first, second) = (joints[first].joint, edge.joint);
+            return Err(fault(
+                names[child],
+                format!("is the child of two joints, `{first}` and `{second}`; a URDF is a tree"),
+            ));
         }
         children[parent].push((j, child));
     }
     let mut roots = (0..names.len()).filter(|&i| carrier[i].is_none());
     let root = roots.next();
     if let (Some(root), Some(other)) = (root, roots.next()) {
-        return Err(fault(names[other], TreeFault::TwoRoots { other: names[root].to_owned() }));
+        let why = format!("has no parent, like `{}`; a URDF has one root", names[root]);
+        return Err(fault(names[other], why));
     }
     let mut order: Vec<Spot> = Vec::with_capacity(names.len());
     let mut is_placed = vec![false; names.len()];
@@ -62,7 +62,7 @@ pub(super) fn order(file: &str, names: Vec<&str>, joints: &[Edge]) -> Result<Vec
         order.push(spot);
     }
     match is_placed.iter().position(|placed| !placed) {
-        Some(astray) => Err(fault(names[astray], TreeFault::Circle)),
+        Some(astray) => Err(fault(names[astray], "is its own ancestor; a URDF is a tree".to_owned())),
         None => Ok(order),
     }
 }

@@ -1,14 +1,15 @@
 //! A URDF's links, parents before children, with every number checked. No other file uses `urdf_rs`, or
 //! `xml`, its first parser.
 
-use super::error::RobotError;
+use super::arm::bad_limits;
 use super::hull::{self, Convex};
 use super::link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
 use super::mesh::{self, MeshFolders};
-use super::note::{RobotNote, some_of};
 use super::tree::{self, Edge, Spot};
+use super::warning::{RobotWarning, WarningKind, some_of};
+use crate::error::{Error, Place};
 use crate::geometry::Pose;
-use crate::located::{Place, Source};
+use crate::located::Source;
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -45,25 +46,22 @@ pub(super) struct Links {
     /// Parents before children, otherwise in the order of their joints.
     pub links: Vec<Link>,
     /// Faults of single items. The links are then incomplete.
-    pub faults: Vec<RobotError>,
-    pub notes: Vec<RobotNote>,
+    pub faults: Vec<Error>,
+    pub warnings: Vec<RobotWarning>,
 }
 
 impl Urdf<'_> {
     pub fn place(self, item: String) -> Place {
-        Place { file: self.file.to_owned(), line: None, item }
+        Place::item(self.file, item)
     }
 
     /// The links of the URDF. The error is a fault of the file or of the tree.
-    pub fn links(self, text: &str) -> Result<Links, RobotError> {
+    pub fn links(self, text: &str) -> Result<Links, Error> {
         self.check_extent(text)?;
         let urdf = urdf_rs::read_from_string(text)
             .map_err(|error| Source { file: self.file, text }.invalid("URDF", error))?;
         if urdf.links.is_empty() {
-            return Err(RobotError::Missing {
-                place: self.place("robot".to_owned()),
-                needed: "links".into(),
-            });
+            return Err(Error::missing(self.place("robot".to_owned()), "links"));
         }
         self.all_differ("link", urdf.links.iter().map(|l| &l.name))?;
         self.all_differ("joint", urdf.joints.iter().map(|j| &j.name))?;
@@ -116,20 +114,24 @@ impl Urdf<'_> {
             read.links.push(Link { name: link.name.clone(), parent, joint, inertial, visuals, collisions });
         }
         if let Some((first, why)) = missing.first() {
-            let (count, first, why) = (missing.len(), (*first).to_owned(), format!("searched for {why}"));
-            read.notes.push(RobotNote::NotDrawn { count, first, why });
+            let count = missing.len();
+            read.warnings.push(RobotWarning::new(format!(
+                "{count} meshes to draw are missing, the first of them `{first}`: searched for {why}"
+            )));
         }
         if !with_hulls.is_empty() {
             let (count, links) = (with_hulls.len(), some_of(&with_hulls));
-            read.notes.push(RobotNote::Hulls { count, links });
+            read.warnings.push(RobotWarning::new(format!(
+                "collision meshes of {count} links collide as their convex hulls: {links}"
+            )));
         }
         Ok(read)
     }
 
-    /// The hulls of all collision meshes that can be found and read, and notes on the others. Nothing of a
+    /// The hulls of all collision meshes that can be found and read, and warnings about the others. Nothing of a
     /// URDF that is not valid.
-    pub fn collision_hulls(self, text: &str) -> (Hulls, Vec<RobotNote>) {
-        let (mut hulls, mut notes) = (Hulls::new(), Vec::new());
+    pub fn collision_hulls(self, text: &str) -> (Hulls, Vec<RobotWarning>) {
+        let (mut hulls, mut warnings) = (Hulls::new(), Vec::new());
         let urdf = self.check_extent(text).ok().and_then(|()| urdf_rs::read_from_string(text).ok());
         let links = urdf.iter().flat_map(|urdf| &urdf.links);
         for (link, geometry) in links.flat_map(|l| l.collision.iter().map(move |c| (&l.name, &c.geometry))) {
@@ -142,15 +144,20 @@ impl Urdf<'_> {
                     let percent = 100.0 * hull.filled.unwrap_or(1.0);
                     let convex = hull.convex();
                     if let Convex::Parts(parts) = &convex {
-                        let (link, mesh, count) = (link.clone(), mesh.to_owned(), parts.len());
-                        notes.push(RobotNote::Parts { link, mesh, percent, count });
+                        warnings.push(RobotWarning::new(format!(
+                            "link `{link}`: its collision mesh `{mesh}` fills {percent:.0} % of its convex hull, and collides as {} convex parts",
+                            parts.len()
+                        )));
                     }
                     hulls.insert(mesh.to_owned(), convex);
                 }
-                Err(why) => notes.push(RobotNote::NoHull { link: link.clone(), mesh: mesh.to_owned(), why }),
+                Err(why) => warnings.push(RobotWarning::of_kind(
+                    WarningKind::MissingShape,
+                    format!("link `{link}`: its collision mesh `{mesh}` has no shape: {why}"),
+                )),
             }
         }
-        (hulls, notes)
+        (hulls, warnings)
     }
 
     /// Whether a mesh collides as a single hull.
@@ -185,7 +192,7 @@ impl Urdf<'_> {
     }
 
     /// The check that the parser's stack and memory stay within bounds, by the events of the parser itself.
-    pub fn check_extent(self, text: &str) -> Result<(), RobotError> {
+    pub fn check_extent(self, text: &str) -> Result<(), Error> {
         let robot = Check { urdf: self, item: "robot".to_owned() };
         let check = |field: &str, found: usize, most: usize| {
             robot.number(field, found as f64, found <= most, &format!("at most {most}"))
@@ -216,21 +223,17 @@ impl Urdf<'_> {
         Ok(())
     }
 
-    fn all_differ<'n>(
-        self,
-        kind: &'static str,
-        names: impl Iterator<Item = &'n String>,
-    ) -> Result<(), RobotError> {
+    fn all_differ<'n>(self, kind: &str, names: impl Iterator<Item = &'n String>) -> Result<(), Error> {
         let mut seen = BTreeSet::new();
         for name in names {
             if !seen.insert(name) {
-                return Err(RobotError::Duplicate { place: self.place(format!("{kind} `{name}`")), kind });
+                return Err(Error::duplicate(self.place(format!("{kind} `{name}`")), kind));
             }
         }
         Ok(())
     }
 
-    fn joint(self, joint: &urdf_rs::Joint) -> Result<Joint, RobotError> {
+    fn joint(self, joint: &urdf_rs::Joint) -> Result<Joint, Error> {
         use urdf_rs::JointType as Kind;
         let check = Check { urdf: self, item: format!("joint `{}`", joint.name) };
         let kind = match joint.joint_type {
@@ -251,7 +254,7 @@ impl Urdf<'_> {
         let mimic = joint.mimic.as_ref().map(|m| {
             let ratio = check.finite("mimic multiplier", m.multiplier.unwrap_or(1.0))?;
             let offset = check.finite("mimic offset", m.offset.unwrap_or(0.0))?;
-            Ok::<_, RobotError>(Mimic { joint: m.joint.clone(), ratio, offset })
+            Ok::<_, Error>(Mimic { joint: m.joint.clone(), ratio, offset })
         });
         Ok(Joint {
             name: joint.name.clone(),
@@ -318,50 +321,42 @@ struct Check<'a> {
 }
 
 impl Check<'_> {
-    fn number(&self, field: &str, value: f64, is_good: bool, expected: &str) -> Result<f64, RobotError> {
-        if is_good {
-            return Ok(value);
+    fn number(&self, field: &str, value: f64, is_good: bool, expected: &str) -> Result<f64, Error> {
+        match is_good {
+            true => Ok(value),
+            false => Err(Error::number(self.urdf.place(self.item.clone()), field, value, expected)),
         }
-        Err(RobotError::Number {
-            place: self.urdf.place(self.item.clone()),
-            field: field.to_owned(),
-            value,
-            expected: expected.to_owned(),
-        })
     }
 
-    fn finite(&self, field: &str, value: f64) -> Result<f64, RobotError> {
+    fn finite(&self, field: &str, value: f64) -> Result<f64, Error> {
         self.number(field, value, value.abs() <= LARGEST_NUMBER, "a number from -1000000 to 1000000")
     }
 
-    fn positive(&self, field: &str, value: f64) -> Result<f64, RobotError> {
+    fn positive(&self, field: &str, value: f64) -> Result<f64, Error> {
         self.number(field, value, value > 0.0 && value <= LARGEST_NUMBER, "greater than 0, at most 1000000")
     }
 
-    fn vector(&self, field: &str, values: &[f64; 3]) -> Result<Vector3<f64>, RobotError> {
+    fn vector(&self, field: &str, values: &[f64; 3]) -> Result<Vector3<f64>, Error> {
         for (name, value) in ["[0]", "[1]", "[2]"].iter().zip(values) {
             self.finite(&format!("{field}{name}"), *value)?;
         }
         Ok(Vector3::from(*values))
     }
 
-    fn axis(&self, values: &[f64; 3]) -> Result<Unit<Vector3<f64>>, RobotError> {
+    fn axis(&self, values: &[f64; 3]) -> Result<Unit<Vector3<f64>>, Error> {
         let axis = self.vector("axis xyz", values)?;
-        Unit::try_new(axis, 1e-9).ok_or_else(|| RobotError::Number {
-            place: self.urdf.place(self.item.clone()),
-            field: "length of axis xyz".to_owned(),
-            value: axis.norm(),
-            expected: "greater than 0, to give the direction of motion".to_owned(),
-        })
+        let (norm, expected) = (axis.norm(), "greater than 0, to give the direction of motion");
+        let bad = || Error::number(self.urdf.place(self.item.clone()), "length of axis xyz", norm, expected);
+        Unit::try_new(axis, 1e-9).ok_or_else(bad)
     }
 
-    fn pose(&self, origin: &urdf_rs::Pose) -> Result<Pose, RobotError> {
+    fn pose(&self, origin: &urdf_rs::Pose) -> Result<Pose, Error> {
         let xyz = self.vector("origin xyz", &origin.xyz.0)?;
         let rpy = self.vector("origin rpy", &origin.rpy.0)?;
         Ok(Pose::from_parts(xyz.into(), Rotation3::from_euler_angles(rpy.x, rpy.y, rpy.z)))
     }
 
-    fn limits(&self, kind: JointKind, limit: &urdf_rs::JointLimit) -> Result<Limits, RobotError> {
+    fn limits(&self, kind: JointKind, limit: &urdf_rs::JointLimit) -> Result<Limits, Error> {
         let (lower, upper) = match kind {
             JointKind::Revolute | JointKind::Prismatic => {
                 let lower = self.finite("limit lower", limit.lower)?;
@@ -371,8 +366,7 @@ impl Check<'_> {
             _ => (0.0, 0.0),
         };
         if lower > upper {
-            let place = self.urdf.place(self.item.clone());
-            return Err(RobotError::Limits { place, lower, upper });
+            return Err(bad_limits(self.urdf.place(self.item.clone()), lower, upper));
         }
         let at_least_0 = |field, value: f64| self.number(field, value, value >= 0.0, "at least 0");
         let rate = at_least_0("limit velocity", limit.velocity)?;
@@ -380,7 +374,7 @@ impl Check<'_> {
         Ok(Limits { lower, upper, rate, effort: if effort > 0.0 { effort } else { f64::INFINITY } })
     }
 
-    fn inertial(&self, inertial: &urdf_rs::Inertial) -> Result<Option<Inertial>, RobotError> {
+    fn inertial(&self, inertial: &urdf_rs::Inertial) -> Result<Option<Inertial>, Error> {
         let mass = inertial.mass.value;
         self.number("mass", mass, (0.0..=LARGEST_NUMBER).contains(&mass), "from 0 to 1000000 kg")?;
         let i = &inertial.inertia;
@@ -395,7 +389,7 @@ impl Check<'_> {
         Ok(has_body.then_some(Inertial { mass, center, inertia }))
     }
 
-    fn color(&self, rgba: [f64; 4]) -> Result<[f32; 4], RobotError> {
+    fn color(&self, rgba: [f64; 4]) -> Result<[f32; 4], Error> {
         for value in rgba {
             self.number("color rgba", value, (0.0..=1.0).contains(&value), "from 0 to 1")?;
         }
@@ -408,10 +402,10 @@ impl Check<'_> {
         geometry: &urdf_rs::Geometry,
         color: Option<[f32; 4]>,
         mesh: Option<PathBuf>,
-    ) -> Result<Geometry, RobotError> {
+    ) -> Result<Geometry, Error> {
         use urdf_rs::Geometry as G;
         let round = |radius: &f64, length: &f64| {
-            Ok::<_, RobotError>((self.positive("radius", *radius)?, self.positive("length", *length)?))
+            Ok::<_, Error>((self.positive("radius", *radius)?, self.positive("length", *length)?))
         };
         let shape = match geometry {
             G::Box { size } => {
@@ -429,7 +423,11 @@ impl Check<'_> {
             G::Sphere { radius } => Shape::Sphere { radius: self.positive("radius", *radius)? },
             G::Mesh { scale, .. } => {
                 let scale = self.vector("mesh scale", &scale.map_or([1.0; 3], |s| s.0))?;
-                Shape::Mesh { file: mesh.unwrap_or_default(), scale, hull: Vec::new() }
+                Shape::Mesh {
+                    file: mesh.expect("a mesh was found before its shape is read"),
+                    scale,
+                    hull: Vec::new(),
+                }
             }
         };
         Ok(Geometry { link_from_shape: self.pose(origin)?, shape, color })

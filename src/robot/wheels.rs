@@ -1,11 +1,10 @@
 //! The drive, measured at its wheels.
 
 use super::drive::{BaseInput, Drive, DriveKind, Wheel as DrivenWheel};
-use super::error::RobotError;
-use super::fault::WheelFault;
 use super::link::{Geometry, JointKind, Link, Shape};
-use super::note::RobotNote;
 use super::urdf::Urdf;
+use super::warning::RobotWarning;
+use crate::error::Error;
 use crate::geometry::Pose;
 use crate::math;
 use nalgebra::{Point3, Rotation3, Vector3};
@@ -77,7 +76,7 @@ pub(super) struct Measured {
     /// `drive_from_base`.
     pub drive_from_base: Pose,
     pub wheels: Vec<DrivenWheel>,
-    pub notes: Vec<RobotNote>,
+    pub warnings: Vec<RobotWarning>,
 }
 
 impl Named {
@@ -93,13 +92,16 @@ impl Named {
 impl Wheels<'_> {
     /// The drive; its frame is on the floor, midway between the wheels' centres, or below the base link if an
     /// omnidirectional base names no wheels. The error is the first fault of each wheel, or of all together.
-    pub fn measure(&self, urdf: Urdf, links: &[Link]) -> Result<Measured, Vec<RobotError>> {
+    pub fn measure(&self, urdf: Urdf, links: &[Link]) -> Result<Measured, Vec<Error>> {
+        let fault = |i: usize, why: String| {
+            Error::at(urdf.place(format!("joint `{}`", name(links, i))), format_args!("not a wheel: {why}"))
+        };
         let mut found = Vec::new();
         let mut faults = Vec::new();
         for &i in &self.named.links() {
             match self.wheel(links, i) {
                 Ok(wheel) => found.push((i, wheel)),
-                Err(why) => faults.push(self.fault(urdf, links, i, why)),
+                Err(why) => faults.push(fault(i, why)),
             }
         }
         if !faults.is_empty() {
@@ -112,11 +114,7 @@ impl Wheels<'_> {
             }
             Named::Omnidirectional(of) => self.omnidirectional(links, &found, of),
         };
-        measured.map_err(|(i, why)| vec![self.fault(urdf, links, i, why)])
-    }
-
-    fn fault(&self, urdf: Urdf, links: &[Link], i: usize, why: WheelFault) -> RobotError {
-        RobotError::NotAWheel { place: urdf.place(format!("joint `{}`", name(links, i))), why }
+        measured.map_err(|(i, why)| vec![fault(i, why)])
     }
 
     /// Two driven sides. Wheels of one side are alike, and mirror images of those of the other.
@@ -126,14 +124,19 @@ impl Wheels<'_> {
         left: &[(usize, Wheel)],
         right: &[(usize, Wheel)],
         multiplier: Option<f64>,
-    ) -> Result<Measured, (usize, WheelFault)> {
+    ) -> Result<Measured, (usize, String)> {
         for (side, sign, named, wheels) in
             [("left", "positive", 1.0, left), ("right", "negative", -1.0, right)]
         {
             for (i, wheel) in wheels {
                 let y = wheel.middle.y;
                 if named * y <= 0.0 {
-                    return Err((*i, WheelFault::Side { y, side, sign }));
+                    return Err((
+                        *i,
+                        format!(
+                            "it is at y = {y:.4} m in the base; it must be on the {side}, where y is {sign}"
+                        ),
+                    ));
                 }
             }
         }
@@ -149,8 +152,7 @@ impl Wheels<'_> {
                 ("limit velocity (rad/s)", a.rate, b.rate, 1e-6),
             ] {
                 if (left - right).abs() > tolerance {
-                    let (left_joint, rule) = (name(links, *first).to_owned(), "they must be the same");
-                    return Err((*second, WheelFault::Unlike { what, left_joint, left, right, rule }));
+                    return Err((*second, unlike(what, right, name(links, *first), left)));
                 }
             }
         }
@@ -161,15 +163,20 @@ impl Wheels<'_> {
             middle.x = left.iter().map(|(_, wheel)| wheel.middle.x).sum::<f64>() / pairs;
         }
         let measured = first.middle.y - opposite.middle.y;
-        let mut notes = Vec::new();
+        let mut warnings = Vec::new();
         if let Some(measured) = first.replaced {
-            notes.push(RobotNote::Calibrated { key: "wheel_radius_m", given: first.radius, measured });
+            warnings.push(calibrated("wheel_radius_m", first.radius, measured));
         }
         if let Some(given) = self.track.filter(|&given| given != measured) {
             if (given - measured).abs() > CALIBRATION * measured {
-                return Err((left[0].0, WheelFault::Track { measured, given }));
+                return Err((
+                    left[0].0,
+                    format!(
+                        "the wheels are {measured:.4} m apart in the URDF, but wheel_separation_m = {given}; they must agree within 10 %"
+                    ),
+                ));
             }
-            notes.push(RobotNote::Calibrated { key: "wheel_separation_m", given, measured });
+            warnings.push(calibrated("wheel_separation_m", given, measured));
         }
         let track = self.track.unwrap_or(measured);
         let rim_speed_limit = first.rate * first.radius;
@@ -194,7 +201,7 @@ impl Wheels<'_> {
             move |(link, wheel): &(usize, Wheel)| DrivenWheel { link: *link, spin: spin(wheel, side) }
         };
         let wheels = left.iter().map(of_side(0)).chain(right.iter().map(of_side(1))).collect();
-        Ok(Measured { drive, drive_from_base: above(middle, first.radius), wheels, notes })
+        Ok(Measured { drive, drive_from_base: above(middle, first.radius), wheels, warnings })
     }
 
     /// An omnidirectional base. Its wheels, if it names any, are drawn turning; they have one radius.
@@ -203,7 +210,7 @@ impl Wheels<'_> {
         links: &[Link],
         found: &[(usize, Wheel)],
         of: &Omnidirectional,
-    ) -> Result<Measured, (usize, WheelFault)> {
+    ) -> Result<Measured, (usize, String)> {
         let [rim_speed_limit, turn_rate_limit] = of.limits;
         let mut drive = Drive {
             kind: DriveKind::Omnidirectional,
@@ -215,8 +222,8 @@ impl Wheels<'_> {
         };
         let Some((first, like)) = found.first() else {
             let floor = Point3::new(0.0, 0.0, -of.height.unwrap_or(0.0));
-            let (wheels, notes) = (Vec::new(), Vec::new());
-            return Ok(Measured { drive, drive_from_base: above(floor, 0.0), wheels, notes });
+            let (wheels, warnings) = (Vec::new(), Vec::new());
+            return Ok(Measured { drive, drive_from_base: above(floor, 0.0), wheels, warnings });
         };
         for (i, wheel) in &found[1..] {
             for (what, left, right, tolerance) in [
@@ -224,8 +231,7 @@ impl Wheels<'_> {
                 ("radius (m)", like.radius, wheel.radius, 1e-6),
             ] {
                 if (left - right).abs() > tolerance {
-                    let (left_joint, rule) = (name(links, *first).to_owned(), "they must be the same");
-                    return Err((*i, WheelFault::Unlike { what, left_joint, left, right, rule }));
+                    return Err((*i, unlike(what, right, name(links, *first), left)));
                 }
             }
         }
@@ -250,28 +256,25 @@ impl Wheels<'_> {
         };
         let wheels =
             found.iter().map(|(link, wheel)| DrivenWheel { link: *link, spin: spin(wheel) }).collect();
-        let calibrated = like.replaced.map(|measured| RobotNote::Calibrated {
-            key: "wheel_radius_m",
-            given: like.radius,
-            measured,
-        });
-        let notes = calibrated.into_iter().collect();
-        Ok(Measured { drive, drive_from_base: above(middle, like.radius), wheels, notes })
+        let replaced = like.replaced.map(|measured| calibrated("wheel_radius_m", like.radius, measured));
+        let warnings = replaced.into_iter().collect();
+        Ok(Measured { drive, drive_from_base: above(middle, like.radius), wheels, warnings })
     }
 
-    fn wheel(&self, links: &[Link], i: usize) -> Result<Wheel, WheelFault> {
-        let base = || links[self.base].name.clone();
-        let elsewhere = |root: &Link| WheelFault::Elsewhere { base: base(), root: root.name.clone() };
+    fn wheel(&self, links: &[Link], i: usize) -> Result<Wheel, String> {
+        let base = &links[self.base].name;
+        let elsewhere =
+            |root: &Link| format!("it does not descend from `{base}`; its root is `{}`", root.name);
         let Some(joint) = &links[i].joint else { return Err(elsewhere(&links[i])) };
         if joint.kind != JointKind::Continuous {
-            return Err(WheelFault::Kind { kind: joint.kind.name() });
+            return Err(format!("its joint is {}; it must be continuous", joint.kind.name()));
         }
         if let Some(mimic) = &joint.mimic {
-            return Err(WheelFault::Mimics { joint: mimic.joint.clone() });
+            return Err(format!("it mimics `{}`; each wheel must turn independently", mimic.joint));
         }
         let mut arm = std::iter::successors(Some(self.grasp), |&at| links[at].parent);
         if arm.any(|at| at == i) {
-            return Err(WheelFault::CarriesArm { grasp: links[self.grasp].name.clone() });
+            return Err(format!("the grasp, `{}`, descends from it", links[self.grasp].name));
         }
         let mut base_from_wheel = joint.parent_from_joint;
         let mut at = links[i].parent.unwrap_or(i);
@@ -281,8 +284,10 @@ impl Wheels<'_> {
             };
             let held = self.held.get(between.name.as_str()).copied();
             if between.kind != JointKind::Fixed && held.is_none() {
-                let (joint, kind) = (between.name.clone(), between.kind.name());
-                return Err(WheelFault::Loose { base: base(), joint, kind });
+                let (joint, kind) = (&between.name, between.kind.name());
+                return Err(format!(
+                    "it is connected to `{base}` through `{joint}`, which is {kind}; it must be fixed, or held under [hold]"
+                ));
             }
             base_from_wheel = between.parent_from_link(held.unwrap_or(0.0)) * base_from_wheel;
             at = parent;
@@ -291,30 +296,49 @@ impl Wheels<'_> {
         let [x, y, z] = axis.into();
         let is_free = matches!(&self.named, Named::Omnidirectional(of) if !of.is_mecanum);
         if is_free && z.abs() > SAME_DIRECTION_RAD {
-            return Err(WheelFault::NotLevel { x, y, z });
+            return Err(format!("its axis is ({x:.4}, {y:.4}, {z:.4}) in the base; it must be level"));
         }
         if !is_free && math::hypot(x, z) > SAME_DIRECTION_RAD {
-            return Err(WheelFault::Axis { x, y, z });
+            return Err(format!(
+                "its axis is ({x:.4}, {y:.4}, {z:.4}) in the base; it must be along the base's y"
+            ));
         }
         let rate = self.rate.unwrap_or(joint.limits.rate);
         let needs_rate = matches!(self.named, Named::Sides { .. });
         if needs_rate && !(rate > 0.0 && rate.is_finite()) {
-            return Err(WheelFault::Rate { rate });
+            return Err(format!(
+                "limit velocity = {rate}; it must be greater than 0 and finite; give wheel_rate_limit_rad_s in the robot file"
+            ));
         }
         let found = rolling(&links[i].collisions).or_else(|| rolling(&links[i].visuals));
         let (radius, replaced, middle) = match (found, self.radius) {
-            (None, None) => return Err(WheelFault::NoRadius),
+            (None, None) => {
+                let why = "it has no cylinder or sphere to measure; give wheel_radius_m in the robot file";
+                return Err(why.to_owned());
+            }
             (None, Some(given)) => (given, None, Vector3::zeros()),
             (Some((shape, measured)), given) => {
                 let middle = along_axis(shape, &joint.axis)?;
                 if let Some(given) = given.filter(|g| (g - measured).abs() > CALIBRATION * measured) {
-                    return Err(WheelFault::Radius { measured, given });
+                    return Err(format!(
+                        "its radius is {measured} m in the URDF, but wheel_radius_m = {given}; they must agree within 10 %"
+                    ));
                 }
                 (given.unwrap_or(measured), given.map(|_| measured), middle)
             }
         };
         Ok(Wheel { middle: base_from_wheel * Point3::from(middle), axis, radius, replaced, rate })
     }
+}
+
+/// The warning that a value in the robot file (m) replaces the URDF's.
+fn calibrated(key: &str, given: f64, measured: f64) -> RobotWarning {
+    RobotWarning::new(format!("{key} = {given} replaces {measured:.4} m, as measured in the URDF"))
+}
+
+/// The fault of a wheel that is not the mirror image of, or as, another one.
+fn unlike(what: &str, value: f64, other: &str, of_other: f64) -> String {
+    format!("its {what} is {value} but that of `{other}` is {of_other}; they must be the same")
 }
 
 /// The name of the joint that carries a link.
@@ -339,7 +363,7 @@ fn rolling(shapes: &[Geometry]) -> Option<(&Geometry, f64)> {
 }
 
 /// The centre of a wheel's shape in the wheel's frame. The shape must be centred on the joint's axis.
-fn along_axis(geometry: &Geometry, axis: &Vector3<f64>) -> Result<Vector3<f64>, WheelFault> {
+fn along_axis(geometry: &Geometry, axis: &Vector3<f64>) -> Result<Vector3<f64>, String> {
     let middle = geometry.link_from_shape.translation.vector;
     let by_m = axis.cross(&middle).norm();
     let (shape, sine) = match geometry.shape {
@@ -347,7 +371,10 @@ fn along_axis(geometry: &Geometry, axis: &Vector3<f64>) -> Result<Vector3<f64>, 
         _ => ("cylinder", (geometry.link_from_shape.rotation * Vector3::z()).cross(axis).norm()),
     };
     if by_m > SAME_LENGTH_M || sine > SAME_DIRECTION_RAD {
-        return Err(WheelFault::Eccentric { shape, by_m, by_deg: math::asin(sine.min(1.0)).to_degrees() });
+        let by_deg = math::asin(sine.min(1.0)).to_degrees();
+        return Err(format!(
+            "its {shape} is {by_m:.4} m or {by_deg:.2} deg off the joint's axis; it must be centred on it"
+        ));
     }
     Ok(axis * axis.dot(&middle))
 }

@@ -17,7 +17,7 @@
 //! ```
 
 mod check;
-mod error;
+mod given;
 mod plant;
 mod preference_changes;
 mod prepared;
@@ -26,7 +26,7 @@ mod settings;
 mod snapshot;
 mod word;
 
-pub use error::ScenarioError;
+pub use given::{GivenRobot, GivenWorld, WorldText};
 pub use plant::{Plant, PlantKind, RobotSetup};
 pub use preference_changes::{NotPreferenceChanges, PreferenceChanges, drawn_changes};
 pub use prepared::{Partners, PreparedScenario};
@@ -35,13 +35,13 @@ pub use settings::{
     AVOID, BELIEF_LAPSE, BELIEF_RATIONALITY, INITIAL_STUBBORNNESS, PERCEPTION, PERIOD, PLANNING_STEP, POSE,
     POSTURE, RISK_WEIGHT, SETTINGS, SWAY,
 };
-pub use snapshot::{Snapshot, SnapshotError};
+pub use snapshot::Snapshot;
 pub use word::{Word, one_of};
 
 use crate::episode::{self, PreferenceChange};
+use crate::error::Error;
 use crate::human::ModelName;
 use crate::preference::{Belief, Perception};
-use crate::world::World;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::{Deserialize, Serialize};
@@ -80,7 +80,7 @@ pub struct Scenario {
     /// The seed of the gait, and of the human if the human was drawn.
     pub seed: u64,
     /// The world.
-    pub world: WorldText,
+    pub world: GivenWorld,
     /// The human, as given or drawn.
     pub human: Perception,
     /// The human model.
@@ -95,50 +95,40 @@ pub struct Scenario {
     pub plant: Plant,
 }
 
-/// A world file.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct WorldText {
-    /// Its name in errors.
-    pub file: String,
-    /// Its text.
-    pub text: String,
-}
-
-impl From<World> for WorldText {
-    fn from(world: World) -> Self {
-        Self { file: world.file, text: world.text }
-    }
-}
-
 impl Scenario {
     /// The default episode of `cocarry run` in a world: seed 0, its human, and all defaults.
-    pub fn new(world: WorldText, plant: Plant) -> Self {
+    pub fn new(world: GivenWorld, plant: Plant) -> Self {
         let settings = episode::Settings::default();
-        let human = drawn_human(settings.predictor.belief(), GivenPerception::default(), 0);
-        Self {
-            seed: 0,
-            world,
-            human,
-            human_model: ModelName::default(),
-            changes: Vec::new(),
-            settings,
-            plant,
-        }
+        let belief = settings.predictor.belief().clone();
+        Self::of_seed(0, world, plant, settings, &belief, GivenPerception::default())
+    }
+
+    /// The scenario of a seed, without preference changes: on the command line, in studies and in Python. What
+    /// is not given of its human is drawn from `humans`.
+    pub fn of_seed(
+        seed: u64,
+        world: GivenWorld,
+        plant: Plant,
+        settings: episode::Settings,
+        humans: &Belief,
+        given: GivenPerception,
+    ) -> Self {
+        let (human, human_model) = (drawn_human(humans, given, seed), ModelName::default());
+        Self { seed, world, human, human_model, changes: Vec::new(), settings, plant }
     }
 
     /// All defaults, without a world: every [setting](Setting) that has a default has it here.
     pub fn defaults() -> Self {
-        Self::new(WorldText::default(), Plant::new(PlantKind::Rapier, RobotSetup::default()))
+        Self::new(GivenWorld::default(), Plant::new(PlantKind::Rapier, RobotSetup::default()))
     }
 
     /// Reads a scenario's text (TOML) and checks its numbers.
     ///
     /// # Errors
-    /// [`ScenarioError`], which names the line, or the key and the value. World, robot and posture are
-    /// checked by [`Scenario::prepare`].
-    pub fn parse(text: &str) -> Result<Self, ScenarioError> {
-        let scenario: Self = toml::from_str(text).map_err(|e| ScenarioError::Syntax(Box::new(e)))?;
+    /// The line, or the key and the value. World, robot and posture are checked by [`Scenario::prepare`].
+    pub fn parse(text: &str) -> Result<Self, Error> {
+        let scenario: Self =
+            toml::from_str(text).map_err(|e| Error::new("not a valid scenario").because(e))?;
         scenario.check()?;
         Ok(scenario)
     }
@@ -146,8 +136,9 @@ impl Scenario {
     /// The scenario as text (TOML); numbers are exact to the last bit.
     ///
     /// # Errors
-    /// [`ScenarioError::Unwritable`], if TOML cannot represent a value.
-    pub fn text(&self) -> Result<String, ScenarioError> {
-        toml::to_string_pretty(self).map_err(|e| ScenarioError::Unwritable(Box::new(e)))
+    /// TOML cannot represent a value.
+    pub fn text(&self) -> Result<String, Error> {
+        let unwritable = |e| Error::new("the scenario cannot be written as TOML").because(e);
+        toml::to_string_pretty(self).map_err(unwritable)
     }
 }

@@ -1,8 +1,9 @@
 //! The plants and their robots.
 
+use super::GivenRobot;
 use super::word::Word;
 use crate::control;
-use crate::robot::{Robot, RobotTexts};
+use crate::robot::Robot;
 use crate::simulation::PhysicsSettings;
 use serde::{Deserialize, Serialize};
 
@@ -37,7 +38,7 @@ pub struct RobotSetup {
     /// The controller.
     pub control: control::Settings,
     /// The robot.
-    pub robot: RobotTexts,
+    pub robot: GivenRobot,
 }
 
 /// A plant by its name.
@@ -84,7 +85,7 @@ impl RobotSetup {
     /// A robot that starts from its first posture, with the default controller.
     pub fn new(robot: &Robot) -> Self {
         let posture = robot.postures.first().map_or(String::new(), |posture| posture.name.clone());
-        Self { posture, control: control::Settings::default(), robot: robot.texts.clone() }
+        Self { posture, control: control::Settings::default(), robot: robot.clone().into() }
     }
 }
 

@@ -1,12 +1,13 @@
 //! Prepared scenarios, which own everything that their episodes borrow.
 
-use super::{Scenario, ScenarioError};
+use super::Scenario;
 use crate::control::RobotObstacles;
 use crate::episode::{Episode, EpisodeBuilder, Manipulator};
+use crate::error::{Error, Place};
 use crate::human::{Human, Participant};
 use crate::options::OptionSet;
 use crate::policy::RobotPolicy;
-use crate::robot::{Robot, SlowDrive};
+use crate::robot::{Robot, RobotWarning, SlowDrive};
 use crate::world::World;
 use std::sync::{Arc, OnceLock};
 
@@ -21,11 +22,11 @@ pub struct PreparedScenario {
 /// A world with the options and obstacles built from it and c_r.
 #[derive(Debug)]
 struct Scene {
-    world: World,
-    options: OptionSet,
+    world: Arc<World>,
+    options: Arc<OptionSet>,
     obstacles: RobotObstacles,
     /// The options for the world's own `robot_width_m`, where a wider robot takes its place; made when asked.
-    as_written: OnceLock<OptionSet>,
+    as_written: OnceLock<Arc<OptionSet>>,
 }
 
 /// Partners in place of those of a scenario; `None` keeps the scenario's.
@@ -41,30 +42,31 @@ impl Scenario {
     /// Builds the world, options and robot that the episode needs.
     ///
     /// # Errors
-    /// [`ScenarioError`]: a number is out of its range, or world, options, human model, robot or posture are
-    /// not valid.
-    pub fn prepare(self) -> Result<PreparedScenario, ScenarioError> {
+    /// A number is out of its range, or world, options, human model, robot or posture are not valid.
+    pub fn prepare(self) -> Result<PreparedScenario, Error> {
         self.prepare_beside(None)
     }
 
     /// As [`Scenario::prepare`], but shares equal worlds and robots with `other`.
-    fn prepare_beside(self, other: Option<&PreparedScenario>) -> Result<PreparedScenario, ScenarioError> {
+    fn prepare_beside(self, other: Option<&PreparedScenario>) -> Result<PreparedScenario, Error> {
         self.check()?;
         let robot = match self.plant.robot_setup() {
             None => None,
             Some(setup) => {
-                let shared = other.and_then(|other| other.robot.as_ref());
-                let robot = match shared.filter(|robot| robot.texts == setup.robot) {
-                    Some(robot) => Arc::clone(robot),
-                    None => Arc::new(Robot::parse(&setup.robot)?),
-                };
+                let others = other.and_then(|other| other.scenario.plant.robot_setup());
+                let shared = others.map(|others| &others.robot).filter(|robot| **robot == setup.robot);
+                let robot = shared.unwrap_or(&setup.robot).robot()?;
                 if robot.posture(&setup.posture).is_none() {
                     let known: Vec<_> = robot.postures.iter().map(|p| format!("`{}`", p.name)).collect();
-                    return Err(ScenarioError::Posture {
-                        posture: setup.posture.clone(),
-                        file: setup.robot.file.clone(),
-                        known: known.join(", "),
-                    });
+                    return Err(Error::value(
+                        Place::item("scenario", "posture"),
+                        format_args!(
+                            "{:?}: {} has no posture of that name; it has {}",
+                            setup.posture,
+                            setup.robot.texts().file,
+                            known.join(", ")
+                        ),
+                    ));
                 }
                 Some(robot)
             }
@@ -73,8 +75,12 @@ impl Scenario {
         let scene = match other.filter(|other| self.has_scene_of(other, width)) {
             Some(other) => Arc::clone(&other.scene),
             None => {
-                let world = World::parse_for(&self.world.file, &self.world.text, width)?;
-                let options = OptionSet::new(&world, self.settings.predictor.risk_weight())?;
+                let world = self.world.for_width(width)?;
+                let risk_weight = self.settings.predictor.risk_weight();
+                let options = match world.is_widened {
+                    true => Arc::new(OptionSet::new(&world, risk_weight)?),
+                    false => self.world.options(risk_weight)?,
+                };
                 let obstacles = RobotObstacles::new(&world);
                 Arc::new(Scene { world, options, obstacles, as_written: OnceLock::new() })
             }
@@ -105,7 +111,7 @@ impl PreparedScenario {
     ///
     /// # Errors
     /// As [`Scenario::prepare`].
-    pub fn prepare(&self, scenario: Scenario) -> Result<Self, ScenarioError> {
+    pub fn prepare(&self, scenario: Scenario) -> Result<Self, Error> {
         scenario.prepare_beside(Some(self))
     }
 
@@ -123,8 +129,8 @@ impl PreparedScenario {
     /// seed is the same whatever carries with them.
     ///
     /// # Errors
-    /// [`ScenarioError::Options`].
-    pub fn options_as_written(&self) -> Result<&OptionSet, ScenarioError> {
+    /// As [`OptionSet::new`].
+    pub fn options_as_written(&self) -> Result<&OptionSet, Error> {
         let Scene { world, options, as_written, .. } = self.scene.as_ref();
         if !world.is_widened {
             return Ok(options);
@@ -132,8 +138,7 @@ impl PreparedScenario {
         if let Some(made) = as_written.get() {
             return Ok(made);
         }
-        let narrower = World::parse(&world.file, &world.text)?;
-        let made = OptionSet::new(&narrower, self.scenario.settings.predictor.risk_weight())?;
+        let made = self.scenario.world.options(self.scenario.settings.predictor.risk_weight())?;
         Ok(as_written.get_or_init(|| made))
     }
 
@@ -154,13 +159,15 @@ impl PreparedScenario {
         let Some(robot) = self.robot() else { return Vec::new() };
         let has_contacts = self.scenario.plant.physics().is_some();
         let widened = self.world().is_widened.then(|| {
-            let (name, file, width) = (&robot.name, &self.scenario.world.file, robot.width());
+            let (name, file, width) = (&robot.name, self.scenario.world.file(), robot.width());
             format!(
                 "robot `{name}` is {width:.2} m wide (base_width_m), more than robot_width_m of {file}: its openings, \
                  their risks and all clearances are for {width:.2} m"
             )
         });
-        let notes = robot.notes.iter().filter(|note| has_contacts && note.is_about_missing_shapes());
+        let of_shapes =
+            |note: &&RobotWarning| has_contacts && note.is_about_missing_shapes() && !note.is_about_file();
+        let notes = robot.warnings.iter().filter(of_shapes);
         widened.into_iter().chain(notes.map(ToString::to_string)).collect()
     }
 
@@ -174,8 +181,8 @@ impl PreparedScenario {
     /// The episode, before its first step.
     ///
     /// # Errors
-    /// [`ScenarioError::Physics`]: the team does not fit at the start.
-    pub fn episode(&self) -> Result<Episode<'_>, ScenarioError> {
+    /// The team does not fit at the start.
+    pub fn episode(&self) -> Result<Episode<'_>, Error> {
         self.episode_of(Partners::default())
     }
 
@@ -183,7 +190,7 @@ impl PreparedScenario {
     ///
     /// # Errors
     /// As [`PreparedScenario::episode`].
-    pub fn episode_of<'a>(&'a self, partners: Partners<'a>) -> Result<Episode<'a>, ScenarioError> {
+    pub fn episode_of<'a>(&'a self, partners: Partners<'a>) -> Result<Episode<'a>, Error> {
         let mut builder = self.builder()?;
         if let Some(human) = partners.human {
             builder = builder.with_boxed_human(human);
@@ -191,14 +198,14 @@ impl PreparedScenario {
         if let Some(policy) = partners.policy {
             builder = builder.with_boxed_policy(policy);
         }
-        Ok(builder.begin()?)
+        builder.begin()
     }
 
     /// The parts of the episode, any of which may be replaced.
     ///
     /// # Errors
-    /// [`ScenarioError::HumanModel`].
-    pub fn builder(&self) -> Result<EpisodeBuilder<'_>, ScenarioError> {
+    /// The human model is not valid.
+    pub fn builder(&self) -> Result<EpisodeBuilder<'_>, Error> {
         let Self { scenario, scene, .. } = self;
         let builder = Episode::builder(&scene.options, &scenario.settings, scenario.human)
             .with_boxed_human(self.human()?);
@@ -211,12 +218,15 @@ impl PreparedScenario {
         })
     }
 
-    fn human(&self) -> Result<Box<dyn Human>, ScenarioError> {
+    fn human(&self) -> Result<Box<dyn Human>, Error> {
         let Scenario { human_model, human: perception, changes, settings, seed, .. } = &self.scenario;
         let (options, stubbornness) = (&self.scene.options, settings.coordination);
         let participant =
             Participant { perception: *perception, changes, stubbornness, seed: *seed, options };
         let human = human_model.make(&participant);
-        human.map_err(|source| ScenarioError::HumanModel { model: human_model.to_string(), source })
+        human.map_err(|error| {
+            let model = human_model.to_string();
+            Error::value(Place::item("scenario", "human_model"), format_args!("{model:?}")).because(error)
+        })
     }
 }

@@ -211,7 +211,7 @@ pub const SETTINGS: &[Setting] = &[
             |text| text.parse::<ModelName>().is_ok(),
             Field {
                 get: |s| Some(s.human_model.to_string()),
-                set: |s, text| s.human_model = text.parse().unwrap_or_default(),
+                set: |s, text| s.human_model = text.parse().expect("a model that the setting accepts"),
             },
         ),
     },

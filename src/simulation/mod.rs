@@ -7,6 +7,6 @@ mod rapier;
 pub use kinematic::KinematicPlant;
 pub use rapier::{
     BodyKind, Clearance, Clearances, Contact, Failure, Forces, HAND_RADIUS, HumanCommand, HumanSettings,
-    NoRoom, Observation, Part, PhysicalPlant, PhysicsError, PhysicsSettings, TORSO_AHEAD, TORSO_HEIGHT,
-    TORSO_RADIUS, Wrench, sample_motion,
+    Observation, Part, PhysicalPlant, PhysicsSettings, TORSO_AHEAD, TORSO_HEIGHT, TORSO_RADIUS, Wrench,
+    sample_motion,
 };

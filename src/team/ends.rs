@@ -6,9 +6,9 @@ use super::in_tandem::InTandem;
 use super::object_room::SHARPEST_RAD_PER_M;
 use super::team_path::{ARCS, BODY_ROOM_M, FreeSpace, TeamPath, Turned};
 use crate::control::RobotObstacles;
+use crate::error::{Error, ErrorKind, Place};
 use crate::geometry::{Path, PlanarPose, Point, direction, wrap_angle, write_turn_onto};
 use crate::options::OptionSet;
-use crate::simulation::{NoRoom, PhysicsError};
 use crate::world::World;
 use std::f64::consts::TAU;
 
@@ -50,12 +50,12 @@ impl<'a> InTandem<'a> {
     /// multiple of 10 degrees from which it can turn onto the path. A world may give the heading.
     ///
     /// # Errors
-    /// [`PhysicsError::NoRoomAtStart`]: the robot or the human has no room at any heading.
+    /// [`ErrorKind::World`]: the robot or the human has no room at any heading.
     pub fn starting(
         surroundings: Surroundings<'a, '_>,
         first: &Path,
         pace: Pace,
-    ) -> Result<(Self, PlanarPose), PhysicsError> {
+    ) -> Result<(Self, PlanarPose), Error> {
         let Surroundings { world, options, obstacles, base } = surroundings;
         let free_space = FreeSpace { obstacles, options };
         let is_free = |from, to| free_space.is_free(from, to);
@@ -66,7 +66,7 @@ impl<'a> InTandem<'a> {
         if given.is_none_or(|turn| turn.abs() < SAME_HEADING_RAD) && gentle(&in_line) {
             match check(world, BODY_ROOM_M, [ahead.position, base(&ahead)]) {
                 Ok(()) => return Ok((in_line, ahead)),
-                Err(room) if given.is_some() => return Err(PhysicsError::NoRoomAtStart(room)),
+                Err(room) if given.is_some() => return Err(room.at_start(world, None)),
                 Err(_) => {}
             }
         }
@@ -118,7 +118,7 @@ impl<'a> InTandem<'a> {
                     .find_map(|o| options.path_passing(&progress, o, Self::PASSING));
                 is_beside && path.is_some_and(|path| any(&path, place).is_ok())
             });
-            PhysicsError::NoRoomAtStart(NoRoom { nearest, ..room })
+            room.at_start(world, nearest)
         })
     }
 
@@ -191,16 +191,63 @@ impl<'a> InTandem<'a> {
     /// Refuses a world in which the human has no room beyond the end of an option.
     ///
     /// # Errors
-    /// [`PhysicsError::NoRoomAtTarget`].
-    pub fn check_targets(&self, world: &World) -> Result<(), PhysicsError> {
+    /// [`ErrorKind::World`].
+    pub fn check_targets(&self, world: &World) -> Result<(), Error> {
         let options = self.free_space().options;
         options.options().iter().enumerate().try_for_each(|(o, option)| {
             let path = options.path_passing(&options.begin(), o, Self::PASSING).unwrap_or_default();
             let beyond = self.team_path().beyond_end(&self.widened(&self.ended(path)));
-            check(world, BODY_ROOM_M, beyond)
-                .map_err(|room| PhysicsError::NoRoomAtTarget { option: option.name.clone(), room })
+            check(world, BODY_ROOM_M, beyond).map_err(|room| room.at_target(world, &option.name))
         })
     }
+}
+
+/// A straight way of a carrier that comes too close to an obstacle.
+#[derive(Default)]
+struct NoRoom {
+    /// The end of the way, x, m.
+    x: f64,
+    /// The end of the way, y, m.
+    y: f64,
+    /// The obstacle.
+    obstacle: String,
+    /// Distance between the way and the obstacle, m.
+    distance: f64,
+    /// Distance needed, m.
+    needed: f64,
+    /// How far from `start_m` or `target_m` an obstacle may be in the way, m.
+    length: f64,
+}
+
+impl NoRoom {
+    /// What is missing at the start, and where to start instead.
+    fn at_start(&self, world: &World, nearest: Option<Point>) -> Error {
+        let Self { x, y, distance, obstacle, needed, length } = self;
+        let fault = match needed - distance {
+            missing if missing > 0.0 => format!(
+                "the robot comes from ({x:.3}, {y:.3}) and passes within {distance:.3} m of obstacle `{obstacle}`; leave {needed} m on either side, up to {length:.2} m behind start_m ({missing:.3} m are missing)"
+            ),
+            _ => format!("the team fits, but cannot turn onto its path: obstacle `{obstacle}` is too near"),
+        };
+        let instead = nearest
+            .map_or(String::new(), |p| format!("; the nearest start with room is ({:.2}, {:.2})", p.x, p.y));
+        refused(world, format_args!("no room at the start: {fault}{instead}"))
+    }
+
+    /// What is missing at the end of an option.
+    fn at_target(&self, world: &World, option: &str) -> Error {
+        let Self { x, y, distance, obstacle, needed, length } = self;
+        refused(
+            world,
+            format_args!(
+                "no room at the target: at the end of option `{option}`, the human walks on to ({x:.3}, {y:.3}) and comes within {distance:.3} m of obstacle `{obstacle}`; leave {needed} m on either side, up to {length:.2} m beyond target_m"
+            ),
+        )
+    }
+}
+
+fn refused(world: &World, sentence: std::fmt::Arguments) -> Error {
+    Error::at(Place::file(&world.file), sentence).of_kind(ErrorKind::World)
 }
 
 /// Turns away from straight ahead, the smallest first, to the left and to the right.
@@ -231,13 +278,11 @@ fn nearest(world: &World, needed: f64, ends: [Point; 2]) -> NoRoom {
     let distances = world.obstacles.iter().map(|o| (o.distance_to_segment(ends[0], ends[1]), o));
     let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0));
     NoRoom {
-        file: world.file.clone(),
         x: ends[1].x,
         y: ends[1].y,
         obstacle: nearest.map_or(String::new(), |(_, obstacle)| obstacle.name.clone()),
         distance: nearest.map_or(f64::INFINITY, |(distance, _)| distance),
         needed,
         length: (ends[1] - ends[0]).norm() + needed,
-        nearest: None,
     }
 }

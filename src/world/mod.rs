@@ -12,7 +12,6 @@
 //! ```
 
 mod built_in;
-mod error;
 mod file;
 mod narrowest;
 mod object;
@@ -21,13 +20,13 @@ mod opening;
 mod values;
 
 pub use built_in::{BUILT_IN_WORLDS, BuiltInWorld};
-pub use error::WorldError;
 pub use object::{CarriedObject, ObjectShape};
 pub use obstacle::{Obstacle, Part};
 pub use opening::{FREE_PASSAGE, Opening};
 
+use crate::error::{Error, ErrorKind, Place};
 use crate::geometry::{Bounds, Point, Solid, Vector, cross, squared_distance_to_segment};
-use crate::located::{self, LARGEST_WORLD, Place, Source};
+use crate::located::{self, LARGEST_WORLD, Source};
 use crate::suggestion;
 use file::{OptionEntry, WorldFile};
 use obstacle::Check;
@@ -50,6 +49,9 @@ const USUAL_WIDTHS_M: std::ops::RangeInclusive<f64> = 0.1..=3.0;
 const LARGE_WORLD: f64 = 1000.0;
 /// Distance from A to B below which they are one point, m.
 const SAME_PLACE_M: f64 = 0.01;
+
+/// The least width (m) of a gap that an error tells.
+const MIN_NAMED_GAP_M: f64 = 1e-3;
 
 /// The distance (m) of a start or target from the line of a gap, at least.
 const OFF_GAP_M: f64 = 1e-6;
@@ -112,23 +114,26 @@ impl World {
     /// Reads and validates a world file.
     ///
     /// # Errors
-    /// [`WorldError`], which names the file, the line, the item and the numbers.
-    pub fn load(path: &Path) -> Result<Self, WorldError> {
+    /// The file, the line, the item and the numbers; of [`ErrorKind::World`] where the file can be read.
+    pub fn load(path: &Path) -> Result<Self, Error> {
         Self::parse(&path.display().to_string(), &located::read_at_most(LARGEST_WORLD, path)?)
     }
 
     /// The world in the file `path`, or, if there is no such file, the built-in world `name`.
     ///
     /// # Errors
-    /// [`WorldError`]; if there is neither, it suggests a name.
-    pub fn find(path: &Path, name: &str) -> Result<Self, WorldError> {
+    /// As [`World::load`]; if there is neither, it suggests a name.
+    pub fn find(path: &Path, name: &str) -> Result<Self, Error> {
         match BuiltInWorld::named(name) {
             _ if path.exists() => Self::load(path),
             Some(built_in) => Self::parse(built_in.name, built_in.text),
             None => {
                 let hint = suggestion::hint(name, BUILT_IN_WORLDS.iter().map(|world| world.name));
                 let hint = if hint.is_empty() { suggestion::hint_of_files(path) } else { hint };
-                Err(WorldError::NoSuchWorld { name: name.to_owned(), known: built_in::names(), hint })
+                let known = built_in::names();
+                Err(Error::new(format!(
+                    "{name}: no such world; expected a world file, or one of the built-in worlds {known}{hint}"
+                )))
             }
         }
     }
@@ -137,7 +142,7 @@ impl World {
     ///
     /// # Errors
     /// As [`World::load`].
-    pub fn parse(file: &str, text: &str) -> Result<Self, WorldError> {
+    pub fn parse(file: &str, text: &str) -> Result<Self, Error> {
         Self::parse_for(file, text, 0.0)
     }
 
@@ -146,12 +151,18 @@ impl World {
     ///
     /// # Errors
     /// As [`World::load`].
-    pub fn parse_for(file: &str, text: &str, width: f64) -> Result<Self, WorldError> {
-        let source = Source { file, text };
+    pub fn parse_for(file: &str, text: &str, width: f64) -> Result<Self, Error> {
+        Self::checked(Source { file, text }, width).map_err(|error| error.of_kind(ErrorKind::World))
+    }
+
+    fn checked(source: Source, width: f64) -> Result<Self, Error> {
         let entries: WorldFile = source.parse("world file")?;
         let top = |spanned: &Spanned<f64>, item: &str| source.place(spanned, item);
         if let Some(map) = &entries.map {
-            return Err(WorldError::NamesMap { place: source.place(map, "map") });
+            return Err(Error::at(
+                source.place(map, "map"),
+                "the file of a map can be read only with the world file's folder; `cocarry world FILE --write` writes the world with the map's outlines",
+            ));
         }
         let origin = entries.origin_m.as_ref().map(|entry| {
             let place = source.place(entry, "world");
@@ -193,8 +204,8 @@ impl World {
         let listed_options = listed_options(source, &entries.options, &openings)?;
         let option_limit = option_limit(source, entries.option_limit.as_ref())?;
         Ok(Self {
-            file: file.to_owned(),
-            text: text.to_owned(),
+            file: source.file.to_owned(),
+            text: source.text.to_owned(),
             name: entries.name,
             note: entries.note,
             robot_width,
@@ -211,6 +222,11 @@ impl World {
             listed_options,
             option_limit,
         })
+    }
+
+    /// Whether it is as it would be parsed for a robot of this width (m).
+    pub(crate) fn has_room_for(&self, width: f64) -> bool {
+        !self.is_widened && width <= self.robot_width + WIDTH_TOLERANCE_M
     }
 
     /// What is probably a mistake, such as lengths in millimetres, a sentence each.
@@ -265,7 +281,7 @@ impl World {
     }
 }
 
-fn obstacles(source: Source, entries: &WorldFile, origin: Vector) -> Result<Vec<Obstacle>, WorldError> {
+fn obstacles(source: Source, entries: &WorldFile, origin: Vector) -> Result<Vec<Obstacle>, Error> {
     let mut names = BTreeSet::new();
     entries
         .obstacles
@@ -274,7 +290,7 @@ fn obstacles(source: Source, entries: &WorldFile, origin: Vector) -> Result<Vec<
             let entry = spanned.get_ref();
             let place = source.place(spanned, format!("obstacle `{}`", entry.name));
             if !names.insert(&entry.name) {
-                return Err(WorldError::Duplicate { place, kind: "obstacle" });
+                return Err(Error::duplicate(place, "obstacle"));
             }
             Obstacle::from_entry(entry, &place, origin)
         })
@@ -282,24 +298,21 @@ fn obstacles(source: Source, entries: &WorldFile, origin: Vector) -> Result<Vec<
 }
 
 /// A start or target at `place`, if the team has room there.
-fn unoccupied(
-    point: Point,
-    place: Place,
-    obstacles: &[Obstacle],
-    robot_width: f64,
-) -> Result<Point, WorldError> {
+fn unoccupied(point: Point, place: Place, obstacles: &[Obstacle], robot_width: f64) -> Result<Point, Error> {
     let needed = robot_width / 2.0;
     let nearest =
         obstacles.iter().map(|o| (o, o.distance_to_point(point))).min_by(|a, b| a.1.total_cmp(&b.1));
     match nearest {
-        Some((obstacle, distance)) if distance < needed => Err(WorldError::Occupied {
-            place,
-            x: point.x,
-            y: point.y,
-            obstacle: obstacle.name.clone(),
-            distance,
-            needed,
-        }),
+        Some((obstacle, distance)) if distance < needed => {
+            let (x, y, obstacle) = (point.x, point.y, &obstacle.name);
+            let inside = if distance == 0.0 { ": it lies inside the obstacle" } else { "" };
+            Err(Error::value(
+                place,
+                format_args!(
+                    "({x}, {y}) is {distance:.4} m from obstacle `{obstacle}`; the team needs {needed} m (half of robot_width_m) around it{inside}"
+                ),
+            ))
+        }
         _ => Ok(point),
     }
 }
@@ -323,16 +336,14 @@ fn declared_openings(
     entries: &WorldFile,
     obstacles: &[Obstacle],
     robot_width: f64,
-) -> Result<Vec<Opening>, WorldError> {
+) -> Result<Vec<Opening>, Error> {
     let mut names = BTreeSet::new();
     let numbers: Vec<usize> = (0..obstacles.len()).collect();
     let gaps = Gaps::of(obstacles, &numbers);
     let find = |name: &String, place: &Place| {
-        obstacles.iter().position(|o| o.name == *name).ok_or_else(|| WorldError::Unknown {
-            place: place.clone(),
-            kind: "obstacle",
-            name: name.clone(),
-            known: join(obstacles.iter().map(|o| &o.name)),
+        obstacles.iter().position(|o| o.name == *name).ok_or_else(|| {
+            let known = obstacles.iter().map(|o| o.name.as_str());
+            Error::unknown(place.clone(), "obstacle", name, known, usize::MAX)
         })
     };
     let openings: Vec<Opening> = entries
@@ -342,22 +353,34 @@ fn declared_openings(
             let entry = spanned.get_ref();
             let place = source.place(spanned, format!("opening `{}`", entry.name));
             if !names.insert(&entry.name) {
-                return Err(WorldError::Duplicate { place, kind: "opening" });
+                return Err(Error::duplicate(place, "opening"));
             }
             let Values([first, second]) = &entry.between;
             let between = [find(first, &place)?, find(second, &place)?];
             if between[0] == between[1] {
-                return Err(WorldError::SameObstacle { place, obstacle: first.clone() });
+                return Err(Error::at(
+                    place,
+                    format_args!("between names `{first}` twice; an opening lies between two obstacles"),
+                ));
             }
             let gap = gaps.narrowest(between);
             let width = gap.as_ref().map_or(0.0, |g| g.width);
-            let (first, second) = (first.clone(), second.clone());
             let Some(gap) = gap.filter(|g| g.is_passable(robot_width)) else {
-                return Err(WorldError::Impassable { place, first, second, width, robot_width });
+                let gap = match width < MIN_NAMED_GAP_M {
+                    true => format!("`{first}` and `{second}` touch or are less than 1 mm apart"),
+                    false => format!("the gap between `{first}` and `{second}` is {width:.4} m wide"),
+                };
+                let sentence = format_args!("{gap}, not more than the robot's {robot_width} m: impassable");
+                return Err(Error::at(place, sentence));
             };
             if let Some((third, distance)) = gaps.obstructed(&gap) {
-                let third = obstacles[third].name.clone();
-                return Err(WorldError::Obstructed { place, first, second, third, distance, width });
+                let third = &obstacles[third].name;
+                return Err(Error::at(
+                    place,
+                    format_args!(
+                        "`{third}` stands {distance:.4} m from the middle of the gap between `{first}` and `{second}` ({width:.4} m wide); name the narrower gap beside it"
+                    ),
+                ));
             }
             Ok(Opening { name: entry.name.clone(), ..gaps.named(gap) })
         })
@@ -365,7 +388,11 @@ fn declared_openings(
     for (i, same) in opening::same_gaps(&openings).into_iter().enumerate() {
         if let Some(&other) = same.first() {
             let place = source.place(&entries.openings[i], format!("opening `{}`", openings[i].name));
-            return Err(WorldError::SameGap { place, other: openings[other].name.clone() });
+            let other = &openings[other].name;
+            return Err(Error::at(
+                place,
+                format_args!("this is the same gap as opening `{other}`; declare it once"),
+            ));
         }
     }
     Ok(openings)
@@ -392,7 +419,7 @@ fn listed_options(
     source: Source,
     entries: &[Spanned<OptionEntry>],
     openings: &[Opening],
-) -> Result<Vec<ListedOption>, WorldError> {
+) -> Result<Vec<ListedOption>, Error> {
     let mut names = BTreeSet::new();
     entries
         .iter()
@@ -402,14 +429,12 @@ fn listed_options(
             let name = entry.name.clone().unwrap_or_else(|| (i + 1).to_string());
             let place = source.place(spanned, format!("option `{name}`"));
             if !names.insert(name.clone()) {
-                return Err(WorldError::Duplicate { place, kind: "option" });
+                return Err(Error::duplicate(place, "option"));
             }
             let find = |name: &String| {
-                openings.iter().position(|o| o.name == *name).ok_or_else(|| WorldError::Unknown {
-                    place: place.clone(),
-                    kind: "opening",
-                    name: name.clone(),
-                    known: join(openings.iter().map(|o| &o.name)),
+                openings.iter().position(|o| o.name == *name).ok_or_else(|| {
+                    let known = openings.iter().map(|o| o.name.as_str());
+                    Error::unknown(place.clone(), "opening", name, known, usize::MAX)
                 })
             };
             let openings = entry.openings.iter().map(find).collect::<Result<_, _>>()?;
@@ -418,23 +443,19 @@ fn listed_options(
         .collect()
 }
 
-fn option_limit(source: Source, entry: Option<&Spanned<i64>>) -> Result<usize, WorldError> {
+fn option_limit(source: Source, entry: Option<&Spanned<i64>>) -> Result<usize, Error> {
     let Some(spanned) = entry else {
         return Ok(DEFAULT_OPTION_LIMIT);
     };
     let value = *spanned.get_ref();
     usize::try_from(value).ok().filter(|n| (1..=LARGEST_OPTION_LIMIT).contains(n)).ok_or_else(|| {
-        WorldError::Number {
-            place: source.place(spanned, "world"),
-            field: "option_limit".to_owned(),
-            value: value as f64,
-            expected: "a whole number from 1 to 64",
-        }
+        let place = source.place(spanned, "world");
+        Error::number(place, "option_limit", value as f64, "a whole number from 1 to 64")
     })
 }
 
 /// The width in robot widths above which openings are free passage.
-fn free_passage(source: Source, entry: Option<&Spanned<f64>>) -> Result<f64, WorldError> {
+fn free_passage(source: Source, entry: Option<&Spanned<f64>>) -> Result<f64, Error> {
     let Some(spanned) = entry else {
         return Ok(FREE_PASSAGE);
     };
@@ -442,15 +463,6 @@ fn free_passage(source: Source, entry: Option<&Spanned<f64>>) -> Result<f64, Wor
     if (1.0..=MAX_FREE_PASSAGE).contains(&value) {
         return Ok(value);
     }
-    Err(WorldError::Number {
-        place: source.place(spanned, "world"),
-        field: "free_passage_robot_widths".to_owned(),
-        value,
-        expected: "a number of robot widths from 1 to 100",
-    })
-}
-
-fn join<'a>(names: impl Iterator<Item = &'a String>) -> String {
-    let names: Vec<String> = names.map(|n| format!("`{n}`")).collect();
-    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+    let (place, expected) = (source.place(spanned, "world"), "a number of robot widths from 1 to 100");
+    Err(Error::number(place, "free_passage_robot_widths", value, expected))
 }

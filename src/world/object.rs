@@ -1,7 +1,7 @@
 //! The carried object.
 
-use super::error::WorldError;
 use super::values::Values;
+use crate::error::Error;
 use crate::located::Source;
 use serde::Deserialize;
 use toml::Spanned;
@@ -64,12 +64,11 @@ impl Default for CarriedObject {
 }
 
 impl CarriedObject {
-    pub(super) fn from_entry(source: Source, entry: &ObjectEntry) -> Result<Self, WorldError> {
-        let number = |place, field: String, value, (least, most), expected| {
-            if (least..=most).contains(&value) {
-                return Ok(value);
-            }
-            Err(WorldError::Number { place, field, value, expected })
+    pub(super) fn from_entry(source: Source, entry: &ObjectEntry) -> Result<Self, Error> {
+        let number = |place, key: &str, value, (least, most), expected| match (least..=most).contains(&value)
+        {
+            true => Ok(value),
+            false => Err(Error::number(place, key, value, expected)),
         };
         let size = entry.size_m.get_ref().0;
         let allowed = [
@@ -78,11 +77,17 @@ impl CarriedObject {
             "a height from 0.02 to 1 (metres)",
         ];
         for (i, (limits, expected)) in SIZES.into_iter().zip(allowed).enumerate() {
-            number(source.place(&entry.size_m, "object"), format!("size_m[{i}]"), size[i], limits, expected)?;
+            number(
+                source.place(&entry.size_m, "object"),
+                &format!("size_m[{i}]"),
+                size[i],
+                limits,
+                expected,
+            )?;
         }
         let mass = number(
             source.place(&entry.mass_kg, "object"),
-            "mass_kg".to_owned(),
+            "mass_kg",
             *entry.mass_kg.get_ref(),
             MASSES,
             "a mass from 0.1 to 40 (kilograms)",

@@ -1,10 +1,9 @@
 //! Upright obstacles with their outlines and solids.
 
-use super::error::WorldError;
 use super::file::{ObstacleEntry, ShapeEntry};
 use super::values::Pair;
+use crate::error::{Error, Place};
 use crate::geometry::{Bounds, Footprint, Outline, Point, RingFault, Vector, cross, direction, left_of};
-use crate::located::Place;
 use crate::math;
 use parry3d::math::{Pose, Rotation, Vec3};
 use parry3d::shape::{Shape, SharedShape};
@@ -57,11 +56,7 @@ enum Solid {
 
 impl Obstacle {
     /// The obstacle of an entry whose coordinates are relative to `origin`.
-    pub(super) fn from_entry(
-        entry: &ObstacleEntry,
-        place: &Place,
-        origin: Vector,
-    ) -> Result<Self, WorldError> {
+    pub(super) fn from_entry(entry: &ObstacleEntry, place: &Place, origin: Vector) -> Result<Self, Error> {
         let check = Check { place, origin };
         let shape = entry.shape.name();
         let given = [
@@ -74,18 +69,23 @@ impl Obstacle {
         ];
         for (field, is_given, shapes) in given {
             if is_given && !shapes.contains(shape) {
-                return Err(WorldError::Superfluous { place: place.clone(), shape, field });
+                return Err(Error::at(place.clone(), format_args!("a {shape} takes no {field}")));
             }
         }
-        let missing = |field| WorldError::Missing { place: place.clone(), shape, field };
-        let extreme = || WorldError::Extreme { place: place.clone() };
+        let missing = |field| Error::at(place.clone(), format_args!("a {shape} needs {field}"));
+        let extreme = || {
+            Error::at(
+                place.clone(),
+                "its proportions are too extreme for a solid; use corners and a height of similar size",
+            )
+        };
         let height = check.size("height_m", entry.height_m)?;
         type Shape = (Vec<Part>, Option<Outline>);
-        let single = |solid: Solid| -> Result<Shape, WorldError> {
+        let single = |solid: Solid| -> Result<Shape, Error> {
             let part = Part::new(solid, height).ok_or_else(extreme)?;
             Ok((vec![part], None))
         };
-        let concave = |outline: Result<Outline, RingFault>| -> Result<Shape, WorldError> {
+        let concave = |outline: Result<Outline, RingFault>| -> Result<Shape, Error> {
             let outline = outline.map_err(|fault| check.fault(fault))?;
             let parts = outline.parts().ok_or_else(extreme)?;
             let parts = parts.into_iter().filter_map(|corners| Part::new(Solid::Prism { corners }, height));
@@ -247,20 +247,17 @@ pub(super) struct Check<'a> {
 }
 
 impl Check<'_> {
-    fn number(&self, field: &str, value: f64, good: bool, expected: &'static str) -> Result<f64, WorldError> {
-        if good {
-            return Ok(value);
-        }
-        Err(WorldError::Number { place: self.place.clone(), field: field.to_owned(), value, expected })
+    fn number(&self, field: &str, value: f64, good: bool, expected: &str) -> Result<f64, Error> {
+        if good { Ok(value) } else { Err(Error::number(self.place.clone(), field, value, expected)) }
     }
 
-    pub fn size(&self, field: &str, value: f64) -> Result<f64, WorldError> {
+    pub fn size(&self, field: &str, value: f64) -> Result<f64, Error> {
         let good = (SMALLEST_LENGTH_M..=LARGEST_COORDINATE_M).contains(&value);
         self.number(field, value, good, "a length from 0.001 to 10000 (metres)")
     }
 
     /// A point in the world frame, from its coordinates in the file.
-    pub fn point(&self, field: &str, [x, y]: [f64; 2]) -> Result<Point, WorldError> {
+    pub fn point(&self, field: &str, [x, y]: [f64; 2]) -> Result<Point, Error> {
         let expected = "a coordinate from -10000 to 10000 (metres); for larger ones, as in maps, give origin_m = [x, y] near the room";
         let point = Point::new(x, y) - self.origin;
         self.number(&format!("{field}[0]"), x, point.x.abs() <= LARGEST_COORDINATE_M, expected)?;
@@ -269,19 +266,19 @@ impl Check<'_> {
     }
 
     /// The origin of a file's coordinates.
-    pub fn origin(&self, [x, y]: [f64; 2]) -> Result<Vector, WorldError> {
+    pub fn origin(&self, [x, y]: [f64; 2]) -> Result<Vector, Error> {
         let expected = "a coordinate from -100000000 to 100000000 (metres)";
         self.number("origin_m[0]", x, x.abs() <= MAX_ORIGIN_M, expected)?;
         self.number("origin_m[1]", y, y.abs() <= MAX_ORIGIN_M, expected)?;
         Ok(Vector::new(x, y))
     }
 
-    pub fn angle(&self, field: &str, value: f64) -> Result<f64, WorldError> {
+    pub fn angle(&self, field: &str, value: f64) -> Result<f64, Error> {
         self.number(field, value, value.abs() <= 360.0, "an angle from -360 to 360 (degrees)")
     }
 
     /// The corners of a polygon. The last may repeat the first.
-    fn ring(&self, field: &str, vertices: &[Pair<f64>]) -> Result<Vec<Point>, WorldError> {
+    fn ring(&self, field: &str, vertices: &[Pair<f64>]) -> Result<Vec<Point>, Error> {
         let mut corners: Vec<Point> = vertices
             .iter()
             .enumerate()
@@ -291,17 +288,24 @@ impl Check<'_> {
             corners.pop();
         }
         if !(3..=MAX_CORNERS).contains(&corners.len()) {
-            let field = field.to_owned();
-            return Err(WorldError::Corners { place: self.place.clone(), field, count: corners.len() });
+            let count = corners.len();
+            let sentence = format_args!("{count} corners in {field}; a polygon needs 3 to {MAX_CORNERS}");
+            return Err(Error::at(self.place.clone(), sentence));
         }
         Ok(corners)
     }
 
-    fn fault(&self, fault: RingFault) -> WorldError {
+    fn fault(&self, fault: RingFault) -> Error {
         let place = self.place.clone();
         match fault {
-            RingFault::Flat => WorldError::Flat { place },
-            RingFault::Crossing { from } => WorldError::Crossing { place, x: from.x, y: from.y },
+            RingFault::Flat => Error::at(place, "all corners of an outline are on one line"),
+            RingFault::Crossing { from } => Error::at(
+                place,
+                format_args!(
+                    "the side of its outline that begins at ({}, {}) crosses or touches another side; list the corners in order around the outline",
+                    from.x, from.y
+                ),
+            ),
         }
     }
 }

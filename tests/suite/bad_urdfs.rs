@@ -267,7 +267,7 @@ fn meshes_that_are_not_there() {
         let files =
             Files::new().within("name=\"gripper_link\"", "<box size=\"0.09 0.13 0.07\"/>", &mesh_instead);
         let robot = files.load(TOML).unwrap_or_else(|e| panic!("{e}"));
-        let said = robot.notes.iter().map(ToString::to_string).collect::<String>();
+        let said = robot.warnings.iter().map(ToString::to_string).collect::<String>();
         for part in [&format!("the first of them `{mesh}`"), "searched for", looked] {
             assert!(said.contains(part), "{part} in {said}");
         }

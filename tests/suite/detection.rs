@@ -4,8 +4,8 @@
 use crate::support::{cocarry, json, stderr, stdout};
 use cocarry::geometry::Point;
 use cocarry::math;
-use cocarry::options::{OptionError, OptionSet};
-use cocarry::world::{Opening, World, WorldError};
+use cocarry::options::OptionSet;
+use cocarry::world::{Opening, World};
 use cocarry_studies::paper::cycles::{mixed_world, random_world};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -239,11 +239,11 @@ fn closed_form_a_gap_as_wide_as_the_robot_is_impassable() {
         let world = World::parse("hall", &text).unwrap();
         assert!(world.openings.is_empty(), "{gap}: {:?}", world.openings);
         let error = OptionSet::new(&world, 10.0).map(|set| set.options().len()).unwrap_err();
-        assert!(matches!(error, OptionError::Unreachable { .. }), "{gap}: {error}");
+        assert!(error.to_string().contains("cannot be reached from the start"), "{gap}: {error}");
         assert!(error.to_string().contains("between `o4` and `o5`"), "{gap}: {error}");
         let declared = format!("{text}[[opening]]\nname = \"door\"\nbetween = [\"o4\", \"o5\"]\n");
         let error = World::parse("hall", &declared).unwrap_err();
-        assert!(matches!(error, WorldError::Impassable { .. }), "{gap}: {error}");
+        assert!(error.to_string().ends_with("m: impassable"), "{gap}: {error}");
     }
     // a corridor of that width, and one beside a door
     let corridor = hall(&[[0.0, -1.0, 4.0, 1.0], [4.5, -1.0, 9.0, 1.0]]);

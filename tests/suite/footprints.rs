@@ -91,7 +91,7 @@ fn a_base_without_shapes_collides_as_its_corners() {
     let files = Files::new().without_base_shapes();
     let list = footprint("[[0.5, 0.25], [-0.4, -0.25], [-0.4, 0.25], [0.5, -0.25]]");
     let robot = files.with(TOML, WIDTH, &list).load(TOML).expect("a robot");
-    let said: Vec<String> = robot.notes.iter().map(ToString::to_string).collect();
+    let said: Vec<String> = robot.warnings.iter().map(ToString::to_string).collect();
     assert!(
         said.iter().any(|note| note.ends_with("the base collides as its base_footprint, 0.3 m high")),
         "{said:?}"

@@ -79,6 +79,23 @@ fn the_human_takes_over_as_with_the_prior_and_the_robot_learns_eta() {
 }
 
 #[test]
+fn settings_of_learning_out_of_their_range_are_refused_before_the_first_step() {
+    let (_, options) = load(&repository("worlds/environment-4.toml"));
+    let begun = |learning: learning::Settings| {
+        let settings = Settings { learning: Some(learning), ..Settings::default() };
+        let begun = Episode::builder(&options, &settings, HUMAN).begin().map(|episode| {
+            assert!(episode.learner().is_some());
+        });
+        begun.map_err(|error| error.to_string())
+    };
+    assert_eq!(begun(learning::Settings::default()), Ok(()));
+    let change_rate = begun(learning::Settings { change_rate: 0.0, ..Default::default() });
+    assert_eq!(change_rate, Err("change_rate = 0: it must be at least 0.0001 and at most 0.5".to_owned()));
+    let look_steps = begun(learning::Settings { look_steps: 0, ..Default::default() });
+    assert_eq!(look_steps, Err("look_steps = 0: it must be at least 1".to_owned()));
+}
+
+#[test]
 fn a_snapshot_of_a_robot_that_learns_goes_on_with_the_same_bits() {
     for method in [Method::HUMAN_LED, Method::MUTUAL] {
         let prepared = scenario(method).prepare().expect("prepared");

@@ -97,7 +97,9 @@ fn a_recording_has_a_robot_of_bounded_depth() {
     let mut scenario = example(rapier());
     let Plant::Rapier { setup: carrier, .. } = &mut scenario.plant else { panic!("the physical plant") };
     let deep = "<a b=\"/>\">".repeat(20_000) + &"</a>".repeat(20_000);
-    carrier.robot.urdf = format!("<robot name=\"r\"><link name=\"l\"><visual>{deep}</visual></link></robot>");
+    let mut texts = carrier.robot.texts().clone();
+    texts.urdf = format!("<robot name=\"r\"><link name=\"l\"><visual>{deep}</visual></link></robot>");
+    carrier.robot = texts.into();
     let file = [MAGIC, &attachment("scenario.toml", scenario.text().unwrap().as_bytes())].concat();
     std::fs::write(folder.path().join("deep.mcap"), file).unwrap();
     let said = refused(1000, folder.path(), "replay deep.mcap");

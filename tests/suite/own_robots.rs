@@ -45,7 +45,7 @@ fn an_exported_robot_has_its_meshes_and_carries() {
         let robot =
             Robot::load(&folder.path().join(format!("{name}.toml"))).unwrap_or_else(|e| panic!("{e}"));
         // nothing stands in for a mesh that is missing
-        let notes: Vec<_> = robot.notes.iter().map(ToString::to_string).collect();
+        let notes: Vec<_> = robot.warnings.iter().map(ToString::to_string).collect();
         assert!(notes.len() == 1 && notes[0].contains("collide as their convex hulls"), "{notes:?}");
         assert!(robot.base_extent().expect("shapes") <= robot.drive.base_radius + 0.005);
         // the narrowest bend of all is that of environment 2 on the kinematic plant

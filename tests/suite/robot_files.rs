@@ -2,11 +2,11 @@
 
 use crate::spoiled_robot::{Files, TOML, URDF};
 use crate::support::{cocarry, stderr, stdout};
-use cocarry::robot::{Draft, DraftRequest, Robot, RobotNote, Shape};
+use cocarry::robot::{Draft, DraftRequest, Robot, Shape, WarningKind};
 use cocarry::world::World;
 
 fn said(robot: &Robot) -> String {
-    robot.notes.iter().map(|note| format!("{note}\n")).collect()
+    robot.warnings.iter().map(|note| format!("{note}\n")).collect()
 }
 
 fn loaded(files: &Files) -> Robot {
@@ -100,7 +100,7 @@ fn meshes_are_found_in_the_packages_that_a_robot_file_names() {
         let packages = format!("base_width_m = 0.5\npackages = [\"{}\"]", folder.display());
         let files = base_of_mesh("package://far_description/meshes/base.stl");
         let robot = loaded(&files.with(TOML, "base_width_m = 0.5", &packages));
-        assert!(matches!(robot.notes[..], [RobotNote::Hulls { count: 1, .. }]), "{}", said(&robot));
+        assert_eq!(said(&robot), "collision meshes of 1 links collide as their convex hulls: `base_link`\n");
     }
 }
 
@@ -147,10 +147,6 @@ fn a_hollow_collision_mesh_is_its_parts() {
     }
     std::fs::write(files.folder.path().join("base.obj"), obj).expect("a file");
     let robot = loaded(&files);
-    let told = robot.notes.iter().find_map(|n| match n {
-        RobotNote::Parts { count, .. } => Some(*count),
-        _ => None,
-    });
     let hulls = |robot: &Robot| {
         let base = robot.links.iter().find(|l| l.name == "base_link").expect("the base");
         let hulls = base.collisions.iter().filter_map(|c| match &c.shape {
@@ -160,8 +156,9 @@ fn a_hollow_collision_mesh_is_its_parts() {
         hulls.collect::<Vec<_>>()
     };
     let parts = hulls(&robot);
-    assert!(parts.len() >= 2 && told == Some(parts.len()), "{told:?}: {}", said(&robot));
-    assert!(!robot.notes.iter().any(|n| matches!(n, RobotNote::Hulls { .. })), "{}", said(&robot));
+    let told = format!("and collides as {} convex parts", parts.len());
+    assert!(parts.len() >= 2 && said(&robot).contains(&told), "{told}: {}", said(&robot));
+    assert!(!said(&robot).contains("collide as their convex hulls"), "{}", said(&robot));
     // each part is one leg, or a piece of one: 2 cm and the cubes that it is made of
     let is_thin = |part: &Vec<nalgebra::Vector3<f64>>| (0..2).any(|i| part.iter().all(|v| v[i] < -0.16));
     assert!(parts.iter().all(is_thin), "{parts:?}");
@@ -175,8 +172,8 @@ fn a_hollow_collision_mesh_is_its_parts() {
 #[test]
 fn a_missing_collision_mesh_leaves_no_ghost() {
     let robot = loaded(&base_of_mesh("nowhere.stl"));
-    assert!(robot.notes.iter().any(|n| matches!(n, RobotNote::NoHull { .. })), "{}", said(&robot));
-    assert!(robot.notes.iter().any(|n| matches!(n, RobotNote::Footprint { .. })), "{}", said(&robot));
+    let kinds: Vec<WarningKind> = robot.warnings.iter().map(|warning| warning.kind()).collect();
+    assert_eq!(kinds, [WarningKind::MissingShape, WarningKind::MissingBaseShape], "{}", said(&robot));
     let base = &robot.links[robot.base_link];
     let footprint = base.collisions.iter().find_map(|c| match c.shape {
         Shape::Cylinder { radius, .. } => Some(radius),

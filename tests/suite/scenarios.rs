@@ -2,19 +2,21 @@
 //! named.
 
 use crate::support::repository;
+use cocarry::Error;
 use cocarry::control;
 use cocarry::episode::{Episode, PreferenceChange, Settings};
 use cocarry::policy::Method;
 use cocarry::preference::{Belief, Marginal, Perception, Predictor, WeightedSample};
 use cocarry::robot::Robot;
-use cocarry::scenario::{Plant, RobotSetup, Scenario, ScenarioError, WorldText};
+use cocarry::scenario::{Plant, PlantKind, RobotSetup, Scenario, WorldText};
 use cocarry::simulation::PhysicsSettings;
+use cocarry::world::World;
 use proptest::prelude::*;
 
 fn carrier() -> RobotSetup {
     let robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
     let posture = robot.postures[1].name.clone();
-    RobotSetup { posture, control: control::Settings::default(), robot: robot.texts }
+    RobotSetup { posture, control: control::Settings::default(), robot: robot.into() }
 }
 
 /// A scenario in one of the worlds, its human and belief with numbers that have no short decimal form.
@@ -29,7 +31,7 @@ fn scenario(plant: Plant) -> Scenario {
     let predictor = Predictor::new(belief, 31.0 / 3.0).unwrap_or_else(|e| panic!("{e}"));
     Scenario {
         seed: u64::MAX,
-        world: WorldText { file, text },
+        world: WorldText { file, text }.into(),
         human: Perception { alpha: 2.241 / 3.0, gamma: 0.765 },
         changes: Vec::new(),
         human_model: Default::default(),
@@ -59,7 +61,7 @@ fn parsed(text: &str) -> Scenario {
 }
 
 /// An error with its causes, as the program prints it.
-fn chain(error: ScenarioError) -> String {
+fn chain(error: Error) -> String {
     format!("{:#}", anyhow::Error::from(error))
 }
 
@@ -181,13 +183,41 @@ fn a_scenario_needs_no_files() {
     drop(folder);
     assert!(Robot::load(&file).is_err());
     let posture = robot.postures[0].name.clone();
-    let carrier = RobotSetup { posture, robot: robot.texts, ..carrier() };
+    let carrier = RobotSetup { posture, robot: robot.texts.into(), ..carrier() };
     let physics = PhysicsSettings::default();
     for plant in [Plant::Kinematic { setup: carrier.clone() }, Plant::Rapier { setup: carrier, physics }] {
         let stage = scenario(plant).prepare().unwrap_or_else(|e| panic!("{}", chain(e)));
         let mut episode = stage.episode().unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(episode.step(), None);
     }
+}
+
+/// A robot and a world whose texts have become unreadable are those that were parsed before.
+#[test]
+fn a_world_and_a_robot_are_parsed_once() {
+    let mut robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
+    let mut world = World::load(&repository("worlds/environment-4.toml")).unwrap_or_else(|e| panic!("{e}"));
+    let (names, posture) = (world.openings.len(), robot.postures[0].name.clone());
+    for text in [&mut robot.texts.text, &mut robot.texts.urdf, &mut world.text] {
+        "neither TOML nor XML".clone_into(text);
+    }
+    for kind in PlantKind::ALL {
+        let scenario = Scenario::new(world.clone().into(), Plant::new(kind, RobotSetup::new(&robot)));
+        // what was drawn before, and what is prepared after, share the options
+        let options = scenario.world.options(scenario.settings.predictor.risk_weight());
+        let stage = scenario.clone().prepare().unwrap_or_else(|e| panic!("{}", chain(e)));
+        assert!(std::ptr::eq(&*options.expect("options"), stage.options()));
+        assert_eq!(stage.world().openings.len(), names);
+        assert_eq!(stage.robot().is_some(), kind != PlantKind::Point);
+        let other = stage.prepare(Scenario { seed: 1, ..scenario }).unwrap_or_else(|e| panic!("{e}"));
+        for stage in [stage, other] {
+            assert_eq!(stage.episode().unwrap_or_else(|e| panic!("{e}")).step(), None);
+        }
+    }
+    // from the texts alone, there is nothing
+    let setup = RobotSetup { posture, robot: robot.texts.into(), ..carrier() };
+    let error = Scenario::new(world.into(), Plant::Kinematic { setup }).prepare().map(|_| ()).unwrap_err();
+    assert!(error.to_string().contains("not a valid robot file"), "{error}");
 }
 
 /// The paths of all numbers in a table.

@@ -42,7 +42,7 @@ impl RobotPolicy for OwnPolicy {
 fn setup() -> RobotSetup {
     let robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
     let posture = robot.postures[0].name.clone();
-    RobotSetup { posture, control: control::Settings::default(), robot: robot.texts }
+    RobotSetup { posture, control: control::Settings::default(), robot: robot.into() }
 }
 
 fn stage(plant: scenario::Plant, model: &str) -> PreparedScenario {

@@ -1,8 +1,8 @@
 //! The description of an occupancy grid as ROS's map_server writes it (YAML): the image's name, resolution,
 //! origin and thresholds.
 
-use crate::error::MapError;
-use cocarry::located::{Place, Source};
+use cocarry::error::{Error, Place};
+use cocarry::located::Source;
 use saphyr_parser::{Event, Parser};
 use std::collections::BTreeMap;
 
@@ -41,7 +41,7 @@ struct Written {
 }
 
 impl Description {
-    pub fn parse(source: Source) -> Result<Self, MapError> {
+    pub fn parse(source: Source) -> Result<Self, Error> {
         let values = Values { source, written: read(source)? };
         let known = ["image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode"];
         for (key, written) in &values.written {
@@ -94,7 +94,7 @@ struct Values<'a> {
 }
 
 impl Values<'_> {
-    fn text(&self, key: &str) -> Result<Option<String>, MapError> {
+    fn text(&self, key: &str) -> Result<Option<String>, Error> {
         match self.written.get(key) {
             None => Ok(None),
             Some(Written { values, is_list: false, .. }) => Ok(values.first().cloned()),
@@ -106,9 +106,9 @@ impl Values<'_> {
         &self,
         key: &str,
         default: Option<f64>,
-        expected: &'static str,
+        expected: &str,
         is_allowed: impl Fn(f64) -> bool,
-    ) -> Result<f64, MapError> {
+    ) -> Result<f64, Error> {
         let Some(text) = self.text(key)? else {
             return default.ok_or_else(|| self.missing(key, expected));
         };
@@ -116,7 +116,7 @@ impl Values<'_> {
         number.ok_or_else(|| self.wrong_value(key, expected))
     }
 
-    fn list(&self, key: &str) -> Result<[f64; 3], MapError> {
+    fn list(&self, key: &str) -> Result<[f64; 3], Error> {
         let expected = "a list [x, y, yaw] in metres and radians, such as [-10.0, -10.0, 0.0]";
         let Some(written) = self.written.get(key) else { return Err(self.missing(key, expected)) };
         let numbers: Option<Vec<f64>> = written.values.iter().map(|v| v.parse().ok()).collect();
@@ -128,31 +128,30 @@ impl Values<'_> {
         }
     }
 
-    fn missing(&self, key: &str, expected: &'static str) -> MapError {
-        let place = Place { file: self.source.file.to_owned(), line: None, item: "map".to_owned() };
-        MapError::Value { place, found: format!("{key} is missing"), expected }
+    fn missing(&self, key: &str, expected: &str) -> Error {
+        Error::bad(Place::item(self.source.file, "map"), format_args!("{key} is missing"), expected)
     }
 
-    fn wrong_value(&self, key: &str, expected: &'static str) -> MapError {
+    fn wrong_value(&self, key: &str, expected: &str) -> Error {
         match self.written.get(key) {
             Some(written) => self.wrong(key, written, expected, key),
             None => self.missing(key, expected),
         }
     }
 
-    fn wrong(&self, key: &str, written: &Written, expected: &'static str, item: &str) -> MapError {
+    fn wrong(&self, key: &str, written: &Written, expected: &str, item: &str) -> Error {
         let place =
             Place { file: self.source.file.to_owned(), line: Some(written.line), item: "map".to_owned() };
         let values = written.values.join(", ");
         let value = if written.is_list { format!("[{values}]") } else { values };
         let found = if item == key { format!("{key} = {value}") } else { format!("{item} `{key}`") };
-        MapError::Value { place, found, expected }
+        Error::bad(place, found, expected)
     }
 }
 
 /// The top-level keys of a YAML mapping with their scalars or lists of scalars. Values that are mappings are
 /// read as lists of their keys and values.
-fn read(source: Source) -> Result<BTreeMap<String, Written>, MapError> {
+fn read(source: Source) -> Result<BTreeMap<String, Written>, Error> {
     let mut written: BTreeMap<String, Written> = BTreeMap::new();
     let mut depth = 0;
     let mut key: Option<String> = None;

@@ -1,6 +1,7 @@
 //! Images of occupancy grids: PGM (plain and raw) and PNG, as shades of grey.
 
-use crate::error::MapError;
+use cocarry::error::{Error, Place};
+use cocarry::located;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -18,11 +19,11 @@ pub(crate) struct Image {
 }
 
 impl Image {
-    pub fn read(path: &Path) -> Result<Self, MapError> {
+    pub fn read(path: &Path) -> Result<Self, Error> {
         let file = path.display().to_string();
-        let bytes = cocarry::located::read_bytes(MAX_BYTES, path)
-            .map_err(|source| cocarry::located::FileError::Read { file: file.clone(), source })?;
-        Self::decode(&bytes).map_err(|fault| MapError::Image { file, fault })
+        let read = located::read_bytes(MAX_BYTES, path);
+        let bytes = read.map_err(|error| located::unreadable(&file, error))?;
+        Self::decode(&bytes).map_err(|fault| Error::at(Place::file(file), fault))
     }
 
     fn decode(bytes: &[u8]) -> Result<Self, String> {

@@ -20,7 +20,6 @@
 //! `[map]`, so that a recording is complete without the map.
 
 mod description;
-mod error;
 mod grid;
 mod image;
 mod map;
@@ -30,11 +29,10 @@ mod room;
 mod simplify;
 mod trace;
 
-pub use error::MapError;
-
+use cocarry::error::{Error, Place};
 use cocarry::geometry::Point;
 use cocarry::located::{LARGEST_WORLD, Source, read_at_most};
-use cocarry::world::{World, WorldError};
+use cocarry::world::World;
 use request::{HEIGHT_M, MapEntry, Request, Unknown};
 use room::metres;
 use serde::Deserialize;
@@ -47,19 +45,23 @@ const ROBOT_WIDTH_M: f64 = 0.5;
 /// name a map.
 ///
 /// # Errors
-/// [`WorldError`]; that of a map is a [`MapError`] in [`WorldError::Map`].
-pub fn find(path: &Path, name: &str) -> Result<World, WorldError> {
+/// As [`World::find`], and where the map is at fault.
+pub fn find(path: &Path, name: &str) -> Result<World, Error> {
     if !path.is_file() {
         return World::find(path, name);
     }
     if is_map(path) {
-        return Err(wrapped(MapError::NoEnds { file: path.display().to_string() }));
+        let file = path.display();
+        let sentence = format_args!(
+            "a map has no start and no target; give --start and --target, or write a world file with them and `map = {{ file = \"{file}\" }}`"
+        );
+        return Err(Error::at(Place::file(file.to_string()), sentence));
     }
     let file = path.display().to_string();
     let text = read_at_most(LARGEST_WORLD, path)?;
     let source = Source { file: &file, text: &text };
     let folder = path.parent().unwrap_or(Path::new(""));
-    World::parse(&file, &with_obstacles(source, folder).map_err(wrapped)?)
+    World::parse(&file, &with_obstacles(source, folder)?)
 }
 
 /// Whether a file is a map by its extension: the YAML of map_server, or GeoJSON.
@@ -85,7 +87,7 @@ pub struct Ends {
 ///
 /// # Errors
 /// As [`find`].
-pub fn from_map(path: &Path, ends: &Ends) -> Result<World, WorldError> {
+pub fn from_map(path: &Path, ends: &Ends) -> Result<World, Error> {
     let text =
         |path: Option<&std::ffi::OsStr>| path.map_or(String::new(), |s| s.to_string_lossy().into_owned());
     let quoted = |text: String| toml::Value::String(text).to_string();
@@ -102,14 +104,7 @@ pub fn from_map(path: &Path, ends: &Ends) -> Result<World, WorldError> {
     );
     let file = path.display().to_string();
     let folder = path.parent().unwrap_or(Path::new(""));
-    World::parse(&file, &with_obstacles(Source { file: &file, text: &world }, folder).map_err(wrapped)?)
-}
-
-fn wrapped(error: MapError) -> WorldError {
-    match error {
-        MapError::File(error) => WorldError::File(error),
-        other => WorldError::Map(Box::new(other)),
-    }
+    World::parse(&file, &with_obstacles(Source { file: &file, text: &world }, folder)?)
 }
 
 /// The keys of a world file that a map is read with.
@@ -123,7 +118,7 @@ struct Head {
 
 /// The text of a world file with the obstacles of its map; unchanged where it names none. The lines about the
 /// map become comments, so that all others keep their numbers.
-fn with_obstacles(source: Source, folder: &Path) -> Result<String, MapError> {
+fn with_obstacles(source: Source, folder: &Path) -> Result<String, Error> {
     let table = source.table("world file")?;
     let Some((key, value)) = table.get_ref().get_key_value("map") else {
         return Ok(source.text.to_owned());

@@ -1,15 +1,15 @@
 //! The obstacles of an occupancy grid: everything but the free cells that a team reaches from the start.
 
 use crate::description::Description;
-use crate::error::MapError;
 use crate::grid::{Cell, Grid};
 use crate::image::Image;
 use crate::request::Request;
 use crate::room::Obstacles;
 use crate::simplify::simplified;
 use crate::trace::{Vertex, doubled_area, rings, without_pinches};
+use cocarry::error::{Error, ErrorKind, Place};
 use cocarry::geometry::Point;
-use cocarry::located::{Place, Source, read_at_most};
+use cocarry::located::{Source, read_at_most};
 use std::path::Path;
 
 /// The largest description of a map, bytes.
@@ -20,7 +20,7 @@ const MAX_CORNERS: usize = 20_000;
 const NARROWER_CELLS: f64 = 2.0;
 
 /// The obstacles of the map described in a file, for a team from A to B.
-pub(crate) fn obstacles(path: &Path, request: &Request) -> Result<String, MapError> {
+pub(crate) fn obstacles(path: &Path, request: &Request) -> Result<String, Error> {
     let file = path.display().to_string();
     let text = read_at_most(MAX_DESCRIPTION, path)?;
     let description = Description::parse(Source { file: &file, text: &text })?;
@@ -30,10 +30,13 @@ pub(crate) fn obstacles(path: &Path, request: &Request) -> Result<String, MapErr
     let rings = rings(&floor(&grid, &file, request)?, grid.width);
     let tolerance = request.tolerance.map_or(1.0, |tolerance| tolerance / grid.resolution);
     let simple = simplified(&rings, tolerance);
-    let corners = simple.iter().map(Vec::len).sum();
+    let corners: usize = simple.iter().map(Vec::len).sum();
     if corners > MAX_CORNERS {
         let tolerance = tolerance * grid.resolution;
-        return Err(MapError::TooMany { map: file, corners, most: MAX_CORNERS, tolerance });
+        let sentence = format_args!(
+            "its outlines have {corners} corners within {tolerance} m, more than {MAX_CORNERS}; set a larger tolerance_m, or cut the map to the floor that the team walks on"
+        );
+        return Err(Error::at(Place::file(file), sentence));
     }
     Ok(written(&grid, simple, request.height))
 }
@@ -57,7 +60,7 @@ fn written(grid: &Grid, rings: Vec<Vec<Vertex>>, height: f64) -> String {
 
 /// The free cells that belong to the floor on which the team walks: those near a place where the robot's
 /// middle gets to. What lies behind a crack in a wall is none of it.
-fn floor(grid: &Grid, map: &str, request: &Request) -> Result<Vec<bool>, MapError> {
+fn floor(grid: &Grid, map: &str, request: &Request) -> Result<Vec<bool>, Error> {
     let is_free = |i: usize| match grid.cells[i] {
         Cell::Free => true,
         Cell::Unknown => request.is_unknown_free,
@@ -70,8 +73,9 @@ fn floor(grid: &Grid, map: &str, request: &Request) -> Result<Vec<bool>, MapErro
                 Cell::Occupied => "an occupied cell",
                 _ => "an unknown cell",
             });
-            let place = Place { file: request.file.clone(), line: None, item: item.to_owned() };
-            MapError::NotFree { place, x: at.x, y: at.y, cell, map: map.to_owned() }
+            let sentence =
+                format_args!("({}, {}) is on {cell} of {map}; choose a point on free floor", at.x, at.y);
+            Error::value(Place::item(&request.file, item), sentence).of_kind(ErrorKind::World)
         })
     });
     let (start, target) = (start?, target?);
@@ -91,9 +95,13 @@ fn floor(grid: &Grid, map: &str, request: &Request) -> Result<Vec<bool>, MapErro
     // what hung together by a corner is not connected now
     let is_floor = grid.connected([start], |i| is_floor[i]);
     if !is_floor[target] {
-        let [start, target] = [request.start, request.target].map(|p| [p.x, p.y]);
+        let (Point { coords: a }, Point { coords: b }) = (request.start, request.target);
         let width = 2.0 * room * grid.resolution;
-        return Err(MapError::NotConnected { map: map.to_owned(), start, target, width });
+        let sentence = format_args!(
+            "no way of free cells leads from ({}, {}) to ({}, {}), not even one {width:.2} m wide; if the floor between them is unknown, `unknown = \"free\"` opens it",
+            a.x, a.y, b.x, b.y
+        );
+        return Err(Error::at(Place::file(map), sentence).of_kind(ErrorKind::World));
     }
     Ok(is_floor)
 }

@@ -1,17 +1,17 @@
 //! The obstacles of a floor plan: the areas of a GeoJSON file.
 
-use crate::error::MapError;
 use crate::request::Request;
 use crate::room::Obstacles;
+use cocarry::error::{Error, Place};
 use cocarry::geometry::Point;
-use cocarry::located::{LARGEST_WORLD, Place, Source, read_at_most};
+use cocarry::located::{LARGEST_WORLD, Source, read_at_most};
 use geojson::{Feature, GeoJson, GeometryValue, JsonObject};
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The obstacles of the plan in a file: its polygons. Properties `name`, `height_m` and `shape` of a feature
 /// are those of its obstacles.
-pub(crate) fn obstacles(path: &Path, request: &Request) -> Result<String, MapError> {
+pub(crate) fn obstacles(path: &Path, request: &Request) -> Result<String, Error> {
     let file = path.display().to_string();
     let text = read_at_most(4 * LARGEST_WORLD, path)?;
     let source = Source { file: &file, text: &text };
@@ -39,12 +39,7 @@ struct Plan<'a> {
 }
 
 impl Plan<'_> {
-    fn add(
-        &mut self,
-        number: usize,
-        properties: &JsonObject,
-        geometry: &GeometryValue,
-    ) -> Result<(), MapError> {
+    fn add(&mut self, number: usize, properties: &JsonObject, geometry: &GeometryValue) -> Result<(), Error> {
         match geometry {
             GeometryValue::Polygon { coordinates } => self.add_polygon(number, properties, coordinates),
             GeometryValue::MultiPolygon { coordinates } => {
@@ -66,7 +61,7 @@ impl Plan<'_> {
         number: usize,
         properties: &JsonObject,
         rings: &[Vec<geojson::Position>],
-    ) -> Result<(), MapError> {
+    ) -> Result<(), Error> {
         let text = |key: &str| properties.get(key).and_then(|value| value.as_str());
         let height = properties.get("height_m").map(|value| value.as_f64());
         let height = height.unwrap_or(Some(self.request.height)).ok_or_else(|| {
@@ -98,8 +93,7 @@ impl Plan<'_> {
         Ok(())
     }
 
-    fn wrong(&self, number: usize, found: String, expected: &'static str) -> MapError {
-        let place = Place { file: self.file.to_owned(), line: None, item: format!("feature {number}") };
-        MapError::Value { place, found, expected }
+    fn wrong(&self, number: usize, found: String, expected: &str) -> Error {
+        Error::bad(Place::item(self.file, format!("feature {number}")), found, expected)
     }
 }

@@ -31,7 +31,7 @@ pub(super) struct ExportArguments {
 pub(super) fn run(arguments: &ExportArguments) -> Result<ExitCode, Failure> {
     let folder = arguments.folder.clone().unwrap_or_default();
     let item = catalog::all().into_iter().find(|item| item.name == arguments.name);
-    let files = item.map(|item| item.files).unwrap_or_default();
+    let files = item.expect("the command line takes names of the catalog only").files;
     let files: Vec<_> = files.into_iter().map(|(name, bytes)| (folder.join(name), bytes)).collect();
     // before the folder of meshes is made
     arguments.overwrite.outputs([], files.iter().map(|(file, _)| file))?;

@@ -7,7 +7,6 @@ use super::output::{
 use anyhow::{Context, anyhow};
 use clap::Args;
 use cocarry::geometry::Point;
-use cocarry::world::World;
 use cocarry_output::drawing::{self, Track};
 use cocarry_output::output_file::Outputs;
 use cocarry_recording::recording::{Channel, Contents, ReadError, Reader, columns, decode, rows, scenario};
@@ -197,7 +196,7 @@ fn picture(file: &Path) -> Result<String, Failure> {
     let lacks = |what: &str| input(anyhow!("{name}: {what}"));
     let mut reader = Reader::open(file).map_err(input)?;
     let scenario = scenario(&mut reader).map_err(input)?;
-    let world = World::parse(&scenario.world.file, &scenario.world.text);
+    let world = scenario.world.world();
     let world = world.with_context(|| name.clone()).map_err(Failure::Input)?;
     let mut track = Track { label: scenario.settings.method.name().to_owned(), ..Track::default() };
     let mut led_by_robot = 0;

@@ -261,7 +261,7 @@ pub(super) fn with_spinner<T>(what: &str, work: impl FnOnce() -> T) -> T {
                 line.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
                 line.enable_steady_tick(Duration::from_millis(500));
                 // until the sender is dropped
-                is_done.recv().unwrap_or_default();
+                let _ = is_done.recv();
                 line.finish_and_clear();
             }
         });

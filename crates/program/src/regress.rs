@@ -64,9 +64,9 @@ pub(super) fn run(action: &Action) -> Result<ExitCode, Failure> {
     }
     // the file is what `record` is about; the worlds and robots are inputs
     let read = scenarios.iter().flat_map(|scenario| {
-        let robot = scenario.plant.robot_setup().map(|setup| &setup.robot);
+        let robot = scenario.plant.robot_setup().map(|setup| setup.robot.texts());
         let robot = robot.into_iter().flat_map(|robot| [&robot.file, &robot.urdf_file]);
-        std::iter::once(&scenario.world.file).chain(robot).map(PathBuf::from)
+        std::iter::once(scenario.world.file()).chain(robot.map(String::as_str)).map(PathBuf::from)
     });
     let outputs = Outputs::new(true, read);
     if !is_check {

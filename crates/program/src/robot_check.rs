@@ -7,7 +7,7 @@ use super::robot::check_is_file;
 use anyhow::{Error, anyhow};
 use clap::Args;
 use cocarry::geometry::{Footprint, Pose};
-use cocarry::robot::{Drive, DriveKind, Motion, Posture, Robot, RobotError};
+use cocarry::robot::{Drive, DriveKind, Motion, Posture, Robot};
 use cocarry_recording::rendering;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -69,7 +69,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
 }
 
 /// Tells all faults.
-fn refused(arguments: &CheckArguments, faults: Vec<RobotError>) -> Result<ExitCode, Failure> {
+fn refused(arguments: &CheckArguments, faults: Vec<cocarry::Error>) -> Result<ExitCode, Failure> {
     let count = faults.len();
     let faults: Vec<String> = faults.into_iter().map(|fault| format!("{:#}", Error::from(fault))).collect();
     if arguments.json {
@@ -80,7 +80,7 @@ fn refused(arguments: &CheckArguments, faults: Vec<RobotError>) -> Result<ExitCo
         faults[..count - 1].iter().for_each(|fault| tell(&format!("error: {fault}")));
     }
     // the last one as any command ends
-    let last = faults.last().cloned().unwrap_or_default();
+    let last = faults.last().cloned().expect("a robot that is refused has a fault");
     let last = if count > 1 && !arguments.json { format!("{last}\n{count} faults") } else { last };
     Err(input(anyhow!(last)))
 }
@@ -128,7 +128,7 @@ const ON_AXIS_M: f64 = 0.01;
 
 /// What a user should know, beside the notes of the files.
 fn remarks(robot: &Robot) -> Vec<String> {
-    let mut remarks: Vec<String> = robot.notes.iter().map(ToString::to_string).collect();
+    let mut remarks: Vec<String> = robot.warnings.iter().map(ToString::to_string).collect();
     let width = robot.width();
     match &robot.footprint {
         Footprint::Disc { .. } => {

@@ -96,7 +96,7 @@ pub(super) fn run(arguments: &InitArguments) -> Result<ExitCode, Failure> {
     let named = name_from(urdf, &file);
     let draft = Draft::new(urdf, &named, &file.display().to_string(), &request).map_err(input)?;
     write_file(&outputs, &file, &draft.text)?;
-    let notes = draft.robot.notes.iter().map(ToString::to_string);
+    let notes = draft.robot.warnings.iter().map(ToString::to_string);
     let lines: String =
         draft.assumed.iter().cloned().chain(notes).map(|line| format!("- {line}\n")).collect();
     let file = file.display();

@@ -68,9 +68,9 @@ pub(super) struct RunArguments {
 impl RunArguments {
     /// The rule for the output files, which must not be inputs of the episode.
     fn outputs(&self, scenario: &Scenario, saves: &Saves) -> Result<Outputs, Failure> {
-        let robot = scenario.plant.robot_setup().map(|setup| &setup.robot);
-        let robot = robot.into_iter().flat_map(|robot| [&robot.file, &robot.urdf_file]);
-        let named = [&scenario.world.file].into_iter().chain(robot).map(Path::new);
+        let robot = scenario.plant.robot_setup().map(|setup| setup.robot.texts());
+        let robot = robot.into_iter().flat_map(|robot| [robot.file.as_str(), &robot.urdf_file]);
+        let named = [scenario.world.file()].into_iter().chain(robot).map(Path::new);
         let given = [self.snapshots.resume.as_ref(), self.scenario.belief_samples()];
         let inputs = named.chain(given.into_iter().flatten().map(PathBuf::as_path));
         let ticks = self.ticks.iter().map(|file| &file.path);

@@ -6,10 +6,9 @@ use super::robot::RobotArguments;
 use super::settings::SettingArguments;
 use anyhow::anyhow;
 use clap::Args;
-use cocarry::episode::PreferenceChange;
-use cocarry::options::OptionSet;
+use cocarry::episode::{PreferenceChange, Settings};
 use cocarry::preference::RISK_WEIGHT;
-use cocarry::scenario::{GivenPerception, Group, PreferenceChanges, Scenario, drawn_changes, drawn_human};
+use cocarry::scenario::{GivenPerception, Group, PreferenceChanges, Scenario, drawn_changes};
 use std::path::{Path, PathBuf};
 
 const HUMAN: &str = Group::Human.title();
@@ -65,12 +64,11 @@ impl ScenarioArguments {
     pub fn scenario(&self) -> Result<Scenario, Failure> {
         let world = load_world(&self.world)?;
         let plant = self.carrier.plant(&self.settings)?;
-        let mut scenario = Scenario { seed: self.seed, ..Scenario::new(world.clone().into(), plant) };
-        scenario.settings.predictor = self.belief.predictor(RISK_WEIGHT)?;
-        self.settings.apply(&mut scenario);
-        let (settings, belief) = (&scenario.settings, scenario.settings.predictor.belief());
+        let settings = Settings { predictor: self.belief.predictor(RISK_WEIGHT)?, ..Settings::default() };
+        let belief = &settings.predictor.belief().clone();
         let given = GivenPerception { alpha: self.alpha, gamma: self.gamma };
-        scenario.human = drawn_human(belief, given, self.seed);
+        let mut scenario = Scenario::of_seed(self.seed, world.into(), plant, settings, belief, given);
+        self.settings.apply(&mut scenario);
         scenario.changes = self.change.clone();
         let count = self.preference_changes;
         if count != PreferenceChanges::NONE {
@@ -79,7 +77,8 @@ impl ScenarioArguments {
                     "--preference-changes {count} draws alpha and gamma again, but both are given; use --change to set the changes"
                 )));
             }
-            let options = OptionSet::new(&world, settings.predictor.risk_weight()).map_err(input)?;
+            let settings = &scenario.settings;
+            let options = scenario.world.options(settings.predictor.risk_weight()).map_err(input)?;
             scenario.changes = drawn_changes(count, belief, given, self.seed, &options, settings);
         }
         Ok(scenario)

@@ -6,7 +6,7 @@ use anyhow::{Error, anyhow};
 use clap::{Args, Command, Id};
 use cocarry::arithmetic;
 use cocarry::episode::Episode;
-use cocarry::scenario::{PreparedScenario, ScenarioError, Snapshot};
+use cocarry::scenario::{PreparedScenario, Snapshot};
 use cocarry_output::output_file::Outputs;
 use std::panic::AssertUnwindSafe;
 use std::path::PathBuf;
@@ -81,7 +81,7 @@ impl SnapshotArguments {
     }
 
     /// An error of the scenario, with the name of the snapshot if it comes from one.
-    pub fn refused(&self, error: ScenarioError) -> Failure {
+    pub fn refused(&self, error: cocarry::Error) -> Failure {
         match &self.resume {
             None => input(error),
             Some(file) => input(Error::from(error).context(file.display().to_string())),

@@ -19,7 +19,6 @@ mod through;
 pub(super) use space::Space;
 pub(super) use straight::{MOST_BACKWARD, Straight};
 
-use super::error::TooMuch;
 use crate::geometry::{Point, angle_of, left_of};
 use components::Components;
 use disc::{Disc, SAME_ANGLE_RAD, turn};
@@ -150,8 +149,8 @@ impl Roadmap {
     /// narrow for the team.
     ///
     /// # Errors
-    /// [`TooMuch`]: there are too many lines to be tried, or too many are clear.
-    pub fn new(space: Space, sites: &[Straight], closed: &[[Point; 2]]) -> Result<Self, TooMuch> {
+    /// What there is too much of: lines to be tried, or clear ones.
+    pub fn new(space: Space, sites: &[Straight], closed: &[[Point; 2]]) -> Result<Self, String> {
         let discs = space.discs.clone();
         let mut graph = DiGraph::new();
         let mut rings: Vec<Vec<Stop>> = vec![Vec::new(); 2 * discs.len()];
@@ -168,10 +167,15 @@ impl Roadmap {
         };
         let reachable = Reachable::new(&space, &discs, sites, closed);
         if reachable.lines() > MOST_TRIED {
-            return Err(TooMuch::Tried { found: reachable.lines(), most: MOST_TRIED });
+            return Err(format!(
+                "{} straight lines between their corners would have to be tried, and at most {MOST_TRIED} are",
+                reachable.lines()
+            ));
         }
         let check = |graph: &DiGraph<(), Way>| match graph.edge_count() > MOST_CLEAR {
-            true => Err(TooMuch::Clear { most: MOST_CLEAR as u64 }),
+            true => {
+                Err(format!("paths may follow more than {MOST_CLEAR} straight lines between their corners"))
+            }
             false => Ok(()),
         };
         for (i, site) in sites.iter().enumerate() {

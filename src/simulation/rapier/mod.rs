@@ -11,7 +11,6 @@ mod articulation;
 mod base_motor;
 mod clusters;
 mod dimensions;
-mod error;
 mod grip;
 mod human;
 mod motor;
@@ -25,7 +24,6 @@ mod settings;
 mod touch;
 
 pub use dimensions::{HAND_RADIUS, TORSO_AHEAD, TORSO_HEIGHT, TORSO_RADIUS};
-pub use error::{NoRoom, PhysicsError};
 pub use human::HumanCommand;
 pub use observation::{BodyKind, Clearance, Clearances, Contact, Failure, Forces, Observation, Part, Wrench};
 pub use sample::sample_motion;
@@ -33,6 +31,7 @@ pub use scene::PhysicalPlant;
 pub use settings::{HumanSettings, PhysicsSettings};
 
 use super::convert;
+use crate::error::Error;
 use crate::geometry::{PlanarPose, Point, Pose};
 use crate::math;
 use crate::robot::{InputVector, JointVector, Robot};
@@ -55,7 +54,8 @@ impl PhysicalPlant {
     /// gait.
     ///
     /// # Errors
-    /// [`PhysicsError`] if a setting is out of its range, or an obstacle stands where the team should start.
+    /// A setting is out of its range, or an obstacle stands where the team should start: then the error is of
+    /// [`ErrorKind::World`](crate::ErrorKind::World).
     pub fn new(
         world: &World,
         robot: &Robot,
@@ -63,15 +63,16 @@ impl PhysicalPlant {
         team: &PlanarPose,
         settings: &PhysicsSettings,
         seed: u64,
-    ) -> Result<Self, PhysicsError> {
+    ) -> Result<Self, Error> {
         settings.check()?;
-        let start = PhysicsError::Start { x: team.position.x, y: team.position.y, yaw: team.yaw };
-        let is_number =
-            [team.position.x, team.position.y, team.yaw].iter().chain(joints).all(|v| v.is_finite());
-        if !is_number {
-            return Err(start);
-        }
-        let plant = Scene { world, robot, joints, team, settings, seed }.build().ok_or(start)?;
+        let (x, y, yaw) = (team.position.x, team.position.y, team.yaw);
+        let is_number = [x, y, yaw].iter().chain(joints).all(|v| v.is_finite());
+        let scene = Scene { world, robot, joints, team, settings, seed };
+        let plant = is_number.then(|| scene.build()).flatten().ok_or_else(|| {
+            Error::new(format!(
+                "physics: the team cannot start at ({x}, {y}) heading {yaw} rad with these joint positions"
+            ))
+        })?;
         plant.check_start(world, team)?;
         Ok(plant)
     }

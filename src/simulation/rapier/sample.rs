@@ -44,7 +44,7 @@ fn hull() -> Vec<f64> {
         let (inertia, center) = (mass.principal_inertia(), mass.local_com);
         vec![mass.mass(), center.x, center.y, center.z, inertia.x, inertia.y, inertia.z]
     };
-    hull.map(of).unwrap_or_default()
+    of(hull.expect("twelve points in space have a hull"))
 }
 
 fn moved() -> Vec<f64> {

@@ -6,7 +6,8 @@ use super::dimensions::{GRAVITY, HAND_RADIUS, TORSO_AHEAD, TORSO_HEIGHT, TORSO_R
 use super::grip::{Grip, Stiffness};
 use super::human::Walker;
 use super::parts::{Group, Parts};
-use super::{BodyKind, Failure, PhysicsError, PhysicsSettings};
+use super::{BodyKind, Failure, PhysicsSettings};
+use crate::error::{Error, ErrorKind, Place};
 use crate::geometry::{PlanarPose, Pose, direction};
 use crate::robot::{JointVector, Robot};
 use crate::simulation::KinematicPlant;
@@ -18,7 +19,7 @@ use rapier3d::parry::query::intersection_test;
 use rapier3d::prelude::{
     ColliderBuilder, MassProperties, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle, SharedShape,
 };
-use serde::de::Error;
+use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
 /// Outer iterations of the solver; [`PhysicsSettings::solver_iterations`] are the inner ones.
@@ -174,7 +175,7 @@ impl Scene<'_> {
 
 impl PhysicalPlant {
     /// Refuses a start inside an obstacle.
-    pub(super) fn check_start(&self, world: &World, team: &PlanarPose) -> Result<(), PhysicsError> {
+    pub(super) fn check_start(&self, world: &World, team: &PlanarPose) -> Result<(), Error> {
         let name = |c| self.parts.part(Parts::number(c)).map_or(String::new(), |p| p.name.clone());
         for kind in [BodyKind::Robot, BodyKind::Object, BodyKind::Human] {
             for own in self.parts.of(&self.world, kind) {
@@ -182,14 +183,12 @@ impl PhysicalPlant {
                     let meets =
                         intersection_test(own.position(), own.shape(), obstacle.position(), obstacle.shape());
                     if meets.is_ok_and(|m| m.intersecting) {
-                        return Err(PhysicsError::Occupied {
-                            file: world.file.clone(),
-                            part: kind.name(),
-                            name: name(own),
-                            obstacle: name(obstacle),
-                            x: team.position.x,
-                            y: team.position.y,
-                        });
+                        let (part, own, obstacle) = (kind.name(), name(own), name(obstacle));
+                        let (x, y) = (team.position.x, team.position.y);
+                        let sentence = format_args!(
+                            "at the start, the {part} `{own}` is inside obstacle `{obstacle}`; the team is 2 to 3 m long, with the human ahead of ({x}, {y})"
+                        );
+                        return Err(Error::at(Place::file(&world.file), sentence).of_kind(ErrorKind::World));
                     }
                 }
             }

@@ -1,6 +1,6 @@
 //! Settings of the physical plant's solver and of its human, with tested default values.
 
-use super::PhysicsError;
+use crate::error::{Error, Place};
 use serde::{Deserialize, Serialize};
 
 /// Settings of the solver and limits of robot and human.
@@ -135,7 +135,7 @@ impl PhysicsSettings {
     }
 
     /// Checks the ranges. Errors use the names of the settings in files.
-    pub(crate) fn check(&self) -> Result<(), PhysicsError> {
+    pub(crate) fn check(&self) -> Result<(), Error> {
         let human = &self.human;
         let settings = [
             ("rate_hz", self.rate_hz, Self::RATES),
@@ -154,7 +154,9 @@ impl PhysicsSettings {
             ("human.hand_stiffness_n_per_m", human.hand_stiffness, HumanSettings::HAND_STIFFNESSES),
         ];
         match settings.into_iter().find(|(_, value, [least, most])| !(least..=most).contains(&value)) {
-            Some((field, value, [least, most])) => Err(PhysicsError::Setting { field, value, least, most }),
+            Some((key, value, [least, most])) => {
+                Err(Error::number(Place::file("physics"), key, value, &format!("from {least} to {most}")))
+            }
             None => Ok(()),
         }
     }

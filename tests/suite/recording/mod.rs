@@ -35,7 +35,7 @@ pub fn example(plant: Plant) -> Scenario {
 }
 
 pub fn carrier() -> RobotSetup {
-    let robot = Robot::built_in().expect("the built-in robot").texts;
+    let robot = Robot::built_in().expect("the built-in robot").into();
     RobotSetup { posture: "elbow-up".to_owned(), control: Default::default(), robot }
 }
 

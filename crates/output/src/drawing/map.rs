@@ -88,7 +88,10 @@ fn routes(
                 length: remaining.length,
                 risk: remaining.risk,
                 probability,
-                points: options.path(&begin, index).map(|p| p.polyline(SAGITTA)).unwrap_or_default(),
+                points: options
+                    .path(&begin, index)
+                    .expect("an option has a path from the start")
+                    .polyline(SAGITTA),
             }
         })
         .collect();

@@ -1,6 +1,5 @@
 //! Errors of recordings, each with the file, the place and the expected value.
 
-use cocarry::scenario::ScenarioError;
 use cocarry_output::output_file::OutputError;
 use thiserror::Error;
 
@@ -16,7 +15,7 @@ pub enum RecordingError {
         /// The file.
         file: String,
         /// The reason.
-        source: ScenarioError,
+        source: cocarry::Error,
     },
     /// Writing failed.
     #[error("{file}: cannot be written on; `cocarry recover` saves what was written before")]
@@ -97,7 +96,7 @@ pub enum ReadError {
         /// The file.
         file: String,
         /// Why.
-        source: ScenarioError,
+        source: cocarry::Error,
     },
     /// The recording lacks a requested part.
     #[error("{file}: {what}")]

@@ -2,8 +2,9 @@
 
 use super::records::Attachment;
 use super::{Entry, ReadError, Reader};
+use cocarry::Error;
 use cocarry::arithmetic;
-use cocarry::scenario::{Scenario, ScenarioError};
+use cocarry::scenario::{Scenario, WorldText};
 use std::collections::BTreeMap;
 use std::io::Read;
 
@@ -32,19 +33,22 @@ impl Provenance {
     /// The provenance of a recording of a scenario. Files are named without their folders.
     ///
     /// # Errors
-    /// [`ScenarioError::Unwritable`].
-    pub fn of(scenario: &Scenario) -> Result<Self, ScenarioError> {
+    /// [`Error::Unwritable`].
+    pub fn of(scenario: &Scenario) -> Result<Self, Error> {
         let mut scenario = scenario.clone();
-        strip(&mut scenario.world.file);
+        let (file, text) = (stripped(scenario.world.file()), scenario.world.text().to_owned());
+        scenario.world = WorldText { file, text }.into();
         if let Some(setup) = scenario.plant.robot_setup_mut() {
-            strip(&mut setup.robot.file);
-            strip(&mut setup.robot.urdf_file);
+            let mut texts = setup.robot.texts().clone();
+            texts.file = stripped(&texts.file);
+            texts.urdf_file = stripped(&texts.urdf_file);
+            setup.robot = texts.into();
         }
         let facts = [
             ("crate_version", env!("CARGO_PKG_VERSION").to_owned()),
             (ARITHMETIC, arithmetic::stamp().to_owned()),
             ("seed", scenario.seed.to_string()),
-            ("world", scenario.world.file.clone()),
+            ("world", scenario.world.file().to_owned()),
             ("plant", scenario.plant.name().to_owned()),
             ("method", scenario.settings.method.name().to_owned()),
         ];
@@ -59,9 +63,9 @@ impl Provenance {
 }
 
 /// The last part of a path.
-fn strip(path: &mut String) {
-    let name = path.rsplit(['/', '\\']).next().unwrap_or_default();
-    *path = name.to_owned();
+/// The name of a file without its folders.
+fn stripped(path: &str) -> String {
+    path.rsplit_once(['/', '\\']).map_or(path, |(_, name)| name).to_owned()
 }
 
 /// The scenario of a recording. Reads up to its attachment.

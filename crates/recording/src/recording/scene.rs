@@ -195,8 +195,9 @@ impl OptionLines {
     pub fn new(options: &OptionSet) -> Self {
         let start = options.begin();
         let all = 0..options.options().len();
-        let paths: Vec<Vec<Point>> =
-            all.map(|o| options.path(&start, o).unwrap_or_default().polyline(SAGITTA)).collect();
+        let paths: Vec<Vec<Point>> = all
+            .map(|o| options.path(&start, o).expect("an option has a path from the start").polyline(SAGITTA))
+            .collect();
         let lines = options.options().iter().zip(&paths).enumerate().map(|(o, (option, points))| {
             let others = paths.iter().enumerate().filter(|(other, _)| *other != o && o < MOST_LABELS);
             let others: Vec<&Vec<Point>> = others.take(MOST_LABELS).map(|(_, path)| path).collect();

@@ -174,7 +174,7 @@ fn options(playback: &Playback) -> Vec<Value> {
         steps.map(|step| of_step(step).unwrap_or_default()).collect()
     };
     let drawn = options.options().iter().enumerate().map(|(o, option)| {
-        let path = options.path(&begin, o).map(|path| path.polyline(SAGITTA)).unwrap_or_default();
+        let path = options.path(&begin, o).expect("an option has a path from the start").polyline(SAGITTA);
         let openings = option.crossings.iter().map(|c| &world.openings[c.opening].name);
         json!({
             "name": option.name,

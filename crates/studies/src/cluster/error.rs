@@ -1,7 +1,6 @@
 //! Errors of a study on a cluster.
 
 use crate::study::SweepError;
-use cocarry::located::FileError;
 use cocarry_output::output_file::OutputError;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -14,7 +13,7 @@ pub enum ClusterError {
     Study(#[from] SweepError),
     /// A file of the job cannot be read, or is not what its name says.
     #[error(transparent)]
-    File(#[from] FileError),
+    File(#[from] cocarry::Error),
     /// A file of the job cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),

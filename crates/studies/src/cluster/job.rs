@@ -286,8 +286,7 @@ impl Job {
     }
 
     fn save(&self) -> Result<(), ClusterError> {
-        // plain numbers, texts and lists have a form in TOML
-        let text = toml::to_string(&self.description).unwrap_or_default();
+        let text = toml::to_string(&self.description).expect("numbers, texts and lists have a form in TOML");
         Ok(Outputs::new(true, []).write(&self.folder.join(DESCRIPTION), format!("{HEADING}{text}"))?)
     }
 

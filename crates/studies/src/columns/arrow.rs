@@ -144,7 +144,7 @@ impl Column {
             Self::Text(values) => values.append_option(value.as_str()),
             Self::List { items, offsets, .. } => {
                 let list = value.as_array().into_iter().flatten();
-                let before = offsets.last().copied().unwrap_or_default();
+                let before = *offsets.last().expect("offsets begin with 0");
                 let added = list.map(|value| items.add(value)).count();
                 offsets.push(before.wrapping_add(added as i32));
             }

@@ -1,20 +1,15 @@
 //! Errors in a file of answers or switches, each with its file, line, column and value.
 
 use cocarry::learning::LearningError;
-use cocarry::located::FileError;
 use cocarry::preference::PreferenceError;
-use cocarry::scenario::ScenarioError;
 use thiserror::Error;
 
 /// The reason why nothing was fitted.
 #[derive(Debug, Error)]
 pub enum FitError {
-    /// The episode of a participant cannot begin.
+    /// The episode of a participant cannot begin, or the file cannot be read.
     #[error(transparent)]
-    Scenario(#[from] ScenarioError),
-    /// The file cannot be read, or is not CSV.
-    #[error(transparent)]
-    File(#[from] FileError),
+    File(#[from] cocarry::Error),
     /// A missing or duplicate column.
     #[error("{file}:{line}: {fault} column `{column}`; found `{found}`, expected {expected}")]
     Column {

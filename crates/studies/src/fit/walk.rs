@@ -2,13 +2,14 @@
 
 use super::Set;
 use crate::paper::EXAMPLE_HUMAN;
+use cocarry::Error;
 use cocarry::coordination::{self, Mode, is_misaligned};
 use cocarry::episode::{Settings, prospects};
 use cocarry::learning::{self, eta_interval};
 use cocarry::options::OptionSet;
 use cocarry::policy::Method;
 use cocarry::preference::ChoiceDistribution;
-use cocarry::scenario::{PreparedScenario, Scenario, ScenarioError};
+use cocarry::scenario::{PreparedScenario, Scenario};
 
 /// The robot's guidance of a participant through a world, and what it implies for eta.
 ///
@@ -80,8 +81,8 @@ impl Guidance {
     /// method and the human do not matter.
     ///
     /// # Errors
-    /// [`ScenarioError`]: the scenario has a plant with bodies, which do not fit at its start.
-    pub fn mutual(stage: &PreparedScenario) -> Result<Self, ScenarioError> {
+    /// [`Error`]: the scenario has a plant with bodies, which do not fit at its start.
+    pub fn mutual(stage: &PreparedScenario) -> Result<Self, Error> {
         let led = Settings { method: Method::ROBOT_LED, ..stage.scenario().settings.clone() };
         let stage_led = with(stage, led)?;
         let mut episode = stage_led.episode()?;
@@ -134,7 +135,7 @@ impl Guidance {
 
 /// The scenario with these settings and the human of the example: while the robot leads, humans differ in eta
 /// only.
-fn with(stage: &PreparedScenario, settings: Settings) -> Result<PreparedScenario, ScenarioError> {
+fn with(stage: &PreparedScenario, settings: Settings) -> Result<PreparedScenario, Error> {
     stage.prepare(Scenario { settings, human: EXAMPLE_HUMAN, ..stage.scenario().clone() })
 }
 
@@ -156,7 +157,7 @@ struct LedWalk {
 }
 
 impl LedWalk {
-    fn of(stage: &PreparedScenario, eta: f64) -> Result<Self, ScenarioError> {
+    fn of(stage: &PreparedScenario, eta: f64) -> Result<Self, Error> {
         let settings = &stage.scenario().settings;
         let coordination = coordination::Settings { eta, ..settings.coordination };
         let stage = with(stage, Settings { method: Method::MUTUAL, coordination, ..settings.clone() })?;
@@ -196,7 +197,7 @@ impl LedWalk {
 /// interval of phi. Hence, if both ends of an interval of eta see the same options and switch at the same
 /// step, so does every eta between them. An interval whose ends differ is divided where they begin to differ,
 /// so no piece is missed.
-fn pieces(stage: &PreparedScenario) -> Result<Vec<Piece>, ScenarioError> {
+fn pieces(stage: &PreparedScenario) -> Result<Vec<Piece>, Error> {
     let discomfort_limit = discomfort_limit(&stage.scenario().settings);
     let led = |eta: f64| LedWalk::of(stage, eta);
     let [least, largest] = DISCOMFORT_RANGE.map(|g| g / discomfort_limit);
@@ -216,7 +217,7 @@ fn pieces(stage: &PreparedScenario) -> Result<Vec<Piece>, ScenarioError> {
             false => led.executed.get(at) == low.executed.get(at),
         };
         let (mut below, mut above) = (low.clone(), high.clone());
-        let divide = |eta: f64, below: &mut LedWalk, above: &mut LedWalk| -> Result<bool, ScenarioError> {
+        let divide = |eta: f64, below: &mut LedWalk, above: &mut LedWalk| -> Result<bool, Error> {
             let is_between = eta > below.eta && eta < above.eta;
             if is_between {
                 let tried = led(eta)?;

@@ -1,14 +1,15 @@
 //! How a team with bodies carries: arrivals, errors of the grasp, grips and forces, in all built-in worlds. Not in
 //! the paper.
 
-use super::{BuiltInError, COLUMNS, prepared, run};
+use super::{COLUMNS, prepared, run};
 use crate::parallel::{OnDone, in_parallel};
 use crate::statistics::mean_and_std;
+use cocarry::Error;
 use cocarry::coordination;
 use cocarry::episode::{ControlSummary, InteractionSummary, Outcome, Settings, Summary};
 use cocarry::policy::Method;
 use cocarry::scenario::{
-    GivenPerception, Plant, PreferenceChanges, Scenario, ScenarioError, WorldText, drawn_changes, drawn_human,
+    GivenPerception, GivenWorld, Plant, PreferenceChanges, Scenario, WorldText, drawn_changes, drawn_human,
 };
 use cocarry::world::BUILT_IN_WORLDS;
 use serde::Serialize;
@@ -92,10 +93,10 @@ impl Study<'_> {
     ///
     /// # Errors
     /// If a built-in world is not valid, or the physical plant cannot be set up in it.
-    pub fn table(&self, on_done: OnDone) -> Result<Vec<ArrivalRow>, BuiltInError> {
+    pub fn table(&self, on_done: OnDone) -> Result<Vec<ArrivalRow>, Error> {
         let mut rows = Vec::new();
         for world in BUILT_IN_WORLDS {
-            let world = WorldText { file: world.name.to_owned(), text: world.text.to_owned() };
+            let world = WorldText { file: world.name.to_owned(), text: world.text.to_owned() }.into();
             for (cell, n) in self.cells() {
                 rows.push(self.row(&world, cell, n, on_done)?);
             }
@@ -103,13 +104,7 @@ impl Study<'_> {
         Ok(rows)
     }
 
-    fn row(
-        &self,
-        world: &WorldText,
-        cell: Cell,
-        n: usize,
-        on_done: OnDone,
-    ) -> Result<ArrivalRow, BuiltInError> {
+    fn row(&self, world: &GivenWorld, cell: Cell, n: usize, on_done: OnDone) -> Result<ArrivalRow, Error> {
         let base = self.settings.coordination;
         let coordination = coordination::Settings { eta: cell.eta.unwrap_or(base.eta), ..base };
         let settings = Settings { method: cell.method, coordination, ..self.settings.clone() };
@@ -127,7 +122,7 @@ impl Study<'_> {
             };
             run(&prepared.prepare(Scenario { seed, human, changes, ..prepared.scenario().clone() })?, |_| ())
         });
-        let ends = ends.into_iter().collect::<Result<Vec<Summary>, ScenarioError>>()?;
+        let ends = ends.into_iter().collect::<Result<Vec<Summary>, Error>>()?;
         let control = |of: fn(&ControlSummary, u64) -> f64| -> Vec<f64> {
             ends.iter().filter_map(|end| Some(of(end.control.as_ref()?, end.steps))).collect()
         };

@@ -1,12 +1,13 @@
 //! Contacts with the sides of an opening: how often a team with bodies touches them, by the paper's risk
 //! S = d_r / w.
 
-use super::{BuiltInError, prepared, run};
+use super::{prepared, run};
 use crate::parallel::{OnDone, in_parallel};
+use cocarry::Error;
 use cocarry::episode::{Outcome, Settings};
 use cocarry::math;
 use cocarry::policy::Method;
-use cocarry::scenario::{Plant, Scenario, ScenarioError};
+use cocarry::scenario::{Plant, Scenario};
 use cocarry::simulation::BodyKind;
 use cocarry::world::World;
 use rand_chacha::ChaCha8Rng;
@@ -68,11 +69,11 @@ impl Study<'_> {
     ///
     /// # Errors
     /// If the physical plant cannot be set up.
-    pub fn table(&self, on_done: OnDone) -> Result<Vec<ContactRow>, BuiltInError> {
+    pub fn table(&self, on_done: OnDone) -> Result<Vec<ContactRow>, Error> {
         RISKS.iter().map(|risk| self.row(*risk, on_done)).collect()
     }
 
-    fn row(&self, risk: f64, on_done: OnDone) -> Result<ContactRow, BuiltInError> {
+    fn row(&self, risk: f64, on_done: OnDone) -> Result<ContactRow, Error> {
         let mut row = ContactRow {
             risk,
             width: ROBOT_WIDTH / risk,
@@ -102,7 +103,7 @@ impl Study<'_> {
         Ok(row)
     }
 
-    fn walks(&self, risk: f64, angle: f64, on_done: OnDone) -> Result<Vec<WalkEnd>, BuiltInError> {
+    fn walks(&self, risk: f64, angle: f64, on_done: OnDone) -> Result<Vec<WalkEnd>, Error> {
         let world = World::parse("opening", &world(ROBOT_WIDTH / risk, angle.to_radians()))?;
         let settings = Settings { method: Method::WITHOUT_MODEL, ..self.settings.clone() };
         let human = settings.predictor.belief().sample(&mut ChaCha8Rng::seed_from_u64(self.seed));
@@ -121,7 +122,7 @@ impl Study<'_> {
                 _ => WalkEnd::Other,
             })
         });
-        Ok(ends.into_iter().collect::<Result<Vec<_>, ScenarioError>>()?)
+        ends.into_iter().collect::<Result<Vec<_>, Error>>()
     }
 }
 

@@ -8,8 +8,9 @@ use cocarry::coordination::{self, Mode};
 use cocarry::episode::{Outcome, Settings, Summary, Tick};
 use cocarry::math;
 use cocarry::preference::Perception;
-use cocarry::scenario::{Plant, PlantKind, Scenario, ScenarioError, WorldText};
-use cocarry::simulation::{BodyKind, Contact, PhysicsError};
+use cocarry::scenario::{Plant, PlantKind, Scenario, WorldText};
+use cocarry::simulation::{BodyKind, Contact};
+use cocarry::{Error, ErrorKind};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -97,8 +98,8 @@ impl Search<'_> {
     /// transition.
     ///
     /// # Errors
-    /// [`ScenarioError`], if a setting is out of its range.
-    pub fn run(&self, on_done: OnDone) -> Result<Findings, ScenarioError> {
+    /// If a setting is out of its range.
+    pub fn run(&self, on_done: OnDone) -> Result<Findings, Error> {
         let trials = in_parallel(self.worlds, on_done, |i| self.trial(self.seed.wrapping_add(i as u64)));
         let trials = trials.into_iter().collect::<Result<Vec<_>, _>>()?;
         let arrived = |t: &&Trial| t.summary.outcome == Outcome::Arrived;
@@ -117,7 +118,7 @@ impl Search<'_> {
         })
     }
 
-    fn trial(&self, seed: u64) -> Result<Trial, ScenarioError> {
+    fn trial(&self, seed: u64) -> Result<Trial, Error> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let (human, eta) = random_human(self.settings, &mut rng);
         let coordination = coordination::Settings { eta, ..self.settings.coordination };
@@ -130,7 +131,7 @@ impl Search<'_> {
             // draw again if the start or target is inside an obstacle, enclosed, or without room for the team
             let world = WorldText { file: "random world".to_owned(), text: draw_world(&mut rng) };
             let stage = match prepared(world, &settings, self.plant) {
-                Err(ScenarioError::World(_) | ScenarioError::Options(_)) => continue,
+                Err(error) if error.kind() == ErrorKind::World => continue,
                 stage => stage?,
             };
             let stage = stage.prepare(Scenario { seed, human, ..stage.scenario().clone() })?;
@@ -147,11 +148,7 @@ impl Search<'_> {
                 }
             };
             let summary = match run(&stage, on_tick) {
-                Err(ScenarioError::Physics(
-                    PhysicsError::Occupied { .. }
-                    | PhysicsError::NoRoomAtStart(_)
-                    | PhysicsError::NoRoomAtTarget { .. },
-                )) => continue,
+                Err(error) if error.kind() == ErrorKind::World => continue,
                 summary => summary?,
             };
             let options = stage.options();
@@ -175,7 +172,7 @@ impl Trial {
         let Self { scenario, summary, from_target, .. } = self;
         Lost {
             index: scenario.seed,
-            world: scenario.world.text.clone(),
+            world: scenario.world.text().to_owned(),
             alpha: scenario.human.alpha,
             gamma: scenario.human.gamma,
             eta: scenario.settings.coordination.eta,

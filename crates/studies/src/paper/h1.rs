@@ -1,7 +1,8 @@
 //! H1, Table I: the model's choice distribution beside the participants' answers and the paper's model
 //! output.
 
-use super::{BuiltInError, ENVIRONMENTS};
+use super::ENVIRONMENTS;
+use cocarry::Error;
 use cocarry::episode::prospects;
 use cocarry::options::OptionSet;
 use cocarry::preference::{ChoiceDistribution, Predictor};
@@ -26,7 +27,7 @@ pub struct ChoiceRow {
 ///
 /// # Errors
 /// If a built-in world is not valid.
-pub fn table(predictor: &Predictor) -> Result<Vec<ChoiceRow>, BuiltInError> {
+pub fn table(predictor: &Predictor) -> Result<Vec<ChoiceRow>, Error> {
     let mut rows = Vec::new();
     let mut predictor = predictor.clone();
     let mut choice = ChoiceDistribution::default();

@@ -1,15 +1,16 @@
 //! H2, Table II: accumulated objective cost with and without the mode transition, and the Environment 4
 //! example. The team is a point, as in the paper, or has bodies.
 
-use super::{BuiltInError, COLUMNS, ENVIRONMENTS, EXAMPLE, EXAMPLE_ENVIRONMENT, EXAMPLE_HUMAN, Environment};
+use super::{COLUMNS, ENVIRONMENTS, EXAMPLE, EXAMPLE_ENVIRONMENT, EXAMPLE_HUMAN, Environment};
 use super::{Route, prepared, route, run};
 use crate::parallel::{OnDone, in_parallel};
 use crate::statistics::{self, Paired, mean_and_std};
+use cocarry::Error;
 use cocarry::coordination::{self, Mode};
 use cocarry::episode::{Episode, Outcome, Settings, Summary, Tick};
 use cocarry::policy::Method;
 use cocarry::preference::{Belief, Perception};
-use cocarry::scenario::{Plant, PreparedScenario, Scenario, ScenarioError, WorldText};
+use cocarry::scenario::{GivenWorld, Plant, PreparedScenario, Scenario};
 use cocarry::world::World;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -53,7 +54,7 @@ pub struct CostRow {
 ///
 /// # Errors
 /// If a built-in world is not valid.
-pub fn table(settings: &Settings, seed: u64, on_done: OnDone) -> Result<Vec<CostRow>, BuiltInError> {
+pub fn table(settings: &Settings, seed: u64, on_done: OnDone) -> Result<Vec<CostRow>, Error> {
     let grid = humans_on_grid(settings.predictor.belief(), GRID);
     let sample = humans_at_random(settings.predictor.belief(), seed, SAMPLES);
     let mut rows = Vec::new();
@@ -80,7 +81,7 @@ fn cell(
     stage: &PreparedScenario,
     [grid, sample]: [&[Perception]; 2],
     on_done: OnDone,
-) -> Result<(CostRow, Vec<f64>), ScenarioError> {
+) -> Result<(CostRow, Vec<f64>), Error> {
     let eta = COLUMNS[column];
     let stage = with_eta(stage, eta, EXAMPLE_HUMAN)?;
     let (led, transition_step) = led_by_robot(&stage)?;
@@ -113,10 +114,10 @@ fn cell(
 /// # Errors
 /// If the world or its options are not valid.
 pub fn expected_costs(
-    world: impl Into<WorldText>,
+    world: impl Into<GivenWorld>,
     settings: &Settings,
     n: usize,
-) -> Result<[f64; COLUMNS.len()], ScenarioError> {
+) -> Result<[f64; COLUMNS.len()], Error> {
     let stage = prepared(world, settings, &Plant::Point)?;
     let humans = humans_on_grid(settings.predictor.belief(), n);
     let mut means = [f64::NAN; COLUMNS.len()];
@@ -143,7 +144,7 @@ fn with_eta(
     stage: &PreparedScenario,
     eta: Option<f64>,
     human: Perception,
-) -> Result<PreparedScenario, ScenarioError> {
+) -> Result<PreparedScenario, Error> {
     let base = stage.scenario();
     let coordination = coordination::Settings {
         eta: eta.unwrap_or(base.settings.coordination.eta),
@@ -160,7 +161,7 @@ fn with_eta(
 
 /// The part of an episode that is the same for all humans, since a leading robot does not know this human:
 /// the episode just before the step at which the human takes over, and that step.
-fn led_by_robot(stage: &PreparedScenario) -> Result<(Episode<'_>, Option<u64>), ScenarioError> {
+fn led_by_robot(stage: &PreparedScenario) -> Result<(Episode<'_>, Option<u64>), Error> {
     let mut episode = stage.episode()?;
     if stage.scenario().settings.method == Method::WITHOUT_MODEL {
         return Ok((episode, None));
@@ -222,10 +223,7 @@ pub struct ExampleRun {
 ///
 /// # Errors
 /// If the built-in world is not valid.
-pub fn example(
-    environment: &Environment,
-    settings: &Settings,
-) -> Result<(World, Vec<ExampleRun>), BuiltInError> {
+pub fn example(environment: &Environment, settings: &Settings) -> Result<(World, Vec<ExampleRun>), Error> {
     let stage = prepared(environment.world()?, settings, &Plant::Point)?;
     let is_papers = environment.number == EXAMPLE_ENVIRONMENT.number;
     let runs = EXAMPLE
@@ -238,7 +236,7 @@ pub fn example(
             let ended_on = stage.options().options()[summary.last_option].name.clone();
             Ok(ExampleRun { eta, paper, summary, ended_on, ticks })
         })
-        .collect::<Result<_, ScenarioError>>()?;
+        .collect::<Result<_, Error>>()?;
     Ok((stage.world().clone(), runs))
 }
 
@@ -311,7 +309,7 @@ impl WithBodies<'_> {
     ///
     /// # Errors
     /// If a built-in world is not valid, or the physical plant cannot be set up in it.
-    pub fn table(&self, on_done: OnDone) -> Result<Vec<BodiesRow>, BuiltInError> {
+    pub fn table(&self, on_done: OnDone) -> Result<Vec<BodiesRow>, Error> {
         let humans = humans_at_random(self.settings.predictor.belief(), self.seed, self.humans);
         let mut rows = Vec::new();
         for environment in &ENVIRONMENTS {
@@ -326,7 +324,7 @@ impl WithBodies<'_> {
                         point.prepare(Scenario { plant: Plant::Point, ..point.scenario().clone() })?;
                     Ok((run(&point, |_| {})?, run(&physical, |_| {})?))
                 });
-                let ends = ends.into_iter().collect::<Result<Vec<_>, ScenarioError>>()?;
+                let ends = ends.into_iter().collect::<Result<Vec<_>, Error>>()?;
                 let costs: Vec<Cost> = ends.iter().map(|(_, physical)| cost(physical)).collect();
                 let mut row = row(environment, eta, &ends);
                 match eta {

@@ -5,16 +5,17 @@
 //! twice at random steps of the first half; the robot only knows the full ranges. Every method meets the same
 //! humans: all comparisons are paired.
 
-use super::{BuiltInError, ENVIRONMENTS, Environment, SETTINGS};
+use super::{ENVIRONMENTS, Environment, SETTINGS};
 use super::{Route, prepared, route};
 use crate::parallel::{OnDone, in_parallel};
 use crate::statistics::{self, Paired, mean_and_std};
+use cocarry::Error;
 use cocarry::control::{Avoid, CandidateSet, PoseCriterion};
 use cocarry::episode::{ControlSummary, Episode, Outcome, PreferenceChange, Settings};
 use cocarry::options::OptionSet;
 use cocarry::policy::Method;
 use cocarry::preference::{Belief, Perception};
-use cocarry::scenario::{Plant, PlantKind, PreferenceChanges, Scenario, ScenarioError};
+use cocarry::scenario::{Plant, PlantKind, PreferenceChanges, Scenario};
 use cocarry::{control, preference};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -189,7 +190,7 @@ impl Study<'_> {
     ///
     /// # Errors
     /// If a built-in world is not valid.
-    pub fn table(&self, on_done: OnDone) -> Result<Vec<PoseRow>, BuiltInError> {
+    pub fn table(&self, on_done: OnDone) -> Result<Vec<PoseRow>, Error> {
         let mut rows = Vec::new();
         for environment in &ENVIRONMENTS {
             rows.extend(self.environment(environment, on_done)?);
@@ -201,7 +202,7 @@ impl Study<'_> {
         Ok(rows)
     }
 
-    fn environment(&self, environment: &Environment, on_done: OnDone) -> Result<Vec<PoseRow>, BuiltInError> {
+    fn environment(&self, environment: &Environment, on_done: OnDone) -> Result<Vec<PoseRow>, Error> {
         let settings = Settings { method: Method::HUMAN_LED, ..self.settings.clone() };
         let stage = prepared(environment.world()?, &settings, self.plant)?;
         let humans = self.humans_of(environment, stage.options())?;
@@ -228,7 +229,7 @@ impl Study<'_> {
             let episode = begun.episode()?;
             Ok(follow(if is_physical { episode } else { episode.ignoring_loss() }))
         });
-        let ends = ends.into_iter().collect::<Result<Vec<_>, ScenarioError>>()?;
+        let ends = ends.into_iter().collect::<Result<Vec<_>, Error>>()?;
         Ok((0..SETTINGS.len() * starts.len())
             .flat_map(|group| {
                 let all = &ends[group * methods.len() * n..][..methods.len() * n];
@@ -244,7 +245,7 @@ impl Study<'_> {
     ///
     /// # Errors
     /// If a built-in world is not valid.
-    pub fn humans(&self) -> Result<Vec<Human>, BuiltInError> {
+    pub fn humans(&self) -> Result<Vec<Human>, Error> {
         let mut humans = Vec::new();
         for environment in &ENVIRONMENTS {
             let options = OptionSet::new(&environment.world()?, self.settings.predictor.risk_weight())?;
@@ -315,7 +316,7 @@ fn follow(mut episode: Episode) -> EpisodeResult {
         }
     };
     let summary = episode.summary();
-    let control = summary.control.unwrap_or_default();
+    let control = summary.control.expect("a plant of Table III has a robot");
     EpisodeResult {
         control,
         steps: summary.steps,

@@ -13,7 +13,7 @@ pub use people::{HumanKind, RATIONALITY};
 pub use rows::{PersonRow, Task};
 
 use super::h3::PoseMethod;
-use super::{BuiltInError, prepared};
+use super::prepared;
 use crate::parallel::{OnDone, in_parallel};
 use crate::statistics::{self, Paired, mean_and_std};
 use cocarry::coordination::{self, Mode, robot_choice};
@@ -22,15 +22,15 @@ use cocarry::learning::{self, Learner, LearningError, TolerancePrior};
 use cocarry::math;
 use cocarry::policy::Method;
 use cocarry::preference::{Belief, Perception, Prospect, WeightedSample, subjective_cost};
-use cocarry::scenario::{Partners, Plant, PreparedScenario, Scenario, ScenarioError, WorldText};
-use cocarry::world::{BUILT_IN_WORLDS, WorldError};
+use cocarry::scenario::{Partners, Plant, PreparedScenario, Scenario, WorldText};
+use cocarry::world::BUILT_IN_WORLDS;
+use cocarry::{Error, ErrorKind};
 use people::{Person, outside};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rows::Setting;
 use serde::Serialize;
-use thiserror::Error;
 
 /// Default number of humans of each kind in each group of worlds.
 pub const HUMANS: usize = 200;
@@ -144,29 +144,6 @@ pub struct Findings {
     pub people: Vec<PersonRow>,
 }
 
-/// Why there are no findings.
-#[derive(Debug, Error)]
-pub enum StudyError {
-    /// A world or a scenario: a fault of the program.
-    #[error(transparent)]
-    BuiltIn(#[from] BuiltInError),
-    /// The learner: a fault of the program.
-    #[error(transparent)]
-    Learning(#[from] LearningError),
-}
-
-impl From<ScenarioError> for StudyError {
-    fn from(error: ScenarioError) -> Self {
-        Self::BuiltIn(error.into())
-    }
-}
-
-impl From<WorldError> for StudyError {
-    fn from(error: WorldError) -> Self {
-        Self::BuiltIn(error.into())
-    }
-}
-
 /// Worlds of one group.
 struct Group {
     name: String,
@@ -194,8 +171,8 @@ impl Study<'_> {
     /// Runs all tasks. The result does not depend on the number of threads.
     ///
     /// # Errors
-    /// [`StudyError`], if a setting is out of its range.
-    pub fn run(&self, on_done: OnDone) -> Result<Findings, StudyError> {
+    /// If a setting is out of its range.
+    pub fn run(&self, on_done: OnDone) -> Result<Findings, Error> {
         let groups = self.groups(Method::MUTUAL, &Plant::Point)?;
         let (kinds, n) = (HumanKind::ALL.len(), self.humans);
         let all = in_parallel(groups.len() * kinds * n, on_done, |i| {
@@ -203,7 +180,7 @@ impl Study<'_> {
             let worlds = &groups[group].worlds;
             self.tasks_of(&worlds[human % worlds.len()], &self.person(group, HumanKind::ALL[kind], human))
         });
-        let all = all.into_iter().collect::<Result<Vec<Tasks>, StudyError>>()?;
+        let all = all.into_iter().collect::<Result<Vec<Tasks>, Error>>()?;
         let of = |group: usize, kind: usize| &all[(group * kinds + kind) * n..][..n];
         let mut by_world = Vec::new();
         for (g, group) in groups.iter().enumerate() {
@@ -248,7 +225,7 @@ impl Study<'_> {
     }
 
     /// The built-in worlds, each by itself.
-    fn built_in(&self, method: Method, plant: &Plant) -> Result<Vec<Group>, ScenarioError> {
+    fn built_in(&self, method: Method, plant: &Plant) -> Result<Vec<Group>, Error> {
         let worlds = BUILT_IN_WORLDS.iter().map(|world| {
             let text = (world.name.to_owned(), world.text.to_owned());
             Ok(Group { name: world.name.to_owned(), worlds: vec![self.stage(text, method, plant)?] })
@@ -261,7 +238,7 @@ impl Study<'_> {
         (file, text): (String, String),
         method: Method,
         plant: &Plant,
-    ) -> Result<PreparedScenario, ScenarioError> {
+    ) -> Result<PreparedScenario, Error> {
         let predict_while_human_leads = plant.robot_setup().is_some();
         let settings =
             Settings { method, predict_while_human_leads, learning: None, ..self.settings.clone() };
@@ -269,7 +246,7 @@ impl Study<'_> {
     }
 
     /// The built-in worlds and random ones. These are the same for every method and plant.
-    fn groups(&self, method: Method, plant: &Plant) -> Result<Vec<Group>, StudyError> {
+    fn groups(&self, method: Method, plant: &Plant) -> Result<Vec<Group>, Error> {
         let mut groups = self.built_in(method, plant)?;
         let mut rng = self.stream(0);
         let mut worlds = Vec::new();
@@ -277,7 +254,7 @@ impl Study<'_> {
             let text = (RANDOM_WORLDS.to_owned(), super::cycles::random_world(&mut rng));
             match self.stage(text.clone(), Method::MUTUAL, &Plant::Point) {
                 // the start or target is inside an obstacle, or enclosed
-                Err(ScenarioError::World(_) | ScenarioError::Options(_)) => {}
+                Err(error) if error.kind() == ErrorKind::World => {}
                 world => {
                     if world?.options().options().len() > 1 {
                         worlds.push(self.stage(text, method, plant)?);
@@ -310,7 +287,7 @@ impl Study<'_> {
         Person { kind, eta, perceptions, seeds }
     }
 
-    fn tasks_of(&self, world: &PreparedScenario, person: &Person) -> Result<Tasks, StudyError> {
+    fn tasks_of(&self, world: &PreparedScenario, person: &Person) -> Result<Tasks, Error> {
         let mut all = Tasks::default();
         for (robot, tasks) in RobotKind::ALL.into_iter().zip(&mut all) {
             let mut learner = None;

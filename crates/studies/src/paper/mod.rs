@@ -12,13 +12,12 @@ pub mod h2;
 pub mod h3;
 pub mod h4;
 
+use cocarry::Error;
 use cocarry::episode::{Settings, Summary, Tick};
-use cocarry::options::OptionError;
-use cocarry::preference::{Perception, PreferenceError};
-use cocarry::scenario::{Plant, PreparedScenario, Scenario, ScenarioError, WorldText};
-use cocarry::world::{World, WorldError};
+use cocarry::preference::Perception;
+use cocarry::scenario::{GivenWorld, Plant, PreparedScenario, Scenario};
+use cocarry::world::World;
 use std::path::Path;
-use thiserror::Error;
 
 /// One of the paper's environments.
 #[derive(Debug)]
@@ -119,39 +118,22 @@ impl Environment {
     ///
     /// # Errors
     /// Never in a build that passes its tests: the file is part of the program.
-    pub fn world(&self) -> Result<World, WorldError> {
+    pub fn world(&self) -> Result<World, Error> {
         World::find(Path::new(""), self.name)
     }
 }
 
-/// An error in a built-in world: a fault of the program.
-#[derive(Debug, Error)]
-pub enum BuiltInError {
-    /// Its file.
-    #[error(transparent)]
-    World(#[from] WorldError),
-    /// Its options.
-    #[error(transparent)]
-    Options(#[from] OptionError),
-    /// The distribution of its humans.
-    #[error(transparent)]
-    Humans(#[from] PreferenceError),
-    /// Its episode.
-    #[error(transparent)]
-    Scenario(#[from] ScenarioError),
-}
-
 /// The prepared scenario of a team in a world, which the scenarios of its humans share.
 fn prepared(
-    world: impl Into<WorldText>,
+    world: impl Into<GivenWorld>,
     settings: &Settings,
     plant: &Plant,
-) -> Result<PreparedScenario, ScenarioError> {
+) -> Result<PreparedScenario, Error> {
     Scenario { settings: settings.clone(), ..Scenario::new(world.into(), plant.clone()) }.prepare()
 }
 
 /// Runs the episode of a scenario to its end, and calls `on_tick` after every step.
-fn run(stage: &PreparedScenario, mut on_tick: impl FnMut(&Tick)) -> Result<Summary, ScenarioError> {
+fn run(stage: &PreparedScenario, mut on_tick: impl FnMut(&Tick)) -> Result<Summary, Error> {
     let mut episode = stage.episode()?;
     while episode.step().is_none() {
         on_tick(episode.tick());

@@ -1,7 +1,6 @@
 //! Errors of baseline files, each with its file, line, run and key.
 
 use super::FORMAT;
-use cocarry::located::FileError;
 use thiserror::Error;
 
 /// Why a baseline was refused.
@@ -9,7 +8,7 @@ use thiserror::Error;
 pub enum BaselineError {
     /// The file cannot be read, or is not TOML.
     #[error(transparent)]
-    File(#[from] FileError),
+    File(#[from] cocarry::Error),
     /// The file has no runs.
     #[error("{file}: no runs; write each as a table [[run]], with the keys of `cocarry run`'s arguments")]
     NoRuns {

@@ -11,8 +11,9 @@ pub use figures::{Figure, Route, figure_names, figures, is_near};
 pub use tolerance::{FORMAT, Tolerance};
 
 use crate::parallel::{OnDone, in_parallel};
+use cocarry::Error;
 use cocarry::quantities::{Record, View};
-use cocarry::scenario::{Scenario, ScenarioError};
+use cocarry::scenario::Scenario;
 
 /// The figures of a run, in the order of [`figure_names`].
 pub type Figures = Record;
@@ -33,7 +34,7 @@ pub struct Moved {
 }
 
 /// Runs all episodes to their ends. The results are in the order of the scenarios.
-pub fn run_all(scenarios: Vec<Scenario>, on_done: OnDone) -> Vec<Result<Figures, ScenarioError>> {
+pub fn run_all(scenarios: Vec<Scenario>, on_done: OnDone) -> Vec<Result<Figures, Error>> {
     in_parallel(scenarios.len(), on_done, |i| {
         let stage = scenarios[i].clone().prepare()?;
         let mut episode = stage.episode()?;

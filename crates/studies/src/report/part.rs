@@ -1,14 +1,11 @@
 //! A claim's part of the report: its runs, and its section.
 
 use crate::fit::FitError;
-use crate::paper::BuiltInError;
 use crate::paper::{arrivals, contacts, cycles as locked, h2, h3, h4};
 use crate::parallel::OnDone;
 use crate::table::Table;
 use cocarry::episode::Settings;
-use cocarry::options::OptionError;
-use cocarry::robot::{Robot, RobotError};
-use cocarry::world::WorldError;
+use cocarry::robot::Robot;
 use cocarry_output::drawing::DrawingError;
 use thiserror::Error;
 
@@ -137,31 +134,13 @@ pub struct Figure {
 pub enum ReportError {
     /// An error of a built-in world.
     #[error(transparent)]
-    BuiltIn(#[from] BuiltInError),
+    BuiltIn(#[from] cocarry::Error),
     /// An error of a picture.
     #[error(transparent)]
     Drawing(#[from] DrawingError),
     /// An error of the fit of c_r.
     #[error(transparent)]
     Fit(#[from] FitError),
-    /// An error of a built-in robot.
-    #[error(transparent)]
-    Robot(#[from] RobotError),
-    /// An error of the study of learning.
-    #[error(transparent)]
-    Learning(#[from] h4::StudyError),
-}
-
-impl From<WorldError> for ReportError {
-    fn from(error: WorldError) -> Self {
-        Self::BuiltIn(error.into())
-    }
-}
-
-impl From<OptionError> for ReportError {
-    fn from(error: OptionError) -> Self {
-        Self::BuiltIn(error.into())
-    }
 }
 
 /// `n of m` in words: whether a claim holds in all of them.

@@ -1,9 +1,7 @@
 //! Errors of study files and of the files of a sweep, each with its file, place and value.
 
-use cocarry::located::{FileError, Place};
-use cocarry::robot::RobotError;
+use cocarry::error::Place;
 use cocarry::suggestion::{hint_of_list, hint_of_listed};
-use cocarry::world::WorldError;
 use cocarry_output::output_file::OutputError;
 use std::fmt;
 use std::path::PathBuf;
@@ -14,7 +12,7 @@ use thiserror::Error;
 pub enum SweepError {
     /// A file cannot be read, or is not TOML.
     #[error(transparent)]
-    File(#[from] FileError),
+    File(#[from] cocarry::Error),
     /// A file cannot be written, or may not be.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -88,7 +86,7 @@ pub enum SweepError {
         /// Where it is named.
         place: Place,
         /// What is wrong with it.
-        source: Box<WorldError>,
+        source: Box<cocarry::Error>,
     },
     /// A robot that the study names is not valid.
     #[error("{place}")]
@@ -96,7 +94,7 @@ pub enum SweepError {
         /// Where it is named.
         place: Place,
         /// What is wrong with it.
-        source: Box<RobotError>,
+        source: Box<cocarry::Error>,
     },
     /// A combination is not a valid scenario.
     #[error("{file}: {inputs}")]

@@ -4,12 +4,12 @@ use super::cell::{Axes, Cell, LARGEST_RUN};
 use super::humans::{Humans, Range};
 use super::source::{self, Source, get, number, whole};
 use super::{Run, Seeds, SweepError};
-use cocarry::located::Place;
+use cocarry::error::Place;
 use cocarry::preference::{Belief, Marginal};
-use cocarry::robot::{Robot, RobotTexts};
+use cocarry::robot::Robot;
 use cocarry::scenario::{
-    Applies, Kind, PERCEPTION, POSTURE, PlantKind, PreferenceChanges, SETTINGS, Setting, Value, WorldText,
-    one_of,
+    Applies, GivenRobot, GivenWorld, Kind, PERCEPTION, POSTURE, PlantKind, PreferenceChanges, SETTINGS,
+    Setting, Value, one_of,
 };
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
@@ -30,8 +30,8 @@ const STUDY_KEYS: [&str; 5] = ["name", "note", "human", "belief", "run"];
 /// The contents of a study file.
 #[derive(Debug, Default)]
 pub(super) struct Contents {
-    pub worlds: Vec<(String, WorldText)>,
-    pub robots: Vec<(String, RobotTexts, Vec<String>)>,
+    pub worlds: Vec<(String, GivenWorld)>,
+    pub robots: Vec<(String, GivenRobot, Vec<String>)>,
     pub humans: Vec<(String, Humans)>,
     pub beliefs: Vec<(String, Belief)>,
     pub runs: Vec<(Run, Place)>,
@@ -163,10 +163,11 @@ impl Contents {
             return Ok(known);
         }
         let path = folder.join(&name);
-        let world = cocarry_maps::find(&path, &name)
+        let mut world = cocarry_maps::find(&path, &name)
             .map_err(|source| SweepError::World { place, source: Box::new(source) })?;
         // named as in the study, independent of the current directory
-        self.worlds.push((name.clone(), WorldText { file: name, text: world.text }));
+        world.file.clone_from(&name);
+        self.worlds.push((name, world.into()));
         Ok(self.worlds.len() - 1)
     }
 
@@ -175,17 +176,17 @@ impl Contents {
             return Ok(known);
         }
         let robot = if name == BUILT_IN { Robot::built_in() } else { Robot::load(&folder.join(&name)) };
-        let robot = robot.map_err(|source| SweepError::Robot { place, source: Box::new(source) })?;
+        let mut robot = robot.map_err(|source| SweepError::Robot { place, source: Box::new(source) })?;
         let postures = robot.postures.iter().map(|p| p.name.clone()).collect();
-        let mut texts = robot.texts;
         if name != BUILT_IN {
+            let texts = &mut robot.texts;
             // named as in the study, independent of the current directory
             texts.file.clone_from(&name);
             if let Ok(relative) = Path::new(&texts.urdf_file).strip_prefix(folder) {
                 texts.urdf_file = relative.display().to_string();
             }
         }
-        self.robots.push((name, texts, postures));
+        self.robots.push((name, robot.into(), postures));
         Ok(self.robots.len() - 1)
     }
 
@@ -257,9 +258,9 @@ impl Contents {
         for (name, place) in &run.given[posture()] {
             let name = name.to_string();
             let mut robots = run.axes.robots.iter().map(|&robot| &self.robots[robot]);
-            if let Some((_, texts, known)) = robots.find(|(.., known)| !known.contains(&name)) {
+            if let Some((_, robot, known)) = robots.find(|(.., known)| !known.contains(&name)) {
                 let known = known.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>();
-                let expected = format!("a posture of {}: {}", texts.file, known.join(", "));
+                let expected = format!("a posture of {}: {}", robot.texts().file, known.join(", "));
                 let (place, value) = (place.clone(), format!("{name:?}"));
                 return Err(SweepError::Value { place, value, expected });
             }
@@ -279,7 +280,7 @@ fn list_key(setting: &Setting) -> &'static str {
 
 /// The index of the posture in [`SETTINGS`].
 fn posture() -> usize {
-    SETTINGS.iter().position(|setting| setting.key == POSTURE.key).unwrap_or_default()
+    SETTINGS.iter().position(|setting| setting.key == POSTURE.key).expect("the posture is a setting")
 }
 
 /// The value of a setting in a study file.

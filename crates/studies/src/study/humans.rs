@@ -2,8 +2,8 @@
 
 use cocarry::episode::{PreferenceChange, Settings};
 use cocarry::options::OptionSet;
-use cocarry::preference::{Belief, Marginal, Perception};
-use cocarry::scenario::{GivenPerception, PreferenceChanges, drawn_changes, drawn_human};
+use cocarry::preference::{Belief, Marginal};
+use cocarry::scenario::{GivenPerception, PreferenceChanges, drawn_changes};
 
 /// The source of one parameter of a human.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,12 +22,7 @@ pub(super) struct Humans {
 }
 
 impl Humans {
-    /// The human of a seed: the same as `cocarry run --seed` draws with these ranges as the robot's belief.
-    pub fn draw(&self, seed: u64) -> Perception {
-        drawn_human(&self.belief(), self.given(), seed)
-    }
-
-    /// That human's preference changes: the same as `cocarry run --seed --preference-changes` draws.
+    /// A human's preference changes: the same as `cocarry run --seed --preference-changes` draws.
     pub fn draw_changes(
         &self,
         count: PreferenceChanges,
@@ -43,9 +38,10 @@ impl Humans {
         self.given().is_complete()
     }
 
-    /// The distribution of the humans. A fixed parameter is drawn as well, so that it does not change the
+    /// The distribution of the humans: `cocarry run --seed` draws the same humans with it as the robot's belief.
+    /// A fixed parameter is drawn as well, so that it does not change the
     /// draw of the other one.
-    fn belief(&self) -> Belief {
+    pub fn belief(&self) -> Belief {
         match Belief::default() {
             Belief::Independent { alpha, gamma } => Belief::Independent {
                 alpha: self.alpha.marginal().unwrap_or(alpha),
@@ -55,7 +51,8 @@ impl Humans {
         }
     }
 
-    fn given(&self) -> GivenPerception {
+    /// The parameters that all humans share.
+    pub fn given(&self) -> GivenPerception {
         GivenPerception { alpha: self.alpha.fixed(), gamma: self.gamma.fixed() }
     }
 }

@@ -36,7 +36,8 @@ use crate::columns::Heading;
 use cell::Cell;
 use cocarry::arithmetic;
 use cocarry::episode::Settings;
-use cocarry::located::{self, LARGEST_SETTINGS, Place};
+use cocarry::error::Place;
+use cocarry::located::{self, LARGEST_SETTINGS};
 use cocarry::preference::{Predictor, RISK_WEIGHT};
 use cocarry::robot::SlowDrive;
 use cocarry::scenario::{Plant, PlantKind, PreparedScenario, RobotSetup, SETTINGS, Scenario};
@@ -137,8 +138,12 @@ impl Study {
     /// The world and robot files that the study at `path` names.
     pub fn files(&self, path: &Path) -> impl Iterator<Item = PathBuf> {
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        let worlds = self.contents.worlds.iter().map(|(_, world)| &world.file);
-        let robots = self.contents.robots.iter().flat_map(|(_, robot, _)| [&robot.file, &robot.urdf_file]);
+        let worlds = self.contents.worlds.iter().map(|(_, world)| world.file());
+        let robots = self
+            .contents
+            .robots
+            .iter()
+            .flat_map(|(_, robot, _)| [robot.texts().file.as_str(), &robot.texts().urdf_file]);
         worlds.chain(robots).map(move |name| folder.join(name))
     }
 
@@ -209,17 +214,11 @@ impl Study {
     /// The scenario without preference changes, which need a world's options.
     fn scenario_of(&self, cell: usize, seed: u64) -> Scenario {
         let (contents, cell) = (&self.contents, &self.cells[cell]);
-        let robot = contents.robots.get(cell.robot).map(|(_, texts, _)| texts.clone()).unwrap_or_default();
+        let robot = contents.robots.get(cell.robot).map(|(_, robot, _)| robot.clone()).unwrap_or_default();
         let plant = Plant::new(cell.plant, RobotSetup { robot, ..RobotSetup::default() });
-        let mut scenario = Scenario {
-            seed,
-            world: contents.worlds[cell.world].1.clone(),
-            human: contents.humans[cell.humans].1.draw(seed),
-            human_model: Default::default(),
-            changes: Vec::new(),
-            settings: self.bases[cell.belief].clone(),
-            plant,
-        };
+        let (world, settings) = (contents.worlds[cell.world].1.clone(), self.bases[cell.belief].clone());
+        let humans = &contents.humans[cell.humans].1;
+        let mut scenario = Scenario::of_seed(seed, world, plant, settings, &humans.belief(), humans.given());
         for (setting, value) in SETTINGS.iter().zip(&cell.values) {
             value.iter().for_each(|value| setting.set(&mut scenario, value));
         }

@@ -12,7 +12,7 @@ use super::tables::{self, Ticks};
 use super::{Study, SweepError, row};
 use crate::parallel::OnDone;
 use cocarry::arithmetic;
-use cocarry::located::FileError;
+use cocarry::located;
 use cocarry_output::output_file::{OutputError, OutputFile};
 use std::borrow::Borrow;
 use std::fs::File;
@@ -202,7 +202,7 @@ fn rows_kept(
     let mut end = (0, 0);
     loop {
         let read = results::read_line(&mut reader, &mut line);
-        read.map_err(|source| FileError::Read { file: name.to_owned(), source })?;
+        read.map_err(|source| located::unreadable(name, source))?;
         if line.last() != Some(&b'\n') {
             // the end of the file, or an incomplete row
             if bytes == 0 && !row::header().starts_with(&line) {

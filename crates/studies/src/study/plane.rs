@@ -88,7 +88,7 @@ fn each(
 ) -> Result<(), SweepError> {
     let mut rows = Rows::open(path)?;
     let columns = row::columns();
-    let at = |name: &str| columns.iter().position(|column| *column == name).unwrap_or_default();
+    let at = |name: &str| columns.iter().position(|column| *column == name).expect("a column of the rows");
     let inputs = row::IDENTITY.len()..row::IDENTITY.len() + row::input_columns().count();
     let quantity = OUTCOMES.into_iter().find(|known| *known == quantity).map(at);
     let (outcome, alpha, gamma) = (at("outcome"), at("alpha"), at("gamma"));

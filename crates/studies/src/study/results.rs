@@ -3,7 +3,7 @@
 use super::error::Position;
 use super::origin::Origin;
 use super::{SweepError, row, tables};
-use cocarry::located::{self, FileError};
+use cocarry::located;
 use cocarry_output::output_file::{OutputError, OutputFile};
 use row::IDENTITY;
 use std::fs::File;
@@ -146,7 +146,7 @@ impl Rows {
     /// Opens the file and checks its columns.
     pub fn open(path: &Path) -> Result<Self, SweepError> {
         let file = path.display().to_string();
-        let read = |source| FileError::Read { file: file.clone(), source };
+        let read = |source| located::unreadable(&file, source);
         let mut opened = BufReader::new(located::open(path).map_err(read)?);
         let source = match opened.fill_buf().map_err(read)?.starts_with(PARQUET) {
             true => Source::Parquet(Box::new(tables::Reader::open(opened.into_inner(), &file)?)),
@@ -210,7 +210,7 @@ impl Rows {
             }
         };
         let read = read_line(reader, &mut self.line);
-        read.map_err(|source| FileError::Read { file: self.file.clone(), source })?;
+        read.map_err(|source| located::unreadable(&self.file, source))?;
         if self.line.last().is_some_and(|end| *end != b'\n') {
             return Err(SweepError::Row {
                 file: self.file.clone(),

@@ -3,10 +3,11 @@
 use super::cell::Cell;
 use super::file::Contents;
 use crate::columns::{self, Heading};
+use cocarry::Error;
 use cocarry::episode::{Episode, Outcome};
 use cocarry::preference::Perception;
 use cocarry::quantities::{EPISODE, Kind, View, cell};
-use cocarry::scenario::{self, PlantKind, PreparedScenario, SETTINGS, Scenario, ScenarioError, Value};
+use cocarry::scenario::{self, PlantKind, PreparedScenario, SETTINGS, Scenario, Value};
 
 /// A column: its name, its meaning, and its value for a cell, which is `None` where the column does not apply.
 type InputColumn = (&'static str, &'static str, fn(&Inputs) -> Option<String>);
@@ -110,9 +111,8 @@ pub(super) fn in_words(inputs: &[String]) -> String {
 pub(super) fn line(fields: impl Iterator<Item = String>) -> Vec<u8> {
     let mut writer = csv::WriterBuilder::new().buffer_capacity(1024).from_writer(Vec::with_capacity(1024));
     let fields = fields.map(|field| field.replace(['\n', '\r'], " "));
-    // writing to a vector does not fail
-    writer.write_record(fields).and_then(|()| Ok(writer.flush()?)).unwrap_or_default();
-    writer.into_inner().unwrap_or_default()
+    writer.write_record(fields).expect("writing to memory does not fail");
+    writer.into_inner().expect("writing to memory does not fail")
 }
 
 /// Runs an episode to its end, and returns its line of results. `basis` has the world, the options and the
@@ -128,7 +128,7 @@ pub(super) fn of(
     let results = basis.prepare(scenario).and_then(|stage| carry_out(&stage, run));
     let results = results.unwrap_or_else(|error| not_begun(&words(&error)));
     let line = line(identity.into_iter().chain([String::new()]).chain(inputs).chain(drawn).chain(results));
-    let ([begin, _, end], checksum) = split(&line).unwrap_or_default();
+    let ([begin, _, end], checksum) = split(&line).expect("a row has columns before and after its checksum");
     [begin, checksum.as_bytes(), end].concat()
 }
 
@@ -161,17 +161,17 @@ fn drawn(scenario: &Scenario) -> [String; DRAWN.len()] {
 }
 
 /// Makes the episode of a prepared scenario and runs it to its end.
-pub type Run<'r> = &'r dyn for<'s> Fn(&'s PreparedScenario) -> Result<Episode<'s>, ScenarioError>;
+pub type Run<'r> = &'r dyn for<'s> Fn(&'s PreparedScenario) -> Result<Episode<'s>, Error>;
 
 /// The [`Run`] of the scenario's own partners.
-pub(super) fn to_its_end(stage: &PreparedScenario) -> Result<Episode<'_>, ScenarioError> {
+pub(super) fn to_its_end(stage: &PreparedScenario) -> Result<Episode<'_>, Error> {
     let mut episode = stage.episode()?;
     while episode.step().is_none() {}
     Ok(episode)
 }
 
 /// The figures of a finished episode.
-fn carry_out(stage: &PreparedScenario, run: Run) -> Result<Vec<String>, ScenarioError> {
+fn carry_out(stage: &PreparedScenario, run: Run) -> Result<Vec<String>, Error> {
     let episode = run(stage)?;
     let figures = View { stage, episode: &episode }.read(EPISODE);
     Ok(figures.iter().map(|(_, value)| cell(value)).collect())

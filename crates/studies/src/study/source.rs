@@ -1,7 +1,8 @@
 //! The values of a study file, each with the line on which it stands.
 
 use super::SweepError;
-use cocarry::located::{self, Place};
+use cocarry::error::Place;
+use cocarry::located;
 use cocarry::scenario::PERIOD;
 use std::ops::Range;
 use toml::Spanned;

@@ -159,7 +159,8 @@ impl Summary {
     pub fn load(path: &Path) -> Result<Self, SweepError> {
         let mut rows = Rows::open(path)?;
         let columns = row::columns();
-        let at = |name: &str| columns.iter().position(|column| *column == name).unwrap_or_default();
+        let at =
+            |name: &str| columns.iter().position(|column| *column == name).expect("a column of the rows");
         let places = Places {
             seed: at("seed"),
             outcome: at("outcome"),

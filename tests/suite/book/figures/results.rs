@@ -2,6 +2,14 @@
 
 use super::Figure;
 use super::tables::{Row, Tables, grouped, largest, least, line, mean};
+use crate::support::repository;
+use cocarry::episode::{Settings, prospects};
+use cocarry::options::OptionSet;
+use cocarry::preference::ChoiceDistribution;
+use cocarry::scenario::WorldText;
+use cocarry::world::World;
+use cocarry_studies::paper::ENVIRONMENTS;
+use cocarry_studies::paper::h2::{GRID, expected_costs};
 
 /// The postures at the start of Table III, and the table of their ratios.
 const UP: &str = "table-3-ratios-elbow-up";
@@ -25,6 +33,7 @@ pub const FIGURES: &[Figure] = &[
         let all = [of("1"), of("4")].concat();
         format!("{:.0} to {:.0} m", least(&all), largest(&all))
     }),
+    ("environment-2.cells", environment_2),
     ("risk-weight.least-squares", |t| format!("{:.2} m", risk_weight(t, "least squares", "risk_weight_m"))),
     ("risk-weight.likelihood", |t| format!("{:.2} m", risk_weight(t, "likelihood", "risk_weight_m"))),
     ("risk-weight.lapse", |t| format!("{:.0} %", 100.0 * risk_weight(t, "likelihood", "lapse"))),
@@ -91,6 +100,51 @@ pub const FIGURES: &[Figure] = &[
     ("table-3.overlaps-without-po", |t| overlaps(t, "without-po")),
     ("table-3.overlaps-avoided", |t| overlaps(t, "with-po-obstacles")),
 ];
+
+/// Tables I and II of the geometry that was searched for anew, worked out here, beside the kept ones of the built-in
+/// geometry.
+fn environment_2(t: &Tables) -> String {
+    let settings = Settings::default();
+    let costs = |world: WorldText| expected_costs(world, &settings, GRID).expect("a world");
+    let choices = |world: &World| -> Vec<f64> {
+        let set = OptionSet::new(world, settings.predictor.risk_weight()).expect("options");
+        let mut choice = ChoiceDistribution::default();
+        settings.predictor.clone().predict(&prospects(&set, &set.begin()), &mut choice);
+        choice.probabilities().iter().map(|p| 100.0 * p).collect()
+    };
+    let paper = &ENVIRONMENTS[1];
+    let file = "docs/data/environment-2-anew.toml";
+    let anew = WorldText { file: file.to_owned(), text: std::fs::read_to_string(repository(file)).unwrap() };
+    let built_in = |table: &str, column: &str| t.column(table, &[("environment", "2")], column);
+    let rows = [
+        choices(&World::parse(file, &anew.text).unwrap()),
+        built_in("table-1", "ours_percent"),
+        costs(anew).to_vec(),
+        built_in("table-2", "ours_mean_m"),
+    ];
+    let mut text = line(["", "paper", "anew", "built in"]) + &line([":--", "--:", "--:", "--:"]);
+    for (o, percent) in paper.model_percent.iter().enumerate() {
+        text += &line([
+            format!("Table I, option {}", o + 1),
+            format!("{percent:.1} %"),
+            format!("{:.1} %", rows[0][o]),
+            format!("{:.1} %", rows[1][o]),
+        ]);
+        assert!((rows[0][o] - percent).abs() < 1.2, "{file}: Table I, option {}", o + 1);
+    }
+    for (o, column) in ["without model", "eta 5", "eta 10.5", "eta 15"].into_iter().enumerate() {
+        let paper = paper.objective_cost[o];
+        let cell = |ours: f64| format!("{ours:.1} m ({:+.1} %)", 100.0 * (ours / paper - 1.0));
+        text += &line([
+            format!("Table II, {column}"),
+            format!("{paper:.1} m"),
+            cell(rows[2][o]),
+            cell(rows[3][o]),
+        ]);
+        assert!((rows[2][o] / paper - 1.0).abs() < 0.05, "{file}: Table II, {column}");
+    }
+    text
+}
 
 fn risk_weight(t: &Tables, by: &str, column: &str) -> f64 {
     t.row("risk-weight", &[("by", by)]).number(column)

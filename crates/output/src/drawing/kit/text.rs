@@ -97,12 +97,12 @@ impl Text {
     /// Width of a character, em.
     fn advance(&self, form: Form, c: char) -> f64 {
         let ascii = (c as usize).checked_sub(' ' as usize).and_then(|i| ADVANCES.get(i));
-        let em = match c {
-            _ if ascii.is_some() => f64::from(ascii.copied().unwrap_or_default()) / 1000.0,
-            '\u{2026}' => 1.0,
+        let em = match (ascii, c) {
+            (Some(advance), _) => f64::from(*advance) / 1000.0,
+            (None, '\u{2026}') => 1.0,
             // accented Latin, Greek, Cyrillic and signs; other characters count as full width
-            c if (c as u32) < 0x2e80 => 0.84,
-            _ => 1.05,
+            (None, c) if (c as u32) < 0x2e80 => 0.84,
+            (None, _) => 1.05,
         };
         em * if form == Form::Sub { SUB_SIZE } else { 1.0 } * if self.is_bold { BOLD } else { 1.0 }
     }

@@ -119,7 +119,8 @@ impl Source<'_> {
         let node = self.crowd.as_ref().map(|_| pick(cumulated, rng));
         if let Some([a, g]) = node.map(|node| self.grid.at(node)) {
             let normals = [&self.grid.alpha.normals[a], &self.grid.gamma.normals[g]];
-            let shapes = normals.map(|normal| normal.normal_shape().unwrap_or_default());
+            let shapes =
+                normals.map(|normal| normal.normal_shape().expect("populations of the grid are normal"));
             draw.population = Some([shapes[0].0, shapes[0].1, shapes[1].0, shapes[1].1]);
         }
         for (p, person) in self.people.iter().enumerate() {

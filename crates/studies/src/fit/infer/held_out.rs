@@ -119,7 +119,7 @@ fn fitted(answers: &Answers, model: &Model, world: usize) -> Option<Vec<f64>> {
     let fit = fit_risk_weight(answers, &predictor, &settings, &|| ()).ok()?;
     let rows = fit.rows.iter().filter(|row| row.world == held_out);
     let preferred: Vec<f64> = rows.map(|row| 0.01 * row.likelihood_percent).collect();
-    Some(answered(&preferred, fit.likelihood.lapse.unwrap_or_default()))
+    Some(answered(&preferred, fit.likelihood.lapse.expect("the likelihood estimates the lapse rate")))
 }
 
 fn row(world: Option<String>, all: &[&Predicted]) -> HeldOut {

@@ -2,10 +2,11 @@
 //! (7) follows the option that is most probable, eq. (8) weighs all of them; without pose optimisation, or
 //! with equal weights, what was learned has an effect on eq. (7) only.
 
-use super::{ALL_WORLDS, HumanKind, PersonRow, RobotKind, Study, StudyError, Task, Tasks};
+use super::{ALL_WORLDS, HumanKind, PersonRow, RobotKind, Study, Task, Tasks};
 use crate::paper::h3::PoseMethod;
 use crate::parallel::{OnDone, in_parallel};
 use crate::statistics::{self, Paired, mean_and_std};
+use cocarry::Error;
 use cocarry::policy::Method;
 use serde::Serialize;
 
@@ -66,7 +67,7 @@ impl Study<'_> {
         &self,
         people: &mut Vec<PersonRow>,
         on_done: OnDone,
-    ) -> Result<Vec<ControlRow>, StudyError> {
+    ) -> Result<Vec<ControlRow>, Error> {
         let n = self.humans_with_arm();
         let mut rows = Vec::new();
         for (method, pose) in ROBOTS_WITH_ARM {
@@ -81,7 +82,7 @@ impl Study<'_> {
                 let worlds = &groups[i / n].worlds;
                 self.tasks_of(&worlds[i % n % worlds.len()], &person(i))
             });
-            let all = all.into_iter().collect::<Result<Vec<Tasks>, StudyError>>()?;
+            let all = all.into_iter().collect::<Result<Vec<Tasks>, Error>>()?;
             for (i, tasks) in all.iter().enumerate() {
                 let (group, robot) = (&groups[i / n], (method, Some(pose)));
                 people.extend(self.person_rows(robot, group, person(i), (i / n, i % n), tasks));

@@ -199,7 +199,7 @@ impl Ticks {
 
     fn is_of_study(&self, path: &Path) -> Result<bool, SweepError> {
         let name = path.display().to_string();
-        let read = |source| cocarry::located::FileError::Read { file: name.clone(), source };
+        let read = |source| cocarry::located::unreadable(&name, source);
         let file = File::open(path).map_err(read)?;
         let reader = open(file).map_err(|error| unread(&name, error))?;
         let pairs = reader.metadata().file_metadata().key_value_metadata();

@@ -1,0 +1,71 @@
+//! Warnings about a valid robot: parts that its files lack and their substitutes.
+
+use std::fmt;
+
+/// Something that a user should know about a robot that is valid all the same.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RobotWarning {
+    text: String,
+    kind: WarningKind,
+    is_about_file: bool,
+}
+
+/// What a [`RobotWarning`] is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WarningKind {
+    /// Anything that leaves collisions as they are.
+    Other,
+    /// A collision shape that is missing.
+    MissingShape,
+    /// A collision shape of the base that is missing, and what the base collides as instead.
+    MissingBaseShape,
+}
+
+impl RobotWarning {
+    /// A warning of [`WarningKind::Other`].
+    pub(super) fn new(text: String) -> Self {
+        Self { text, kind: WarningKind::Other, is_about_file: false }
+    }
+
+    /// A warning of another kind.
+    pub(super) fn of_kind(kind: WarningKind, text: String) -> Self {
+        Self { text, kind, is_about_file: false }
+    }
+
+    /// The same as a warning about a file that was looked for as the robot was loaded.
+    pub(super) fn about_file(self) -> Self {
+        Self { is_about_file: true, ..self }
+    }
+
+    /// Whether it is about a file that was looked for as the robot was loaded. What a missing file means for the
+    /// robot is a warning of its own.
+    pub fn is_about_file(&self) -> bool {
+        self.is_about_file
+    }
+
+    /// What it is about.
+    pub fn kind(&self) -> WarningKind {
+        self.kind
+    }
+
+    /// Whether collisions differ from those of the real robot's shapes because a shape is missing.
+    pub fn is_about_missing_shapes(&self) -> bool {
+        self.kind != WarningKind::Other
+    }
+}
+
+impl fmt::Display for RobotWarning {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+/// The first few names of a list, each quoted.
+pub(super) fn some_of(names: &[&str]) -> String {
+    const MOST_NAMES: usize = 6;
+    let first = names.iter().take(MOST_NAMES).map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(MOST_NAMES) {
+        0 => first,
+        more => format!("{first} and {more} more"),
+    }
+}
