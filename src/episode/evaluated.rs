@@ -144,8 +144,7 @@ impl Episode<'_> {
     /// The options from where the team is.
     pub(super) fn evaluate(&self, now: Now, memory: Evaluated) -> Evaluated {
         // g(0) = 0: before the first step the team has no next waypoint
-        let executed = now.executed.filter(|_| now.mode == Mode::RobotLed);
-        let toward = executed.map(|executed| self.options.next(&self.progress, executed));
+        let toward = now.executed.map(|executed| self.options.next(&self.progress, executed));
         let risk_weight = self.predictor.risk_weight();
         Evaluated::at(self.options, &self.progress, risk_weight, toward, now.executed, memory)
     }

@@ -75,6 +75,17 @@ fn closed_form_in_the_example_only_the_options_through_other_openings_are_misali
     assert_eq!(misaligned, [true, true, false, true]);
 }
 
+/// omega_o says where the team goes, whoever leads: discomfort grows by it under the robot's lead only.
+#[test]
+fn options_are_misaligned_under_the_human_s_lead_too() {
+    let (_, ticks) = ticks("worlds/environment-4.toml", &settings(Method::MUTUAL, 5.0), EXAMPLE_HUMAN);
+    let led: Vec<&Tick> = ticks.iter().filter(|tick| tick.mode == Mode::HumanLed).collect();
+    // on the way to option 4's opening, all others are misaligned
+    let misaligned: Vec<bool> = led[10].options.iter().map(|o| o.misaligned).collect();
+    assert_eq!((led[10].executed, &misaligned[..]), (3, &[true, true, true, false][..]));
+    assert!(led.windows(2).all(|pair| pair[0].discomfort == pair[1].discomfort));
+}
+
 #[test]
 fn a_robot_that_leads_to_the_end_never_hands_over() {
     let settings = settings(Method::ROBOT_LED, 1.0);

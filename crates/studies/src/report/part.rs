@@ -62,8 +62,8 @@ impl<'a> Plan<'a> {
             episodes_with_bodies: 1,
             seeds: 1,
             humans: 2,
-            worlds: 200,
-            worlds_with_bodies: 5,
+            worlds: 1000,
+            worlds_with_bodies: 40,
             walks: 1,
             people: 2,
             ..Self::new(robot)
