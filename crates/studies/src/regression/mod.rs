@@ -42,7 +42,7 @@ pub fn run_all(scenarios: Vec<Scenario>, on_done: OnDone) -> Vec<Result<Figures,
         while episode.step().is_none() {
             route.step(&stage, episode.position());
         }
-        Ok(figures(&View { stage: &stage, episode: &episode }, &route))
+        Ok(figures(&View::new(&stage, &episode), &route))
     })
 }
 
