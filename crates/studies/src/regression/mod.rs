@@ -1,12 +1,10 @@
 //! The regression gate: figures of runs compared with a recorded baseline.
 
 mod baseline;
-mod error;
 mod figures;
 mod tolerance;
 
 pub use baseline::{Baseline, Run, Value};
-pub use error::BaselineError;
 pub use figures::{Figure, Route, figure_names, figures, is_near};
 pub use tolerance::{FORMAT, Tolerance};
 
