@@ -22,6 +22,11 @@ impl Place {
         Self { file: file.into(), line: None, item: item.into() }
     }
 
+    /// An item on a line of a file; the whole line, if it is empty.
+    pub fn line(file: impl Into<String>, line: u64, item: impl Into<String>) -> Self {
+        Self { file: file.into(), line: Some(line as usize), item: item.into() }
+    }
+
     /// A whole file.
     pub fn file(file: impl Into<String>) -> Self {
         Self::item(file, "")

@@ -45,11 +45,6 @@ pub fn hint_of_listed(name: &str, listed: &str) -> String {
     hint(name, listed.split(quote).skip(1).step_by(2))
 }
 
-/// [`hint`] for a list of known names with commas.
-pub fn hint_of_list(name: &str, list: &str) -> String {
-    hint(name, list.split(", "))
-}
-
 /// [`hint`] for an error of a parser, such as "unknown field `a`, expected one of `b`, `c`".
 pub fn hint_of_error(error: &str) -> String {
     let unknown = error.strip_prefix("unknown ").and_then(|rest| rest.split_once(", expected "));
@@ -97,6 +92,5 @@ mod tests {
         assert_eq!(hint_of_error(error), "; did you mean `name`?");
         assert_eq!(hint_of_error("missing field `name`"), "");
         assert_eq!(hint_of_listed("rapie", r#"one of "point", "rapier""#), "; did you mean `rapier`?");
-        assert_eq!(hint_of_list("eat", "worlds, eta, method"), "; did you mean `eta`?");
     }
 }

@@ -152,7 +152,7 @@ impl Episode {
     fn read<T: Send>(&self, py: Python<'_>, read: impl FnOnce(&View) -> T + Send) -> PyResult<T> {
         let found = self.with(py, |stage, running| {
             let begun = running.episode.summary().steps > 0;
-            begun.then(|| read(&View { stage, episode: &running.episode }))
+            begun.then(|| read(&View::new(stage, &running.episode)))
         })?;
         found.ok_or_else(|| Error::new_err("the episode has no tick before its first step; call step()"))
     }
@@ -308,16 +308,14 @@ impl Episode {
 
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let record =
-            self.with(py, |stage, running| View { stage, episode: &running.episode }.read(EPISODE))?;
+        let record = self.with(py, |stage, running| View::new(stage, &running.episode).read(EPISODE))?;
         value::record(py, record)
     }
 
     /// The belief over this human, as of now; `None` if the robot does not learn.
     #[getter]
     fn learned<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let record =
-            self.with(py, |stage, running| View { stage, episode: &running.episode }.read(LEARNED))?;
+        let record = self.with(py, |stage, running| View::new(stage, &running.episode).read(LEARNED))?;
         let found = record.into_iter().next().map(|(_, human)| human).unwrap_or_default();
         value::to_python(py, &found)
     }

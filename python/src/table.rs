@@ -7,8 +7,8 @@ use arrow_array::types::{Float64Type, Int64Type};
 use arrow_array::{Array, ArrayRef, RecordBatch, RecordBatchIterator};
 use arrow_schema::{DataType, Field, Schema};
 use arrow_select::concat::concat_batches;
-use cocarry::quantities::{Kind, Record, TICK};
-use cocarry_studies::columns::{Column, Columns, Heading};
+use cocarry::quantities::{Heading, Kind, Record, TICK};
+use cocarry_studies::columns::{Column, Columns, field};
 use numpy::PyArray1;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
@@ -77,7 +77,7 @@ impl Table {
                 for (name, value, kind) in cells {
                     let (column, _, filled) = columns.entry(name.clone()).or_insert_with(|| {
                         order.push(name.clone());
-                        (Column::of(kind), Heading::from(quantity).field().metadata().clone().into(), 0)
+                        (Column::of(kind), field(&Heading::from(quantity)).metadata().clone().into(), 0)
                     });
                     for _ in *filled..row {
                         column.add(&Value::Null);

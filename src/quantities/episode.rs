@@ -1,7 +1,7 @@
 //! The quantities of an episode as a whole.
 
 use super::{JOULES, Kind, METRES, NEWTONS, PLAIN, Quantity, SECONDS, SQUARED_JERK, View, quantities};
-use crate::episode::{ControlSummary, InteractionSummary, Loss, Summary, Transition};
+use crate::episode::{ControlSummary, InteractionSummary, Loss, Outcome, Summary, Transition};
 use crate::simulation::{Contact, Failure, Part};
 use Kind::{Count, Text};
 
@@ -42,7 +42,7 @@ impl View<'_> {
 /// The quantities of an episode: outcome, costs, forces, losses and collisions.
 #[rustfmt::skip]
 pub const EPISODE: &[Quantity] = quantities! {
-    "outcome", Text, "arrived, out-of-time, no-way, collided, stuck, dropped, object-lost or non-finite; in recordings also interrupted (by the user)", |v| v.summary().outcome.name();
+    "outcome", Text, "arrived, out-of-time, no-way, collided, stuck, dropped, object-lost or non-finite; in recordings also interrupted (by the user)", |v| v.outcome.map_or("interrupted", Outcome::name);
     "steps", Count, "steps taken", |v| v.summary().steps;
     "time_s", SECONDS, "simulated time", |v| v.seconds(v.summary().steps);
     "walked_m", METRES, "length of the path walked", |v| v.summary().walked;

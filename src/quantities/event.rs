@@ -138,8 +138,9 @@ impl Event {
         Self::of_step(loss.step, Severity::Error, "contact", sentence)
     }
 
-    /// The end of an episode; `outcome` is `None` where the user interrupted it.
-    pub fn end(view: &View, outcome: Option<Outcome>) -> Self {
+    /// The end of an episode.
+    pub fn end(view: &View) -> Self {
+        let outcome = view.outcome;
         let Summary { steps, last_option, walked, .. } = *view.episode.summary();
         let end = match outcome {
             None => "interrupted",

@@ -1,6 +1,6 @@
 //! What the robot has learned of the human.
 
-use super::{Kind, PLAIN, Quantity, json, quantities, read, schema};
+use super::{Kind, PLAIN, Quantity, headings, json, quantities, read};
 use crate::learning::Learner;
 use crate::preference::{Estimate, Perception};
 use Kind::Numbers;
@@ -11,7 +11,7 @@ const GRID: u32 = 32;
 
 /// What the robot has learned. Missing without `--belief learn`.
 pub const LEARNED: &[Quantity] = quantities! {
-    "human", Kind::Record(|| schema(HUMAN)), "the belief over this human's alpha, gamma and eta", |v| v.episode.learner().map(human);
+    "human", Kind::Record(|| headings(HUMAN)), "the belief over this human's alpha, gamma and eta", |v| v.episode.learner().map(human);
 };
 
 pub(super) struct Human<'a> {

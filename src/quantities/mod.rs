@@ -20,7 +20,7 @@
 //! let stage = scenario.prepare()?;
 //! let mut episode = stage.episode()?;
 //! while episode.step().is_none() {}
-//! let figures = View { stage: &stage, episode: &episode }.read(EPISODE);
+//! let figures = View::new(&stage, &episode).read(EPISODE);
 //! assert_eq!((figures[0].0, figures[0].1.as_str()), ("outcome", Some("arrived")));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -39,9 +39,10 @@ pub use tick::{
     BASE, CONTROL, COORDINATION, COST, INTERACTION, JOINTS, OPTION, OPTIONS, OptionView, STEP, TICK, TIME,
 };
 
-use crate::episode::Episode;
+use crate::episode::{Episode, Outcome};
 use crate::scenario::PreparedScenario;
 use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
 
 /// Values by their keys, in the order of their table. Missing and non-finite values are null.
 pub type Record = Vec<(&'static str, Value)>;
@@ -70,6 +71,15 @@ pub struct View<'a> {
     pub stage: &'a PreparedScenario,
     /// The episode. Quantities of a control period are those of the last step taken.
     pub episode: &'a Episode<'a>,
+    /// The outcome of the episode; `None` if the user interrupted it.
+    pub outcome: Option<Outcome>,
+}
+
+impl<'a> View<'a> {
+    /// An episode that goes on or is over.
+    pub fn new(stage: &'a PreparedScenario, episode: &'a Episode<'a>) -> Self {
+        Self { stage, episode, outcome: Some(episode.summary().outcome) }
+    }
 }
 
 impl View<'_> {
@@ -122,10 +132,27 @@ pub enum Kind {
     Flag,
     /// A list of numbers.
     Numbers,
-    /// A record, with its JSON Schema.
-    Record(fn() -> Value),
-    /// A list of records, with the JSON Schema of one.
-    List(fn() -> Value),
+    /// A record, with the headings of its values.
+    Record(fn() -> Vec<Heading>),
+    /// A list of records, with the headings of one.
+    List(fn() -> Vec<Heading>),
+}
+
+/// What a value is, apart from its getter.
+#[derive(Clone, Copy, Debug)]
+pub struct Heading {
+    /// Its name, which ends in its unit.
+    pub name: &'static str,
+    /// The kind of its values, with the unit.
+    pub kind: Kind,
+    /// Its meaning.
+    pub description: &'static str,
+}
+
+impl<Getter> From<&Quantity<Getter>> for Heading {
+    fn from(quantity: &Quantity<Getter>) -> Self {
+        Self { name: quantity.key, kind: quantity.kind, description: quantity.description }
+    }
 }
 
 const PLAIN: Kind = Kind::Number("");
@@ -140,7 +167,7 @@ const NEWTON_METRES: Kind = Kind::Number("Nm");
 const JOULES: Kind = Kind::Number("J");
 const SQUARED_JERK: Kind = Kind::Number("m^2/s^5");
 
-impl<Getter> Quantity<Getter> {
+impl Heading {
     /// The JSON Schema of its value: one plain type, since Foxglove reads no others.
     fn schema(&self) -> Value {
         let mut schema = match self.kind {
@@ -149,8 +176,8 @@ impl<Getter> Quantity<Getter> {
             Kind::Text => json!({ "type": "string" }),
             Kind::Flag => json!({ "type": "boolean" }),
             Kind::Numbers => json!({ "type": "array", "items": { "type": "number" } }),
-            Kind::Record(record) => record(),
-            Kind::List(record) => json!({ "type": "array", "items": record() }),
+            Kind::Record(record) => schema(record()),
+            Kind::List(record) => json!({ "type": "array", "items": schema(record()) }),
         };
         schema["description"] = match self.kind {
             Kind::Number(unit) if !unit.is_empty() => format!("{} [{unit}]", self.description).into(),
@@ -167,10 +194,16 @@ fn read<V>(quantities: &[Of<V>], of: &V) -> Record {
     quantities.iter().map(|quantity| (quantity.key, (quantity.get)(of))).collect()
 }
 
-/// The JSON Schema of a record of these quantities. No property is required: missing values are left out.
-pub fn schema<'a, Getter: 'a>(quantities: impl IntoIterator<Item = &'a Quantity<Getter>>) -> Value {
-    let property = |quantity: &Quantity<Getter>| (quantity.key.to_owned(), quantity.schema());
-    let properties: Map<String, Value> = quantities.into_iter().map(property).collect();
+/// The headings of the quantities of a record, in the order of their names. Each name stands once.
+pub fn headings<'a, Getter: 'a>(quantities: impl IntoIterator<Item = &'a Quantity<Getter>>) -> Vec<Heading> {
+    let named = quantities.into_iter().map(|quantity| (quantity.key, Heading::from(quantity)));
+    named.collect::<BTreeMap<_, _>>().into_values().collect()
+}
+
+/// The JSON Schema of a record with these headings. No property is required: missing values are left out.
+pub fn schema(headings: impl IntoIterator<Item = Heading>) -> Value {
+    let property = |heading: Heading| (heading.name.to_owned(), heading.schema());
+    let properties: Map<String, Value> = headings.into_iter().map(property).collect();
     json!({ "type": "object", "properties": properties })
 }
 

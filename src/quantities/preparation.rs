@@ -1,7 +1,7 @@
 //! The inputs of the controller's decision in a step: references, and the candidates of eq. (8). They are in
 //! recordings only.
 
-use super::{Kind, METRES, PLAIN, Quantity, RADIANS, View, json, quantities, read, schema};
+use super::{Kind, METRES, PLAIN, Quantity, RADIANS, View, headings, json, quantities, read};
 use crate::control::{Considered, Reference};
 use crate::robot::Configuration;
 use Kind::{List, Numbers, Text};
@@ -10,9 +10,9 @@ use serde_json::Value;
 /// The references and candidates of a step. Missing without a robot.
 #[rustfmt::skip]
 pub const PREPARATION: &[Quantity] = quantities! {
-    "references", List(|| schema(REFERENCE)), "what eq. (7) and (8) track: all options while the human leads, else the one executed", |v| references(v);
-    "target", Kind::Record(|| schema(CONFIGURATION)), "q*, the configuration that eq. (8) chose, else the present one", |v| v.episode.considerations().map(|c| configuration(v, c.target));
-    "candidates", List(|| schema(CANDIDATE)), "Q of eq. (8), the present configuration first; none where it was not asked", |v| candidates(v);
+    "references", List(|| headings(REFERENCE)), "what eq. (7) and (8) track: all options while the human leads, else the one executed", |v| references(v);
+    "target", Kind::Record(|| headings(CONFIGURATION)), "q*, the configuration that eq. (8) chose, else the present one", |v| v.episode.considerations().map(|c| configuration(v, c.target));
+    "candidates", List(|| headings(CANDIDATE)), "Q of eq. (8), the present configuration first; none where it was not asked", |v| candidates(v);
 };
 
 struct ReferenceView<'a> {
@@ -51,7 +51,7 @@ type OfCandidate = Quantity<fn(&(Value, Considered)) -> Value>;
 
 #[rustfmt::skip]
 const CANDIDATE: &[OfCandidate] = quantities! {
-    "q", Kind::Record(|| schema(CONFIGURATION)), "the configuration", |(q, _)| q.clone();
+    "q", Kind::Record(|| headings(CONFIGURATION)), "the configuration", |(q, _)| q.clone();
     "lower_bound", PLAIN, "the sum of eq. (8) without limits; missing where no costs were asked for", |(_, found)| found.floor;
     "total", PLAIN, "the sum of eq. (8) (minus the manipulability, if that is the criterion); missing where it is known to exceed the least without being \
         worked out", |(_, found)| found.total;

@@ -2,7 +2,7 @@
 
 use super::{
     DEGREES, JOULES, Kind, METRES, METRES_PER_SECOND, NEWTON_METRES, NEWTONS, PLAIN, Quantity, RADIANS,
-    RADIANS_PER_SECOND, Record, SECONDS, SQUARED_JERK, View, json, quantities, read, schema,
+    RADIANS_PER_SECOND, Record, SECONDS, SQUARED_JERK, View, headings, json, quantities, read,
 };
 use crate::control::{Failure, SolveOutcome};
 use crate::coordination::OptionTick;
@@ -186,7 +186,7 @@ pub const INTERACTION: &[Quantity] = quantities! {
 
 /// The options, one record of [`OPTION`] each.
 pub const OPTIONS: &[Quantity] = quantities! {
-    "options", List(|| schema(OPTION)), "every option as it is from where the team is at the beginning of the step", |v| options(v);
+    "options", List(|| headings(OPTION)), "every option as it is from where the team is at the beginning of the step", |v| options(v);
 };
 
 /// An option, evaluated from a position.
@@ -226,7 +226,7 @@ fn options(view: &View) -> Vec<Value> {
 
 /// The joints of the arm, one record each; none without a robot.
 pub const JOINTS: &[Quantity] = quantities! {
-    "joints", List(|| schema(REVOLUTE.iter().chain(PRISMATIC))), "the joints of the arm, from the base on", |v| joints(v);
+    "joints", List(|| headings(REVOLUTE.iter().chain(PRISMATIC))), "the joints of the arm, from the base on", |v| joints(v);
 };
 
 /// One joint of the arm in a control period.

@@ -71,8 +71,8 @@ pub enum Applies {
 /// The values of a setting, and its field in a scenario.
 #[derive(Debug)]
 pub enum Kind {
-    /// A number in a range.
-    Number(Range, Field<f64>),
+    /// A number with its unit ("" if it has none), in a range.
+    Number(&'static str, Range, Field<f64>),
     /// A whole number from 1 to a limit.
     Count(u64, Field<Option<u64>>),
     /// True or false.
@@ -116,7 +116,7 @@ impl Setting {
     /// Its value in a scenario; `None` if the scenario does not have the setting.
     pub fn get(&self, scenario: &Scenario) -> Option<Value> {
         match &self.kind {
-            Kind::Number(_, field) => (field.get)(scenario).map(Value::Number),
+            Kind::Number(.., field) => (field.get)(scenario).map(Value::Number),
             Kind::Count(_, field) => (field.get)(scenario)?.map(Value::Count),
             Kind::Flag(field) => (field.get)(scenario).map(Value::Flag),
             Kind::Word(_, field) | Kind::Text(.., field) => (field.get)(scenario).map(Value::Text),
@@ -127,7 +127,7 @@ impl Setting {
     /// not have the setting.
     pub fn set(&self, scenario: &mut Scenario, value: &Value) {
         match (&self.kind, value) {
-            (Kind::Number(_, field), Value::Number(value)) => (field.set)(scenario, *value),
+            (Kind::Number(.., field), Value::Number(value)) => (field.set)(scenario, *value),
             (Kind::Count(_, field), Value::Count(value)) => (field.set)(scenario, Some(*value)),
             (Kind::Flag(field), Value::Flag(value)) => (field.set)(scenario, *value),
             (Kind::Word(_, field) | Kind::Text(.., field), Value::Text(text)) => {
@@ -140,7 +140,7 @@ impl Setting {
     /// Whether the value is allowed.
     pub fn accepts(&self, value: &Value) -> bool {
         match (&self.kind, value) {
-            (Kind::Number(range, _), Value::Number(value)) => range.contains(*value),
+            (Kind::Number(_, range, _), Value::Number(value)) => range.contains(*value),
             (Kind::Count(most, _), Value::Count(value)) => (1..=*most).contains(value),
             (Kind::Flag(_), Value::Flag(_)) => true,
             (Kind::Word(words, _), Value::Text(text)) => words().iter().any(|(word, _)| word == text),
@@ -157,7 +157,7 @@ impl Setting {
     /// A description of the allowed values, for errors.
     pub fn expected(&self) -> String {
         match &self.kind {
-            Kind::Number(range, _) => range.to_string(),
+            Kind::Number(_, range, _) => range.to_string(),
             Kind::Count(most, _) => format!("a whole number from 1 to {most}"),
             Kind::Flag(_) => "true or false".to_owned(),
             Kind::Word(words, _) => one_of(&words()),
@@ -251,5 +251,29 @@ impl fmt::Display for Value {
             Self::Flag(flag) => flag.fmt(f),
             Self::Text(text) => text.fmt(f),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::SETTINGS;
+
+    #[test]
+    fn a_key_ends_in_the_unit_that_its_setting_declares() {
+        let suffix = |unit: &str| format!("_{}", unit.to_lowercase().replace('/', "_per_").replace('^', ""));
+        let unit = |setting: &Setting| if let Kind::Number(unit, ..) = setting.kind { unit } else { "" };
+        for setting in SETTINGS {
+            let unit = unit(setting);
+            match unit {
+                "" => {
+                    let ends = ["_m", "_s", "_hz"].iter().any(|end| setting.key.ends_with(end));
+                    assert!(!ends, "{} has a unit", setting.key);
+                }
+                unit => assert!(setting.key.ends_with(&suffix(unit)), "{}: {unit}", setting.key),
+            }
+        }
+        let stiffness = SETTINGS.iter().find(|setting| setting.key == "hand_stiffness_n_per_m");
+        assert_eq!(stiffness.map(unit), Some("N/m"));
     }
 }

@@ -60,6 +60,7 @@ pub const RISK_WEIGHT: Setting = Setting {
     about: "Weight c_r of risk against distance, in metres",
     applies: Applies::Always,
     kind: Kind::Number(
+        "m",
         NOT_NEGATIVE,
         Field {
             get: |s| Some(s.settings.predictor.risk_weight()),
@@ -78,6 +79,7 @@ pub const BELIEF_LAPSE: Setting = Setting {
     about: "Lapse rate l of the robot's belief: with probability l, a human takes any option. Above 0, a robot that learns assumes it of what it sees, too",
     applies: Applies::Always,
     kind: Kind::Number(
+        "",
         Range::between(0.0, MAX_LAPSE_RATE),
         Field {
             get: |s| Some(s.settings.predictor.lapse_rate()),
@@ -99,6 +101,7 @@ pub const BELIEF_RATIONALITY: Setting = Setting {
     about: "Rationality beta of the robot's belief: P_o is that of humans who choose with probability proportional to exp(-beta J^), as boltzmann(beta) does [default: infinite, eq. (4)]",
     applies: Applies::Always,
     kind: Kind::Number(
+        "",
         Range::above(0.0, MAX_RATIONALITY),
         Field {
             get: |s| s.settings.predictor.rationality(),
@@ -148,6 +151,7 @@ pub const SWAY: Setting = Setting {
     about: "Amplitude of the human hand's lateral sway with the gait, in metres; half of it vertically",
     applies: Applies::Bodies,
     kind: Kind::Number(
+        "m",
         Range::of(HumanSettings::SWAYS),
         Field {
             get: |s| s.plant.physics().map(|physics| physics.human.sway_lateral),
@@ -168,7 +172,7 @@ pub const PLANNING_STEP: Setting = Setting {
     group: Group::Walk,
     about: "Planning step k, in seconds: phi, g, J and looks count in it, so an eta is for one planning step",
     applies: Applies::Always,
-    kind: Kind::Number(PERIODS, field!(scenario s => s.settings.planning_step)),
+    kind: Kind::Number("s", PERIODS, field!(scenario s => s.settings.planning_step)),
 };
 
 /// phi(0) of eq. (5).
@@ -180,6 +184,7 @@ pub const INITIAL_STUBBORNNESS: Setting = Setting {
     about: "Stubbornness phi(0) at the start",
     applies: Applies::Always,
     kind: Kind::Number(
+        "",
         Range::above(0.0, 1.0),
         field!(scenario s => s.settings.coordination.initial_stubbornness),
     ),
@@ -224,6 +229,7 @@ pub const SETTINGS: &[Setting] = &[
         about: "Control period of eqs. (7) and (8), in seconds, a whole fraction of the planning step [default: the planning step]",
         applies: Applies::Always,
         kind: Kind::Number(
+            "s",
             PERIODS,
             Field {
                 get: |s| s.settings.control_period,
@@ -238,7 +244,7 @@ pub const SETTINGS: &[Setting] = &[
         group: Group::Walk,
         about: "Walking speed of the team, in metres per second",
         applies: Applies::Always,
-        kind: Kind::Number(Range::between(0.001, 10.0), field!(scenario s => s.settings.speed)),
+        kind: Kind::Number("m/s", Range::between(0.001, 10.0), field!(scenario s => s.settings.speed)),
     },
     Setting {
         key: "yaw_rate_rad_per_s",
@@ -247,7 +253,7 @@ pub const SETTINGS: &[Setting] = &[
         group: Group::Walk,
         about: "Largest yaw rate of the human, in radians per second",
         applies: Applies::Always,
-        kind: Kind::Number(Range::above(0.0, 1000.0), field!(scenario s => s.settings.yaw_rate)),
+        kind: Kind::Number("rad/s", Range::above(0.0, 1000.0), field!(scenario s => s.settings.yaw_rate)),
     },
     Setting {
         key: "max_steps",
@@ -266,7 +272,7 @@ pub const SETTINGS: &[Setting] = &[
         group: Group::Control,
         about: "Weight of the grasp error in eq. (7): Q is this number times the identity",
         applies: Applies::Robot,
-        kind: Kind::Number(POSITIVE, field!(robot r => r.control.state_weight)),
+        kind: Kind::Number("", POSITIVE, field!(robot r => r.control.state_weight)),
     },
     Setting {
         key: "input_weight",
@@ -275,7 +281,7 @@ pub const SETTINGS: &[Setting] = &[
         group: Group::Control,
         about: "Weight of the inputs in eq. (7): R is this number times the identity",
         applies: Applies::Robot,
-        kind: Kind::Number(POSITIVE, field!(robot r => r.control.input_weight)),
+        kind: Kind::Number("", POSITIVE, field!(robot r => r.control.input_weight)),
     },
     AVOID,
     Setting {
@@ -285,7 +291,7 @@ pub const SETTINGS: &[Setting] = &[
         group: Group::Physics,
         about: "Physics steps per second; a control period takes the nearest whole number of them",
         applies: Applies::Bodies,
-        kind: Kind::Number(Range::of(PhysicsSettings::RATES), field!(physics p => p.rate_hz)),
+        kind: Kind::Number("Hz", Range::of(PhysicsSettings::RATES), field!(physics p => p.rate_hz)),
     },
     Setting {
         key: "solver_iterations",
@@ -314,6 +320,7 @@ pub const SETTINGS: &[Setting] = &[
         about: "Largest acceleration of a wheel's rim, in metres per second squared",
         applies: Applies::Bodies,
         kind: Kind::Number(
+            "m/s^2",
             Range::of(PhysicsSettings::RIM_ACCELERATIONS),
             field!(physics p => p.rim_acceleration),
         ),
@@ -326,6 +333,7 @@ pub const SETTINGS: &[Setting] = &[
         about: "Linear stiffness of the gripper's hold on the object, in newtons per metre; the angular one is in proportion, the damping critical",
         applies: Applies::Bodies,
         kind: Kind::Number(
+            "N/m",
             Range::of(PhysicsSettings::GRIPPER_STIFFNESSES),
             field!(physics p => p.gripper_stiffness),
         ),
@@ -338,6 +346,7 @@ pub const SETTINGS: &[Setting] = &[
         about: "Linear stiffness of the human's hold on the object, in newtons per metre; the angular one is in proportion, the damping critical",
         applies: Applies::Bodies,
         kind: Kind::Number(
+            "N/m",
             Range::of(HumanSettings::HAND_STIFFNESSES),
             field!(physics p => p.human.hand_stiffness),
         ),
@@ -349,7 +358,11 @@ pub const SETTINGS: &[Setting] = &[
         group: Group::Human,
         about: "Largest speed of the human's hand, in metres per second",
         applies: Applies::Bodies,
-        kind: Kind::Number(Range::of(HumanSettings::SPEED_LIMITS), field!(physics p => p.human.speed_limit)),
+        kind: Kind::Number(
+            "m/s",
+            Range::of(HumanSettings::SPEED_LIMITS),
+            field!(physics p => p.human.speed_limit),
+        ),
     },
     Setting {
         key: "hand_acceleration_limit_m_per_s2",
@@ -359,6 +372,7 @@ pub const SETTINGS: &[Setting] = &[
         about: "Largest acceleration of the human's hand, in metres per second squared",
         applies: Applies::Bodies,
         kind: Kind::Number(
+            "m/s^2",
             Range::of(HumanSettings::ACCELERATION_LIMITS),
             field!(physics p => p.human.acceleration_limit),
         ),
@@ -371,6 +385,7 @@ pub const SETTINGS: &[Setting] = &[
         about: "Frequency of the lateral sway, in hertz; the vertical sway is twice as fast",
         applies: Applies::Bodies,
         kind: Kind::Number(
+            "Hz",
             Range::of(HumanSettings::STEP_FREQUENCIES),
             field!(physics p => p.human.step_frequency),
         ),
@@ -384,7 +399,7 @@ pub const SETTINGS: &[Setting] = &[
         group: Group::Human,
         about: "Tolerance eta of the human: the larger, the more slowly stubbornness grows (paper: 5, 10.5, 15)",
         applies: Applies::Always,
-        kind: Kind::Number(POSITIVE, field!(scenario s => s.settings.coordination.eta)),
+        kind: Kind::Number("", POSITIVE, field!(scenario s => s.settings.coordination.eta)),
     },
     Setting {
         key: "method",
@@ -418,7 +433,7 @@ pub const SETTINGS: &[Setting] = &[
         group: Group::Control,
         about: "Weight kappa of a change of configuration in eq. (8)",
         applies: Applies::Robot,
-        kind: Kind::Number(NOT_NEGATIVE, field!(robot r => r.control.pose_weight)),
+        kind: Kind::Number("", NOT_NEGATIVE, field!(robot r => r.control.pose_weight)),
     },
     Setting {
         key: "direction_concentration",
@@ -427,7 +442,7 @@ pub const SETTINGS: &[Setting] = &[
         group: Group::Control,
         about: "Concentration of the von Mises distribution of the walking direction on an option",
         applies: Applies::Robot,
-        kind: Kind::Number(NOT_NEGATIVE, field!(robot r => r.control.direction_concentration)),
+        kind: Kind::Number("", NOT_NEGATIVE, field!(robot r => r.control.direction_concentration)),
     },
     Setting {
         key: "prepare_while_leading",

@@ -28,7 +28,7 @@ pub(super) struct EpisodeReport<'a> {
 
 impl EpisodeReport<'_> {
     fn view(&self) -> View<'_> {
-        View { stage: self.stage, episode: self.episode }
+        View::new(self.stage, self.episode)
     }
 
     fn summary(&self) -> &Summary {
@@ -232,7 +232,7 @@ impl EpisodeReport<'_> {
         events.extend(summary.loss.as_ref().map(Event::loss));
         let touched = summary.collision.as_ref();
         events.extend(touched.map(|contact| Event::contact(summary.steps - 1, contact)));
-        events.push(Event::end(&self.view(), Some(summary.outcome)));
+        events.push(Event::end(&self.view()));
         events.iter().map(|event| self.line(event)).collect()
     }
 

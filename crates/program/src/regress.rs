@@ -11,9 +11,7 @@ use clap::{ArgAction, Args, CommandFactory, Parser, Subcommand};
 use cocarry::quantities::cell;
 use cocarry::scenario::Scenario;
 use cocarry_output::output_file::Outputs;
-use cocarry_studies::regression::{
-    Baseline, BaselineError, FORMAT, Figure, Figures, Moved, Run, Value, moved, run_all,
-};
+use cocarry_studies::regression::{Baseline, FORMAT, Figure, Figures, Moved, Run, Value, moved, run_all};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -56,11 +54,15 @@ pub(super) fn run(action: &Action) -> Result<ExitCode, Failure> {
     let scenarios = baseline.runs.iter().map(|run| scenario(&baseline.file, folder, run));
     let scenarios = scenarios.collect::<Result<Vec<_>, _>>()?;
     if let Some(run) = baseline.runs.iter().find(|run| is_check && run.recorded.is_none()) {
-        let (file, line, name) = (baseline.file.clone(), run.line, run.name.clone());
-        return Err(input(BaselineError::NotRecorded { file, line, name }));
+        let file = &baseline.file;
+        let place = place(file, run.line, &run.name);
+        return Err(input(anyhow!("{place} has no figures yet; record them: cocarry regress record {file}")));
     }
     if is_check && baseline.format < FORMAT {
-        return Err(input(BaselineError::Older { file: baseline.file, found: baseline.format }));
+        let (file, found) = (&baseline.file, baseline.format);
+        return Err(input(anyhow!(
+            "{file}: its figures have format {found}, which lacks some of format {FORMAT} (2 added the openings walked; 3 has all figures, with the keys of `cocarry run --json`); record them again: cocarry regress record {file}"
+        )));
     }
     // the file is what `record` is about; the worlds and robots are inputs
     let read = scenarios.iter().flat_map(|scenario| {
@@ -113,13 +115,8 @@ fn scenario(file: &str, folder: &Path, run: &Run) -> Result<Scenario, Failure> {
         let Some(argument) = known else {
             let keys = command.get_arguments().map(|a| a.get_long().unwrap_or(a.get_id().as_str()));
             let expected = ["name"].into_iter().chain(keys.filter(|key| *key != "help"));
-            return Err(input(BaselineError::Key {
-                file: file.to_owned(),
-                line: *line,
-                place: format!("run `{}`", run.name),
-                key: key.clone(),
-                expected: expected.collect::<Vec<_>>().join(", "),
-            }));
+            let (place, expected) = (place(file, *line, &run.name), expected.collect::<Vec<_>>().join(", "));
+            return Err(input(anyhow!("{place}: unknown key `{key}`; expected one of: {expected}")));
         };
         let is_flag = matches!(argument.get_action(), ArgAction::SetTrue);
         let is_repeated = matches!(argument.get_action(), ArgAction::Append);
@@ -165,14 +162,7 @@ fn scenario(file: &str, folder: &Path, run: &Run) -> Result<Scenario, Failure> {
 }
 
 fn wrong(file: &str, run: &Run, line: usize, key: &str, value: &str, expected: &str) -> Failure {
-    input(BaselineError::Value {
-        file: file.to_owned(),
-        line,
-        place: format!("run `{}`", run.name),
-        key: key.to_owned(),
-        value: value.to_owned(),
-        expected: expected.to_owned(),
-    })
+    input(anyhow!("{}: {key} = {value}; it must be {expected}", place(file, line, &run.name)))
 }
 
 fn text(is_check: bool, runs: usize, figures: usize, found: &[Moved]) -> String {

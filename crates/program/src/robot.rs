@@ -9,7 +9,7 @@ use anyhow::anyhow;
 use clap::Args;
 use cocarry::robot::Robot;
 use cocarry::scenario::{POSE, POSTURE, Plant, PlantKind, RobotSetup, SWAY, Scenario, Value};
-use cocarry::suggestion::hint_of_listed;
+use cocarry::suggestion;
 use std::path::{Path, PathBuf};
 
 /// The plant and the robot.
@@ -52,11 +52,11 @@ impl RobotArguments {
         }
         let robot = load_robot(self.robot.as_deref())?;
         if let Some(asked) = text(&POSTURE).filter(|name| robot.posture(name).is_none()) {
-            let known: Vec<_> = robot.postures.iter().map(|p| format!("`{}`", p.name)).collect();
-            let (file, known) = (&robot.texts.file, known.join(", "));
+            let known = robot.postures.iter().map(|posture| posture.name.as_str());
+            let (file, hint) = (&robot.texts.file, suggestion::hint(asked, known.clone()));
+            let known = suggestion::listed(known, usize::MAX);
             return Err(input(anyhow!(
-                "--posture {asked}: {file} has no posture of that name; it has {known}{}",
-                hint_of_listed(asked, &known)
+                "--posture {asked}: {file} has no posture of that name; it has {known}{hint}"
             )));
         }
         Ok(Plant::new(self.plant, RobotSetup::new(&robot)))

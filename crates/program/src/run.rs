@@ -133,7 +133,7 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
             viewers.step(&episode);
         }
         if let Some(log) = &mut log {
-            log.step(&View { stage: &stage, episode: &episode })?;
+            log.step(&View::new(&stage, &episode))?;
         }
         ticks.push(episode.tick().clone());
         saves.write(&outputs, &stage, &episode)?;

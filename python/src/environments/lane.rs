@@ -155,8 +155,7 @@ impl Lane {
             let truncated = ended == Some(Outcome::OutOfTime) || (ended.is_none() && is_long);
             let terminated = ended.is_some_and(|outcome| outcome != Outcome::OutOfTime);
             running.outcome = ended;
-            let last =
-                (terminated || truncated).then(|| View { stage, episode: &running.episode }.read(EPISODE));
+            let last = (terminated || truncated).then(|| View::new(stage, &running.episode).read(EPISODE));
             (StepResult { reward: -cost, terminated, truncated }, last)
         });
         if let Some(last) = last {

@@ -128,14 +128,17 @@ fn listed<Getter>(quantities: &[Quantity<Getter>]) -> String {
         text += &row(&[&format!("`{}`", quantity.key), unit, quantity.description]);
         // those of options have a table of their own
         let fields = fields.filter(|_| quantity.key != "options");
-        let fields = fields.as_ref().and_then(|fields| fields["properties"].as_object());
-        for (key, schema) in fields.into_iter().flatten() {
-            let about = schema["description"].as_str().unwrap_or_default();
-            let (about, unit) = match about.strip_suffix(']').and_then(|about| about.rsplit_once(" [")) {
-                Some((about, unit)) => (about, unit),
-                None => (about, schema["type"].as_str().unwrap_or_default()),
+        for field in fields.into_iter().flatten() {
+            let unit = match field.kind {
+                Kind::Number("") => "number",
+                Kind::Number(unit) => unit,
+                Kind::Count => "integer",
+                Kind::Text => "string",
+                Kind::Flag => "boolean",
+                Kind::Numbers | Kind::List(_) => "array",
+                Kind::Record(_) => "object",
             };
-            text += &row(&[&format!("`{}.{key}`", quantity.key), unit, about]);
+            text += &row(&[&format!("`{}.{}`", quantity.key, field.name), unit, field.description]);
         }
     }
     text

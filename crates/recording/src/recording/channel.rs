@@ -2,7 +2,7 @@
 
 use cocarry::quantities::{
     BASE, CONTROL, COORDINATION, COST, EPISODE, INTERACTION, JOINTS, LEARNED, OPTIONS, PREPARATION, Quantity,
-    Record, STEP, json, schema,
+    Record, STEP, headings, json, schema,
 };
 use foxglove::messages::{FrameTransforms, JointStates, Log, SceneUpdate};
 use foxglove::{Encode, Schema};
@@ -128,7 +128,7 @@ impl Channel {
     /// The JSON Schema of its messages. Foxglove reads one plain type a field and refuses lists of types: a
     /// field without a value is left out of the message, and the schema does not require it.
     fn json_schema(self) -> Value {
-        let mut schema = schema(self.quantities().iter().copied().flatten());
+        let mut schema = schema(headings(self.quantities().iter().copied().flatten()));
         schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
         schema["title"] = self.topic().trim_start_matches('/').into();
         schema

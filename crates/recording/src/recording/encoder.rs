@@ -101,33 +101,33 @@ impl<'a> Encoder<'a> {
     /// The messages of a step: decisions at its beginning, motion and forces at its end.
     pub fn step(&mut self, episode: &Episode) -> &[Message] {
         self.messages.clear();
-        let tick = episode.tick();
+        let (tick, view) = (episode.tick(), View::new(self.stage, episode));
         let (from, to) = (self.time(tick.step), self.time(tick.step + 1));
         let decided = self.events.decided(episode, self.stage.options(), from);
         self.messages.extend(decided.iter().map(|log| Message::of(Channel::Log, from, log)));
-        self.json(Channel::Options, from, episode);
-        self.json(Channel::Coordination, from, episode);
+        self.json(Channel::Options, from, &view);
+        self.json(Channel::Coordination, from, &view);
         if let Some(options) = self.options.update(tick, from) {
             self.messages.push(Message::of(Channel::OptionLines, from, &options));
         }
         let has_robot = self.stage.robot().is_some();
         if has_robot && episode.considerations().is_some() {
-            self.json(Channel::Preparation, from, episode);
+            self.json(Channel::Preparation, from, &view);
         }
         self.learned(episode, from);
         self.state(episode, to);
         if has_robot && tick.robot.is_some() {
-            self.json(Channel::Control, to, episode);
+            self.json(Channel::Control, to, &view);
             if self.has_free_base() {
-                self.json(Channel::Base, to, episode);
+                self.json(Channel::Base, to, &view);
             }
         }
         if let Some(seen) = episode.observation() {
-            self.json(Channel::Interaction, to, episode);
+            self.json(Channel::Interaction, to, &view);
             let events = self.events.touched(tick.step, &seen.contacts, to);
             self.messages.extend(events.iter().map(|log| Message::of(Channel::Log, to, log)));
         }
-        self.json(Channel::Cost, to, episode);
+        self.json(Channel::Cost, to, &view);
         self.walk(episode.position());
         let path = scene::path(&self.walked, episode.path(), to);
         self.messages.push(Message::of(Channel::Path, to, &path));
@@ -138,12 +138,10 @@ impl<'a> Encoder<'a> {
     pub fn end(&mut self, episode: &Episode, ending: Ending) -> &[Message] {
         self.messages.clear();
         let time = self.time(episode.summary().steps);
-        let ended = Events::ended(&View { stage: self.stage, episode }, ending, time);
+        let view = View { outcome: ending.outcome(), ..View::new(self.stage, episode) };
+        let ended = Events::ended(&view, time);
         self.messages.extend(ended.iter().map(|log| Message::of(Channel::Log, time, log)));
-        let mut outcome = self.record(Channel::Outcome, episode);
-        let ended = outcome.iter_mut().filter(|(key, _)| *key == "outcome");
-        ended.for_each(|(_, value)| *value = ending.name().into());
-        self.messages.push(Message::json(Channel::Outcome, time, outcome));
+        self.json(Channel::Outcome, time, &view);
         &self.messages
     }
 
@@ -157,8 +155,9 @@ impl<'a> Encoder<'a> {
         (step as f64 * self.stage.scenario().settings.planning_step * 1e9).round() as u64
     }
 
-    fn json(&mut self, channel: Channel, time: u64, episode: &Episode) {
-        let record = self.record(channel, episode);
+    /// Adds the message with a channel's quantities.
+    fn json(&mut self, channel: Channel, time: u64, view: &View) {
+        let record: Record = channel.quantities().iter().flat_map(|table| view.read(table)).collect();
         self.messages.push(Message::json(channel, time, record));
     }
 
@@ -166,15 +165,9 @@ impl<'a> Encoder<'a> {
     fn learned(&mut self, episode: &Episode, time: u64) {
         let known = episode.learner().map(Known::of);
         if known.is_some() && known != self.learned {
-            self.json(Channel::Learned, time, episode);
+            self.json(Channel::Learned, time, &View::new(self.stage, episode));
             self.learned = known;
         }
-    }
-
-    /// Adds the message with a channel's quantities.
-    fn record(&self, channel: Channel, episode: &Episode) -> Record {
-        let view = View { stage: self.stage, episode };
-        channel.quantities().iter().flat_map(|table| view.read(table)).collect()
     }
 
     /// Adds the poses and joints, unless the team is a point.

@@ -12,11 +12,11 @@ pub enum Ending {
 }
 
 impl Ending {
-    /// Its name, as in `/outcome`.
-    pub fn name(self) -> &'static str {
+    /// The outcome; `None` if the user interrupted the episode.
+    pub fn outcome(self) -> Option<Outcome> {
         match self {
-            Self::Over(outcome) => outcome.name(),
-            Self::Interrupted => "interrupted",
+            Self::Over(outcome) => Some(outcome),
+            Self::Interrupted => None,
         }
     }
 }

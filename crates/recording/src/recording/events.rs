@@ -1,6 +1,5 @@
 //! The messages of `/log`.
 
-use super::ending::Ending;
 use super::frames::timestamp;
 use cocarry::episode::{Episode, Tick};
 use cocarry::options::OptionSet;
@@ -48,12 +47,8 @@ impl Events {
     }
 
     /// The end of the episode.
-    pub fn ended(view: &View, ending: Ending, time: u64) -> Vec<Log> {
-        let outcome = match ending {
-            Ending::Over(outcome) => Some(outcome),
-            Ending::Interrupted => None,
-        };
+    pub fn ended(view: &View, time: u64) -> Vec<Log> {
         let loss = view.episode.summary().loss.as_ref().map(Event::loss);
-        loss.into_iter().chain([Event::end(view, outcome)]).map(|event| log(event, time)).collect()
+        loss.into_iter().chain([Event::end(view)]).map(|event| log(event, time)).collect()
     }
 }

@@ -33,7 +33,7 @@ impl Provenance {
     /// The provenance of a recording of a scenario. Files are named without their folders.
     ///
     /// # Errors
-    /// [`Error::Unwritable`].
+    /// A value cannot be written as TOML.
     pub fn of(scenario: &Scenario) -> Result<Self, Error> {
         let mut scenario = scenario.clone();
         let (file, text) = (stripped(scenario.world.file()), scenario.world.text().to_owned());

@@ -4,30 +4,22 @@
 //! flags booleans, words UTF-8, lists of records lists of structs. Missing values are null. Unit and meaning
 //! are metadata of the field: `unit`, `description`.
 
-use super::Heading;
 use arrow_array::builder::{BooleanBuilder, Float64Builder, Int64Builder, StringBuilder};
 use arrow_array::{ArrayRef, ListArray, RecordBatch, StructArray};
 use arrow_buffer::{NullBuffer, OffsetBuffer, ScalarBuffer};
 use arrow_schema::{ArrowError, DataType, Field, FieldRef, Fields, Schema, SchemaRef};
-use cocarry::quantities::Kind;
+use cocarry::quantities::{Heading, Kind};
 use serde_json::Value;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-impl Heading {
-    /// Its Arrow field.
-    pub fn field(&self) -> Field {
-        let unit = if let Kind::Number(unit) = self.kind { unit } else { "" };
-        field(self.name, data_type(self.kind), self.description, unit)
-    }
-}
-
-/// A nullable field with its metadata.
-fn field(name: &str, data_type: DataType, description: &str, unit: &str) -> Field {
-    let pairs =
-        [("description", description), ("unit", unit)].into_iter().filter(|(_, text)| !text.is_empty());
+/// The Arrow field of a column: nullable, with its metadata.
+pub fn field(heading: &Heading) -> Field {
+    let unit = if let Kind::Number(unit) = heading.kind { unit } else { "" };
+    let pairs = [("description", heading.description), ("unit", unit)];
+    let pairs = pairs.into_iter().filter(|(_, text)| !text.is_empty());
     let metadata = pairs.map(|(key, text)| (key.to_owned(), text.to_owned())).collect::<HashMap<_, _>>();
-    Field::new(name, data_type, true).with_metadata(metadata)
+    Field::new(heading.name, data_type(heading.kind), true).with_metadata(metadata)
 }
 
 fn data_type(kind: Kind) -> DataType {
@@ -37,8 +29,8 @@ fn data_type(kind: Kind) -> DataType {
         Kind::Flag => DataType::Boolean,
         Kind::Text => DataType::Utf8,
         Kind::Numbers => list(DataType::Float64),
-        Kind::Record(schema) => of_schema(&schema()),
-        Kind::List(schema) => list(of_schema(&schema())),
+        Kind::Record(headings) => record(&headings()),
+        Kind::List(headings) => list(record(&headings())),
     }
 }
 
@@ -46,26 +38,8 @@ fn list(of: DataType) -> DataType {
     DataType::List(Arc::new(Field::new("item", of, true)))
 }
 
-/// The type of a nested value, from its JSON Schema.
-fn of_schema(schema: &Value) -> DataType {
-    match schema["type"].as_str() {
-        Some("number") => DataType::Float64,
-        Some("integer") => DataType::Int64,
-        Some("boolean") => DataType::Boolean,
-        Some("array") => list(of_schema(&schema["items"])),
-        Some("object") => {
-            let properties = schema["properties"].as_object().into_iter().flatten();
-            let fields = properties.map(|(name, schema)| {
-                let description = schema["description"].as_str().unwrap_or_default();
-                // a schema says the unit at the end of the description
-                let unit = description.strip_suffix(']').and_then(|rest| rest.rsplit_once(" ["));
-                let (description, unit) = unit.unwrap_or((description, ""));
-                field(name, of_schema(schema), description, unit)
-            });
-            DataType::Struct(fields.collect())
-        }
-        _ => DataType::Utf8,
-    }
+fn record(headings: &[Heading]) -> DataType {
+    DataType::Struct(headings.iter().map(field).collect())
 }
 
 /// A column while it is filled.
@@ -193,7 +167,7 @@ pub struct Columns {
 impl Columns {
     /// Empty columns with these headings.
     pub fn new<'h>(headings: impl IntoIterator<Item = &'h Heading>) -> Self {
-        let fields: Vec<Field> = headings.into_iter().map(Heading::field).collect();
+        let fields: Vec<Field> = headings.into_iter().map(field).collect();
         Self::of_schema(Arc::new(Schema::new(fields)))
     }
 
@@ -235,7 +209,7 @@ mod tests {
     use arrow_array::Array;
     use arrow_array::cast::AsArray;
     use arrow_array::types::{Float64Type, Int64Type};
-    use cocarry::quantities::{OPTION, TICK, schema};
+    use cocarry::quantities::{OPTION, TICK, headings};
     use serde_json::json;
 
     #[test]
@@ -260,7 +234,7 @@ mod tests {
 
     #[test]
     fn values_keep_their_bits_and_missing_ones_are_null() {
-        let options = Heading { name: "options", kind: Kind::List(|| schema(OPTION)), description: "" };
+        let options = Heading { name: "options", kind: Kind::List(|| headings(OPTION)), description: "" };
         let headings = [
             Heading { name: "a_m", kind: Kind::Number("m"), description: "a number" },
             Heading { name: "n", kind: Kind::Count, description: "a count" },

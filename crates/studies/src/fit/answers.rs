@@ -1,8 +1,9 @@
 //! A file of participants' percentages, checked and normalised.
 
-use super::FitError;
-use super::table::{Column, named_worlds, read};
+use super::table::{Column, bad_cell, duplicate, named_worlds, read};
+use cocarry::Error;
 use cocarry::episode::prospects;
+use cocarry::error::Place;
 use cocarry::options::OptionSet;
 use cocarry::preference::Prospect;
 use std::path::Path;
@@ -70,18 +71,14 @@ impl AnswerFile {
     /// Reads a CSV file with the columns participant, world, option and percent.
     ///
     /// # Errors
-    /// [`FitError`], which names line, column and value.
-    pub fn read(path: &Path) -> Result<Self, FitError> {
+    /// The line, the column and the value.
+    pub fn read(path: &Path) -> Result<Self, Error> {
         let columns = ["participant", "world", "option", "percent"].map(Column::needed);
         let file = path.display().to_string();
         let mut rows = Vec::new();
         for row in read(path, columns)? {
-            let cell = |column, value: &str, expected: &str| FitError::Cell {
-                file: file.clone(),
-                line: row.line,
-                column,
-                value: value.to_owned(),
-                expected: expected.to_owned(),
+            let cell = |column: &str, value: &str, expected: &str| {
+                bad_cell(Place::line(&file, row.line, column), value, expected)
             };
             let [participant, world, option, percent] = &row.values;
             for (column, value) in [("participant", participant), ("world", world), ("option", option)] {
@@ -113,8 +110,8 @@ impl AnswerFile {
     /// scaled to 100 where they are off by no more than [`SUM_TOLERANCE`], or always if `normalise` is set.
     ///
     /// # Errors
-    /// [`FitError`]: an unknown option, a duplicate or incomplete answer, percentages that do not sum to 100.
-    pub fn matched(&self, situations: Vec<Situation>, normalise: bool) -> Result<Answers, FitError> {
+    /// An unknown option, a duplicate or incomplete answer, percentages that do not sum to 100.
+    pub fn matched(&self, situations: Vec<Situation>, normalise: bool) -> Result<Answers, Error> {
         let mut answers = Answers {
             file: self.file.clone(),
             situations,
@@ -129,13 +126,8 @@ impl AnswerFile {
             let options = &answers.situations[w].options;
             let Some(o) = options.iter().position(|name| *name == row.option) else {
                 let known: Vec<_> = options.iter().map(|name| format!("`{name}`")).collect();
-                return Err(FitError::Cell {
-                    file: self.file.clone(),
-                    line: row.line,
-                    column: "option",
-                    value: row.option.clone(),
-                    expected: format!("an option of {}: {}", row.world, known.join(", ")),
-                });
+                let expected = format!("an option of {}: {}", row.world, known.join(", "));
+                return Err(bad_cell(Place::line(&self.file, row.line, "option"), &row.option, &expected));
             };
             let known = answers.participants.iter().position(|p| *p == row.participant);
             let p = known.unwrap_or_else(|| {
@@ -144,15 +136,9 @@ impl AnswerFile {
                 given.len() - 1
             });
             if let Some((first, _)) = given[p][w][o].replace((row.line, row.percent)) {
-                return Err(FitError::Duplicate {
-                    file: self.file.clone(),
-                    line: row.line,
-                    what: format!(
-                        "participant `{}` in {}, option `{}`,",
-                        row.participant, row.world, row.option
-                    ),
-                    first,
-                });
+                let AnswerRow { participant, world, option, .. } = row;
+                let what = format_args!("participant `{participant}` in {world}, option `{option}`,");
+                return Err(duplicate(Place::line(&self.file, row.line, ""), what, first));
             }
         }
         for (p, given) in given.iter().enumerate() {
@@ -171,26 +157,26 @@ impl AnswerFile {
         situation: usize,
         given: &Given,
         normalise: bool,
-    ) -> Result<Option<Vec<f64>>, FitError> {
+    ) -> Result<Option<Vec<f64>>, Error> {
         let lines = || given.iter().flatten().map(|g| g.0);
         let Some((first, line)) = lines().min().zip(lines().max()) else { return Ok(None) };
         let (participant, situation) = (&answers.participants[participant], &answers.situations[situation]);
-        let file = || self.file.clone();
         if let Some(o) = given.iter().position(Option::is_none) {
-            return Err(FitError::OptionMissing {
-                file: file(),
-                line,
-                participant: participant.clone(),
-                world: situation.world.clone(),
-                option: situation.options[o].clone(),
-            });
+            let (world, option) = (&situation.world, &situation.options[o]);
+            let sentence = format_args!(
+                "participant `{participant}` answers for {world}, but not for its option `{option}`; every option needs a row, 0 percent included"
+            );
+            return Err(Error::at(Place::line(&self.file, line, ""), sentence));
         }
         let percent: Vec<f64> = given.iter().flatten().map(|g| g.1).collect();
         let sum: f64 = percent.iter().sum();
         if (sum - 100.0).abs() > SUM_TOLERANCE + 1e-9 {
             if !normalise || sum <= 0.0 {
-                let (participant, world) = (participant.clone(), situation.world.clone());
-                return Err(FitError::Sum { file: file(), line, first, participant, world, sum });
+                let world = &situation.world;
+                let sentence = format_args!(
+                    "percent of participant `{participant}` in {world} (lines {first} to {line}) sums to {sum}; it must be 100 (within 1); --normalise scales every sum to 100"
+                );
+                return Err(Error::at(Place::line(&self.file, line, ""), sentence));
             }
             answers.scaled.push((participant.clone(), situation.world.clone(), sum));
         }

@@ -1,6 +1,8 @@
 //! The kind of a file of participants, by its header.
 
-use super::FitError;
+use super::table::no_rows;
+use cocarry::Error;
+use cocarry::error::Place;
 use cocarry::located;
 use std::path::Path;
 
@@ -17,14 +19,13 @@ impl Kind {
     /// The kind of a CSV file: answers have a column `percent`, switches a column `step`.
     ///
     /// # Errors
-    /// [`FitError`]: the file cannot be read, is empty, or has neither or both.
-    pub fn of(path: &Path) -> Result<Self, FitError> {
+    /// The file cannot be read, is empty, or has neither or both.
+    pub fn of(path: &Path) -> Result<Self, Error> {
         let file = path.display().to_string();
         let text = located::read(path)?;
         let is_header = |line: &&str| !line.is_empty() && !line.starts_with('#');
         let Some(header) = text.lines().map(str::trim).find(is_header) else {
-            let expected = "participant, world, option, percent or step".to_owned();
-            return Err(FitError::NoRows { file, expected });
+            return Err(no_rows(&file, "participant, world, option, percent or step"));
         };
         let columns: Vec<&str> = header
             .trim_start_matches('\u{feff}')
@@ -34,7 +35,13 @@ impl Kind {
         match ["percent", "step"].map(|name| columns.contains(&name)) {
             [true, false] => Ok(Self::Answers),
             [false, true] => Ok(Self::Switches),
-            _ => Err(FitError::Kind { file, found: columns.join(", ") }),
+            _ => Err(Error::at(
+                Place::file(file),
+                format_args!(
+                    "neither answers nor switches; found the columns {}, expected participant, world, option and percent (answers), or participant, world, option or method, and step (switches)",
+                    columns.join(", ")
+                ),
+            )),
         }
     }
 }

@@ -3,7 +3,6 @@
 
 mod answers;
 mod calibration;
-mod error;
 mod eta;
 mod infer;
 mod kind;
@@ -17,7 +16,6 @@ mod walk;
 
 pub use answers::{AnswerFile, Answers, SUM_TOLERANCE, Situation};
 pub use calibration::{Calibration, Check, LEVELS, PARAMETERS, Replication, checks};
-pub use error::FitError;
 pub use eta::{Eta, EtaFit, Evidence, fit_eta};
 pub use infer::{
     CHAINS, Draws, Figure, HeldOut, Inference, Means, MeansRow, Model as InferenceModel, OptionCheck, Person,

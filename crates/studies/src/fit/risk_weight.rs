@@ -13,9 +13,11 @@
 //! same probabilities. [`Estimate::undetermined`] is the range of such c_r; of these, the estimate has the
 //! fewest lapses.
 
+use super::Answers;
 use super::minimum::{least, level, refined, scanned, valleys};
-use super::{Answers, FitError};
 use crate::parallel::{OnDone, in_parallel};
+use cocarry::Error;
+use cocarry::error::Place;
 use cocarry::math;
 use cocarry::preference::{ChoiceDistribution, Predictor};
 use rand::{RngExt, SeedableRng};
@@ -175,14 +177,14 @@ struct Weights {
 /// Fits c_r with the predictor's belief. The predictor's own c_r has no effect.
 ///
 /// # Errors
-/// [`FitError`]: a held-out world has no answers, no world is left to fit, or the answers are independent of
+/// A held-out world has no answers, no world is left to fit, or the answers are independent of
 /// c_r.
 pub fn fit_risk_weight(
     answers: &Answers,
     predictor: &Predictor,
     settings: &RiskWeightSettings,
     on_done: OnDone,
-) -> Result<RiskWeightFit, FitError> {
+) -> Result<RiskWeightFit, Error> {
     let fitted = fitted_worlds(answers, &settings.held_out)?;
     let mut predictor = predictor.clone();
     let scanned = scanned(settings.range);
@@ -192,7 +194,10 @@ pub fn fit_risk_weight(
     let model = Model { answers, fitted, probabilities: probabilities.collect(), scanned };
     if model.is_flat() {
         let [lower, upper] = settings.range;
-        return Err(FitError::Flat { file: answers.file.clone(), lower, upper });
+        let sentence = format_args!(
+            "the answers do not determine c_r: in every fitted world, P_o is the same for all c_r from {lower} to {upper} m"
+        );
+        return Err(Error::at(Place::file(&answers.file), sentence));
     }
     let everyone: Vec<usize> = (0..answers.participants.len()).collect();
     let weights = Weights::of(answers, &everyone);
@@ -242,9 +247,9 @@ pub fn fit_risk_weight(
     })
 }
 
-fn fitted_worlds(answers: &Answers, held_out: &[String]) -> Result<Vec<usize>, FitError> {
+fn fitted_worlds(answers: &Answers, held_out: &[String]) -> Result<Vec<usize>, Error> {
     let worlds: Vec<&String> = answers.situations.iter().map(|s| &s.world).collect();
-    let wrong = |reason: String| FitError::Worlds { file: answers.file.clone(), reason };
+    let wrong = |reason: String| Error::at(Place::file(&answers.file), reason);
     if let Some(unknown) = held_out.iter().find(|name| !worlds.contains(name)) {
         let known: Vec<_> = worlds.iter().map(|name| name.as_str()).collect();
         return Err(wrong(format!(

@@ -1,7 +1,9 @@
 //! A file of switches, and the set of eta that each episode allows.
 
-use super::table::{Column, named_worlds, read};
-use super::{FitError, Guidance, Set};
+use super::table::{Column, bad_cell, duplicate, named_worlds, read};
+use super::{Guidance, Set};
+use cocarry::Error;
+use cocarry::error::Place;
 use cocarry::policy::Method;
 use cocarry::scenario::PreparedScenario;
 use std::path::Path;
@@ -65,8 +67,8 @@ impl SwitchFile {
     /// empty), and optionally trial.
     ///
     /// # Errors
-    /// [`FitError`], which names line, column and value.
-    pub fn read(path: &Path) -> Result<Self, FitError> {
+    /// The line, the column and the value.
+    pub fn read(path: &Path) -> Result<Self, Error> {
         let columns = [
             Column::needed("participant"),
             Column::needed("world"),
@@ -80,12 +82,8 @@ impl SwitchFile {
         for row in read(path, columns)? {
             let [participant, world, option, method, step, trial] = row.values;
             let line = row.line;
-            let cell = |column, value: &str, expected: &str| FitError::Cell {
-                file: file.clone(),
-                line,
-                column,
-                value: value.to_owned(),
-                expected: expected.to_owned(),
+            let cell = |column: &str, value: &str, expected: &str| {
+                bad_cell(Place::line(&file, line, column), value, expected)
             };
             for (column, value) in [("participant", &participant), ("world", &world)] {
                 if value.is_empty() {
@@ -117,7 +115,7 @@ impl SwitchFile {
                     "participant `{participant}` in {world}, {} (a column `trial` distinguishes repetitions),",
                     executed.name()
                 );
-                return Err(FitError::Duplicate { file, line, what, first: first.line });
+                return Err(duplicate(Place::line(file, line, ""), what, first.line));
             }
             let (step, step_text) = (number, step);
             rows.push(SwitchRow { line, participant, world, executed, trial, step, step_text });
@@ -134,8 +132,8 @@ impl SwitchFile {
     /// [`SwitchFile::worlds`]). Their belief, c_r, phi(0) and walk are used; eta, method and human are not.
     ///
     /// # Errors
-    /// [`FitError`]: an unknown option, or a step beyond the episode's end.
-    pub fn matched(&self, worlds: &[(String, PreparedScenario)]) -> Result<Vec<Switch>, FitError> {
+    /// An unknown option, or a step beyond the episode's end.
+    pub fn matched(&self, worlds: &[(String, PreparedScenario)]) -> Result<Vec<Switch>, Error> {
         let mut known: Vec<(&str, &Executed, Guidance)> = Vec::new();
         let mut switches = Vec::new();
         for row in &self.rows {
@@ -165,8 +163,8 @@ impl SwitchFile {
         Ok(switches)
     }
 
-    fn guidance(&self, row: &SwitchRow, stage: &PreparedScenario) -> Result<Guidance, FitError> {
-        let Executed::Option(name) = &row.executed else { return Ok(Guidance::mutual(stage)?) };
+    fn guidance(&self, row: &SwitchRow, stage: &PreparedScenario) -> Result<Guidance, Error> {
+        let Executed::Option(name) = &row.executed else { return Guidance::mutual(stage) };
         let (set, settings) = (stage.options(), &stage.scenario().settings);
         let option = set.options().iter().position(|o| o.name == *name);
         option.and_then(|o| Guidance::along_option(set, settings, o)).ok_or_else(|| {
@@ -175,7 +173,7 @@ impl SwitchFile {
         })
     }
 
-    fn cell(&self, row: &SwitchRow, column: &'static str, value: &str, expected: String) -> FitError {
-        FitError::Cell { file: self.file.clone(), line: row.line, column, value: value.to_owned(), expected }
+    fn cell(&self, row: &SwitchRow, column: &str, value: &str, expected: String) -> Error {
+        bad_cell(Place::line(&self.file, row.line, column), value, &expected)
     }
 }

@@ -1,6 +1,7 @@
 //! A CSV file read by columns, each row with its line.
 
-use super::FitError;
+use cocarry::Error;
+use cocarry::error::Place;
 use cocarry::located::{self, Source};
 use std::path::Path;
 
@@ -41,9 +42,9 @@ pub(super) fn named_worlds<'r>(rows: impl Iterator<Item = (&'r str, u64)>) -> Ve
 /// The rows of a file. Other columns, empty lines and lines that begin with `#` are ignored.
 ///
 /// # Errors
-/// [`FitError`]: the file cannot be read, lacks a column, has no rows, or a row is longer or shorter than the
+/// The file cannot be read, lacks a column, has no rows, or a row is longer or shorter than the
 /// header.
-pub(super) fn read<const N: usize>(path: &Path, columns: [Column; N]) -> Result<Vec<Line<N>>, FitError> {
+pub(super) fn read<const N: usize>(path: &Path, columns: [Column; N]) -> Result<Vec<Line<N>>, Error> {
     let file = path.display().to_string();
     let text = located::read(path)?;
     let names: Vec<&str> = columns.iter().map(|c| c.name).collect();
@@ -58,7 +59,7 @@ pub(super) fn read<const N: usize>(path: &Path, columns: [Column; N]) -> Result<
     let mut lines = Lines { text: text.as_bytes(), at: 0, line: 1 };
     let mut record = csv::StringRecord::new();
     if !reader.read_record(&mut record).map_err(not_csv)? {
-        return Err(FitError::NoRows { file, expected });
+        return Err(no_rows(&file, &expected));
     }
     let header_line = lines.up_to(reader.position().byte());
     let width = record.len();
@@ -72,8 +73,9 @@ pub(super) fn read<const N: usize>(path: &Path, columns: [Column; N]) -> Result<
         };
         if !fault.is_empty() {
             let found = record.iter().collect::<Vec<_>>().join(", ");
-            let (line, column) = (header_line, column.name);
-            return Err(FitError::Column { file, line, fault, column, found, expected });
+            let sentence =
+                format_args!("{fault} column `{}`; found `{found}`, expected {expected}", column.name);
+            return Err(Error::at(Place::line(file, header_line, ""), sentence));
         }
         *place = found.first().copied();
     }
@@ -81,12 +83,29 @@ pub(super) fn read<const N: usize>(path: &Path, columns: [Column; N]) -> Result<
     while reader.read_record(&mut record).map_err(not_csv)? {
         let line = lines.up_to(reader.position().byte());
         if record.len() != width {
-            return Err(FitError::Fields { file, line, found: record.len(), expected: width });
+            let sentence = format_args!("{} fields; the header has {width}", record.len());
+            return Err(Error::at(Place::line(file, line, ""), sentence));
         }
         let values = places.map(|place| place.map_or(String::new(), |i| record[i].to_owned()));
         rows.push(Line { line, values });
     }
-    if rows.is_empty() { Err(FitError::NoRows { file, expected }) } else { Ok(rows) }
+    if rows.is_empty() { Err(no_rows(&file, &expected)) } else { Ok(rows) }
+}
+
+/// The error of a file without rows.
+pub(super) fn no_rows(file: &str, expected: &str) -> Error {
+    let sentence = format_args!("no rows; expected the columns {expected} and a row for every answer");
+    Error::at(Place::file(file), sentence)
+}
+
+/// The error of a cell at a place, whose item is its column.
+pub(super) fn bad_cell(place: Place, value: &str, expected: &str) -> Error {
+    Error::value(place, format_args!("{value:?}; it must be {expected}"))
+}
+
+/// The error of a row for the same question as the one in line `first`.
+pub(super) fn duplicate(place: Place, what: impl std::fmt::Display, first: u64) -> Error {
+    Error::at(place, format_args!("duplicate answer: {what} first answered in line {first}"))
 }
 
 /// A line counter, since the reader gives the position of a record only up to the comments before it.

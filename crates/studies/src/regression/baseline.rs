@@ -1,6 +1,8 @@
 //! A baseline file (TOML): its runs, tolerances and recorded figures.
 
-use super::{BaselineError, FORMAT, Figure, Figures, Tolerance, figure_names};
+use super::{FORMAT, Figure, Figures, Tolerance, figure_names};
+use cocarry::Error;
+use cocarry::error::Place;
 use cocarry::located::{self, LARGEST_SETTINGS};
 use cocarry::quantities::cell;
 use std::path::Path;
@@ -53,8 +55,8 @@ impl Baseline {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`BaselineError`], with line, key and value. The arguments of the runs are not checked.
-    pub fn load(path: &Path) -> Result<Self, BaselineError> {
+    /// The line, the key and the value. The arguments of the runs are not checked.
+    pub fn load(path: &Path) -> Result<Self, Error> {
         Self::parse(path.display().to_string(), located::read_at_most(LARGEST_SETTINGS, path)?)
     }
 
@@ -62,7 +64,7 @@ impl Baseline {
     ///
     /// # Errors
     /// As [`Baseline::load`].
-    pub fn parse(file: String, text: String) -> Result<Self, BaselineError> {
+    pub fn parse(file: String, text: String) -> Result<Self, Error> {
         let located = located::Source { file: &file, text: &text };
         let document = Document::parse(text.clone()).map_err(|error| located.invalid(KIND, error))?;
         let mut source = Source { located, is_current: false };
@@ -79,14 +81,14 @@ impl Baseline {
             document.get("tolerance").map_or(Ok(Vec::new()), |item| tolerances(&source, item))?;
         let runs = document.get("run").and_then(Item::as_array_of_tables);
         let Some(runs) = runs.filter(|runs| !runs.is_empty()) else {
-            return Err(BaselineError::NoRuns { file });
+            return Err(no_runs(&file));
         };
         let mut read: Vec<Run> = Vec::new();
         for table in runs {
             let run = run(&source, table)?;
             if read.iter().any(|other| other.name == run.name) {
-                let Run { name, line, .. } = run;
-                return Err(BaselineError::Duplicate { file, line, name });
+                let sentence = format_args!("duplicate run `{}`; give each run its own `name`", run.name);
+                return Err(Error::at(Place::line(file, run.line as u64, ""), sentence));
             }
             read.push(run);
         }
@@ -103,12 +105,12 @@ impl Baseline {
     /// including comments.
     ///
     /// # Errors
-    /// [`BaselineError`]: none for a text that was read before.
-    pub fn recorded(&self, figures: &[Figures]) -> Result<String, BaselineError> {
+    /// None for a text that was read before.
+    pub fn recorded(&self, figures: &[Figures]) -> Result<String, Error> {
         let source = located::Source { file: &self.file, text: &self.text };
         let mut document: DocumentMut = self.text.parse().map_err(|error| source.invalid(KIND, error))?;
         let Some(runs) = document.get_mut("run").and_then(Item::as_array_of_tables_mut) else {
-            return Err(BaselineError::NoRuns { file: self.file.clone() });
+            return Err(no_runs(&self.file));
         };
         for (run, figures) in runs.iter_mut().zip(figures) {
             let old = run.get("recorded").and_then(Item::as_table);
@@ -147,30 +149,27 @@ impl Source<'_> {
         self.located.line(span.map_or(0, |span| span.start))
     }
 
-    fn unknown(&self, table: &Table, key: &str, place: &str, expected: &[&str]) -> BaselineError {
-        BaselineError::Key {
-            file: self.located.file.to_owned(),
-            line: self.line(table.key(key).and_then(|k| k.span())),
-            place: place.to_owned(),
-            key: key.to_owned(),
-            expected: expected.join(", "),
-        }
+    fn unknown(&self, table: &Table, key: &str, place: &str, expected: &[&str]) -> Error {
+        let span = table.key(key).and_then(|key| key.span()).unwrap_or(0..0);
+        let expected = expected.join(", ");
+        let sentence = format_args!("unknown key `{key}`; expected one of: {expected}");
+        Error::at(self.located.place_at(span, place), sentence)
     }
 
-    fn wrong(&self, item: &Item, place: &str, key: &str, expected: &str) -> BaselineError {
-        BaselineError::Value {
-            file: self.located.file.to_owned(),
-            line: self.line(item.span()),
-            place: place.to_owned(),
-            key: key.to_owned(),
-            value: item.to_string().trim().to_owned(),
-            expected: expected.to_owned(),
-        }
+    fn wrong(&self, item: &Item, place: &str, key: &str, expected: &str) -> Error {
+        let place = self.located.place_at(item.span().unwrap_or(0..0), place);
+        let value = item.to_string();
+        Error::bad(place, format_args!("{key} = {}", value.trim()), expected)
     }
 }
 
+fn no_runs(file: &str) -> Error {
+    let sentence = "no runs; write each as a table [[run]], with the keys of `cocarry run`'s arguments";
+    Error::at(Place::file(file), sentence)
+}
+
 /// Tolerances by figure; that of all others has no name.
-fn tolerances(source: &Source, item: &Item) -> Result<Vec<(String, Tolerance)>, BaselineError> {
+fn tolerances(source: &Source, item: &Item) -> Result<Vec<(String, Tolerance)>, Error> {
     const KEYS: [&str; 2] = ["relative", "absolute"];
     let table_of = |item: &Item, key: &str, place: &str| match item.as_table() {
         Some(table) => Ok(table.clone()),
@@ -187,7 +186,7 @@ fn tolerances(source: &Source, item: &Item) -> Result<Vec<(String, Tolerance)>, 
         };
         let relative = number(KEYS[0], default.relative)?;
         let absolute = number(KEYS[1], default.absolute)?;
-        Ok::<_, BaselineError>(Tolerance { relative, absolute })
+        Ok::<_, Error>(Tolerance { relative, absolute })
     };
     let table = table_of(item, "tolerance", "the file")?;
     let general = read(&table, "tolerance", Tolerance::default())?;
@@ -207,7 +206,7 @@ fn tolerances(source: &Source, item: &Item) -> Result<Vec<(String, Tolerance)>, 
     Ok(all)
 }
 
-fn run(source: &Source, table: &Table) -> Result<Run, BaselineError> {
+fn run(source: &Source, table: &Table) -> Result<Run, Error> {
     let line = source.line(table.span());
     let mut run = Run { name: String::new(), line, arguments: Vec::new(), recorded: None };
     for (key, item) in table.iter() {
@@ -255,7 +254,7 @@ fn text(value: &toml_edit::Value) -> Option<String> {
     }
 }
 
-fn recorded(source: &Source, item: &Item) -> Result<Vec<(String, Figure)>, BaselineError> {
+fn recorded(source: &Source, item: &Item) -> Result<Vec<(String, Figure)>, Error> {
     let Some(table) = item.as_table() else {
         return Err(source.wrong(item, "run", "recorded", "a table [run.recorded], as `record` writes it"));
     };

@@ -1,12 +1,10 @@
 //! The regression gate: figures of runs compared with a recorded baseline.
 
 mod baseline;
-mod error;
 mod figures;
 mod tolerance;
 
 pub use baseline::{Baseline, Run, Value};
-pub use error::BaselineError;
 pub use figures::{Figure, Route, figure_names, figures, is_near};
 pub use tolerance::{FORMAT, Tolerance};
 
@@ -42,7 +40,7 @@ pub fn run_all(scenarios: Vec<Scenario>, on_done: OnDone) -> Vec<Result<Figures,
         while episode.step().is_none() {
             route.step(&stage, episode.position());
         }
-        Ok(figures(&View { stage: &stage, episode: &episode }, &route))
+        Ok(figures(&View::new(&stage, &episode), &route))
     })
 }
 

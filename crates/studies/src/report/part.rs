@@ -1,6 +1,5 @@
 //! A claim's part of the report: its runs, and its section.
 
-use crate::fit::FitError;
 use crate::paper::{arrivals, contacts, cycles as locked, h2, h3, h4};
 use crate::parallel::OnDone;
 use crate::table::Table;
@@ -132,15 +131,12 @@ pub struct Figure {
 /// The reason why there is no report. It is a fault of the program, since everything reported on is built in.
 #[derive(Debug, Error)]
 pub enum ReportError {
-    /// An error of a built-in world.
+    /// An error of a built-in world, or of the fit of c_r.
     #[error(transparent)]
     BuiltIn(#[from] cocarry::Error),
     /// An error of a picture.
     #[error(transparent)]
     Drawing(#[from] DrawingError),
-    /// An error of the fit of c_r.
-    #[error(transparent)]
-    Fit(#[from] FitError),
 }
 
 /// `n of m` in words: whether a claim holds in all of them.

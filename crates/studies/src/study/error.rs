@@ -1,7 +1,7 @@
 //! Errors of study files and of the files of a sweep, each with its file, place and value.
 
 use cocarry::error::Place;
-use cocarry::suggestion::{hint_of_list, hint_of_listed};
+use cocarry::suggestion::{hint, hint_of_listed};
 use cocarry_output::output_file::OutputError;
 use std::fmt;
 use std::path::PathBuf;
@@ -27,12 +27,16 @@ pub enum SweepError {
         expected: String,
     },
     /// A key is unknown.
-    #[error("{place}: unknown key{}; expected one of: {known}", hint_of_list(&place.item, known))]
+    #[error(
+        "{place}: unknown key{}; expected one of: {}",
+        hint(&place.item, known.iter().map(String::as_str)),
+        known.join(", ")
+    )]
     Key {
         /// Where, and the key.
         place: Place,
         /// The keys allowed.
-        known: String,
+        known: Vec<String>,
     },
     /// A required key is missing.
     #[error("{place}: {key} is missing; it must be {expected}")]

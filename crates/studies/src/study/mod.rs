@@ -32,13 +32,13 @@ pub use results::read_rows;
 pub use row::Run as EpisodeRun;
 pub use summary::{Comparison, Group, OUTCOMES, Summary};
 
-use crate::columns::Heading;
 use cell::Cell;
 use cocarry::arithmetic;
 use cocarry::episode::Settings;
 use cocarry::error::Place;
 use cocarry::located::{self, LARGEST_SETTINGS};
 use cocarry::preference::{Predictor, RISK_WEIGHT};
+use cocarry::quantities::Heading;
 use cocarry::robot::SlowDrive;
 use cocarry::scenario::{Plant, PlantKind, PreparedScenario, RobotSetup, SETTINGS, Scenario};
 use file::Contents;

@@ -2,11 +2,10 @@
 
 use super::cell::Cell;
 use super::file::Contents;
-use crate::columns::{self, Heading};
 use cocarry::Error;
 use cocarry::episode::{Episode, Outcome};
 use cocarry::preference::Perception;
-use cocarry::quantities::{EPISODE, Kind, View, cell};
+use cocarry::quantities::{EPISODE, Heading, Kind, View, cell};
 use cocarry::scenario::{self, PlantKind, PreparedScenario, SETTINGS, Scenario, Value};
 
 /// A column: its name, its meaning, and its value for a cell, which is `None` where the column does not apply.
@@ -74,7 +73,7 @@ pub(super) fn headings() -> Vec<Heading> {
 /// The columns that define a combination.
 fn input_headings() -> impl Iterator<Item = Heading> {
     let of_setting = |setting: &scenario::Setting| match setting.kind {
-        scenario::Kind::Number(..) => columns::number(setting.key),
+        scenario::Kind::Number(unit, ..) => Kind::Number(unit),
         scenario::Kind::Count(..) => Kind::Count,
         scenario::Kind::Flag(_) => Kind::Flag,
         scenario::Kind::Word(..) | scenario::Kind::Text(..) => Kind::Text,
@@ -173,7 +172,7 @@ pub(super) fn to_its_end(stage: &PreparedScenario) -> Result<Episode<'_>, Error>
 /// The figures of a finished episode.
 fn carry_out(stage: &PreparedScenario, run: Run) -> Result<Vec<String>, Error> {
     let episode = run(stage)?;
-    let figures = View { stage, episode: &episode }.read(EPISODE);
+    let figures = View::new(stage, &episode).read(EPISODE);
     Ok(figures.iter().map(|(_, value)| cell(value)).collect())
 }
 

@@ -58,7 +58,8 @@ impl<'a> Source<'a> {
             Some((key, value)) if *key.get_ref() == PERIOD[0] => Err(self.wrong(PERIOD[0], value, PERIOD[2])),
             Some((key, _)) => {
                 let place = self.place(key.span(), key.get_ref().as_ref());
-                Err(SweepError::Key { place, known: known.join(", ") })
+                let known = known.iter().map(|key| (*key).to_owned()).collect();
+                Err(SweepError::Key { place, known })
             }
         }
     }

@@ -2,8 +2,10 @@
 
 use super::inputs::{Settings, Walk};
 use crate::fit::set::{Set, hull, intersection};
-use crate::fit::{Answers, FitError, Situation};
+use crate::fit::{Answers, Situation};
+use cocarry::Error;
 use cocarry::episode::Look;
+use cocarry::error::Place;
 use cocarry::learning::{MOST_TASKS, Tolerance, likelihoods_of_look};
 use cocarry::math;
 use cocarry::preference::{
@@ -68,14 +70,17 @@ impl Perceived {
     /// Learns from the looks at a walk.
     ///
     /// # Errors
-    /// [`FitError::Walk`].
-    pub fn see(&mut self, walk: &Walk, lapse_rate: f64) -> Result<(), FitError> {
+    /// No alpha and gamma agree with it, and there are no lapses.
+    pub fn see(&mut self, walk: &Walk, lapse_rate: f64) -> Result<(), Error> {
         let mut likelihoods = Vec::new();
         for Look { prospects, ways, looks_like } in &walk.looks {
             likelihoods_of_look(looks_like.iter().copied(), lapse_rate, &mut likelihoods);
             if !self.learn(prospects, ways, &likelihoods) {
-                let (file, participant) = (walk.file.clone(), walk.participant.clone());
-                return Err(FitError::Walk { file, participant });
+                return Err(contradicted(
+                    &walk.file,
+                    &walk.participant,
+                    "no alpha and gamma of the belief agree with this walk and the rest; give a --lapse-rate above 0",
+                ));
             }
             self.looks += 1;
         }
@@ -85,50 +90,56 @@ impl Perceived {
     /// The belief after a participant's answers in all worlds but one.
     ///
     /// # Errors
-    /// [`FitError::Contradiction`].
+    /// No alpha and gamma agree with them, and there are no lapses.
     pub fn after(
         &self,
         answers: &Answers,
         participant: usize,
         without: Option<usize>,
         lapse_rate: f64,
-    ) -> Result<Self, FitError> {
+    ) -> Result<Self, Error> {
         let mut perceived = self.clone();
         for (w, shares) in answers.shares[participant].iter().enumerate() {
             let Some(shares) = shares.as_ref().filter(|_| without != Some(w)) else { continue };
             let situation = &answers.situations[w];
             perceived.answers += 1;
             if !perceived.learn(&situation.prospects, &Ways::default(), &likelihoods(shares, lapse_rate)) {
-                return Err(FitError::Contradiction {
-                    file: answers.file.clone(),
-                    participant: answers.participants[participant].clone(),
-                    world: situation.world.clone(),
-                });
+                let sentence = format!(
+                    "no alpha and gamma of the belief agree with the answer in {} and the others; without lapses, every answer must be 100 percent for the option that the model's human prefers: give a --lapse-rate above 0",
+                    situation.world
+                );
+                return Err(contradicted(&answers.file, &answers.participants[participant], &sentence));
             }
         }
         Ok(perceived)
     }
 }
 
+/// The error of what a participant did.
+fn contradicted(file: &str, participant: &str, sentence: &str) -> Error {
+    Error::at(Place::item(file, format!("participant `{participant}`")), sentence)
+}
+
 /// The belief over a participant's eta. Episodes that no eta explains are left out.
 ///
 /// # Errors
-/// [`FitError::Tolerances`] if the episodes contradict each other and there are no lapses;
-/// [`FitError::Episodes`] if there are too many.
+/// The episodes contradict each other and there are no lapses, or there are too many.
 pub(super) fn tolerance(
     file: &str,
     participant: &str,
     sets: Vec<Set>,
     settings: &Settings,
-) -> Result<Tolerance, FitError> {
+) -> Result<Tolerance, Error> {
     let sets: Vec<Set> = sets.into_iter().filter(|set| !set.is_empty()).collect();
     let contradicts = !sets.is_empty() && intersection(&sets).is_empty();
     if settings.lapse_rate == 0.0 && contradicts {
-        return Err(FitError::Tolerances { file: file.to_owned(), participant: participant.to_owned() });
+        let sentence = "no eta agrees with all episodes; give a --lapse-rate above 0";
+        return Err(contradicted(file, participant, sentence));
     }
     if sets.len() > MOST_TASKS {
-        let (file, participant) = (file.to_owned(), participant.to_owned());
-        return Err(FitError::Episodes { file, participant, count: sets.len(), most: MOST_TASKS });
+        let count = sets.len();
+        let sentence = format!("{count} episodes with a robot that leads; at most {MOST_TASKS}");
+        return Err(contradicted(file, participant, &sentence));
     }
     let mut tolerance = Tolerance::new(settings.tolerance, settings.lapse_rate)?;
     for interval in sets.iter().filter_map(hull) {

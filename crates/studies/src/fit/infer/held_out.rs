@@ -3,8 +3,9 @@
 
 use super::evidence::{Perceived, answered, predicted};
 use super::inputs::{Model, Settings};
-use crate::fit::{Answers, FitError, RiskWeightSettings, fit_risk_weight};
+use crate::fit::{Answers, RiskWeightSettings, fit_risk_weight};
 use crate::parallel::{OnDone, in_parallel};
+use cocarry::Error;
 use cocarry::math;
 use cocarry::preference::Predictor;
 use serde::Serialize;
@@ -65,11 +66,11 @@ pub(super) fn held_out(
     model: &Model,
     settings: &Settings,
     on_done: OnDone,
-) -> Result<(Vec<HeldOut>, Vec<OptionCheck>), FitError> {
+) -> Result<(Vec<HeldOut>, Vec<OptionCheck>), Error> {
     let worlds = answers.situations.len();
     let fits = in_parallel(worlds, on_done, |w| fitted(answers, model, w));
     let lapse_rate = settings.lapse_rate;
-    let of = |p: usize| -> Result<Vec<Predicted>, FitError> {
+    let of = |p: usize| -> Result<Vec<Predicted>, Error> {
         let mut all = Vec::new();
         for (w, shares) in answers.shares[p].iter().enumerate() {
             let Some(shares) = shares.clone() else { continue };

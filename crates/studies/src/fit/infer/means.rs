@@ -5,8 +5,10 @@
 use super::evidence::Perceived;
 use super::inputs::{Model, Settings};
 use super::population::{Grid, Population, weights};
-use crate::fit::{Answers, FitError};
+use crate::fit::Answers;
 use crate::parallel::{OnDone, in_parallel};
+use cocarry::Error;
+use cocarry::error::Place;
 use cocarry::math;
 use cocarry::preference::{Belief, Marginal, Ways, with_lapses};
 use serde::Serialize;
@@ -38,14 +40,14 @@ pub struct MeansRow {
 /// Infers the population from mean answers of `people` persons; each participant of the file is such a mean.
 ///
 /// # Errors
-/// [`FitError`]: the belief is samples, or no population gives these answers without lapses.
+/// The belief is samples, or no population gives these answers without lapses.
 pub fn infer_means(
     answers: &Answers,
     people: u64,
     model: &Model,
     settings: &Settings,
     on_done: OnDone,
-) -> Result<Means, FitError> {
+) -> Result<Means, Error> {
     let [alphas, gammas] = model.belief.ranges();
     let [alpha, gamma] = [Marginal::uniform(alphas[0], alphas[1])?, Marginal::uniform(gammas[0], gammas[1])?];
     let prior = Perceived::new(&Belief::Independent { alpha, gamma }, model.risk_weight)?;
@@ -84,7 +86,10 @@ pub fn infer_means(
     };
     let logs: Vec<f64> = (0..grid.len()).map(log).collect();
     let Some((weights, evidence)) = weights(&logs) else {
-        return Err(FitError::Population { file: answers.file.clone() });
+        return Err(Error::at(
+            Place::file(&answers.file),
+            "no population gives these mean answers without lapses: an option was chosen that no alpha and gamma of the belief prefers; give a --lapse-rate above 0",
+        ));
     };
     let even = 1.0 / grid.len() as f64;
     let row = |i: usize| {

@@ -17,8 +17,9 @@ pub use inputs::{Model, Settings, Switches, Walk};
 pub use means::{Means, MeansRow, infer_means};
 pub use population::{Figure, Population, QUANTITIES};
 
-use super::{Answers, EtaFit, FitError, Set, fit_eta};
+use super::{Answers, EtaFit, Set, fit_eta};
 use crate::parallel::{OnDone, in_parallel};
+use cocarry::Error;
 use cocarry::learning::Tolerance;
 use cocarry::preference::Belief;
 use draws::{Crowd, Source};
@@ -75,7 +76,7 @@ pub struct Inference {
 /// Infers alpha, gamma and eta from answers, switches, or both.
 ///
 /// # Errors
-/// [`FitError`]: answers or switches contradict each other and there are no lapses; numbers out of range.
+/// Answers or switches contradict each other and there are no lapses; numbers out of range.
 pub fn infer(
     answers: Option<&Answers>,
     switches: Option<Switches>,
@@ -83,7 +84,7 @@ pub fn infer(
     model: &Model,
     settings: &Settings,
     on_done: OnDone,
-) -> Result<Inference, FitError> {
+) -> Result<Inference, Error> {
     let prior = Perceived::new(&model.belief, model.risk_weight)?;
     Tolerance::new(settings.tolerance, settings.lapse_rate)?;
     let mut names: Vec<&String> = answers.iter().flat_map(|answers| &answers.participants).collect();
@@ -93,7 +94,7 @@ pub fn infer(
             names.push(name);
         }
     }
-    let perceived = |p: usize| -> Result<Perceived, FitError> {
+    let perceived = |p: usize| -> Result<Perceived, Error> {
         let mut perceived = match answers {
             Some(answers) if p < answers.participants.len() => {
                 prior.after(answers, p, None, settings.lapse_rate)?
@@ -202,7 +203,7 @@ fn weighed(grid: &Grid, people: &[Perceived], integrals: &[Integrals]) -> Option
 }
 
 /// Draws from the same model without any answers and switches.
-fn prior_draws(source: &Source, prior: &Perceived, settings: &Settings) -> Result<Draws, FitError> {
+fn prior_draws(source: &Source, prior: &Perceived, settings: &Settings) -> Result<Draws, Error> {
     let people = vec![prior.clone(); source.people.len()];
     let tolerance = Tolerance::new(source.tolerance, settings.lapse_rate)?;
     let tolerances = vec![tolerance; source.tolerances.len()];

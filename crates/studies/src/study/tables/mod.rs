@@ -10,7 +10,7 @@ pub(super) use ticks::Ticks;
 
 use super::origin::Origin;
 use super::{SweepError, row};
-use crate::columns::Columns;
+use crate::columns::{self, Columns};
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_array::{Array, ArrayRef, RecordBatch};
@@ -203,7 +203,7 @@ fn cell(column: &ArrayRef, row: usize) -> String {
 
 /// The check that the columns are those of this version.
 fn check_columns(found: &[std::sync::Arc<Field>], file: &str) -> std::result::Result<(), SweepError> {
-    let expected: Vec<Field> = row::headings().iter().map(|heading| heading.field()).collect();
+    let expected: Vec<Field> = row::headings().iter().map(columns::field).collect();
     let words = |field: Option<&Field>| match field {
         Some(field) => {
             let name: String = field.name().chars().take(60).collect();

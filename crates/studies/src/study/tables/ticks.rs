@@ -7,11 +7,11 @@
 //! are both there.
 
 use super::{ARITHMETIC, DIGEST, open, properties, system_error, unread, value_of};
-use crate::columns::{Columns, Heading};
+use crate::columns::Columns;
 use crate::study::{Origin, Study, SweepError, row};
 use arrow_array::RecordBatch;
 use arrow_schema::{ArrowError, SchemaRef};
-use cocarry::quantities::{TICK, View};
+use cocarry::quantities::{Heading, TICK, View};
 use cocarry_output::output_file::{OutputError, OutputFile};
 use parquet::arrow::ArrowWriter;
 use serde_json::Value;
@@ -94,7 +94,7 @@ impl Layout {
         let line = study.row_of(episode, cell, scenario, &|stage| {
             let mut episode = stage.episode()?;
             while episode.step().is_none() {
-                let view = View { stage, episode: &episode };
+                let view = View::new(stage, &episode);
                 let values: Vec<Value> =
                     TICK.into_iter().flat_map(|table| view.read(table)).map(|(_, value)| value).collect();
                 columns.borrow_mut().add(cells.iter().copied(), &values);
