@@ -26,16 +26,12 @@ impl Saved {
     /// The bytes of a state. Empty for a type that cannot be written as CBOR; [`Saved::read`] then refuses
     /// it.
     pub fn of<T: Serialize>(state: &T) -> Self {
-        let mut bytes = Vec::new();
-        match ciborium::into_writer(state, &mut bytes) {
-            Ok(()) => Self(bytes),
-            Err(_) => Self::default(),
-        }
+        cbor4ii::serde::to_vec(Vec::new(), state).map_or_else(|_| Self::default(), Self)
     }
 
     /// The state read back. The error calls it `part`.
     pub fn read<T: DeserializeOwned>(&self, part: &'static str) -> Result<T, NotRestored> {
-        ciborium::from_reader(self.0.as_slice()).map_err(|_| NotRestored { part })
+        cbor4ii::serde::from_slice(&self.0).map_err(|_| NotRestored { part })
     }
 
     /// A check that nothing was saved, for parts without memory.

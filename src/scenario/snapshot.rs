@@ -18,7 +18,7 @@ use std::path::Path;
 
 const MAGIC: &[u8] = b"cocarry snapshot";
 /// The version of the format. Raise it whenever the contents change.
-const FORMAT: u32 = 8;
+const FORMAT: u32 = 9;
 /// The largest file that is read, bytes. A snapshot has about 100 kB.
 const LARGEST: u64 = 1 << 28;
 
@@ -63,8 +63,7 @@ impl Snapshot {
     /// # Errors
     /// The snapshot cannot be encoded: never for an episode that runs.
     pub fn bytes(&self) -> Result<Vec<u8>, Error> {
-        let mut contents = Vec::new();
-        ciborium::into_writer(self, &mut contents)
+        let mut contents = cbor4ii::serde::to_vec(Vec::new(), self)
             .map_err(|error| Error::new("the snapshot cannot be encoded").because(error))?;
         let version = env!("CARGO_PKG_VERSION").as_bytes();
         let length = contents.len() as u64;
@@ -117,11 +116,11 @@ impl Snapshot {
         if expected != bytes.len() as u64 {
             return Err(fields.wrong_length(expected));
         }
-        let mut contents = fields.take(length as usize)?;
+        let contents = fields.take(length as usize)?;
         if crc32fast::hash(&bytes[..fields.at]) != u32::from_le_bytes(fields.array()?) {
             return Err(refused("a damaged snapshot: its checksum does not match its contents".to_owned()));
         }
-        match ciborium::from_reader::<Self, _>(&mut contents) {
+        match cbor4ii::serde::from_slice::<Self>(contents) {
             Ok(snapshot) => Ok(Self { written_by, ..snapshot }),
             Err(error) => {
                 Err(refused(format!("not a valid snapshot, written by cocarry {written_by}")).because(error))
