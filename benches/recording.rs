@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 /// The most that recording may cost of an episode's time.
 const BUDGET: f64 = 0.15;
 /// The largest that the recording of 36 s may be, B.
-const LARGEST: f64 = 3.0 * 1024.0 * 1024.0;
+const MAX_SIZE: f64 = 3.0 * 1024.0 * 1024.0;
 const EPISODES: usize = 15;
 
 fn stage(environment: usize) -> PreparedScenario {
@@ -91,7 +91,7 @@ fn report() {
             share / BUDGET,
             size / 1e3,
             size / seconds * 36.0 / (1024.0 * 1024.0),
-            size / seconds * 36.0 / LARGEST,
+            size / seconds * 36.0 / MAX_SIZE,
         );
     }
 }

@@ -12,11 +12,11 @@ use toml::Spanned;
 use toml::de::DeTable;
 
 /// The size of the largest text file that is read, bytes: answers, samples, URDFs.
-const LARGEST: u64 = 16 << 20;
+const MAX_BYTES: u64 = 16 << 20;
 /// The same for a file of settings: studies, baselines, robots.
-pub const LARGEST_SETTINGS: u64 = 1 << 20;
+pub const MAX_SETTINGS: u64 = 1 << 20;
 /// The same for a world.
-pub const LARGEST_WORLD: u64 = 4 << 20;
+pub const MAX_WORLD: u64 = 4 << 20;
 
 /// Opens an input file. Only regular files are inputs: a FIFO or a terminal would wait for its writer, and a
 /// device may never end.
@@ -38,7 +38,7 @@ pub fn open(path: &Path) -> Result<File, io::Error> {
 /// # Errors
 /// The system's, also if it is larger, not a regular file, or not UTF-8.
 pub fn read(path: &Path) -> Result<String, Error> {
-    read_at_most(LARGEST, path)
+    read_at_most(MAX_BYTES, path)
 }
 
 /// As [`read`], with another limit (bytes).
@@ -146,7 +146,7 @@ mod tests {
     fn a_file_that_is_too_large_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("large.toml");
-        File::create(&path).unwrap().set_len(LARGEST + 1).unwrap();
+        File::create(&path).unwrap().set_len(MAX_BYTES + 1).unwrap();
         let error = read(&path).unwrap_err();
         let cause = std::error::Error::source(&error).expect("a cause");
         assert_eq!(cause.to_string(), "larger than 16777216 bytes");

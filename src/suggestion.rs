@@ -3,10 +3,10 @@
 use std::path::Path;
 
 /// The least similarity of a suggestion, from 0 (nothing in common) to 1 (the same).
-const LEAST_SIMILARITY: f64 = 0.78;
+const MIN_SIMILARITY: f64 = 0.78;
 
 /// The largest number of files that are compared with a name that does not exist.
-const MOST_FILES: usize = 1000;
+const MAX_FILES: usize = 1000;
 
 /// The known name that is most like `name`. What a name has in parentheses is not compared.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
@@ -15,10 +15,10 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
         let (name, other) = (stem(name), stem(other));
         // one slip of the finger, also in a short name
         let is_slip = name.len() > 2 && strsim::osa_distance(&name, &other) == 1;
-        strsim::jaro(&name, &other).max(if is_slip { LEAST_SIMILARITY } else { 0.0 })
+        strsim::jaro(&name, &other).max(if is_slip { MIN_SIMILARITY } else { 0.0 })
     };
     let near = known.into_iter().map(|other| (similarity(other), other));
-    let near = near.filter(|(similarity, other)| *similarity >= LEAST_SIMILARITY && *other != name);
+    let near = near.filter(|(similarity, other)| *similarity >= MIN_SIMILARITY && *other != name);
     // the first of equals
     near.fold(None, |best: Option<(f64, &str)>, next| Some(best.filter(|b| b.0 >= next.0).unwrap_or(next)))
         .map(|(_, other)| other)
@@ -56,7 +56,7 @@ pub fn hint_of_error(error: &str) -> String {
 pub fn hint_of_files(path: &Path) -> String {
     let Some(name) = path.file_name() else { return String::new() };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let entries = std::fs::read_dir(folder).into_iter().flatten().take(MOST_FILES).flatten();
+    let entries = std::fs::read_dir(folder).into_iter().flatten().take(MAX_FILES).flatten();
     let mut files: Vec<String> =
         entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     files.sort();

@@ -22,7 +22,7 @@ use nalgebra::Vector6;
 const RECONFIGURATION_SHARE: f64 = 0.25;
 
 /// Largest correction (m and rad) of the linear model of eq. (7).
-const LARGEST_CORRECTION: f64 = 0.01;
+const MAX_CORRECTION: f64 = 0.01;
 
 /// Eqs. (8) and (7).
 #[derive(Clone, Debug)]
@@ -80,7 +80,7 @@ impl<'a> Predictive<'a> {
     }
 
     /// The error of eq. (7)'s linear model in the first period of `input`: the grasp by the arm's kinematics
-    /// minus the grasp by the model. Its norm is at most [`LARGEST_CORRECTION`], m and rad.
+    /// minus the grasp by the model. Its norm is at most [`MAX_CORRECTION`], m and rad.
     fn model_error(
         &self,
         target: &Configuration,
@@ -93,7 +93,7 @@ impl<'a> Predictive<'a> {
         let reached = Configuration { base: target.base, joints: target.joints + moved };
         let reached = pose_difference(&robot.grasp_pose(&reached), grasp);
         let model_error = reached - robot.arm_jacobian(jacobian) * moved;
-        model_error * (LARGEST_CORRECTION / model_error.norm()).min(1.0)
+        model_error * (MAX_CORRECTION / model_error.norm()).min(1.0)
     }
 
     /// The Jacobian with the arm's part half-way through the first period of `input`. Where the wrist is nearly

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 /// The cost of a bend where the tangent meets the path, in metres of path per radian.
 const BEND_COST_M_PER_RAD: f64 = 1.0;
 /// The largest permissible bend, rad.
-const LARGEST_BEND_RAD: f64 = 1.1;
+const MAX_BEND_RAD: f64 = 1.1;
 /// How far along the path (m) to search for a joining point, and the step of the search (m).
 const SEARCH_LENGTH_M: f64 = 6.0;
 const SEARCH_STEP_M: f64 = 0.3;
@@ -88,7 +88,7 @@ fn turn_to(path: &Path, joined: f64, from: Point, heading: f64, arc: Arc) -> Opt
     } else {
         0.0
     };
-    if bend > LARGEST_BEND_RAD || turned > arc.most {
+    if bend > MAX_BEND_RAD || turned > arc.most {
         return None;
     }
     let cost = radius * turned + (join - leave).norm() + path.length() - joined + BEND_COST_M_PER_RAD * bend;
@@ -135,7 +135,7 @@ mod tests {
             assert!(sweep < 1e-6 || !bent, "{degrees}: {sweep}");
             assert!((way.point_at(way.length()).unwrap() - Point::new(-6.0, 3.0)).norm() < 1e-9);
             let (_, jump) = walk(&way);
-            assert!(jump < LARGEST_BEND_RAD + 0.05, "{degrees}: {jump}");
+            assert!(jump < MAX_BEND_RAD + 0.05, "{degrees}: {jump}");
         }
     }
 

@@ -4,7 +4,7 @@
 
 mod tolerance;
 
-pub use tolerance::{MOST_TASKS, Tolerance, TolerancePrior, discomfort_limit, eta_interval};
+pub use tolerance::{MAX_TASKS, Tolerance, TolerancePrior, discomfort_limit, eta_interval};
 
 use crate::preference::{
     Belief, ChoiceDistribution, Learned, MAX_LAPSE_RATE, Perception, Posterior, PreferenceError, Prospect,
@@ -74,7 +74,7 @@ pub fn likelihoods_of_look(
 
 impl Settings {
     /// The least change rate: with it, the belief stays exact however often the human contradicts it.
-    pub const LEAST_CHANGE_RATE: f64 = 1e-4;
+    pub const MIN_CHANGE_RATE: f64 = 1e-4;
 
     /// The settings of a robot whose belief has this lapse rate. A belief without lapses says nothing about the
     /// rate.
@@ -89,7 +89,7 @@ impl Settings {
     pub fn check(&self) -> Result<(), LearningError> {
         Tolerance::new(self.tolerance, self.lapse_rate)?;
         check_rate("change_rate", self.change_rate)?;
-        if self.change_rate < Self::LEAST_CHANGE_RATE {
+        if self.change_rate < Self::MIN_CHANGE_RATE {
             let (name, value) = ("change_rate", self.change_rate);
             return Err(LearningError { name, value, expected: "at least 0.0001 and at most 0.5" });
         }

@@ -69,7 +69,7 @@ fn normal_between(from: f64, to: f64) -> f64 {
 }
 
 /// The most tasks that are remembered; beyond them the first are forgotten.
-pub const MOST_TASKS: usize = 256;
+pub const MAX_TASKS: usize = 256;
 
 /// Deviations beyond which the prior is not integrated.
 const FARTHEST: f64 = 9.0;
@@ -109,7 +109,7 @@ impl Tolerance {
         positive("tolerance.median", prior.median)?;
         positive("tolerance.log_std", prior.log_std)?;
         super::check_rate("lapse_rate", lapse_rate)?;
-        let (tasks, ends, weights) = (Vec::with_capacity(MOST_TASKS), Vec::new(), Vec::new());
+        let (tasks, ends, weights) = (Vec::with_capacity(MAX_TASKS), Vec::new(), Vec::new());
         let points = NonZeroUsize::new(POINTS).unwrap_or(NonZeroUsize::MIN);
         let rule = GaussLegendre::new(points).as_node_weight_pairs().to_vec();
         let mut tolerance = Self { prior, lapse_rate, tasks, ends, weights, rule };
@@ -119,7 +119,7 @@ impl Tolerance {
 
     /// Begins a task: nothing is known of it yet.
     pub fn begin_task(&mut self) {
-        if self.tasks.len() == MOST_TASKS {
+        if self.tasks.len() == MAX_TASKS {
             self.tasks.remove(0);
         }
         self.tasks.push([0.0, f64::INFINITY]);
@@ -141,7 +141,7 @@ impl Tolerance {
     /// Takes over what the tasks of another belief with the same prior say. False, and no change, if they are
     /// not intervals.
     pub fn restore(&mut self, tasks: &[[f64; 2]]) -> bool {
-        let fits = tasks.len() <= MOST_TASKS && tasks.iter().all(|task| task[0] >= 0.0 && task[0] < task[1]);
+        let fits = tasks.len() <= MAX_TASKS && tasks.iter().all(|task| task[0] >= 0.0 && task[0] < task[1]);
         if fits {
             self.tasks.clear();
             self.tasks.extend_from_slice(tasks);

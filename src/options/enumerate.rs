@@ -11,10 +11,10 @@ use std::collections::BinaryHeap;
 use std::rc::Rc;
 
 /// The number of partial sequences after which the search stops and reports that it is cut.
-const MOST_EXPANDED: usize = 200_000;
+const MAX_EXPANDED: usize = 200_000;
 
 /// The largest number of places from which shortest paths to exits are searched: less than a minute of work.
-const MOST_SEARCHED: u64 = 400_000_000;
+const MAX_SEARCHED: u64 = 400_000_000;
 
 /// The result of the search.
 #[derive(Default)]
@@ -22,7 +22,7 @@ pub(super) struct Found {
     pub options: Vec<Vec<Crossing>>,
     /// Whether more options exist, or may exist.
     pub is_cut: bool,
-    /// Whether the search stopped after [`MOST_EXPANDED`] partial sequences.
+    /// Whether the search stopped after [`MAX_EXPANDED`] partial sequences.
     pub is_search_cut: bool,
 }
 
@@ -52,7 +52,7 @@ const BOUND_ROUNDING_M: f64 = 1e-9;
 
 /// The `limit` cheapest options by D_o + c_r S_o, cheapest first. The search is best-first over regions from
 /// which the target can still be reached. Its lower bounds are the shortest and the safest path onward from
-/// each passage, with regions entered twice allowed. The search stops after [`MOST_EXPANDED`] partial
+/// each passage, with regions entered twice allowed. The search stops after [`MAX_EXPANDED`] partial
 /// sequences. If it has found no option by then, it takes the path of its bounds. The paths that it may use
 /// are added to `stages`.
 ///
@@ -77,7 +77,7 @@ pub(super) fn cheapest(
     let mut looked_at = 0;
     while let Some(partial) = queue.pop() {
         looked_at += 1;
-        let gives_up = looked_at > MOST_EXPANDED;
+        let gives_up = looked_at > MAX_EXPANDED;
         if found.options.len() == limit && partial.arrived || gives_up && !found.options.is_empty() {
             found.is_cut = true;
             found.is_search_cut = found.options.len() < limit;
@@ -150,9 +150,9 @@ impl<'a> Layout<'a> {
         });
         let legs: Vec<_> = legs.chain([to_target]).filter(|(entries, _)| !entries.is_empty()).collect();
         let found: u64 = legs.iter().flat_map(|(_, to)| to).map(|to| roadmap.places_around(*to)).sum();
-        if found > MOST_SEARCHED {
+        if found > MAX_SEARCHED {
             return Err(format!(
-                "paths to the openings would be searched from {found} places, and at most {MOST_SEARCHED} are"
+                "paths to the openings would be searched from {found} places, and at most {MAX_SEARCHED} are"
             ));
         }
         for (entries, to) in legs {

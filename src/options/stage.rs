@@ -2,11 +2,11 @@
 //!
 //! The straight parts of two consecutive openings may overlap. A path that followed both would overshoot the
 //! second and double back. Instead it leaves the first as far out as the largest turn there allows
-//! ([`MOST_BACKWARD`]), and joins the second likewise.
+//! ([`MAX_BACKWARD`]), and joins the second likewise.
 
 use super::passage::Crossing;
 use super::path_option::{After, Afters};
-use super::roadmap::{MOST_BACKWARD, Roadmap};
+use super::roadmap::{MAX_BACKWARD, Roadmap};
 use super::sites::{MAX_LANES, START, Sites, TARGET};
 
 /// Number of bisections in the search for where a path may leave a straight part.
@@ -136,7 +136,7 @@ fn stage(roadmap: &Roadmap, from: usize, to: usize) -> Stage {
         return whole;
     }
     let turn = |exit: f64| roadmap.departure(first.at(exit), to).map(|along| first.outward.dot(&along));
-    let is_forward = |exit: f64| turn(exit).is_none_or(|cos| cos >= -MOST_BACKWARD);
+    let is_forward = |exit: f64| turn(exit).is_none_or(|cos| cos >= -MAX_BACKWARD);
     let facing = first.outward.dot(&second.outward) < FACING_COSINE;
     let apart = first.depth(second.center);
     let is_shortened = leg.depth < second.reach;
@@ -159,7 +159,7 @@ fn stage(roadmap: &Roadmap, from: usize, to: usize) -> Stage {
         exit = near;
     }
     let mut leg = roadmap.leg(first.at(exit), to);
-    if leg.length < CROSSING_LENGTH_M && -first.outward.dot(&second.outward) < -MOST_BACKWARD {
+    if leg.length < CROSSING_LENGTH_M && -first.outward.dot(&second.outward) < -MAX_BACKWARD {
         // where the two cross at so sharp an angle, the path cuts the corner and turns partly on either side
         exit -= exit.min(leg.depth) / 2.0;
         leg = roadmap.leg(first.at(exit), to);

@@ -3,7 +3,7 @@
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
-use super::perception::LARGEST_PERCEPTION;
+use super::perception::MAX_PERCEPTION;
 use super::{Marginal, Perception, PreferenceError};
 
 /// A distribution over `(alpha, gamma)`.
@@ -76,7 +76,7 @@ impl SampleSet {
         let positive = |value: f64| value > 0.0 && value.is_finite();
         for (index, sample) in samples.iter().enumerate() {
             let WeightedSample { perception: Perception { alpha, gamma }, weight } = *sample;
-            let is_good = |parameter: f64| positive(parameter) && parameter <= LARGEST_PERCEPTION;
+            let is_good = |parameter: f64| positive(parameter) && parameter <= MAX_PERCEPTION;
             if !(is_good(alpha) && is_good(gamma) && positive(weight)) {
                 return Err(PreferenceError::Sample { index, alpha, gamma, weight });
             }

@@ -1,6 +1,6 @@
 //! Errors in the parameters of the preference model, each with its numbers.
 
-use super::perception::LARGEST_PERCEPTION;
+use super::perception::MAX_PERCEPTION;
 use thiserror::Error;
 
 /// The largest lapse rate.
@@ -32,7 +32,7 @@ impl From<PreferenceError> for crate::error::Error {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PreferenceError {
     /// The bounds of a marginal are not `0 < lower < upper <= 10`.
-    #[error("bounds [{lower}, {upper}] must satisfy 0 < lower < upper <= {LARGEST_PERCEPTION}")]
+    #[error("bounds [{lower}, {upper}] must satisfy 0 < lower < upper <= {MAX_PERCEPTION}")]
     Bounds {
         /// Lower bound given.
         lower: f64,
@@ -74,7 +74,7 @@ pub enum PreferenceError {
     NoSamples,
     /// A sample whose parameters are not positive and at most 10, or whose weight is not positive and finite.
     #[error(
-        "sample {index} (alpha {alpha}, gamma {gamma}, weight {weight}): all three must be positive and finite, alpha and gamma at most {LARGEST_PERCEPTION}"
+        "sample {index} (alpha {alpha}, gamma {gamma}, weight {weight}): all three must be positive and finite, alpha and gamma at most {MAX_PERCEPTION}"
     )]
     Sample {
         /// Position in the list given, from 0.

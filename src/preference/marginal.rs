@@ -8,7 +8,7 @@ use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
 use super::PreferenceError;
-use super::perception::LARGEST_PERCEPTION;
+use super::perception::MAX_PERCEPTION;
 
 /// Distribution of one perception parameter (`alpha` or `gamma`, dimensionless) on `[lower, upper]` with
 /// `0 < lower < upper <= 10`.
@@ -45,7 +45,7 @@ enum Shape {
 impl Marginal {
     /// Uniform on `[lower, upper]`.
     pub fn uniform(lower: f64, upper: f64) -> Result<Self, PreferenceError> {
-        if !(0.0 < lower && lower < upper && upper <= LARGEST_PERCEPTION) {
+        if !(0.0 < lower && lower < upper && upper <= MAX_PERCEPTION) {
             return Err(PreferenceError::Bounds { lower, upper });
         }
         Ok(Self { lower, upper, shape: Shape::Uniform })

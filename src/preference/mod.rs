@@ -43,8 +43,8 @@ pub(crate) use error::check_lapse_rate;
 pub use error::{MAX_LAPSE_RATE, MAX_RATIONALITY, PreferenceError};
 pub use marginal::Marginal;
 pub use perception::{
-    LARGEST_PERCEPTION, Perception, Prospect, human_choice, objective_cost, perceived_distance,
-    perceived_risk, subjective_cost,
+    MAX_PERCEPTION, Perception, Prospect, human_choice, objective_cost, perceived_distance, perceived_risk,
+    subjective_cost,
 };
 pub use posterior::{Estimate, Learned, Posterior};
 pub use predictor::{Predictor, RISK_WEIGHT};

@@ -31,7 +31,7 @@ impl Prospect {
 
 /// The largest alpha or gamma. Far beyond it, costs are no longer numbers, and integrals over a belief take
 /// forever.
-pub const LARGEST_PERCEPTION: f64 = 10.0;
+pub const MAX_PERCEPTION: f64 = 10.0;
 
 /// One human's perception of distance and risk. Both parameters are positive and dimensionless.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

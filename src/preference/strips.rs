@@ -18,7 +18,7 @@ const TOLERANCE: f64 = 1e-11;
 
 /// The fraction of the range of `gamma` below which strips are not split further: their total contribution is
 /// smaller than this.
-const SHORTEST_STRIP: f64 = 1e-12;
+const MIN_STRIP: f64 = 1e-12;
 
 /// The fraction of the range of `gamma` to which events are located. The effect of a misplaced event grows
 /// with the square of the distance, since an option joins or leaves the envelope with an interval of length
@@ -27,7 +27,7 @@ const EVENT_TOLERANCE: f64 = 1e-8;
 
 /// The number of nodes after which a call stops refining and uses what it has. It is far beyond any real set
 /// of options and ends every loop.
-const MOST_NODES: u64 = 2_000_000;
+const MAX_NODES: u64 = 2_000_000;
 
 /// Independent `alpha` and `gamma` with their panels.
 #[derive(Debug, Clone)]
@@ -204,7 +204,7 @@ impl Strips {
     fn strip(&mut self, left: Edge, right: Edge, domain: &Domain, masses: &mut [f64]) {
         let range = domain.gamma.upper() - domain.gamma.lower();
         let width = right.gamma - left.gamma;
-        if width <= SHORTEST_STRIP * range || self.nodes > MOST_NODES {
+        if width <= MIN_STRIP * range || self.nodes > MAX_NODES {
             self.sliver(left, right, domain, masses);
             return;
         }

@@ -35,7 +35,7 @@ const NARROWER: f64 = 1.1;
 const ARM_RADIUS_M: f64 = 0.08;
 /// How far an arm's shapes may be outside these balls for a base that is narrower than its disc, m. In an
 /// opening as narrow as the base, such an arm would touch the walls.
-const MOST_OUTSIDE_M: f64 = 0.05;
+const MAX_OUTSIDE_M: f64 = 0.05;
 
 /// Room of a posture, as [`Found`] has it, with which no other height is tried.
 const ENOUGH_ROOM: f64 = 0.2;
@@ -98,7 +98,7 @@ impl Draft {
             // nothing but balls is kept off obstacles as the arm moves
             let outside = postures::outside_balls(&robot, joints, ARM_RADIUS_M);
             polygon.width = polygon.width.max(centimetres(2.0 * (beside + outside)));
-            let is_narrow = outside <= MOST_OUTSIDE_M && NARROWER * polygon.width < disc.width;
+            let is_narrow = outside <= MAX_OUTSIDE_M && NARROWER * polygon.width < disc.width;
             is_narrow.then_some((polygon, best))
         });
         let found = narrow.or_else(|| {

@@ -44,7 +44,7 @@ const TOOLS: [&str; 11] = [
     "wrist",
 ];
 /// The most prismatic joints of an arm: a lift, and a telescope of four.
-const MOST_SLIDES: usize = 5;
+const MAX_SLIDES: usize = 5;
 /// Words in the names of links at an arm's end that do not hold an object.
 const NO_TOOLS: [&str; 16] = [
     "finger", "thumb", "index", "middle", "ring", "little", "camera", "optical", "sensor", "safety", "ft",
@@ -152,7 +152,7 @@ fn tool(links: &[Link], base: usize, wheels: &[usize]) -> Option<usize> {
         let kinds = path.iter().filter_map(|&at| links[at].joint.as_ref());
         let moving = kinds.clone().filter(|j| j.kind != JointKind::Fixed && j.mimic.is_none());
         let slides = kinds.clone().filter(|j| j.kind == JointKind::Prismatic).count();
-        let is_arm = !path.iter().any(|at| wheels.contains(at)) && slides <= MOST_SLIDES;
+        let is_arm = !path.iter().any(|at| wheels.contains(at)) && slides <= MAX_SLIDES;
         let is_possible = kinds.clone().all(|j| {
             matches!(
                 j.kind,

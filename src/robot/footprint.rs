@@ -14,12 +14,12 @@ use toml::{Spanned, Value};
 const KEY: &str = "base_footprint";
 /// The corners that a list may have, and a footprint around shapes at most has.
 const FEWEST_CORNERS: usize = 3;
-const MOST_CORNERS: usize = 64;
-const MOST_CORNERS_OF_SHAPES: usize = 32;
+const MAX_CORNERS: usize = 64;
+const MAX_CORNERS_OF_SHAPES: usize = 32;
 /// The largest coordinate of a corner, m.
 const FARTHEST_M: f64 = 10.0;
 /// The least extent of a footprint in any direction, m.
-const LEAST_EXTENT_M: f64 = 0.01;
+const MIN_EXTENT_M: f64 = 0.01;
 /// How far (m) a footprint may be outside the shapes that it is around, for fewer corners.
 const LEFT_OUT_M: f64 = 0.002;
 /// Corners of the polygon around a circle.
@@ -60,10 +60,10 @@ pub(super) fn asked(source: Source, entry: &Option<Spanned<Value>>) -> Result<As
             )));
         }
     };
-    if !(FEWEST_CORNERS..=MOST_CORNERS).contains(&list.len()) {
+    if !(FEWEST_CORNERS..=MAX_CORNERS).contains(&list.len()) {
         let count = list.len();
         return Err(refused(format!(
-            "{KEY} has {count} corners; it must have {FEWEST_CORNERS} to {MOST_CORNERS}"
+            "{KEY} has {count} corners; it must have {FEWEST_CORNERS} to {MAX_CORNERS}"
         )));
     }
     let mut corners = Vec::with_capacity(list.len());
@@ -119,7 +119,7 @@ pub(super) fn around_shapes(robot: &Robot) -> Result<Vec<Point>, String> {
         add_outline(&drive_from_shape, shape, &mut points);
     }
     let hull = convex_hull(&points);
-    checked(with_fewer_corners(hull, MOST_CORNERS_OF_SHAPES, LEFT_OUT_M))
+    checked(with_fewer_corners(hull, MAX_CORNERS_OF_SHAPES, LEFT_OUT_M))
 }
 
 /// Adds points whose hull has the shape, seen from above, inside.
@@ -164,9 +164,9 @@ fn checked(corners: Vec<Point>) -> Result<Vec<Point>, String> {
         hull.iter().map(|c| crate::geometry::cross(along, c - a)).fold(0.0, f64::max)
     };
     let narrowest = if n < 3 { 0.0 } else { (0..n).map(across).fold(f64::INFINITY, f64::min) };
-    if narrowest < LEAST_EXTENT_M {
+    if narrowest < MIN_EXTENT_M {
         return Err(format!(
-            "{KEY} is {narrowest:.4} m across where it is narrowest; its corners must be around an area at least {LEAST_EXTENT_M} m across"
+            "{KEY} is {narrowest:.4} m across where it is narrowest; its corners must be around an area at least {MIN_EXTENT_M} m across"
         ));
     }
     let (least, most) = hull.iter().fold((hull[0], hull[0]), |(a, b), c| (a.inf(c), b.sup(c)));
@@ -187,9 +187,9 @@ fn number(value: &Value) -> Option<f64> {
 
 /// A value as in a file, its beginning only where it is long.
 fn shortened(value: &Value) -> String {
-    const LONGEST: usize = 40;
+    const MAX_CHARACTERS: usize = 40;
     let text = value.to_string();
-    match text.char_indices().nth(LONGEST) {
+    match text.char_indices().nth(MAX_CHARACTERS) {
         Some((at, _)) => format!("{}...", &text[..at]),
         None => text,
     }

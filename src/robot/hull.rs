@@ -11,22 +11,22 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// The largest mesh file that is read, bytes.
-const LARGEST_MESH: u64 = 64 << 20;
+const MAX_MESH: u64 = 64 << 20;
 /// The number of directions in which a hull has its vertices. On a ball, the hull of as many vertices is within
 /// 1 % of the radius.
 const DIRECTIONS: usize = 256;
 /// The largest coordinate of a vertex in the file's units.
-const LARGEST_COORDINATE: f64 = 1e6;
+const MAX_COORDINATE: f64 = 1e6;
 /// Extent of a flat mesh's hull across it, in the file's units.
-const LEAST_EXTENT: f64 = 1e-4;
+const MIN_EXTENT: f64 = 1e-4;
 /// The spacing of the grid to which corners of triangles are rounded to tell whether they are one, as a share
 /// of the largest coordinate.
 const SAME: f64 = 1e-6;
 /// The largest number of triangles of a mesh whose volume is measured.
-const MOST_MEASURED: usize = 300_000;
+const MAX_MEASURED: usize = 300_000;
 
 /// The share of its convex hull that a mesh fills at least to collide as that.
-const LEAST_FILLED: f64 = 0.4;
+const MIN_FILLED: f64 = 0.4;
 /// Parts are the hulls of cubes; this many of them lie along a mesh's longest extent. Nothing of a mesh lies
 /// outside its parts.
 const CUBES: u32 = 64;
@@ -69,7 +69,7 @@ impl Hull {
     /// The hull, or convex parts of a mesh that fills less than 40 % of it, by approximate convex
     /// decomposition (V-HACD: Mamou, Volumetric Hierarchical Approximate Convex Decomposition, 2016).
     pub fn convex(self) -> Convex {
-        if self.filled.is_none_or(|filled| filled >= LEAST_FILLED) {
+        if self.filled.is_none_or(|filled| filled >= MIN_FILLED) {
             return Convex::Hull(self.vertices);
         }
         // no preferred direction of cuts: it needs an arc cosine of the system's
@@ -99,7 +99,7 @@ fn to_parry(p: Vector3<f64>) -> parry3d::math::Vector {
 /// spread over the sphere. The error says why there is none.
 pub(super) fn read(file: &Path) -> Result<Hull, String> {
     let format = file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
-    let bytes = located::read_bytes(LARGEST_MESH, file).map_err(|e| e.to_string())?;
+    let bytes = located::read_bytes(MAX_MESH, file).map_err(|e| e.to_string())?;
     // a library of materials beside an OBJ has no shapes
     let loader = mesh_loader::Loader::default().merge_meshes(true).custom_reader(|_| Ok(Vec::new()));
     let scene = match format.as_str() {
@@ -118,8 +118,8 @@ pub(super) fn read(file: &Path) -> Result<Hull, String> {
     if points.is_empty() {
         return Err("it has no triangles".to_owned());
     }
-    if !points.iter().all(|p| p.amax() <= LARGEST_COORDINATE) {
-        return Err(format!("a vertex is not a number or beyond {LARGEST_COORDINATE}"));
+    if !points.iter().all(|p| p.amax() <= MAX_COORDINATE) {
+        return Err(format!("a vertex is not a number or beyond {MAX_COORDINATE}"));
     }
     let mut chosen = extreme(&points);
     let solid = hull(&chosen);
@@ -131,7 +131,7 @@ pub(super) fn read(file: &Path) -> Result<Hull, String> {
         // a flat or thin mesh: its bounding box, with some thickness
         let (mut low, mut high) = (points[0], points[0]);
         points.iter().for_each(|p| (low, high) = (low.inf(p), high.sup(p)));
-        let least = Vector3::repeat(LEAST_EXTENT.max((high - low).amax() * 1e-3) / 2.0);
+        let least = Vector3::repeat(MIN_EXTENT.max((high - low).amax() * 1e-3) / 2.0);
         let (middle, half) = ((low + high) / 2.0, ((high - low) / 2.0).sup(&least));
         chosen = (0..8)
             .map(|i| {
@@ -146,7 +146,7 @@ pub(super) fn read(file: &Path) -> Result<Hull, String> {
 /// The volume of a mesh, if it is closed: every edge of a triangle is one of another in the other direction,
 /// where corners within a millionth of the largest coordinate are one.
 fn closed_volume(points: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Option<f64> {
-    if triangles.len() > MOST_MEASURED {
+    if triangles.len() > MAX_MEASURED {
         return None;
     }
     let spacing = SAME * points.iter().map(|p| p.amax()).fold(0.0, f64::max);

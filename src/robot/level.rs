@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 pub(super) const FULL: usize = 6;
 /// The least singular value (m or rad for a unit joint rate) of a direction in which an arm can move its grasp:
 /// calibrated URDFs have axes that are not quite parallel, and that is no freedom.
-const LEAST_FREE: f64 = 0.01;
+const MIN_FREE: f64 = 0.01;
 /// Random configurations in which the freedom is looked at.
 const SAMPLES: usize = 16;
 /// How far the grasp of such an arm may be from its height (m) and from its orientation (rad) in a posture:
@@ -24,7 +24,7 @@ pub(super) const TURN_TOLERANCE_RAD: f64 = 0.005;
 const STEPS: usize = 100;
 /// Damping, far below the square of any singular value that matters.
 const DAMPING: f64 = 1e-9;
-const LONGEST_STEP: f64 = 0.4;
+const MAX_STEP: f64 = 0.4;
 /// The step that is none, rad or m.
 const CONVERGED: f64 = 1e-11;
 
@@ -34,7 +34,7 @@ impl Robot {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let free = (0..SAMPLES).map(|_| {
             let squares = self.squared_singular_values(&self.random_joints(&mut rng));
-            squares.iter().filter(|square| **square > LEAST_FREE * LEAST_FREE).count()
+            squares.iter().filter(|square| **square > MIN_FREE * MIN_FREE).count()
         });
         free.max().unwrap_or(0)
     }
@@ -75,7 +75,7 @@ impl Robot {
             let gram = arm.tr_mul(&arm) + SMatrix::<f64, MAX_JOINTS, MAX_JOINTS>::identity() * DAMPING;
             let step: JointVector = gram.cholesky()?.solve(&arm.tr_mul(&off));
             let before = joints;
-            joints += step * (LONGEST_STEP / step.amax().max(LONGEST_STEP));
+            joints += step * (MAX_STEP / step.amax().max(MAX_STEP));
             for (at, joint) in joints.iter_mut().zip(&self.joints) {
                 *at = at.clamp(joint.lower, joint.upper);
             }

@@ -10,7 +10,7 @@ use super::wheels::Wheels;
 use super::{MAX_LISTED, Posture, Robot, SelfContacts, collision, driven, footprint, posture};
 use crate::error::{Error, Place};
 use crate::geometry::{Footprint, Point, Pose};
-use crate::located::{self, LARGEST_SETTINGS, Source};
+use crate::located::{self, MAX_SETTINGS, Source};
 use crate::suggestion;
 use nalgebra::{Rotation3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -101,7 +101,7 @@ impl RobotTexts {
             ));
         }
         let (name, text) =
-            (robot_file.display().to_string(), located::read_at_most(LARGEST_SETTINGS, &robot_file)?);
+            (robot_file.display().to_string(), located::read_at_most(MAX_SETTINGS, &robot_file)?);
         let source = Source { file: &name, text: &text };
         let entries: RobotFile = source.parse(KIND)?;
         let folder = robot_file.parent().unwrap_or(Path::new(""));

@@ -14,9 +14,9 @@ use toml::Spanned;
 /// Largest deviation of the grasp from its pose, m and rad.
 const TOLERANCE: f64 = 1e-12;
 /// How far a revolute joint may move to close a posture, rad.
-const LARGEST_TURN_RAD: f64 = 0.2;
+const MAX_TURN_RAD: f64 = 0.2;
 /// How far a prismatic joint may move to close a posture, m.
-const LARGEST_SLIDE_M: f64 = 0.05;
+const MAX_SLIDE_M: f64 = 0.05;
 
 /// Reads a posture and closes it. x and y of the grasp stay as the given angles place them; height and
 /// orientation become what the object needs. An arm that cannot place its grasp in any pose comes as near to
@@ -60,7 +60,7 @@ pub(super) fn read(source: Source, spanned: &Spanned<PostureEntry>, robot: &Robo
     for (i, joint) in robot.joints.iter().enumerate() {
         let position = closed[i];
         let by = (position - given[i]).abs();
-        let most = if joint.motion == Motion::Prismatic { LARGEST_SLIDE_M } else { LARGEST_TURN_RAD };
+        let most = if joint.motion == Motion::Prismatic { MAX_SLIDE_M } else { MAX_TURN_RAD };
         if by > most {
             return Err(fault(format!(
                 "`{}` would have to move by {by:.4}, more than {most} (rad or m); give closer angles",

@@ -30,21 +30,21 @@ const STARTS: usize = 16;
 /// Places of the grasp, ahead of the base's edge, m.
 const AHEAD_M: [f64; 6] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7];
 /// Least distance of the grasp from the base's edge, ahead or beside, m: the object goes on from it ahead.
-const LEAST_AHEAD_M: f64 = 0.1;
-const LEAST_BESIDE_M: f64 = 0.15;
+const MIN_AHEAD_M: f64 = 0.1;
+const MIN_BESIDE_M: f64 = 0.15;
 /// A grasp so far beside the axis halves the room, m.
 const BESIDE_HALF_M: f64 = 0.3;
-const MOST_STEPS: usize = 150;
+const MAX_STEPS: usize = 150;
 const TOLERANCE: f64 = 1e-9;
 /// Least distance from a limit as a share of half the range.
-const LEAST_CLEARANCE: f64 = 0.05;
+const MIN_CLEARANCE: f64 = 0.05;
 /// The least singular value of an arm far from singular configurations.
 const DEXTEROUS: f64 = 0.15;
 /// Postures in a robot file, and how far one of their joints differs (rad or m).
-const MOST_POSTURES: usize = 3;
+const MAX_POSTURES: usize = 3;
 const DIFFERENT: f64 = 0.7;
 /// Postures whose reach is looked at, the best of all that were found.
-const MOST_REACHES: usize = 80;
+const MAX_REACHES: usize = 80;
 /// Reach ahead, back and to the sides that is enough, m, and turning of the grasp, rad: as the base follows
 /// its path, the grasp moves against it by this much.
 const ENOUGH_REACH_M: f64 = 0.25;
@@ -58,7 +58,7 @@ const FARTHEST_BESIDE_M: f64 = 0.4;
 const FARTHEST_BESIDE_NARROW_M: f64 = 0.2;
 const ROOM_INSIDE_M: f64 = 0.1;
 /// Least factor of room for reach and width, so that a posture without either is better than none.
-const LEAST_SHARE: f64 = 0.05;
+const MIN_SHARE: f64 = 0.05;
 /// Radius of the arm in checks against the base, m.
 const ARM_RADIUS_M: f64 = 0.05;
 /// The spacing of the balls of eq. (7), m.
@@ -88,7 +88,7 @@ pub(super) fn search(robot: &Robot, height: f64, footprint: &Footprint) -> Vec<F
     }
     let by_room = |a: &Found, b: &Found| b.room.total_cmp(&a.room);
     all.sort_by(by_room);
-    all.truncate(MOST_REACHES);
+    all.truncate(MAX_REACHES);
     for found in &mut all {
         found.room *= reach_share(robot, found) * width_share(robot, &found.joints, footprint);
     }
@@ -96,7 +96,7 @@ pub(super) fn search(robot: &Robot, height: f64, footprint: &Footprint) -> Vec<F
     let mut best: Vec<Found> = Vec::new();
     for found in all {
         let is_new = |kept: &Found| kept.roll == found.roll && difference(robot, kept, &found) > DIFFERENT;
-        if best.iter().all(is_new) && best.len() < MOST_POSTURES {
+        if best.iter().all(is_new) && best.len() < MAX_POSTURES {
             best.push(found);
         }
     }
@@ -116,8 +116,8 @@ fn difference(robot: &Robot, one: &Found, other: &Found) -> f64 {
 /// Damped least squares towards the goal, kept within the limits. `None` if it does not get there.
 fn solve(robot: &Robot, goal: &Pose, mut joints: JointVector) -> Option<JointVector> {
     const DAMPING: f64 = 1e-4;
-    const LONGEST: f64 = 0.4;
-    for _ in 0..MOST_STEPS {
+    const MAX_STEP: f64 = 0.4;
+    for _ in 0..MAX_STEPS {
         let kinematics = robot.kinematics(&Robot::at_origin(&joints));
         let error = pose_difference(goal, &kinematics.grasp);
         if error.norm() <= TOLERANCE {
@@ -127,7 +127,7 @@ fn solve(robot: &Robot, goal: &Pose, mut joints: JointVector) -> Option<JointVec
         let damping = DAMPING * error.norm().min(1.0);
         let gram = arm * arm.transpose() + Matrix6::identity() * (damping + 1e-12);
         let step: JointVector = arm.transpose() * gram.cholesky()?.solve(&error);
-        joints += step * (LONGEST / step.amax().max(LONGEST));
+        joints += step * (MAX_STEP / step.amax().max(MAX_STEP));
         for (at, joint) in joints.iter_mut().zip(&robot.joints) {
             *at = at.clamp(joint.lower, joint.upper);
         }
@@ -146,8 +146,7 @@ fn judge(
 ) -> Option<Found> {
     let grasp = robot.drive_from_grasp(&joints).translation.vector;
     let (ahead, beside) = (footprint.reach(Vector::x()), across(footprint) / 2.0);
-    let is_clear =
-        grasp.x >= ahead + LEAST_AHEAD_M || grasp.x >= 0.0 && grasp.y.abs() >= beside + LEAST_BESIDE_M;
+    let is_clear = grasp.x >= ahead + MIN_AHEAD_M || grasp.x >= 0.0 && grasp.y.abs() >= beside + MIN_BESIDE_M;
     for (at, joint) in joints.iter_mut().zip(&robot.joints) {
         // continuous joints within a turn
         if joint.motion == Motion::Revolute && joint.upper.is_infinite() {
@@ -155,7 +154,7 @@ fn judge(
         }
     }
     let clearance = robot.limit_clearance(&joints).map_or(1.0, |(_, share)| share);
-    if !is_clear || clearance < LEAST_CLEARANCE || passes_through_base(robot, &joints, footprint) {
+    if !is_clear || clearance < MIN_CLEARANCE || passes_through_base(robot, &joints, footprint) {
         return None;
     }
     if robot.self_contact(&joints, poses).is_some() {
@@ -191,7 +190,7 @@ fn reach_share(robot: &Robot, found: &Found) -> f64 {
     let ways = [Vector3::x(), -Vector3::x(), Vector3::y(), -Vector3::y()];
     let ways = ways.into_iter().map(|way| share(way * ENOUGH_REACH_M, 0.0));
     let turns = [ENOUGH_TURN_RAD, -ENOUGH_TURN_RAD].map(|turn| share(Vector3::zeros(), turn));
-    ways.chain(turns).fold(1.0, f64::min).max(LEAST_SHARE)
+    ways.chain(turns).fold(1.0, f64::min).max(MIN_SHARE)
 }
 
 /// How far the arm is beside the middle of the base, m: its joints with balls of this radius (m) around them,
@@ -258,7 +257,7 @@ fn width_share(robot: &Robot, joints: &JointVector, footprint: &Footprint) -> f6
             (widest, FARTHEST_BESIDE_NARROW_M + ROOM_INSIDE_M)
         }
     };
-    (1.0 - (widest - across(footprint) / 2.0) / farthest).clamp(LEAST_SHARE, 1.0)
+    (1.0 - (widest - across(footprint) / 2.0) / farthest).clamp(MIN_SHARE, 1.0)
 }
 
 /// Whether the arm, as thick segments between its joints, comes below the first of them within the base's

@@ -16,15 +16,15 @@ use std::path::PathBuf;
 
 /// The largest magnitude of a number in a URDF. Larger numbers are errors, and their squares would lose
 /// digits.
-const LARGEST_NUMBER: f64 = 1e6;
+const MAX_NUMBER: f64 = 1e6;
 /// The deepest nesting of elements; the parser recurses once per level.
-const LARGEST_DEPTH: usize = 64;
+const MAX_DEPTH: usize = 64;
 /// The largest number of elements, and of elements, texts and comments.
-const MOST_ELEMENTS: usize = 50_000;
-const MOST_PIECES: usize = 500_000;
+const MAX_ELEMENTS: usize = 50_000;
+const MAX_PIECES: usize = 500_000;
 /// The largest total length of namespaces and their prefixes, bytes; the parser copies them into every
 /// element after them.
-const LONGEST_NAMESPACES: usize = 4096;
+const MAX_NAMESPACES: usize = 4096;
 /// The namespace of namespaces.
 const XMLNS: &str = "http://www.w3.org/2000/xmlns/";
 
@@ -203,7 +203,7 @@ impl Urdf<'_> {
         // the parser proper reports errors
         for event in parser.map_while(Result::ok) {
             pieces += 1;
-            check("number of its elements, texts and comments", pieces, MOST_PIECES)?;
+            check("number of its elements, texts and comments", pieces, MAX_PIECES)?;
             match event {
                 xml::Event::ElementStart(tag) => {
                     (depth, elements) = (depth + 1, elements + 1);
@@ -211,9 +211,9 @@ impl Urdf<'_> {
                         name == "xmlns" || space.as_deref().is_some_and(|space| space == XMLNS)
                     });
                     namespaces += declared.map(|((name, _), value)| name.len() + value.len()).sum::<usize>();
-                    check("depth of its elements", depth, LARGEST_DEPTH)?;
-                    check("number of its elements", elements, MOST_ELEMENTS)?;
-                    check("length of its namespaces", namespaces, LONGEST_NAMESPACES)?;
+                    check("depth of its elements", depth, MAX_DEPTH)?;
+                    check("number of its elements", elements, MAX_ELEMENTS)?;
+                    check("length of its namespaces", namespaces, MAX_NAMESPACES)?;
                 }
                 xml::Event::ElementEnd(_) if depth <= 1 => break,
                 xml::Event::ElementEnd(_) => depth -= 1,
@@ -329,11 +329,11 @@ impl Check<'_> {
     }
 
     fn finite(&self, field: &str, value: f64) -> Result<f64, Error> {
-        self.number(field, value, value.abs() <= LARGEST_NUMBER, "a number from -1000000 to 1000000")
+        self.number(field, value, value.abs() <= MAX_NUMBER, "a number from -1000000 to 1000000")
     }
 
     fn positive(&self, field: &str, value: f64) -> Result<f64, Error> {
-        self.number(field, value, value > 0.0 && value <= LARGEST_NUMBER, "greater than 0, at most 1000000")
+        self.number(field, value, value > 0.0 && value <= MAX_NUMBER, "greater than 0, at most 1000000")
     }
 
     fn vector(&self, field: &str, values: &[f64; 3]) -> Result<Vector3<f64>, Error> {
@@ -376,7 +376,7 @@ impl Check<'_> {
 
     fn inertial(&self, inertial: &urdf_rs::Inertial) -> Result<Option<Inertial>, Error> {
         let mass = inertial.mass.value;
-        self.number("mass", mass, (0.0..=LARGEST_NUMBER).contains(&mass), "from 0 to 1000000 kg")?;
+        self.number("mass", mass, (0.0..=MAX_NUMBER).contains(&mass), "from 0 to 1000000 kg")?;
         let i = &inertial.inertia;
         for (field, value) in
             [("ixx", i.ixx), ("ixy", i.ixy), ("ixz", i.ixz), ("iyy", i.iyy), ("iyz", i.iyz), ("izz", i.izz)]

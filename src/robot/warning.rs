@@ -62,9 +62,9 @@ impl fmt::Display for RobotWarning {
 
 /// The first few names of a list, each quoted.
 pub(super) fn some_of(names: &[&str]) -> String {
-    const MOST_NAMES: usize = 6;
-    let first = names.iter().take(MOST_NAMES).map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ");
-    match names.len().saturating_sub(MOST_NAMES) {
+    const MAX_NAMES: usize = 6;
+    let first = names.iter().take(MAX_NAMES).map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(MAX_NAMES) {
         0 => first,
         more => format!("{first} and {more} more"),
     }

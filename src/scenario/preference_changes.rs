@@ -14,7 +14,7 @@ const STREAM: u64 = 1;
 /// The number of preference changes of a human.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PreferenceChanges {
-    /// A fixed number, at most [`PreferenceChanges::MOST`].
+    /// A fixed number, at most [`PreferenceChanges::MAX`].
     Times(u8),
     /// Once or twice: a fair coin decides, as in Table III.
     OnceOrTwice,
@@ -29,13 +29,13 @@ impl PreferenceChanges {
     /// No preference changes.
     pub const NONE: Self = Self::Times(0);
     /// The largest number allowed.
-    pub const MOST: u8 = 8;
+    pub const MAX: u8 = 8;
     /// The word for [`PreferenceChanges::OnceOrTwice`].
     pub const ONCE_OR_TWICE: &str = "once-or-twice";
 
     /// A description of the allowed values, for errors.
     pub fn expected() -> String {
-        format!("a whole number from 0 to {}, or \"{}\"", Self::MOST, Self::ONCE_OR_TWICE)
+        format!("a whole number from 0 to {}, or \"{}\"", Self::MAX, Self::ONCE_OR_TWICE)
     }
 
     /// Draws the changes of a human whose first perception is `first`: steps uniformly from 1 to half of the
@@ -93,7 +93,7 @@ impl std::str::FromStr for PreferenceChanges {
         match text {
             Self::ONCE_OR_TWICE => Ok(Self::OnceOrTwice),
             number => {
-                let times = number.parse().ok().filter(|times| *times <= Self::MOST);
+                let times = number.parse().ok().filter(|times| *times <= Self::MAX);
                 times.map(Self::Times).ok_or(NotPreferenceChanges)
             }
         }

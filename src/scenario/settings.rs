@@ -8,11 +8,11 @@ use super::setting::{Applies, Field, Group, Kind, Range, Setting};
 use super::word::{AVOIDED, BELIEFS, CRITERIA, POSES, put, word, words};
 use crate::human::{MODELS, ModelName};
 use crate::policy::Method;
-use crate::preference::{LARGEST_PERCEPTION, MAX_LAPSE_RATE, MAX_RATIONALITY};
+use crate::preference::{MAX_LAPSE_RATE, MAX_PERCEPTION, MAX_RATIONALITY};
 use crate::simulation::{HumanSettings, PhysicsSettings};
 
 /// The range of alpha and gamma.
-pub const PERCEPTION: Range = Range::above(0.0, LARGEST_PERCEPTION);
+pub const PERCEPTION: Range = Range::above(0.0, MAX_PERCEPTION);
 const PERIODS: Range = Range::between(0.01, 60.0);
 /// A key and a flag of before, and what to give in their place.
 pub const PERIOD: [&str; 3] = [
@@ -301,7 +301,7 @@ pub const SETTINGS: &[Setting] = &[
         about: "Solver iterations in a physics step over grips and contacts; arm and base are solved exactly",
         applies: Applies::Bodies,
         kind: Kind::Count(
-            PhysicsSettings::MOST_ITERATIONS as u64,
+            PhysicsSettings::MAX_ITERATIONS as u64,
             Field {
                 get: |s| s.plant.physics().map(|physics| Some(physics.solver_iterations as u64)),
                 set: |s, count| {

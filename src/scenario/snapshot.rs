@@ -20,7 +20,7 @@ const MAGIC: &[u8] = b"cocarry snapshot";
 /// The version of the format. Raise it whenever the contents change.
 const FORMAT: u32 = 9;
 /// The largest file that is read, bytes. A snapshot has about 100 kB.
-const LARGEST: u64 = 1 << 28;
+const MAX_BYTES: u64 = 1 << 28;
 
 /// The state of an episode, with its scenario.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -82,12 +82,13 @@ impl Snapshot {
     pub fn load(path: &Path) -> Result<Self, Error> {
         let file = path.display().to_string();
         let mut bytes = Vec::new();
-        let read = located::open(path).and_then(|f| f.take(LARGEST + 1).read_to_end(&mut bytes));
+        let read = located::open(path).and_then(|f| f.take(MAX_BYTES + 1).read_to_end(&mut bytes));
         match read {
             Err(error) => Err(located::unreadable(file, error)),
-            Ok(_) if bytes.len() as u64 > LARGEST => {
-                Err(Error::at(Place::file(file), format_args!("larger than {LARGEST} bytes: not a snapshot")))
-            }
+            Ok(_) if bytes.len() as u64 > MAX_BYTES => Err(Error::at(
+                Place::file(file),
+                format_args!("larger than {MAX_BYTES} bytes: not a snapshot"),
+            )),
             Ok(_) => Self::parse(&file, &bytes),
         }
     }

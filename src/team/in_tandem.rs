@@ -33,7 +33,7 @@ const RESISTANCE_M: [f64; 2] = [0.03, 0.06];
 const ARRIVAL_DISTANCE_M: f64 = 0.1;
 
 /// The largest bend (rad) between a turn and a path that ends in an arc.
-const LARGEST_BEND_RAD: f64 = 0.5;
+const MAX_BEND_RAD: f64 = 0.5;
 
 /// Human, object and robot, one behind the other.
 #[derive(Clone, Debug)]
@@ -99,7 +99,7 @@ impl<'a> InTandem<'a> {
         turn.push_rest(&path.reversed(), path.length() - until);
         let mut way = turn.reversed();
         way.push_rest(&ended, 0.0);
-        let is_smooth = way.sharpest_bend() <= path.sharpest_bend().max(LARGEST_BEND_RAD);
+        let is_smooth = way.sharpest_bend() <= path.sharpest_bend().max(MAX_BEND_RAD);
         Turned { path: self.with_object_room(if is_smooth { way } else { path }), until }
     }
 

@@ -26,7 +26,7 @@ pub use opening::{FREE_PASSAGE, Opening};
 
 use crate::error::{Error, ErrorKind, Place};
 use crate::geometry::{Bounds, Point, Solid, Vector, cross, squared_distance_to_segment};
-use crate::located::{self, LARGEST_WORLD, Source};
+use crate::located::{self, MAX_WORLD, Source};
 use crate::suggestion;
 use file::{OptionEntry, WorldFile};
 use obstacle::Check;
@@ -41,7 +41,7 @@ pub const DEFAULT_OPTION_LIMIT: usize = 8;
 /// Largest value of `free_passage_robot_widths`.
 const MAX_FREE_PASSAGE: f64 = 100.0;
 /// Largest value of `option_limit`.
-pub const LARGEST_OPTION_LIMIT: usize = 64;
+pub const MAX_OPTION_LIMIT: usize = 64;
 
 /// Widths of robots that are no mistake, m.
 const USUAL_WIDTHS_M: std::ops::RangeInclusive<f64> = 0.1..=3.0;
@@ -116,7 +116,7 @@ impl World {
     /// # Errors
     /// The file, the line, the item and the numbers; of [`ErrorKind::World`] where the file can be read.
     pub fn load(path: &Path) -> Result<Self, Error> {
-        Self::parse(&path.display().to_string(), &located::read_at_most(LARGEST_WORLD, path)?)
+        Self::parse(&path.display().to_string(), &located::read_at_most(MAX_WORLD, path)?)
     }
 
     /// The world in the file `path`, or, if there is no such file, the built-in world `name`.
@@ -448,7 +448,7 @@ fn option_limit(source: Source, entry: Option<&Spanned<i64>>) -> Result<usize, E
         return Ok(DEFAULT_OPTION_LIMIT);
     };
     let value = *spanned.get_ref();
-    usize::try_from(value).ok().filter(|n| (1..=LARGEST_OPTION_LIMIT).contains(n)).ok_or_else(|| {
+    usize::try_from(value).ok().filter(|n| (1..=MAX_OPTION_LIMIT).contains(n)).ok_or_else(|| {
         let place = source.place(spanned, "world");
         Error::number(place, "option_limit", value as f64, "a whole number from 1 to 64")
     })

@@ -9,11 +9,11 @@ use parry3d::math::{Pose, Rotation, Vec3};
 use parry3d::shape::{Shape, SharedShape};
 
 /// Largest coordinate, m. Larger ones are mistakes of units and exceed what the tolerances can resolve.
-const LARGEST_COORDINATE_M: f64 = 1e4;
+const MAX_COORDINATE_M: f64 = 1e4;
 /// Largest coordinate of `origin_m`, m: doubles resolve 15 nm there.
 const MAX_ORIGIN_M: f64 = 1e8;
 /// Shortest side of an obstacle, m.
-const SMALLEST_LENGTH_M: f64 = 1e-3;
+const MIN_LENGTH_M: f64 = 1e-3;
 
 /// The largest number of corners of an outline.
 const MAX_CORNERS: usize = 20_000;
@@ -252,7 +252,7 @@ impl Check<'_> {
     }
 
     pub fn size(&self, field: &str, value: f64) -> Result<f64, Error> {
-        let good = (SMALLEST_LENGTH_M..=LARGEST_COORDINATE_M).contains(&value);
+        let good = (MIN_LENGTH_M..=MAX_COORDINATE_M).contains(&value);
         self.number(field, value, good, "a length from 0.001 to 10000 (metres)")
     }
 
@@ -260,8 +260,8 @@ impl Check<'_> {
     pub fn point(&self, field: &str, [x, y]: [f64; 2]) -> Result<Point, Error> {
         let expected = "a coordinate from -10000 to 10000 (metres); for larger ones, as in maps, give origin_m = [x, y] near the room";
         let point = Point::new(x, y) - self.origin;
-        self.number(&format!("{field}[0]"), x, point.x.abs() <= LARGEST_COORDINATE_M, expected)?;
-        self.number(&format!("{field}[1]"), y, point.y.abs() <= LARGEST_COORDINATE_M, expected)?;
+        self.number(&format!("{field}[0]"), x, point.x.abs() <= MAX_COORDINATE_M, expected)?;
+        self.number(&format!("{field}[1]"), y, point.y.abs() <= MAX_COORDINATE_M, expected)?;
         Ok(point)
     }
 
@@ -324,7 +324,7 @@ fn convex(corners: &[Point]) -> Option<Vec<Point>> {
         // a star turns left at every corner too, but more than once around
         turned += math::atan2(turn, before.dot(&after));
         let once_around = turned < std::f64::consts::TAU + 1e-6;
-        if turn <= 1e-9 * before.norm() * after.norm() || before.norm() < SMALLEST_LENGTH_M || !once_around {
+        if turn <= 1e-9 * before.norm() * after.norm() || before.norm() < MIN_LENGTH_M || !once_around {
             return None;
         }
     }

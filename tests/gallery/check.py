@@ -72,18 +72,18 @@ REFUSED = {
 OWN = ["porter", "shuttle"]
 ROBOTS = pathlib.Path(__file__).resolve().parents[2] / "assets/robots"
 WORLDS = [f"environment-{i}" for i in (1, 2, 3, 4)]
-LARGEST_DIFFERENCE = 1e-9
+MAX_DIFFERENCE = 1e-9
 # of a hull from its mesh, as a share of the mesh's diagonal
-LARGEST_HULL_DIFFERENCE = 0.02
+MAX_HULL_DIFFERENCE = 0.02
 # of a mesh in parts: the cubes that these are made of, along the mesh's longest extent
 CUBES = 63
-LEAST_SHARE_ARRIVED = 0.95
+MIN_SHARE_ARRIVED = 0.95
 # Robots known to stay below it, with what they reach; the book's page says why
 SHORT = {"tiago_dual": 0.5, "panda": 0.75}
 # An arm for which no posture is found
 NO_POSTURE = ["talos_arm"]
-LEAST_ROBOTS, LEAST_OMNIDIRECTIONAL = 8, 3
-LARGEST_GRASP_ERROR_M = 0.03
+MIN_ROBOTS, MIN_OMNIDIRECTIONAL = 8, 3
+MAX_GRASP_ERROR_M = 0.03
 
 
 WHEELS = {"left": (0.0, 0.19), "right": (0.0, -0.19)}
@@ -294,22 +294,22 @@ class Gallery:
         if self.seeds == 0:
             return
         differs = differences(urdf, file, checked)
-        self.check(max(differs.values()) <= LARGEST_DIFFERENCE, f"{name}: differs from pinocchio: {differs}")
+        self.check(max(differs.values()) <= MAX_DIFFERENCE, f"{name}: differs from pinocchio: {differs}")
         width = checked["base"]["width_m"]
         snapshot = self.work / f"{name}.snapshot"
         self.cocarry("run", "environment-1", "--plant", "kinematic", "--robot", file, "--save-at", "1", snapshot)
         hulls = hull_differences(snapshot, ROBOTS if name in OWN else self.robots.parents[1])
-        self.check(max(hulls) <= LARGEST_HULL_DIFFERENCE, f"{name}: hulls differ from their meshes: {hulls}")
+        self.check(max(hulls) <= MAX_HULL_DIFFERENCE, f"{name}: hulls differ from their meshes: {hulls}")
         rows = self.episodes(name, file, width)
         arrived = [row for row in rows if row["outcome"] == "arrived"]
         error = max((float(row["position_error_rms_m"]) for row in arrived), default=0.0)
         others = collections.Counter((row["plant"], row["outcome"]) for row in rows if row not in arrived)
         self.told[name] |= {"rows": rows, "arrived": len(arrived), "error_m": error, "others": others}
-        least = SHORT.get(name, LEAST_SHARE_ARRIVED)
+        least = SHORT.get(name, MIN_SHARE_ARRIVED)
         self.check(len(arrived) >= least * len(rows), f"{name}: {len(arrived)} of {len(rows)} arrived: {others}")
-        if rows and len(arrived) >= LEAST_SHARE_ARRIVED * len(rows):
+        if rows and len(arrived) >= MIN_SHARE_ARRIVED * len(rows):
             self.passed.append(checked["drive"]["kind"])
-        self.check(error < LARGEST_GRASP_ERROR_M, f"{name}: grasp error {error:.4f} m rms")
+        self.check(error < MAX_GRASP_ERROR_M, f"{name}: grasp error {error:.4f} m rms")
         print(
             f"{name:14} {checked['drive']['kind']}, {len(checked['joints'])} joints, {len(checked['postures'])} postures, {width:.2f} m wide; "
             f"frames within {differs['frames']:.0e}, mass within {differs['mass']:.0e} kg; "
@@ -374,9 +374,9 @@ def main() -> None:
     free = gallery.passed.count("omnidirectional")
     if are_pictures_all:
         sys.exit("\n".join(gallery.faults) or None)
-    print(f"{len(gallery.passed)} robots reach {LEAST_SHARE_ARRIVED:.0%}, {free} of them omnidirectional")
+    print(f"{len(gallery.passed)} robots reach {MIN_SHARE_ARRIVED:.0%}, {free} of them omnidirectional")
     if not arguments.only:
-        gallery.check(len(gallery.passed) >= LEAST_ROBOTS and free >= LEAST_OMNIDIRECTIONAL, "too few robots pass")
+        gallery.check(len(gallery.passed) >= MIN_ROBOTS and free >= MIN_OMNIDIRECTIONAL, "too few robots pass")
     for fault in gallery.faults:
         print(f"FAILED {fault}", file=sys.stderr)
     sys.exit(1 if gallery.faults else 0)

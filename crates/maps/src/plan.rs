@@ -4,7 +4,7 @@ use crate::request::Request;
 use crate::room::Obstacles;
 use cocarry::error::{Error, Place};
 use cocarry::geometry::Point;
-use cocarry::located::{LARGEST_WORLD, Source, read_at_most};
+use cocarry::located::{MAX_WORLD, Source, read_at_most};
 use geojson::{Feature, GeoJson, GeometryValue, JsonObject};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -13,7 +13,7 @@ use std::path::Path;
 /// are those of its obstacles.
 pub(crate) fn obstacles(path: &Path, request: &Request) -> Result<String, Error> {
     let file = path.display().to_string();
-    let text = read_at_most(4 * LARGEST_WORLD, path)?;
+    let text = read_at_most(4 * MAX_WORLD, path)?;
     let source = Source { file: &file, text: &text };
     let plan: GeoJson =
         text.parse().map_err(|error: geojson::Error| source.invalid("GeoJSON file", error))?;

@@ -167,7 +167,7 @@ fn refuse_queued(out: &Path) -> Result<(), Failure> {
 fn send(job: &mut Job, shards: &[u64], no_submit: bool) -> Result<ExitCode, Failure> {
     let results = job.results().display().to_string();
     if no_submit {
-        let commands: Vec<String> = slurm::arrays(shards, slurm::MOST_TASKS)
+        let commands: Vec<String> = slurm::arrays(shards, slurm::MAX_TASKS)
             .iter()
             .map(|array| format!("{}\n", slurm::submission(job, array).join(" ")))
             .collect();

@@ -44,7 +44,7 @@ pub(super) struct InspectArguments {
 }
 
 /// The largest number of steps in a picture.
-const MOST_STEPS: usize = 1_000_000;
+const MAX_STEPS: usize = 1_000_000;
 
 pub(super) fn run(arguments: &InspectArguments) -> Result<ExitCode, Failure> {
     let files = arguments.svg.iter().chain(&arguments.output);
@@ -220,8 +220,8 @@ fn picture(file: &Path) -> Result<String, Failure> {
             continue;
         }
         let number = |key: &str| value[key].as_f64().ok_or_else(damaged);
-        if track.positions.len() == MOST_STEPS {
-            return Err(lacks(&format!("has more than {MOST_STEPS} steps, too many to draw")));
+        if track.positions.len() == MAX_STEPS {
+            return Err(lacks(&format!("has more than {MAX_STEPS} steps, too many to draw")));
         }
         track.positions.push(Point::new(number("x_m")?, number("y_m")?));
         track.stubbornness.push(number("stubbornness")?);

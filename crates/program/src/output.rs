@@ -137,12 +137,12 @@ pub(super) fn option_json(
 }
 
 /// The largest number of characters of a line on standard error: TOML's errors repeat the line of the file.
-const LONGEST_LINE: usize = 4000;
+const MAX_LINE: usize = 4000;
 
 /// Prints a message for people, such as an error, on standard error.
 pub(super) fn tell(message: &str) {
     let message = visible(message);
-    let cut = message.lines().map(|line| match line.char_indices().nth(LONGEST_LINE) {
+    let cut = message.lines().map(|line| match line.char_indices().nth(MAX_LINE) {
         None => format!("{line}\n"),
         Some((end, _)) => format!("{}…\n", &line[..end]),
     });

@@ -6,7 +6,7 @@ use terminal_size::{Height, Width, terminal_size_of};
 use textwrap::{Options, WordSplitter, core::display_width};
 
 /// The least width that output is fitted to.
-const LEAST_WIDTH: usize = 40;
+const MIN_WIDTH: usize = 40;
 
 const GOOD: Style = AnsiColor::Green.on_default().bold();
 const BAD: Style = AnsiColor::Red.on_default().bold();
@@ -40,7 +40,7 @@ pub(super) fn error_width() -> Option<usize> {
 fn width_of(terminal: Option<(Width, Height)>) -> Option<usize> {
     let given: Option<usize> = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());
     let width = given.or(terminal.map(|(Width(width), _)| width.into()));
-    width.map(|width| width.max(LEAST_WIDTH))
+    width.map(|width| width.max(MIN_WIDTH))
 }
 
 /// The text with lines that are too long wrapped at words, and indented further. Commands stay whole, to be

@@ -92,7 +92,7 @@ fn point(text: &str) -> Result<Point, String> {
 }
 
 /// The heading of the lengths of the shortest paths through the same openings, which need not be straight.
-const SHORTEST_HEADING: &str = "shortest (m)";
+const MIN_HEADING: &str = "shortest (m)";
 
 /// An option, evaluated at the start.
 struct Offer {
@@ -205,7 +205,7 @@ fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
     };
     text += &format!("\nOptions{origin}\n");
     let mut headings = OPTION_HEADINGS.to_vec();
-    headings.insert(3, SHORTEST_HEADING);
+    headings.insert(3, MIN_HEADING);
     let mut options = table(headings, 2);
     for o in offers {
         options.add_row([
@@ -224,10 +224,10 @@ fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
 
 /// A line for the widest gaps that are no openings as they are too narrow, where openings are detected.
 fn closed_gaps(world: &World) -> String {
-    const MOST: usize = 3;
+    const MAX_LISTED: usize = 3;
     let gaps = if world.openings_detected { world.impassable_gaps() } else { Vec::new() };
     // obstacles that touch leave none
-    let gaps = gaps.iter().filter(|gap| gap.width > 0.01).take(MOST).map(|gap| {
+    let gaps = gaps.iter().filter(|gap| gap.width > 0.01).take(MAX_LISTED).map(|gap| {
         let [first, second] = gap.between.map(|i| &world.obstacles[i].name);
         format!("{first} to {second} ({:.2} m)", gap.width)
     });

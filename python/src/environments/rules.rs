@@ -14,7 +14,7 @@ use cocarry::scenario::{GivenPerception, PreparedScenario};
 use std::sync::Arc;
 
 /// The largest number in an observation.
-pub(super) const LARGEST: f64 = 1e7;
+pub(super) const MAX_VALUE: f64 = 1e7;
 /// The numbers of an observation of [`Task::Options`] that are not of a single option.
 pub(super) const COMMON: [&str; 3] = ["stubbornness", "human_leads", "human_takes_over"];
 /// The flag of the executed option, after the quantities of an option.
@@ -83,16 +83,16 @@ impl Rules {
                 for option in 0..self.options {
                     for quantity in OPTION.iter().filter(|quantity| quantity.key != "name") {
                         let is_share = ["risk", "probability", "misaligned"].contains(&quantity.key);
-                        let bounds = if is_share { flag } else { [0.0, LARGEST] };
+                        let bounds = if is_share { flag } else { [0.0, MAX_VALUE] };
                         layout.push((format!("{}[{option}]", quantity.key), bounds));
                     }
                     layout.push((format!("{EXECUTED}[{option}]"), flag));
                 }
-                layout.push((COMMON[0].to_owned(), [0.0, LARGEST]));
+                layout.push((COMMON[0].to_owned(), [0.0, MAX_VALUE]));
                 layout.extend(COMMON[1..].iter().map(|name| ((*name).to_owned(), flag)));
             }
             Task::Inputs | Task::Reference => {
-                let wide = [-LARGEST, LARGEST];
+                let wide = [-MAX_VALUE, MAX_VALUE];
                 let mut add = |name: String, bounds| layout.push((name, bounds));
                 (0..self.joints).for_each(|i| add(format!("joint[{i}]"), wide));
                 (0..self.joints + self.base).for_each(|i| add(format!("last_input[{i}]"), wide));
@@ -120,7 +120,7 @@ impl Rules {
             Task::Inputs | Task::Reference => self.observe_carrying(stage, episode, into),
         }
         for number in into {
-            *number = if number.is_nan() { 0.0 } else { number.clamp(-LARGEST, LARGEST) };
+            *number = if number.is_nan() { 0.0 } else { number.clamp(-MAX_VALUE, MAX_VALUE) };
         }
     }
 

@@ -17,7 +17,7 @@ mod straight;
 mod through;
 
 pub(super) use space::Space;
-pub(super) use straight::{MOST_BACKWARD, Straight};
+pub(super) use straight::{MAX_BACKWARD, Straight};
 
 use crate::geometry::{Point, angle_of, left_of};
 use components::Components;
@@ -32,9 +32,9 @@ use std::sync::OnceLock;
 use straight::Join;
 
 /// The largest number of lines between obstacles with an open view that are tried: less than a minute of work.
-const MOST_TRIED: u64 = 400_000_000;
+const MAX_TRIED: u64 = 400_000_000;
 /// The largest number of clear lines and joins: less than 1 GB.
-const MOST_CLEAR: usize = 4_000_000;
+const MAX_CLEAR: usize = 4_000_000;
 
 /// Lines shorter than this (m) are rounding.
 const LENGTH_TOLERANCE_M: f64 = 1e-10;
@@ -166,15 +166,15 @@ impl Roadmap {
             node
         };
         let reachable = Reachable::new(&space, &discs, sites, closed);
-        if reachable.lines() > MOST_TRIED {
+        if reachable.lines() > MAX_TRIED {
             return Err(format!(
-                "{} straight lines between their corners would have to be tried, and at most {MOST_TRIED} are",
+                "{} straight lines between their corners would have to be tried, and at most {MAX_TRIED} are",
                 reachable.lines()
             ));
         }
-        let check = |graph: &DiGraph<(), Way>| match graph.edge_count() > MOST_CLEAR {
+        let check = |graph: &DiGraph<(), Way>| match graph.edge_count() > MAX_CLEAR {
             true => {
-                Err(format!("paths may follow more than {MOST_CLEAR} straight lines between their corners"))
+                Err(format!("paths may follow more than {MAX_CLEAR} straight lines between their corners"))
             }
             false => Ok(()),
         };

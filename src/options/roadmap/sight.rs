@@ -11,11 +11,11 @@ const FIRST_RADIUS_M: f64 = 2.0;
 /// The factor by which this radius grows until the blocks within it hide all that is farther away.
 const RADIUS_GROWTH: f64 = 1.5;
 /// The number of blocks within the radius at which the view counts as open.
-const MOST_BLOCKS: usize = 600;
+const MAX_BLOCKS: usize = 600;
 /// The number of obstacles up to which all lines are tried at once.
 const FEW_OBSTACLES: usize = 50;
 /// The part of a block that is closer to a point than this (m) is left out.
-const SMALLEST_RADIUS_M: f64 = 1e-6;
+const MIN_RADIUS_M: f64 = 1e-6;
 /// The angle (rad) between two blocks below which no line passes between them: their ends lie in obstacles.
 const NO_GAP_RAD: f64 = 1e-9;
 /// The largest distance (m) from an obstacle to the end of a gap beside it.
@@ -62,7 +62,7 @@ impl Sight {
     /// circle is on exactly one of these lines. A block ends the lines of all angles between those of its
     /// ends, because the angle changes continuously along it.
     pub fn limit(&self, center: Point, radius: f64, turn: f64) -> f64 {
-        let radius = radius.max(SMALLEST_RADIUS_M);
+        let radius = radius.max(MIN_RADIUS_M);
         let (mut before, mut within) = (0.0, radius + FIRST_RADIUS_M);
         let (mut ended, mut ended_angle) = (Vec::new(), 0.0);
         loop {
@@ -84,7 +84,7 @@ impl Sight {
             if ended_angle > TAU - 1.0 && is_whole_turn(&mut ended) {
                 return within + LOOKUP_MARGIN_M;
             }
-            if count >= MOST_BLOCKS || count == self.blocks.len() {
+            if count >= MAX_BLOCKS || count == self.blocks.len() {
                 return f64::INFINITY;
             }
             (before, within) = (within, within * RADIUS_GROWTH);

@@ -1,8 +1,8 @@
 //! The straight part of an opening on one side, and where paths join it.
 //!
 //! A path joins the straight part as far out as it can without doubling back: at the far end, or where it
-//! would otherwise turn by more than acos(-[`MOST_BACKWARD`]). There the path is cheapest if every metre of
-//! the straight part that it leaves out costs [`MOST_BACKWARD`] metres, because moving the joining point
+//! would otherwise turn by more than acos(-[`MAX_BACKWARD`]). There the path is cheapest if every metre of
+//! the straight part that it leaves out costs [`MAX_BACKWARD`] metres, because moving the joining point
 //! outward by ds lengthens the line by -cos(turn) ds.
 
 use crate::geometry::{Point, Vector, cross, left_of};
@@ -10,7 +10,7 @@ use crate::geometry::{Point, Vector, cross, left_of};
 /// How far back a path may lead, per metre, where it joins or leaves a straight part. This is minus the
 /// cosine of the largest turn there, 99.8 degrees. Paths along one wall, from opening to opening, turn by 90
 /// degrees.
-pub(in crate::options) const MOST_BACKWARD: f64 = 0.17;
+pub(in crate::options) const MAX_BACKWARD: f64 = 0.17;
 
 /// The end of a line on a straight part.
 #[derive(Clone, Copy, Debug)]
@@ -61,8 +61,8 @@ impl Straight {
 
     /// The directions of the lines that join with the largest turn allowed, from the left and from the right.
     pub(super) fn backward(&self) -> impl Iterator<Item = Vector> + use<> {
-        let ahead = (1.0 - MOST_BACKWARD * MOST_BACKWARD).sqrt();
-        let (across, back) = (left_of(self.outward) * ahead, self.outward * MOST_BACKWARD);
+        let ahead = (1.0 - MAX_BACKWARD * MAX_BACKWARD).sqrt();
+        let (across, back) = (left_of(self.outward) * ahead, self.outward * MAX_BACKWARD);
         let is_point = self.reach <= 0.0;
         [back - across, back + across].into_iter().filter(move |_| !is_point)
     }
@@ -88,7 +88,7 @@ impl Straight {
 
     /// The depth at which a path from a point `beside` (m) the axis would join if the axis were endless.
     fn ideal_depth(&self, p: Point, beside: f64) -> f64 {
-        self.depth(p) + beside * MOST_BACKWARD / (1.0 - MOST_BACKWARD * MOST_BACKWARD).sqrt()
+        self.depth(p) + beside * MAX_BACKWARD / (1.0 - MAX_BACKWARD * MAX_BACKWARD).sqrt()
     }
 
     /// The best joining point of a line from `p`; `None` from behind the gap, unless that is along a straight
@@ -106,6 +106,6 @@ impl Straight {
 
     fn join(&self, p: Point, to: Point, depth: f64) -> Join {
         let length = (to - p).norm();
-        Join { to, length, depth, cost: length + MOST_BACKWARD * (self.reach - depth) }
+        Join { to, length, depth, cost: length + MAX_BACKWARD * (self.reach - depth) }
     }
 }

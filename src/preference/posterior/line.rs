@@ -15,7 +15,7 @@ const POINTS: usize = 6;
 const NEAR: f64 = 1e-9;
 
 /// The most crossings of two borders that are told apart.
-const MOST_CROSSINGS: usize = 2 * POINTS;
+const MAX_CROSSINGS: usize = 2 * POINTS;
 
 /// alpha as a polynomial of gamma on an interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -33,21 +33,21 @@ pub(super) struct Line {
 /// On which parts of a range of gamma one border lies below another.
 pub(super) struct Sides {
     /// The ends of the parts: the range's own ends, and the crossings between them.
-    ends: [f64; MOST_CROSSINGS + 2],
+    ends: [f64; MAX_CROSSINGS + 2],
     parts: usize,
     first_is_below: bool,
 }
 
 impl Sides {
     fn same(from: f64, to: f64, is_below: bool) -> Self {
-        let mut ends = [0.0; MOST_CROSSINGS + 2];
+        let mut ends = [0.0; MAX_CROSSINGS + 2];
         (ends[0], ends[1]) = (from, to);
         Self { ends, parts: 1, first_is_below: is_below }
     }
 
     /// No part.
     pub fn none() -> Self {
-        Self { ends: [0.0; MOST_CROSSINGS + 2], parts: 0, first_is_below: false }
+        Self { ends: [0.0; MAX_CROSSINGS + 2], parts: 0, first_is_below: false }
     }
 
     /// From, to, and whether the newer border is below.

@@ -13,19 +13,19 @@ use serde::{Deserialize, Serialize};
 /// Steps that change no probability by more than this are dropped, and steps along a line that differ by no
 /// more are joined. All of that changes a probability by about 1e-9, and by 1e-6 after the belief has turned
 /// against a change rate of 1e-3.
-const LEAST_MASS: f64 = 1e-12;
+const MIN_MASS: f64 = 1e-12;
 
 /// The most by which that changes the density at a place.
-const LEAST_STEP: f64 = 1e-9;
+const MIN_STEP: f64 = 1e-9;
 
 /// Densities that differ by less than this part of them are of one place, seen from its borders.
 pub(super) const SAME: f64 = 1e-6;
 
 /// The most steps that are kept; beyond it the least ones are dropped.
-const MOST_STEPS: usize = 2048;
+const MAX_STEPS: usize = 2048;
 
 /// Parts of segments shorter than this in gamma are dropped.
-const SHORTEST: f64 = 2e-11;
+const MIN_PIECE: f64 = 2e-11;
 
 /// A part of a border, with the density's values on both sides.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -111,13 +111,13 @@ impl Plane {
     pub fn new(rule: &Rule, domain: &Domain) -> Self {
         let [from, to] = [domain.gamma.lower(), domain.gamma.upper()];
         let mut plane = Self {
-            lines: Vec::with_capacity(MOST_STEPS),
-            segments: Vec::with_capacity(MOST_STEPS),
+            lines: Vec::with_capacity(MAX_STEPS),
+            segments: Vec::with_capacity(MAX_STEPS),
             pieces: Vec::with_capacity(64),
-            next: Vec::with_capacity(2 * MOST_STEPS),
+            next: Vec::with_capacity(2 * MAX_STEPS),
             events: Vec::with_capacity(256),
-            crossings: Vec::with_capacity(4 * MOST_STEPS),
-            places: Vec::with_capacity(MOST_STEPS),
+            crossings: Vec::with_capacity(4 * MAX_STEPS),
+            places: Vec::with_capacity(MAX_STEPS),
         };
         plane.lines.push(Line::constant(rule, [from, to], domain.alpha.lower(), domain));
         let whole = Segment { line: 0, from, to, below: 0.0, step: 1.0, above: 0.0, under: 0.0 };
@@ -188,8 +188,8 @@ impl Plane {
                     let part = Segment { below, step, ..segment.part(from, to, line, domain) };
                     self.next.push(part);
                 };
-                while let Some((at, change)) = events.next_if(|(at, _)| *at < segment.to - SHORTEST) {
-                    if *at > start + SHORTEST {
+                while let Some((at, change)) = events.next_if(|(at, _)| *at < segment.to - MIN_PIECE) {
+                    if *at > start + MIN_PIECE {
                         add(start, *at, sum);
                         start = *at;
                     }
@@ -245,7 +245,7 @@ impl Plane {
     }
 
     fn drop_least(&mut self, domain: &Domain) {
-        let mut least = LEAST_MASS;
+        let mut least = MIN_MASS;
         loop {
             let mut kept = 0_usize;
             for index in 0..self.segments.len() {
@@ -264,7 +264,7 @@ impl Plane {
                 }
             }
             self.segments.truncate(kept);
-            if self.segments.len() <= MOST_STEPS || least > 1e-8 {
+            if self.segments.len() <= MAX_STEPS || least > 1e-8 {
                 return;
             }
             least *= 10.0;
@@ -364,7 +364,7 @@ impl Plane {
 
 /// Whether a change of the density on so much of gamma changes no probability by more than `least`.
 fn is_least(change: f64, gammas: f64, least: f64) -> bool {
-    change * gammas <= least && change <= LEAST_STEP / LEAST_MASS * least
+    change * gammas <= least && change <= MIN_STEP / MIN_MASS * least
 }
 
 /// Where the segments of a line lie below another line, and where above it, in a range of gamma.
@@ -386,13 +386,13 @@ fn sweep(
 ) {
     let (mut start, mut value) = (from, 0.0);
     for (at, change) in events {
-        if at > start + SHORTEST {
+        if at > start + MIN_PIECE {
             part(start, at.min(to), value);
             start = at;
         }
         value += change;
     }
-    if to > start + SHORTEST {
+    if to > start + MIN_PIECE {
         part(start, to, value);
     }
 }

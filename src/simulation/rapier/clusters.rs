@@ -26,8 +26,8 @@ pub(super) struct Cluster {
 }
 
 /// Mass and inertia of a moving link without any, because the equations of motion need them.
-const LEAST_MASS: f64 = 0.01;
-const LEAST_INERTIA: f64 = 1e-5;
+const MIN_MASS: f64 = 0.01;
+const MIN_INERTIA: f64 = 1e-5;
 
 /// The joint that moves a link, and its arm joint, if the arm moves it.
 pub(super) fn moving(robot: &Robot, link: usize) -> Option<(&Joint, usize)> {
@@ -94,8 +94,8 @@ impl Cluster {
             let shift = Matrix3::identity() * offset.norm_squared() - offset * offset.transpose();
             self.inertia += turn * body.inertia * turn.transpose() + shift * body.mass;
         }
-        self.mass = self.mass.max(LEAST_MASS);
-        self.inertia += Matrix3::identity() * LEAST_INERTIA;
+        self.mass = self.mass.max(MIN_MASS);
+        self.inertia += Matrix3::identity() * MIN_INERTIA;
     }
 }
 
@@ -124,6 +124,6 @@ mod tests {
         let center: Vector3<f64> = parts.iter().map(|(m, at, _)| at * *m).sum::<Vector3<f64>>() / 83.0;
         assert!((base.center - center).norm() < 1e-12 && (base.mass - 83.0).abs() < 1e-12);
         let about_z: f64 = parts.iter().map(|(m, at, own)| own + m * (at - center).xy().norm_squared()).sum();
-        assert!((base.inertia[(2, 2)] - about_z - LEAST_INERTIA).abs() < 1e-12);
+        assert!((base.inertia[(2, 2)] - about_z - MIN_INERTIA).abs() < 1e-12);
     }
 }

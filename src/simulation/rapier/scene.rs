@@ -57,8 +57,8 @@ fn bounded_world<'de, D: Deserializer<'de>>(from: D) -> Result<PhysicsWorld, D::
     let world = PhysicsWorld::deserialize(from)?;
     let parameters = &world.integration_parameters;
     let is_bounded = parameters.num_solver_iterations == SOLVER_ITERATIONS
-        && parameters.num_internal_pgs_iterations <= PhysicsSettings::MOST_ITERATIONS
-        && parameters.num_internal_stabilization_iterations <= PhysicsSettings::MOST_ITERATIONS
+        && parameters.num_internal_pgs_iterations <= PhysicsSettings::MAX_ITERATIONS
+        && parameters.num_internal_stabilization_iterations <= PhysicsSettings::MAX_ITERATIONS
         && parameters.max_ccd_substeps == 0
         && world.bodies.iter().all(|(_, body)| body.additional_solver_iterations() == 0);
     is_bounded.then_some(world).ok_or_else(|| D::Error::custom("too many solver iterations"))

@@ -123,7 +123,7 @@ impl PhysicsSettings {
     /// Range of the physics steps per second, Hz.
     pub const RATES: [f64; 2] = [60.0, 10_000.0];
     /// The largest number of solver iterations.
-    pub const MOST_ITERATIONS: usize = 1000;
+    pub const MAX_ITERATIONS: usize = 1000;
     /// Range of the largest acceleration of a rim, m/s^2.
     pub const RIM_ACCELERATIONS: [f64; 2] = [0.01, 1000.0];
     /// Range of the gripper's stiffness, N/m.
@@ -139,7 +139,7 @@ impl PhysicsSettings {
         let human = &self.human;
         let settings = [
             ("rate_hz", self.rate_hz, Self::RATES),
-            ("solver_iterations", self.solver_iterations as f64, [1.0, Self::MOST_ITERATIONS as f64]),
+            ("solver_iterations", self.solver_iterations as f64, [1.0, Self::MAX_ITERATIONS as f64]),
             ("rim_acceleration_m_per_s2", self.rim_acceleration, Self::RIM_ACCELERATIONS),
             ("gripper_stiffness_n_per_m", self.gripper_stiffness, Self::GRIPPER_STIFFNESSES),
             ("human.speed_limit_m_per_s", human.speed_limit, HumanSettings::SPEED_LIMITS),

@@ -38,7 +38,7 @@ const ROW_HEIGHT: f64 = 34.0;
 /// Width of the line of an interval, px.
 const INTERVAL_LINE: f64 = 4.0;
 /// Largest difference accepted, m.
-const LARGEST: f64 = 1e9;
+const MAX_VALUE: f64 = 1e9;
 
 /// Differences between costs: for every row a disc at the sample's mean, a line for its interval, a square at
 /// the expectation and a diamond at the paper's value. Panels are stacked on one axis, which includes 0.
@@ -51,7 +51,7 @@ pub fn differences(panels: &[DifferencePanel], axis_title: &str) -> Result<Strin
         return Err(DrawingError::NoPanels);
     }
     for row in rows() {
-        if let Some(value) = values(row).find(|value| value.is_nan() || value.abs() > LARGEST) {
+        if let Some(value) = values(row).find(|value| value.is_nan() || value.abs() > MAX_VALUE) {
             return Err(DrawingError::Fit { what: format!("row `{}`", row.label), value });
         }
     }

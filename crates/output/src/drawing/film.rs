@@ -7,7 +7,7 @@ use super::kit::{
 };
 use super::map_view::MapView;
 use super::opening_labels::{PATH_COST, clutter, opening_labels};
-use super::{DrawingError, MOST_LISTED, Track, option_colour};
+use super::{DrawingError, MAX_LISTED, Track, option_colour};
 use crate::palette::{HAIR, HUMAN, OBJECT, ROBOT, hex};
 use cocarry::geometry::{Bounds, Footprint, PlanarPose, Point, Vector, direction, left_of};
 use cocarry::options::OptionSet;
@@ -189,7 +189,7 @@ impl Film<'_> {
             }
             None => vec![1.8; count],
         };
-        let mut order: Vec<usize> = (0..count.min(MOST_LISTED)).collect();
+        let mut order: Vec<usize> = (0..count.min(MAX_LISTED)).collect();
         order.sort_by(|&a, &b| widths[b].total_cmp(&widths[a]).then(a.cmp(&b)));
         let mut group = Group::new().add(view.obstacles(self.world));
         for option in order {
@@ -347,7 +347,7 @@ impl Film<'_> {
 
     /// The options by their styles, or their colours alone, and what is grey in the chart.
     pub(super) fn legend(&self, is_solid: bool) -> Legend {
-        let options = self.options.options().iter().enumerate().take(MOST_LISTED);
+        let options = self.options.options().iter().enumerate().take(MAX_LISTED);
         let legend = options.fold(Legend::of_lines(), |legend, (o, option)| {
             let sample = match is_solid {
                 true => Group::new().add(stroke(&SAMPLE_ENDS, &option_colour(o), 5.0)),

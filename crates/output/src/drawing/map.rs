@@ -6,7 +6,7 @@ use super::kit::{
 };
 use super::map_view::MapView;
 use super::opening_labels::{PATH_COST, clutter, opening_labels};
-use super::option_table::{LEAST_WIDTH, Route, option_table};
+use super::option_table::{MIN_WIDTH, Route, option_table};
 use super::{DrawingError, WIDTH, check_probabilities};
 use cocarry::geometry::{Point, Vector};
 use cocarry::options::OptionSet;
@@ -14,7 +14,7 @@ use cocarry::world::World;
 use svg::node::element::{Element, Group};
 
 /// Largest number of options that a map shows in colour and lists; the others are thin and grey.
-pub const MOST_LISTED: usize = 12;
+pub const MAX_LISTED: usize = 12;
 
 /// Largest distance of a drawn arc from its chords, m.
 const SAGITTA: f64 = 0.01;
@@ -22,7 +22,7 @@ const SAGITTA: f64 = 0.01;
 /// The map of a world: obstacles, openings coloured by risk, and every option as a path from A to B whose
 /// width grows with its probability.
 ///
-/// `probabilities` holds P_o of every option, in the order of `options`. With more than [`MOST_LISTED`]
+/// `probabilities` holds P_o of every option, in the order of `options`. With more than [`MAX_LISTED`]
 /// options, the most probable ones are shown in colour, and the table says so. Of equally probable options,
 /// the first has priority, which is the cheapest where options were enumerated.
 ///
@@ -35,7 +35,7 @@ pub fn world_map(world: &World, options: &OptionSet, probabilities: &[f64]) -> R
     let most = Vector::new(WIDTH - LEFT_ROOM - MARGIN, 700.0);
     let view = MapView::fit(world, points, top, Vector::new(214.0, 210.0), most);
     let beside = WIDTH - view.frame().max.x - 2.0 * MARGIN;
-    let (view, at, width) = if beside >= LEAST_WIDTH {
+    let (view, at, width) = if beside >= MIN_WIDTH {
         (view, Point::new(view.frame().max.x + MARGIN, top.y), beside)
     } else {
         let spare = Vector::new((most.x - view.frame().size().x) / 2.0, 0.0);
@@ -96,7 +96,7 @@ fn routes(
         })
         .collect();
     listed.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.index.cmp(&b.index)));
-    let others = listed.split_off(listed.len().min(MOST_LISTED));
+    let others = listed.split_off(listed.len().min(MAX_LISTED));
     listed.sort_by_key(|r| r.index);
     Ok((listed, others))
 }

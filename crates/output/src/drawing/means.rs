@@ -33,7 +33,7 @@ const ROW_ROOM: f64 = 16.0;
 /// Width of the line of an interval, px.
 const INTERVAL_LINE: f64 = 3.0;
 /// Largest mean accepted.
-const LARGEST: f64 = 1e12;
+const MAX_VALUE: f64 = 1e12;
 /// The marks of the series, in turn.
 const SHAPES: [Shape; 4] = [Shape::Disc, Shape::Square, Shape::Triangle, Shape::Diamond];
 
@@ -45,7 +45,7 @@ const SHAPES: [Shape; 4] = [Shape::Disc, Shape::Square, Shape::Triangle, Shape::
 pub fn means(panels: &[MeanPanel], series: &[String], axis_title: &str) -> Result<String, DrawingError> {
     let rows = || panels.iter().flat_map(|panel| &panel.rows);
     for row in rows() {
-        if let Some(value) = values(row).find(|value| value.is_nan() || value.abs() > LARGEST) {
+        if let Some(value) = values(row).find(|value| value.is_nan() || value.abs() > MAX_VALUE) {
             return Err(DrawingError::Fit { what: format!("row `{}`", row.label), value });
         }
     }

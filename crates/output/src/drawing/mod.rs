@@ -32,7 +32,7 @@ pub use differences::{DifferencePanel, DifferenceRow, differences};
 pub use film::{Film, Moment, NARROWEST, WIDEST};
 pub use heat::{HeatPanel, heat_maps};
 pub use kit::dark_rules;
-pub use map::{MOST_LISTED, world_map};
+pub use map::{MAX_LISTED, world_map};
 pub use means::{MeanPanel, MeanRow, means};
 pub use moving::Moving;
 pub use ratios::{RatioPanel, RatioRow, cost_ratios};

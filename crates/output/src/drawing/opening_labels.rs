@@ -20,9 +20,9 @@ pub(super) const PATH_COST: f64 = 4.0;
 const OUTLINE_COST: f64 = 6.0;
 const OPENING_COST: f64 = 12.0;
 /// A label that costs more than `CROWDED_COST` omits the width of its opening where that saves
-/// `LEAST_SAVING`.
+/// `MIN_SAVING`.
 const CROWDED_COST: f64 = 140.0;
-const LEAST_SAVING: f64 = 60.0;
+const MIN_SAVING: f64 = 60.0;
 
 /// The clutter of a map before labels and paths.
 pub(super) fn clutter(view: &MapView, world: &World) -> Clutter {
@@ -58,7 +58,7 @@ pub(super) fn opening_labels(
             let full = vec![lines[0].clone(), Text::new(format!("{} m", number(opening.width, 2)))];
             let found = best_place(&full, i, &bars, clutter);
             // in a crowded place, only the name is shown
-            if found.1 < CROWDED_COST || found.1 < cost + LEAST_SAVING {
+            if found.1 < CROWDED_COST || found.1 < cost + MIN_SAVING {
                 (lines, area) = (full, found.0);
             }
         }

@@ -21,7 +21,7 @@ pub(super) struct Route {
 }
 
 /// Smallest width of the block, px.
-pub(super) const LEAST_WIDTH: f64 = 396.0;
+pub(super) const MIN_WIDTH: f64 = 396.0;
 /// Largest widths of the name of an option and of an opening, px.
 const NAMES_WIDTH: [f64; 2] = [96.0, 140.0];
 
@@ -38,7 +38,7 @@ pub(super) fn option_table(
     let bare = table(listed, widths, others, |_| Vec::new());
     let room = width - bare.width() + Text::new("openings").width(TEXT_SIZE);
     let table = table(listed, widths, others, |route| wrapped(&route.openings, room));
-    let (risks, bottom) = risk_bar(at, table.width().clamp(LEAST_WIDTH, width.max(LEAST_WIDTH)));
+    let (risks, bottom) = risk_bar(at, table.width().clamp(MIN_WIDTH, width.max(MIN_WIDTH)));
     let (table, mut bottom) = table.draw(Point::new(at.x, bottom), width);
     let mut group = Group::new().add(risks).add(table);
     if is_cut {

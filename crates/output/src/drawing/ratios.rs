@@ -27,11 +27,11 @@ pub struct RatioRow {
 }
 
 /// Ratios that the axis always includes.
-const LEAST_RANGE: [f64; 2] = [0.2, 1.1];
+const MIN_RANGE: [f64; 2] = [0.2, 1.1];
 /// The ratio of the baseline to itself.
 const BASELINE: f64 = 1.0;
 /// Largest ratio accepted.
-const LARGEST_RATIO: f64 = 1e3;
+const MAX_RATIO: f64 = 1e3;
 
 /// Largest width of row labels, px.
 const LABELS_WIDTH: f64 = 220.0;
@@ -91,8 +91,7 @@ fn check(panels: &[RatioPanel]) -> Result<(), DrawingError> {
         return Err(DrawingError::NoPanels);
     }
     for row in panels.iter().flat_map(|p| &p.rows) {
-        if let Some((environment, value)) = row.ratios.iter().find(|r| !(0.0..=LARGEST_RATIO).contains(&r.1))
-        {
+        if let Some((environment, value)) = row.ratios.iter().find(|r| !(0.0..=MAX_RATIO).contains(&r.1)) {
             return Err(DrawingError::Ratio {
                 row: row.label.clone(),
                 environment: *environment,
@@ -106,7 +105,7 @@ fn check(panels: &[RatioPanel]) -> Result<(), DrawingError> {
 /// The range of the axis.
 fn range(panels: &[RatioPanel]) -> [f64; 2] {
     let ratios = || panels.iter().flat_map(|p| &p.rows).flat_map(|r| &r.ratios).map(|r| r.1);
-    let (least, most) = (ratios().fold(LEAST_RANGE[0], f64::min), ratios().fold(LEAST_RANGE[1], f64::max));
+    let (least, most) = (ratios().fold(MIN_RANGE[0], f64::min), ratios().fold(MIN_RANGE[1], f64::max));
     // tolerates rounding of ends that are tenths
     [(10.0 * least + 1e-6).floor() / 10.0, (10.0 * most - 1e-6).ceil() / 10.0]
 }
@@ -194,7 +193,7 @@ mod tests {
         assert_eq!(range(&[(1, 0.7)]), [0.2, 1.1]);
         assert_eq!(range(&[]), [0.2, 1.1]);
         assert_eq!(range(&[(1, 0.12), (2, 1.37)]), [0.1, 1.4]);
-        assert_eq!(range(&[(1, 0.0), (2, LARGEST_RATIO)]), [0.0, LARGEST_RATIO]);
+        assert_eq!(range(&[(1, 0.0), (2, MAX_RATIO)]), [0.0, MAX_RATIO]);
     }
 
     #[test]
@@ -212,7 +211,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_drawn_is_refused() {
-        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -0.1, 2.0 * LARGEST_RATIO] {
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -0.1, 2.0 * MAX_RATIO] {
             let mut panels = panels();
             panels[1].rows[0].ratios[3].1 = value;
             let refused = cost_ratios(&panels);

@@ -9,13 +9,13 @@ use cocarry::geometry::{Bounds, Point, Vector};
 use svg::node::element::Group;
 
 /// Largest stubbornness shown; values up to 1 matter.
-const LARGEST_SHOWN: f64 = 1.6;
+const MAX_SHOWN: f64 = 1.6;
 
 /// The chart of phi(k) for every track in `frame`. Steps of `period` (s) give the time axis above.
 pub(super) fn stubbornness(tracks: &[Track], period: f64, frame: Bounds) -> Group {
     let points = || tracks.iter().flat_map(Track::stubbornness_by_step);
     let last = points().map(|p| p.0).fold(1.0, f64::max);
-    let top = points().map(|p| p.1).fold(1.0, f64::max).min(LARGEST_SHOWN) * 1.12;
+    let top = points().map(|p| p.1).fold(1.0, f64::max).min(MAX_SHOWN) * 1.12;
     let plot = Plot::linear(frame, [[0.0, last], [0.0, top]]);
     let time = Axis::linear(Side::Above, [0.0, last * period], frame);
 

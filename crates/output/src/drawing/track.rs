@@ -6,9 +6,9 @@ use cocarry::episode::Tick;
 use cocarry::geometry::Point;
 
 /// Largest coordinate of a position, m.
-const LARGEST_COORDINATE_M: f64 = 1e7;
+const MAX_COORDINATE_M: f64 = 1e7;
 /// Value to which stubbornness is clipped; charts end far below.
-const LARGEST_STUBBORNNESS: f64 = 1e6;
+const MAX_STUBBORNNESS: f64 = 1e6;
 
 /// Positions of a team and the stubbornness of its human by step.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -50,8 +50,7 @@ impl Track {
             value,
         };
         for (step, p) in self.positions.iter().enumerate() {
-            if let Some(value) = [p.x, p.y].into_iter().find(|c| c.is_nan() || c.abs() > LARGEST_COORDINATE_M)
-            {
+            if let Some(value) = [p.x, p.y].into_iter().find(|c| c.is_nan() || c.abs() > MAX_COORDINATE_M) {
                 return Err(bad("position", step, value));
             }
         }
@@ -72,7 +71,7 @@ impl Track {
     pub(super) fn stubbornness_by_step(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         let steps = self.transition.map_or(usize::MAX, |t| t.saturating_add(1));
         let drawn = self.stubbornness.iter().take(steps).enumerate();
-        drawn.map(|(i, phi)| ((self.first_step + i as u64) as f64, phi.clamp(0.0, LARGEST_STUBBORNNESS)))
+        drawn.map(|(i, phi)| ((self.first_step + i as u64) as f64, phi.clamp(0.0, MAX_STUBBORNNESS)))
     }
 
     /// (k, phi) at the transition.

@@ -1,6 +1,6 @@
 //! Summaries of the contents of recordings.
 
-use super::decode::LONGEST;
+use super::decode::MAX_MESSAGE_BYTES;
 use super::provenance::{METADATA, RECOVERED};
 use super::{Channel, Entry, ReadError, Reader};
 use serde_json::Value;
@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::io::Read;
 
 /// The largest number of attachments and metadata records that are listed.
-const MOST: usize = 1000;
+const MAX_RECORDS: usize = 1000;
 
 /// The contents of a recording.
 #[derive(Clone, Debug, Default)]
@@ -77,7 +77,7 @@ impl Contents {
                         let [first, last] = channel.span.unwrap_or([message.time; 2]);
                         channel.span = Some([first.min(message.time), last.max(message.time)]);
                     }
-                    if message.data.len() <= LONGEST {
+                    if message.data.len() <= MAX_MESSAGE_BYTES {
                         match Channel::of_topic(&message.channel.topic) {
                             Some(Channel::Cost) => {
                                 cost.clear();
@@ -91,8 +91,9 @@ impl Contents {
                     }
                 }
             }
-            if listed > MOST {
-                let what = format!("has more than {MOST} attachments and metadata records, too many to list");
+            if listed > MAX_RECORDS {
+                let what =
+                    format!("has more than {MAX_RECORDS} attachments and metadata records, too many to list");
                 return Err(ReadError::Lacks { file, what });
             }
         }

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 /// The name of the attachment with the decisions.
 pub const DECISIONS: &str = "decisions.json";
 /// The largest magnitude of a number of a logged motion.
-const LARGEST: f64 = 1e6;
+const MAX_MOTION: f64 = 1e6;
 
 /// A log of the decisions of own partners; `None` for those that the scenario names.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -77,7 +77,7 @@ impl Decisions {
             lacks(format!("its attachment {DECISIONS} is not a log of decisions: {error}"))
         })?;
         let decisions = log.policy.iter().flat_map(|log| log.trial.iter().chain(&log.steps));
-        let is_bounded = |number: &f64| number.abs() <= LARGEST;
+        let is_bounded = |number: &f64| number.abs() <= MAX_MOTION;
         let mut motions = decisions.map(|decision| match &decision.motion {
             Motion::Controlled => true,
             Motion::Reference(poses) => {
@@ -87,7 +87,7 @@ impl Decisions {
         });
         match motions.all(|is_bounded| is_bounded) {
             true => Ok(log),
-            false => Err(lacks(format!("its attachment {DECISIONS} has a motion beyond {LARGEST}"))),
+            false => Err(lacks(format!("its attachment {DECISIONS} has a motion beyond {MAX_MOTION}"))),
         }
     }
 

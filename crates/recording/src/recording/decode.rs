@@ -7,12 +7,12 @@ use serde_json::Value;
 
 /// The length of the longest message that is decoded, bytes. A decoded message takes many times as much
 /// memory.
-pub(super) const LONGEST: usize = 256 << 10;
+pub(super) const MAX_MESSAGE_BYTES: usize = 256 << 10;
 
 /// The fields of a message; `None` if it does not match its channel, is longer than 256 kB, or has an unknown
 /// type.
 pub fn decode(channel: &Definition, data: &[u8]) -> Option<Value> {
-    if data.len() > LONGEST {
+    if data.len() > MAX_MESSAGE_BYTES {
         return None;
     }
     if channel.encoding == "json" {
@@ -32,9 +32,9 @@ fn value<T: Decode + serde::Serialize>(data: &[u8]) -> Option<Value> {
 }
 
 /// The largest number of single values in a message, and of columns of a table.
-pub(super) const MOST_FIELDS: usize = 4096;
+pub(super) const MAX_FIELDS: usize = 4096;
 /// The largest total length of their paths, bytes.
-pub(super) const LONGEST_PATHS: usize = 1 << 20;
+pub(super) const MAX_PATHS: usize = 1 << 20;
 
 /// The single values in a message with their paths, such as `grip.force_n.x`. An element of a list is named
 /// by its own name, as in `options[left].length_m`, or by its index from 0 if it has none. `None` if there are
@@ -56,7 +56,7 @@ impl<'v> Paths<'v> {
     /// A path below another one; `None` beyond the limit.
     fn below(&mut self, path: &str, parts: [&str; 3]) -> Option<String> {
         self.bytes += path.len() + parts.iter().map(|part| part.len()).sum::<usize>();
-        (self.bytes <= LONGEST_PATHS).then(|| [path, parts[0], parts[1], parts[2]].concat())
+        (self.bytes <= MAX_PATHS).then(|| [path, parts[0], parts[1], parts[2]].concat())
     }
 
     /// `called` is the field whose value is already in the path.
@@ -77,7 +77,7 @@ impl<'v> Paths<'v> {
                     self.flatten(path, item, called.map(|(key, _)| key))?;
                 }
             }
-            _ if self.cells.len() == MOST_FIELDS => return None,
+            _ if self.cells.len() == MAX_FIELDS => return None,
             single => self.cells.push((path, single)),
         }
         Some(())

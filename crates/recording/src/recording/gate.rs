@@ -12,10 +12,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// The largest head of a request, bytes, and the longest time to wait for it.
-const MOST_HEAD_BYTES: usize = 16 << 10;
+const MAX_HEAD_BYTES: usize = 16 << 10;
 const HEAD_PATIENCE: Duration = Duration::from_secs(5);
 /// The largest number of connections at a time.
-const MOST_CONNECTIONS: usize = 64;
+const MAX_CONNECTIONS: usize = 64;
 /// Viewers that are always allowed, beside pages from this computer: Foxglove in a browser, and desktop
 /// programs.
 const VIEWERS: [&str; 2] = ["https://app.foxglove.dev", "file://"];
@@ -55,7 +55,7 @@ impl Gate {
                 let Ok(viewer) = viewer else { continue };
                 let doors = of_thread.clone();
                 std::thread::spawn(move || {
-                    if doors.connections.fetch_add(1, Ordering::SeqCst) < MOST_CONNECTIONS {
+                    if doors.connections.fetch_add(1, Ordering::SeqCst) < MAX_CONNECTIONS {
                         // a connection that breaks concerns its viewer only
                         let _ = doors.pass(viewer);
                     }
@@ -159,7 +159,7 @@ fn read_head(viewer: &mut TcpStream) -> io::Result<Vec<u8>> {
     let mut part = [0; 1024];
     loop {
         let left = until.saturating_duration_since(Instant::now());
-        if left.is_zero() || head.len() > MOST_HEAD_BYTES {
+        if left.is_zero() || head.len() > MAX_HEAD_BYTES {
             return Err(ErrorKind::InvalidData.into());
         }
         viewer.set_read_timeout(Some(left))?;

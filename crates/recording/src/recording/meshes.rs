@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// The largest total size of a robot's files, bytes. They are in one message, which must fit into a record
 /// that readers take.
-const MOST: u64 = 16 << 20;
+const MAX_BYTES: u64 = 16 << 20;
 
 /// The files of a robot's visual meshes, each once; none if one of them is missing.
 #[derive(Clone, Debug, Default)]
@@ -40,7 +40,7 @@ impl Meshes {
                 size += mesh.data.len() as u64;
                 found.insert(file.clone(), mesh);
             }
-            if size > MOST {
+            if size > MAX_BYTES {
                 return Self::default();
             }
         }
@@ -62,7 +62,7 @@ impl Mesh {
             "dae" => "model/vnd.collada+xml",
             _ => return None,
         };
-        let mut data = located::read_bytes(MOST, file).ok()?;
+        let mut data = located::read_bytes(MAX_BYTES, file).ok()?;
         if format == "dae" {
             data = upright(String::from_utf8(data).ok()?).into_bytes();
         }

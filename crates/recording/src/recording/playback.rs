@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::io::Read;
 
 /// The largest number of steps that are read: an hour and a half of control periods of 0.2 s.
-const MOST_STEPS: usize = 30_000;
+const MAX_STEPS: usize = 30_000;
 
 /// An episode as its recording tells it.
 #[derive(Clone, Debug)]
@@ -108,8 +108,8 @@ impl Playback {
                 Channel::Outcome => outcome = value["outcome"].as_str().map(str::to_owned),
                 _ => {
                     let channel = messages.entry(channel).or_default();
-                    if channel.len() == MOST_STEPS || transforms.len() > MOST_STEPS {
-                        return Err(lacks(format!("has more than {MOST_STEPS} steps, too many to draw")));
+                    if channel.len() == MAX_STEPS || transforms.len() > MAX_STEPS {
+                        return Err(lacks(format!("has more than {MAX_STEPS} steps, too many to draw")));
                     }
                     channel.push((time, value));
                 }

@@ -13,7 +13,7 @@ pub const METADATA: &str = "cocarry";
 /// The name of the metadata record with the losses of [`recover`](super::recover()).
 pub const RECOVERED: &str = "recovered";
 /// The size of the largest scenario that is read, bytes: a world and a robot.
-const LARGEST: usize = 24 << 20;
+const MAX_BYTES: usize = 24 << 20;
 /// The key of the [stamp](arithmetic::stamp) of a recording's arithmetic.
 pub(super) const ARITHMETIC: &str = "arithmetic";
 /// The name of the attachment with the scenario's text.
@@ -78,9 +78,9 @@ pub fn scenario<R: Read>(reader: &mut Reader<R>) -> Result<Scenario, ReadError> 
     while let Some(entry) = reader.next()? {
         match entry {
             Entry::Attachment(attachment) if attachment.name == SCENARIO => {
-                if attachment.data.len() > LARGEST {
+                if attachment.data.len() > MAX_BYTES {
                     return Err(lacks(&format!(
-                        "its attachment scenario.toml is larger than {LARGEST} bytes"
+                        "its attachment scenario.toml is larger than {MAX_BYTES} bytes"
                     )));
                 }
                 let text = String::from_utf8(attachment.data);

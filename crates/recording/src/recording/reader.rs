@@ -19,7 +19,7 @@ use std::path::Path;
 
 /// The length of the longest record, and of the longest unpacked chunk, bytes. A simulated second takes 0.1
 /// MB.
-const LONGEST: u64 = 32 << 20;
+const MAX_BYTES: u64 = 32 << 20;
 /// The largest total length of all definitions of channels, bytes.
 const DEFINITIONS: usize = 16 << 20;
 /// The largest length of all unpacked chunks: bytes for each byte of the file so far, and further bytes.
@@ -148,7 +148,7 @@ impl<R: Read> Reader<R> {
     pub fn new(input: R, name: &str) -> Result<Self, ReadError> {
         let options = LinearReaderOptions::default()
             .with_emit_chunks(true)
-            .with_record_length_limit(LONGEST as usize)
+            .with_record_length_limit(MAX_BYTES as usize)
             .with_validate_data_section_crc(true)
             .with_validate_summary_section_crc(true)
             .with_check_finishes_after_end_magic(true);
@@ -353,7 +353,7 @@ impl<R: Read> Reader<R> {
             McapError::UnexpectedEof => return self.cut(),
             McapError::RecordTooLarge { opcode, len } => {
                 let what = record_name(*opcode);
-                return ReadError::TooLong { file, offset, what, length: *len, limit: LONGEST };
+                return ReadError::TooLong { file, offset, what, length: *len, limit: MAX_BYTES };
             }
             McapError::BadMagic | McapError::BytesAfterEndMagic => {
                 let why = "the last record must be followed by the bytes that the file begins with, and nothing else";
@@ -393,8 +393,8 @@ fn unpack(body: &[u8], allowed: u64, file: &str, offset: u64) -> Result<Vec<u8>,
     let size = header.uncompressed_size;
     let too_long =
         |what, limit| Err(ReadError::TooLong { file: file.to_owned(), offset, what, length: size, limit });
-    if size > LONGEST {
-        return too_long("the contents of a chunk", LONGEST);
+    if size > MAX_BYTES {
+        return too_long("the contents of a chunk", MAX_BYTES);
     }
     if size > allowed {
         return too_long("the contents of a chunk, with all chunks before it in so short a file,", allowed);

@@ -20,7 +20,7 @@ pub struct Recovered {
 }
 
 /// The number of faults after which the recovery stops reading.
-const MOST_FAULTS: usize = 1000;
+const MAX_FAULTS: usize = 1000;
 
 /// The error of a recovery.
 #[derive(Debug, thiserror::Error)]
@@ -66,7 +66,7 @@ fn save<R: Read>(
             Ok(None) => break,
             Ok(Some(entry)) => entry,
             Err(fault) => {
-                let goes_on = fault.is_local() && recovered.lost.len() < MOST_FAULTS;
+                let goes_on = fault.is_local() && recovered.lost.len() < MAX_FAULTS;
                 recovered.lost.push(fault);
                 if goes_on {
                     continue;

@@ -20,7 +20,7 @@ use nalgebra::{Rotation3, Vector3};
 /// The largest distance of an arc from its chords, m.
 const SAGITTA: f64 = 0.01;
 /// The largest number of options with a label.
-const MOST_LABELS: usize = 20;
+const MAX_LABELS: usize = 20;
 /// The resolution of P_o in the drawing.
 const PROBABILITY_STEP: f64 = 0.02;
 
@@ -199,9 +199,9 @@ impl OptionLines {
             .map(|o| options.path(&start, o).expect("an option has a path from the start").polyline(SAGITTA))
             .collect();
         let lines = options.options().iter().zip(&paths).enumerate().map(|(o, (option, points))| {
-            let others = paths.iter().enumerate().filter(|(other, _)| *other != o && o < MOST_LABELS);
-            let others: Vec<&Vec<Point>> = others.take(MOST_LABELS).map(|(_, path)| path).collect();
-            let label = if o < MOST_LABELS { apart(points, &others) } else { None };
+            let others = paths.iter().enumerate().filter(|(other, _)| *other != o && o < MAX_LABELS);
+            let others: Vec<&Vec<Point>> = others.take(MAX_LABELS).map(|(_, path)| path).collect();
+            let label = if o < MAX_LABELS { apart(points, &others) } else { None };
             Line { name: option.name.clone(), points: points.clone(), label }
         });
         Self { lines: lines.collect(), shown: Vec::new() }

@@ -1,13 +1,13 @@
 //! Tables of the messages on a topic.
 
-use super::decode::{LONGEST_PATHS, MOST_FIELDS, decode, flatten};
+use super::decode::{MAX_FIELDS, MAX_PATHS, decode, flatten};
 use super::{Definition, Entry, ReadError, Reader};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 
 /// The largest number of cells of a table.
-const MOST_CELLS: usize = 20_000_000;
+const MAX_CELLS: usize = 20_000_000;
 /// The number of channels that an error lists.
 const LISTED: usize = 40;
 
@@ -44,11 +44,11 @@ pub fn columns<R: Read>(reader: &mut Reader<R>, topic: &str) -> Result<Vec<Strin
                 known.insert(path);
             }
         }
-        if columns.len() > MOST_FIELDS || bytes > LONGEST_PATHS {
+        if columns.len() > MAX_FIELDS || bytes > MAX_PATHS {
             return Err(too_large(&file, topic, "the paths in its messages"));
         }
-        if columns.len().saturating_mul(messages) > MOST_CELLS {
-            let what = format!("`{topic}` has more than {MOST_CELLS} cells, too many for a table");
+        if columns.len().saturating_mul(messages) > MAX_CELLS {
+            let what = format!("`{topic}` has more than {MAX_CELLS} cells, too many for a table");
             return Err(ReadError::Lacks { file, what });
         }
     }
@@ -64,8 +64,7 @@ pub fn columns<R: Read>(reader: &mut Reader<R>, topic: &str) -> Result<Vec<Strin
         return Err(ReadError::Lacks { file, what });
     }
     declared.retain(|path| !known.contains(path));
-    columns
-        .extend(declared.into_iter().take((MOST_CELLS / messages.max(1)).min(MOST_FIELDS) - columns.len()));
+    columns.extend(declared.into_iter().take((MAX_CELLS / messages.max(1)).min(MAX_FIELDS) - columns.len()));
     Ok(columns)
 }
 
@@ -119,7 +118,7 @@ pub fn rows<R: Read, E: From<ReadError>>(
 
 fn too_large(file: &str, topic: &str, what: &str) -> ReadError {
     let what = format!(
-        "`{topic}` is too large for a table: {what} are more than {MOST_FIELDS}, or longer than {LONGEST_PATHS} bytes"
+        "`{topic}` is too large for a table: {what} are more than {MAX_FIELDS}, or longer than {MAX_PATHS} bytes"
     );
     ReadError::Lacks { file: file.to_owned(), what }
 }

@@ -22,7 +22,7 @@ const STAY: u16 = 250;
 /// The number of colours of a moving picture, besides the transparent one.
 const COLOURS: usize = 95;
 /// The largest number of pictures in a moving one, and how many of them its colours are chosen from.
-const MOST_PICTURES: usize = 600;
+const MAX_PICTURES: usize = 600;
 const SAMPLES: usize = 12;
 
 /// The width of a picture.
@@ -87,7 +87,7 @@ pub fn filmstrip_png(playback: &Playback, instants: usize, width: Width) -> Resu
 pub fn moving_gif(playback: &Playback, width: Width) -> Result<Vec<u8>, RenderError> {
     let film = film(playback);
     let moments = film.moments.len();
-    let mut shown: Vec<usize> = (0..moments).step_by(moments.div_ceil(MOST_PICTURES).max(1)).collect();
+    let mut shown: Vec<usize> = (0..moments).step_by(moments.div_ceil(MAX_PICTURES).max(1)).collect();
     shown.extend((shown.last() != Some(&(moments - 1))).then_some(moments - 1));
     let moving = film.moving(width.layout(), None)?;
     let picture = |at: usize| raster(&moving.picture(at), width.pixels());

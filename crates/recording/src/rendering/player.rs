@@ -22,7 +22,7 @@ const PAGE: &str = include_str!("../../../../assets/player.html");
 /// The place of the episode in the page.
 const PLACE: &str = "__EPISODE__";
 /// The largest mesh file, bytes: the page carries it.
-const LARGEST_MESH: u64 = 64 << 20;
+const MAX_MESH: u64 = 64 << 20;
 /// The largest distance of a drawn arc from its chords, m.
 const SAGITTA: f64 = 0.01;
 
@@ -274,7 +274,7 @@ impl Meshes {
         if !["stl", "obj", "dae"].contains(&&*format) {
             return Err(RenderError::MeshFormat { file: file.to_owned() });
         }
-        let bytes = located::read_bytes(LARGEST_MESH, file);
+        let bytes = located::read_bytes(MAX_MESH, file);
         let bytes = bytes.map_err(|source| RenderError::Mesh { file: file.to_owned(), source })?;
         self.data.push(json!({ "format": format, "base64": STANDARD.encode(&bytes) }));
         self.known.insert(file.to_owned(), self.data.len() - 1);

@@ -4,7 +4,7 @@ use super::ClusterError;
 use crate::parallel::OnDone;
 use crate::study::{Shard, Study, Sweep, SweepOutputs};
 use cocarry::arithmetic;
-use cocarry::located::{self, LARGEST_SETTINGS, Source};
+use cocarry::located::{self, MAX_SETTINGS, Source};
 use cocarry_output::output_file::{OutputError, Outputs};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File, OpenOptions};
@@ -22,7 +22,7 @@ const LOGS: &str = "logs";
 const HEADING: &str =
     "# A study on a cluster; see `cocarry cluster --help`. The program reads and writes this file.\n\n";
 /// The largest number of shards.
-const MOST_SHARDS: u64 = 1_000_000;
+const MAX_SHARDS: u64 = 1_000_000;
 
 /// The description of a job.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -129,7 +129,7 @@ impl Job {
             return Err(ClusterError::NoJob { results, folder });
         }
         let file = path.display().to_string();
-        let text = located::read_at_most(LARGEST_SETTINGS, &path)?;
+        let text = located::read_at_most(MAX_SETTINGS, &path)?;
         let description: Description = Source { file: &file, text: &text }.parse("job description")?;
         let this = env!("CARGO_PKG_VERSION");
         if description.version != this {
@@ -312,7 +312,7 @@ impl Description {
             digest: study.digest().to_owned(),
             arithmetic: arithmetic::stamp().to_owned(),
             episodes: study.episodes(),
-            shards: shards.clamp(1, study.episodes().clamp(1, MOST_SHARDS)),
+            shards: shards.clamp(1, study.episodes().clamp(1, MAX_SHARDS)),
             sbatch,
             arrays: Vec::new(),
         }

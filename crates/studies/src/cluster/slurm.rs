@@ -8,7 +8,7 @@ use std::process::Command;
 /// Options of `sbatch` that a job sets itself.
 const OWN: [&str; 6] = ["--array", "-a", "--wrap", "--parsable", "--output", "-o"];
 /// The largest number of tasks of an array where the scheduler does not tell, its own default.
-pub const MOST_TASKS: u64 = 1000;
+pub const MAX_TASKS: u64 = 1000;
 
 /// What the scheduler says of a task.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -114,7 +114,7 @@ fn most_tasks() -> Result<u64, ClusterError> {
     let settings = ask("scontrol", &["show", "config"])?;
     let line = settings.lines().find_map(|line| line.trim().strip_prefix("MaxArraySize"));
     let size = line.and_then(|rest| rest.trim_start_matches([' ', '=']).trim().parse::<u64>().ok());
-    Ok(size.map_or(MOST_TASKS, |size| size.saturating_sub(1)).max(1))
+    Ok(size.map_or(MAX_TASKS, |size| size.saturating_sub(1)).max(1))
 }
 
 /// The tasks of a job that wait or run, by shard.

@@ -39,10 +39,10 @@ pub enum NoInterval {
 
 /// Number of draws that an interval needs. With two or three draws, the studies with enough bounded draws are
 /// a selection, and intervals have too low a coverage.
-pub const LEAST_DRAWS: usize = 4;
+pub const MIN_DRAWS: usize = 4;
 /// Number of draws bounded from both sides that an estimate needs. With fewer, the likelihood does not limit
 /// the spread.
-pub const LEAST_BOUNDED: usize = 2;
+pub const MIN_BOUNDED: usize = 2;
 
 /// Ratio of consecutive spreads on the grid.
 const SPREAD_RATIO: f64 = 1.3;
@@ -51,13 +51,13 @@ const SCATTER_RATIO: f64 = 1.4;
 /// Width of the cells, in units of the scatter, on which the likelihood of a repeated draw is taken as
 /// constant; and the largest number of cells.
 const CELL_WIDTH: f64 = 0.8;
-const MOST_CELLS: usize = 400;
+const MAX_CELLS: usize = 400;
 /// Number of means on the grid for every spread.
 const MEANS: usize = 41;
 /// Means and spreads are included down to exp of minus this of the largest weight.
-const LEAST_LOG_WEIGHT: f64 = 14.0;
+const MIN_LOG_WEIGHT: f64 = 14.0;
 /// Probabilities below this are approximated.
-const LEAST_PROBABILITY: f64 = 1e-280;
+const MIN_PROBABILITY: f64 = 1e-280;
 /// The resolution (in the logarithm) of exactly known draws; smaller differences are ignored.
 const EXACT_RESOLUTION: f64 = 1e-4;
 
@@ -65,10 +65,10 @@ impl fmt::Display for NoInterval {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::Few { found } => {
-                write!(f, "{found}; a 95 % interval needs at least {LEAST_DRAWS}")
+                write!(f, "{found}; a 95 % interval needs at least {MIN_DRAWS}")
             }
             Self::Unbounded { bounded, of } => {
-                write!(f, "{bounded} of {of} bounded on both sides, at least {LEAST_BOUNDED} needed")
+                write!(f, "{bounded} of {of} bounded on both sides, at least {MIN_BOUNDED} needed")
             }
         }
     }
@@ -123,7 +123,7 @@ pub fn fit_repeated(draws: &[Vec<Set>]) -> Result<(LogNormal, Result<[f64; 2], N
             let prior = math::ln(share_above(scatter, resolution));
             found.iter_mut().for_each(|row| row.log_weight += prior);
             let most = found.iter().map(|row| row.log_weight).fold(f64::NEG_INFINITY, f64::max);
-            if most < best - LEAST_LOG_WEIGHT {
+            if most < best - MIN_LOG_WEIGHT {
                 break;
             }
             best = best.max(most);
@@ -139,12 +139,12 @@ fn fitted(
     of: usize,
     posterior: impl FnOnce() -> Posterior,
 ) -> Result<(LogNormal, Result<[f64; 2], NoInterval>), NoInterval> {
-    if bounded < LEAST_BOUNDED {
+    if bounded < MIN_BOUNDED {
         return Err(NoInterval::Unbounded { bounded, of });
     }
     let posterior = posterior();
     let [low, median, high] = [0.025, 0.5, 0.975].map(|share| math::exp(posterior.mean_at(share)));
-    let interval = if of < LEAST_DRAWS { Err(NoInterval::Few { found: of }) } else { Ok([low, high]) };
+    let interval = if of < MIN_DRAWS { Err(NoInterval::Few { found: of }) } else { Ok([low, high]) };
     Ok((LogNormal { median, log_std: posterior.median_spread() }, interval))
 }
 
@@ -265,7 +265,7 @@ impl Draw {
         let own: Vec<Self> = sets.iter().map(Self::of).collect();
         let [low, high] = ends(sets).map(|end| end / scatter);
         // in units of the scatter, from below the smallest end to above the largest
-        let cells = (((high - low + 8.0) / CELL_WIDTH).ceil() as usize).clamp(1, MOST_CELLS);
+        let cells = (((high - low + 8.0) / CELL_WIDTH).ceil() as usize).clamp(1, MAX_CELLS);
         let width = (high - low + 8.0) / cells as f64;
         let edge = |i: usize| match i {
             0 => f64::NEG_INFINITY,
@@ -285,14 +285,14 @@ impl Draw {
     /// Negative log-likelihood of a mean and a spread.
     fn loss(&self, mean: f64, spread: f64) -> f64 {
         let probability = self.probability(mean, spread);
-        if probability > LEAST_PROBABILITY {
+        if probability > MIN_PROBABILITY {
             return -math::ln(probability);
         }
         // the likelihood underflows: let the loss grow with the distance, so that the search for the
         // likeliest mean has a slope
         let distance = |[low, high]: [f64; 2]| (low - mean).max(mean - high).max(0.0) / spread;
         let nearest = self.pieces.iter().map(|piece| distance(piece.0)).fold(f64::INFINITY, f64::min);
-        (-math::ln(LEAST_PROBABILITY)).max(math::squared(nearest) / 2.0)
+        (-math::ln(MIN_PROBABILITY)).max(math::squared(nearest) / 2.0)
     }
 
     /// The likelihood of a mean and a spread.
@@ -329,7 +329,7 @@ impl Draws {
             while spread > self.resolution / 50.0 && spread < start * 1e6 {
                 let row = self.row(spread, ends);
                 best = best.max(row.log_weight);
-                let is_far = row.log_weight < best - LEAST_LOG_WEIGHT;
+                let is_far = row.log_weight < best - MIN_LOG_WEIGHT;
                 rows.push(row);
                 if is_far {
                     break;
@@ -361,7 +361,7 @@ impl Draws {
         let least = loss(mode);
         // the distance at which the loss is no longer relevant
         let reach = |sign: f64| {
-            let is_near = |distance: f64| loss(mode + sign * distance) < least + LEAST_LOG_WEIGHT;
+            let is_near = |distance: f64| loss(mode + sign * distance) < least + MIN_LOG_WEIGHT;
             let (mut inside, mut outside) = (0.0, 0.5 * near);
             while is_near(outside) && outside < 1e4 * (spread + ends[1] - ends[0]) {
                 inside = outside;

@@ -22,7 +22,7 @@ pub use infer::{
     Population, QUANTITIES, Score, Settings as InferenceSettings, Switches, Walk, infer, infer_means,
 };
 pub use kind::Kind;
-pub use lognormal::{LEAST_BOUNDED, LEAST_DRAWS, LogNormal, NoInterval};
+pub use lognormal::{LogNormal, MIN_BOUNDED, MIN_DRAWS, NoInterval};
 pub use risk_weight::{
     CELL_ERROR, Errors, Estimate, LEAST_SQUARES_CAUTION, RiskWeightFit, RiskWeightSettings, Row,
     fit_risk_weight,

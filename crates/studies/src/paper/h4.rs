@@ -8,7 +8,7 @@ mod control;
 mod people;
 mod rows;
 
-pub use control::{ControlRow, MOST_HUMANS, ROBOTS_WITH_ARM};
+pub use control::{ControlRow, MAX_HUMANS, ROBOTS_WITH_ARM};
 pub use people::{HumanKind, RATIONALITY};
 pub use rows::{PersonRow, Task};
 

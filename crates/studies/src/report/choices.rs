@@ -16,7 +16,7 @@ pub(super) const PART: Part = Part { id: "h1", name: "Table I", episodes: |_| 0,
 const ALPHAS: [f64; 6] = [0.55, 0.65, 0.75, 0.85, 0.95, 1.0];
 const GAMMAS: [f64; 6] = [0.5, 0.65, 0.8, 0.95, 1.1, 1.0];
 /// The longest distance on the chart of perceived distance, m: slightly more than the environments' longest.
-const LONGEST_DISTANCE_M: f64 = 45.0;
+const MAX_DISTANCE_M: f64 = 45.0;
 
 /// Table I: humans, the paper's model, the project's model.
 pub fn table_1(rows: &[ChoiceRow]) -> Table {
@@ -161,11 +161,11 @@ fn perception() -> Vec<CurvePanel> {
         CurvePanel {
             title: "perceived distance".to_owned(),
             axes: ["distance D (m)".to_owned(), "perceived distance".to_owned()],
-            ranges: [[0.0, LONGEST_DISTANCE_M]; 2],
+            ranges: [[0.0, MAX_DISTANCE_M]; 2],
             mark: None,
             curves: ALPHAS
                 .iter()
-                .map(|a| curve(format!("\u{3b1} = {a}"), LONGEST_DISTANCE_M, &|d| perceived_distance(d, *a)))
+                .map(|a| curve(format!("\u{3b1} = {a}"), MAX_DISTANCE_M, &|d| perceived_distance(d, *a)))
                 .collect(),
         },
     ]

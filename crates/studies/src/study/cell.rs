@@ -3,7 +3,7 @@
 use cocarry::scenario::{POSE, PlantKind, PreferenceChanges, SETTINGS, Scenario, Value};
 
 /// The largest number of combinations of a study.
-pub const LARGEST_RUN: usize = 100_000;
+pub const MAX_RUN: usize = 100_000;
 
 /// The inputs of an episode except the seed. Worlds, humans, beliefs and robots are indices into the study's
 /// lists.
@@ -50,7 +50,7 @@ impl Default for Axes {
 }
 
 impl Axes {
-    /// All combinations; the last key varies fastest. `None` if there are more than [`LARGEST_RUN`]. Settings
+    /// All combinations; the last key varies fastest. `None` if there are more than [`MAX_RUN`]. Settings
     /// that a plant ignores are not varied for it, nor those of pose optimisation without candidates.
     pub fn cells(&self) -> Option<Vec<Cell>> {
         let always = |_: &Cell| true;
@@ -101,7 +101,7 @@ fn vary<T>(
         if one.is_empty() {
             varied.push(cell.clone());
         }
-        if varied.len() > LARGEST_RUN {
+        if varied.len() > MAX_RUN {
             return None;
         }
     }

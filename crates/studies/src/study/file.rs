@@ -1,6 +1,6 @@
 //! A study file, read and checked, with its worlds and robots loaded.
 
-use super::cell::{Axes, Cell, LARGEST_RUN};
+use super::cell::{Axes, Cell, MAX_RUN};
 use super::humans::{Humans, Range};
 use super::source::{self, Source, get, number, whole};
 use super::{Run, Seeds, SweepError};
@@ -19,7 +19,7 @@ const PAPER: &str = "paper";
 /// The name of the built-in robot.
 const BUILT_IN: &str = "built-in";
 /// The largest number of seeds of a run.
-const MOST_SEEDS: u64 = 1_000_000_000;
+const MAX_SEEDS: u64 = 1_000_000_000;
 
 /// The keys of a run besides those of [`SETTINGS`]; a study has them too.
 const RUN_KEYS: [&str; 7] =
@@ -150,7 +150,7 @@ impl Contents {
         }
         if let Some(value) = get(table, "seeds") {
             let expected = format!(
-                "the number of seeds, from 1 to {MOST_SEEDS}, or a range such as {{ first = 100, last = 199 }}"
+                "the number of seeds, from 1 to {MAX_SEEDS}, or a range such as {{ first = 100, last = 199 }}"
             );
             run.seeds = Seeds::read(value.get_ref()).ok_or_else(|| source.wrong("seeds", value, expected))?;
         }
@@ -223,10 +223,10 @@ impl Contents {
                 *values = given;
             }
         }
-        let (most, what) = (LARGEST_RUN, "combinations");
+        let (most, what) = (MAX_RUN, "combinations");
         let too_many = SweepError::TooMany { place: place.clone(), most, what };
         let before: usize = self.runs.iter().map(|(run, _)| run.cells.len()).sum();
-        let fits = |cells: &Vec<Cell>| before + cells.len() <= LARGEST_RUN;
+        let fits = |cells: &Vec<Cell>| before + cells.len() <= MAX_RUN;
         let mut cells: Vec<Cell> = run.axes.cells().filter(fits).ok_or(too_many)?;
         for cell in cells.iter_mut().filter(|cell| cell.plant != PlantKind::Point) {
             let first = || self.robots[cell.robot].2.first().cloned().map(Value::Text);
@@ -382,6 +382,6 @@ impl Seeds {
             },
             Some(_) => return None,
         };
-        (seeds.first <= seeds.last && seeds.last - seeds.first < MOST_SEEDS).then_some(seeds)
+        (seeds.first <= seeds.last && seeds.last - seeds.first < MAX_SEEDS).then_some(seeds)
     }
 }

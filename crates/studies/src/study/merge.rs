@@ -10,7 +10,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// The largest number of shards tried in order to name the missing one.
-const MOST_SHARDS: u64 = 10_000;
+const MAX_SHARDS: u64 = 10_000;
 
 /// The file of a shard.
 struct Part {
@@ -127,7 +127,7 @@ fn first_gap(covered: &[Range<u64>], episodes: u64) -> Result<(), SweepError> {
 
 /// The missing shards, if all ranges belong to the same number of shards.
 fn missing_shards(covered: &[Range<u64>], episodes: u64) -> Option<String> {
-    let of = (covered.len() as u64 + 1..=MOST_SHARDS.min(episodes)).find(|&of| {
+    let of = (covered.len() as u64 + 1..=MAX_SHARDS.min(episodes)).find(|&of| {
         covered.iter().all(|range| {
             // rounding moves the beginning of a shard by less than one shard
             let near = (u128::from(range.start) * u128::from(of) / u128::from(episodes)) as u64;

@@ -36,7 +36,7 @@ use cell::Cell;
 use cocarry::arithmetic;
 use cocarry::episode::Settings;
 use cocarry::error::Place;
-use cocarry::located::{self, LARGEST_SETTINGS};
+use cocarry::located::{self, MAX_SETTINGS};
 use cocarry::preference::{Predictor, RISK_WEIGHT};
 use cocarry::quantities::Heading;
 use cocarry::robot::SlowDrive;
@@ -55,7 +55,7 @@ pub fn columns() -> Vec<Heading> {
 
 /// The largest number of prepared scenarios of a study, each with its own world, c_r and robot. They take about
 /// 0.2 MB each.
-const MOST_SCENES: usize = 1000;
+const MAX_SCENES: usize = 1000;
 
 /// A study, read and checked: its episodes by number.
 #[derive(Debug)]
@@ -97,7 +97,7 @@ impl Study {
     pub fn load(path: &Path, seeds: Option<u64>) -> Result<Self, SweepError> {
         let file = path.display().to_string();
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::parse(&file, &located::read_at_most(LARGEST_SETTINGS, path)?, folder, seeds)
+        Self::parse(&file, &located::read_at_most(MAX_SETTINGS, path)?, folder, seeds)
     }
 
     /// Reads the text of a study file. Errors call it `file`. Files that it names are relative to `folder`.
@@ -246,8 +246,8 @@ impl Study {
             let key = (world, risk_weight, robot);
             let mut similar = known.range((world, risk_weight, None)..);
             let similar = similar.next().filter(|(key, _)| (key.0, key.1) == (world, risk_weight));
-            if known.len() == MOST_SCENES && !known.contains_key(&key) {
-                let (place, most) = (self.place_of(i), MOST_SCENES);
+            if known.len() == MAX_SCENES && !known.contains_key(&key) {
+                let (place, most) = (self.place_of(i), MAX_SCENES);
                 let what = "combinations of a world, a risk weight and a robot";
                 return Err(SweepError::TooMany { place, most, what });
             }

@@ -27,7 +27,7 @@ pub struct PlanePart {
 }
 
 /// The largest number of combinations: each has a picture.
-const MOST_PARTS: usize = 64;
+const MAX_PARTS: usize = 64;
 
 impl Plane {
     /// Reads a file of results. The grid has `cells` intervals on either side. `quantity` is a column of
@@ -61,8 +61,8 @@ impl Plane {
                 next
             });
             parts[part].1[cell(gamma, widened[1])][cell(alpha, widened[0])].add(value, value.abs());
-            if parts.len() > MOST_PARTS {
-                Err(format!("one of at most {MOST_PARTS} combinations"))
+            if parts.len() > MAX_PARTS {
+                Err(format!("one of at most {MAX_PARTS} combinations"))
             } else {
                 Ok(())
             }

@@ -49,14 +49,14 @@ impl Identity {
 /// The first bytes of a Parquet file.
 const PARQUET: &[u8] = b"PAR1";
 /// The length of the longest line, bytes. A row has about 1 kB.
-const LONGEST_LINE: u64 = 64 << 10;
+const MAX_LINE: u64 = 64 << 10;
 
 /// Reads a line with its newline; nothing at the end of the file.
 pub(super) fn read_line(reader: &mut impl BufRead, line: &mut Vec<u8>) -> io::Result<()> {
     line.clear();
-    reader.take(LONGEST_LINE + 1).read_until(b'\n', line)?;
-    match line.len() as u64 > LONGEST_LINE {
-        true => Err(io::Error::other(format!("a line is longer than {LONGEST_LINE} bytes"))),
+    reader.take(MAX_LINE + 1).read_until(b'\n', line)?;
+    match line.len() as u64 > MAX_LINE {
+        true => Err(io::Error::other(format!("a line is longer than {MAX_LINE} bytes"))),
         false => Ok(()),
     }
 }

@@ -9,9 +9,9 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// The largest number of values of a key.
-const MOST_VALUES: usize = 10_000;
+const MAX_VALUES: usize = 10_000;
 /// The largest number of tables of a kind.
-const MOST_TABLES: usize = 1000;
+const MAX_TABLES: usize = 1000;
 
 /// A value as written.
 pub(super) type Value<'a> = Spanned<DeValue<'a>>;
@@ -76,9 +76,9 @@ impl<'a> Source<'a> {
         let Some(value) = get(table, key) else { return Ok(None) };
         let one = std::slice::from_ref(value);
         let values = value.get_ref().as_array().map_or(one, |array| &array[..]);
-        if values.is_empty() || values.len() > MOST_VALUES {
+        if values.is_empty() || values.len() > MAX_VALUES {
             let most =
-                format!("{expected}, or a list of them that is not empty and has at most {MOST_VALUES}");
+                format!("{expected}, or a list of them that is not empty and has at most {MAX_VALUES}");
             return Err(self.wrong(key, value, most));
         }
         let mut read_values: Vec<(T, Place)> = Vec::with_capacity(values.len());
@@ -102,8 +102,8 @@ impl<'a> Source<'a> {
         let Some(value) = get(table, key) else { return Ok(Vec::new()) };
         let wrong = |value| self.wrong(key, value, format!("one or more tables [[{key}]]"));
         let Some(array) = value.get_ref().as_array() else { return Err(wrong(value)) };
-        if array.len() > MOST_TABLES {
-            return Err(self.wrong(key, value, format!("at most {MOST_TABLES} tables [[{key}]]")));
+        if array.len() > MAX_TABLES {
+            return Err(self.wrong(key, value, format!("at most {MAX_TABLES} tables [[{key}]]")));
         }
         let one = |value: &'t Value<'a>| match value.get_ref().as_table() {
             Some(table) => Ok((table, self.place(value.span(), format!("[[{key}]]")))),

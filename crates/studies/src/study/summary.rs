@@ -1,7 +1,7 @@
 //! Means, deviations and intervals of a study's results, and paired comparisons over the same seeds, in one
 //! pass. Memory grows with the number of combinations, not of rows.
 
-use super::cell::LARGEST_RUN;
+use super::cell::MAX_RUN;
 use super::results::Rows;
 use super::{SweepError, row};
 use crate::statistics::{self, Estimate, Moments, Paired};
@@ -22,7 +22,7 @@ pub const OUTCOMES: [&str; 7] = [
 /// The number of columns that are compared.
 const COSTS: usize = 2;
 /// The largest number of comparisons.
-const MOST_PAIRS: usize = 1_000_000;
+const MAX_PAIRS: usize = 1_000_000;
 /// The columns of the human's choices: different values mean different choices.
 const CHOICES: [&str; 4] = ["preferred_at_start", "first_option", "last_option", "option_change_count"];
 /// The inputs that are compared, all others being equal: groups of columns that belong together.
@@ -256,14 +256,12 @@ impl Reader {
 
     /// The check that combinations and comparisons stay within their limits.
     fn check(&self, rows: &Rows) -> Result<(), SweepError> {
-        match self.cells.len() > LARGEST_RUN || self.pairs.len() > MOST_PAIRS {
+        match self.cells.len() > MAX_RUN || self.pairs.len() > MAX_PAIRS {
             true => Err(SweepError::Row {
                 file: rows.file.clone(),
                 position: rows.position(),
                 found: "too much for a summary".to_owned(),
-                expected: format!(
-                    "the last of at most {LARGEST_RUN} combinations and {MOST_PAIRS} comparisons"
-                ),
+                expected: format!("the last of at most {MAX_RUN} combinations and {MAX_PAIRS} comparisons"),
             }),
             false => Ok(()),
         }
@@ -289,7 +287,7 @@ impl Reader {
 
     fn compare(&mut self, what: usize, a: &End, b: &End) {
         // then the check fails
-        if self.pairs.len() > MOST_PAIRS {
+        if self.pairs.len() > MAX_PAIRS {
             return;
         }
         let (a, b) = if a.cell <= b.cell { (a, b) } else { (b, a) };

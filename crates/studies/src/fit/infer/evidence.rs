@@ -6,7 +6,7 @@ use crate::fit::{Answers, Situation};
 use cocarry::Error;
 use cocarry::episode::Look;
 use cocarry::error::Place;
-use cocarry::learning::{MOST_TASKS, Tolerance, likelihoods_of_look};
+use cocarry::learning::{MAX_TASKS, Tolerance, likelihoods_of_look};
 use cocarry::math;
 use cocarry::preference::{
     Belief, ChoiceDistribution, Posterior, PreferenceError, Prospect, Ways, with_lapses,
@@ -136,9 +136,9 @@ pub(super) fn tolerance(
         let sentence = "no eta agrees with all episodes; give a --lapse-rate above 0";
         return Err(contradicted(file, participant, sentence));
     }
-    if sets.len() > MOST_TASKS {
+    if sets.len() > MAX_TASKS {
         let count = sets.len();
-        let sentence = format!("{count} episodes with a robot that leads; at most {MOST_TASKS}");
+        let sentence = format!("{count} episodes with a robot that leads; at most {MAX_TASKS}");
         return Err(contradicted(file, participant, &sentence));
     }
     let mut tolerance = Tolerance::new(settings.tolerance, settings.lapse_rate)?;

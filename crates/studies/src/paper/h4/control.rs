@@ -11,7 +11,7 @@ use cocarry::policy::Method;
 use serde::Serialize;
 
 /// The most humans in each world who carry with an arm; their control takes most of the time.
-pub const MOST_HUMANS: usize = 100;
+pub const MAX_HUMANS: usize = 100;
 
 /// Who leads, and how the robot chooses its configuration. With `human-led`, the human's way is the same with
 /// every robot, and only control differs.
@@ -55,7 +55,7 @@ pub struct ControlRow {
 
 impl Study<'_> {
     fn humans_with_arm(&self) -> usize {
-        self.humans.min(MOST_HUMANS)
+        self.humans.min(MAX_HUMANS)
     }
 
     pub(super) fn control_units(&self) -> usize {
