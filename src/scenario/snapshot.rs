@@ -12,14 +12,16 @@ use crate::arithmetic;
 use crate::episode::{Episode, State};
 use crate::error::{Error, Place};
 use crate::located;
+use cbor4ii::serde::DecodeError;
 use serde::{Deserialize, Serialize};
+use std::convert::Infallible;
 use std::io::Read;
 use std::path::Path;
 
 const MAGIC: &[u8] = b"cocarry snapshot";
 /// The version of the format. Raise it whenever the contents change.
 const FORMAT: u32 = 9;
-/// The largest file that is read, bytes. A snapshot has about 100 kB.
+/// The largest file that is read, bytes. A snapshot has up to about 130 kB.
 const MAX_BYTES: u64 = 1 << 28;
 
 /// The state of an episode, with its scenario.
@@ -123,10 +125,19 @@ impl Snapshot {
         }
         match cbor4ii::serde::from_slice::<Self>(contents) {
             Ok(snapshot) => Ok(Self { written_by, ..snapshot }),
-            Err(error) => {
-                Err(refused(format!("not a valid snapshot, written by cocarry {written_by}")).because(error))
+            Err(fault) => {
+                let error = refused(format!("not a valid snapshot, written by cocarry {written_by}"));
+                Err(error.because(fault_of(fault)))
             }
         }
+    }
+}
+
+/// What is wrong with contents that are not those of a snapshot.
+fn fault_of(fault: DecodeError<Infallible>) -> String {
+    match fault {
+        DecodeError::Custom(sentence) => sentence.into(),
+        DecodeError::Core(_) => "its CBOR is cut or has values of other types".to_owned(),
     }
 }
 

@@ -188,6 +188,36 @@ fn a_forged_state_of_the_physics_is_refused() {
     }
 }
 
+#[test]
+fn contents_that_are_not_those_of_a_snapshot_are_refused_in_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (good, bad) = (path("good"), path("bad"));
+    assert_eq!(cocarry(&["run", "--max-steps", "6", "--save-at", "5", &good]).status.code(), Some(3));
+    let good = std::fs::read(good).unwrap();
+    let (head, contents) = opened(&good);
+    let Value::Map(mut fields) = contents else { panic!("a snapshot is a map") };
+    let scenario = fields.swap_remove(0);
+    assert_eq!(scenario.0, Value::Text("scenario".to_owned()));
+    for (contents, words) in [
+        (Value::Map(fields), "missing field `scenario`"),
+        (Value::Bool(true), "its CBOR is cut or has values of other types"),
+        (Value::Map(vec![(scenario.0, Value::Null)]), "its CBOR is cut or has values of other types"),
+    ] {
+        std::fs::write(&bad, closed(head, contents)).unwrap();
+        let output = cocarry(&["run", "--resume", &bad]);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(
+            said.contains(&format!(
+                "not a valid snapshot, written by cocarry {}: {words}\n",
+                env!("CARGO_PKG_VERSION")
+            )),
+            "{said}"
+        );
+    }
+}
+
 /// For long: `COCARRY_FUZZ_SECONDS=600 cargo test --test suite forging_for_long -- --ignored`.
 #[test]
 #[ignore = "runs as long as it is told to"]
