@@ -1,20 +1,21 @@
-//! A search for a geometry of Environment 2 that meets Tables I and II: the paper gives its openings and options, not
-//! their places. Prints the best geometry's cells beside the paper's on standard error, and its world on standard
-//! output.
+//! A search for a geometry of Environment 2 that meets Tables I and II: the paper gives its openings and
+//! options, not their places. Prints the best geometry's cells beside the paper's on standard error, and its
+//! world on standard output.
 //!
 //! ```text
 //! cargo run --release -p cocarry-studies --example environment_2 -- 4000 5 5.0 > anew.toml
 //! ```
 //!
-//! The arguments are the number of geometries to try in each of three stages (default 10), the seed, and the distance of
-//! the first wall from A, m (default: that of the built-in geometry). The search begins at the built-in geometry with
-//! the walls moved there. A stage changes one to four of start, target, walls, partitions, and places and widths of
-//! openings, and keeps what lowers the objective: first Table I and the walk that the robot leads to its end, then both
-//! tables with a coarse grid of humans, then with a finer one. The objective is the sum over all cells of max(0, |r| -
-//! 0.9)^2 + 0.01 r^2, where r is the difference to the paper's figure in units of 5 % (Table II) or of 1.2 percentage
-//! points (Table I, today's largest). In the paper, humans with eta 10.5 take over in Environment 2 and those with eta
-//! 15 do not, so that their costs differ. Then the discomfort g of the walk that the robot leads must end between 10.5
-//! and 15 times ln(1 / phi(0)); what it is below or above that, in units of 2, is squared and added.
+//! The arguments are the number of geometries to try in each of three stages (default 10), the seed, and the
+//! distance of the first wall from A, m (default: that of the built-in geometry). The search begins at the
+//! built-in geometry with the walls moved there. A stage changes one to four of start, target, walls,
+//! partitions, and places and widths of openings, and keeps what lowers the objective: first Table I and the
+//! walk that the robot leads to its end, then both tables with a coarse grid of humans, then with a finer
+//! one. The objective is the sum over all cells of max(0, |r| - 0.9)^2 + 0.01 r^2, where r is the difference
+//! to the paper's figure in units of 5 % (Table II) or of 1.2 percentage points (Table I, today's largest).
+//! In the paper, humans with eta 10.5 take over in Environment 2 and those with eta 15 do not, so that their
+//! costs differ. Then the discomfort g of the walk that the robot leads must end between 10.5 and 15 times
+//! ln(1 / phi(0)); what it is below or above that, in units of 2, is squared and added.
 
 use cocarry::coordination;
 use cocarry::episode::{Settings, prospects};
@@ -30,7 +31,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use std::fmt::Write;
 
-/// Parameters: start y; target x, y; x of the three walls; y of the three partitions; middle and width of xi1 to xi7.
+/// Parameters: start y; target x, y; x of the three walls; y of the three partitions; middle and width of xi1
+/// to xi7.
 type Layout = [f64; 23];
 
 /// The built-in geometry.
@@ -142,8 +144,8 @@ struct Cells {
 }
 
 impl Cells {
-    /// Of a geometry, over a grid of humans. `None` where it is not possible, or Table I is off by more than the
-    /// objective may be.
+    /// Of a geometry, over a grid of humans. `None` where it is not possible, or Table I is off by more than
+    /// the objective may be.
     fn of(layout: &Layout, settings: &Settings, grid: usize, limit: f64) -> Option<Self> {
         let text = is_possible(layout).then(|| world(layout))?;
         let world = World::parse("environment-2", &text).ok()?;
@@ -180,8 +182,8 @@ impl Cells {
     }
 }
 
-/// The built-in geometry with the first wall at another distance; what lies behind it moves along by less, so that the
-/// target stays near.
+/// The built-in geometry with the first wall at another distance; what lies behind it moves along by less, so
+/// that the target stays near.
 fn begin(first_wall: f64) -> Layout {
     let mut layout = BUILT_IN;
     let by = first_wall - layout[3];

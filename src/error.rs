@@ -50,8 +50,8 @@ pub enum ErrorKind {
     /// An input that is not valid.
     #[default]
     Input,
-    /// A world in which no team can carry: it is not valid, its target cannot be reached, or it leaves no room
-    /// for the team. A study of random worlds draws another one.
+    /// A world in which no team can carry: it is not valid, its target cannot be reached, or it leaves no
+    /// room for the team. A study of random worlds draws another one.
     World,
 }
 
@@ -93,7 +93,8 @@ impl Error {
         Self::bad(place, format_args!("{key} = {value}"), expected)
     }
 
-    /// A name that is not known, such as of a `kind` "link". The error lists the first `most` of the known ones.
+    /// A name that is not known, such as of a `kind` "link". The error lists the first `most` of the known
+    /// ones.
     pub fn unknown<'n>(
         place: Place,
         kind: &str,

@@ -9,7 +9,7 @@ use crate::team::{PathAhead, TEAM_ACCELERATION, Walk};
 /// The share of the rims' largest acceleration that the base plans with.
 const RIM_SHARE: f64 = 0.8;
 /// The least distance of the grasp beside a differential base's axis that counts, m.
-const MIN_BESIDE_M: f64 = 1e-3;
+const MIN_LATERAL_OFFSET_M: f64 = 1e-3;
 
 /// Where the base keeps relative to the grasp's path.
 #[derive(Clone, Debug)]
@@ -37,7 +37,7 @@ impl Guide {
         Self {
             distance: if is_free { held.norm() } else { held.x },
             bearing: if is_free { angle_of(held) } else { 0.0 },
-            beside: if is_free || held.y.abs() < MIN_BESIDE_M { 0.0 } else { held.y },
+            beside: if is_free || held.y.abs() < MIN_LATERAL_OFFSET_M { 0.0 } else { held.y },
             rim_acceleration: RIM_SHARE * rim_acceleration,
             way: Vec::with_capacity(64),
         }

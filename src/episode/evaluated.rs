@@ -9,7 +9,7 @@ use crate::preference::{ChoiceDistribution, Predictor, Prospect, Ways, objective
 
 /// The length (m) at which predictions cap an option, also one without a path. It is far beyond what a human
 /// would choose.
-const MAX_M: f64 = 1e6;
+const MAX_LENGTH_M: f64 = 1e6;
 
 /// Remaining length and risk of every option from the team's position, in the order of the option set.
 pub fn prospects(options: &OptionSet, progress: &Progress) -> Vec<Prospect> {
@@ -17,7 +17,7 @@ pub fn prospects(options: &OptionSet, progress: &Progress) -> Vec<Prospect> {
 }
 
 pub(super) fn prospect(remaining: Remaining) -> Prospect {
-    Prospect { length: remaining.length.min(MAX_M), risk: remaining.risk }
+    Prospect { length: remaining.length.min(MAX_LENGTH_M), risk: remaining.risk }
 }
 
 /// Every option from where the team is.

@@ -95,8 +95,8 @@ impl OptionSet {
     /// world's limit, with `risk_weight` c_r (m).
     ///
     /// # Errors
-    /// The target cannot be reached, a listed option cannot be walked, or the world is too large to be searched.
-    /// All are of [`ErrorKind::World`].
+    /// The target cannot be reached, a listed option cannot be walked, or the world is too large to be
+    /// searched. All are of [`ErrorKind::World`].
     pub fn new(world: &World, risk_weight: f64) -> Result<Self, Error> {
         let (space, closed) = space(world, &world.openings);
         let passages = passages(world, &space);

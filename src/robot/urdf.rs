@@ -128,8 +128,8 @@ impl Urdf<'_> {
         Ok(read)
     }
 
-    /// The hulls of all collision meshes that can be found and read, and warnings about the others. Nothing of a
-    /// URDF that is not valid.
+    /// The hulls of all collision meshes that can be found and read, and warnings about the others. Nothing
+    /// of a URDF that is not valid.
     pub fn collision_hulls(self, text: &str) -> (Hulls, Vec<RobotWarning>) {
         let (mut hulls, mut warnings) = (Hulls::new(), Vec::new());
         let urdf = self.check_extent(text).ok().and_then(|()| urdf_rs::read_from_string(text).ok());

@@ -37,8 +37,8 @@ impl RobotWarning {
         Self { is_about_file: true, ..self }
     }
 
-    /// Whether it is about a file that was looked for as the robot was loaded. What a missing file means for the
-    /// robot is a warning of its own.
+    /// Whether it is about a file that was looked for as the robot was loaded. What a missing file means for
+    /// the robot is a warning of its own.
     pub fn is_about_file(&self) -> bool {
         self.is_about_file
     }

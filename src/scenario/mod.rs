@@ -103,8 +103,8 @@ impl Scenario {
         Self::of_seed(0, world, plant, settings, &belief, GivenPerception::default())
     }
 
-    /// The scenario of a seed, without preference changes: on the command line, in studies and in Python. What
-    /// is not given of its human is drawn from `humans`.
+    /// The scenario of a seed, without preference changes: on the command line, in studies and in Python.
+    /// What is not given of its human is drawn from `humans`.
     pub fn of_seed(
         seed: u64,
         world: GivenWorld,

@@ -1,10 +1,10 @@
 //! Room for the object along a team's path.
 //!
 //! The object is the chord between two points of the path, so it is on the inside of every bend: where a path
-//! bends in a gap between pillars, or close before an opening, the corner cannot be taken wide, and the object
-//! would touch what the path keeps off. The path is shifted there: what is too near to the object pushes the
-//! points of the path under its ends, until object and bodies have room, or as much of it as there is. Where
-//! the object would turn by more than the arm can follow, the corner is pushed inward.
+//! bends in a gap between pillars, or close before an opening, the corner cannot be taken wide, and the
+//! object would touch what the path keeps off. The path is shifted there: what is too near to the object
+//! pushes the points of the path under its ends, until object and bodies have room, or as much of it as there
+//! is. Where the object would turn by more than the arm can follow, the corner is pushed inward.
 
 use super::team_path::{BODY_ROOM_M, FreeSpace};
 use crate::geometry::{Footprint, Path, Point, Tandem, Vector, direction, wrap_angle};
@@ -12,7 +12,8 @@ use crate::options::Crossing;
 
 /// The room (m) that the object is given.
 const OBJECT_ROOM_M: f64 = 0.08;
-/// The largest angle by which the object turns, rad per metre of path. Beyond it the arm folds up to its limits.
+/// The largest angle by which the object turns, rad per metre of path. Beyond it the arm folds up to its
+/// limits.
 pub(super) const SHARPEST_RAD_PER_M: f64 = 2.4;
 /// The angle is measured over this distance on either side, m.
 const TURN_STEP_M: f64 = 0.05;
@@ -20,7 +21,8 @@ const TURN_STEP_M: f64 = 0.05;
 const STEP_M: f64 = 0.05;
 /// A push shifts the points of the path within this distance (m) of it, the farther ones by less.
 const PUSH_REACH_M: f64 = 0.5;
-/// The length over which shifts grow from 0 where the path must stay (m), and the length that stays at the end.
+/// The length over which shifts grow from 0 where the path must stay (m), and the length that stays at the
+/// end.
 const RAMP_M: f64 = 0.5;
 const KEPT_AT_END_M: f64 = 0.2;
 /// Share of what is missing by which a push shifts, and the largest number of pushes.
@@ -121,7 +123,8 @@ impl<'a> ObjectRoom<'a> {
         });
     }
 
-    /// Where the object turns too sharply: by how much, as a share, and the direction to the inside of the bend.
+    /// Where the object turns too sharply: by how much, as a share, and the direction to the inside of the
+    /// bend.
     fn too_sharp(&self, path: &Path, along: f64) -> Option<(f64, Vector)> {
         let [before, after] = [-TURN_STEP_M, TURN_STEP_M].map(|by| self.tandem.pose(path, along + by).yaw);
         let rate = wrap_angle(after - before).abs() / (2.0 * TURN_STEP_M);

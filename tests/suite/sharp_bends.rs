@@ -5,9 +5,10 @@ use cocarry::robot::Robot;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry_studies::paper::cycles::Search;
 
-/// Worlds in which the object touched a pillar or the end of a wall in a bend (14, 39, 121, 233), in which the arm
-/// folded up to its limits in a bend at the start (146, 416), and in which the human touched a wall beyond the
-/// target, where the team had turned from its start onto the last line of the path (238, 282, 458).
+/// Worlds in which the object touched a pillar or the end of a wall in a bend (14, 39, 121, 233), in which
+/// the arm folded up to its limits in a bend at the start (146, 416), and in which the human touched a wall
+/// beyond the target, where the team had turned from its start onto the last line of the path (238, 282,
+/// 458).
 const SEEDS: [u64; 9] = [14, 39, 121, 146, 233, 238, 282, 416, 458];
 
 #[test]

@@ -34,7 +34,7 @@ use straight::Join;
 /// The largest number of lines between obstacles with an open view that are tried: less than a minute of work.
 const MAX_TRIED: u64 = 400_000_000;
 /// The largest number of clear lines and joins: less than 1 GB.
-const MAX_CLEAR: usize = 4_000_000;
+const MAX_CLEAR_LINES: usize = 4_000_000;
 
 /// Lines shorter than this (m) are rounding.
 const LENGTH_TOLERANCE_M: f64 = 1e-10;
@@ -172,10 +172,10 @@ impl Roadmap {
                 reachable.lines()
             ));
         }
-        let check = |graph: &DiGraph<(), Way>| match graph.edge_count() > MAX_CLEAR {
-            true => {
-                Err(format!("paths may follow more than {MAX_CLEAR} straight lines between their corners"))
-            }
+        let check = |graph: &DiGraph<(), Way>| match graph.edge_count() > MAX_CLEAR_LINES {
+            true => Err(format!(
+                "paths may follow more than {MAX_CLEAR_LINES} straight lines between their corners"
+            )),
             false => Ok(()),
         };
         for (i, site) in sites.iter().enumerate() {

@@ -13,8 +13,9 @@
 //! | anything else | nothing |
 //!
 //! `` `cocarry ...` `` within a sentence is parsed. Comments above and behind commands are checked by
-//! [`CLAIMS`]. Figures that depend on many episodes come from kept tables: see [`figures`]. A picture whose file name a command of the page has written must be that file. With the
-//! environment variable [`UPDATE`], outputs, pictures and the pages of [`reference`] are written anew instead.
+//! [`CLAIMS`]. Figures that depend on many episodes come from kept tables: see [`figures`]. A picture whose
+//! file name a command of the page has written must be that file. With the environment variable [`UPDATE`],
+//! outputs, pictures and the pages of [`reference`] are written anew instead.
 
 mod figures;
 mod links;

@@ -22,8 +22,8 @@ use std::time::Instant;
 pub(in super::super) struct AllArguments {
     #[command(flatten)]
     common: Common,
-    /// Write the report into this folder: report.html, report.md, a CSV file for each table, tables.csv with their
-    /// checksums, figures/*.svg
+    /// Write the report into this folder: report.html, report.md, a CSV file for each table, tables.csv with
+    /// their checksums, figures/*.svg
     #[arg(long, value_name = "FOLDER")]
     report: PathBuf,
     /// Only these parts, separated by commas [default: all]
@@ -38,8 +38,8 @@ pub(in super::super) struct AllArguments {
     /// Random humans in each cell of Table III with bodies [default: 6]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     episodes_with_bodies: Option<u64>,
-    /// Humans in each of 5 worlds with each of 4 methods, with bodies; and two fifths of them where they lead or change
-    /// their mind [default: 100]
+    /// Humans in each of 5 worlds with each of 4 methods, with bodies; and two fifths of them where they lead
+    /// or change their mind [default: 100]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     seeds: Option<u64>,
     /// Humans in each of the 16 cells of Table II with bodies [default: 20]

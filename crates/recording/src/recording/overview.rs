@@ -19,7 +19,7 @@ const STEP: f64 = 0.25;
 const SIDEWAYS: i32 = 8;
 const UPWARD: i32 = 40;
 /// Openings after these have their labels at the lowest place.
-const MAX_APART: usize = 100;
+const MAX_SEPARATED_POINTS: usize = 100;
 
 /// A camera that sees everywhere the team may go, from the side on which that is wider.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,10 +89,11 @@ impl Overview {
         let mut places: Vec<(Point, f64)> = Vec::new();
         for (i, (point, words)) in labels.iter().enumerate() {
             let seen = |(floor, height): (Point, f64)| area(self.seen(floor, height), words);
-            let mut all = offsets.iter().filter(|_| i < MAX_APART).map(|offset| place(*point, *offset));
+            let mut all =
+                offsets.iter().filter(|_| i < MAX_SEPARATED_POINTS).map(|offset| place(*point, *offset));
             let free = all.find(|at| !taken.iter().any(|other| overlap(*other, seen(*at))));
             let found = free.unwrap_or(place(*point, (0, 0)));
-            taken.extend((i < MAX_APART).then(|| seen(found)));
+            taken.extend((i < MAX_SEPARATED_POINTS).then(|| seen(found)));
             places.push(found);
         }
         places

@@ -23,9 +23,9 @@ pub(super) fn valleys(values: &[f64]) -> Vec<usize> {
     (0..values.len()).filter(|&i| falls_to(i) && rises_after(i)).collect()
 }
 
-/// The least and the largest number at which `value` is at most `limit`, between the first and the last of those
-/// scanned and their neighbours beyond; `None` if fewer than two of those scanned are that low. `values` are
-/// those at the numbers scanned.
+/// The least and the largest number at which `value` is at most `limit`, between the first and the last of
+/// those scanned and their neighbours beyond; `None` if fewer than two of those scanned are that low.
+/// `values` are those at the numbers scanned.
 pub(super) fn level(
     scanned: &[f64],
     values: &[f64],

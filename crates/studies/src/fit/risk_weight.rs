@@ -9,9 +9,9 @@
 //! although people give them some percent. The model is therefore q_o = (1 - lapse) P_o + lapse / options:
 //! with probability `lapse`, fitted along with c_r, an answer does not come from the model.
 //!
-//! The likelihood may not determine c_r: with one world of two options, a larger c_r with more lapses gives the
-//! same probabilities. [`Estimate::undetermined`] is the range of such c_r; of these, the estimate has the
-//! fewest lapses.
+//! The likelihood may not determine c_r: with one world of two options, a larger c_r with more lapses gives
+//! the same probabilities. [`Estimate::undetermined`] is the range of such c_r; of these, the estimate has
+//! the fewest lapses.
 
 use super::Answers;
 use super::minimum::{least, level, refined, scanned, valleys};

@@ -1,5 +1,5 @@
-//! How a team with bodies carries: arrivals, errors of the grasp, grips and forces, in all built-in worlds. Not in
-//! the paper.
+//! How a team with bodies carries: arrivals, errors of the grasp, grips and forces, in all built-in worlds.
+//! Not in the paper.
 
 use super::{COLUMNS, prepared, run};
 use crate::parallel::{OnDone, in_parallel};
@@ -71,8 +71,8 @@ pub struct ArrivalRow {
 }
 
 impl Study<'_> {
-    /// The cells, with their number of humans: Table II's methods; two fifths of the humans where they lead, with
-    /// and without changes of preference; a fifth with `mutual` and changes.
+    /// The cells, with their number of humans: Table II's methods; two fifths of the humans where they lead,
+    /// with and without changes of preference; a fifth with `mutual` and changes.
     fn cells(&self) -> Vec<(Cell, usize)> {
         let method = |eta: Option<f64>| if eta.is_some() { Method::MUTUAL } else { Method::WITHOUT_MODEL };
         let [more, fewer] = [2 * self.seeds / 5, self.seeds / 5].map(|n| n.max(1));

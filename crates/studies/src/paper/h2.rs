@@ -108,8 +108,8 @@ fn cell(
     Ok((row, at_random))
 }
 
-/// The expectations of Table II in another world, m, in the order of [`COLUMNS`]: over an `n` by `n` midpoint grid of
-/// humans. NaN where an episode does not arrive.
+/// The expectations of Table II in another world, m, in the order of [`COLUMNS`]: over an `n` by `n` midpoint
+/// grid of humans. NaN where an episode does not arrive.
 ///
 /// # Errors
 /// If the world or its options are not valid.

@@ -122,8 +122,8 @@ pub struct Study<'a> {
     pub plant: &'a Plant,
     /// The postures at the start, by name.
     pub starts: &'a [&'a str],
-    /// The methods, by default those of [`PoseMethod::on`] the plant. Without a method's baseline, the first one
-    /// takes its place.
+    /// The methods, by default those of [`PoseMethod::on`] the plant. Without a method's baseline, the first
+    /// one takes its place.
     pub methods: &'a [PoseMethod],
     /// Random episodes per cell.
     pub episodes: usize,

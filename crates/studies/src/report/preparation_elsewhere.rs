@@ -1,5 +1,5 @@
-//! H3 elsewhere than in the paper: with bodies, on an omnidirectional base, and with the other choices that the
-//! paper leaves open.
+//! H3 elsewhere than in the paper: with bodies, on an omnidirectional base, and with the other choices that
+//! the paper leaves open.
 
 use super::part::{Block, Finding, Part, Plan, ReportError, Section};
 use super::preparation::{Compared, finding, table_3, table_3_ratios};
@@ -66,7 +66,8 @@ fn run_omnidirectional(plan: &Plan, on_done: OnDone) -> Result<Section, ReportEr
     section(plan, (&robot, &plant), (&WITH_AND_WITHOUT, plan.episodes), names, text, on_done)
 }
 
-/// A table of costs for the first start, and one of ratios for every start, with names that begin with `prefix`.
+/// A table of costs for the first start, and one of ratios for every start, with names that begin with
+/// `prefix`.
 fn section(
     plan: &Plan,
     (robot, plant): (&Robot, &Plant),

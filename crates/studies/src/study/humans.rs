@@ -38,9 +38,8 @@ impl Humans {
         self.given().is_complete()
     }
 
-    /// The distribution of the humans: `cocarry run --seed` draws the same humans with it as the robot's belief.
-    /// A fixed parameter is drawn as well, so that it does not change the
-    /// draw of the other one.
+    /// The distribution of the humans: `cocarry run --seed` draws the same humans with it as the robot's
+    /// belief. A fixed parameter is drawn as well, so that it does not change the draw of the other one.
     pub fn belief(&self) -> Belief {
         match Belief::default() {
             Belief::Independent { alpha, gamma } => Belief::Independent {

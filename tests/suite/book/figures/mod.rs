@@ -1,13 +1,13 @@
-//! The figures of README and book that depend on many episodes. They are generated from the tables of one run of
-//! `reproduce all`, which are kept in `book/figures`.
+//! The figures of README and book that depend on many episodes. They are generated from the tables of one run
+//! of `reproduce all`, which are kept in `book/figures`.
 //!
-//! A page has the name of a figure in a comment before it, and a comment behind it:
-//! `<!-- = cycles.changed -->579<!-- / -->`. [`fill`] puts the figure between the two. A figure may be a number, a
-//! sentence or the rows of a table.
+//! A page has the name of a figure in a comment before it, and a comment behind it: `<!-- = cycles.changed
+//! -->579<!-- / -->`. [`fill`] puts the figure between the two. A figure may be a number, a sentence or the
+//! rows of a table.
 //!
-//! `book/figures/short.csv` has a checksum for every table of a short run of the same report. Where the program's short
-//! report has others, the kept tables are of an earlier program: `book/renew --check` says so in the gate, and
-//! `book/renew` measures them again.
+//! `book/figures/short.csv` has a checksum for every table of a short run of the same report. Where the
+//! program's short report has others, the kept tables are of an earlier program: `book/renew --check` says so
+//! in the gate, and `book/renew` measures them again.
 
 mod bodies;
 mod learning;
