@@ -211,10 +211,18 @@ pub fn random_world(rng: &mut ChaCha8Rng) -> String {
 pub fn mixed_world(rng: &mut ChaCha8Rng, has_walls: bool) -> String {
     let size: [f64; 2] = [rng.random_range(8.0..16.0), rng.random_range(5.0..12.0)];
     let mut place = || [0, 1].map(|i| rng.random_range(0.4..size[i] - 0.4));
-    let start = place();
+    let is_far = |[x, y]: [f64; 2]| math::hypot(x, y) > size[0] / 2.0;
+    // from the middle of a field, even its corners may be near
+    let to_corner = |at: [f64; 2]| [0, 1].map(|i| at[i].max(size[i] - at[i]) - 0.4);
+    let start = loop {
+        let start = place();
+        if is_far(to_corner(start)) {
+            break start;
+        }
+    };
     let target = loop {
         let target = place();
-        if math::hypot(target[0] - start[0], target[1] - start[1]) > size[0] / 2.0 {
+        if is_far([target[0] - start[0], target[1] - start[1]]) {
             break target;
         }
     };
