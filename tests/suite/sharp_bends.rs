@@ -21,3 +21,13 @@ fn teams_go_round_sharp_bends_without_contact_and_keep_hold_of_the_object() {
         assert_eq!(found.arrived, 1, "world {seed}: {:?}", found.lost[0].outcome);
     }
 }
+
+/// One of the worlds drawn for this seed has its start in the middle of its field: no target is far from it,
+/// and the draw of one did not end.
+#[test]
+fn a_search_ends_where_no_target_is_far_from_a_start() {
+    let robot = Robot::built_in().expect("the built-in robot");
+    let plant = Plant::new(PlantKind::Kinematic, RobotSetup::new(&robot));
+    let search = Search { plant: &plant, settings: &Settings::default(), worlds: 1, seed: 10_224 };
+    assert_eq!(search.run(&|| {}).expect("a world with room").episodes, 1);
+}
