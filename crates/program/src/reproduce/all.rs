@@ -57,6 +57,10 @@ pub(in super::super) struct AllArguments {
     /// People of each of 6 kinds in each of 6 groups of worlds, who the robot learns [default: 200]
     #[arg(long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
     people: Option<u64>,
+    /// Simulated studies in each of 45 cells of the coverage of the fits; and two fifths of them for each of
+    /// 3 values of c_r [default: 500]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    fits: Option<u64>,
     /// Seed of everything random
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -85,6 +89,7 @@ pub(super) fn run(arguments: &AllArguments) -> Result<(), Failure> {
     given(&mut plan.worlds_with_bodies, arguments.worlds_with_bodies);
     given(&mut plan.walks, arguments.walks);
     given(&mut plan.people, arguments.people);
+    given(&mut plan.fits, arguments.fits);
     plan.seed = arguments.seed;
 
     let begun = Instant::now();
@@ -118,7 +123,7 @@ fn sections(plan: &Plan, parts: &[&Part]) -> Result<Vec<Section>, ReportError> {
     parts
         .iter()
         .map(|part| {
-            let bar = Progress::new((part.episodes)(plan), part.name);
+            let bar = Progress::new((part.episodes)(plan) + (part.studies)(plan), part.name);
             let section = (part.run)(plan, &|| bar.step());
             bar.finish();
             section

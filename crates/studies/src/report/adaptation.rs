@@ -1,7 +1,7 @@
 //! H2: Table II, the Environment 4 example, and the same human in the other environments.
 
 use super::pairs::{SIGNIFICANCE_LEVEL, compared, difference, explained, is_significant, rounded};
-use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
+use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds, none};
 use crate::paper::h2::{self, CostRow, ExampleRun};
 use crate::paper::{ENVIRONMENTS, EXAMPLE_HUMAN, Environment};
 use crate::parallel::OnDone;
@@ -14,7 +14,8 @@ use cocarry_output::drawing::{
 };
 
 /// Table II.
-pub(super) const PART: Part = Part { id: "h2", name: "Table II", episodes: |_| h2::EPISODES, run };
+pub(super) const PART: Part =
+    Part { id: "h2", name: "Table II", episodes: |_| h2::EPISODES, studies: none, run };
 
 /// Table II: accumulated objective costs.
 pub fn table_2(rows: &[CostRow]) -> Table {

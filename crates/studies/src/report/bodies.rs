@@ -2,7 +2,7 @@
 
 use super::adaptation::{DIFFERENCE_AXIS, method};
 use super::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant};
-use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
+use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds, none};
 use crate::paper::ENVIRONMENTS;
 use crate::paper::h2::{self, BodiesRow, WithBodies};
 use crate::parallel::OnDone;
@@ -12,8 +12,13 @@ use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry_output::drawing::{DifferencePanel, DifferenceRow, differences};
 
 /// Table II with bodies.
-pub(super) const PART: Part =
-    Part { id: "h2-bodies", name: "Table II with bodies", episodes: |plan| 2 * h2::units(plan.humans), run };
+pub(super) const PART: Part = Part {
+    id: "h2-bodies",
+    name: "Table II with bodies",
+    episodes: |plan| 2 * h2::units(plan.humans),
+    studies: none,
+    run,
+};
 
 /// Table II's episodes with bodies, compared with those without.
 pub fn table_2_with_bodies(rows: &[BodiesRow], humans: usize, sway: f64) -> Table {

@@ -8,6 +8,7 @@ mod arrivals;
 mod bodies;
 mod choices;
 mod contacts;
+mod coverage;
 mod cycles;
 mod learning;
 mod page;
@@ -44,6 +45,7 @@ pub const PARTS: &[Part] = &[
     preparation_elsewhere::OMNIDIRECTIONAL,
     preparation_elsewhere::CHOICES,
     learning::PART,
+    coverage::PART,
 ];
 
 /// The whole report. Equal plans give byte-identical reports on any number of threads.

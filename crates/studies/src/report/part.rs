@@ -31,6 +31,8 @@ pub struct Plan<'a> {
     pub walks: usize,
     /// Number of people of each kind in each group of worlds, who the robot learns.
     pub people: usize,
+    /// Number of simulated studies in each cell of the coverage of the fits.
+    pub fits: usize,
     /// Seed of all random draws.
     pub seed: u64,
 }
@@ -49,6 +51,7 @@ impl<'a> Plan<'a> {
             worlds_with_bodies: locked::WORLDS_WITH_BODIES,
             walks: contacts::WALKS,
             people: h4::HUMANS,
+            fits: 500,
             seed: 0,
         }
     }
@@ -65,6 +68,7 @@ impl<'a> Plan<'a> {
             worlds_with_bodies: 40,
             walks: 1,
             people: 2,
+            fits: 2,
             ..Self::new(robot)
         }
     }
@@ -78,8 +82,15 @@ pub struct Part {
     pub name: &'static str,
     /// Number of episodes that it runs.
     pub episodes: fn(&Plan) -> usize,
+    /// Number of simulated studies of people that it fits.
+    pub studies: fn(&Plan) -> usize,
     /// Runs the episodes.
     pub run: fn(&Plan, OnDone) -> Result<Section, ReportError>,
+}
+
+/// For parts without episodes, or without simulated studies.
+pub(super) fn none(_: &Plan) -> usize {
+    0
 }
 
 /// A section of the report.

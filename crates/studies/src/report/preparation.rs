@@ -1,7 +1,7 @@
 //! H3: Table III, every method and start compared with its baseline, and the composition of the costs.
 
 use super::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant, rounded};
-use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, grouped, holds};
+use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, grouped, holds, none};
 use crate::paper::h3::{self, PoseMethod, PoseRow, Study};
 use crate::paper::{ENVIRONMENTS, SETTINGS};
 use crate::parallel::OnDone;
@@ -14,6 +14,7 @@ pub(super) const PART: Part = Part {
     id: "h3",
     name: "Table III",
     episodes: |plan| h3::units(&PoseMethod::ALL, plan.robot.postures.len(), plan.episodes),
+    studies: none,
     run,
 };
 

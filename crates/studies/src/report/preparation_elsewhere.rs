@@ -1,7 +1,7 @@
 //! H3 elsewhere than in the paper: with bodies, on an omnidirectional base, and with the other choices that
 //! the paper leaves open.
 
-use super::part::{Block, Finding, Part, Plan, ReportError, Section};
+use super::part::{Block, Finding, Part, Plan, ReportError, Section, none};
 use super::preparation::{Compared, finding, table_3, table_3_ratios};
 use crate::paper::h3::{self, PoseMethod, Study};
 use crate::parallel::OnDone;
@@ -18,6 +18,7 @@ pub(super) const WITH_BODIES: Part = Part {
     episodes: |plan| {
         h3::units(PoseMethod::on(PlantKind::Rapier), plan.robot.postures.len(), plan.episodes_with_bodies)
     },
+    studies: none,
     run: run_with_bodies,
 };
 
@@ -26,6 +27,7 @@ pub(super) const OMNIDIRECTIONAL: Part = Part {
     id: "h3-omni",
     name: "Table III, omnidirectional",
     episodes: |plan| h3::units(&WITH_AND_WITHOUT, plan.robot.postures.len(), plan.episodes),
+    studies: none,
     run: run_omnidirectional,
 };
 
@@ -34,6 +36,7 @@ pub(super) const CHOICES: Part = Part {
     id: "h3-choices",
     name: "Table III, open choices",
     episodes: |plan| VARIANTS.len() * h3::units(&WITH_AND_WITHOUT[..2], 1, choice_episodes(plan)),
+    studies: none,
     run: run_choices,
 };
 
