@@ -125,9 +125,9 @@ fn episode(rate_hz: f64, solver_iterations: usize) -> Run {
         settings: Default::default(),
         plant: Plant::Rapier { setup: carrier, physics },
     };
-    let stage = scenario.prepare().expect("a scenario");
+    let prepared = scenario.prepare().expect("a scenario");
     let run = || {
-        let mut episode = stage.episode().expect("room at the start");
+        let mut episode = prepared.episode().expect("room at the start");
         let mut object = Vec::new();
         let begun = Instant::now();
         while episode.step().is_none() {

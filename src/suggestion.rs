@@ -52,7 +52,7 @@ pub fn hint_of_error(error: &str) -> String {
     unknown.map_or(String::new(), |(name, listed)| hint_of_listed(name, listed))
 }
 
-/// [`hint`] for a file that does not exist: a file beside it, with its folder as given.
+/// [`hint`] for a file that does not exist: a file next to it, with its folder as given.
 pub fn hint_of_files(path: &Path) -> String {
     let Some(name) = path.file_name() else { return String::new() };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));

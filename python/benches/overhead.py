@@ -1,4 +1,4 @@
-"""What Python adds to a step, beside the Rust loop in the same run: ``python python/benches/overhead.py``.
+"""What Python adds to a step, alongside the Rust loop in the same run: ``python python/benches/overhead.py``.
 
 The Rust loop is ``Episode.run``, which takes many steps in a call. Measure a release wheel: ``python/wheel``.
 Every figure is the least of several repetitions, us per step; of CPU time, so that a busy machine disturbs little,

@@ -85,7 +85,7 @@ def sweep(
     overwrite: replace existing outputs, and unfinished ones of another study.
     backend: "ray" runs blocks of episodes on a Ray cluster instead, and writes their rows here. Workers that die are
         replaced; a sweep that was stopped resumes. The rows are those of this machine, byte for byte. Only for the
-        study's own partners. The study's files that are beside it or below are sent along.
+        study's own partners. The study's files that are next to it or below are sent along.
     address: of the Ray cluster, as of ``ray.init``; by default RAY_ADDRESS, or a cluster of this machine alone.
     progress: True for a bar, or a callable of the episodes done and all.
     table: False returns None instead of the rows, for studies whose rows do not fit into memory: a million take 1 GB.

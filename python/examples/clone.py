@@ -132,7 +132,7 @@ def main(arguments=None):
 
 
 def compare(clones, humans, model):
-    """The networks beside eq. (6), with the same humans."""
+    """The networks next to eq. (6), with the same humans."""
     seeds = {"first": HELD_OUT, "last": HELD_OUT + humans - 1}
     study = {"worlds": WORLDS, "plants": "point", "methods": "mutual", "seeds": seeds, "eta": ETAS, "human_model": model}
     mutual = cocarry.sweep(study)

@@ -46,7 +46,7 @@ pub struct Follower<'w> {
     /// Wanted distance of the base from the grasp, m. It is measured straight: in a bend, a distance along the
     /// path would fold the arm.
     pub distance: f64,
-    /// Angle of the grasp beside straight ahead of the base, rad: an omnidirectional base keeps it.
+    /// Bearing of the grasp from straight ahead of the base, rad: an omnidirectional base keeps it.
     pub bearing: f64,
     /// The outline of the base.
     pub footprint: &'w Footprint,
@@ -349,8 +349,8 @@ mod tests {
             });
             clearances.fold(f64::INFINITY, f64::min)
         };
-        let (free, beside) = (least_clearance(&no_obstacles()), least_clearance(&obstacles(wall)));
-        assert!(free < -0.05 && beside > -0.02, "{free} {beside}");
+        let (free, near_wall) = (least_clearance(&no_obstacles()), least_clearance(&obstacles(wall)));
+        assert!(free < -0.05 && near_wall > -0.02, "{free} {near_wall}");
     }
 
     #[test]

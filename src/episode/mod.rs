@@ -17,10 +17,10 @@ mod state;
 mod step;
 mod tick;
 mod view;
-mod watch;
+mod human_observer;
 
 pub use crate::control::Manipulator;
-pub use crate::controller::Considerations;
+pub use crate::controller::DecisionBasis;
 pub use crate::coordination::OptionTick;
 pub use crate::human::PreferenceChange;
 pub use crate::plant::Preparation;
@@ -34,7 +34,7 @@ pub use robot_tick::{PhysicsTick, RobotTick};
 pub use settings::Settings;
 pub use state::State;
 pub use tick::Tick;
-pub use watch::{Look, Watch};
+pub use human_observer::{HumanObserver, Sighting};
 
 use crate::controller::Controller;
 use crate::geometry::{Path, PlanarPose, Point, Pose};
@@ -160,8 +160,8 @@ impl Episode<'_> {
     }
 
     /// The basis of the controller's last command; `None` without a robot and before the first step.
-    pub fn considerations(&self) -> Option<Considerations<'_>> {
-        self.controller.considerations().filter(|considered| !considered.references.is_empty())
+    pub fn decision_basis(&self) -> Option<DecisionBasis<'_>> {
+        self.controller.decision_basis().filter(|basis| !basis.references.is_empty())
     }
 
     /// The path from where the executed option was last chosen to the target; empty before the first step.

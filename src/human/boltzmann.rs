@@ -4,7 +4,7 @@ use super::model::{HumanModel, Participant, PreferenceChange, bad_arguments};
 use super::{Human, HumanDecision, HumanView, PreferenceHuman};
 use crate::math;
 use crate::preference::{Perception, subjective_cost};
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -79,7 +79,7 @@ impl Human for Boltzmann {
         self.human.save()
     }
 
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         self.human.restore(saved)
     }
 }

@@ -21,7 +21,7 @@ use crate::coordination::{Mode, OptionTick, Stubbornness};
 use crate::geometry::{Point, Pose};
 use crate::options::OptionSet;
 use crate::preference::{Perception, Prospect};
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 use crate::simulation::Wrench;
 use serde::{Deserialize, Serialize};
 
@@ -60,8 +60,8 @@ pub trait Human: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// Restores what [`Human::save`] returned.
     ///
     /// # Errors
-    /// [`NotRestored`] if the state belongs to another model.
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    /// [`RestoreError`] if the state belongs to another model.
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         saved.is_empty("human")
     }
 }

@@ -5,7 +5,7 @@ use super::{Human, HumanDecision, HumanView};
 use crate::coordination::Stubbornness;
 use crate::error::Error;
 use crate::preference::Perception;
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 
 /// The model's entry in the list.
 pub(super) const MODEL: HumanModel = HumanModel {
@@ -65,7 +65,7 @@ impl Human for Scripted {
         Saved::of(&self.stubbornness)
     }
 
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         self.stubbornness = saved.read("human")?;
         Ok(())
     }

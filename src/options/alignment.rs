@@ -2,7 +2,7 @@
 //!
 //! Human, object and robot in tandem are about 2.5 m long and must be aligned until they are out of the
 //! passage. Two lengths decide: the *depth* of the passage, over which it stays as narrow as its gap, and the
-//! *shoulder* beside its end, around which the team turns. Behind the shoulder of a wall, which is broad, the
+//! *shoulder* next to its end, around which the team turns. Behind the shoulder of a wall, which is broad, the
 //! team is straight for [`BEYOND_END_M`] from the passage's end, and for [`ALIGNMENT_M`] from the middle of a
 //! thin wall. A pillar, round or narrow, has no shoulder: where neither side of a gap has one, paths need not
 //! be straight, nor go through the middle. In between, both rules are continuous in the place of obstacles.
@@ -88,7 +88,7 @@ fn depth(opening: &Opening, outward: Vector, space: &Space) -> f64 {
     within
 }
 
-/// The length (m) of the longer one of the shoulders beside the end of a passage: how far an obstacle goes on
+/// The length (m) of the longer one of the shoulders next to the end of a passage: how far an obstacle goes on
 /// to the side at the gap, with free space before it at the passage's end.
 fn shoulder(opening: &Opening, outward: Vector, depth: f64, space: &Space) -> f64 {
     let [first, second] = opening.ends;

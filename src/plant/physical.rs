@@ -4,7 +4,7 @@ use super::{Command, HumanMotion, Plant, Seen, on_floor};
 use crate::error::Error;
 use crate::geometry::{PlanarPose, Pose};
 use crate::robot::{JointVector, Robot};
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 use crate::simulation::{HumanCommand, Observation, PhysicalPlant, PhysicsSettings};
 use crate::world::World;
 use serde::{Deserialize, Serialize};
@@ -72,7 +72,7 @@ impl Plant for Physical<'_> {
         Saved::of(&self.state)
     }
 
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         self.state = saved.read("plant")?;
         Ok(())
     }

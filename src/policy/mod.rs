@@ -20,7 +20,7 @@ use crate::geometry::{PlanarPose, Point, Pose};
 use crate::human::Stance;
 use crate::options::{OptionSet, Progress};
 use crate::robot::{Configuration, InputVector, without_last};
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 use crate::simulation::Wrench;
 use serde::{Deserialize, Serialize};
 
@@ -50,8 +50,8 @@ pub trait RobotPolicy: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// Restores what [`RobotPolicy::save`] returned.
     ///
     /// # Errors
-    /// [`NotRestored`] if the state belongs to another policy.
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    /// [`RestoreError`] if the state belongs to another policy.
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         saved.is_empty("policy")
     }
 }

@@ -23,7 +23,7 @@ impl View<'_> {
 
     /// The base's inputs, for an omnidirectional base or for others.
     fn base_input(&self, is_omnidirectional: bool) -> Option<[f64; 3]> {
-        let (robot, tick) = (self.stage.robot()?, self.robot_tick()?);
+        let (robot, tick) = (self.prepared.robot()?, self.robot_tick()?);
         let is_asked = robot.drive.is_omnidirectional() == is_omnidirectional;
         is_asked.then(|| robot.base_input(&tick.input).into())
     }
@@ -253,7 +253,7 @@ pub(super) const PRISMATIC: &[OfJoint] = quantities! {
 };
 
 fn joints(view: &View) -> Vec<Value> {
-    let (Some(robot), Some(tick)) = (view.stage.robot(), view.robot_tick()) else { return Vec::new() };
+    let (Some(robot), Some(tick)) = (view.prepared.robot(), view.robot_tick()) else { return Vec::new() };
     let rates = robot.joint_rates(&tick.input);
     let joints = robot.joints.iter().enumerate().map(|(i, joint)| {
         let view = JointView { joint, position: tick.configuration.joints[i], rate: rates[i] };

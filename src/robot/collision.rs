@@ -33,7 +33,7 @@ pub(super) fn bodies(robot: &Robot) -> Vec<usize> {
 }
 
 /// Gives shapes to the base and to moving links of the chain that have none, and says so. A base with any mesh
-/// that is missing gets its `footprint`, or a cylinder, beside its other shapes.
+/// that is missing gets its `footprint`, or a cylinder, besides its other shapes.
 pub(super) fn complete(robot: &mut Robot, footprint: Option<&[Point]>) -> Vec<RobotWarning> {
     let mut warnings = Vec::new();
     let body = bodies(robot);

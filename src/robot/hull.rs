@@ -100,7 +100,7 @@ fn to_parry(p: Vector3<f64>) -> parry3d::math::Vector {
 pub(super) fn read(file: &Path) -> Result<Hull, String> {
     let format = file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
     let bytes = located::read_bytes(MAX_MESH, file).map_err(|e| e.to_string())?;
-    // a library of materials beside an OBJ has no shapes
+    // a library of materials next to an OBJ has no shapes
     let loader = mesh_loader::Loader::default().merge_meshes(true).custom_reader(|_| Ok(Vec::new()));
     let scene = match format.as_str() {
         "stl" => loader.load_stl_from_slice(&bytes, file),

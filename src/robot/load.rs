@@ -67,7 +67,7 @@ impl Eq for MeshFolder {}
 
 impl RobotTexts {
     /// Reads a robot file (`.toml`) and the URDF that it names, or a URDF (`.urdf`, `.xml`) and the robot
-    /// file of the same name beside it.
+    /// file of the same name next to it.
     fn read(path: &Path) -> Result<Self, Error> {
         let file = path.display().to_string();
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
@@ -82,7 +82,7 @@ impl RobotTexts {
                 return Err(Error::at(
                     Place::file(file),
                     format_args!(
-                        "expected a robot file (.toml), or a URDF (.urdf or .xml) with a robot file beside it{hint}"
+                        "expected a robot file (.toml), or a URDF (.urdf or .xml) with a robot file next to it{hint}"
                     ),
                 ));
             }
@@ -95,7 +95,7 @@ impl RobotTexts {
             return Err(Error::at(
                 Place::file(&file),
                 format_args!(
-                    "needs a robot file beside it, {}, which names urdf, base_link, grasp_frame, left_wheel and right_wheel (or another drive), base_width_m, grasp_height_m and a [[posture]]; `cocarry robot init {file}` drafts one",
+                    "needs a robot file next to it, {}, which names urdf, base_link, grasp_frame, left_wheel and right_wheel (or another drive), base_width_m, grasp_height_m and a [[posture]]; `cocarry robot init {file}` drafts one",
                     robot_file.display()
                 ),
             ));
@@ -148,7 +148,7 @@ impl RobotTexts {
 
 impl Robot {
     /// Reads and validates a robot file (`.toml`) with the URDF that it names, or a URDF (`.urdf`, `.xml`)
-    /// with the robot file of the same name beside it.
+    /// with the robot file of the same name next to it.
     ///
     /// # Errors
     /// The file, the item and the numbers.
@@ -261,7 +261,7 @@ fn xacro(path: &Path) -> Error {
     )
 }
 
-/// A hint for a file of an unknown kind: the built-in robot's name in studies, or a file beside it.
+/// A hint for a file of an unknown kind: the built-in robot's name in studies, or a file next to it.
 fn hint_of_file(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     match path.exists() {

@@ -23,7 +23,7 @@ pub enum PreferenceChanges {
 /// The error for a text that is no number of preference changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("must be {}", PreferenceChanges::expected())]
-pub struct NotPreferenceChanges;
+pub struct ParsePreferenceChangesError;
 
 impl PreferenceChanges {
     /// No preference changes.
@@ -87,14 +87,14 @@ pub fn drawn_changes(
 }
 
 impl std::str::FromStr for PreferenceChanges {
-    type Err = NotPreferenceChanges;
+    type Err = ParsePreferenceChangesError;
 
-    fn from_str(text: &str) -> Result<Self, NotPreferenceChanges> {
+    fn from_str(text: &str) -> Result<Self, ParsePreferenceChangesError> {
         match text {
             Self::ONCE_OR_TWICE => Ok(Self::OnceOrTwice),
             number => {
                 let times = number.parse().ok().filter(|times| *times <= Self::MAX);
-                times.map(Self::Times).ok_or(NotPreferenceChanges)
+                times.map(Self::Times).ok_or(ParsePreferenceChangesError)
             }
         }
     }

@@ -170,7 +170,7 @@ pub const PLANNING_STEP: Setting = Setting {
     flag: "planning-step",
     path: "settings.period_s",
     group: Group::Walk,
-    about: "Planning step k, in seconds: phi, g, J and looks count in it, so an eta is for one planning step",
+    about: "Planning step k, in seconds: phi, g, J and sightings count in it, so an eta is for one planning step",
     applies: Applies::Always,
     kind: Kind::Number("s", PERIODS, field!(scenario s => s.settings.planning_step)),
 };

@@ -378,7 +378,7 @@ fn declared_openings(
                 return Err(Error::at(
                     place,
                     format_args!(
-                        "`{third}` stands {distance:.4} m from the middle of the gap between `{first}` and `{second}` ({width:.4} m wide); name the narrower gap beside it"
+                        "`{third}` stands {distance:.4} m from the middle of the gap between `{first}` and `{second}` ({width:.4} m wide); name the narrower gap next to it"
                     ),
                 ));
             }

@@ -12,9 +12,9 @@ use crate::geometry::{Bounds, Nearby, cross};
 /// The distance in robot widths up to which parallel gaps of equal width are one opening, and from which on
 /// both count in full.
 const ONE_PASSAGE: [f64; 2] = [1.0, 2.0];
-/// The distance (m) that stands for a metre beside the axis of the narrower gap: gaps that lie side by side are
+/// The distance (m) that stands for a metre off the axis of the narrower gap: gaps that lie side by side are
 /// two.
-const BESIDE: f64 = 4.0;
+const ACROSS_FACTOR: f64 = 4.0;
 /// The distance (m) that stands for the difference of 1 minus the cosine of the angle between two gaps.
 const TURNED_M: f64 = 5.0;
 
@@ -42,8 +42,8 @@ pub(super) fn narrowest(mut gaps: Vec<Opening>, robot_width: f64) -> Vec<Opening
 /// narrower one's sides.
 fn apart(narrower: &Opening, wider: &Opening) -> f64 {
     let between = wider.center() - narrower.center();
-    let beside = cross(narrower.axis(), between).abs();
+    let across = cross(narrower.axis(), between).abs();
     let along = between.norm_squared() - (wider.width * wider.width - narrower.width * narrower.width) / 4.0;
     let turned = 1.0 - narrower.axis().dot(&wider.axis()).abs();
-    along.max(0.0).sqrt() + BESIDE * beside + TURNED_M * turned
+    along.max(0.0).sqrt() + ACROSS_FACTOR * across + TURNED_M * turned
 }

@@ -195,7 +195,7 @@ fn recorded_walks_are_seen_as_the_learning_robot_sees_them() {
     let found = json(&["infer", &anna, &ben, "--json", "--draws", "100"]);
     let people = found["people"].as_array().unwrap();
     assert_eq!(people.len(), 2);
-    assert!(people[0]["participant"] == "anna" && people[0]["looks"].as_u64().unwrap() > 5, "{found}");
+    assert!(people[0]["participant"] == "anna" && people[0]["sightings"].as_u64().unwrap() > 5, "{found}");
     assert!(people[0]["eta"].is_null() && people[0]["information"].as_f64().unwrap() > 0.3, "{found}");
     let inside = |figure: &serde_json::Value, truth: f64| {
         let [low, high] = [0, 1].map(|end| figure["interval"][end].as_f64().unwrap());

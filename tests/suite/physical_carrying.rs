@@ -416,7 +416,7 @@ fn a_team_does_not_have_to_turn_at_its_start() {
 }
 
 /// On the physical plant the robot stands behind the start. Where it has no room in line with the path, the
-/// team is turned; at a heading that is given, what stands beside the robot's way is named.
+/// team is turned; at a heading that is given, what stands next to the robot's way is named.
 #[test]
 fn a_start_without_room_for_the_robot_is_turned_or_refused() {
     let folder = tempfile::tempdir().unwrap();

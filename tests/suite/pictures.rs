@@ -130,7 +130,7 @@ fn the_comparison_sees_a_label_that_moved_and_forgives_rounding() {
     assert!(difference(&golden, &moved).is_some());
 }
 
-/// The README's moving picture and the book's filmstrip, by the command beside them.
+/// The README's moving picture and the book's filmstrip, by the command next to them.
 #[test]
 fn the_pictures_of_environment_4_are_of_the_present_program() {
     let folder = tempfile::tempdir().unwrap();

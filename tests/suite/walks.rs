@@ -110,7 +110,7 @@ fn property_the_option_that_is_walked_gets_shorter_by_every_step_and_no_riskier(
 /// an obstacle are equally good and join a straight part at different positions.
 #[test]
 fn property_lengths_jump_little_between_crossings() {
-    // beside the axis of a straight part D falls by up to 1.55 m for every metre walked
+    // off the axis of a straight part D falls by up to 1.55 m for every metre walked
     const STEEPEST: f64 = 1.6;
     let mut rng = ChaCha8Rng::seed_from_u64(39);
     let (mut worlds, mut lengths, mut jumps, mut largest) = (0, 0, 0, 0.0);

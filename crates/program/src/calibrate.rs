@@ -26,16 +26,16 @@ pub(super) struct CalibrateArguments {
     /// Number of humans
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(100..=10_000_000))]
     replications: u64,
-    /// Looks at each human
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=1000))]
-    looks: u32,
+    /// Sightings of each human under their lead
+    #[arg(long, alias = "looks", value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=1000))]
+    sightings: u32,
     /// Tasks with each human under the robot's lead
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=100))]
     tasks: u32,
     /// Seed
     #[arg(long, value_name = "SEED", default_value_t = 0)]
     seed: u64,
-    /// Probability that a look at a human says nothing about them
+    /// Probability that a sighting of a human says nothing about them
     #[arg(long, value_name = "RATE", value_parser = number(&BELIEF_LAPSE), allow_negative_numbers = true, default_value_t = learning::Settings::default().lapse_rate)]
     lapse_rate: f64,
     /// The lapse rate that the robot assumes [default: the true one]
@@ -53,7 +53,7 @@ pub(super) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Failure> {
         truth,
         assumed: learning::Settings { lapse_rate, ..truth },
         replications: arguments.replications,
-        looks: arguments.looks,
+        sightings: arguments.sightings,
         tasks: arguments.tasks,
         seed: arguments.seed,
         ..Calibration::default()

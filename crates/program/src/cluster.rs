@@ -17,7 +17,7 @@ use std::process::ExitCode;
 /// Run a study on a cluster: submit its shards, follow them, and gather the results
 ///
 /// The results are those of `cocarry sweep` on one machine, byte for byte. The commands share the folder
-/// RESULTS.job beside the results, which must be on a file system that all nodes see.
+/// RESULTS.job next to the results, which must be on a file system that all nodes see.
 #[derive(Debug, Subcommand)]
 pub(super) enum Action {
     Slurm(SlurmArguments),

@@ -18,7 +18,7 @@ use std::fmt::Write;
 
 /// The report of a finished episode.
 pub(super) struct EpisodeReport<'a> {
-    pub stage: &'a PreparedScenario,
+    pub prepared: &'a PreparedScenario,
     pub episode: &'a Episode<'a>,
     /// The step at which the episode was resumed; `None` if it ran from its beginning.
     pub resumed: Option<u64>,
@@ -28,7 +28,7 @@ pub(super) struct EpisodeReport<'a> {
 
 impl EpisodeReport<'_> {
     fn view(&self) -> View<'_> {
-        View::new(self.stage, self.episode)
+        View::new(self.prepared, self.episode)
     }
 
     fn summary(&self) -> &Summary {
@@ -36,7 +36,7 @@ impl EpisodeReport<'_> {
     }
 
     fn settings(&self) -> &Settings {
-        &self.stage.scenario().settings
+        &self.prepared.scenario().settings
     }
 
     fn method(&self) -> Method {
@@ -45,16 +45,16 @@ impl EpisodeReport<'_> {
 
     /// The robot and its setup; `None` on the planning level alone.
     fn robot_setup(&self) -> Option<(&Robot, &RobotSetup)> {
-        self.stage.robot().zip(self.stage.scenario().plant.robot_setup())
+        self.prepared.robot().zip(self.prepared.scenario().plant.robot_setup())
     }
 
     fn option_name(&self, option: usize) -> &str {
-        &self.stage.options().options()[option].name
+        &self.prepared.options().options()[option].name
     }
 
     fn openings(&self, option: usize) -> Vec<&str> {
-        let crossings = &self.stage.options().options()[option].crossings;
-        crossings.iter().map(|c| self.stage.world().openings[c.opening].name.as_str()).collect()
+        let crossings = &self.prepared.options().options()[option].crossings;
+        crossings.iter().map(|c| self.prepared.world().openings[c.opening].name.as_str()).collect()
     }
 
     /// The options at the first reported step: name, openings, and quantities.
@@ -76,7 +76,7 @@ impl EpisodeReport<'_> {
 
     /// The human's preference changes that were applied, by step.
     fn preference_changes(&self) -> Vec<PreferenceChange> {
-        let mut standing = PreferenceChange::in_force(&self.stage.scenario().changes);
+        let mut standing = PreferenceChange::in_force(&self.prepared.scenario().changes);
         standing.retain(|change| change.step < self.summary().steps);
         standing
     }
@@ -91,17 +91,17 @@ impl EpisodeReport<'_> {
 
     /// The target, if the team arrived there.
     fn end(&self) -> Option<Point> {
-        (self.summary().outcome == Outcome::Arrived).then(|| self.stage.options().target())
+        (self.summary().outcome == Outcome::Arrived).then(|| self.prepared.options().target())
     }
 
     pub fn as_text(&self) -> String {
-        let (world, summary) = (self.stage.world(), self.summary());
+        let (world, summary) = (self.prepared.world(), self.summary());
         let coordination::Settings { eta, initial_stubbornness } = self.settings().coordination;
         let mut text = format!("{} ({})\n", world.name, world.file);
         let method = self.method().name();
         let from =
             self.resumed.map_or("the start".to_owned(), |step| format!("step {step}, where the run resumed"));
-        let Perception { alpha, gamma } = self.stage.scenario().human;
+        let Perception { alpha, gamma } = self.prepared.scenario().human;
         text += &format!(
             "human: alpha {alpha:.4}, gamma {gamma:.4}; method {method}, eta {eta}, phi(0) {initial_stubbornness}\n\nOptions at {from}\n"
         );
@@ -200,15 +200,15 @@ impl EpisodeReport<'_> {
                 100.0 * control.largest_error
             )
         });
-        let slow = self.stage.slow_drive().map(|slow| slow.to_string());
+        let slow = self.prepared.slow_drive().map(|slow| slow.to_string());
         let touched = self.view().self_contact();
-        slow.into_iter().chain(self.stage.robot_warnings()).chain(off).chain(touched).collect()
+        slow.into_iter().chain(self.prepared.robot_warnings()).chain(off).chain(touched).collect()
     }
 
     /// The events, one line each. In a resumed episode, earlier preference changes and the transition are
     /// included.
     fn events(&self) -> Vec<String> {
-        let (summary, options) = (self.summary(), self.stage.options());
+        let (summary, options) = (self.summary(), self.prepared.options());
         if summary.steps == 0 {
             return vec!["no step was taken".to_owned()];
         }
@@ -242,7 +242,7 @@ impl EpisodeReport<'_> {
     }
 
     pub fn as_json(&self) -> Value {
-        let (world, scenario, settings) = (self.stage.world(), self.stage.scenario(), self.settings());
+        let (world, scenario, settings) = (self.prepared.world(), self.prepared.scenario(), self.settings());
         let mut report = json!({
             "world": world.name,
             "file": world.file,
@@ -285,7 +285,7 @@ impl EpisodeReport<'_> {
     /// from then on, which is not known for steps before the resumed one.
     fn changes_as_json(&self) -> Vec<Value> {
         let applied = self.preference_changes();
-        let mut given = self.stage.scenario().changes.clone();
+        let mut given = self.prepared.scenario().changes.clone();
         given.sort_by_key(|change| change.step);
         let is_last = |i: usize| given.get(i + 1).is_none_or(|next| next.step != given[i].step);
         let changes = given.iter().enumerate().map(|(i, change)| {

@@ -169,13 +169,13 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
                 Failure::Input(error) => (2, error),
                 Failure::Output(error) => (4, error),
                 Failure::Interrupted(error) => {
-                    output::tell(&format!("interrupted: {error:#}"));
+                    output::print_message(&format!("interrupted: {error:#}"));
                     return ExitCode::from(130);
                 }
             };
             // a broken pipe is not an error: the reader has closed it
             if !output::is_broken_pipe(&error) {
-                output::tell(&format!("error: {error:#}"));
+                output::print_message(&format!("error: {error:#}"));
             }
             ExitCode::from(code)
         }

@@ -92,8 +92,8 @@ pub(super) fn load_world(path: &Path) -> Result<World, Failure> {
 /// The world that a file in `folder` names: a world file relative to that folder, otherwise as in
 /// [`load_world`].
 pub(super) fn load_world_near(folder: &Path, name: &str) -> Result<World, Failure> {
-    let beside = folder.join(name);
-    if beside.is_file() { load_world(&beside) } else { load_world(Path::new(name)) }
+    let sibling = folder.join(name);
+    if sibling.is_file() { load_world(&sibling) } else { load_world(Path::new(name)) }
 }
 
 /// The value of alpha or gamma in `text`.

@@ -140,7 +140,7 @@ pub(super) fn option_json(
 const MAX_LINE: usize = 4000;
 
 /// Prints a message for people, such as an error, on standard error.
-pub(super) fn tell(message: &str) {
+pub(super) fn print_message(message: &str) {
     let message = visible(message);
     let cut = message.lines().map(|line| match line.char_indices().nth(MAX_LINE) {
         None => format!("{line}\n"),
@@ -152,7 +152,7 @@ pub(super) fn tell(message: &str) {
 
 /// Prints a warning. The command continues.
 pub(super) fn warn(warning: &impl std::fmt::Display) {
-    tell(&format!("warning: {warning}"));
+    print_message(&format!("warning: {warning}"));
 }
 
 /// A table with the given headings. The first `left` columns are text, the others numbers.

@@ -43,7 +43,7 @@ struct BaselineRunArguments {
     scenario: ScenarioArguments,
 }
 
-/// Arguments that name a file. The file is first looked for beside the baseline file.
+/// Arguments that name a file. The file is first looked for next to the baseline file.
 const FILES: [&str; 3] = ["world", "robot", "belief-samples"];
 
 pub(super) fn run(action: &Action) -> Result<ExitCode, Failure> {
@@ -127,9 +127,9 @@ fn scenario(file: &str, folder: &Path, run: &Run) -> Result<Scenario, Failure> {
         let words = match value {
             Value::Flag(is_set) if is_flag => is_set.then(|| format!("--{long}")).into_iter().collect(),
             Value::Text(text) if !is_flag => {
-                let beside = folder.join(text);
-                let is_beside = FILES.contains(&long.as_str()) && beside.is_file();
-                vec![word(&if is_beside { beside.display().to_string() } else { text.clone() })]
+                let sibling = folder.join(text);
+                let is_sibling = FILES.contains(&long.as_str()) && sibling.is_file();
+                vec![word(&if is_sibling { sibling.display().to_string() } else { text.clone() })]
             }
             Value::List(texts) if is_repeated => texts.iter().map(word).collect(),
             Value::Flag(value) => {

@@ -25,10 +25,10 @@ const KINDS: [(&str, Kind); 5] = [
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry render run.mcap -o run.html", "a 3-D player in one file, for any browser, without a network"),
-    ("cocarry render run.mcap -o run.gif", "the team on the map with phi beside it, at twice its speed"),
+    ("cocarry render run.mcap -o run.gif", "the team on the map with phi next to it, at twice its speed"),
     ("cocarry render run.mcap -o run.svg --width 3.5in", "the team at six instants, for a paper"),
     ("cocarry render run.mcap -o run.png --width 1400px --instants 8", ""),
-    ("cocarry render run.mcap -o layout.json", "the layout to import in Foxglove or Lichtblick, beside the recording"),
+    ("cocarry render run.mcap -o layout.json", "the layout to import in Foxglove or Lichtblick, next to the recording"),
 ]))]
 pub(super) struct RenderArguments {
     /// Recording (MCAP)

@@ -18,7 +18,7 @@ pub(super) struct RobotArguments {
     /// Plant: what the controller moves
     #[arg(long, default_value = PlantKind::Rapier.name(), value_parser = plants(&PlantKind::ALL))]
     plant: PlantKind,
-    /// Robot file (TOML), or a URDF with a robot file of the same name beside it [default: the built-in
+    /// Robot file (TOML), or a URDF with a robot file of the same name next to it [default: the built-in
     /// robot]
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,

@@ -13,7 +13,7 @@ use std::process::ExitCode;
 /// configurations, with the arm above the base. A xacro is expanded where the program `xacro` is installed.
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
-    ("cocarry robot init tiago.urdf", "tiago.toml, beside the URDF"),
+    ("cocarry robot init tiago.urdf", "tiago.toml, next to the URDF"),
     ("cocarry robot init tiago.urdf -o robots/tiago.toml", "another place"),
     ("cocarry robot init pr2.urdf --tool l_gripper_tool_frame", "another arm"),
     ("cocarry robot init summit.urdf --drive omnidirectional", "another base"),
@@ -21,7 +21,7 @@ use std::process::ExitCode;
 pub(super) struct InitArguments {
     /// URDF, or a xacro
     urdf: PathBuf,
-    /// The robot file to write [default: beside the URDF, with its name]
+    /// The robot file to write [default: next to the URDF, with its name]
     #[arg(short, long, value_name = "FILE", value_parser = toml_file)]
     output: Option<PathBuf>,
     /// The link that holds the object
@@ -81,11 +81,11 @@ fn height(text: &str) -> Result<f64, String> {
 pub(super) fn run(arguments: &InitArguments) -> Result<ExitCode, Failure> {
     let InitArguments { urdf, output, tool, drive, left_wheel, right_wheel, grasp_height, overwrite } =
         arguments;
-    let beside = || match urdf.extension().is_some_and(|e| e.eq_ignore_ascii_case("xacro")) {
+    let next_to_urdf = || match urdf.extension().is_some_and(|e| e.eq_ignore_ascii_case("xacro")) {
         true => urdf.with_extension("").with_extension("toml"),
         false => urdf.with_extension("toml"),
     };
-    let file = output.clone().unwrap_or_else(beside);
+    let file = output.clone().unwrap_or_else(next_to_urdf);
     let outputs = overwrite.outputs([urdf.as_path()], [&file])?;
     let request = DraftRequest {
         tool: tool.clone(),

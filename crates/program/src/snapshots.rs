@@ -116,12 +116,12 @@ impl Saves {
     pub fn write(
         &mut self,
         outputs: &Outputs,
-        stage: &PreparedScenario,
+        prepared: &PreparedScenario,
         episode: &Episode,
     ) -> Result<(), Failure> {
         let steps = episode.summary().steps;
         for save in self.0.iter_mut().filter(|save| save.tick == steps) {
-            let bytes = stage.snapshot(episode).bytes().map_err(|e| Failure::Output(e.into()))?;
+            let bytes = prepared.snapshot(episode).bytes().map_err(|e| Failure::Output(e.into()))?;
             write_file(outputs, &save.file, bytes)?;
             save.is_written = true;
         }

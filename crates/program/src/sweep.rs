@@ -20,7 +20,7 @@ use std::process::ExitCode;
 /// Run a study: every combination of worlds, methods, humans, plants and seeds, one row of results per
 /// episode
 ///
-/// The rows go to NAME.partial beside the results, which is renamed when it is complete. A sweep that was
+/// The rows go to NAME.partial next to the results, which is renamed when it is complete. A sweep that was
 /// stopped, by Ctrl-C or a power cut, resumes where it stopped when it is started again.
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[

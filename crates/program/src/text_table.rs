@@ -8,7 +8,7 @@ const STYLE: TableStyle = TableStyle::new()
     .top_border(LineStyle::none().fill('─'))
     .header_separator(LineStyle::none().fill('═'))
     .bottom_border(LineStyle::none().fill('─'));
-/// Spaces beside the contents of a column.
+/// Spaces on either side of the contents of a column.
 const PADDING: usize = 2;
 
 /// A table of texts.

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from cocarry._cocarry import __version__
-from cocarry.datasets._files import DatasetError, Path, beside, free, needed, written
+from cocarry.datasets._files import DatasetError, Path, free, needed, staged, written
 from cocarry.datasets._frames import Frames, Signal, Source, all_frames, described, sources
 
 _DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
@@ -70,7 +70,7 @@ def to_lerobot(
         raise DatasetError("task: is empty; expected a sentence, as `carry the table to the kitchen`")
     given = sources(episodes)
     free(folder, "meta/info.json", overwrite, "a LeRobot data set")
-    with beside(folder, overwrite) as made, written(folder):
+    with staged(folder, overwrite) as made, written(folder):
         _Writer(made, task).write(given, license)
     return folder
 
@@ -210,7 +210,7 @@ def _columns(frames: Frames) -> dict[str, Any]:
 
 
 def _features(frames: Frames) -> dict[str, dict[str, Any]]:
-    """The features of a frame, without those that every data set has; ``units`` are beside the names."""
+    """The features of a frame, without those that every data set has; ``units`` are next to the names."""
     features = {
         key: {"dtype": "float64", "shape": [len(signal.names)], "names": signal.names, "units": signal.units}
         for key, signal in _signals(frames).items()

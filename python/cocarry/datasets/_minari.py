@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from cocarry._cocarry import __version__
-from cocarry.datasets._files import DatasetError, beside, free, needed, written
+from cocarry.datasets._files import DatasetError, free, needed, staged, written
 from cocarry.datasets._frames import Frames, Source, all_frames, described, sources
 
 
@@ -161,7 +161,7 @@ class _Home:
 
     def write(self, buffers: list[Any], drawn: list[dict[str, Any]], about: dict[str, Any]) -> Any:
         minari, name = self.minari, self.dataset_id
-        with beside(self.final, self.overwrite, self.root) as folder, _datasets_in(folder.parent / "root"), written(self.final):
+        with staged(self.final, self.overwrite, self.root) as folder, _datasets_in(folder.parent / "root"), written(self.final):
             with warnings.catch_warnings():
                 if "env" not in about:  # there is none
                     warnings.filterwarnings("ignore", r"(`eval_env` is set to None|env_spec is None)", UserWarning)

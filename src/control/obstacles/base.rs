@@ -86,7 +86,7 @@ mod tests {
     use rand_chacha::rand_core::SeedableRng;
 
     /// The coefficients of a plane predict how its distance changes with the inputs: for the corners of a base
-    /// of 0.9 m by 0.5 m, on either drive, beside a post and a wall's end, and within steps. (Of a pillar on
+    /// of 0.9 m by 0.5 m, on either drive, next to a post and a wall's end, and within steps. (Of a pillar on
     /// the way, the direction is held.)
     #[test]
     fn property_half_planes_of_a_polygon_agree_with_finite_differences() {

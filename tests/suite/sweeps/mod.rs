@@ -472,7 +472,7 @@ seeds = { first = 2, last = 5 }
     assert!(told.lines().any(|l| l.contains("mutual - without-model") && l.contains("   2   ")), "{told}");
 }
 
-/// Worlds and robots lie beside the study, wherever it is run from, and the rows do not depend on that.
+/// Worlds and robots lie next to the study, wherever it is run from, and the rows do not depend on that.
 #[test]
 fn files_are_relative_to_the_study() {
     let study = "worlds = \"mine.toml\"\nrobots = [\"built-in\", \"six.toml\"]\nseeds = 1\nmax_steps = 3\n";

@@ -72,12 +72,12 @@ pub(super) fn run(arguments: &EtaArguments) -> Result<(), Failure> {
         planning_step: arguments.planning_step,
         ..Settings::default()
     };
-    let stages = load(&arguments.switches, file.worlds(), |world| {
+    let prepared = load(&arguments.switches, file.worlds(), |world| {
         Scenario { settings: settings.clone(), ..Scenario::new(world.into(), Plant::Point) }.prepare()
     })?;
-    let inputs = inputs(&arguments.switches, &stages, &arguments.model.belief);
+    let inputs = inputs(&arguments.switches, &prepared, &arguments.model.belief);
     let outputs = arguments.overwrite.outputs(inputs.iter().map(PathBuf::as_path), &arguments.svg)?;
-    let switches = file.matched(&stages).map_err(input)?;
+    let switches = file.matched(&prepared).map_err(input)?;
     let fit = fit_eta(&switches);
     if let Some(path) = &arguments.svg {
         let overall = fit.overall.map(|o| (o.median, o.log_std));

@@ -12,7 +12,7 @@ use super::settings::number;
 use anyhow::{Context, anyhow};
 use clap::Args;
 use cocarry::coordination;
-use cocarry::episode::{self, Watch};
+use cocarry::episode::{self, HumanObserver};
 use cocarry::learning;
 use cocarry::options::OptionSet;
 use cocarry::scenario::{BELIEF_LAPSE, INITIAL_STUBBORNNESS, PLANNING_STEP, Plant, Scenario};
@@ -245,11 +245,11 @@ fn switches(arguments: &InferArguments, path: &Path, read: &mut Read) -> Result<
         planning_step: arguments.planning_step,
         ..episode::Settings::default()
     };
-    let stages = load(path, file.worlds(), |world| {
+    let prepared = load(path, file.worlds(), |world| {
         Scenario { settings: settings.clone(), ..Scenario::new(world.into(), Plant::Point) }.prepare()
     })?;
-    read.inputs.extend(inputs(path, &stages, &arguments.model.belief));
-    read.switches = Some((path.display().to_string(), file.matched(&stages).map_err(input)?));
+    read.inputs.extend(inputs(path, &prepared, &arguments.model.belief));
+    read.switches = Some((path.display().to_string(), file.matched(&prepared).map_err(input)?));
     Ok(())
 }
 
@@ -275,11 +275,11 @@ fn walk(arguments: &InferArguments, path: &Path) -> Result<Walk, Failure> {
         )));
     }
     let phi = scenario.settings.coordination.initial_stubbornness;
-    let mut watch =
-        Watch::new(learning::Settings::default(), phi).context(file.clone()).map_err(Failure::Input)?;
-    rerun(&mut Reader::open(path).map_err(input)?, |episode| watch.see(episode)).map_err(input)?;
+    let mut observer =
+        HumanObserver::new(learning::Settings::default(), phi).context(file.clone()).map_err(Failure::Input)?;
+    rerun(&mut Reader::open(path).map_err(input)?, |episode| observer.observe(episode)).map_err(input)?;
     let participant = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(Walk { file, participant, looks: watch.looks().to_vec(), etas: watch.etas() })
+    Ok(Walk { file, participant, sightings: observer.sightings().to_vec(), etas: observer.etas() })
 }
 
 /// A parser of a number of the prior of eta; both have one range.

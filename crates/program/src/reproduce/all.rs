@@ -1,4 +1,4 @@
-//! `cocarry reproduce all --report FOLDER`: a report with every claim, table and picture of the paper beside
+//! `cocarry reproduce all --report FOLDER`: a report with every claim, table and picture of the paper next to
 //! ours.
 
 use super::super::output::{Failure, Progress, examples, input, print, print_json, unwritten};

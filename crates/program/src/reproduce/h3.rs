@@ -1,4 +1,4 @@
-//! `cocarry reproduce h3`: Table III beside the paper's, and further measurements.
+//! `cocarry reproduce h3`: Table III next to the paper's, and further measurements.
 
 use super::super::output::{
     Failure, OverwriteArguments, examples, input, print, print_json, svg_file, table_with_notes, warn,
@@ -33,7 +33,7 @@ pub(in super::super) struct H3Arguments {
     /// Seed of the humans
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Robot file (TOML), or a URDF with a robot file of the same name beside it [default: the built-in
+    /// Robot file (TOML), or a URDF with a robot file of the same name next to it [default: the built-in
     /// robot]
     #[arg(long, value_name = "FILE")]
     robot: Option<PathBuf>,

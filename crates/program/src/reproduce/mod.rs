@@ -1,4 +1,4 @@
-//! `cocarry reproduce`: the paper's claims and tables, with the paper's figures beside ours.
+//! `cocarry reproduce`: the paper's claims and tables, with the paper's figures next to ours.
 
 mod all;
 mod common;
@@ -18,7 +18,7 @@ use cocarry_studies::report::table_1;
 use serde_json::json;
 use std::process::ExitCode;
 
-/// Reproduce a table or a claim of the paper, with its figures beside ours
+/// Reproduce a table or a claim of the paper, with its figures next to ours
 #[derive(Debug, Subcommand)]
 pub(super) enum Claim {
     /// Table I: how humans choose between the options of four environments

@@ -92,8 +92,8 @@ impl Decisions {
     }
 
     /// Partners that repeat the decisions; after the last one, the human keeps the last option and leads.
-    pub(super) fn partners(self, stage: &PreparedScenario) -> Partners<'static> {
-        let has_robot = stage.robot().is_some();
+    pub(super) fn partners(self, prepared: &PreparedScenario) -> Partners<'static> {
+        let has_robot = prepared.robot().is_some();
         Partners {
             human: self
                 .human

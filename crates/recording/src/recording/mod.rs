@@ -17,10 +17,10 @@
 //!
 //! let world = World::load("../../worlds/environment-4.toml".as_ref())?;
 //! let scenario = Scenario::new(world.into(), Plant::Point);
-//! let stage = scenario.prepare()?;
-//! let mut episode = stage.episode()?;
+//! let prepared = scenario.prepare()?;
+//! let mut episode = prepared.episode()?;
 //! let file = Cursor::new(Vec::new());
-//! let mut recorder = Recorder::new(file, "memory", &stage, &episode)?;
+//! let mut recorder = Recorder::new(file, "memory", &prepared, &episode)?;
 //! while episode.step().is_none() {
 //!     recorder.step(&episode)?;
 //! }
@@ -47,7 +47,7 @@ mod events;
 mod file;
 mod frames;
 #[cfg(feature = "live")]
-mod gate;
+mod origin_proxy;
 mod human;
 #[cfg(feature = "live")]
 mod live;

@@ -1,4 +1,4 @@
-//! H1, Table I: the model's choice distribution beside the participants' answers and the paper's model
+//! H1, Table I: the model's choice distribution next to the participants' answers and the paper's model
 //! output.
 
 use super::ENVIRONMENTS;

@@ -228,12 +228,12 @@ impl Study<'_> {
     fn built_in(&self, method: Method, plant: &Plant) -> Result<Vec<Group>, Error> {
         let worlds = BUILT_IN_WORLDS.iter().map(|world| {
             let text = (world.name.to_owned(), world.text.to_owned());
-            Ok(Group { name: world.name.to_owned(), worlds: vec![self.stage(text, method, plant)?] })
+            Ok(Group { name: world.name.to_owned(), worlds: vec![self.prepared(text, method, plant)?] })
         });
         worlds.collect()
     }
 
-    fn stage(
+    fn prepared(
         &self,
         (file, text): (String, String),
         method: Method,
@@ -252,12 +252,12 @@ impl Study<'_> {
         let mut worlds = Vec::new();
         while worlds.len() < self.worlds {
             let text = (RANDOM_WORLDS.to_owned(), super::cycles::random_world(&mut rng));
-            match self.stage(text.clone(), Method::MUTUAL, &Plant::Point) {
+            match self.prepared(text.clone(), Method::MUTUAL, &Plant::Point) {
                 // the start or target is inside an obstacle, or enclosed
                 Err(error) if error.kind() == ErrorKind::World => {}
                 world => {
                     if world?.options().options().len() > 1 {
-                        worlds.push(self.stage(text, method, plant)?);
+                        worlds.push(self.prepared(text, method, plant)?);
                     }
                 }
             }

@@ -1,4 +1,4 @@
-//! The paper's claims, one file each, with our results beside the paper's. This file has the paper's figures
+//! The paper's claims, one file each, with our results next to the paper's. This file has the paper's figures
 //! and the four environments that were calibrated to them.
 //!
 //! Source: A. J. Mahmud, W. Li, X. Wang, "Mutual Adaptation in Human-Robot Co-Transportation with Human
@@ -133,8 +133,8 @@ fn prepared(
 }
 
 /// Runs the episode of a scenario to its end, and calls `on_tick` after every step.
-fn run(stage: &PreparedScenario, mut on_tick: impl FnMut(&Tick)) -> Result<Summary, Error> {
-    let mut episode = stage.episode()?;
+fn run(prepared: &PreparedScenario, mut on_tick: impl FnMut(&Tick)) -> Result<Summary, Error> {
+    let mut episode = prepared.episode()?;
     while episode.step().is_none() {
         on_tick(episode.tick());
     }

@@ -74,7 +74,7 @@ fn saving(with: f64, without: f64) -> String {
     format!("{:.1} %", 100.0 * (1.0 - with / without))
 }
 
-/// The paper's table beside the project's.
+/// The paper's table next to the project's.
 pub fn table_3(shown: Compared) -> Table {
     let paper = |row: &PoseRow| row.paper_mean.unwrap_or(f64::NAN);
     let pairs = shown.pairs();

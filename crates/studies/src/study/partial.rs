@@ -1,4 +1,4 @@
-//! Running sweeps, whose rows are in a partial file beside the results until the sweep is complete. The
+//! Running sweeps, whose rows are in a partial file next to the results until the sweep is complete. The
 //! partial file may end anywhere; the sweep resumes from it.
 //!
 //! The partial file is the beginning of the final one: rows are appended in order, each batch in one write. A

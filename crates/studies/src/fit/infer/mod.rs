@@ -34,8 +34,8 @@ pub struct Person {
     pub participant: String,
     /// Number of answers.
     pub answers: usize,
-    /// Number of looks at recorded walks.
-    pub looks: usize,
+    /// Number of sightings in recorded walks.
+    pub sightings: usize,
     /// alpha, from the own answers alone.
     pub alpha: Figure,
     /// gamma, from the own answers alone.
@@ -102,7 +102,7 @@ pub fn infer(
             _ => prior.clone(),
         };
         for walk in walks.iter().filter(|walk| walk.participant == *names[p]) {
-            perceived.see(walk, settings.lapse_rate)?;
+            perceived.observe(walk, settings.lapse_rate)?;
         }
         Ok(perceived)
     };
@@ -126,7 +126,7 @@ pub fn infer(
     };
     let grid = Grid::new(model.belief.ranges())?;
     let is_sampled = matches!(model.belief, Belief::Samples(_));
-    let is_asked = people.iter().any(|person| person.answers + person.looks > 0);
+    let is_asked = people.iter().any(|person| person.answers + person.sightings > 0);
     let has_population = settings.has_population && is_asked && names.len() > 1 && !is_sampled;
     let integrals: Vec<Integrals> = match has_population {
         false => Vec::new(),
@@ -166,7 +166,7 @@ pub fn infer(
         Person {
             participant: (*name).clone(),
             answers: known.answers,
-            looks: known.looks,
+            sightings: known.sightings,
             alpha: figure(0, variance_alpha),
             gamma: figure(1, variance_gamma),
             correlation: covariance / (variance_alpha * variance_gamma).sqrt(),

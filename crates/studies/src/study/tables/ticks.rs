@@ -91,10 +91,10 @@ impl Layout {
             .chain(&after)
             .map(String::as_str)
             .collect();
-        let line = study.row_of(episode, cell, scenario, &|stage| {
-            let mut episode = stage.episode()?;
+        let line = study.row_of(episode, cell, scenario, &|prepared| {
+            let mut episode = prepared.episode()?;
             while episode.step().is_none() {
-                let view = View::new(stage, &episode);
+                let view = View::new(prepared, &episode);
                 let values: Vec<Value> =
                     TICK.into_iter().flat_map(|table| view.read(table)).map(|(_, value)| value).collect();
                 columns.borrow_mut().add(cells.iter().copied(), &values);
