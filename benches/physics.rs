@@ -1,6 +1,6 @@
 //! The physical plant against budgets: a control period of 0.2 s, and whole episodes; what other steps and
-//! solver iterations would save of these, and spoil. `--peer` prints figures for `benches/mujoco_peer.py`, which
-//! has the same scene in MuJoCo.
+//! solver iterations would save of these, and spoil. `--peer` prints figures for `benches/mujoco_peer.py`,
+//! which has the same scene in MuJoCo.
 
 use cocarry::control;
 use cocarry::episode::Summary;

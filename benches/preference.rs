@@ -110,8 +110,8 @@ fn sightings(count: usize, human: impl Fn(usize, &[Prospect]) -> usize) -> Vec<(
     (0..count).map(sighting).collect()
 }
 
-/// One tick of a robot that learns, after 100 sightings: a sighting from where P_o was asked for in the tick before,
-/// then P_o and J~_o from the next place.
+/// One tick of a robot that learns, after 100 sightings: a sighting from where P_o was asked for in the tick
+/// before, then P_o and J~_o from the next place.
 fn learning(criterion: &mut Criterion) {
     let human = cocarry::preference::Perception { alpha: 0.747, gamma: 0.765 };
     let of_model = |_: usize, prospects: &[Prospect]| human_choice(prospects, RISK_WEIGHT, human, None);

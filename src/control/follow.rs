@@ -17,8 +17,8 @@ use nalgebra::Rotation3;
 const LOOK_AHEADS_M: [f64; 3] = [0.65, 0.45, 0.3];
 /// Time over which the base looks out for obstacles, s.
 const LOOK_OUT_S: f64 = 1.2;
-/// How far (m) the base may overlap an obstacle: the base is narrower than its disc, or than the polygon around
-/// its shapes.
+/// How far (m) the base may overlap an obstacle: the base is narrower than its disc, or than the polygon
+/// around its shapes.
 const LOOK_OUT_TOLERANCE_M: f64 = 0.005;
 /// Gain of the spacing between base and grasp, 1/s.
 const SPACING_GAIN: f64 = 1.0;

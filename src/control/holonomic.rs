@@ -71,8 +71,8 @@ mod tests {
         RobotObstacles::new(&World::parse("w.toml", text).unwrap())
     }
 
-    /// Forward and backward, round corners, with a grasp ahead and to the side: the base stays on the path at its
-    /// distance, and the grasp at its bearing.
+    /// Forward and backward, round corners, with a grasp ahead and to the side: the base stays on the path at
+    /// its distance, and the grasp at its bearing.
     #[test]
     fn a_base_keeps_to_its_path_its_distance_and_its_bearing() {
         let obstacles = far_away();

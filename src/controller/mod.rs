@@ -1,7 +1,7 @@
 //! The robot's controller: from what is seen, who leads where, and what the human may choose, to a command.
 //!
-//! Implement [`Controller`] to carry with a control law of your own on any plant; [`References`] has the motion
-//! that the grasp should make. Pass it to an episode with
+//! Implement [`Controller`] to carry with a control law of your own on any plant; [`References`] has the
+//! motion that the grasp should make. Pass it to an episode with
 //! [`EpisodeBuilder::with_controller`](crate::episode::EpisodeBuilder::with_controller).
 
 mod guide;

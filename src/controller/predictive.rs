@@ -96,8 +96,9 @@ impl<'a> Predictive<'a> {
         model_error * (MAX_CORRECTION / model_error.norm()).min(1.0)
     }
 
-    /// The Jacobian with the arm's part half-way through the first period of `input`. Where the wrist is nearly
-    /// stretched, its axes turn by so much in a period that those at the beginning do not describe the motion.
+    /// The Jacobian with the arm's part half-way through the first period of `input`. Where the wrist is
+    /// nearly stretched, its axes turn by so much in a period that those at the beginning do not describe the
+    /// motion.
     fn jacobian_half_way(
         &self,
         target: &Configuration,

@@ -42,8 +42,8 @@ impl<'a> Episode<'a> {
         self.learner.map(|learner| *learner)
     }
 
-    /// Learns from the last step, if the human led it: its direction is that of every option with the same next
-    /// waypoint.
+    /// Learns from the last step, if the human led it: its direction is that of every option with the same
+    /// next waypoint.
     pub(super) fn learn_from_walk(&mut self) {
         let Some(learner) = self.learner.as_deref_mut() else { return };
         let Some((_, decision)) = &self.decided else { return };

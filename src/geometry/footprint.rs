@@ -222,8 +222,8 @@ impl Footprint {
     }
 
     /// The face that lies farthest along the unit vector `toward`: the farthest corner, and what lies within
-    /// `tolerance` (m) of it along sides that are perpendicular to `toward` up to `slope` (rad). Returned as an
-    /// interval on the axis to the left of `toward`, m from the world's origin.
+    /// `tolerance` (m) of it along sides that are perpendicular to `toward` up to `slope` (rad). Returned as
+    /// an interval on the axis to the left of `toward`, m from the world's origin.
     ///
     /// It changes continuously with the outline: the tolerance decreases to 0 at `slope`.
     pub fn farthest_face(&self, toward: Vector, tolerance: f64, slope: f64) -> [f64; 2] {

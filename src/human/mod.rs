@@ -2,8 +2,8 @@
 //! decisions.
 //!
 //! Implement [`Human`] to use a model of your own. Pass it to an episode with
-//! [`EpisodeBuilder::with_human`](crate::episode::EpisodeBuilder::with_human), or add it to [`MODELS`], which serves the
-//! command line, studies, scenarios and recordings.
+//! [`EpisodeBuilder::with_human`](crate::episode::EpisodeBuilder::with_human), or add it to [`MODELS`], which
+//! serves the command line, studies, scenarios and recordings.
 
 mod boltzmann;
 mod model;
@@ -33,9 +33,9 @@ pub trait Human: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// The human's decision at the beginning of a control period.
     fn decide(&mut self, view: &HumanView<'_>) -> HumanDecision;
 
-    /// Where the hand goes by the end of a control period, m, world frame, on plants with bodies. By default, or
-    /// with `None`, it goes straight to the decision's target until the end of the planning step, or with the
-    /// leader.
+    /// Where the hand goes by the end of a control period, m, world frame, on plants with bodies. By default,
+    /// or with `None`, it goes straight to the decision's target until the end of the planning step, or with
+    /// the leader.
     fn hand(&mut self, view: &HandView<'_>) -> Option<Point> {
         let _ = view;
         None

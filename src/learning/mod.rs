@@ -76,8 +76,8 @@ impl Settings {
     /// The least change rate: with it, the belief stays exact however often the human contradicts it.
     pub const MIN_CHANGE_RATE: f64 = 1e-4;
 
-    /// The settings of a robot whose belief has this lapse rate. A belief without lapses says nothing about the
-    /// rate.
+    /// The settings of a robot whose belief has this lapse rate. A belief without lapses says nothing about
+    /// the rate.
     pub(crate) fn assuming(self, lapse_rate: f64) -> Self {
         if lapse_rate > 0.0 { Self { lapse_rate, ..self } } else { self }
     }
@@ -188,8 +188,8 @@ impl Learner {
         self.steps_since_look.is_none_or(|steps| steps + 1 >= self.settings.look_steps)
     }
 
-    /// A step under the human's lead, from where the options were `prospects` with these `ways`. `is_consistent`
-    /// says for each option whether a human on it would have moved as this human did.
+    /// A step under the human's lead, from where the options were `prospects` with these `ways`.
+    /// `is_consistent` says for each option whether a human on it would have moved as this human did.
     ///
     /// # Errors
     /// [`PreferenceError::Impossible`] with a lapse rate of 0.

@@ -39,8 +39,8 @@ impl Crossing {
     }
 }
 
-/// The distance (m) between a path through a lane that is not straight and the gap's line, where it arrives and
-/// leaves: more than the tolerance within which lines meet the gap.
+/// The distance (m) between a path through a lane that is not straight and the gap's line, where it arrives
+/// and leaves: more than the tolerance within which lines meet the gap.
 const OFF_GAP_M: f64 = 1e-7;
 /// What outer lanes keep from a pillar beyond the clearance, m.
 const FROM_PILLAR_M: f64 = 1e-6;
@@ -61,9 +61,9 @@ pub(super) enum Exit {
 }
 
 impl Passage {
-    /// The passage through `opening`, straight as `alignment` says or less if an obstacle or another opening is
-    /// closer. Between pillars paths go through it in any direction and in one of three lanes, in the middle or
-    /// as near to either pillar as the team may.
+    /// The passage through `opening`, straight as `alignment` says or less if an obstacle or another opening
+    /// is closer. Between pillars paths go through it in any direction and in one of three lanes, in the
+    /// middle or as near to either pillar as the team may.
     pub fn new(
         opening: &Opening,
         others: &[[Point; 2]],

@@ -1,8 +1,8 @@
 //! The robot's policy: it decides who leads, on which option, and optionally by which motion.
 //!
 //! Implement [`RobotPolicy`] to use a policy of your own. Pass it to an episode with
-//! [`EpisodeBuilder::with_policy`](crate::episode::EpisodeBuilder::with_policy), or add it to [`METHODS`], which serves the
-//! command line, studies, scenarios and recordings.
+//! [`EpisodeBuilder::with_policy`](crate::episode::EpisodeBuilder::with_policy), or add it to [`METHODS`],
+//! which serves the command line, studies, scenarios and recordings.
 
 mod entry;
 mod human_led;

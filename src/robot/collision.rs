@@ -138,8 +138,8 @@ fn prism(corners: &[Point]) -> Shape {
     Shape::Mesh { file: PathBuf::new(), scale: Vector3::repeat(1.0), hull }
 }
 
-/// The check of inertias and masses on the bodies that move as one. A link whose inertia no body has is a fault
-/// only if its body's is not possible either.
+/// The check of inertias and masses on the bodies that move as one. A link whose inertia no body has is a
+/// fault only if its body's is not possible either.
 pub(super) fn check_inertias(urdf: Urdf, robot: &Robot) -> (Vec<Error>, Vec<RobotWarning>) {
     let (mut faults, mut warnings) = (Vec::new(), Vec::new());
     let body = bodies(robot);

@@ -1,4 +1,5 @@
-//! The outline of a base on the floor: a disc about its drive, or what `base_footprint` of its robot file says.
+//! The outline of a base on the floor: a disc about its drive, or what `base_footprint` of its robot file
+//! says.
 
 use super::Robot;
 use super::collision;

@@ -12,8 +12,8 @@ use std::path::Path;
 
 /// The largest mesh file that is read, bytes.
 const MAX_MESH: u64 = 64 << 20;
-/// The number of directions in which a hull has its vertices. On a ball, the hull of as many vertices is within
-/// 1 % of the radius.
+/// The number of directions in which a hull has its vertices. On a ball, the hull of as many vertices is
+/// within 1 % of the radius.
 const DIRECTIONS: usize = 256;
 /// The largest coordinate of a vertex in the file's units.
 const MAX_COORDINATE: f64 = 1e6;

@@ -34,10 +34,10 @@ pub struct RobotTexts {
     pub urdf_file: String,
     /// Text of the URDF.
     pub urdf: String,
-    /// Vertices of the hulls of collision meshes, or of their convex parts, in the units of their files, by the
-    /// names of the meshes in the URDF; and the sign that shapes stand in for those that are missing. `None`
-    /// if every link that collides has a shape in the URDF itself, and for robots of recordings by versions
-    /// without hulls, whose meshes do not collide.
+    /// Vertices of the hulls of collision meshes, or of their convex parts, in the units of their files, by
+    /// the names of the meshes in the URDF; and the sign that shapes stand in for those that are missing.
+    /// `None` if every link that collides has a shape in the URDF itself, and for robots of recordings by
+    /// versions without hulls, whose meshes do not collide.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     hulls: Option<SharedHulls>,
     /// The folders in which meshes are searched for.

@@ -29,7 +29,8 @@ pub(super) struct Found {
 const STARTS: usize = 16;
 /// Places of the grasp, ahead of the base's edge, m.
 const AHEAD_M: [f64; 6] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7];
-/// Least distance of the grasp from the base's edge, ahead or to the side, m: the object extends forward from it.
+/// Least distance of the grasp from the base's edge, ahead or to the side, m: the object extends forward from
+/// it.
 const MIN_AHEAD_M: f64 = 0.1;
 const MIN_LATERAL_M: f64 = 0.15;
 /// A grasp so far from the axis halves the room, m.
@@ -193,8 +194,8 @@ fn reach_share(robot: &Robot, found: &Found) -> f64 {
     ways.chain(turns).fold(1.0, f64::min).max(MIN_SHARE)
 }
 
-/// The largest distance of the arm from the middle of the base to either side, m: its joints with balls of this radius (m) around them,
-/// and the collision shapes of the links from the base to the grasp.
+/// The largest distance of the arm from the middle of the base to either side, m: its joints with balls of
+/// this radius (m) around them, and the collision shapes of the links from the base to the grasp.
 pub(super) fn arm_half_width(robot: &Robot, joints: &JointVector, radius: f64) -> f64 {
     let mut widest: f64 = 0.0;
     let q = Robot::at_origin(joints);

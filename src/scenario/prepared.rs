@@ -125,8 +125,8 @@ impl PreparedScenario {
         &self.scene.options
     }
 
-    /// The world's options for its own `robot_width_m`, which preference changes are drawn from: the human of a
-    /// seed is the same whatever carries with them.
+    /// The world's options for its own `robot_width_m`, which preference changes are drawn from: the human of
+    /// a seed is the same whatever carries with them.
     ///
     /// # Errors
     /// As [`OptionSet::new`].

@@ -317,8 +317,8 @@ fn unoccupied(point: Point, place: Place, obstacles: &[Obstacle], robot_width: f
     }
 }
 
-/// A start or target that is on the line of a gap, moved off that line by [`OFF_GAP_M`] to the side of `other`,
-/// the target or start: it must be on one side.
+/// A start or target that is on the line of a gap, moved off that line by [`OFF_GAP_M`] to the side of
+/// `other`, the target or start: it must be on one side.
 fn off_gaps(point: Point, other: Point, openings: &[Opening]) -> Point {
     openings.iter().fold(point, |point, gap| {
         let [a, b] = gap.ends;
@@ -398,8 +398,8 @@ fn declared_openings(
     Ok(openings)
 }
 
-/// The openings among these gaps, named in the order in which they lie on the way from A to B, and from left to
-/// right where they lie side by side.
+/// The openings among these gaps, named in the order in which they lie on the way from A to B, and from left
+/// to right where they lie side by side.
 fn numbered(mut openings: Vec<Opening>, [start, target]: [Point; 2], robot_width: f64) -> Vec<Opening> {
     let along = (target - start).try_normalize(0.0).unwrap_or(Vector::x());
     // up to rounding, so that a room that is moved or turned has the same order

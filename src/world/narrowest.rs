@@ -1,10 +1,10 @@
 //! Parallel gaps in one passage as one opening, its narrowest.
 //!
-//! Grooves, ribs and ragged walls give a passage several gaps of nearly equal width, which the disc over a gap
-//! does not tell apart: where the wider of two gaps, of widths v < w, is closer than sqrt(w^2 - v^2) / 2 to the
-//! narrower, that disc contains the narrower one's sides. Here the same distance plus [`ONE_PASSAGE`] robot
-//! widths makes them one: nobody can turn off between them. From there on the wider gap counts the more the
-//! farther away it is, so that S does not jump.
+//! Grooves, ribs and ragged walls give a passage several gaps of nearly equal width, which the disc over a
+//! gap does not tell apart: where the wider of two gaps, of widths v < w, is closer than sqrt(w^2 - v^2) / 2
+//! to the narrower, that disc contains the narrower one's sides. Here the same distance plus [`ONE_PASSAGE`]
+//! robot widths makes them one: nobody can turn off between them. From there on the wider gap counts the more
+//! the farther away it is, so that S does not jump.
 
 use super::opening::Opening;
 use crate::geometry::{Bounds, Nearby, cross};

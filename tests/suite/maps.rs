@@ -1,5 +1,5 @@
-//! Worlds from maps and floor plans, and outlines of obstacles that touch or are concave, each against the same
-//! room written by hand.
+//! Worlds from maps and floor plans, and outlines of obstacles that touch or are concave, each against the
+//! same room written by hand.
 
 use crate::support::{cocarry, json, repository, stderr, stdout};
 use cocarry::geometry::{Point, direction, left_of};

@@ -351,8 +351,8 @@ fn a_change_of_option_is_walked_in_an_arc() {
     assert!(peak < 100.0, "{peak} N");
 }
 
-/// A hand that sways by 10 cm fails in some random worlds: the files that are kept say how to run each of these
-/// episodes again, and it ends in the same way.
+/// A hand that sways by 10 cm fails in some random worlds: the files that are kept say how to run each of
+/// these episodes again, and it ends in the same way.
 #[test]
 fn a_failed_episode_of_a_random_world_can_be_run_again() {
     let folder = tempfile::tempdir().unwrap();

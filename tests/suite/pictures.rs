@@ -153,8 +153,8 @@ pub fn settle_text(file: &str, made: &str) {
     assert!(shown == made, "{file} is of an earlier program; write it anew with {UPDATE}=1");
 }
 
-/// `viewer/test/lichtblick` notes in the picture which recording it shows: the one that ships, or the page says
-/// that it is of an earlier one.
+/// `viewer/test/lichtblick` notes in the picture which recording it shows: the one that ships, or the page
+/// says that it is of an earlier one.
 #[test]
 fn the_picture_of_a_viewer_shows_the_recording_that_ships() {
     let recording = std::fs::read(repository("recordings/environment-4.mcap")).unwrap();

@@ -63,8 +63,8 @@ impl SnapshotArguments {
         Ok(Some(snapshot))
     }
 
-    /// Runs `act`, the whole command. With --resume, a panic in it is bad input: the physics engine panics on a
-    /// state of its own that is not consistent.
+    /// Runs `act`, the whole command. With --resume, a panic in it is bad input: the physics engine panics on
+    /// a state of its own that is not consistent.
     pub fn guard(&self, act: impl FnOnce() -> Result<ExitCode, Failure>) -> Result<ExitCode, Failure> {
         let Some(file) = &self.resume else { return act() };
         let usual = std::panic::take_hook();

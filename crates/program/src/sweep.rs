@@ -41,8 +41,8 @@ pub(super) struct SweepArguments {
     out: Option<PathBuf>,
     /// Write every tick of every episode into this new folder, as Parquet files of 100 episodes each
     ///
-    /// The columns are those of `cocarry run --ticks` with the episode, its seed and the inputs that vary. Needs
-    /// the feature `parquet`, as --out.
+    /// The columns are those of `cocarry run --ticks` with the episode, its seed and the inputs that vary.
+    /// Needs the feature `parquet`, as --out.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["merge", "summary"])]
     ticks: Option<PathBuf>,
     /// Run only shard I of N, such as 3/16, for job arrays; --merge joins the shards

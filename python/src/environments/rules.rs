@@ -187,8 +187,8 @@ impl Rules {
         into.copy_from_slice(&numbers);
     }
 
-    /// Begins the next step and observes it; returns the outcome once the episode has ended. Where the human acts
-    /// too, a copy looks ahead, since the human has not decided yet.
+    /// Begins the next step and observes it; returns the outcome once the episode has ended. Where the human
+    /// acts too, a copy looks ahead, since the human has not decided yet.
     pub(super) fn begin(
         &self,
         prepared: &PreparedScenario,

@@ -149,7 +149,8 @@ mod tests {
         assert!(compared > 2000 && within > 20, "{compared} {within}");
     }
 
-    /// A base whose side is along a wall has a bound for either end of the side: it may not turn into the wall.
+    /// A base whose side is along a wall has a bound for either end of the side: it may not turn into the
+    /// wall.
     #[test]
     fn a_side_along_a_wall_is_kept_off_at_both_ends() {
         let text = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [-3, 0]\ntarget_m = [9, 0]\n[[obstacle]]\nname = \"wall\"\n\

@@ -93,8 +93,8 @@ fn frames_in_the_world(message: &Value) -> BTreeMap<String, Pose> {
     known
 }
 
-/// A viewer without a layout draws a line from every frame to its parent: three lines from the origin, to robot,
-/// object and human, and theirs.
+/// A viewer without a layout draws a line from every frame to its parent: three lines from the origin, to
+/// robot, object and human, and theirs.
 #[test]
 fn frames_are_a_tree_of_robot_object_and_human_in_which_every_shape_has_its_frame() {
     let robot = Robot::built_in().unwrap();

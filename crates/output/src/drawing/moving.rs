@@ -35,8 +35,8 @@ pub struct Moving<'a> {
 }
 
 impl<'a> Film<'a> {
-    /// The pictures of a moving one. `width` is the layout's, px. Each has room for `lines` lines of words, and
-    /// shows no more; without a number, for the longest.
+    /// The pictures of a moving one. `width` is the layout's, px. Each has room for `lines` lines of words,
+    /// and shows no more; without a number, for the longest.
     ///
     /// # Errors
     /// [`DrawingError`]: there is nothing to draw, or a number cannot be drawn.

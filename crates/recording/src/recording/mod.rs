@@ -5,8 +5,9 @@
 //! handed to the system at every whole simulated second; after a crash, [`recover`] makes a valid file of it.
 //! With the cargo feature `live`, `LiveServer` serves the same messages to viewers while an episode runs.
 //!
-//! Times are simulated. JSON fields are [quantities](cocarry::quantities), and missing values are left out. The
-//! channels are those of [`Channel`]; `book/src/recordings.md` has a table of all, with rates and contents.
+//! Times are simulated. JSON fields are [quantities](cocarry::quantities), and missing values are left out.
+//! The channels are those of [`Channel`]; `book/src/recordings.md` has a table of all, with rates and
+//! contents.
 //!
 //! ```
 //! use cocarry::episode::Outcome;

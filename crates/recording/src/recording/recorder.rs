@@ -66,7 +66,8 @@ impl<'a, W: Write + Seek> Recorder<'a, W> {
         })
     }
 
-    /// The same recorder, which also logs the decisions of own partners, so that the recording can be replayed.
+    /// The same recorder, which also logs the decisions of own partners, so that the recording can be
+    /// replayed.
     #[must_use]
     pub fn logging(self, decisions: Decisions) -> Self {
         Self { decisions, ..self }

@@ -37,8 +37,8 @@ pub enum Verdict {
     Different(Difference),
 }
 
-/// Runs a recording's scenario again, with the logged decisions of own partners, and compares its messages with
-/// those recorded, up to the first difference.
+/// Runs a recording's scenario again, with the logged decisions of own partners, and compares its messages
+/// with those recorded, up to the first difference.
 ///
 /// `first` and `second` are the same file, each from its beginning.
 ///

@@ -53,8 +53,8 @@ pub fn columns() -> Vec<Heading> {
     row::headings()
 }
 
-/// The largest number of prepared scenarios of a study, each with its own world, c_r and robot. They take about
-/// 0.2 MB each.
+/// The largest number of prepared scenarios of a study, each with its own world, c_r and robot. They take
+/// about 0.2 MB each.
 const MAX_SCENES: usize = 1000;
 
 /// A study, read and checked: its episodes by number.

@@ -143,8 +143,8 @@ impl<S: Borrow<Study>> Sweep<S> {
     /// With `stop` it stops after the episodes that are running.
     ///
     /// # Errors
-    /// [`SweepError::Output`] or [`SweepError::Stopped`]; the rows and ticks written so far stay in the partial
-    /// outputs.
+    /// [`SweepError::Output`] or [`SweepError::Stopped`]; the rows and ticks written so far stay in the
+    /// partial outputs.
     pub fn run(self, on_done: OnDone, stop: &AtomicBool) -> Result<(), SweepError> {
         let Self { study: owner, path, mut file, mut ticks, episodes, kept } = self;
         let study = owner.borrow();
