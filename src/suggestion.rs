@@ -9,7 +9,11 @@ const MIN_SIMILARITY: f64 = 0.78;
 const MAX_FILES: usize = 1000;
 
 /// The known name that is most like `name`. What a name has in parentheses is not compared.
-pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub fn nearest<'a>(
+    name: &str,
+    known: impl IntoIterator<Item = &'a str, IntoIter: Clone>,
+) -> Option<&'a str> {
+    let known = known.into_iter();
     let stem = |name: &str| name.split_once('(').map_or(name, |(stem, _)| stem).to_lowercase();
     let similarity = |other: &str| {
         let (name, other) = (stem(name), stem(other));
@@ -17,15 +21,32 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
         let is_slip = name.len() > 2 && strsim::osa_distance(&name, &other) == 1;
         strsim::jaro(&name, &other).max(if is_slip { MIN_SIMILARITY } else { 0.0 })
     };
-    let near = known.into_iter().map(|other| (similarity(other), other));
+    let near = known.clone().map(|other| (similarity(other), other));
     let near = near.filter(|(similarity, other)| *similarity >= MIN_SIMILARITY && *other != name);
     // the first of equals
     near.fold(None, |best: Option<(f64, &str)>, next| Some(best.filter(|b| b.0 >= next.0).unwrap_or(next)))
         .map(|(_, other)| other)
+        .or_else(|| abbreviated(name, known))
+}
+
+/// The known name that `name` abbreviates: its number, after the beginning of its letters, as in `env4` or `4`
+/// for `environment-4`.
+fn abbreviated<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let parts = |name: &str| {
+        let letters = name.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+        let (letters, number) = name.split_at(letters);
+        (letters.to_lowercase(), number.to_owned())
+    };
+    let (letters, number) = parts(name);
+    let fits = |other: &&str| {
+        let (whole, of) = parts(other);
+        whole.starts_with(&letters) && of == number
+    };
+    known.into_iter().find(|other| !number.is_empty() && fits(other))
 }
 
 /// The end of an error about `name`: "; did you mean `OTHER`?", or nothing.
-pub fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+pub fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str, IntoIter: Clone>) -> String {
     nearest(name, known).map_or(String::new(), |other| format!("; did you mean `{other}`?"))
 }
 
@@ -76,6 +97,9 @@ mod tests {
             ("Environment-2", Some("environment-2")),
             ("enviroment3", Some("environment-3")),
             ("freeform", Some("free-form")),
+            ("env4", Some("environment-4")),
+            ("2", Some("environment-2")),
+            ("7", None),
             ("kitchen", None),
             ("", None),
             ("free-form", None),

@@ -12,6 +12,7 @@ use cocarry::scenario::{
     self, GivenPerception, Kind, PERCEPTION, PERIOD, Plant, PlantKind, PreferenceChanges, PreparedScenario,
     RobotSetup, SETTINGS, Setting, Value, drawn_changes,
 };
+use cocarry::suggestion;
 use cocarry::world;
 use cocarry_maps::Ends;
 use cocarry_output::drawing;
@@ -186,6 +187,20 @@ pub struct Scenario {
     prepared: OnceLock<Arc<PreparedScenario>>,
 }
 
+/// The keywords of `Scenario` that are no settings.
+const KEYWORDS: [&str; 10] = [
+    "world",
+    "plant",
+    "seed",
+    "alpha",
+    "gamma",
+    "changes",
+    "preference_changes",
+    "belief_alpha",
+    "belief_gamma",
+    "robot",
+];
+
 /// A preference change in Python: step, alpha, gamma.
 type Change = (u64, f64, f64);
 
@@ -216,9 +231,11 @@ fn apply(scenario: &mut scenario::Scenario, settings: Option<&Bound<'_, PyDict>>
             return Err(refused(&key, repr(&given), PERIOD[2]));
         }
         let Some(setting) = SETTINGS.iter().find(|setting| setting.key == key) else {
+            let keys = KEYWORDS.into_iter().chain(SETTINGS.iter().map(|setting| setting.key));
+            let hint = suggestion::hint(&key, keys);
             let known = SETTINGS.iter().map(|setting| setting.key).collect::<Vec<_>>().join(", ");
             return Err(ScenarioError::new_err(format!(
-                "scenario: unknown setting `{key}`; expected one of: {known}"
+                "scenario: unknown setting `{key}`; expected one of: {known}{hint}"
             )));
         };
         let plant = scenario.plant.kind();

@@ -157,7 +157,7 @@ def test_what_files_cannot_have_is_refused(tmp_path):
         cocarry.sweep(STUDY, out=tmp_path / "rows.parquet", processes=2)
     (tmp_path / "taken").mkdir()
     (tmp_path / "taken" / "mine.txt").write_text("mine")
-    with pytest.raises(cocarry.StudyError, match="has mine.txt"):
+    with pytest.raises(cocarry.StudyError, match="holds mine.txt"):
         cocarry.sweep(STUDY, out=tmp_path / "rows.parquet", ticks=tmp_path / "taken", overwrite=True)
     assert os.listdir(tmp_path) == ["taken"]
     assert pathlib.Path(tmp_path / "taken" / "mine.txt").read_text() == "mine"

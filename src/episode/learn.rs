@@ -23,7 +23,7 @@ pub(super) fn is_consistent(tick: &Tick, lead: Lead) -> Option<impl Iterator<Ite
 }
 
 impl<'a> Episode<'a> {
-    /// The same episode with a robot that goes on with what `learner` knows of this human. Call it before the
+    /// The same episode with a robot that starts from `learner`. Call it before the
     /// first step; the learner's next task begins.
     #[must_use]
     pub fn with_learner(mut self, mut learner: Learner) -> Self {

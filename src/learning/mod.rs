@@ -128,7 +128,7 @@ pub struct State {
 }
 
 impl Learner {
-    /// A robot that knows nothing of the human but `belief` and the prior of eta. `risk_weight` is c_r (m),
+    /// A robot that knows only `belief` and the prior of eta about the human. `risk_weight` is c_r (m),
     /// `initial_stubbornness` phi(0). The first task has begun.
     ///
     /// # Errors

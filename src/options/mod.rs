@@ -107,7 +107,7 @@ impl OptionSet {
             refused(
                 Place::file(&world.file),
                 format_args!(
-                    "{obstacles} obstacles are too many for so open a world: {work}; use fewer obstacles, or fewer corners (a cylinder has none)"
+                    "too many obstacles in an open world ({obstacles}): {work}; use fewer obstacles, or fewer corners (a cylinder has none)"
                 ),
             )
         };

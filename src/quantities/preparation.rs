@@ -12,7 +12,7 @@ use serde_json::Value;
 pub const PREPARATION: &[Quantity] = quantities! {
     "references", List(|| headings(REFERENCE)), "what eq. (7) and (8) track: all options while the human leads, else the one executed", |v| references(v);
     "target", Kind::Record(|| headings(CONFIGURATION)), "q*, the configuration that eq. (8) chose, else the present one", |v| v.episode.decision_basis().map(|c| configuration(v, c.target));
-    "candidates", List(|| headings(CANDIDATE)), "Q of eq. (8), the present configuration first; none where it was not asked", |v| candidates(v);
+    "candidates", List(|| headings(CANDIDATE)), "Q of eq. (8), the present configuration first; none where eq. (8) was not solved", |v| candidates(v);
 };
 
 struct ReferenceView<'a> {

@@ -216,7 +216,7 @@ pub const OPTION: &[OfOption] = quantities! {
     "objective_cost_m", METRES, "J_o = D_o + c_r S_o, eq. (1)", |v| v.option.objective;
     "expected_subjective_cost", PLAIN, "J~_o of eq. (6): mean of the subjective cost over the robot's belief, cost units; missing while the human leads", |v| v.option.expected;
     "probability", PLAIN, "P_o: probability that the human prefers it, eq. (4), 0 to 1; missing where it was not evaluated", |v| v.option.probability;
-    "misaligned", Flag, "omega_o, eq. (5): whether the team moves toward something else than this option's next opening", |v| v.option.misaligned;
+    "misaligned", Flag, "omega_o, eq. (5): whether the team moves toward something other than this option's next opening", |v| v.option.misaligned;
 };
 
 fn options(view: &View) -> Vec<Value> {

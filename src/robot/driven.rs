@@ -150,7 +150,7 @@ impl Reader<'_> {
                 let (left, right) = (left?, right?);
                 if left.len() != right.len() {
                     let needed = format!(
-                        "a wheel: left_wheels has {} and right_wheels {}, as many must be on either side",
+                        "a wheel: both sides need the same number of wheels (left {}, right {})",
                         left.len(),
                         right.len()
                     );

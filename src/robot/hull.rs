@@ -119,7 +119,7 @@ pub(super) fn read(file: &Path) -> Result<Hull, String> {
         return Err("it has no triangles".to_owned());
     }
     if !points.iter().all(|p| p.amax() <= MAX_COORDINATE) {
-        return Err(format!("a vertex is not a number or beyond {MAX_COORDINATE}"));
+        return Err(format!("a vertex is NaN or exceeds {MAX_COORDINATE:e}"));
     }
     let mut chosen = extreme(&points);
     let solid = hull(&chosen);

@@ -160,8 +160,8 @@ fn what_is_wrong_with_files_and_flags_is_named() {
     refused(&["infer", ANSWERS, "--eta-median", "0"], &["--eta-median", "greater than 0"]);
     refused(&["infer", ANSWERS, "--draws", "10"], &["--draws", "100"]);
     refused(&["infer", SWITCHES, "--initial-stubbornness", "1"], &["--initial-stubbornness 1"]);
-    refused(&["infer", ANSWERS, "--csv", "rows.txt"], &["--csv", "ending must be .csv"]);
-    refused(&["infer", ANSWERS, "--arviz", "draws.nc"], &["--arviz", "ending must be .zarr.zip"]);
+    refused(&["infer", ANSWERS, "--csv", "rows.txt"], &["--csv", "expected the extension .csv"]);
+    refused(&["infer", ANSWERS, "--arviz", "draws.nc"], &["--arviz", "expected the extension .zarr.zip"]);
 }
 
 #[test]

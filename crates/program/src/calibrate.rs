@@ -15,8 +15,7 @@ use std::process::ExitCode;
 ///
 /// Humans are drawn from the prior and observed in the built-in worlds, with lapses and changes of mind. The
 /// posterior probability up to the true alpha, gamma and eta must be uniform over all humans (simulation-based
-/// calibration, Talts et al. 2018). The largest distance of its distribution from the uniform one must be
-/// within a band that a calibrated belief exceeds with probability 0.001. The exit code is 1 if one is not.
+/// calibration, Talts et al. 2018). Exits with 1 if a Kolmogorov-Smirnov test rejects uniformity at 0.001.
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry calibrate --replications 1000", ""),

@@ -26,6 +26,20 @@ pub(super) struct EpisodeReport<'a> {
     pub ticks: Vec<Tick>,
 }
 
+/// alpha and gamma that experiments report for people, about: beyond them, a digit is probably mistyped.
+const PLAUSIBLE: [f64; 2] = [0.2, 2.0];
+
+/// Warnings about a scenario, known before its episode.
+pub(super) fn scenario_warnings(prepared: &PreparedScenario) -> Vec<String> {
+    let Perception { alpha, gamma } = prepared.scenario().human;
+    let [least, most] = PLAUSIBLE;
+    let odd = [("alpha", alpha), ("gamma", gamma)].into_iter().filter(|(_, value)| !(least..=most).contains(value));
+    let odd = odd.map(|(name, value)| {
+        format!("{name} = {value}: experiments find values from {least} to {most} for people")
+    });
+    odd.chain(prepared.slow_drive().map(|slow| slow.to_string())).chain(prepared.robot_warnings()).collect()
+}
+
 impl EpisodeReport<'_> {
     fn view(&self) -> View<'_> {
         View::new(self.prepared, self.episode)
@@ -126,14 +140,14 @@ impl EpisodeReport<'_> {
         let HumanSummary { stubbornness, discomfort, subjective_cost, .. } = summary.human;
         let _ = writeln!(
             text,
-            "  human: final phi {stubbornness:.3}, discomfort g {discomfort:.2}; {:.0} % of the steps off the preferred option; accumulated \
-             subjective cost {subjective_cost:.2}",
+            "  human: final phi {stubbornness:.3}, discomfort g {discomfort:.2}; spent {:.0} % of the steps on an option they did not prefer; \
+             accumulated subjective cost {subjective_cost:.2}",
             100.0 * summary.human.share_off_preference(summary.steps)
         );
         if let (Some((robot, setup)), Some(control)) = (self.robot_setup(), &summary.control) {
             text += &self.control_text(robot, &setup.posture, control);
         }
-        for warning in self.warnings() {
+        for warning in self.episode_warnings() {
             let _ = writeln!(text, "\nwarning: {warning}");
         }
         text
@@ -169,7 +183,7 @@ impl EpisodeReport<'_> {
         if let Some(interaction) = &self.summary().interaction {
             let _ = writeln!(
                 text,
-                "  the human's force on the object: mean {:.1} N, rms {:.1} N; either grip at most {:.0} N, yielding at most {:.1} cm",
+                "  the human's force on the object: mean {:.1} N, rms {:.1} N; neither grip exceeds {:.0} N or gives way by more than {:.1} cm",
                 interaction.mean_force(),
                 interaction.rms_force(),
                 interaction.peak_force,
@@ -183,13 +197,13 @@ impl EpisodeReport<'_> {
         }
         if control.fallback_steps > 0 {
             let _ =
-                writeln!(text, "  no solution of eq. (7) in {} steps: see --ticks", control.fallback_steps);
+                writeln!(text, "  eq. (7) had no solution in {} steps: see --ticks", control.fallback_steps);
         }
         text
     }
 
-    /// Warnings about the scenario and about the episode.
-    fn warnings(&self) -> Vec<String> {
+    /// Warnings about the episode.
+    fn episode_warnings(&self) -> Vec<String> {
         let control =
             self.summary().control.map(|control| (control.error_rms(self.summary().steps), control));
         let off = control.filter(|(rms, _)| *rms >= GRASP_WARNING_RMS_M).map(|(rms, control)| {
@@ -200,9 +214,7 @@ impl EpisodeReport<'_> {
                 100.0 * control.largest_error
             )
         });
-        let slow = self.prepared.slow_drive().map(|slow| slow.to_string());
-        let touched = self.view().self_contact();
-        slow.into_iter().chain(self.prepared.robot_warnings()).chain(off).chain(touched).collect()
+        off.into_iter().chain(self.view().self_contact()).collect()
     }
 
     /// The events, one line each. In a resumed episode, earlier preference changes and the transition are
@@ -270,7 +282,7 @@ impl EpisodeReport<'_> {
                 "pose_criterion": c.control.criterion,
                 "avoid": c.control.avoid,
             })),
-            "warnings": self.warnings(),
+            "warnings": [scenario_warnings(self.prepared), self.episode_warnings()].concat(),
         });
         for (key, value) in self.view().read(EPISODE) {
             report[key] = value;

@@ -34,7 +34,7 @@ pub(super) struct InspectArguments {
     #[arg(long, value_name = "CHANNEL")]
     csv: Option<String>,
     /// Write the CSV into this file [default: standard output]
-    #[arg(long, value_name = "FILE", requires = "csv")]
+    #[arg(short, long, value_name = "FILE", requires = "csv")]
     output: Option<PathBuf>,
     /// Draw trajectory and stubbornness into this SVG file
     #[arg(long, value_name = "FILE", value_parser = svg_file)]

@@ -6,6 +6,7 @@ mod catalog_robots;
 mod cluster;
 mod episode_report;
 mod export;
+mod file_kind;
 mod fit;
 mod infer;
 mod inspect;
@@ -38,13 +39,16 @@ mod tick_log;
 mod world;
 mod worlds;
 
+use clap::error::ContextKind;
 use clap::{CommandFactory, Parser, Subcommand};
 use output::Failure;
+use std::error::Error;
 use std::ffi::OsString;
+use std::num::ParseIntError;
 use std::process::ExitCode;
 
-/// Simulates a human and a mobile manipulator that carry an object together, and shows which way of adapting
-/// to each other works.
+/// Simulates a human and a mobile manipulator that carry an object together but prefer different paths, and
+/// shows which way of adapting works best.
 #[derive(Debug, Parser)]
 #[command(
     name = "cocarry",
@@ -103,11 +107,11 @@ fn after_help() -> String {
         ("cocarry new kitchen", "a world, a robot and a study of your own, to start from"),
         ("cocarry robot init robot.urdf", "a robot file for a URDF of your own"),
         ("cocarry sweep kitchen/study.toml", "a study of many episodes, as CSV"),
-        ("cocarry cluster slurm study.toml --out study.csv", "the same on a cluster"),
+        ("cocarry cluster slurm study.toml -o study.csv", "the same on a cluster"),
         ("cocarry run --record run.mcap", "a recording, to watch in Foxglove"),
         ("cocarry inspect run.mcap", "contents of a recording"),
         ("cocarry reproduce h2", "Table II of the paper"),
-        ("cocarry reproduce all --report report", "all its tables and figures, as a page"),
+        ("cocarry reproduce all -o report", "all its tables and figures, as a page"),
     ]);
     format!(
         "With no command, one episode is run in the paper's Environment 4 with the human of its example.\n\n\
@@ -187,9 +191,17 @@ fn refused(error: &clap::Error) -> ExitCode {
     if !error.use_stderr() {
         error.exit()
     }
-    let text = error.render().ansi().to_string();
+    let text = not_whole(error).as_ref().unwrap_or(error).render().ansi().to_string();
     anstream::eprint!("{}", terminal::wrapped(&text, terminal::error_width()));
     ExitCode::from(2)
+}
+
+/// The error of an argument that is not a whole number, in words.
+fn not_whole(error: &clap::Error) -> Option<clap::Error> {
+    error.source()?.downcast_ref::<ParseIntError>()?;
+    let (argument, value) = (error.get(ContextKind::InvalidArg)?, error.get(ContextKind::InvalidValue)?);
+    let sentence = format!("invalid value '{value}' for '{argument}': expected a whole number of at least 0");
+    Some(clap::Error::raw(error.kind(), format!("{sentence}\n\nFor more information, try '--help'.\n")))
 }
 
 #[cfg(test)]

@@ -150,6 +150,12 @@ pub(super) fn print_message(message: &str) {
     anstream::eprint!("{}", terminal::painted(&terminal::wrapped(&cut, terminal::error_width())));
 }
 
+/// A number with its noun, which gets an s unless the number is 1.
+pub(super) fn counted(number: impl TryInto<u64>, noun: &str) -> String {
+    let number = number.try_into().unwrap_or(u64::MAX);
+    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
+}
+
 /// Prints a warning. The command continues.
 pub(super) fn warn(warning: &impl std::fmt::Display) {
     print_message(&format!("warning: {warning}"));
@@ -189,30 +195,30 @@ pub(super) fn examples(all: &[(&str, &str)]) -> String {
 
 /// A parser of the name of an SVG file.
 pub(super) fn svg_file(name: &str) -> Result<PathBuf, String> {
-    file_ending_in("svg", name)
+    file_with_extension("svg", name)
 }
 
 /// A parser of the name of a TOML file.
 pub(super) fn toml_file(name: &str) -> Result<PathBuf, String> {
-    file_ending_in("toml", name)
+    file_with_extension("toml", name)
 }
 
 /// A parser of the name of a CSV file.
 pub(super) fn csv_file(name: &str) -> Result<PathBuf, String> {
-    file_ending_in("csv", name)
+    file_with_extension("csv", name)
 }
 
 /// A parser of the name of a recording.
 pub(super) fn mcap_file(name: &str) -> Result<PathBuf, String> {
-    file_ending_in("mcap", name)
+    file_with_extension("mcap", name)
 }
 
-fn file_ending_in(ending: &str, name: &str) -> Result<PathBuf, String> {
+fn file_with_extension(extension: &str, name: &str) -> Result<PathBuf, String> {
     let file = PathBuf::from(name);
     let found = file.extension().and_then(|found| found.to_str()).unwrap_or_default();
-    match found.eq_ignore_ascii_case(ending) {
+    match found.eq_ignore_ascii_case(extension) {
         true => Ok(file),
-        false => Err(format!("its ending must be .{ending}, which is what is written")),
+        false => Err(format!("expected the extension .{extension}")),
     }
 }
 

@@ -1,6 +1,6 @@
 //! `cocarry recover`: saves the intact messages of a damaged recording as a valid one.
 
-use super::output::{Failure, OverwriteArguments, examples, input, print};
+use super::output::{Failure, OverwriteArguments, counted, examples, input, print};
 use super::record::output;
 use clap::Args;
 use cocarry_recording::recording::{Reader, RecoverError, recover};
@@ -35,9 +35,9 @@ pub(super) fn run(arguments: &RecoverArguments) -> Result<ExitCode, Failure> {
         RecoverError::Write(error) => output(error),
     })?;
     let mut text = format!(
-        "{}: {} messages saved, up to {:.1} s\n",
+        "{}: {} saved, up to {:.1} s\n",
         arguments.output.display(),
-        saved.messages,
+        counted(saved.messages, "message"),
         saved.until as f64 / 1e9
     );
     if saved.lost.is_empty() {

@@ -1,8 +1,6 @@
 //! `cocarry regress`: records the figures of a baseline's runs, or checks them against those recorded.
 
-use super::output::{
-    Failure, examples, input, print_json, print_verdict, table, table_text, unwritten, write_file,
-};
+use super::output::{Failure, counted, examples, input, print_json, print_verdict, table, table_text, unwritten, write_file};
 use super::reproduce::Common;
 use super::scenario::ScenarioArguments;
 use anyhow::anyhow;
@@ -167,8 +165,9 @@ fn wrong(file: &str, run: &Run, line: usize, key: &str, value: &str, expected: &
 
 fn text(is_check: bool, runs: usize, figures: usize, found: &[Moved]) -> String {
     let done = if is_check { "checked" } else { "recorded" };
+    let done = format!("{}, {} {done}", counted(runs, "run"), counted(figures, "figure"));
     if found.is_empty() {
-        return format!("{runs} runs, {figures} figures {done}: nothing moved.\n");
+        return format!("{done}: nothing moved.\n");
     }
     let mut shown = table(["run", "figure", "recorded", "now", "change", "may move by"], 2);
     for moved in found {
@@ -192,7 +191,7 @@ fn text(is_check: bool, runs: usize, figures: usize, found: &[Moved]) -> String 
         ]);
     }
     let n = found.len();
-    format!("{runs} runs, {figures} figures {done}: {n} moved.\n{}", table_text(&shown))
+    format!("{done}: {n} moved.\n{}", table_text(&shown))
 }
 
 /// A signed number with about three digits.

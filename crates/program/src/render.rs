@@ -33,8 +33,8 @@ const KINDS: [(&str, Kind); 5] = [
 pub(super) struct RenderArguments {
     /// Recording (MCAP)
     recording: PathBuf,
-    /// File to write. Its ending says what: .html is a player, .svg and .png are filmstrips, .gif moves,
-    /// .json is a layout
+    /// File to write. The extension selects the format: .html player, .svg or .png filmstrip, .gif animation,
+    /// .json layout for Foxglove
     #[arg(short, long, value_name = "FILE", value_parser = Target::of)]
     output: Target,
     /// Width of a picture, in inches or pixels: 3.5in, 1200px. Type is at least 7 pt from 3.5 inches on; a
@@ -97,13 +97,13 @@ fn width(text: &str) -> Result<Width, String> {
 }
 
 impl Target {
-    /// The file of that name; an error if its ending is none of those that can be rendered.
+    /// The file of that name; an error if its extension is not one that can be rendered.
     pub fn of(name: &str) -> Result<Self, String> {
         let file = PathBuf::from(name);
         let ending = file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
         let Some((_, kind)) = KINDS.iter().find(|(known, _)| *known == ending) else {
             let known = KINDS.map(|(ending, _)| format!(".{ending}"));
-            return Err(format!("its ending must be one of {}", known.join(", ")));
+            return Err(format!("expected one of the extensions {}", known.join(", ")));
         };
         Ok(Self { file, kind: *kind })
     }

@@ -41,7 +41,7 @@ pub(super) struct CheckArguments {
 fn page(name: &str) -> Result<PathBuf, String> {
     let file = PathBuf::from(name);
     let is_page = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html"));
-    is_page.then_some(file).ok_or_else(|| "expected a name that ends in .html".to_owned())
+    is_page.then_some(file).ok_or_else(|| "expected the extension .html".to_owned())
 }
 
 pub(super) fn run(arguments: &CheckArguments) -> Result<ExitCode, Failure> {

@@ -1,6 +1,6 @@
 //! `cocarry robot init`: drafts a robot file from a URDF.
 
-use super::output::{Failure, OverwriteArguments, examples, input, print, write_file};
+use super::output::{Failure, OverwriteArguments, counted, examples, input, print, write_file};
 use clap::{Args, ValueEnum};
 use cocarry::robot::{Draft, DraftRequest, DriveKind};
 use std::path::{Path, PathBuf};
@@ -69,7 +69,7 @@ fn toml_file(name: &str) -> Result<PathBuf, String> {
     let file = PathBuf::from(name);
     match file.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
         true => Ok(file),
-        false => Err("its ending must be .toml, which is what is written".to_owned()),
+        false => Err("expected the extension .toml".to_owned()),
     }
 }
 
@@ -101,11 +101,11 @@ pub(super) fn run(arguments: &InitArguments) -> Result<ExitCode, Failure> {
         draft.assumed.iter().cloned().chain(notes).map(|line| format!("- {line}\n")).collect();
     let file = file.display();
     print(&format!(
-        "wrote {file}: {} joints, {} postures\n\nAssumed\n{lines}\nTry:\n  \
+        "wrote {file}: {}, {}\n\nAssumed\n{lines}\nTry:\n  \
         cocarry robot check {file}\n  \
         cocarry run environment-1 --robot {file} --render episode.html\n",
-        draft.robot.joint_count(),
-        draft.robot.postures.len(),
+        counted(draft.robot.joint_count(), "joint"),
+        counted(draft.robot.postures.len(), "posture"),
     ))?;
     Ok(ExitCode::SUCCESS)
 }

@@ -39,7 +39,7 @@ pub(super) struct ScenarioArguments {
     #[arg(long, value_name = "N", default_value_t = PreferenceChanges::NONE, allow_negative_numbers = true, help_heading = HUMAN)]
     preference_changes: PreferenceChanges,
     /// Seed of the human, of the human's preference changes and of the gait
-    #[arg(long, default_value_t = 0, help_heading = HUMAN)]
+    #[arg(long, default_value_t = 0, allow_negative_numbers = true, help_heading = HUMAN)]
     seed: u64,
     #[command(flatten, next_help_heading = "Robot's belief")]
     belief: BeliefArguments,

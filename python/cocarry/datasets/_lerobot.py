@@ -300,7 +300,7 @@ configs:
 
 # A human and a robot carry an object together
 
-Simulated with cocarry {__version__} on the plant `{first.scenario.plant}`, team: {info["robot_type"]}. {len(rows)} episodes,
+Simulated with cocarry {__version__} on the plant `{first.scenario.plant}`, team: {info["robot_type"]}. {len(rows)} episode{"" if len(rows) == 1 else "s"},
 {info["total_frames"]} frames at {info["fps"]} per second of simulated time (a frame is a control period of {first.period_s:g} s).
 Outcomes: {", ".join(f"{name} {count}" for name, count in sorted(outcomes.items()))}.
 Worlds: {", ".join(sorted({row["scenario_world"] for row in rows}))}. Methods: {", ".join(sorted({row["scenario_method"] for row in rows}))}.

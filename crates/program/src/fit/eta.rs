@@ -2,9 +2,7 @@
 
 use super::worlds::{inputs, load};
 use crate::model::ModelArguments;
-use crate::output::{
-    Failure, OverwriteArguments, examples, input, print, print_json, svg_file, table, table_text, write_file,
-};
+use crate::output::{Failure, OverwriteArguments, counted, examples, input, print, print_json, svg_file, table, table_text, write_file};
 use crate::settings::number;
 use anyhow::{Context, anyhow};
 use clap::Args;
@@ -111,10 +109,9 @@ pub(super) fn run(arguments: &EtaArguments) -> Result<(), Failure> {
 }
 
 fn text(fit: &EtaFit, planning_step: f64) -> String {
-    let n = fit.participants.len();
     let mut text = format!(
-        "eta: tolerance of {n} participant{}, from the steps at which they asked to switch\n",
-        if n == 1 { "" } else { "s" }
+        "eta: tolerance of {}, from the steps at which they asked to switch\n",
+        counted(fit.participants.len(), "participant")
     );
     let headings = ["participant", "eta", "interval", "evidence", "episodes", "switches"];
     let mut shown = table(headings, 1);

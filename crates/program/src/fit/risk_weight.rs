@@ -3,9 +3,7 @@
 
 use super::worlds::{inputs, load};
 use crate::model::BeliefArguments;
-use crate::output::{
-    Failure, OverwriteArguments, examples, input, print, print_json, svg_file, table, table_text, write_file,
-};
+use crate::output::{Failure, OverwriteArguments, counted, examples, input, print, print_json, svg_file, table, table_text, write_file};
 use crate::reproduce::Common;
 use anyhow::Context;
 use clap::Args;
@@ -106,10 +104,9 @@ pub(super) fn run(arguments: &RiskWeightArguments) -> Result<(), Failure> {
 }
 
 fn text(answers: &Answers, settings: &RiskWeightSettings, fit: &RiskWeightFit) -> String {
-    let n = answers.participants.len();
     let mut text = format!(
-        "c_r: weight of risk against distance, from the answers of {n} participant{}\n",
-        if n == 1 { "" } else { "s" }
+        "c_r: weight of risk against distance, from the answers of {}\n",
+        counted(answers.participants.len(), "participant")
     );
     let headings =
         ["by", "c_r (m)", "95 % interval (m)", "lapse (%)", "rms error, fitted (pp)", "held out (pp)"];
@@ -137,7 +134,7 @@ fn text(answers: &Answers, settings: &RiskWeightSettings, fit: &RiskWeightFit) -
         text,
         "From {low:.2} to {high:.2} m, the rms error is at most {CELL_ERROR} percentage points above the smallest."
     );
-    if n == 1 {
+    if answers.participants.len() == 1 {
         text += "No interval: the bootstrap needs two participants or more.\n";
     } else {
         let _ = writeln!(

@@ -29,11 +29,11 @@ use std::process::ExitCode;
 ///
 /// Files are those of `cocarry fit`, answers (CSV with the columns participant, world, option and percent)
 /// and switches (CSV with the columns participant, world, option or method, and step), and recordings of
-/// walks (MCAP). Give one file of answers, one of switches, any number of recordings, or several of these. A
-/// participant has the same name in all; that of a recording is its file's, without the ending.
+/// walks (MCAP). Give one file of answers, one of switches, any number of recordings, or several of these.
+/// Use the same participant name in all files; for a recording it is the file name without its extension.
 ///
-/// An answer is taken as one choice, distributed as the participant says; with the lapse rate, it says
-/// nothing about them. Every participant's posterior of alpha and gamma is exact, with the belief as prior;
+/// An answer is taken as one choice, distributed as the participant says; a lapse occurs with the given rate
+/// and is uninformative. Every participant's posterior of alpha and gamma is exact, with the belief as prior;
 /// that of eta too, with a log-normal prior. With two participants or more, alpha and gamma also have a
 /// population: independent truncated normals on the belief's ranges, whose means and spreads are inferred.
 /// With two worlds or more, each is held out in turn, and its answers are predicted from the others.
@@ -295,6 +295,6 @@ fn of_eta(text: &str) -> Result<f64, String> {
 fn zarr_file(name: &str) -> Result<PathBuf, String> {
     match name.ends_with(".zarr.zip") {
         true => Ok(PathBuf::from(name)),
-        false => Err("its ending must be .zarr.zip, which is what is written".to_owned()),
+        false => Err("expected the extension .zarr.zip".to_owned()),
     }
 }

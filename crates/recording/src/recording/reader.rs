@@ -130,7 +130,7 @@ impl Reader<BufReader<File>> {
     /// Opens a file.
     ///
     /// # Errors
-    /// [`ReadError`]: it cannot be read, or is no MCAP file.
+    /// [`ReadError`]: it cannot be read, or is not an MCAP file.
     pub fn open(file: &Path) -> Result<Self, ReadError> {
         let name = file.display().to_string();
         match located::open(file) {
@@ -144,7 +144,7 @@ impl<R: Read> Reader<R> {
     /// A reader at the beginning of a file. Errors call the file `name`.
     ///
     /// # Errors
-    /// [`ReadError`]: it cannot be read, or is no MCAP file.
+    /// [`ReadError`]: it cannot be read, or is not an MCAP file.
     pub fn new(input: R, name: &str) -> Result<Self, ReadError> {
         let options = LinearReaderOptions::default()
             .with_emit_chunks(true)

@@ -109,6 +109,14 @@ pub fn submit(job: &mut Job, shards: &[u64]) -> Result<Vec<Array>, ClusterError>
     Ok(submitted)
 }
 
+/// The check that Slurm answers on this machine.
+///
+/// # Errors
+/// [`ClusterError`], where its commands are missing or fail.
+pub fn check_available() -> Result<(), ClusterError> {
+    most_tasks().map(drop)
+}
+
 /// The largest number that a task of an array may have on this cluster.
 fn most_tasks() -> Result<u64, ClusterError> {
     let settings = ask("scontrol", &["show", "config"])?;

@@ -174,24 +174,24 @@ pub enum SweepError {
     },
     /// The program was built without Parquet.
     #[error(
-        "{file}: this program was built without the feature `parquet`; build it with `cargo install --path crates/program --features parquet`, take that of the Python package, or write CSV"
+        "{file}: this program was built without the feature `parquet`; build it with `cargo install --path crates/program --features parquet`, use the Python package, or write CSV"
     )]
     NoParquet {
         /// The file or folder.
         file: String,
     },
     /// The folder for ticks has something else in it, or ticks of another study.
-    #[error("{folder}: has {found}; it must have {expected}")]
+    #[error("{folder}: holds {found}; {advice}")]
     Ticks {
         /// The folder.
         folder: String,
         /// The file found in it.
         found: String,
-        /// What was expected.
-        expected: &'static str,
+        /// What to do.
+        advice: &'static str,
     },
     /// The sweep was stopped.
-    #[error("{}: has the rows so far; the same sweep resumes there", file.display())]
+    #[error("{} holds the rows so far; run the same command to resume", file.display())]
     Stopped {
         /// The partial file.
         file: PathBuf,

@@ -26,7 +26,7 @@ mod tables;
 pub use again::{Difference, different};
 pub use error::{Position, SweepError};
 pub use merge::merge;
-pub use partial::{Shard, Sweep, SweepOutputs};
+pub use partial::{Shard, Sweep, SweepOutputs, complete_rows};
 pub use plane::{Plane, PlanePart};
 pub use results::read_rows;
 pub use row::Run as EpisodeRun;

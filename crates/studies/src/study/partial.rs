@@ -188,6 +188,16 @@ impl<S: Borrow<Study>> Sweep<S> {
     }
 }
 
+/// The number of rows in `path`, if these are all rows of the study, or of a shard of it, as CSV: a sweep would
+/// write the same file.
+pub fn complete_rows(study: &Study, shard: Option<Shard>, path: &Path) -> Option<u64> {
+    let episodes = shard.map_or(0..study.episodes(), |shard| shard.episodes(study.episodes()));
+    let file = located::open(path).ok()?;
+    let length = file.metadata().ok()?.len();
+    let (bytes, rows) = rows_kept(study, &file, &path.display().to_string(), &episodes, |_| true).ok()?;
+    (bytes == length && rows == episodes.end - episodes.start).then_some(rows)
+}
+
 /// The number of bytes of the file that can be kept, and the number of rows in them, which `is_kept` allows.
 fn rows_kept(
     study: &Study,
