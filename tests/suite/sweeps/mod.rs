@@ -229,6 +229,23 @@ fn the_number_of_threads_and_of_shards_makes_no_difference() {
     assert_eq!(bench.read("new.csv.partial"), b"a sweep under way");
 }
 
+/// The same command again finds its results complete: no episode runs, and the tables are printed.
+#[test]
+fn a_finished_sweep_is_a_success() {
+    let bench = Bench::new(STUDY);
+    let first = stdout(&bench.good(&["study.toml"]));
+    let rows = bench.read("study.csv");
+    let again = stdout(&bench.good(&["study.toml"]));
+    let title = "study.csv: 96 episodes of 16 combinations";
+    assert!(first.starts_with(&format!("{title}\n")), "{first}");
+    assert!(again.starts_with(&format!("{title}, all of them from the earlier run\n")), "{again}");
+    assert!(bench.read("study.csv") == rows && !bench.path("study.csv.partial").exists());
+    // results of another study, or a row less, are not
+    bench.refused(&["study.toml", "--seeds", "2"], 2, &["study.csv: exists already"]);
+    std::fs::write(bench.path("study.csv"), &rows[..rows.len() - 9]).expect("a file");
+    bench.refused(&["study.toml"], 2, &["study.csv: exists already"]);
+}
+
 #[test]
 fn more_shards_than_episodes_are_merged_too() {
     let bench = Bench::new("worlds = \"environment-1\"\nplants = \"point\"\nseeds = 2\n");
