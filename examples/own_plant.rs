@@ -1,4 +1,4 @@
-//! A plant of one's own: a robot whose motors follow their inputs with a delay, and a human who walks exactly.
+//! A custom plant: a robot whose motors follow their inputs with a delay, and a human who walks exactly.
 //!
 //! ```text
 //! cargo run --release --example own_plant

@@ -56,7 +56,7 @@ impl Cell {
 #[pyclass(frozen, module = "cocarry", name = "Episode")]
 pub struct Episode {
     scenario: Py<Scenario>,
-    /// Copies of the own partners as they were before the first step.
+    /// Copies of the custom partners as they were before the first step.
     pristine: Own,
     own: Own,
     fault: Fault,
@@ -79,7 +79,7 @@ impl Running<'_> {
     }
 }
 
-/// Makes the episode of a scenario and of own partners.
+/// Makes the episode of a scenario and of custom partners.
 pub fn cell(
     py: Python<'_>,
     prepared: Arc<PreparedScenario>,
@@ -104,7 +104,7 @@ pub fn cell(
 }
 
 impl Episode {
-    /// The episode of a scenario and own partners, before its first step or in a state.
+    /// The episode of a scenario and custom partners, before its first step or in a state.
     fn of(py: Python<'_>, scenario: Py<Scenario>, own: Own, state: Option<episode::State>) -> PyResult<Self> {
         let prepared = scenario.get().prepared(py)?;
         let pristine = own.copied(py)?;

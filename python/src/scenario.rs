@@ -187,7 +187,7 @@ pub struct Scenario {
     prepared: OnceLock<Arc<PreparedScenario>>,
 }
 
-/// The keywords of `Scenario` that are no settings.
+/// The keywords of `Scenario` that are not settings.
 const KEYWORDS: [&str; 10] = [
     "world",
     "plant",

@@ -69,7 +69,7 @@ impl Work<'_> {
     }
 }
 
-/// The name of an own partner in results.
+/// The name of a custom partner in results.
 fn name(py: Python<'_>, object: &Py<PyAny>) -> String {
     let object = object.bind(py);
     let name = object.getattr("__name__").or_else(|_| object.get_type().getattr("__name__"));
@@ -99,7 +99,7 @@ pub fn sweep(
     let own = Own::of(policy, human)?;
     if out.is_some() && !own.is_empty() {
         return Err(StudyError::new_err(
-            "out = a file: only for the partners of a study, which its digest covers; write the table of own partners, as with polars.DataFrame(table).write_parquet",
+            "out = a file: only for the partners of a study, which its digest covers; write the table of custom partners, as with polars.DataFrame(table).write_parquet",
         ));
     }
     if ticks.is_some() && out.is_none() {

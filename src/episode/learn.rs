@@ -1,4 +1,4 @@
-//! What the robot learns of the human in a step.
+//! What the robot learns about the human in a step.
 
 use super::evaluated::Prediction;
 use super::now::Now;
@@ -53,7 +53,7 @@ impl<'a> Episode<'a> {
     }
 
     /// Learns from the human's response to the robot's lead. Returns phi(k) as the robot takes it: the
-    /// human's, or its mean over what was learned of eta.
+    /// human's, or its mean over what was learned about eta.
     pub(super) fn learn_from_lead(&mut self, now: Now, human: &HumanDecision, prior: &Prediction) -> f64 {
         let Some(learner) = self.learner.as_deref_mut() else { return human.stubbornness };
         if now.mode == Mode::RobotLed && now.executed.is_some() {

@@ -246,7 +246,7 @@ impl Learner {
         self.perception.expected_costs(prospects, costs);
     }
 
-    /// The mean of phi(k), limited to 1, over what was learned of eta.
+    /// The mean of phi(k), limited to 1, over what was learned about eta.
     pub fn stubbornness(&self) -> f64 {
         match self.has_taken_over {
             true => 1.0,

@@ -79,7 +79,7 @@ pub struct RobotView<'a> {
     pub mode: Mode,
     /// The human's response to the robot's lead. The robot does not know the human's option, alpha or gamma.
     pub stance: Stance,
-    /// phi(k) as the robot takes it: the human's, or its mean over what was learned of eta.
+    /// phi(k) as the robot takes it: the human's, or its mean over what was learned about eta.
     pub stubbornness: f64,
     /// g(k).
     pub discomfort: f64,

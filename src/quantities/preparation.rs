@@ -28,7 +28,7 @@ const REFERENCE: &[OfReference] = quantities! {
     "name", Text, "name of the option", |v| v.name;
     "weight", PLAIN, "its weight in eq. (8): P_o, if nothing else was asked for", |v| v.weight;
     "s", Numbers, "s_o(1) to s_o(8), six numbers each: x, y, z (m) and rotation vector (rad), relative to the grasp's present pose, world axes; on the \
-        physical plant what is left for the arm while the base follows its path", |v| v.reference.as_slice().to_vec();
+        physical plant the part left to the arm while the base follows its path", |v| v.reference.as_slice().to_vec();
 };
 
 struct ConfigurationView<'a> {

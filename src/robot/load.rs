@@ -45,7 +45,7 @@ pub struct RobotTexts {
     meshes: MeshFolder,
 }
 
-/// The folders of a URDF's meshes, where they are at hand. They are no part of what a robot is: recordings
+/// The folders of a URDF's meshes, where they are at hand. They do not belong to the robot: recordings
 /// and snapshots do not have them.
 #[derive(Clone, Debug, Default)]
 struct MeshFolder(Option<MeshFolders>);

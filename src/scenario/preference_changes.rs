@@ -20,7 +20,7 @@ pub enum PreferenceChanges {
     OnceOrTwice,
 }
 
-/// The error for a text that is no number of preference changes.
+/// The error for a text that is not a number of preference changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("must be {}", PreferenceChanges::expected())]
 pub struct ParsePreferenceChangesError;

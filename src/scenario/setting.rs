@@ -168,7 +168,7 @@ impl Setting {
     /// The value in a text, as [`Value`] is displayed.
     ///
     /// # Errors
-    /// A description of the allowed values, if the text is none of them.
+    /// A description of the allowed values, if the text is not one of them.
     pub fn parse(&self, text: &str) -> Result<Value, String> {
         let value = match &self.kind {
             Kind::Number(..) => text.parse().ok().map(Value::Number),

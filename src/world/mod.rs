@@ -43,7 +43,7 @@ const MAX_FREE_PASSAGE: f64 = 100.0;
 /// Largest value of `option_limit`.
 pub const MAX_OPTION_LIMIT: usize = 64;
 
-/// Widths of robots that are no mistake, m.
+/// Plausible widths of robots, m.
 const USUAL_WIDTHS_M: std::ops::RangeInclusive<f64> = 0.1..=3.0;
 /// The extent of a world in robot widths beyond which its unit is probably wrong.
 const LARGE_WORLD: f64 = 1000.0;

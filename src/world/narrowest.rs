@@ -18,7 +18,7 @@ const ACROSS_FACTOR: f64 = 4.0;
 /// The distance (m) that stands for the difference of 1 minus the cosine of the angle between two gaps.
 const TURNED_M: f64 = 5.0;
 
-/// The gaps that are openings of their own, each with its share of the risk. Of gaps of equal width, up to a
+/// The gaps that are separate openings, each with its share of the risk. Of gaps of equal width, up to a
 /// micrometre, the first counts as narrower.
 pub(super) fn narrowest(mut gaps: Vec<Opening>, robot_width: f64) -> Vec<Opening> {
     let [from, to] = ONE_PASSAGE.map(|widths| widths * robot_width);

@@ -1,4 +1,4 @@
-//! `cocarry calibrate`: checks that what the robot learns of a human is as certain as it should be.
+//! `cocarry calibrate`: checks that what the robot learns about a human is as certain as it should be.
 
 use super::output::{Failure, Progress, examples, input, print, print_json, table, table_text};
 use super::settings::number;
@@ -11,7 +11,7 @@ use cocarry_studies::fit::{Calibration, Check, checks};
 use serde_json::json;
 use std::process::ExitCode;
 
-/// Check the calibration of what the robot learns of a human
+/// Check the calibration of what the robot learns about a human
 ///
 /// Humans are drawn from the prior and observed in the built-in worlds, with lapses and changes of mind. The
 /// posterior probability up to the true alpha, gamma and eta must be uniform over all humans (simulation-based

@@ -105,7 +105,7 @@ pub(super) struct GatherArguments {
     common: Common,
 }
 
-/// Run one shard of a job, or what is left of it; this is what a task does
+/// Run one shard of a job, or the rest of it: the command of a task
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[("cocarry cluster shard study.csv 3", "the third shard, on this machine")]))]
 pub(super) struct ShardArguments {

@@ -9,7 +9,7 @@ use cocarry_output::output_file::OutputFile;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Write a built-in world, robot or study into a file of your own, to read or to change
+/// Write a built-in world, robot or study into a file, to read or to change
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry export environment-4", "the world of the paper's example, as environment-4.toml"),

@@ -135,7 +135,7 @@ mod tests {
             "{painted:?}"
         );
         assert_eq!(anstream::adapter::strip_str(&painted).to_string(), text);
-        // a name is no verdict
+        // a name is not a verdict
         assert_eq!(super::painted("Lost: arrived at B on option 1\n"), "Lost: arrived at B on option 1\n");
         assert_eq!(verdict("bad\nrest\n", false), format!("{BAD}bad{BAD:#}\nrest\n"));
     }

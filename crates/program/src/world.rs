@@ -222,7 +222,7 @@ fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
     text + &table_text(&options)
 }
 
-/// A line for the widest gaps that are no openings as they are too narrow, where openings are detected.
+/// A line for the widest gaps that are too narrow to be openings, where openings are detected.
 fn closed_gaps(world: &World) -> String {
     const MAX_LISTED: usize = 3;
     let gaps = if world.openings_detected { world.impassable_gaps() } else { Vec::new() };

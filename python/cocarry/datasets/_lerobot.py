@@ -48,7 +48,7 @@ def to_lerobot(
     Numbers are the recording's, in float64; ``timestamp`` is float32, as the format has it. (LeRobot's loader makes
     float32 of numbers.) Names and units are in ``meta/info.json`` and in the data set's card, ``README.md``. The table of
     episodes has ``scenario_text``, the whole scenario, ``scenario_world``, ``scenario_seed``, ``scenario_alpha``,
-    ``scenario_gamma``, ``scenario_plant``, ``scenario_method`` (own(NAME) for an Episode with an own policy), ``outcome``
+    ``scenario_gamma``, ``scenario_plant``, ``scenario_method`` (own(NAME) for an Episode with a custom policy), ``outcome``
     and the accumulated costs. Quantiles in ``stats.json`` are means of those of the episodes, weighted by their lengths, as
     LeRobot's own are.
 

@@ -85,7 +85,7 @@ def recorded_to_minari(episodes: Iterable[Source], dataset_id: str, *, overwrite
     are those of its last step, and so is all of a point's observation.
     Rewards are minus the objective cost of the period, J (m). An episode is truncated when its steps ran out, else
     terminated. Per episode: ``scenario_text`` (the whole scenario), ``scenario_world``, ``scenario_seed``,
-    ``scenario_alpha``, ``scenario_gamma``, ``scenario_plant``, ``scenario_method`` (own(NAME) for an Episode with an own
+    ``scenario_alpha``, ``scenario_gamma``, ``scenario_plant``, ``scenario_method`` (own(NAME) for an Episode with a custom
     policy) and ``outcome``.
 
     episodes: Recordings, their files, Scenarios or Episodes that have not begun; teams of one kind.

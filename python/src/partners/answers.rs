@@ -1,4 +1,4 @@
-//! What own policies and humans may return.
+//! What custom policies and humans may return.
 
 use super::views::{STANCES, stance};
 use crate::error::DecisionError;
@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyString};
 use std::sync::Arc;
 
-/// What an own partner may know of its scenario.
+/// What a custom partner may know about its scenario.
 #[derive(Clone, Debug)]
 pub(super) struct Basis {
     pub(super) names: Arc<[String]>,

@@ -20,7 +20,7 @@ use pyo3::types::{PyBytes, PyType};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// The first exception of an own policy or human in an episode, which is raised once its step is over.
+/// The first exception of a custom policy or human in an episode, which is raised once its step is over.
 #[derive(Clone, Debug, Default)]
 pub struct Fault(Arc<Mutex<Option<PyErr>>>, Arc<AtomicBool>);
 
@@ -154,7 +154,7 @@ macro_rules! common {
     };
 }
 
-/// An own policy.
+/// A custom policy.
 #[derive(Clone, Debug)]
 struct OwnPolicy(Partner);
 
@@ -213,7 +213,7 @@ fn wrench(wrench: &cocarry::simulation::Wrench) -> [f64; 6] {
     [f.x, f.y, f.z, t.x, t.y, t.z]
 }
 
-/// An own human. One who returns only an option has the stubbornness of eq. (5).
+/// A custom human. One who returns only an option has the stubbornness of eq. (5).
 #[derive(Clone, Debug)]
 struct OwnHuman {
     partner: Partner,
@@ -280,7 +280,7 @@ impl Human for OwnHuman {
     }
 }
 
-/// The own partners of an episode: None for the scenario's.
+/// The custom partners of an episode: None for the scenario's.
 #[derive(Debug, Default)]
 pub struct Own {
     pub policy: Option<Py<PyAny>>,

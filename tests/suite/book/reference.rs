@@ -93,7 +93,7 @@ fn the_reference_of_columns_is_the_table_of_quantities() {
         text += &format!("\n### {title}\n\nIn recordings: {channel}.\n");
         text += &listed(quantities);
         if title == "Options" {
-            text += "\nOf each option; in CSV, `length_m[NAME]` is that of option NAME:\n";
+            text += "\nFor each option; in CSV, `length_m[NAME]` is the length of option NAME:\n";
             text += &listed(OPTION);
         }
     }

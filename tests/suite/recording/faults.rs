@@ -47,7 +47,7 @@ fn bad_files_are_told_with_their_place() {
     assert!(
         fault(&chunk(4, 0, "lz4", b"abcd")).contains("its compression is `lz4`; only zstd and none are read")
     );
-    assert!(fault(&chunk(4, 0, "", b"abcd")).contains("a record is longer than what is left of it"));
+    assert!(fault(&chunk(4, 0, "", b"abcd")).contains("a record is longer than the rest of it"));
     let lost = record(5, &[[7, 0].as_slice(), &[0; 20]].concat());
     assert!(
         fault(&chunk(lost.len() as u64, 0, "", &lost)).contains("is on channel 7, which was not defined")

@@ -77,7 +77,7 @@ impl Bench {
         output
     }
 
-    /// Runs what must be refused, and sees what is said of it.
+    /// Runs what must be refused, and sees the message about it.
     fn refused(&self, arguments: &[&str], code: i32, said: &[&str]) {
         let output = self.sweep(arguments);
         let error = stderr(&output);

@@ -266,7 +266,7 @@ impl<R: Read> Reader<R> {
         Ok(false)
     }
 
-    /// Parses the next record of the block; `None` if it is no entry.
+    /// Parses the next record of the block; `None` if it is not an entry.
     fn next_in_block(&mut self) -> Result<Option<Found>, ReadError> {
         let begin = self.block.parsed;
         let framed = self.block.bytes[begin..].split_at_checked(HEAD).and_then(|(head, rest)| {
@@ -275,7 +275,7 @@ impl<R: Read> Reader<R> {
         });
         let Some((opcode, length)) = framed else {
             self.block.parsed = self.block.bytes.len();
-            let why = format!("{begin} bytes into it, a record is longer than what is left of it");
+            let why = format!("{begin} bytes into it, a record is longer than the rest of it");
             return Err(self.damaged(op::CHUNK, why));
         };
         self.block.parsed += HEAD + length;

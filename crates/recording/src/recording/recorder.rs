@@ -66,7 +66,7 @@ impl<'a, W: Write + Seek> Recorder<'a, W> {
         })
     }
 
-    /// The same recorder, which also logs the decisions of own partners, so that the recording can be
+    /// The same recorder, which also logs the decisions of custom partners, so that the recording can be
     /// replayed.
     #[must_use]
     pub fn logging(self, decisions: Decisions) -> Self {

@@ -37,7 +37,7 @@ pub enum Verdict {
     Different(Difference),
 }
 
-/// Runs a recording's scenario again, with the logged decisions of own partners, and compares its messages
+/// Runs a recording's scenario again, with the logged decisions of custom partners, and compares its messages
 /// with those recorded, up to the first difference.
 ///
 /// `first` and `second` are the same file, each from its beginning.
@@ -76,7 +76,7 @@ pub fn replay<R: Read>(mut first: Reader<R>, second: Reader<R>) -> Result<Replay
     Ok(recorded.replay)
 }
 
-/// Runs a recording's scenario again, with the logged decisions of own partners, and calls `on_step` after
+/// Runs a recording's scenario again, with the logged decisions of custom partners, and calls `on_step` after
 /// every step. Returns the scenario. Nothing is compared.
 ///
 /// # Errors
@@ -104,7 +104,7 @@ struct Known {
     stopped: Option<u64>,
     /// The shapes of the team.
     team: Option<Vec<u8>>,
-    /// The decisions of own partners.
+    /// The decisions of custom partners.
     decisions: Decisions,
 }
 

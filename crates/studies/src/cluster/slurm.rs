@@ -1,4 +1,4 @@
-//! Slurm: job arrays, and what the scheduler knows of their tasks.
+//! Slurm: job arrays, and what the scheduler knows about their tasks.
 
 use super::{Array, ClusterError, Job};
 use std::collections::BTreeMap;
@@ -7,10 +7,10 @@ use std::process::Command;
 
 /// Options of `sbatch` that a job sets itself.
 const OWN: [&str; 6] = ["--array", "-a", "--wrap", "--parsable", "--output", "-o"];
-/// The largest number of tasks of an array where the scheduler does not tell, its own default.
+/// The largest number of tasks of an array where the scheduler does not say; its default.
 pub const MAX_TASKS: u64 = 1000;
 
-/// What the scheduler says of a task.
+/// What the scheduler says about a task.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Task {
     /// It waits, for a reason.
