@@ -45,7 +45,7 @@ pub(super) struct CalibrateArguments {
     json: bool,
 }
 
-pub(super) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_calibrate(arguments: &CalibrateArguments) -> Result<ExitCode, Failure> {
     let truth = learning::Settings { lapse_rate: arguments.lapse_rate, ..Default::default() };
     let lapse_rate = arguments.assumed_lapse_rate.unwrap_or(arguments.lapse_rate);
     let calibration = Calibration {

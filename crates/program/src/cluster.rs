@@ -117,7 +117,7 @@ pub(super) struct ShardArguments {
     common: Common,
 }
 
-pub(super) fn run(action: &Action) -> Result<ExitCode, Failure> {
+pub(super) fn run_cluster(action: &Action) -> Result<ExitCode, Failure> {
     match action {
         Action::Slurm(arguments) => submit(arguments),
         Action::Status(arguments) => status(arguments),

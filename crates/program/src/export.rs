@@ -32,7 +32,7 @@ pub(super) struct ExportArguments {
     overwrite: OverwriteArguments,
 }
 
-pub(super) fn run(arguments: &ExportArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_export(arguments: &ExportArguments) -> Result<ExitCode, Failure> {
     let folder = arguments.output.clone().unwrap_or_default();
     let item = catalog::all().into_iter().find(|item| item.name == arguments.name);
     let files = item.expect("the command line takes names of the catalog only").files;

@@ -46,7 +46,7 @@ pub(super) struct InspectArguments {
 /// The largest number of steps in a picture.
 const MAX_STEPS: usize = 1_000_000;
 
-pub(super) fn run(arguments: &InspectArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_inspect(arguments: &InspectArguments) -> Result<ExitCode, Failure> {
     let files = arguments.svg.iter().chain(&arguments.output);
     let outputs = arguments.overwrite.outputs([arguments.file.as_path()], files)?;
     if let Some(file) = &arguments.svg {

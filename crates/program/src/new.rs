@@ -32,7 +32,7 @@ const FILES: [(&str, &str); 5] = [
     ("answers.csv", include_str!("../../../assets/new/answers.csv")),
 ];
 
-pub(super) fn run(arguments: &NewArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_new(arguments: &NewArguments) -> Result<ExitCode, Failure> {
     let NewArguments { folder, overwrite } = arguments;
     let files = FILES.map(|(name, text)| (folder.join(name), text));
     // before the folder is made

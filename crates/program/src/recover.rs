@@ -26,7 +26,7 @@ pub(super) struct RecoverArguments {
 /// The largest number of faults that are listed.
 const LISTED_FAULTS: usize = 10;
 
-pub(super) fn run(arguments: &RecoverArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_recover(arguments: &RecoverArguments) -> Result<ExitCode, Failure> {
     let OverwriteArguments { overwrite } = arguments.overwrite;
     arguments.overwrite.outputs([arguments.file.as_path()], [&arguments.output])?;
     let mut reader = Reader::open(&arguments.file).map_err(input)?;

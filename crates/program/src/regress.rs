@@ -44,7 +44,7 @@ struct BaselineRunArguments {
 /// Arguments that name a file. The file is first looked for next to the baseline file.
 const FILES: [&str; 3] = ["world", "robot", "belief-samples"];
 
-pub(super) fn run(action: &Action) -> Result<ExitCode, Failure> {
+pub(super) fn run_regress(action: &Action) -> Result<ExitCode, Failure> {
     let (Action::Record(arguments) | Action::Check(arguments)) = action;
     let baseline = Baseline::load(&arguments.file).map_err(input)?;
     let is_check = matches!(action, Action::Check(_));

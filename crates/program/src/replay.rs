@@ -17,7 +17,7 @@ pub(super) struct ReplayArguments {
     file: PathBuf,
 }
 
-pub(super) fn run(arguments: &ReplayArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_replay(arguments: &ReplayArguments) -> Result<ExitCode, Failure> {
     let open = || Reader::open(&arguments.file).map_err(input);
     let replayed = replay(open()?, open()?).map_err(input)?;
     let file = arguments.file.display();

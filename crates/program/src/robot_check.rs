@@ -44,7 +44,7 @@ fn page(name: &str) -> Result<PathBuf, String> {
     is_page.then_some(file).ok_or_else(|| "expected the extension .html".to_owned())
 }
 
-pub(super) fn run(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_robot_check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
     check_is_file("robot check", &arguments.robot)?;
     let outputs = arguments.overwrite.outputs([arguments.robot.as_path()], &arguments.render)?;
     let robot = match Robot::check(&arguments.robot) {
@@ -100,7 +100,7 @@ fn masses(robot: &Robot) -> [f64; 2] {
 }
 
 /// A posture with where its grasp is and the room that it leaves.
-struct Row<'a> {
+struct PostureRow<'a> {
     posture: &'a Posture,
     ahead: f64,
     lateral_offset: f64,
@@ -111,14 +111,14 @@ struct Row<'a> {
     dexterity: f64,
 }
 
-fn rows(robot: &Robot) -> Vec<Row<'_>> {
+fn rows(robot: &Robot) -> Vec<PostureRow<'_>> {
     let row = |posture| {
         let Posture { joints, .. }: &Posture = posture;
         let (at, reach) = (robot.drive_from_grasp(joints).translation.vector, robot.reach(posture));
         let tightest = robot.limit_clearance(joints).map(|(i, share)| (robot.joints[i].name.as_str(), share));
         let dexterity = robot.dexterity(joints);
         let (nearest, farthest) = (reach.nearest, reach.farthest);
-        Row { posture, ahead: at.x, lateral_offset: at.y, nearest, farthest, tightest, dexterity }
+        PostureRow { posture, ahead: at.x, lateral_offset: at.y, nearest, farthest, tightest, dexterity }
     };
     robot.postures.iter().map(row).collect()
 }

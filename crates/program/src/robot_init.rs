@@ -78,7 +78,7 @@ fn height(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| "it must be a number from 0 to 3 (metres)".to_owned())
 }
 
-pub(super) fn run(arguments: &InitArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_robot_init(arguments: &InitArguments) -> Result<ExitCode, Failure> {
     let InitArguments { urdf, output, tool, drive, left_wheel, right_wheel, grasp_height, overwrite } =
         arguments;
     let next_to_urdf = || match urdf.extension().is_some_and(|e| e.eq_ignore_ascii_case("xacro")) {

@@ -90,7 +90,7 @@ pub(super) fn example() -> Result<ExitCode, Failure> {
     let Perception { alpha, gamma } = EXAMPLE_HUMAN;
     let line = format!("run environment-4 --alpha {alpha} --gamma {gamma}");
     print(&format!("$ cocarry {line}  (see cocarry --help)\n\n"))?;
-    let code = run(&Defaults::parse_from(line.split(' ')).arguments)?;
+    let code = run_episode(&Defaults::parse_from(line.split(' ')).arguments)?;
     print(&format!(
         "\nTo watch this episode in a browser, write it into a page and open that:\n  \
         cocarry {line} --render episode.html\nIn a clone of the project, begin with `cargo run --release --` instead of `cocarry`.\n"
@@ -98,7 +98,7 @@ pub(super) fn example() -> Result<ExitCode, Failure> {
     Ok(code)
 }
 
-pub(super) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_episode(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     arguments.snapshots.guard(|| carry_out(arguments))
 }
 

@@ -63,7 +63,7 @@ pub(super) struct SweepArguments {
     common: Common,
 }
 
-pub(super) fn run(arguments: &SweepArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_sweep(arguments: &SweepArguments) -> Result<ExitCode, Failure> {
     if let Some(file) = &arguments.summary {
         print_summary(file, &file.display().to_string(), arguments.common.json)?;
     } else if let Some([out, shards @ ..]) = arguments.merge.as_deref() {

@@ -103,7 +103,7 @@ struct Offer {
     shortest: Option<f64>,
 }
 
-pub(super) fn run(arguments: &WorldArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_world(arguments: &WorldArguments) -> Result<ExitCode, Failure> {
     let inputs = [Some(&arguments.world), arguments.model.belief.belief_samples.as_ref()];
     let inputs = inputs.into_iter().flatten().map(PathBuf::as_path);
     let files = arguments.svg.iter().chain(&arguments.write);

@@ -64,7 +64,7 @@ pub struct Moment {
 }
 
 /// Where the parts of a picture are.
-struct Layout {
+struct FilmLayout {
     view: MapView,
     chart: Bounds,
     /// The y at which map and chart end, with their axes.
@@ -150,7 +150,7 @@ impl Film<'_> {
     }
 
     /// The map as large as fits with a chart next to or below it.
-    fn layout(&self, width: f64) -> Layout {
+    fn layout(&self, width: f64) -> FilmLayout {
         let top = TITLE_ROOM;
         let content = self.content();
         let is_beside = width >= MIN_WIDTH_BOTH;
@@ -163,12 +163,12 @@ impl Film<'_> {
             let min = Point::new(frame.max.x + LEFT_ROOM + GAP, top);
             let tallest = frame.max.y.min(top + 0.8 * (right - min.x)).max(top + 150.0);
             let chart = Bounds { min, max: Point::new(right, tallest) };
-            return Layout { view, chart, bottom: frame.max.y.max(tallest) + AXIS_ROOM };
+            return FilmLayout { view, chart, bottom: frame.max.y.max(tallest) + AXIS_ROOM };
         }
         let spare = Vector::new((most.x - frame.size().x) / 2.0, 0.0);
         let min = Point::new(LEFT_ROOM, frame.max.y + AXIS_ROOM + TITLE_ROOM);
         let chart = Bounds { min, max: Point::new(right, min.y + 170.0) };
-        Layout { view: view.moved_to(frame.min + spare), chart, bottom: chart.max.y + AXIS_ROOM }
+        FilmLayout { view: view.moved_to(frame.min + spare), chart, bottom: chart.max.y + AXIS_ROOM }
     }
 
     /// A frame by its name: what lies outside is not drawn.
@@ -265,7 +265,7 @@ impl Film<'_> {
     }
 
     /// The number of an instant next to the team, with its time.
-    fn instant_number(&self, n: usize, layout: &Layout, moment: &Moment, clutter: &mut Clutter) -> Group {
+    fn instant_number(&self, n: usize, layout: &FilmLayout, moment: &Moment, clutter: &mut Clutter) -> Group {
         let center = layout.view.px(moment.object.position);
         let words = Text::new(n.to_string()).bold();
         let half = Vector::new(words.width(TEXT_SIZE) / 2.0 + 5.0, 0.62 * TEXT_SIZE);

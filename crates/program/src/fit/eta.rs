@@ -55,7 +55,7 @@ pub(crate) struct EtaArguments {
     overwrite: OverwriteArguments,
 }
 
-pub(super) fn run(arguments: &EtaArguments) -> Result<(), Failure> {
+pub(super) fn run_fit_eta(arguments: &EtaArguments) -> Result<(), Failure> {
     let phi = arguments.initial_stubbornness;
     if phi >= 1.0 {
         return Err(input(anyhow!(

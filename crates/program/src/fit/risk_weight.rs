@@ -56,7 +56,7 @@ pub(crate) struct RiskWeightArguments {
     overwrite: OverwriteArguments,
 }
 
-pub(super) fn run(arguments: &RiskWeightArguments) -> Result<(), Failure> {
+pub(super) fn run_fit_risk_weight(arguments: &RiskWeightArguments) -> Result<(), Failure> {
     let file = AnswerFile::read(&arguments.answers).map_err(input)?;
     let worlds = load(&arguments.answers, file.worlds(), |world| OptionSet::new(&world, RISK_WEIGHT))?;
     let inputs = inputs(&arguments.answers, &worlds, &arguments.belief);

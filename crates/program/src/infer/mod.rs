@@ -102,7 +102,7 @@ struct Read {
     inputs: Vec<PathBuf>,
 }
 
-pub(super) fn run(arguments: &InferArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_infer(arguments: &InferArguments) -> Result<ExitCode, Failure> {
     let read = read(arguments)?;
     let files = arguments.csv.iter().chain(&arguments.arviz);
     let outputs = arguments.overwrite.outputs(read.inputs.iter().map(PathBuf::as_path), files)?;

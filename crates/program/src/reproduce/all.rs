@@ -68,7 +68,7 @@ pub(in super::super) struct AllArguments {
 /// The page. It is written last: where it exists, the report is complete.
 const PAGE: &str = "report.html";
 
-pub(super) fn run(arguments: &AllArguments) -> Result<(), Failure> {
+pub(super) fn reproduce_all(arguments: &AllArguments) -> Result<(), Failure> {
     let folder = &arguments.output;
     prepare(folder, arguments.overwrite)?;
     let robot = load_robot(None)?;

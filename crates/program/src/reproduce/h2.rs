@@ -42,7 +42,7 @@ pub(in super::super) struct H2Arguments {
     overwrite: OverwriteArguments,
 }
 
-pub(super) fn run(arguments: &H2Arguments) -> Result<(), Failure> {
+pub(super) fn reproduce_h2(arguments: &H2Arguments) -> Result<(), Failure> {
     if arguments.plant == PlantKind::Rapier {
         return run_with_bodies(arguments);
     }

@@ -48,7 +48,7 @@ pub(in super::super) struct H3Arguments {
     overwrite: OverwriteArguments,
 }
 
-pub(super) fn run(arguments: &H3Arguments) -> Result<(), Failure> {
+pub(super) fn reproduce_h3(arguments: &H3Arguments) -> Result<(), Failure> {
     let files = arguments.humans.iter().chain(&arguments.svg);
     let robot = load_robot(arguments.robot.as_deref())?;
     let inputs = [&robot.texts.file, &robot.texts.urdf_file].map(Path::new);

@@ -145,7 +145,7 @@ pub struct Findings {
 }
 
 /// Worlds of one group.
-struct Group {
+struct WorldGroup {
     name: String,
     worlds: Vec<PreparedScenario>,
 }
@@ -214,7 +214,7 @@ impl Study<'_> {
     fn person_rows(
         &self,
         (method, pose): (Method, Option<PoseMethod>),
-        group: &Group,
+        group: &WorldGroup,
         person: Person,
         (number, human): (usize, usize),
         tasks: &Tasks,
@@ -225,10 +225,10 @@ impl Study<'_> {
     }
 
     /// The built-in worlds, each by itself.
-    fn built_in(&self, method: Method, plant: &Plant) -> Result<Vec<Group>, Error> {
+    fn built_in(&self, method: Method, plant: &Plant) -> Result<Vec<WorldGroup>, Error> {
         let worlds = BUILT_IN_WORLDS.iter().map(|world| {
             let text = (world.name.to_owned(), world.text.to_owned());
-            Ok(Group { name: world.name.to_owned(), worlds: vec![self.prepared(text, method, plant)?] })
+            Ok(WorldGroup { name: world.name.to_owned(), worlds: vec![self.prepared(text, method, plant)?] })
         });
         worlds.collect()
     }
@@ -246,7 +246,7 @@ impl Study<'_> {
     }
 
     /// The built-in worlds and random ones. These are the same for every method and plant.
-    fn groups(&self, method: Method, plant: &Plant) -> Result<Vec<Group>, Error> {
+    fn groups(&self, method: Method, plant: &Plant) -> Result<Vec<WorldGroup>, Error> {
         let mut groups = self.built_in(method, plant)?;
         let mut rng = self.stream(0);
         let mut worlds = Vec::new();
@@ -263,7 +263,7 @@ impl Study<'_> {
             }
         }
         if !worlds.is_empty() {
-            groups.push(Group { name: RANDOM_WORLDS.to_owned(), worlds });
+            groups.push(WorldGroup { name: RANDOM_WORLDS.to_owned(), worlds });
         }
         Ok(groups)
     }

@@ -22,7 +22,7 @@ use crate::parallel::{OnDone, in_parallel};
 use cocarry::Error;
 use cocarry::learning::Tolerance;
 use cocarry::preference::Belief;
-use draws::{Crowd, Source};
+use draws::{Crowd, DrawSource};
 use evidence::Perceived;
 use population::{Grid, Integrals};
 use serde::Serialize;
@@ -135,7 +135,7 @@ pub fn infer(
         }),
     };
     let weighed = has_population.then(|| weighed(&grid, &people, &integrals)).flatten();
-    let source = Source {
+    let source = DrawSource {
         belief: &model.belief,
         people: &people,
         tolerances: &tolerances,
@@ -216,7 +216,7 @@ fn prior_draws(source: &Source, prior: &Perceived, settings: &Settings) -> Resul
         }
     };
     let crowd = source.crowd.as_ref().map(|_| Crowd { weights: &even, integrals: &integrals });
-    let source = Source { people: &people, tolerances: &tolerances, crowd, ..*source };
+    let source = DrawSource { people: &people, tolerances: &tolerances, crowd, ..*source };
     Ok(source.draws(settings.draws, settings.seed, 1))
 }
 
