@@ -25,6 +25,7 @@ mod posture;
 mod postures;
 mod reach;
 mod self_contact;
+mod texts;
 mod tree;
 mod urdf;
 mod warning;
@@ -41,6 +42,7 @@ pub use link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mim
 pub use load::RobotTexts;
 pub use reach::Reach;
 pub(crate) use self_contact::SelfContacts;
+pub use texts::RobotTexts;
 pub use warning::{RobotWarning, WarningKind};
 
 use crate::geometry::{Footprint, PlanarPose, Pose};

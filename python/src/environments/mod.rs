@@ -8,7 +8,8 @@ mod rules;
 
 use crate::episode::Cell;
 use crate::error::{ActionError, ClosedError, Error, RecordingError, ScenarioError, guarded, words};
-use crate::scenario::{Scenario, input_limits};
+use crate::robot::input_limits;
+use crate::scenario::Scenario;
 use crate::value::{self, repr};
 use cocarry::coordination::Stubbornness;
 use cocarry::human::{Human, Stance};

@@ -203,7 +203,7 @@ fn weighed(grid: &Grid, people: &[Perceived], integrals: &[Integrals]) -> Option
 }
 
 /// Draws from the same model without any answers and switches.
-fn prior_draws(source: &Source, prior: &Perceived, settings: &Settings) -> Result<Draws, Error> {
+fn prior_draws(source: &DrawSource, prior: &Perceived, settings: &Settings) -> Result<Draws, Error> {
     let people = vec![prior.clone(); source.people.len()];
     let tolerance = Tolerance::new(source.tolerance, settings.lapse_rate)?;
     let tolerances = vec![tolerance; source.tolerances.len()];
