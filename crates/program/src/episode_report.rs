@@ -1,6 +1,8 @@
 //! The report of an episode that `cocarry run` prints, as text and as JSON.
 
 use super::output::{OPTION_HEADINGS, option_json, table, table_text};
+use super::terminal::{ATTENTION, BAD, BOLD, GOOD, Text};
+use anstyle::Style;
 use cocarry::coordination;
 use cocarry::episode::{
     ControlSummary, Episode, GRASP_WARNING_RMS_M, HumanSummary, OptionTick, Outcome, PreferenceChange,
@@ -9,7 +11,7 @@ use cocarry::episode::{
 use cocarry::geometry::Point;
 use cocarry::policy::Method;
 use cocarry::preference::Perception;
-use cocarry::quantities::{EPISODE, Event, View};
+use cocarry::quantities::{EPISODE, Event, Severity, View};
 use cocarry::robot::Robot;
 use cocarry::scenario::{PreparedScenario, RobotSetup};
 use cocarry_output::drawing::Track;
@@ -24,6 +26,16 @@ pub(super) struct EpisodeReport<'a> {
     pub resumed: Option<u64>,
     /// The ticks of the steps from there on.
     pub ticks: Vec<Tick>,
+}
+
+/// The style of an event in a terminal.
+fn style(event: &Event) -> Option<Style> {
+    match (event.severity, event.about) {
+        (Severity::Error, _) => Some(BAD),
+        (Severity::Info, "end") => Some(GOOD),
+        (Severity::Warning, "mode") => Some(BOLD),
+        _ => None,
+    }
 }
 
 /// alpha and gamma that experiments report for people, about: beyond them, a digit is probably mistyped.
@@ -108,7 +120,7 @@ impl EpisodeReport<'_> {
         (self.summary().outcome == Outcome::Arrived).then(|| self.prepared.options().target())
     }
 
-    pub fn as_text(&self) -> String {
+    pub fn as_text(&self) -> Text {
         let (world, summary) = (self.prepared.world(), self.summary());
         let coordination::Settings { eta, initial_stubbornness } = self.settings().coordination;
         let mut text = format!("{} ({})\n", world.name, world.file);
@@ -133,10 +145,19 @@ impl EpisodeReport<'_> {
         }
         text += &table_text(&options);
         text += "\nEvents\n";
+        let mut report = Text::default();
+        report.plain(&text);
         for event in self.events() {
-            let _ = writeln!(text, "  {event}");
+            let line = self.line(&event);
+            match style(&event) {
+                None => report.plain(&line),
+                Some(style) => report.styled(style, &line),
+            }
         }
-        text += &format!("  accumulated objective cost {:.2} m\n", summary.accumulated_cost);
+        if summary.steps == 0 {
+            report.plain("  no step was taken\n");
+        }
+        text = format!("  accumulated objective cost {:.2} m\n", summary.accumulated_cost);
         let HumanSummary { stubbornness, discomfort, subjective_cost, .. } = summary.human;
         let _ = writeln!(
             text,
@@ -147,10 +168,12 @@ impl EpisodeReport<'_> {
         if let (Some((robot, setup)), Some(control)) = (self.robot_setup(), &summary.control) {
             text += &self.control_text(robot, &setup.posture, control);
         }
+        report.plain(&text);
         for warning in self.episode_warnings() {
-            let _ = writeln!(text, "\nwarning: {warning}");
+            report.plain("\n");
+            report.styled(ATTENTION, &format!("warning: {warning}\n"));
         }
-        text
+        report
     }
 
     fn control_text(&self, robot: &Robot, posture: &str, control: &ControlSummary) -> String {
@@ -217,12 +240,12 @@ impl EpisodeReport<'_> {
         off.into_iter().chain(self.view().self_contact()).collect()
     }
 
-    /// The events, one line each. In a resumed episode, earlier preference changes and the transition are
-    /// included.
-    fn events(&self) -> Vec<String> {
+    /// The events; none if no step was taken. In a resumed episode, earlier preference changes and the
+    /// transition are included.
+    fn events(&self) -> Vec<Event> {
         let (summary, options) = (self.summary(), self.prepared.options());
         if summary.steps == 0 {
-            return vec!["no step was taken".to_owned()];
+            return Vec::new();
         }
         let first = self.ticks.first();
         let begin = first.map_or(summary.steps, |tick| tick.step);
@@ -245,12 +268,12 @@ impl EpisodeReport<'_> {
         let touched = summary.collision.as_ref();
         events.extend(touched.map(|contact| Event::contact(summary.steps - 1, contact)));
         events.push(Event::end(&self.view()));
-        events.iter().map(|event| self.line(event)).collect()
+        events
     }
 
     fn line(&self, Event { step, position, sentence, .. }: &Event) -> String {
         let place = position.map_or(String::new(), |at| format!(" at ({:.2}, {:.2}) m", at.x, at.y));
-        format!("step {step:>4} ({:5.1} s){place}: {sentence}", self.seconds(*step))
+        format!("  step {step:>4} ({:5.1} s){place}: {sentence}\n", self.seconds(*step))
     }
 
     pub fn as_json(&self) -> Value {

@@ -179,7 +179,7 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             };
             // a broken pipe is not an error: the reader has closed it
             if !output::is_broken_pipe(&error) {
-                output::print_message(&format!("error: {error:#}"));
+                output::print_error(&format_args!("{error:#}"));
             }
             ExitCode::from(code)
         }

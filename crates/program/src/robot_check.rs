@@ -1,7 +1,7 @@
 //! `cocarry robot check`: all faults of a robot's files, or what the program makes of them.
 
 use super::output::{
-    Failure, OverwriteArguments, examples, input, print, print_json, table, table_text, print_message, write_file,
+    Failure, OverwriteArguments, examples, input, print, print_json, table, table_text, print_error, write_file,
 };
 use super::robot::check_is_file;
 use anyhow::{Error, anyhow};
@@ -77,7 +77,7 @@ fn refused(arguments: &CheckArguments, faults: Vec<cocarry::Error>) -> Result<Ex
             &json!({ "file": arguments.robot.display().to_string(), "valid": false, "faults": faults }),
         )?;
     } else if count > 1 {
-        faults[..count - 1].iter().for_each(|fault| print_message(&format!("error: {fault}")));
+        faults[..count - 1].iter().for_each(print_error);
     }
     // the last one as any command ends
     let last = faults.last().cloned().expect("a robot that is refused has a fault");

@@ -4,7 +4,7 @@ use super::episode_report::{EpisodeReport, scenario_warnings};
 use super::interrupt::Interrupt;
 use super::live::LiveArguments;
 use super::output::{
-    Failure, OverwriteArguments, Progress, examples, print, print_json, svg_file, print_message, warn, with_spinner,
+    Failure, OverwriteArguments, Progress, examples, print, print_json, svg_file, print_message, print_text, warn, with_spinner,
     write_file,
 };
 use super::record::RecordArguments;
@@ -168,7 +168,7 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     if arguments.json {
         print_json(&report.as_json())?;
     } else {
-        print(&report.as_text())?;
+        print_text(&report.as_text())?;
         if let Some(file) = arguments.recording.rendered() {
             print(&format!("wrote {}\n", file.display()))?;
         }

@@ -2,7 +2,7 @@
 
 use super::interrupt::Interrupt;
 use super::file_kind::{self, FileKind};
-use super::output::{Failure, Progress, counted, examples, input, print, print_json, table, table_text, unwritten, warn};
+use super::output::{Failure, Progress, counted, examples, input, note, print, print_json, table, table_text, unwritten, warn};
 use super::reproduce::Common;
 use anyhow::Error;
 use clap::Args;
@@ -113,7 +113,7 @@ fn sweep(arguments: &SweepArguments, file: &Path) -> Result<(), Failure> {
     match (arguments.shard, episodes) {
         (Some(Shard { number, of }), 0) => {
             // the study has fewer episodes than shards
-            eprintln!("note: shard {number}/{of} has no episode");
+            note(&format_args!("shard {number}/{of} has no episode"));
             Ok(())
         }
         _ => print_summary(&out, &title, arguments.common.json),
