@@ -1,7 +1,7 @@
 //! The report's opening and closing sections: settings, environment and contents.
 
-use super::part::{Part, Plan, Section, grouped};
 use crate::paper::COLUMNS;
+use crate::paper::part::{Part, Plan, Section, grouped};
 use cocarry::control::{self, HORIZON};
 use cocarry::simulation::PhysicsSettings;
 

@@ -5,6 +5,9 @@
 //! twice at random steps of the first half; the robot only knows the full ranges. Every method meets the same
 //! humans: all comparisons are paired.
 
+pub mod elsewhere;
+pub mod section;
+
 use super::{ENVIRONMENTS, Environment, SETTINGS};
 use super::{Route, prepared, route};
 use crate::parallel::{OnDone, in_parallel};

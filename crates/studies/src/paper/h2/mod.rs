@@ -1,6 +1,9 @@
 //! H2, Table II: accumulated objective cost with and without the mode transition, and the Environment 4
 //! example. The team is a point, as in the paper, or has bodies.
 
+pub mod bodies;
+pub mod section;
+
 use super::{COLUMNS, ENVIRONMENTS, EXAMPLE, EXAMPLE_ENVIRONMENT, EXAMPLE_HUMAN, Environment};
 use super::{Route, prepared, route, run};
 use crate::parallel::{OnDone, in_parallel};

@@ -1,6 +1,9 @@
 //! H1, Table I: the model's choice distribution next to the participants' answers and the paper's model
 //! output.
 
+pub mod section;
+pub mod weight;
+
 use super::ENVIRONMENTS;
 use cocarry::Error;
 use cocarry::episode::prospects;

@@ -1,7 +1,7 @@
 //! H3: Table III, every method and start compared with its baseline, and the composition of the costs.
 
-use super::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant, rounded};
-use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, grouped, holds};
+use crate::paper::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant, rounded};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::paper::h3::{self, PoseMethod, PoseRow, Study};
 use crate::paper::{ENVIRONMENTS, SETTINGS};
 use crate::parallel::OnDone;
@@ -10,7 +10,7 @@ use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry_output::drawing::{DrawingError, RatioPanel, RatioRow, cost_ratios};
 
 /// Table III.
-pub(super) const PART: Part = Part {
+pub(crate) const PART: Part = Part {
     id: "h3",
     name: "Table III",
     episodes: |plan| h3::units(&PoseMethod::ALL, plan.robot.postures.len(), plan.episodes),
@@ -296,7 +296,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
 }
 
 /// The finding on `compared`, which has every start, the robot's first one first.
-pub(super) fn finding(compared: &[Compared]) -> Finding {
+pub(crate) fn finding(compared: &[Compared]) -> Finding {
     let pairs: Vec<[&PoseRow; 2]> = compared.iter().take(1).flat_map(|c| c.pairs()).collect();
     let cheaper = |pairs: &[[&PoseRow; 2]]| pairs.iter().filter(|[_, with]| with.ratio < 1.0).count();
     let sum = |of: fn(&PoseRow) -> usize| pairs.iter().map(|[_, with]| of(with)).sum::<usize>();

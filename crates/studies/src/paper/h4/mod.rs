@@ -7,6 +7,7 @@
 mod control;
 mod people;
 mod rows;
+pub mod section;
 
 pub use control::{ControlRow, MAX_HUMANS, ROBOTS_WITH_ARM};
 pub use people::{HumanKind, RATIONALITY};

@@ -1,6 +1,8 @@
 //! Contacts with the sides of an opening: how often a team with bodies touches them, by the paper's risk
 //! S = d_r / w.
 
+pub mod section;
+
 use super::{prepared, run};
 use crate::parallel::{OnDone, in_parallel};
 use cocarry::Error;

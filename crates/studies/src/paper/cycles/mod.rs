@@ -2,6 +2,8 @@
 //! options). This study runs random worlds and humans, each episode until the team arrives or takes ten times
 //! the steps of the longest option. The team is a point, or has bodies, which must not touch anything either.
 
+pub mod section;
+
 use super::{prepared, run};
 use crate::parallel::{OnDone, in_parallel};
 use cocarry::coordination::{self, Mode};
