@@ -1,5 +1,6 @@
 //! "Did you mean": the known name that is most like a mistyped one.
 
+use std::fmt;
 use std::path::Path;
 
 /// The least similarity of a suggestion, from 0 (nothing in common) to 1 (the same).
@@ -60,17 +61,51 @@ pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>, most: usize) -> Stri
     }
 }
 
-/// [`hint`] for an error that lists the known names, each in quotes or backticks.
-pub fn hint_of_listed(name: &str, listed: &str) -> String {
-    let quote = if listed.contains('`') { '`' } else { '"' };
-    hint(name, listed.split(quote).skip(1).step_by(2))
+/// The values allowed, for an error: a sentence, and the names among them, for a suggestion.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Expected {
+    sentence: String,
+    names: Vec<String>,
 }
 
-/// [`hint`] for an error of a parser, such as "unknown field `a`, expected one of `b`, `c`".
+impl Expected {
+    /// One of these names, each shown in quotes.
+    pub fn one_of<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
+        let names: Vec<String> = names.into_iter().map(str::to_owned).collect();
+        let quoted: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
+        Self { sentence: format!("one of {}", quoted.join(", ")), names }
+    }
+
+    /// The same values, of which these are names.
+    #[must_use]
+    pub fn with_names<'a>(self, names: impl IntoIterator<Item = &'a str>) -> Self {
+        Self { names: names.into_iter().map(str::to_owned).collect(), ..self }
+    }
+
+    /// [`hint`] for a value that is not allowed.
+    pub fn hint(&self, name: &str) -> String {
+        hint(name, self.names.iter().map(String::as_str))
+    }
+}
+
+impl<T: Into<String>> From<T> for Expected {
+    fn from(sentence: T) -> Self {
+        Self { sentence: sentence.into(), names: Vec::new() }
+    }
+}
+
+impl fmt::Display for Expected {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&self.sentence)
+    }
+}
+
+/// [`hint`] for an error of a parser of TOML, which has the names in its text only: "unknown field `a`,
+/// expected one of `b`, `c`".
 pub fn hint_of_error(error: &str) -> String {
     let unknown = error.strip_prefix("unknown ").and_then(|rest| rest.split_once(", expected "));
     let unknown = unknown.and_then(|(found, listed)| Some((found.split('`').nth(1)?, listed)));
-    unknown.map_or(String::new(), |(name, listed)| hint_of_listed(name, listed))
+    unknown.map_or(String::new(), |(name, listed)| hint(name, listed.split('`').skip(1).step_by(2)))
 }
 
 /// [`hint`] for a file that does not exist: a file next to it, with its folder as given.
@@ -115,6 +150,9 @@ mod tests {
         let error = "unknown field `nmae`, expected one of `note`, `name`, `start_m`";
         assert_eq!(hint_of_error(error), "; did you mean `name`?");
         assert_eq!(hint_of_error("missing field `name`"), "");
-        assert_eq!(hint_of_listed("rapie", r#"one of "point", "rapier""#), "; did you mean `rapier`?");
+        let expected = Expected::one_of(["point", "rapier"]);
+        assert_eq!(expected.to_string(), r#"one of "point", "rapier""#);
+        assert_eq!(expected.hint("rapie"), "; did you mean `rapier`?");
+        assert_eq!(Expected::from("true or false").hint("tru"), "");
     }
 }

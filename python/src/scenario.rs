@@ -329,7 +329,7 @@ pub fn settings<'py>(py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         };
         about.set_item("type", kind)?;
         about.set_item("about", setting.about)?;
-        about.set_item("allowed", setting.expected())?;
+        about.set_item("allowed", setting.expected().to_string())?;
         match setting.get(&defaults) {
             None => about.set_item("default", py.None())?,
             Some(Value::Number(value)) => about.set_item("default", value)?,

@@ -1,7 +1,7 @@
 //! Errors of study files and of the files of a sweep, each with its file, place and value.
 
 use cocarry::error::Place;
-use cocarry::suggestion::{hint, hint_of_listed};
+use cocarry::suggestion::{Expected, hint};
 use cocarry_output::output_file::OutputError;
 use std::fmt;
 use std::path::PathBuf;
@@ -17,14 +17,14 @@ pub enum SweepError {
     #[error(transparent)]
     Output(#[from] OutputError),
     /// A value is not allowed for its key.
-    #[error("{place} = {value}; it must be {expected}{}", hint_of_listed(value.trim_matches('"'), expected))]
+    #[error("{place} = {value}; it must be {expected}{}", expected.hint(value.trim_matches('"')))]
     Value {
         /// Where, and the key.
         place: Place,
         /// The value, as written.
         value: String,
         /// The values allowed.
-        expected: String,
+        expected: Expected,
     },
     /// A key is unknown.
     #[error(
