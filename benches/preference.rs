@@ -117,7 +117,9 @@ fn learning(criterion: &mut Criterion) {
     let of_model = |_: usize, prospects: &[Prospect]| human_choice(prospects, RISK_WEIGHT, human, None);
     let by_chance = |k: usize, _: &[Prospect]| (k * k + k / 3) % 4;
     let mut group = criterion.benchmark_group("learn");
-    for (name, sightings) in [("a human of the model", sightings(102, of_model)), ("chance", sightings(102, by_chance))] {
+    for (name, sightings) in
+        [("a human of the model", sightings(102, of_model)), ("chance", sightings(102, by_chance))]
+    {
         let mut posterior = Posterior::new(Belief::default(), RISK_WEIGHT).expect("valid parameters");
         let (mut choice, mut costs) = (ChoiceDistribution::default(), Vec::new());
         let (before, last) = sightings.split_at(100);

@@ -10,10 +10,7 @@ const MIN_SIMILARITY: f64 = 0.78;
 const MAX_FILES: usize = 1000;
 
 /// The known name that is most like `name`. What a name has in parentheses is not compared.
-pub fn nearest<'a>(
-    name: &str,
-    known: impl IntoIterator<Item = &'a str, IntoIter: Clone>,
-) -> Option<&'a str> {
+pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str, IntoIter: Clone>) -> Option<&'a str> {
     let known = known.into_iter();
     let stem = |name: &str| name.split_once('(').map_or(name, |(stem, _)| stem).to_lowercase();
     let similarity = |other: &str| {

@@ -308,14 +308,16 @@ impl Episode {
 
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let record = self.with(py, |prepared, running| View::new(prepared, &running.episode).read(EPISODE))?;
+        let record =
+            self.with(py, |prepared, running| View::new(prepared, &running.episode).read(EPISODE))?;
         value::record(py, record)
     }
 
     /// The belief over this human, as of now; `None` if the robot does not learn.
     #[getter]
     fn learned<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let record = self.with(py, |prepared, running| View::new(prepared, &running.episode).read(LEARNED))?;
+        let record =
+            self.with(py, |prepared, running| View::new(prepared, &running.episode).read(LEARNED))?;
         let found = record.into_iter().next().map(|(_, human)| human).unwrap_or_default();
         value::to_python(py, &found)
     }

@@ -1,6 +1,6 @@
 //! The paper's controller: pose optimisation (eq. 8), then MPC (eq. 7) from the configuration that it chose.
 
-use super::{DecisionBasis, Controller, Guide, References, Way};
+use super::{Controller, DecisionBasis, Guide, References, Way};
 use crate::control::{
     Avoid, BaseInputs, Candidate, ClosedForm, GUIDE_PRICE, Intent, Limits, Manipulator, ModalReference, Mpc,
     Plan, PoseChoice, PoseOptimiser, PoseProblem, SolveOutcome, TURN_PRICE, rolled, seen_from_base,

@@ -8,6 +8,7 @@ mod builder;
 mod end;
 mod evaluated;
 mod execute;
+mod human_observer;
 mod learn;
 mod now;
 mod outcome;
@@ -17,7 +18,6 @@ mod state;
 mod step;
 mod tick;
 mod view;
-mod human_observer;
 
 pub use crate::control::Manipulator;
 pub use crate::controller::DecisionBasis;
@@ -26,6 +26,7 @@ pub use crate::human::PreferenceChange;
 pub use crate::plant::Preparation;
 pub use builder::{EpisodeBuilder, Start};
 pub use evaluated::prospects;
+pub use human_observer::{HumanObserver, Sighting};
 pub use outcome::{
     ControlSummary, GRASP_WARNING_RMS_M, HumanSummary, InteractionSummary, LOSS_DISTANCE_M, Loss, Outcome,
     Summary, Transition,
@@ -34,7 +35,6 @@ pub use robot_tick::{PhysicsTick, RobotTick};
 pub use settings::Settings;
 pub use state::State;
 pub use tick::Tick;
-pub use human_observer::{HumanObserver, Sighting};
 
 use crate::controller::Controller;
 use crate::geometry::{Path, PlanarPose, Point, Pose};

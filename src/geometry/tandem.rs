@@ -192,7 +192,10 @@ mod tests {
         for sweep in [0.1, 0.7, 1.5, 2.2, 3.0] {
             for distance in [0.1, 0.2, 0.4] {
                 let found = nearest(sweep, tandem.corner_radius(sweep, distance));
-                assert!((distance - 0.09..distance + 0.01).contains(&found), "{sweep}: {found} m, not {distance}");
+                assert!(
+                    (distance - 0.09..distance + 0.01).contains(&found),
+                    "{sweep}: {found} m, not {distance}"
+                );
             }
         }
     }

@@ -27,7 +27,8 @@ pub struct Scripted {
 
 impl Scripted {
     fn parse(script: &str, participant: &Participant<'_>) -> Result<Self, Error> {
-        let expected = "scripted(STEP:OPTION,...), for example scripted(0:1,30:2), ordered by step, the first at step 0";
+        let expected =
+            "scripted(STEP:OPTION,...), for example scripted(0:1,30:2), ordered by step, the first at step 0";
         let wrong = || bad_arguments(expected);
         let options = participant.options.options();
         let entry = |text: &str| {

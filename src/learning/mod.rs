@@ -347,7 +347,9 @@ mod tests {
             if learner.is_sighting() {
                 sightings.push(step);
             }
-            learner.observe_walk(&PROSPECTS, &Ways::default(), [false, true, true, false].into_iter()).unwrap();
+            learner
+                .observe_walk(&PROSPECTS, &Ways::default(), [false, true, true, false].into_iter())
+                .unwrap();
         }
         assert_eq!(sightings, [0, 10, 20]);
     }

@@ -24,14 +24,14 @@ pub use path_option::PathOption;
 pub use progress::Progress;
 pub use trajectory::{nominal_trajectory, turned};
 
-use crate::error::{Error, ErrorKind, Place};
-use crate::geometry::{Bounds, Nearby, Path, Point};
-use crate::world::{ListedOption, Opening, World};
+use crate::error::{Error, Place};
+use crate::geometry::{Path, Point};
+use crate::world::{ListedOption, World};
 use build::{passages, refused, space, straights, unreachable};
 use passage::{Exit, Passage};
 use path_option::{After, Afters};
 use progress::Rest;
-use roadmap::{Roadmap, Space, Straight};
+use roadmap::{Roadmap, Straight};
 use serde::{Deserialize, Serialize};
 use sites::{MAX_LANES, START, Sites, TARGET};
 use stage::Stages;

@@ -6,8 +6,8 @@ use super::draft_search::{self, Parts};
 use super::footprint;
 use super::level::FULL;
 use super::load;
-use super::texts::RobotTexts;
 use super::postures::{self, Found};
+use super::texts::RobotTexts;
 use super::warning::WarningKind;
 use super::{Motion, Robot};
 use crate::error::{Error, Place};
@@ -218,7 +218,11 @@ fn entry(robot: &Robot, found: &Found, number: usize) -> String {
     let Found { ahead, lateral_offset, .. } = *found;
     let aside = match lateral_offset.abs() < 0.005 {
         true => String::new(),
-        false => format!(" and {:.2} m to the {}", lateral_offset.abs(), if lateral_offset > 0.0 { "left" } else { "right" }),
+        false => format!(
+            " and {:.2} m to the {}",
+            lateral_offset.abs(),
+            if lateral_offset > 0.0 { "left" } else { "right" }
+        ),
     };
     let mut text = format!(
         "\n[[posture]]   # the grasp {ahead:.2} m ahead of the axle{aside}\nname = \"posture-{number}\"\n"

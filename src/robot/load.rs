@@ -68,9 +68,7 @@ pub(super) fn links_to_draft(texts: &RobotTexts) -> Result<Vec<Link>, Error> {
 
 /// The robot of some texts whose robot file has no postures yet.
 pub(super) fn without_postures(texts: &RobotTexts) -> Result<Robot, Error> {
-    assemble(texts, texts.folders())
-        .map_err(|mut faults| faults.swap_remove(0))
-        .map(|(robot, _)| robot)
+    assemble(texts, texts.folders()).map_err(|mut faults| faults.swap_remove(0)).map(|(robot, _)| robot)
 }
 
 /// The robot of texts that were just read, with the hulls of its meshes; or all its faults.

@@ -39,7 +39,6 @@ pub use drive::{BaseInput, BaseTwist, Drive, DriveKind, MAX_BASE_INPUTS, SlowDri
 pub(crate) use factor::{Factor, Lanes};
 pub use kinematics::{Kinematics, pose_difference};
 pub use link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
-pub use load::RobotTexts;
 pub use reach::Reach;
 pub(crate) use self_contact::SelfContacts;
 pub use texts::RobotTexts;

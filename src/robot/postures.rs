@@ -147,7 +147,8 @@ fn judge(
 ) -> Option<Found> {
     let grasp = robot.drive_from_grasp(&joints).translation.vector;
     let (ahead, half_width) = (footprint.reach(Vector::x()), across(footprint) / 2.0);
-    let is_clear = grasp.x >= ahead + MIN_AHEAD_M || grasp.x >= 0.0 && grasp.y.abs() >= half_width + MIN_LATERAL_M;
+    let is_clear =
+        grasp.x >= ahead + MIN_AHEAD_M || grasp.x >= 0.0 && grasp.y.abs() >= half_width + MIN_LATERAL_M;
     for (at, joint) in joints.iter_mut().zip(&robot.joints) {
         // continuous joints within a turn
         if joint.motion == Motion::Revolute && joint.upper.is_infinite() {

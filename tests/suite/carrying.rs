@@ -160,7 +160,10 @@ fn closed_form_eq_8_can_be_worked_out_from_what_a_step_tells() {
                 floor += weight * form.cost(&control::ModalReference::new(reference));
             }
             let near = |a: f64, b: f64| (a - b).abs() < 1e-9 * b.max(1.0);
-            assert!(candidate_cost.lower_bound.is_some_and(|told| near(told, floor)), "{candidate_cost:?} {floor}");
+            assert!(
+                candidate_cost.lower_bound.is_some_and(|told| near(told, floor)),
+                "{candidate_cost:?} {floor}"
+            );
             assert!(candidate_cost.cost.is_none_or(|told| near(told, total)), "{candidate_cost:?} {total}");
             skipped += usize::from(candidate_cost.cost.is_none());
             totals.push(total);

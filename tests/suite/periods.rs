@@ -1,7 +1,7 @@
 //! The two clocks: what a person does counts in planning steps, whatever the controller's rate.
 
 use crate::support::{cocarry, stderr};
-use cocarry::episode::{Episode, Outcome, Settings, HumanObserver};
+use cocarry::episode::{Episode, HumanObserver, Outcome, Settings};
 use cocarry::geometry::{Point, Vector};
 use cocarry::human::{HandView, Human, HumanDecision, HumanView, Stance};
 use cocarry::learning;

@@ -164,8 +164,10 @@ fn a_human_of_ones_own_resists_and_takes_over() {
 /// once the human leads.
 #[test]
 fn with_bodies_a_hand_that_resists_is_pulled_at() {
-    let prepared =
-        prepared(scenario::Plant::Rapier { setup: setup(), physics: PhysicsSettings::default() }, "preference");
+    let prepared = prepared(
+        scenario::Plant::Rapier { setup: setup(), physics: PhysicsSettings::default() },
+        "preference",
+    );
     let builder = prepared.builder().unwrap_or_else(|e| panic!("{e}"));
     let mut episode = builder.with_human(Reluctant).begin().expect("room");
     let mut hands = Vec::new();

@@ -76,7 +76,10 @@ fn a_folder_of_new_is_understood_as_its_world_robot_or_study() {
     succeeds(folder.path(), &["new", "kitchen"]);
     let told = succeeds(folder.path(), &["world", "kitchen"]);
     assert_eq!(told, succeeds(folder.path(), &["world", "kitchen/world.toml"]));
-    succeeds(folder.path(), &["run", "kitchen", "--robot", "kitchen", "--plant", "kinematic", "--max-steps", "9999"]);
+    succeeds(
+        folder.path(),
+        &["run", "kitchen", "--robot", "kitchen", "--plant", "kinematic", "--max-steps", "9999"],
+    );
     let told = succeeds(folder.path(), &["sweep", "kitchen", "--seeds", "1", "-o", "rows.csv"]);
     assert!(told.contains("rows.csv: "), "{told}");
 }

@@ -93,7 +93,8 @@ fn a_file_given_where_another_kind_belongs_is_named() {
 #[test]
 fn a_number_that_is_not_whole_is_refused_in_words() {
     for value in ["1.5", "-1", "ten"] {
-        let said = format!("invalid value '{value}' for '--seed <SEED>': expected a whole number of at least 0");
+        let said =
+            format!("invalid value '{value}' for '--seed <SEED>': expected a whole number of at least 0");
         says(&[], &["run", "--seed", value], &said);
     }
 }

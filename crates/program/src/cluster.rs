@@ -1,7 +1,9 @@
 //! `cocarry cluster`: runs a study as tasks of a cluster's scheduler, and gathers their results.
 
 use super::interrupt::Interrupt;
-use super::output::{Failure, Progress as Bar, counted, examples, input, print, print_json, table, table_text, warn};
+use super::output::{
+    Failure, Progress as Bar, counted, examples, input, print, print_json, table, table_text, warn,
+};
 use super::reproduce::Common;
 use super::sweep::{self, print_summary};
 use anyhow::Context;
@@ -128,7 +130,8 @@ pub(super) fn run_cluster(action: &Action) -> Result<ExitCode, Failure> {
 }
 
 fn submit(arguments: &SlurmArguments) -> Result<ExitCode, Failure> {
-    let SlurmArguments { study: file, output: out, shards, threads, seeds, no_submit, overwrite, .. } = arguments;
+    let SlurmArguments { study: file, output: out, shards, threads, seeds, no_submit, overwrite, .. } =
+        arguments;
     let options: Vec<String> =
         arguments.sbatch.iter().flat_map(|text| text.split_whitespace()).map(str::to_owned).collect();
     slurm::check_options(&options).map_err(failure)?;
@@ -146,8 +149,7 @@ fn submit(arguments: &SlurmArguments) -> Result<ExitCode, Failure> {
     let script = |job: &Job| slurm::script(job, &program, *threads);
     let mut job = Job::create(out, description, script, *overwrite).map_err(failure)?;
     let shards: Vec<u64> = (1..=job.description().shards).collect();
-    let sizes =
-        format!(
+    let sizes = format!(
         "{} of {}, {}\n",
         counted(study.episodes(), "episode"),
         counted(study.combinations(), "combination"),
@@ -302,12 +304,8 @@ fn gather(arguments: &GatherArguments) -> Result<ExitCode, Failure> {
     let files: Vec<PathBuf> = (1..=of).map(|number| job.file_of(number)).collect();
     let episodes =
         merge(job.results(), &files, arguments.overwrite).map_err(|error| failure(error.into()))?;
-    let title = format!(
-        "{}: {} of {}",
-        job.results().display(),
-        counted(episodes, "episode"),
-        counted(of, "shard")
-    );
+    let title =
+        format!("{}: {} of {}", job.results().display(), counted(episodes, "episode"), counted(of, "shard"));
     print_summary(job.results(), &title, arguments.common.json)?;
     match arguments.audit {
         Some(percent) => audit(&job, percent, arguments),

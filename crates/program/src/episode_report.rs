@@ -45,7 +45,8 @@ const PLAUSIBLE: [f64; 2] = [0.2, 2.0];
 pub(super) fn scenario_warnings(prepared: &PreparedScenario) -> Vec<String> {
     let Perception { alpha, gamma } = prepared.scenario().human;
     let [least, most] = PLAUSIBLE;
-    let odd = [("alpha", alpha), ("gamma", gamma)].into_iter().filter(|(_, value)| !(least..=most).contains(value));
+    let odd =
+        [("alpha", alpha), ("gamma", gamma)].into_iter().filter(|(_, value)| !(least..=most).contains(value));
     let odd = odd.map(|(name, value)| {
         format!("{name} = {value}: experiments find values from {least} to {most} for people")
     });
@@ -278,6 +279,7 @@ impl EpisodeReport<'_> {
 
     pub fn as_json(&self) -> Value {
         let (world, scenario, settings) = (self.prepared.world(), self.prepared.scenario(), self.settings());
+        let warnings = [scenario_warnings(self.prepared), self.episode_warnings()].concat();
         let mut report = json!({
             "world": world.name,
             "file": world.file,
@@ -305,7 +307,7 @@ impl EpisodeReport<'_> {
                 "pose_criterion": c.control.criterion,
                 "avoid": c.control.avoid,
             })),
-            "warnings": [scenario_warnings(self.prepared), self.episode_warnings()].concat(),
+            "warnings": warnings,
         });
         for (key, value) in self.view().read(EPISODE) {
             report[key] = value;

@@ -66,7 +66,8 @@ fn made(folder: &Path) -> Result<&Path, Failure> {
             folder.display()
         )));
     }
-    let made = std::fs::create_dir(folder).with_context(|| format!("{}: cannot be created", folder.display()));
+    let made =
+        std::fs::create_dir(folder).with_context(|| format!("{}: cannot be created", folder.display()));
     made.map(|()| folder).map_err(Failure::Output)
 }
 

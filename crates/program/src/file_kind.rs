@@ -38,7 +38,9 @@ impl FileKind {
     /// What it is, and where it belongs.
     fn advice(self) -> &'static str {
         match self {
-            Self::World => "this is a world file; give it to `cocarry run` or `cocarry world`, or list it under `worlds` in a study",
+            Self::World => {
+                "this is a world file; give it to `cocarry run` or `cocarry world`, or list it under `worlds` in a study"
+            }
             Self::Robot => "this is a robot file; give it as --robot",
             Self::Study => "this is a study; run it with `cocarry sweep`",
         }

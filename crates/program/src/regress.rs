@@ -1,6 +1,8 @@
 //! `cocarry regress`: records the figures of a baseline's runs, or checks them against those recorded.
 
-use super::output::{Failure, counted, examples, input, print_json, print_verdict, table, table_text, unwritten, write_file};
+use super::output::{
+    Failure, counted, examples, input, print_json, print_verdict, table, table_text, unwritten, write_file,
+};
 use super::reproduce::Common;
 use super::scenario::ScenarioArguments;
 use anyhow::anyhow;

@@ -145,7 +145,9 @@ impl Target {
                 let robot = form.robot.map(Robot::load).transpose().map_err(input)?;
                 rendering::player(&playback, &title, robot.as_ref()).map(String::into_bytes)
             }
-            PictureKind::StripSvg => rendering::filmstrip_svg(&playback, instants, width).map(String::into_bytes),
+            PictureKind::StripSvg => {
+                rendering::filmstrip_svg(&playback, instants, width).map(String::into_bytes)
+            }
             PictureKind::StripPng => rendering::filmstrip_png(&playback, instants, width),
             PictureKind::Moving => rendering::moving_gif(&playback, width),
             PictureKind::Layout => Ok(rendering::viewer_layout(&playback).into_bytes()),

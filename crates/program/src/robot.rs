@@ -95,7 +95,9 @@ pub(super) fn check_is_file(flag: &str, file: &Path) -> Result<(), Failure> {
             "the built-in robot is the default; leave --robot out, or write its files with `cocarry export {ROBOT}`"
         )
     } else if let Some(name) = ROBOTS.iter().map(|robot| robot.name).find(named) {
-        format!("not a file; `cocarry export {name}` writes this robot's files, then use `{flag} {name}.toml`")
+        format!(
+            "not a file; `cocarry export {name}` writes this robot's files, then use `{flag} {name}.toml`"
+        )
     } else {
         return Ok(());
     };

@@ -1,7 +1,8 @@
 //! `cocarry robot check`: all faults of a robot's files, or what the program makes of them.
 
 use super::output::{
-    Failure, OverwriteArguments, examples, input, print, print_json, table, table_text, print_error, write_file,
+    Failure, OverwriteArguments, examples, input, print, print_error, print_json, table, table_text,
+    write_file,
 };
 use super::robot::check_is_file;
 use anyhow::{Error, anyhow};

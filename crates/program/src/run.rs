@@ -4,8 +4,8 @@ use super::episode_report::{EpisodeReport, scenario_warnings};
 use super::interrupt::Interrupt;
 use super::live::LiveArguments;
 use super::output::{
-    Failure, OverwriteArguments, Progress, examples, print, print_json, svg_file, print_message, print_text, warn, with_spinner,
-    write_file,
+    Failure, OverwriteArguments, Progress, examples, print, print_json, print_message, print_text, svg_file,
+    warn, with_spinner, write_file,
 };
 use super::record::RecordArguments;
 use super::scenario::ScenarioArguments;
@@ -149,10 +149,13 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let report = EpisodeReport { prepared: &prepared, episode: &episode, resumed, ticks };
     log.map_or(Ok(()), |log| log.finish(&outputs))?;
     if let Some(path) = &arguments.svg {
-        let svg =
-            drawing::adaptation(prepared.world(), &[report.track()], prepared.scenario().settings.planning_step)
-                .with_context(|| path.display().to_string())
-                .map_err(Failure::Output)?;
+        let svg = drawing::adaptation(
+            prepared.world(),
+            &[report.track()],
+            prepared.scenario().settings.planning_step,
+        )
+        .with_context(|| path.display().to_string())
+        .map_err(Failure::Output)?;
         write_file(&outputs, path, &svg)?;
     }
     if is_interrupted {

@@ -1,16 +1,17 @@
 //! `cocarry sweep`: runs a study, merges the shards of a study, and prints summaries.
 
-use super::interrupt::Interrupt;
 use super::file_kind::{self, FileKind};
-use super::output::{Failure, Progress, counted, examples, input, note, print, print_json, table, table_text, unwritten, warn};
+use super::interrupt::Interrupt;
+use super::output::{
+    Failure, Progress, counted, examples, input, note, print, print_json, table, table_text, unwritten, warn,
+};
 use super::reproduce::Common;
 use anyhow::Error;
 use clap::Args;
 use cocarry_output::output_file::Outputs;
 use cocarry_studies::statistics::Estimate;
 use cocarry_studies::study::{
-    Comparison, Group, Shard, Study, Summary, Sweep, SweepError, SweepOutputs, complete_rows,
-    merge,
+    Comparison, Group, Shard, Study, Summary, Sweep, SweepError, SweepOutputs, complete_rows, merge,
 };
 use serde_json::json;
 use std::path::{Path, PathBuf};

@@ -122,7 +122,9 @@ fn with_tables(text: &str) -> String {
         styles.push(style);
     }
     let styled = lines.iter().zip(styles);
-    styled.map(|(line, style)| style.map_or_else(|| (*line).to_owned(), |style| in_style(style, line))).collect()
+    styled
+        .map(|(line, style)| style.map_or_else(|| (*line).to_owned(), |style| in_style(style, line)))
+        .collect()
 }
 
 #[cfg(test)]

@@ -432,8 +432,8 @@ impl Lanes {
                 cell.with_dependent_mut(|prepared, running| {
                     let episode = &mut running.episode;
                     let file = Cursor::new(Vec::new());
-                    let mut recorder =
-                        Recorder::new(file, "the episode", prepared, episode).map_err(|error| words(&error))?;
+                    let mut recorder = Recorder::new(file, "the episode", prepared, episode)
+                        .map_err(|error| words(&error))?;
                     if actions.is_empty() && episode.step().is_none() {
                         recorder.step(episode).map_err(|error| words(&error))?;
                     }

@@ -34,8 +34,8 @@ impl Basis {
         let joints = prepared.robot().map_or(0, |robot| robot.joints.len());
         let seed = prepared.scenario().seed;
         let base = prepared.robot().map_or(2, |robot| robot.drive.inputs());
-        let prepared = Arc::new(prepared.clone());
-        Self { names, prepared, joints, base, seed, has_robot: prepared.robot().is_some() }
+        let has_robot = prepared.robot().is_some();
+        Self { names, prepared: Arc::new(prepared.clone()), joints, base, seed, has_robot }
     }
 
     /// The option of an index or a name.

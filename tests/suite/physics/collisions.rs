@@ -2,8 +2,6 @@
 
 use super::*;
 
-const WALL: &str = "[[obstacle]]\nname = \"wall\"\nshape = \"box\"\ncenter_m = [WALL, 0]\nsize_m = [0.2, 3]\nheight_m = 1.2\n";
-
 #[test]
 fn a_collision_says_who_with_what_where_and_how_hard() {
     let robot = carrier();

@@ -19,6 +19,8 @@ use std::f64::consts::FRAC_PI_2;
 const PERIOD: f64 = 0.2;
 const AT_ORIGIN: PlanarPose = PlanarPose { position: Point::new(0.0, 0.0), yaw: 0.0 };
 const GRAVITY: f64 = 9.81;
+/// A wall across the way, at WALL (m).
+const WALL: &str = "[[obstacle]]\nname = \"wall\"\nshape = \"box\"\ncenter_m = [WALL, 0]\nsize_m = [0.2, 3]\nheight_m = 1.2\n";
 
 fn carrier() -> Robot {
     Robot::built_in().unwrap_or_else(|e| panic!("{e}"))

@@ -32,7 +32,8 @@ fn closed_form_every_quantity_of_an_episode_with_bodies() {
         ],
     );
     let steps = || (0..STEPS).map(|k| k as f64);
-    let mean_of_squares = |value: &dyn Fn(f64) -> f64| steps().map(|k| value(k + 1.0) * value(k + 1.0)).sum::<f64>() / n;
+    let mean_of_squares =
+        |value: &dyn Fn(f64) -> f64| steps().map(|k| value(k + 1.0) * value(k + 1.0)).sum::<f64>() / n;
     let effort = n * INPUT_WEIGHT * 0.01 * 0.01 * (1..=11).map(|i| f64::from(i * i)).sum::<f64>();
     numbers(
         &record,

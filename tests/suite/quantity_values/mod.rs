@@ -8,7 +8,7 @@ mod steps;
 use cocarry::control::{Failure as MpcFailure, HORIZON, PoseOptimiser, Reference, SolveOutcome};
 use cocarry::controller::{Controller, DecisionBasis, Way};
 use cocarry::episode::{Episode, Outcome, Settings};
-use cocarry::geometry::{PlanarPose, Point, Pose};
+use cocarry::geometry::{PlanarPose, Point};
 use cocarry::human::{Human, HumanDecision, HumanView, PreferenceChange, Stance};
 use cocarry::learning;
 use cocarry::math;
@@ -94,9 +94,8 @@ fn observation(robot: &Robot, k: usize) -> Observation {
         deflection: rest[2],
     };
     let part = |kind, name: &str| Part { kind, name: name.to_owned() };
-    let distance = |distance: f64, one, other| {
-        Some(Clearance { distance, between: [part(one, "a"), part(other, "b")] })
-    };
+    let distance =
+        |distance: f64, one, other| Some(Clearance { distance, between: [part(one, "a"), part(other, "b")] });
     let contact = |one: (BodyKind, &str), other: (BodyKind, &str)| Contact {
         between: [part(one.0, one.1), part(other.0, other.1)],
         point: Point3::new(1.25, 3.75, 0.65),
@@ -232,7 +231,8 @@ impl Controller for ToldController {
             5 => SolveOutcome::Fallback(MpcFailure::NotFinite),
             _ => SolveOutcome::Unconstrained,
         };
-        let preparation = |candidate| Preparation { tracked: Some(1), candidate, candidates: 15, constrained: 7 };
+        let preparation =
+            |candidate| Preparation { tracked: Some(1), candidate, candidates: 15, constrained: 7 };
         let mut input_matrix = InputJacobian::zeros();
         [3.0, 2.0, 5.0, 0.125, 4.0, 6.0].iter().enumerate().for_each(|(i, s)| input_matrix[(i, i)] = *s);
         Command {
@@ -320,7 +320,11 @@ fn near(found: &Value, wanted: f64) {
 fn numbers<'k>(record: &Map<String, Value>, wanted: impl IntoIterator<Item = (&'k str, f64)>) {
     for (key, wanted) in wanted {
         let found = record[key].as_f64().unwrap_or(f64::NAN);
-        assert!((found - wanted).abs() < 1e-9 * wanted.abs().max(1.0), "{key}: {}, not {wanted}", record[key]);
+        assert!(
+            (found - wanted).abs() < 1e-9 * wanted.abs().max(1.0),
+            "{key}: {}, not {wanted}",
+            record[key]
+        );
     }
 }
 

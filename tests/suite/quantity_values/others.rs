@@ -18,11 +18,7 @@ fn closed_form_inputs_have_the_names_of_their_drive_and_joints() {
         if base == 3 {
             numbers(
                 &tick,
-                [
-                    ("base_ahead_m_per_s", 0.01),
-                    ("base_left_m_per_s", 0.02),
-                    ("base_turn_rad_per_s", 0.03),
-                ],
+                [("base_ahead_m_per_s", 0.01), ("base_left_m_per_s", 0.02), ("base_turn_rad_per_s", 0.03)],
             );
             assert!(tick["left_rim_m_per_s"].is_null() && tick["right_rim_m_per_s"].is_null());
         }

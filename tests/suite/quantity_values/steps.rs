@@ -135,8 +135,7 @@ fn closed_form_every_quantity_of_an_option() {
     let [near_option, far] = tick["options"].as_array().expect("options").as_slice() else { panic!("two") };
     // J~ over alpha from 0.55 to 0.95 and gamma from 0.5 to 1.1
     let length = 7.99;
-    let distance =
-        (math::pow(length, 0.95) - math::pow(length, 0.55)) / (0.4 * math::ln(length));
+    let distance = (math::pow(length, 0.95) - math::pow(length, 0.55)) / (0.4 * math::ln(length));
     let risk = |gamma: f64| math::exp(-math::pow(math::ln(2.0), gamma));
     let simpson = |i: u32| if i == 0 || i == 1000 { 1.0 } else { f64::from(2 + 2 * (i % 2)) };
     let risk = (0..=1000).map(|i| simpson(i) * risk(0.5 + 0.6 * f64::from(i) / 1000.0)).sum::<f64>() / 3000.0;
@@ -190,7 +189,12 @@ fn closed_form_the_preparation_of_a_step() {
     }
     let target = record["target"].as_object().expect("a configuration");
     numbers(target, [("x_m", 5.5), ("y_m", 6.5), ("yaw_rad", 0.75)]);
-    target["joints"].as_array().expect("joints").iter().enumerate().for_each(|(i, q)| near(q, 0.5 + i as f64));
+    target["joints"]
+        .as_array()
+        .expect("joints")
+        .iter()
+        .enumerate()
+        .for_each(|(i, q)| near(q, 0.5 + i as f64));
     // at the end of the fourth step the arm touches the base
     for _ in 2..4 {
         assert_eq!(episode.step(), None);

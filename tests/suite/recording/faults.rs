@@ -21,7 +21,10 @@ fn fault(bytes: &[u8]) -> String {
 #[test]
 fn bad_files_are_told_with_their_place() {
     let whole = short();
-    assert_eq!(fault(b""), "bad.mcap: is not an MCAP file: it must begin with the bytes 89 4d 43 41 50 30 0d 0a");
+    assert_eq!(
+        fault(b""),
+        "bad.mcap: is not an MCAP file: it must begin with the bytes 89 4d 43 41 50 30 0d 0a"
+    );
     assert!(fault(b"not an MCAP file").contains("is not an MCAP file"));
     assert!(fault(&whole[..5]).contains("is cut at byte 5"));
     assert!(fault(&whole[..whole.len() - 3]).contains("in the last bytes"));

@@ -1,7 +1,7 @@
 //! The pictures of a moving one: the team in the middle of a map that moves with it, phi over time, and the
 //! whole way.
 
-use super::film::{MIN_WIDTH_BOTH, Film};
+use super::film::{Film, MIN_WIDTH_BOTH};
 use super::kit::{
     AXIS_ROOM, Align, GAP, INK, LEFT_ROOM, MARGIN, PAPER, TEXT_SIZE, Text, disc, document_of, number, px,
     rectangle, stroke, wrapped,

@@ -2,7 +2,10 @@
 
 use super::worlds::{inputs, load};
 use crate::model::ModelArguments;
-use crate::output::{Failure, OverwriteArguments, counted, examples, input, print, print_json, svg_file, table, table_text, write_file};
+use crate::output::{
+    Failure, OverwriteArguments, counted, examples, input, print, print_json, svg_file, table, table_text,
+    write_file,
+};
 use crate::settings::number;
 use anyhow::{Context, anyhow};
 use clap::Args;

@@ -3,7 +3,10 @@
 
 use super::worlds::{inputs, load};
 use crate::model::BeliefArguments;
-use crate::output::{Failure, OverwriteArguments, counted, examples, input, print, print_json, svg_file, table, table_text, write_file};
+use crate::output::{
+    Failure, OverwriteArguments, counted, examples, input, print, print_json, svg_file, table, table_text,
+    write_file,
+};
 use crate::reproduce::Common;
 use anyhow::Context;
 use clap::Args;

@@ -275,8 +275,9 @@ fn walk(arguments: &InferArguments, path: &Path) -> Result<Walk, Failure> {
         )));
     }
     let phi = scenario.settings.coordination.initial_stubbornness;
-    let mut observer =
-        HumanObserver::new(learning::Settings::default(), phi).context(file.clone()).map_err(Failure::Input)?;
+    let mut observer = HumanObserver::new(learning::Settings::default(), phi)
+        .context(file.clone())
+        .map_err(Failure::Input)?;
     rerun(&mut Reader::open(path).map_err(input)?, |episode| observer.observe(episode)).map_err(input)?;
     let participant = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Ok(Walk { file, participant, sightings: observer.sightings().to_vec(), etas: observer.etas() })

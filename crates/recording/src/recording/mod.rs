@@ -47,13 +47,13 @@ mod error;
 mod events;
 mod file;
 mod frames;
-#[cfg(feature = "live")]
-mod origin_proxy;
 mod human;
 #[cfg(feature = "live")]
 mod live;
 mod meshes;
 mod motion;
+#[cfg(feature = "live")]
+mod origin_proxy;
 mod overview;
 mod playback;
 mod provenance;

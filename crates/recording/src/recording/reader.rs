@@ -204,7 +204,9 @@ impl<R: Read> Reader<R> {
         Ok(match found {
             FoundRecord::Metadata(name, entries) => Some(Entry::Metadata { name, entries }),
             FoundRecord::Attachment(attachment) => Some(Entry::Attachment(attachment)),
-            FoundRecord::Channel(id) => self.channels.get(&id).map(|definition| Entry::Channel { id, definition }),
+            FoundRecord::Channel(id) => {
+                self.channels.get(&id).map(|definition| Entry::Channel { id, definition })
+            }
             FoundRecord::Message(id, time, length) => {
                 let Block { offset: chunk, bytes, parsed, .. } = &self.block;
                 let data = &bytes[parsed - length..*parsed];

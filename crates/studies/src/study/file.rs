@@ -61,7 +61,7 @@ pub(super) fn read(
     let run_keys: Vec<&str> = SETTINGS.iter().map(list_key).chain(RUN_KEYS).collect();
     source.only(table, &[&STUDY_KEYS[..], &run_keys].concat())?;
     for key in ["name", "note"] {
-        source.list(table, key, "a text", source::text)?;
+        source.list(table, key, &"a text".into(), source::text)?;
     }
     let mut contents = Contents::default();
     let standard = Belief::default();
@@ -245,7 +245,8 @@ impl Contents {
             return Err(SweepError::Value {
                 place: place.clone(),
                 value: changes.to_string(),
-                expected: format!("0 for the humans `{name}`, whose alpha and gamma are fixed numbers").into(),
+                expected: format!("0 for the humans `{name}`, whose alpha and gamma are fixed numbers")
+                    .into(),
             });
         }
         if !run.changes.is_empty() {

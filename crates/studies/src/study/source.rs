@@ -84,7 +84,9 @@ impl<'a> Source<'a> {
         }
         let mut read_values: Vec<(T, Place)> = Vec::with_capacity(values.len());
         for value in values {
-            let Some(read) = read(value.get_ref()) else { return Err(self.wrong(key, value, expected.clone())) };
+            let Some(read) = read(value.get_ref()) else {
+                return Err(self.wrong(key, value, expected.clone()));
+            };
             let place = self.place(value.span(), key);
             if read_values.iter().any(|(other, _)| *other == read) {
                 return Err(SweepError::Twice { place, value: self.written(value) });

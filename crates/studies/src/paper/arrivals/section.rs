@@ -1,7 +1,7 @@
 //! How a team with bodies carries in all built-in worlds: arrivals, errors, grips and forces.
 
-use crate::paper::part::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::paper::arrivals::{ArrivalRow, Study};
+use crate::paper::part::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::parallel::OnDone;
 use crate::table::{Cell, Columns, Table};
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};

@@ -1,7 +1,7 @@
 //! Contacts with the sides of an opening, by the paper's risk S.
 
-use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
 use crate::paper::contacts::{ANGLES, ContactRow, RISKS, Study};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
 use crate::parallel::OnDone;
 use crate::table::{Cell, Columns, Table};
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};

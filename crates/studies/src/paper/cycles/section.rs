@@ -1,7 +1,7 @@
 //! "No locked cycles" (Sec. IV-B): the search for a counterexample.
 
-use crate::paper::part::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::paper::cycles::{Findings, SOON_STEPS, Search};
+use crate::paper::part::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};

@@ -1,8 +1,8 @@
 //! H1: Table I, the preference regions whose area is P_o, and the perception of risk and distance.
 
-use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
 use crate::paper::ENVIRONMENTS;
 use crate::paper::h1::{self, ChoiceRow, Fit};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
 use crate::table::{Columns, Table};
 use cocarry::episode::prospects;
 use cocarry::options::OptionSet;

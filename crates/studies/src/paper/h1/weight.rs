@@ -1,11 +1,11 @@
 //! The risk weight c_r (Sec. V-A): fitted to Table I's human column, as in the paper, and validated in
 //! Environment 4.
 
-use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
 use crate::fit::{
     Answers, CELL_ERROR, Estimate, RiskWeightFit, RiskWeightSettings, Situation, fit_risk_weight,
 };
 use crate::paper::ENVIRONMENTS;
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
 use cocarry::options::OptionSet;

@@ -1,10 +1,10 @@
 //! H2 with bodies: Table II's humans on the physical plant, compared with the point team.
 
 use super::section::{DIFFERENCE_AXIS, method};
-use crate::paper::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant};
-use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
 use crate::paper::ENVIRONMENTS;
 use crate::paper::h2::{self, BodiesRow, WithBodies};
+use crate::paper::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
 use crate::parallel::OnDone;
 use crate::statistics::Estimate;
 use crate::table::{Cell, Columns, Table};

@@ -1,8 +1,8 @@
 //! H2: Table II, the Environment 4 example, and the same human in the other environments.
 
+use crate::paper::h2::{self, CostRow, ExampleRun};
 use crate::paper::pairs::{SIGNIFICANCE_LEVEL, compared, difference, explained, is_significant, rounded};
 use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
-use crate::paper::h2::{self, CostRow, ExampleRun};
 use crate::paper::{ENVIRONMENTS, EXAMPLE_HUMAN, Environment};
 use crate::parallel::OnDone;
 use crate::statistics::{Estimate, Paired};

@@ -1,9 +1,9 @@
 //! H3 elsewhere than in the paper: with bodies, on an omnidirectional base, and with the other choices that
 //! the paper leaves open.
 
-use crate::paper::part::{Block, Finding, Part, Plan, ReportError, Section};
 use super::section::{Compared, finding, table_3, table_3_ratios};
 use crate::paper::h3::{self, PoseMethod, Study};
+use crate::paper::part::{Block, Finding, Part, Plan, ReportError, Section};
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
 use cocarry::control;

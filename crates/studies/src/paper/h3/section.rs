@@ -1,8 +1,8 @@
 //! H3: Table III, every method and start compared with its baseline, and the composition of the costs.
 
+use crate::paper::h3::{self, PoseMethod, PoseRow, Study};
 use crate::paper::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant, rounded};
 use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, grouped, holds};
-use crate::paper::h3::{self, PoseMethod, PoseRow, Study};
 use crate::paper::{ENVIRONMENTS, SETTINGS};
 use crate::parallel::OnDone;
 use crate::table::{Cell, Columns, Table};

@@ -1,12 +1,12 @@
 //! H4: what it pays to learn who the robot carries with.
 
-use crate::paper::pairs::{difference, is_significant, rounded};
-use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
 use crate::paper::h3::PoseMethod;
 use crate::paper::h4::{
     ALL_WORLDS, ControlRow, Findings, HumanKind, LearningRow, PersonRow, ROBOTS_WITH_ARM, RobotKind, Study,
     TASKS, WORLDS,
 };
+use crate::paper::pairs::{difference, is_significant, rounded};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
 use crate::parallel::OnDone;
 use crate::statistics::Paired;
 use crate::table::{Cell, Columns, Table};
