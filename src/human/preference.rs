@@ -14,7 +14,7 @@ pub(super) const MODEL: HumanModel = HumanModel {
     about: "Prefers the option of least subjective cost, eq. (3)",
     make: |arguments, participant| match arguments {
         "" => Ok(Box::new(PreferenceHuman::of(participant))),
-        _ => Err(bad_arguments("preference, without arguments")),
+        _ => Err(bad_arguments("preference, with no arguments")),
     },
 };
 

@@ -318,10 +318,22 @@ fn near(found: &Value, wanted: f64) {
 
 #[track_caller]
 fn numbers<'k>(record: &Map<String, Value>, wanted: impl IntoIterator<Item = (&'k str, f64)>) {
+    within(1e-9, record, wanted);
+}
+
+/// Numbers that depend on where the team is on its path, which is found to a hundredth of a millimetre in a
+/// step.
+#[track_caller]
+fn placed<'k>(record: &Map<String, Value>, wanted: impl IntoIterator<Item = (&'k str, f64)>) {
+    within(1e-4, record, wanted);
+}
+
+#[track_caller]
+fn within<'k>(share: f64, record: &Map<String, Value>, wanted: impl IntoIterator<Item = (&'k str, f64)>) {
     for (key, wanted) in wanted {
         let found = record[key].as_f64().unwrap_or(f64::NAN);
         assert!(
-            (found - wanted).abs() < 1e-9 * wanted.abs().max(1.0),
+            (found - wanted).abs() < share * wanted.abs().max(1.0),
             "{key}: {}, not {wanted}",
             record[key]
         );

@@ -26,11 +26,11 @@ fn closed_form_every_quantity_of_a_step_with_bodies() {
             // J = D + c_r S = 8 m + 10 m / 2
             ("objective_cost_m", 13.0),
             ("accumulated_objective_cost_m", 13.0),
-            ("walked_m", 0.01),
             ("robot_work_j", 1.5),
             ("human_work_j", -0.5),
         ],
     );
+    placed(&tick, [("walked_m", 0.01)]);
     words(&tick, [("mode", "robot-led"), ("executed", "near"), ("preferred", "far")]);
     let turn = 2.0_f64.to_radians();
     let tracking = STATE_WEIGHT * (0.005 * 0.005 + turn * turn);
@@ -108,11 +108,11 @@ fn closed_form_every_quantity_of_a_step_with_bodies() {
             ("squared_jerk_m2_per_s5", 8.0),
             ("obstacle_distance_m", 0.79),
             ("human_distance_m", 1.76),
-            // the leader has accelerated for a period, 0.9 m/s^2 * (0.2 s)^2, and the object has moved 1 cm
-            ("path_lead_m", 0.026),
             ("contacts", 0.0),
         ],
     );
+    // the leader has accelerated for a period, 0.9 m/s^2 * (0.2 s)^2, and the object has moved 1 cm
+    placed(&tick, [("path_lead_m", 0.026)]);
     let joints = tick["joints"].as_array().expect("joints");
     assert_eq!(joints.len(), 7);
     for (i, joint) in joints.iter().enumerate() {
@@ -141,17 +141,16 @@ fn closed_form_every_quantity_of_an_option() {
     let risk = (0..=1000).map(|i| simpson(i) * risk(0.5 + 0.6 * f64::from(i) / 1000.0)).sum::<f64>() / 3000.0;
     let record = near_option.as_object().expect("a record");
     words(record, [("name", "near")]);
-    numbers(
+    placed(
         record,
         [
             ("length_m", length),
-            ("risk", 0.5),
             ("objective_cost_m", length + 5.0),
             ("expected_subjective_cost", distance + 10.0 * risk),
-            // it is shorter at the same risk
-            ("probability", 1.0),
         ],
     );
+    // it is shorter at the same risk
+    numbers(record, [("risk", 0.5), ("probability", 1.0)]);
     assert_eq!((&record["misaligned"], &far["misaligned"]), (&Value::Bool(false), &Value::Bool(true)));
     assert_eq!((far["name"].as_str(), far["probability"].as_f64()), (Some("far"), Some(0.0)));
 }
