@@ -184,7 +184,7 @@ fn the_nearest_of_many_doors_are_the_options() {
     }
     // so many that paths along the wall would take gigabytes
     let error = options(&doors(1000)).1.map(|set| set.options().len()).unwrap_err();
-    let expected = "crowded: too many obstacles in an open world (1005): paths may follow more than 4000000 \
-                    straight lines between their corners; use fewer obstacles, or fewer corners (a cylinder has none)";
+    let expected = "crowded: too many obstacles in an open world (1005): more than 4000000 clear lines between \
+                    their corners, which is the limit; use fewer obstacles, or fewer corners (a cylinder has none)";
     assert_eq!(error.to_string(), expected);
 }

@@ -1,4 +1,4 @@
-// The charts next to the scene: stubbornness with its threshold, P_o, forces; each with a cursor at the present time.
+// The charts beside the scene: stubbornness with its threshold, P_o, forces; each with a cursor at the present time.
 import { escaped } from "./episode.js";
 
 const LEFT = 34, RIGHT = 8, TOP = 8, BOTTOM = 20;

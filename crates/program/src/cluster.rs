@@ -141,7 +141,9 @@ fn submit(arguments: &SlurmArguments) -> Result<ExitCode, Failure> {
         refuse_queued(out)?;
     }
     if !*no_submit {
-        // before the job's folder is created
+        // before the job's folder is created, and after what else may be wrong
+        let outputs = cocarry_output::output_file::Outputs::new(*overwrite, [file.clone()]);
+        outputs.check(out).map_err(|error| failure(error.into()))?;
         slurm::check_available().map_err(failure)?;
     }
     let program = std::env::current_exe().context("the path of this program").map_err(Failure::Output)?;

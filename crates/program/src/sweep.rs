@@ -108,7 +108,7 @@ fn sweep(arguments: &SweepArguments, file: &Path) -> Result<(), Failure> {
     );
     match kept {
         0 => {}
-        kept if kept == episodes => title += ", all of them from the earlier run",
+        kept if kept == episodes => title += &format!(", all {kept} of them from the earlier run"),
         kept => title += &format!(", {kept} of them from the earlier run"),
     }
     match (arguments.shard, episodes) {

@@ -238,7 +238,7 @@ fn a_finished_sweep_is_a_success() {
     let again = stdout(&bench.good(&["study.toml"]));
     let title = "study.csv: 96 episodes of 16 combinations";
     assert!(first.starts_with(&format!("{title}\n")), "{first}");
-    assert!(again.starts_with(&format!("{title}, all of them from the earlier run\n")), "{again}");
+    assert!(again.starts_with(&format!("{title}, all 96 of them from the earlier run\n")), "{again}");
     assert!(bench.read("study.csv") == rows && !bench.path("study.csv.partial").exists());
     // results of another study, or a row less, are not
     bench.refused(&["study.toml", "--seeds", "2"], 2, &["study.csv: exists already"]);
@@ -391,7 +391,6 @@ fn results_of_another_study_are_not_gone_on_with() {
     let bench = Bench::new(STUDY);
     bench.good(&["study.toml"]);
     let first = bench.read("study.csv");
-    bench.refused(&["study.toml"], 2, &["study.csv: exists already", "--overwrite"]);
     std::fs::rename(bench.path("study.csv"), bench.path("study.csv.partial")).expect("renamed");
     let other = STUDY.replace("eta = [5, 10.5]", "eta = [5, 10]");
     std::fs::write(bench.path("study.toml"), &other).expect("a study");
