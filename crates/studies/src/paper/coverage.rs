@@ -6,7 +6,7 @@ use crate::parallel::OnDone;
 use crate::table::{Cell, Columns, Table};
 
 /// The coverage of the fits.
-pub(super) const PART: Part =
+pub(crate) const PART: Part =
     Part { id: "coverage", name: "coverage of the fits", episodes: |_| 0, studies, run };
 
 /// Numbers of participants.
