@@ -13,7 +13,7 @@ class Settings(TypedDict, total=False):
     """Model of the human: preference, boltzmann(RATIONALITY) or scripted(STEP:OPTION,...). Default: preference."""
 
     planning_step_s: float
-    """Planning step k, in seconds: phi, g, J and looks count in it, so an eta is for one planning step. Default: 0.2."""
+    """Planning step k, in seconds: phi, g, J and sightings count in it, so an eta is for one planning step. Default: 0.2."""
 
     control_period_s: float
     """Control period of eqs. (7) and (8), in seconds, a whole fraction of the planning step [default: the planning step]."""
@@ -72,7 +72,7 @@ class Settings(TypedDict, total=False):
     eta: float
     """Tolerance eta of the human: the larger, the more slowly stubbornness grows (paper: 5, 10.5, 15). Default: 10.5."""
 
-    method: Literal['mutual', 'without-model', 'human-led', 'robot-led']
+    method: Literal['mutual', 'without-model', 'human-led', 'robot-led', 'follow-hand']
     """Method: who leads, and on which option. Default: mutual."""
 
     pose: Literal['none', 'arm', 'whole-body']

@@ -25,7 +25,7 @@ pub struct References {
     seen_on: usize,
     /// Pose of the grasp at the beginning of the planning step.
     begun_at: PlanarPose,
-    /// The poses of a policy's own reference, one per control period; none where the reference is the leader's.
+    /// The poses of a policy's reference, one per control period; none where the reference is the leader's.
     pub(super) given: Option<[PlanarPose; HORIZON]>,
     widened: Widened,
 }

@@ -4,7 +4,7 @@ use super::{Decision, MethodEntry, Motion, RobotPolicy, RobotView};
 use crate::control::HORIZON;
 use crate::coordination::Mode;
 use crate::geometry::{PlanarPose, Point, Vector, angle_of};
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 use serde::{Deserialize, Serialize};
 
 /// Largest speed (m/s) at which the hand is expected to go on.
@@ -88,7 +88,7 @@ impl RobotPolicy for FollowHand {
         Saved::of(self)
     }
 
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         *self = saved.read("policy")?;
         Ok(())
     }
