@@ -7,6 +7,7 @@ mod cycles;
 mod h2;
 mod h3;
 mod h4;
+mod starts;
 
 pub(super) use common::Common;
 
@@ -35,6 +36,8 @@ pub(super) enum Claim {
     Contacts(contacts::ContactsArguments),
     /// "No locked cycles" (Sec. IV-B): random worlds and humans, each episode run to its end
     Cycles(cycles::CyclesArguments),
+    /// Starts: in how many random indoor worlds a team with bodies has room at A and B, and arrives
+    Starts(starts::StartsArguments),
     /// A report of all claims with tables and pictures: H1, H2, H3, locked cycles, and Table II with bodies
     All(all::AllArguments),
 }
@@ -56,6 +59,7 @@ pub(super) fn run(claim: &Claim) -> Result<ExitCode, Failure> {
         Claim::H4(arguments) => h4::run(arguments),
         Claim::Contacts(arguments) => contacts::run(arguments),
         Claim::Cycles(arguments) => cycles::run(arguments),
+        Claim::Starts(arguments) => starts::run(arguments),
         Claim::All(arguments) => all::run(arguments),
     }?;
     Ok(ExitCode::SUCCESS)

@@ -1,16 +1,22 @@
 //! Sec. IV-B.2 claims without proof that eq. (6) causes no locked cycles (infinite oscillation between
 //! options). This study runs random worlds and humans, each episode until the team arrives or takes ten times
-//! the steps of the longest option. The team is a point, or has bodies, which must not touch anything either.
+//! the steps of the longest option. The team is a point, has a robot, or has bodies, which must not touch
+//! anything either.
+
+mod dropped;
+
+pub use dropped::{Cause, Dropped, SOON_STEPS};
 
 use super::{prepared, run};
 use crate::parallel::{OnDone, in_parallel};
-use cocarry::coordination::{self, Mode};
+use cocarry::coordination;
 use cocarry::episode::{Outcome, Settings, Summary, Tick};
 use cocarry::math;
 use cocarry::preference::Perception;
 use cocarry::scenario::{Plant, PlantKind, Scenario, WorldText};
 use cocarry::simulation::{BodyKind, Contact};
 use cocarry::{Error, ErrorKind};
+use dropped::Leader;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -19,11 +25,10 @@ use std::ops::Range;
 
 /// Default number of worlds for a team that is a point.
 pub const WORLDS: usize = 10_000;
+/// Default number of worlds on the kinematic plant.
+pub const WORLDS_WITH_ROBOT: usize = 5000;
 /// Default number of worlds for a team with bodies.
 pub const WORLDS_WITH_BODIES: usize = 200;
-
-/// An option that is dropped after no more steps than this is dropped soon.
-pub const SOON_STEPS: u64 = 5;
 
 /// The search for locked cycles.
 #[derive(Clone, Copy, Debug)]
@@ -49,8 +54,8 @@ pub struct Findings {
     pub with_changes: usize,
     /// Largest number of changes of the executed option in one episode.
     pub most_changes: u32,
-    /// Seeds of the episodes in which the same leader took up an option and dropped it again within 5 steps.
-    pub dropped_soon: Vec<u64>,
+    /// The first option of each episode that the same leader took up and dropped again within 5 steps.
+    pub dropped_soon: Vec<Dropped>,
     /// Episodes that arrived without contact.
     pub arrived: usize,
     /// Episodes in which the robot, the object or the human touched an obstacle.
@@ -88,8 +93,8 @@ struct Trial {
     options: usize,
     detour: f64,
     from_target: Option<f64>,
-    /// Whether an option was taken up and dropped again soon.
-    dropped_soon: bool,
+    /// The first option that was taken up and dropped again soon.
+    dropped_soon: Option<Dropped>,
     summary: Summary,
 }
 
@@ -110,7 +115,7 @@ impl Search<'_> {
             with_choice: trials.iter().filter(|t| t.options > 1).count(),
             with_changes: trials.iter().filter(|t| t.summary.option_changes > 0).count(),
             most_changes: trials.iter().map(|t| t.summary.option_changes).max().unwrap_or(0),
-            dropped_soon: trials.iter().filter(|t| t.dropped_soon).map(|t| t.scenario.seed).collect(),
+            dropped_soon: trials.iter().filter_map(|t| t.dropped_soon.clone()).collect(),
             arrived: trials.iter().filter(arrived).count(),
             touched: [BodyKind::Robot, BodyKind::Object, BodyKind::Human].map(by),
             longest_detour: trials.iter().filter(arrived).map(|t| t.detour).fold(0.0, f64::max),
@@ -124,8 +129,8 @@ impl Search<'_> {
         let coordination = coordination::Settings { eta, ..self.settings.coordination };
         let settings = Settings { coordination, predict_while_human_leads: false, ..self.settings.clone() };
         let draw_world = |rng: &mut ChaCha8Rng| match self.plant.kind() {
-            PlantKind::Point => random_world(rng),
-            _ => mixed_world(rng, true),
+            PlantKind::Point | PlantKind::Kinematic => random_world(rng),
+            PlantKind::Rapier => mixed_world(rng, true),
         };
         loop {
             // draw again if the start or target is inside an obstacle, enclosed, or without room for the team
@@ -135,17 +140,34 @@ impl Search<'_> {
                 stage => stage?,
             };
             let stage = stage.prepare(Scenario { seed, human, ..stage.scenario().clone() })?;
-            let mut taken_up: Option<(usize, u64, Mode)> = None;
-            let mut dropped_soon = false;
-            let on_tick = |tick: &Tick| match taken_up {
-                Some((option, ..)) if option == tick.executed => {}
-                before => {
+            let mut predictor = settings.predictor.clone();
+            let step = settings.speed * settings.planning_step;
+            let mut leader = Leader { predictor: &mut predictor, human, step };
+            // the first tick of the option executed, and the option before it
+            let mut taken_up: Option<(Tick, Option<usize>)> = None;
+            let mut dropped_soon: Option<Dropped> = None;
+            let on_tick = |tick: &Tick| {
+                let Some((first, before)) = &taken_up else {
                     // the first option is not taken up but given
-                    dropped_soon |= before.is_some_and(|(_, since, mode)| {
-                        since > 0 && tick.step - since <= SOON_STEPS && mode == tick.mode
-                    });
-                    taken_up = Some((tick.executed, tick.step, tick.mode));
+                    taken_up = Some((tick.clone(), None));
+                    return;
+                };
+                if first.executed == tick.executed {
+                    return;
                 }
+                let is_soon = tick.step - first.step <= SOON_STEPS && first.mode == tick.mode;
+                if let (Some(before), None, true) = (before, &dropped_soon, is_soon) {
+                    let name = |option: usize| stage.options().options()[option].name.clone();
+                    dropped_soon = Some(Dropped {
+                        seed,
+                        taken_up: first.step,
+                        dropped: tick.step,
+                        mode: tick.mode,
+                        options: [*before, first.executed, tick.executed].map(name),
+                        cause: leader.cause(first, tick),
+                    });
+                }
+                taken_up = Some((tick.clone(), Some(first.executed)));
             };
             let summary = match run(&stage, on_tick) {
                 Err(error) if error.kind() == ErrorKind::World => continue,
@@ -184,7 +206,7 @@ impl Trial {
 }
 
 /// A random human and eta, from 1 to 30: sensitive and tolerant humans are equally frequent.
-fn random_human(settings: &Settings, rng: &mut ChaCha8Rng) -> (Perception, f64) {
+pub(super) fn random_human(settings: &Settings, rng: &mut ChaCha8Rng) -> (Perception, f64) {
     let human = settings.predictor.belief().sample(rng);
     (human, math::exp(rng.random_range(0.0..math::ln(30f64))))
 }

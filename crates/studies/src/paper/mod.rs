@@ -11,6 +11,7 @@ pub mod h1;
 pub mod h2;
 pub mod h3;
 pub mod h4;
+pub mod starts;
 
 use cocarry::Error;
 use cocarry::episode::{Settings, Summary, Tick};

@@ -1,13 +1,21 @@
 //! "No locked cycles" (Sec. IV-B): the search for a counterexample.
 
 use super::part::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds};
-use crate::paper::cycles::{Findings, SOON_STEPS, Search};
+use crate::paper::cycles::{Cause, Findings, SOON_STEPS, Search};
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 
 /// The search.
 pub(super) const PART: Part = Part { id: "cycles", name: "random worlds", episodes: |plan| plan.worlds, run };
+
+/// The search with a robot that follows the team.
+pub(super) const WITH_ROBOT: Part = Part {
+    id: "cycles-kinematic",
+    name: "random worlds with a robot",
+    episodes: |plan| plan.worlds_with_robot,
+    run: run_with_robot,
+};
 
 /// The same worlds' kind with bodies.
 pub(super) const WITH_BODIES: Part = Part {
@@ -74,11 +82,28 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     Ok(Section {
         title: "No locked cycles".to_owned(),
         finding: finding(&findings),
-        blocks: vec![Block::Text(text.to_owned()), Block::Table(table(&findings))],
+        blocks: vec![Block::Text(text.to_owned()), Block::Table(table(&findings, "cycles", "The search for locked cycles"))],
     })
 }
 
-fn table(findings: &Findings) -> Table {
+fn run_with_robot(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+    let plant = Plant::new(PlantKind::Kinematic, RobotSetup::new(plan.robot));
+    let (settings, worlds, seed) = (&plan.settings, plan.worlds_with_robot, plan.seed);
+    let findings = Search { plant: &plant, settings, worlds, seed }.run(on_done)?;
+    let text = "The first of these worlds and humans again, with a robot on the kinematic plant that carries by eqs. (7) and (8).";
+    let claim = "Eq. (6) causes no locked cycles of a team with a robot";
+    Ok(Section {
+        title: "No locked cycles, with a robot".to_owned(),
+        finding: Finding { claim, ..finding(&findings) },
+        blocks: vec![
+            Block::Text(text.to_owned()),
+            Block::Table(table(&findings, "cycles-kinematic", "The search for locked cycles with a robot")),
+        ],
+    })
+}
+
+fn table(findings: &Findings, name: &str, title: &str) -> Table {
+    let of = |cause: Cause| move |f: &Findings| f.dropped_soon.iter().filter(|d| d.cause == cause).count() as u64;
     Columns::of(std::slice::from_ref(findings))
         .count("worlds", "worlds", |f| f.episodes as u64)
         .count("two options or more", "with_choice", |f| f.with_choice as u64)
@@ -87,9 +112,15 @@ fn table(findings: &Findings) -> Table {
         .number("longest / cheapest option", "longest_detour", 2, |f| f.longest_detour)
         .count("dropped soon", "dropped_soon", |f| f.dropped_soon.len() as u64)
         .count("counterexamples", "counterexamples", |f| f.lost.len() as u64)
-        .table("cycles", "The search for locked cycles")
+        .count("phi", "dropped_by_stubbornness", of(Cause::Stubbornness))
+        .count("gap", "dropped_by_opening", of(Cause::Opening))
+        .count("D", "dropped_by_length", of(Cause::Length))
+        .count("D^alpha", "dropped_by_perception", of(Cause::Perception))
+        .table(name, title)
         .with_note("longest / cheapest option: the most steps that an episode took, over those of its cheapest option at the start;")
-        .with_note(format!("dropped soon: episodes in which the same leader took up an option and dropped it again within {SOON_STEPS} steps."))
+        .with_note(format!("dropped soon: episodes in which the same leader took up an option and dropped it again within {SOON_STEPS} steps, of these"))
+        .with_note("phi: eq. (6) with phi of the step in which it was taken up keeps it; gap: a gap was crossed or left behind, which changes S;")
+        .with_note("D: the length of the next option fell by more than the team walked; D^alpha: its perceived length did.")
 }
 
 fn finding(findings: &Findings) -> Finding {

@@ -16,6 +16,7 @@ mod part;
 mod preparation;
 mod preparation_elsewhere;
 mod run;
+mod starts;
 mod weight;
 
 pub use adaptation::{example_picture, example_table, table_2};
@@ -38,7 +39,9 @@ pub const PARTS: &[Part] = &[
     arrivals::PART,
     contacts::PART,
     cycles::PART,
+    cycles::WITH_ROBOT,
     cycles::WITH_BODIES,
+    starts::PART,
     preparation::PART,
     preparation_elsewhere::WITH_BODIES,
     preparation_elsewhere::OMNIDIRECTIONAL,

@@ -1,6 +1,6 @@
 //! A claim's part of the report: its runs, and its section.
 
-use crate::paper::{arrivals, contacts, cycles as locked, h2, h3, h4};
+use crate::paper::{arrivals, contacts, cycles as locked, h2, h3, h4, starts};
 use crate::parallel::OnDone;
 use crate::table::Table;
 use cocarry::episode::Settings;
@@ -25,8 +25,12 @@ pub struct Plan<'a> {
     pub humans: usize,
     /// Number of random worlds in the search for locked cycles.
     pub worlds: usize,
+    /// The same with a robot on the kinematic plant.
+    pub worlds_with_robot: usize,
     /// The same with bodies.
     pub worlds_with_bodies: usize,
+    /// Number of random indoor worlds.
+    pub indoor_worlds: usize,
     /// Number of walks through each opening from each angle.
     pub walks: usize,
     /// Number of people of each kind in each group of worlds, who the robot learns.
@@ -46,7 +50,9 @@ impl<'a> Plan<'a> {
             seeds: arrivals::SEEDS,
             humans: h2::SAMPLES,
             worlds: locked::WORLDS,
+            worlds_with_robot: locked::WORLDS_WITH_ROBOT,
             worlds_with_bodies: locked::WORLDS_WITH_BODIES,
+            indoor_worlds: starts::WORLDS,
             walks: contacts::WALKS,
             people: h4::HUMANS,
             seed: 0,
@@ -62,7 +68,9 @@ impl<'a> Plan<'a> {
             seeds: 1,
             humans: 2,
             worlds: 1000,
+            worlds_with_robot: 100,
             worlds_with_bodies: 40,
+            indoor_worlds: 10,
             walks: 1,
             people: 2,
             ..Self::new(robot)
