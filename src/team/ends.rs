@@ -18,6 +18,8 @@ const BENT_RAD: f64 = 0.7;
 const HEADINGS: u32 = 36;
 /// Headings closer than this (rad) are the same.
 const SAME_HEADING_RAD: f64 = 1e-9;
+/// The angles (rad) by which a human who turns at the start may face aside of the object.
+const FACINGS_RAD: [f64; 7] = [0.0, 0.4, -0.4, 0.8, -0.8, 1.2, -1.2];
 /// How far from A another start is looked for (m), in rings of this width and with this many places each.
 const SEARCH_M: f64 = 3.0;
 const RING_M: f64 = 0.1;
@@ -147,12 +149,26 @@ impl<'a> InTandem<'a> {
         }
     }
 
-    /// The turn from where the team stands onto a path that begins at the object's centre.
+    /// The turn from where the team stands onto a path that begins at the object's centre. The human faces as
+    /// the object does, or, where there is no room for a turn from there, aside.
     pub(super) fn turn_from_start(&self, next: &Path) -> Option<Turned> {
         let PlanarPose { position, yaw } = self.goal();
-        let mut ahead = Path::default();
-        ahead.line(position, position + direction(yaw) * self.team_path().body_ahead());
-        self.team_path().planned_turn(&ahead, 0.0, next, self.free_space())
+        let (team_path, free_space) = (self.team_path(), self.free_space());
+        let hand = position + direction(yaw) * team_path.half();
+        FACINGS_RAD.into_iter().find_map(|aside| {
+            let body = hand + direction(yaw + aside) * (team_path.body_ahead() - team_path.half());
+            if aside != 0.0 && !free_space.is_free(hand, body) {
+                return None;
+            }
+            let mut ahead = Path::default();
+            if aside != 0.0 {
+                ahead.line(position, hand);
+                ahead.line(hand, body);
+            } else {
+                ahead.line(position, position + direction(yaw) * team_path.body_ahead());
+            }
+            team_path.planned_turn(&ahead, 0.0, next, free_space)
+        })
     }
 
     /// A path that ends so that the human has room beyond it: where there is none straight on, the team comes

@@ -354,7 +354,8 @@ fn a_floor_plan_drawn_as_svg_is_the_room_drawn_by_hand() {
              <text x=\"300\" y=\"300\">Room</text></svg>"
         )
     };
-    std::fs::write(file("room.toml"), head([0.0; 3]) + "[map]\nfile = \"plan.svg\"\nunit = \"mm\"\n").unwrap();
+    std::fs::write(file("room.toml"), head([0.0; 3]) + "[map]\nfile = \"plan.svg\"\nunit = \"mm\"\n")
+        .unwrap();
     let find = || cocarry_maps::find(&file("room.toml"), "room.toml");
     let drawn = World::parse("room", &by_hand([0.0; 3])).unwrap();
     // as large as its view box, and on paper of another shape
@@ -365,7 +366,11 @@ fn a_floor_plan_drawn_as_svg_is_the_room_drawn_by_hand() {
         let names: Vec<&str> = world.obstacles.iter().map(|obstacle| obstacle.name.as_str()).collect();
         assert!(names.contains(&"walls") && names.contains(&"pillar") && names.contains(&"end"), "{names:?}");
     }
-    std::fs::write(file("plan.svg"), "<svg xmlns=\"http://www.w3.org/2000/svg\"><circle r=\"1\" fill=\"none\"/></svg>").unwrap();
+    std::fs::write(
+        file("plan.svg"),
+        "<svg xmlns=\"http://www.w3.org/2000/svg\"><circle r=\"1\" fill=\"none\"/></svg>",
+    )
+    .unwrap();
     let refused = find().unwrap_err().to_string();
     assert!(refused.contains("plan.svg") && refused.contains("without obstacles"), "{refused}");
     std::fs::write(file("plan.svg"), &plan("")[..300]).unwrap();

@@ -29,10 +29,9 @@ pub(crate) fn obstacles(path: &FilePath, request: &Request) -> Result<String, Er
     let file = path.display().to_string();
     let text = read_at_most(4 * MAX_WORLD, path)?;
     let source = Source { file: &file, text: &text };
-    let document =
-        roxmltree::Document::parse(&text).map_err(|error| source.invalid("SVG file", error))?;
-    let tree =
-        Tree::from_xmltree(&document, &Options::default()).map_err(|error| source.invalid("SVG file", error))?;
+    let document = roxmltree::Document::parse(&text).map_err(|error| source.invalid("SVG file", error))?;
+    let tree = Tree::from_xmltree(&document, &Options::default())
+        .map_err(|error| source.invalid("SVG file", error))?;
     let frame = Frame::new(&document, &tree, request.unit.metres());
     let mut plan = Plan { frame, request, names: BTreeMap::new(), obstacles: Obstacles::default() };
     plan.add_group(tree.root());
@@ -182,7 +181,8 @@ fn is_drawn(paint: &Paint) -> bool {
 /// Points of a cubic curve after its first one, near enough to each other for lines between them.
 fn curve([a, b, c, d]: [Point; 4]) -> impl Iterator<Item = Point> {
     // the error of n chords is at most an eighth of the second derivative over n^2
-    let bend = 6.0 * (a.coords - b.coords * 2.0 + c.coords).norm().max((b.coords - c.coords * 2.0 + d.coords).norm());
+    let bend = 6.0
+        * (a.coords - b.coords * 2.0 + c.coords).norm().max((b.coords - c.coords * 2.0 + d.coords).norm());
     let corners = (bend / (8.0 * TOLERANCE_M)).sqrt().ceil().clamp(1.0, MAX_CURVE_CORNERS) as u32;
     (1..=corners).map(move |i| {
         let t = f64::from(i) / f64::from(corners);

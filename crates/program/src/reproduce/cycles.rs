@@ -131,6 +131,13 @@ fn text(findings: &Findings, plant: PlantKind, sway: f64) -> String {
             "An obstacle was touched by the robot in {robot}, the object in {object}, the human in {human}; {other} ended otherwise."
         );
     }
+    if plant == PlantKind::Kinematic {
+        let _ = writeln!(
+            text,
+            "The robot lost the object in {}: the human walks on whatever it does, and it may begin inside a wall behind A.",
+            findings.lost_object
+        );
+    }
     text += if findings.lost.is_empty() { "No counterexample.\n" } else { "Did not arrive (see --keep):\n" };
     for lost in &findings.lost {
         let what = match (&lost.contact, lost.from_target) {

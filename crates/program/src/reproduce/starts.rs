@@ -65,7 +65,9 @@ pub(super) fn run(arguments: &StartsArguments) -> Result<(), Failure> {
         }
     }
     if arguments.common.json {
-        return print_json(&json!({ "seed": study.seed, "clear_m": CLEAR_M, "sway_m": sway, "starts": starts }));
+        return print_json(
+            &json!({ "seed": study.seed, "clear_m": CLEAR_M, "sway_m": sway, "starts": starts }),
+        );
     }
     print(&text(&starts, sway))
 }

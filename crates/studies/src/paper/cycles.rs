@@ -7,10 +7,10 @@ mod dropped;
 
 pub use dropped::{Cause, Dropped, SOON_STEPS};
 
-use super::{prepared, run};
+use super::{prepared, run_episode};
 use crate::parallel::{OnDone, in_parallel};
 use cocarry::coordination;
-use cocarry::episode::{Outcome, Settings, Summary, Tick};
+use cocarry::episode::{Outcome, Settings, Tick};
 use cocarry::math;
 use cocarry::preference::Perception;
 use cocarry::scenario::{Plant, PlantKind, Scenario, WorldText};
@@ -60,6 +60,8 @@ pub struct Findings {
     pub arrived: usize,
     /// Episodes in which the robot, the object or the human touched an obstacle.
     pub touched: [usize; 3],
+    /// Episodes in which the robot lost the object; on the kinematic plant they go on.
+    pub lost_object: usize,
     /// Largest number of steps of an episode that arrived, as a multiple of the steps of its cheapest option.
     pub longest_detour: f64,
     /// Episodes that did not arrive: on the planning level, counterexamples.
@@ -87,15 +89,18 @@ pub struct Lost {
     pub from_target: Option<f64>,
 }
 
-/// One episode in a random world.
+/// One episode in a random world. It does not keep the world: 100,000 do not fit into memory.
 struct Trial {
-    scenario: Scenario,
     options: usize,
     detour: f64,
-    from_target: Option<f64>,
     /// The first option that was taken up and dropped again soon.
     dropped_soon: Option<Dropped>,
-    summary: Summary,
+    option_changes: u32,
+    has_lost_object: bool,
+    /// The body that touched an obstacle, if any.
+    touched_by: Option<BodyKind>,
+    /// What is kept if it did not arrive.
+    lost: Option<Lost>,
 }
 
 impl Search<'_> {
@@ -107,19 +112,19 @@ impl Search<'_> {
     pub fn run(&self, on_done: OnDone) -> Result<Findings, Error> {
         let trials = in_parallel(self.worlds, on_done, |i| self.trial(self.seed.wrapping_add(i as u64)));
         let trials = trials.into_iter().collect::<Result<Vec<_>, _>>()?;
-        let arrived = |t: &&Trial| t.summary.outcome == Outcome::Arrived;
-        let kind = |t: &Trial| t.summary.collision.as_ref().map(|contact| contact.between[0].kind);
-        let by = |by| trials.iter().filter(|t| kind(t) == Some(by)).count();
+        let arrived = |t: &&Trial| t.lost.is_none();
+        let by = |by| trials.iter().filter(|t| t.touched_by == Some(by)).count();
         Ok(Findings {
             episodes: trials.len(),
             with_choice: trials.iter().filter(|t| t.options > 1).count(),
-            with_changes: trials.iter().filter(|t| t.summary.option_changes > 0).count(),
-            most_changes: trials.iter().map(|t| t.summary.option_changes).max().unwrap_or(0),
+            with_changes: trials.iter().filter(|t| t.option_changes > 0).count(),
+            most_changes: trials.iter().map(|t| t.option_changes).max().unwrap_or(0),
             dropped_soon: trials.iter().filter_map(|t| t.dropped_soon.clone()).collect(),
             arrived: trials.iter().filter(arrived).count(),
             touched: [BodyKind::Robot, BodyKind::Object, BodyKind::Human].map(by),
+            lost_object: trials.iter().filter(|t| t.has_lost_object).count(),
             longest_detour: trials.iter().filter(arrived).map(|t| t.detour).fold(0.0, f64::max),
-            lost: trials.iter().filter(|t| !arrived(t)).map(Trial::lost).collect(),
+            lost: trials.iter().filter_map(|t| t.lost.clone()).collect(),
         })
     }
 
@@ -169,38 +174,37 @@ impl Search<'_> {
                 }
                 taken_up = Some((tick.clone(), Some(first.executed)));
             };
-            let summary = match run(&stage, on_tick) {
+            let episode = match stage.episode() {
                 Err(error) if error.kind() == ErrorKind::World => continue,
-                summary => summary?,
+                episode => episode?,
             };
+            // on the kinematic plant the human walks on whatever the robot does, and the robot may begin inside
+            // a wall behind A
+            let goes_on = self.plant.kind() == PlantKind::Kinematic;
+            let summary = run_episode(if goes_on { episode.ignoring_loss() } else { episode }, on_tick);
             let options = stage.options();
             let shortest =
                 options.remaining(&options.begin(), 0).length / (settings.speed * settings.planning_step);
             let contact = summary.collision.as_ref();
+            let lost = || Lost {
+                index: seed,
+                world: stage.scenario().world.text().to_owned(),
+                alpha: human.alpha,
+                gamma: human.gamma,
+                eta,
+                outcome: summary.outcome.name(),
+                contact: contact.cloned(),
+                from_target: contact.map(|c| (c.point.xy() - stage.world().target).norm()),
+            };
             return Ok(Trial {
-                scenario: stage.scenario().clone(),
                 options: options.options().len(),
                 detour: summary.steps as f64 / shortest.max(1.0),
-                from_target: contact.map(|c| (c.point.xy() - stage.world().target).norm()),
                 dropped_soon,
-                summary,
+                option_changes: summary.option_changes,
+                has_lost_object: summary.has_lost_object(),
+                touched_by: contact.map(|contact| contact.between[0].kind),
+                lost: (summary.outcome != Outcome::Arrived).then(lost),
             });
-        }
-    }
-}
-
-impl Trial {
-    fn lost(&self) -> Lost {
-        let Self { scenario, summary, from_target, .. } = self;
-        Lost {
-            index: scenario.seed,
-            world: scenario.world.text().to_owned(),
-            alpha: scenario.human.alpha,
-            gamma: scenario.human.gamma,
-            eta: scenario.settings.coordination.eta,
-            outcome: summary.outcome.name(),
-            contact: summary.collision.clone(),
-            from_target: *from_target,
         }
     }
 }

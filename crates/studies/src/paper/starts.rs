@@ -96,8 +96,14 @@ impl Study<'_> {
     /// If a setting is out of its range.
     pub fn run(&self, on_done: OnDone) -> Result<Starts, Error> {
         let ends = in_parallel(self.worlds, on_done, |i| self.end(self.seed.wrapping_add(i as u64)));
-        let mut starts =
-            Starts { worlds: ends.len(), started: 0, arrived: 0, touched: [0; 3], refused: Vec::new(), lost: Vec::new() };
+        let mut starts = Starts {
+            worlds: ends.len(),
+            started: 0,
+            arrived: 0,
+            touched: [0; 3],
+            refused: Vec::new(),
+            lost: Vec::new(),
+        };
         for end in ends {
             match end? {
                 End::Arrived => starts.arrived += 1,

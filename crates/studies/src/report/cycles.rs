@@ -82,7 +82,10 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     Ok(Section {
         title: "No locked cycles".to_owned(),
         finding: finding(&findings),
-        blocks: vec![Block::Text(text.to_owned()), Block::Table(table(&findings, "cycles", "The search for locked cycles"))],
+        blocks: vec![
+            Block::Text(text.to_owned()),
+            Block::Table(table(&findings, "cycles", "The search for locked cycles")),
+        ],
     })
 }
 
@@ -90,20 +93,25 @@ fn run_with_robot(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> 
     let plant = Plant::new(PlantKind::Kinematic, RobotSetup::new(plan.robot));
     let (settings, worlds, seed) = (&plan.settings, plan.worlds_with_robot, plan.seed);
     let findings = Search { plant: &plant, settings, worlds, seed }.run(on_done)?;
-    let text = "The first of these worlds and humans again, with a robot on the kinematic plant that carries by eqs. (7) and (8).";
+    let text = format!(
+        "The first of these worlds and humans again, with a robot on the kinematic plant that carries by eqs. (7) and (8). The human walks on whatever the robot does; the \
+         robot may begin inside a wall behind A, and loses the object in {} episodes, which go on.",
+        findings.lost_object
+    );
     let claim = "Eq. (6) causes no locked cycles of a team with a robot";
     Ok(Section {
         title: "No locked cycles, with a robot".to_owned(),
         finding: Finding { claim, ..finding(&findings) },
         blocks: vec![
-            Block::Text(text.to_owned()),
+            Block::Text(text),
             Block::Table(table(&findings, "cycles-kinematic", "The search for locked cycles with a robot")),
         ],
     })
 }
 
 fn table(findings: &Findings, name: &str, title: &str) -> Table {
-    let of = |cause: Cause| move |f: &Findings| f.dropped_soon.iter().filter(|d| d.cause == cause).count() as u64;
+    let of =
+        |cause: Cause| move |f: &Findings| f.dropped_soon.iter().filter(|d| d.cause == cause).count() as u64;
     Columns::of(std::slice::from_ref(findings))
         .count("worlds", "worlds", |f| f.episodes as u64)
         .count("two options or more", "with_choice", |f| f.with_choice as u64)
@@ -111,6 +119,7 @@ fn table(findings: &Findings, name: &str, title: &str) -> Table {
         .count("most changes", "most_changes", |f| u64::from(f.most_changes))
         .number("longest / cheapest option", "longest_detour", 2, |f| f.longest_detour)
         .count("dropped soon", "dropped_soon", |f| f.dropped_soon.len() as u64)
+        .count("object lost", "lost_object", |f| f.lost_object as u64)
         .count("counterexamples", "counterexamples", |f| f.lost.len() as u64)
         .count("phi", "dropped_by_stubbornness", of(Cause::Stubbornness))
         .count("gap", "dropped_by_opening", of(Cause::Opening))

@@ -9,8 +9,8 @@ use std::fmt::Write;
 pub const CLEAR_M: f64 = 1.2;
 
 /// A rectangle that is longer than the first becomes two rooms, each at least as long as the second, m.
-const MAX_ROOM_M: f64 = 5.5;
-const MIN_ROOM_M: f64 = 2.8;
+const MAX_ROOM_M: f64 = 5.0;
+const MIN_ROOM_M: f64 = 2.6;
 /// The room (m) in front of doors in which no furniture stands, and the distance of walls from doors.
 const DOOR_ROOM_M: f64 = 1.1;
 const DOOR_FRAME_M: f64 = 0.15;
@@ -157,7 +157,7 @@ impl FloorPlan<'_> {
     /// Tables, cabinets along walls, chairs and pillars.
     fn furnish(&mut self) {
         for room in self.rooms.clone() {
-            for _ in 0..self.rng.random_range(0..4) {
+            for _ in 0..self.rng.random_range(0..6) {
                 let yaw = if self.rng.random_bool(0.5) { 0.0 } else { std::f64::consts::FRAC_PI_2 };
                 let (name, size, is_at_wall, turn) = match self.rng.random_range(0..4) {
                     0 => ("table", [1.2..1.8, 0.6..0.9], false, 0.1),
@@ -195,7 +195,9 @@ impl FloorPlan<'_> {
             })
         };
         let start = place()?;
-        (0..10).find_map(|_| place().filter(|target| (target - start).norm() > size[0] / 2.0)).map(|target| [start, target])
+        (0..10)
+            .find_map(|_| place().filter(|target| (target - start).norm() > size[0] / 2.0))
+            .map(|target| [start, target])
     }
 
     fn written(&self, start: Point, target: Point) -> String {
