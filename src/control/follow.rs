@@ -17,8 +17,8 @@ use nalgebra::Rotation3;
 const LOOK_AHEADS_M: [f64; 3] = [0.65, 0.45, 0.3];
 /// Time over which the base looks out for obstacles, s.
 const LOOK_OUT_S: f64 = 1.2;
-/// How far (m) the base may overlap an obstacle: the base is narrower than its disc, or than the polygon around
-/// its shapes.
+/// How far (m) the base may overlap an obstacle: the base is narrower than its disc, or than the polygon
+/// around its shapes.
 const LOOK_OUT_TOLERANCE_M: f64 = 0.005;
 /// Gain of the spacing between base and grasp, 1/s.
 const SPACING_GAIN: f64 = 1.0;
@@ -46,7 +46,7 @@ pub struct Follower<'w> {
     /// Wanted distance of the base from the grasp, m. It is measured straight: in a bend, a distance along the
     /// path would fold the arm.
     pub distance: f64,
-    /// Angle of the grasp beside straight ahead of the base, rad: an omnidirectional base keeps it.
+    /// Bearing of the grasp from straight ahead of the base, rad: an omnidirectional base keeps it.
     pub bearing: f64,
     /// The outline of the base.
     pub footprint: &'w Footprint,
@@ -349,8 +349,8 @@ mod tests {
             });
             clearances.fold(f64::INFINITY, f64::min)
         };
-        let (free, beside) = (least_clearance(&no_obstacles()), least_clearance(&obstacles(wall)));
-        assert!(free < -0.05 && beside > -0.02, "{free} {beside}");
+        let (free, near_wall) = (least_clearance(&no_obstacles()), least_clearance(&obstacles(wall)));
+        assert!(free < -0.05 && near_wall > -0.02, "{free} {near_wall}");
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::human::Stance;
 use crate::math;
 use crate::options::{OptionSet, Passing};
 use crate::plant::{HumanMotion, Seen, on_floor};
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 use crate::simulation::Observation;
 use serde::{Deserialize, Serialize};
 
@@ -317,7 +317,7 @@ impl Walk for InTandem<'_> {
         Saved::of(&self.state)
     }
 
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         self.state = saved.read("walk")?;
         Ok(())
     }

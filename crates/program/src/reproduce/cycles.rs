@@ -42,7 +42,7 @@ pub(in super::super) struct CyclesArguments {
     overwrite: OverwriteArguments,
 }
 
-pub(super) fn run(arguments: &CyclesArguments) -> Result<(), Failure> {
+pub(super) fn reproduce_cycles(arguments: &CyclesArguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.keep {
         // before the work, which would otherwise be lost
         std::fs::create_dir_all(folder)

@@ -34,7 +34,7 @@ pub(in super::super) struct StartsArguments {
     overwrite: OverwriteArguments,
 }
 
-pub(super) fn run(arguments: &StartsArguments) -> Result<(), Failure> {
+pub(super) fn reproduce_starts(arguments: &StartsArguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.keep {
         // before the work, which would otherwise be lost
         std::fs::create_dir_all(folder)

@@ -2,6 +2,7 @@
 //! Not in the paper.
 
 mod indoor;
+pub mod section;
 
 pub use indoor::{CLEAR_M, indoor_world};
 
@@ -123,18 +124,18 @@ impl Study<'_> {
         let (human, eta) = random_human(self.settings, &mut rng);
         let coordination = coordination::Settings { eta, ..self.settings.coordination };
         let settings = Settings { coordination, predict_while_human_leads: false, ..self.settings.clone() };
-        let (stage, world) = loop {
+        let (prepared, world) = loop {
             let text = indoor_world(&mut rng);
             // draw again if even a point does not get to B
             let world = WorldText { file: "random rooms".to_owned(), text: text.clone() };
             match prepared(world, &settings, self.plant) {
                 Err(error) if error.kind() == ErrorKind::World => continue,
-                stage => break (stage?, text),
+                prepared => break (prepared?, text),
             }
         };
-        let stage = stage.prepare(Scenario { seed, human, ..stage.scenario().clone() })?;
+        let prepared = prepared.prepare(Scenario { seed, human, ..prepared.scenario().clone() })?;
         let mut time = 0.0;
-        let summary = match run(&stage, |tick| time = tick.time) {
+        let summary = match run(&prepared, |tick| time = tick.time) {
             Err(error) if error.kind() == ErrorKind::World => {
                 return Ok(End::Refused(Refused { seed, world, reason: error.to_string() }));
             }

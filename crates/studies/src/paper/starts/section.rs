@@ -1,13 +1,13 @@
 //! Starts of teams with bodies in random indoor worlds.
 
-use super::part::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds};
+use crate::paper::part::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::paper::starts::{CLEAR_M, Starts, Study};
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 
 /// The study of starts.
-pub(super) const PART: Part =
+pub(crate) const PART: Part =
     Part { id: "starts", name: "random indoor worlds", episodes: |plan| plan.indoor_worlds, run };
 
 fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {

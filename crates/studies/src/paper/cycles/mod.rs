@@ -4,6 +4,7 @@
 //! anything either.
 
 mod dropped;
+pub mod section;
 
 pub use dropped::{Cause, Dropped, SOON_STEPS};
 
@@ -140,11 +141,11 @@ impl Search<'_> {
         loop {
             // draw again if the start or target is inside an obstacle, enclosed, or without room for the team
             let world = WorldText { file: "random world".to_owned(), text: draw_world(&mut rng) };
-            let stage = match prepared(world, &settings, self.plant) {
+            let prepared = match prepared(world, &settings, self.plant) {
                 Err(error) if error.kind() == ErrorKind::World => continue,
-                stage => stage?,
+                prepared => prepared?,
             };
-            let stage = stage.prepare(Scenario { seed, human, ..stage.scenario().clone() })?;
+            let prepared = prepared.prepare(Scenario { seed, human, ..prepared.scenario().clone() })?;
             let mut predictor = settings.predictor.clone();
             let step = settings.speed * settings.planning_step;
             let mut leader = Leader { predictor: &mut predictor, human, step };
@@ -162,7 +163,7 @@ impl Search<'_> {
                 }
                 let is_soon = tick.step - first.step <= SOON_STEPS && first.mode == tick.mode;
                 if let (Some(before), None, true) = (before, &dropped_soon, is_soon) {
-                    let name = |option: usize| stage.options().options()[option].name.clone();
+                    let name = |option: usize| prepared.options().options()[option].name.clone();
                     dropped_soon = Some(Dropped {
                         seed,
                         taken_up: first.step,
@@ -174,7 +175,7 @@ impl Search<'_> {
                 }
                 taken_up = Some((tick.clone(), Some(first.executed)));
             };
-            let episode = match stage.episode() {
+            let episode = match prepared.episode() {
                 Err(error) if error.kind() == ErrorKind::World => continue,
                 episode => episode?,
             };
@@ -182,19 +183,19 @@ impl Search<'_> {
             // a wall behind A
             let goes_on = self.plant.kind() == PlantKind::Kinematic;
             let summary = run_episode(if goes_on { episode.ignoring_loss() } else { episode }, on_tick);
-            let options = stage.options();
+            let options = prepared.options();
             let shortest =
                 options.remaining(&options.begin(), 0).length / (settings.speed * settings.planning_step);
             let contact = summary.collision.as_ref();
             let lost = || Lost {
                 index: seed,
-                world: stage.scenario().world.text().to_owned(),
+                world: prepared.scenario().world.text().to_owned(),
                 alpha: human.alpha,
                 gamma: human.gamma,
                 eta,
                 outcome: summary.outcome.name(),
                 contact: contact.cloned(),
-                from_target: contact.map(|c| (c.point.xy() - stage.world().target).norm()),
+                from_target: contact.map(|c| (c.point.xy() - prepared.world().target).norm()),
             };
             return Ok(Trial {
                 options: options.options().len(),

@@ -1,16 +1,16 @@
 //! "No locked cycles" (Sec. IV-B): the search for a counterexample.
 
-use super::part::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::paper::cycles::{Cause, Findings, SOON_STEPS, Search};
+use crate::paper::part::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 
 /// The search.
-pub(super) const PART: Part = Part { id: "cycles", name: "random worlds", episodes: |plan| plan.worlds, run };
+pub(crate) const PART: Part = Part { id: "cycles", name: "random worlds", episodes: |plan| plan.worlds, run };
 
 /// The search with a robot that follows the team.
-pub(super) const WITH_ROBOT: Part = Part {
+pub(crate) const WITH_ROBOT: Part = Part {
     id: "cycles-kinematic",
     name: "random worlds with a robot",
     episodes: |plan| plan.worlds_with_robot,
@@ -18,7 +18,7 @@ pub(super) const WITH_ROBOT: Part = Part {
 };
 
 /// The same worlds' kind with bodies.
-pub(super) const WITH_BODIES: Part = Part {
+pub(crate) const WITH_BODIES: Part = Part {
     id: "cycles-bodies",
     name: "random worlds with bodies",
     episodes: |plan| plan.worlds_with_bodies,
