@@ -29,7 +29,7 @@ use std::process::ExitCode;
 ]))]
 pub(super) struct WorldArguments {
     /// World file (TOML), a built-in world (see `cocarry worlds`), or a map: the YAML of ROS's map_server, or
-    /// GeoJSON
+    /// a floor plan (GeoJSON, SVG)
     world: PathBuf,
     #[command(flatten)]
     map: MapArguments,
@@ -71,7 +71,7 @@ impl MapArguments {
         if !cocarry_maps::is_map(path) {
             let path = path.display();
             return Err(input(anyhow::anyhow!(
-                "{path}: --start and --target are for maps (.yaml, .geojson); a world file has start_m and target_m"
+                "{path}: --start and --target are for maps (.yaml, .geojson, .svg); a world file has start_m and target_m"
             )));
         }
         let ends = Ends { start, target, robot_width: self.robot_width, tolerance: self.tolerance };

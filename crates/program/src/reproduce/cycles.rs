@@ -35,7 +35,8 @@ pub(in super::super) struct CyclesArguments {
     plant: PlantKind,
     #[command(flatten)]
     sway: SwayArguments,
-    /// Write the worlds of episodes that did not arrive into this folder
+    /// Write the worlds of episodes that did not arrive, and of those in which an option was dropped soon, into
+    /// this folder
     #[arg(long, value_name = "FOLDER")]
     keep: Option<PathBuf>,
     #[command(flatten)]
@@ -78,14 +79,18 @@ pub(super) fn reproduce_cycles(arguments: &CyclesArguments) -> Result<(), Failur
     let sway = sway_of(&plant);
     if let Some(folder) = &arguments.keep {
         let outputs = Outputs::new(arguments.overwrite.overwrite, []);
-        for lost in &findings.lost {
+        let how = |[alpha, gamma, eta]: [f64; 3], seed: u64| {
             let (plant, of_hand) =
                 (plant.name(), if has_bodies { format!(" --sway {sway}") } else { String::new() });
-            let how = format!(
-                "--plant {plant} --alpha {} --gamma {} --eta {} --seed {}{of_hand}",
-                lost.alpha, lost.gamma, lost.eta, lost.index
-            );
-            keep(&outputs, folder, lost.index, &how, &lost.world)?;
+            format!("--plant {plant} --alpha {alpha} --gamma {gamma} --eta {eta} --seed {seed}{of_hand}")
+        };
+        for lost in &findings.lost {
+            let how = how([lost.alpha, lost.gamma, lost.eta], lost.index);
+            keep(&outputs, folder, &format!("cycle-{}", lost.index), &how, &lost.world)?;
+        }
+        for dropped in &findings.dropped_soon {
+            let how = how([dropped.human.alpha, dropped.human.gamma, dropped.eta], dropped.seed);
+            keep(&outputs, folder, &format!("dropped-{}", dropped.seed), &how, &dropped.world)?;
         }
     }
     if arguments.common.json {
@@ -100,9 +105,9 @@ pub(super) fn reproduce_cycles(arguments: &CyclesArguments) -> Result<(), Failur
 }
 
 /// Writes a world with the command that runs its episode again.
-fn keep(outputs: &Outputs, folder: &Path, index: u64, arguments: &str, world: &str) -> Result<(), Failure> {
+fn keep(outputs: &Outputs, folder: &Path, name: &str, arguments: &str, world: &str) -> Result<(), Failure> {
     let head = format!("# cocarry run FILE {arguments}\n\n");
-    write_file(outputs, &folder.join(format!("cycle-{index}.toml")), &(head + world))
+    write_file(outputs, &folder.join(format!("{name}.toml")), &(head + world))
 }
 
 /// The text of the findings. `sway`: the sway of the hand, m, for a team with bodies.

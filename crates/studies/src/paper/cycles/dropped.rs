@@ -26,6 +26,12 @@ pub struct Dropped {
     pub options: [String; 3],
     /// Why.
     pub cause: Cause,
+    /// The world, as a world file.
+    pub world: String,
+    /// The human.
+    pub human: Perception,
+    /// eta.
+    pub eta: f64,
 }
 
 /// Why an option was dropped: the first of these without which the leader would have kept it.

@@ -171,6 +171,9 @@ impl Search<'_> {
                         mode: tick.mode,
                         options: [*before, first.executed, tick.executed].map(name),
                         cause: leader.cause(first, tick),
+                        world: prepared.scenario().world.text().to_owned(),
+                        human,
+                        eta,
                     });
                 }
                 taken_up = Some((tick.clone(), Some(first.executed)));
