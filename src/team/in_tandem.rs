@@ -1,7 +1,7 @@
 //! A team in tandem: both ends of the object follow the path, the human ahead, the robot's end behind.
 
 use super::pace::share;
-use super::team_path::{FreeSpace, TeamPath, Turned};
+use super::team_path::{FreeSpace, SHARPEST_BEND_RAD, TeamPath, Turned};
 use super::{ARRIVAL_TOLERANCE_M, Pace, PathAhead, Place, Step, Travel, Walk, Widened};
 use crate::control::{Follower, HORIZON, Intent, Reference, RobotObstacles, reference};
 use crate::coordination::Mode;
@@ -22,6 +22,9 @@ const TRAIL_POINTS: u32 = 50;
 /// The object turns more slowly where the robot's end is this far (m) from its target, and at a fifth of the
 /// rate at the second distance.
 const OUT_OF_PLACE_M: [f64; 2] = [0.015, 0.08];
+/// The leader slows where the robot's end is this far (m) from its target, and stops at the second distance:
+/// the arm does not reach, and the base has to go to where it does.
+const WAITS_M: [f64; 2] = [0.04, 0.08];
 /// The leader slows when the object lags by the first and stops at the second, m.
 const LAG_M: [f64; 2] = [0.01, 0.08];
 /// A robot that leads slows when the human's grip yields by the first and stops at the second, m: the human
@@ -85,22 +88,39 @@ impl<'a> InTandem<'a> {
         widened
     }
 
-    /// A turn with room for the object after it, and for the human beyond the end: a turn may join its path
-    /// beyond the arc with which that ends.
-    fn after_turn(&self, turned: Turned) -> Turned {
+    /// The turn at the position `along` (m) of `path` onto `next`, a path that [ends](Self::ended) so that the
+    /// human has room beyond it, in an arc of the length `end` (m).
+    ///
+    /// A turn may join its path beyond the arc with which that ends. It then ends in another arc, or, where that
+    /// would bend too sharply, joins before the arc.
+    pub(super) fn turn_at(&self, path: &Path, along: f64, (next, end): (&Path, f64)) -> Option<Turned> {
+        let turn = |end: f64| {
+            let turned = self.team_path().planned_turn(path, along, (next, end), self.free_space())?;
+            self.with_end(turned)
+        };
+        turn(0.0).or_else(|| if end > 0.0 { turn(end) } else { None })
+    }
+
+    /// A turn with room for the human beyond the end of its path. `None` if that would bend too sharply.
+    fn with_end(&self, turned: Turned) -> Option<Turned> {
         let Turned { path, until } = turned;
         let mut rest = Path::default();
         rest.push_rest(&path, until);
-        let ended = self.ended(rest.clone());
-        if ended == rest {
-            return Turned { path: self.with_object_room(path), until };
+        let (ended, end) = self.ended(rest);
+        if end == 0.0 {
+            return Some(Turned { path, until });
         }
         let mut turn = Path::default();
         turn.push_rest(&path.reversed(), path.length() - until);
         let mut way = turn.reversed();
         way.push_rest(&ended, 0.0);
         let is_smooth = way.sharpest_bend() <= path.sharpest_bend().max(MAX_BEND_RAD);
-        Turned { path: self.with_object_room(if is_smooth { way } else { path }), until }
+        is_smooth.then_some(Turned { path: way, until })
+    }
+
+    /// A turn with room for the object after it.
+    fn with_room(&self, turned: Turned) -> Turned {
+        Turned { path: self.with_object_room(turned.path), until: turned.until }
     }
 
     /// A path as the team walks it, with room for the object.
@@ -144,11 +164,24 @@ impl<'a> InTandem<'a> {
         PlanarPose { position: self.state.team_path.end(&hand, -1.0).position, yaw: hand.yaw }
     }
 
+    /// How far the robot's end is from its target, m.
+    fn out_of_place(&self, seen: &Seen) -> f64 {
+        let grasp = seen.bodies.map(|bodies| on_floor(&bodies.grasp));
+        grasp.map_or(0.0, |grasp| (self.grasp_goal(seen).position - grasp).norm())
+    }
+
+    /// The share of its speed with which a robot that leads goes on where its arm does not reach.
+    fn in_reach(&self, seen: &Seen, mode: Mode) -> f64 {
+        match mode {
+            Mode::RobotLed => share(WAITS_M, self.out_of_place(seen), 0.0),
+            Mode::HumanLed => 1.0,
+        }
+    }
+
     /// Advances the leader's position on the path by one period, and with it the object's target.
     fn set_goal(&mut self, step: &Step, seen: &Seen) {
-        let grasp = seen.bodies.map(|bodies| on_floor(&bodies.grasp));
-        let out_of_place = grasp.map_or(0.0, |grasp| (self.grasp_goal(seen).position - grasp).norm());
-        let yielding = yielding(seen, step.mode);
+        let out_of_place = self.out_of_place(seen);
+        let (yielding, in_reach) = (yielding(seen, step.mode), share(WAITS_M, out_of_place, 0.0));
         let pace = self.pace;
         let State { team_path, path_position, path_speed, goal } = &mut self.state;
         let turn = wrap_angle(team_path.pose(step.path, *path_position).yaw - goal.yaw).abs();
@@ -159,7 +192,8 @@ impl<'a> InTandem<'a> {
         };
         let waiting = share(LAG_M, ahead, 0.0);
         let on_bend = step.travel.share_on_bend(&pace, |s| team_path.pose(step.path, *path_position + s));
-        *path_speed = step.travel.speed_after(*path_speed, turning * waiting * yielding * on_bend, &pace);
+        let going_on = turning * waiting * yielding * in_reach;
+        *path_speed = step.travel.speed_after(*path_speed, going_on * on_bend, &pace);
         // who feels resistance gives up the lead over the object
         let kept = math::pow(yielding, pace.period / pace.step);
         let given_up = (1.0 - kept) * (*path_position - step.from);
@@ -176,33 +210,49 @@ impl Walk for InTandem<'_> {
     }
 
     fn walkable(&self, path: Path) -> Path {
-        self.with_object_room(self.widened(&self.ended(path)))
+        self.with_object_room(self.widened(&self.ended(path).0))
     }
 
     fn begin(&mut self, path: Path) -> Turned {
-        let path = self.ended(path);
-        let turned = if self.faces_path { None } else { self.turn_from_start(&path) };
+        let (path, end) = self.ended(path);
+        let turned = if self.faces_path { None } else { self.turn_from_start((&path, end)) };
         match turned {
-            Some(turned) => self.after_turn(turned),
+            Some(turned) => self.with_room(turned),
             None => Turned { path: self.with_object_room(self.widened(&path)), until: 0.0 },
         }
     }
 
     fn turn(&mut self, path: &Path, along: f64, next: Path) -> Option<Turned> {
-        let (free_space, next) = (self.free_space(), self.ended(next));
+        let (next, end) = self.ended(next);
+        let turned = self.turn_at(path, along, (&next, end))?;
         let State { team_path, path_position, .. } = &mut self.state;
-        let turned = team_path.planned_turn(path, along, &next, free_space)?;
         team_path.leave(path, along);
         *path_position -= along;
-        Some(self.after_turn(turned))
+        Some(self.with_room(turned))
     }
 
     fn place_to_turn(&self, path: &Path, range: [f64; 2], next: &dyn Fn(Point) -> Path) -> Option<f64> {
-        self.state.team_path.place_to_turn(path, range, next, self.free_space())
+        let team_path = self.team_path();
+        let can_turn = |along: f64| {
+            let next = next(team_path.point(path, along));
+            if next.sharpest_bend() > SHARPEST_BEND_RAD {
+                return false;
+            }
+            let (next, end) = self.ended(next);
+            self.turn_at(path, along, (&next, end)).is_some()
+        };
+        team_path.place_to_turn(path, range, &can_turn, self.free_space())
     }
 
     fn grasp_goal(&self, _: &Seen<'_>) -> PlanarPose {
         self.state.team_path.end(&self.state.goal, -1.0)
+    }
+
+    fn grasp_target(&self, seen: &Seen<'_>, mode: Mode) -> PlanarPose {
+        match mode {
+            Mode::RobotLed => self.grasp_goal(seen),
+            Mode::HumanLed => self.state.team_path.end(&self.held_by_hand(seen), -1.0),
+        }
     }
 
     fn advance(&mut self, step: &Step<'_>, seen: &Seen<'_>) -> HumanMotion {
@@ -283,7 +333,7 @@ impl Walk for InTandem<'_> {
         let pace = &self.pace;
         let (position, mut path_speed) = self.path_position(seen, ahead, speed);
         let mut walked = position - ahead.along;
-        let yielding = yielding(seen, ahead.mode);
+        let yielding = yielding(seen, ahead.mode) * self.in_reach(seen, ahead.mode);
         let mut at = if ahead.mode == Mode::RobotLed { self.state.goal } else { self.held_by_hand(seen) };
         let grasps = (1..=HORIZON).map(|_| {
             let on_bend = ahead.travel.share_on_bend(pace, |s| self.pose(ahead, walked + s));
@@ -305,7 +355,9 @@ impl Walk for InTandem<'_> {
         let (pace, team_path) = (&self.pace, &self.state.team_path);
         let (position, speed) = self.path_position(seen, ahead, speed);
         let from_here = |s| self.pose(ahead, position - ahead.along + s);
-        let share = yielding(seen, ahead.mode) * ahead.travel.share_on_bend(pace, from_here);
+        let share = yielding(seen, ahead.mode)
+            * self.in_reach(seen, ahead.mode)
+            * ahead.travel.share_on_bend(pace, from_here);
         // from the grasp's position for the object's target, back to beyond the base
         way.clear();
         let behind = (0..TRAIL_POINTS).rev().map(|i| team_path.half() + Follower::STEP * f64::from(i));

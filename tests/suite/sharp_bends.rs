@@ -4,6 +4,7 @@ use cocarry::episode::Settings;
 use cocarry::robot::Robot;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry_studies::paper::cycles::Search;
+use cocarry_studies::paper::placed::Placed;
 
 /// Worlds in which the object touched a pillar or the end of a wall in a bend (14, 39, 121, 233), in which
 /// the arm folded up to its limits in a bend at the start (146, 416), and in which the human touched a wall
@@ -16,7 +17,13 @@ fn teams_go_round_sharp_bends_without_contact_and_keep_hold_of_the_object() {
     let robot = Robot::built_in().expect("the built-in robot");
     let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(&robot));
     for seed in SEEDS {
-        let search = Search { plant: &plant, settings: &Settings::default(), worlds: 1, seed };
+        let search = Search {
+            plant: &plant,
+            settings: &Settings::default(),
+            worlds: 1,
+            seed,
+            placed: Placed::AsDrawn,
+        };
         let found = search.run(&|| {}).expect("a world with room");
         assert_eq!(found.arrived, 1, "world {seed}: {:?}", found.lost[0].outcome);
     }
@@ -28,6 +35,12 @@ fn teams_go_round_sharp_bends_without_contact_and_keep_hold_of_the_object() {
 fn a_search_ends_where_no_target_is_far_from_a_start() {
     let robot = Robot::built_in().expect("the built-in robot");
     let plant = Plant::new(PlantKind::Kinematic, RobotSetup::new(&robot));
-    let search = Search { plant: &plant, settings: &Settings::default(), worlds: 1, seed: 10_224 };
+    let search = Search {
+        plant: &plant,
+        settings: &Settings::default(),
+        worlds: 1,
+        seed: 10_224,
+        placed: Placed::AsDrawn,
+    };
     assert_eq!(search.run(&|| {}).expect("a world with room").episodes, 1);
 }

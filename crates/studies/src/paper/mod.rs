@@ -11,6 +11,8 @@ pub mod h1;
 pub mod h2;
 pub mod h3;
 pub mod h4;
+pub mod placed;
+pub mod slots;
 
 use cocarry::Error;
 use cocarry::episode::{Settings, Summary, Tick};
