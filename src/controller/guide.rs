@@ -1,9 +1,8 @@
 //! The base of a team with bodies follows the path of its grasp; the arm does the rest.
 
-use super::regain::{OUT_OF_PLACE_M, Regain};
 use crate::control::{BaseInputs, Follower, Manipulator};
 use crate::geometry::{PlanarPose, Point, angle_of, left_of};
-use crate::plant::{Seen, on_floor};
+use crate::plant::Seen;
 use crate::robot::Configuration;
 use crate::team::{PathAhead, TEAM_ACCELERATION, Walk};
 
@@ -45,7 +44,7 @@ impl Guide {
     }
 
     /// Inputs with which the base follows the path of the grasp, where the human is seen to walk at `speed`
-    /// (m/s); where the arm does not reach, those that take it to where it does.
+    /// (m/s).
     pub fn inputs(
         &mut self,
         seen: &Seen<'_>,
@@ -68,15 +67,8 @@ impl Guide {
             footprint: &manipulator.robot.footprint,
             obstacles: manipulator.obstacles,
         };
-        let (configuration, input) = (&bodies.configuration, bodies.base_rates);
-        let path = follower.inputs(&manipulator.robot.drive, &configuration.base, input, period);
-        let goal = walk.grasp_target(seen, ahead.mode);
-        if (goal.position - on_floor(&bodies.grasp)).norm() < OUT_OF_PLACE_M {
-            return Some(path);
-        }
-        let goal = goal.at_height(manipulator.robot.grasp_height);
-        let rim_acceleration = self.rim_acceleration;
-        Some(Regain { manipulator, configuration, goal, input, rim_acceleration, period }.inputs(path))
+        let base = &bodies.configuration.base;
+        Some(follower.inputs(&manipulator.robot.drive, base, bodies.base_rates, period))
     }
 }
 

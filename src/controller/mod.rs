@@ -7,7 +7,6 @@
 mod guide;
 mod predictive;
 mod references;
-mod regain;
 
 pub use guide::Guide;
 pub use predictive::Predictive;

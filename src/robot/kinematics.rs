@@ -6,7 +6,7 @@ use super::{
 };
 use crate::geometry::{Pose, Vector, left_of, turn_about_z};
 use arrayvec::ArrayVec;
-use nalgebra::{Matrix3, Matrix6, Rotation3, SMatrix, Vector1, Vector3};
+use nalgebra::{Matrix3, Matrix6, Rotation3, Vector1, Vector3};
 
 /// The pose of the grasp and its Jacobian at one configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -211,66 +211,23 @@ impl Robot {
             if error.norm() <= tolerance {
                 return Some((q, there));
             }
+            // least-norm step; the damping is far below the square of any singular value that matters
             let arm = self.arm_jacobian(&there.jacobian);
-            // the damping is far below the square of any singular value that matters
-            let step = self.least_norm_step(&arm, &error, 1e-12)?;
-            q.joints += step;
-        }
-        None
-    }
-
-    /// How far (m, then rad) the grasp stays from `world_from_grasp` at the nearest that the arm finds, with
-    /// the base left where it is: when its joints go on from `q` for so many seconds, within their rates, and
-    /// keep `margin` (rad, m) off their limits where they do so now.
-    pub fn out_of_reach(
-        &self,
-        q: &Configuration,
-        world_from_grasp: &Pose,
-        seconds: f64,
-        margin: f64,
-    ) -> nalgebra::Vector6<f64> {
-        const STEPS: usize = 10;
-        const DAMPING: f64 = 1e-3;
-        let (base, from) = (q.base.at_height(0.0), q.joints);
-        let mut joints = from;
-        let mut nearest = nalgebra::Vector6::repeat(f64::INFINITY);
-        for _ in 0..=STEPS {
-            let there = self.kinematics_on(&base, &joints);
-            let error = pose_difference(world_from_grasp, &there.grasp);
-            if error.norm() < nearest.norm() {
-                nearest = error;
-            }
-            let arm = self.arm_jacobian(&there.jacobian);
-            let Some(step) = self.least_norm_step(&arm, &error, DAMPING) else { break };
-            for (i, joint) in self.joints.iter().enumerate() {
-                let [lower, upper] = [joint.lower + margin, joint.upper - margin];
-                let reach = joint.rate_limit * seconds;
-                let low = lower.min(from[i]).max(from[i] - reach);
-                let high = upper.max(from[i]).min(from[i] + reach);
-                joints[i] = (joints[i] + step[i]).clamp(low, high);
-            }
-        }
-        nearest
-    }
-
-    /// The least-norm motion of the joints for a motion of the grasp (m, rad), damped. `None` where the arm
-    /// is singular beyond the damping.
-    fn least_norm_step(
-        &self,
-        arm: &SMatrix<f64, 6, MAX_JOINTS>,
-        motion: &nalgebra::Vector6<f64>,
-        damping: f64,
-    ) -> Option<JointVector> {
-        let mut gram = Matrix6::zeros();
-        for column in arm.column_iter().take(self.joints.len()) {
-            for j in 0..6 {
-                for i in j..6 {
-                    gram[(i, j)] += column[i] * column[j];
+            let mut gram = Matrix6::zeros();
+            for column in arm.column_iter().take(self.joints.len()) {
+                for j in 0..6 {
+                    for i in j..6 {
+                        gram[(i, j)] += column[i] * column[j];
+                    }
                 }
             }
+            let factor = Factor::new(1e-12, &Vector1::new(1.0), &gram);
+            if !factor.is_definite() {
+                return None;
+            }
+            q.joints += arm.tr_mul(&factor.solve(&error.transpose()).transpose());
         }
-        let factor = Factor::new(damping, &Vector1::new(1.0), &gram);
-        factor.is_definite().then(|| arm.tr_mul(&factor.solve(&motion.transpose()).transpose()))
+        None
     }
 }
 

@@ -22,9 +22,6 @@ const TRAIL_POINTS: u32 = 50;
 /// The object turns more slowly where the robot's end is this far (m) from its target, and at a fifth of the
 /// rate at the second distance.
 const OUT_OF_PLACE_M: [f64; 2] = [0.015, 0.08];
-/// The leader slows where the robot's end is this far (m) from its target, and stops at the second distance:
-/// the arm does not reach, and the base has to go to where it does.
-const WAITS_M: [f64; 2] = [0.04, 0.08];
 /// The leader slows when the object lags by the first and stops at the second, m.
 const LAG_M: [f64; 2] = [0.01, 0.08];
 /// A robot that leads slows when the human's grip yields by the first and stops at the second, m: the human
@@ -164,24 +161,11 @@ impl<'a> InTandem<'a> {
         PlanarPose { position: self.state.team_path.end(&hand, -1.0).position, yaw: hand.yaw }
     }
 
-    /// How far the robot's end is from its target, m.
-    fn out_of_place(&self, seen: &Seen) -> f64 {
-        let grasp = seen.bodies.map(|bodies| on_floor(&bodies.grasp));
-        grasp.map_or(0.0, |grasp| (self.grasp_goal(seen).position - grasp).norm())
-    }
-
-    /// The share of its speed with which a robot that leads goes on where its arm does not reach.
-    fn in_reach(&self, seen: &Seen, mode: Mode) -> f64 {
-        match mode {
-            Mode::RobotLed => share(WAITS_M, self.out_of_place(seen), 0.0),
-            Mode::HumanLed => 1.0,
-        }
-    }
-
     /// Advances the leader's position on the path by one period, and with it the object's target.
     fn set_goal(&mut self, step: &Step, seen: &Seen) {
-        let out_of_place = self.out_of_place(seen);
-        let (yielding, in_reach) = (yielding(seen, step.mode), share(WAITS_M, out_of_place, 0.0));
+        let grasp = seen.bodies.map(|bodies| on_floor(&bodies.grasp));
+        let out_of_place = grasp.map_or(0.0, |grasp| (self.grasp_goal(seen).position - grasp).norm());
+        let yielding = yielding(seen, step.mode);
         let pace = self.pace;
         let State { team_path, path_position, path_speed, goal } = &mut self.state;
         let turn = wrap_angle(team_path.pose(step.path, *path_position).yaw - goal.yaw).abs();
@@ -192,8 +176,7 @@ impl<'a> InTandem<'a> {
         };
         let waiting = share(LAG_M, ahead, 0.0);
         let on_bend = step.travel.share_on_bend(&pace, |s| team_path.pose(step.path, *path_position + s));
-        let going_on = turning * waiting * yielding * in_reach;
-        *path_speed = step.travel.speed_after(*path_speed, going_on * on_bend, &pace);
+        *path_speed = step.travel.speed_after(*path_speed, turning * waiting * yielding * on_bend, &pace);
         // who feels resistance gives up the lead over the object
         let kept = math::pow(yielding, pace.period / pace.step);
         let given_up = (1.0 - kept) * (*path_position - step.from);
@@ -246,13 +229,6 @@ impl Walk for InTandem<'_> {
 
     fn grasp_goal(&self, _: &Seen<'_>) -> PlanarPose {
         self.state.team_path.end(&self.state.goal, -1.0)
-    }
-
-    fn grasp_target(&self, seen: &Seen<'_>, mode: Mode) -> PlanarPose {
-        match mode {
-            Mode::RobotLed => self.grasp_goal(seen),
-            Mode::HumanLed => self.state.team_path.end(&self.held_by_hand(seen), -1.0),
-        }
     }
 
     fn advance(&mut self, step: &Step<'_>, seen: &Seen<'_>) -> HumanMotion {
@@ -333,7 +309,7 @@ impl Walk for InTandem<'_> {
         let pace = &self.pace;
         let (position, mut path_speed) = self.path_position(seen, ahead, speed);
         let mut walked = position - ahead.along;
-        let yielding = yielding(seen, ahead.mode) * self.in_reach(seen, ahead.mode);
+        let yielding = yielding(seen, ahead.mode);
         let mut at = if ahead.mode == Mode::RobotLed { self.state.goal } else { self.held_by_hand(seen) };
         let grasps = (1..=HORIZON).map(|_| {
             let on_bend = ahead.travel.share_on_bend(pace, |s| self.pose(ahead, walked + s));
@@ -356,7 +332,7 @@ impl Walk for InTandem<'_> {
         let (position, speed) = self.path_position(seen, ahead, speed);
         let from_here = |s| self.pose(ahead, position - ahead.along + s);
         let share = yielding(seen, ahead.mode)
-            * self.in_reach(seen, ahead.mode)
+           
             * ahead.travel.share_on_bend(pace, from_here);
         // from the grasp's position for the object's target, back to beyond the base
         way.clear();

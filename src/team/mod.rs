@@ -71,13 +71,6 @@ pub trait Walk: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// s: the pose on the floor that the grasp should have now.
     fn grasp_goal(&self, seen: &Seen<'_>) -> PlanarPose;
 
-    /// The pose on the floor where the robot takes it that the grasp should be now: while the human leads, it
-    /// sees the hand alone.
-    fn grasp_target(&self, seen: &Seen<'_>, mode: Mode) -> PlanarPose {
-        let _ = mode;
-        self.grasp_goal(seen)
-    }
-
     /// Advances the intention of whoever leads by one period. Returns the human's motion in it.
     fn advance(&mut self, step: &Step<'_>, seen: &Seen<'_>) -> HumanMotion;
 
