@@ -2,13 +2,13 @@
 
     pip install mujoco
     python benches/mujoco_peer.py             # MuJoCo alone
-    python benches/mujoco_peer.py --beside    # and the plant of this repository in the same run, in turns
+    python benches/mujoco_peer.py --compare    # and the plant of this repository in the same run, in turns
 
 The same URDF (wheels and fingers held, fixed links fused, weight compensated), base on two slides and a hinge driven by velocity motors, arm on position
 motors with the stiffness, damping and effort limits of `motor.rs`, a free beam of 4 kg held by soft welds with the stiffness of `grip.rs`, a mocap
 human, the boxes of Environment 4. Time is that of `mj_step` alone, in the median over 200 periods; `deflection` is the most by which a grip gives way.
 Errors are the most by which the object is off where it is with a very short step of the same engine, so that each engine is judged at the step it needs.
-`--beside` takes the fastest of some rounds of both.
+`--compare` takes the fastest of some rounds of both.
 """
 
 import argparse
@@ -164,7 +164,7 @@ def told(period: float, rate: float, error: float) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="The scene of benches/physics.rs in MuJoCo")
-    parser.add_argument("--beside", action="store_true", help="and the plant of this repository, in turns")
+    parser.add_argument("--compare", action="store_true", help="and the plant of this repository, in turns")
     parser.add_argument("--rounds", type=int, default=3, help="how often; the fastest counts")
     args = parser.parse_args()
     exact = drive(1 / FINE)[1]
@@ -172,7 +172,7 @@ def main() -> None:
     for _ in range(args.rounds):
         for key, found in measured(RATES, exact).items():
             theirs[key] = min(found, theirs.get(key, found))
-        if args.beside:
+        if args.compare:
             periods, speed, rate = ours()
             whole = max(whole, speed)
             for key, found in periods.items():
@@ -180,7 +180,7 @@ def main() -> None:
     print(f"MuJoCo {mujoco.__version__}, control period of {PERIOD} s in Environment 4")
     for key, (period, error, deflection) in theirs.items():
         print(" ", told(period, key, error) + f"; deflection at most {deflection * 1e3:.1f} mm")
-    if not args.beside:
+    if not args.compare:
         return
     print("this repository, the same drive")
     for key, (period, error) in plant.items():

@@ -1,6 +1,6 @@
 //! The physical plant against budgets: a control period of 0.2 s, and whole episodes; what other steps and
-//! solver iterations would save of these, and spoil. `--peer` prints figures for `benches/mujoco_peer.py`, which
-//! has the same scene in MuJoCo.
+//! solver iterations would save of these, and spoil. `--peer` prints figures for `benches/mujoco_peer.py`,
+//! which has the same scene in MuJoCo.
 
 use cocarry::control;
 use cocarry::episode::Summary;
@@ -125,9 +125,9 @@ fn episode(rate_hz: f64, solver_iterations: usize) -> Run {
         settings: Default::default(),
         plant: Plant::Rapier { setup: carrier, physics },
     };
-    let stage = scenario.prepare().expect("a scenario");
+    let prepared = scenario.prepare().expect("a scenario");
     let run = || {
-        let mut episode = stage.episode().expect("room at the start");
+        let mut episode = prepared.episode().expect("room at the start");
         let mut object = Vec::new();
         let begun = Instant::now();
         while episode.step().is_none() {

@@ -94,8 +94,8 @@ fn costs(criterion: &mut Criterion) {
 }
 
 /// Looks at a human who walks option after option near Environment 4, each from another place.
-fn looks(count: usize, human: impl Fn(usize, &[Prospect]) -> usize) -> Vec<([Prospect; 4], [f64; 4])> {
-    let look = |k: usize| {
+fn sightings(count: usize, human: impl Fn(usize, &[Prospect]) -> usize) -> Vec<([Prospect; 4], [f64; 4])> {
+    let sighting = |k: usize| {
         let (near, turn) = (1.0 - 0.6 * (k % 25) as f64 / 25.0, 0.2 * math::sin(k as f64));
         let options = environment_4();
         let at = |o: usize| {
@@ -107,20 +107,22 @@ fn looks(count: usize, human: impl Fn(usize, &[Prospect]) -> usize) -> Vec<([Pro
         let chosen = human(k, &prospects);
         (prospects, std::array::from_fn(|o| if o == chosen { 0.985 } else { 0.005 }))
     };
-    (0..count).map(look).collect()
+    (0..count).map(sighting).collect()
 }
 
-/// One tick of a robot that learns, after 100 looks: a look from where P_o was asked for in the tick before,
-/// then P_o and J~_o from the next place.
+/// One tick of a robot that learns, after 100 sightings: a sighting from where P_o was asked for in the tick
+/// before, then P_o and J~_o from the next place.
 fn learning(criterion: &mut Criterion) {
     let human = cocarry::preference::Perception { alpha: 0.747, gamma: 0.765 };
     let of_model = |_: usize, prospects: &[Prospect]| human_choice(prospects, RISK_WEIGHT, human, None);
     let by_chance = |k: usize, _: &[Prospect]| (k * k + k / 3) % 4;
     let mut group = criterion.benchmark_group("learn");
-    for (name, looks) in [("a human of the model", looks(102, of_model)), ("chance", looks(102, by_chance))] {
+    for (name, sightings) in
+        [("a human of the model", sightings(102, of_model)), ("chance", sightings(102, by_chance))]
+    {
         let mut posterior = Posterior::new(Belief::default(), RISK_WEIGHT).expect("valid parameters");
         let (mut choice, mut costs) = (ChoiceDistribution::default(), Vec::new());
-        let (before, last) = looks.split_at(100);
+        let (before, last) = sightings.split_at(100);
         for (prospects, likelihoods) in before {
             posterior.mix_with_prior(0.001).expect("a rate");
             posterior.observe(prospects, &Ways::default(), likelihoods).expect("possible");

@@ -18,7 +18,7 @@ const BUDGET: f64 = 0.15;
 const MAX_SIZE: f64 = 3.0 * 1024.0 * 1024.0;
 const EPISODES: usize = 15;
 
-fn stage(environment: usize) -> PreparedScenario {
+fn prepared(environment: usize) -> PreparedScenario {
     let robot = Robot::built_in().expect("the built-in robot");
     let posture = robot.postures[0].name.clone();
     let carrier = RobotSetup { posture, control: control::Settings::default(), robot: robot.into() };
@@ -35,10 +35,10 @@ fn stage(environment: usize) -> PreparedScenario {
 }
 
 /// Steps of an episode, recorded or not, and how long they took, the file's beginning and end included.
-fn episode(stage: &PreparedScenario, file: Option<&Path>) -> (u64, Duration) {
-    let mut episode = stage.episode().expect("room at the start");
+fn episode(prepared: &PreparedScenario, file: Option<&Path>) -> (u64, Duration) {
+    let mut episode = prepared.episode().expect("room at the start");
     let begun = Instant::now();
-    let mut recorder = file.map(|file| FileRecorder::create(file, true, stage, &episode).expect("a file"));
+    let mut recorder = file.map(|file| FileRecorder::create(file, true, prepared, &episode).expect("a file"));
     let outcome = loop {
         if let Some(outcome) = episode.step() {
             break outcome;
@@ -54,13 +54,13 @@ fn episode(stage: &PreparedScenario, file: Option<&Path>) -> (u64, Duration) {
 }
 
 fn recording(c: &mut Criterion) {
-    let stage = stage(3);
+    let prepared = prepared(3);
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("bench.mcap");
     let mut group = c.benchmark_group("episode_in_environment_4");
     group.sample_size(10);
-    group.bench_function("not recorded", |b| b.iter(|| black_box(episode(&stage, None))));
-    group.bench_function("recorded", |b| b.iter(|| black_box(episode(&stage, Some(&file)))));
+    group.bench_function("not recorded", |b| b.iter(|| black_box(episode(&prepared, None))));
+    group.bench_function("recorded", |b| b.iter(|| black_box(episode(&prepared, Some(&file)))));
     group.finish();
 }
 
@@ -71,14 +71,14 @@ fn report() {
         "\nepisodes on the physical plant, recorded and not in turn, fastest of {EPISODES} (budget {BUDGET})"
     );
     for environment in [0, 2, 3] {
-        let stage = stage(environment);
+        let prepared = prepared(environment);
         let (mut plain, mut recorded, mut steps) = (Duration::MAX, Duration::MAX, 0);
         for _ in 0..EPISODES {
-            plain = plain.min(episode(&stage, None).1);
-            let (taken, time) = episode(&stage, Some(&file));
+            plain = plain.min(episode(&prepared, None).1);
+            let (taken, time) = episode(&prepared, Some(&file));
             (steps, recorded) = (taken, recorded.min(time));
         }
-        let seconds = steps as f64 * stage.scenario().settings.planning_step;
+        let seconds = steps as f64 * prepared.scenario().settings.planning_step;
         let size = std::fs::metadata(&file).expect("the file").len() as f64;
         let share = recorded.as_secs_f64() / plain.as_secs_f64() - 1.0;
         println!(

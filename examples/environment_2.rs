@@ -1,5 +1,5 @@
 //! A search for a geometry of Environment 2 that meets Tables I and II: the paper gives its openings and
-//! options, not their places. Prints the best geometry's cells beside the paper's on standard error, and its
+//! options, not their places. Prints the best geometry's cells next to the paper's on standard error, and its
 //! world on standard output.
 //!
 //! ```text
@@ -60,7 +60,7 @@ fn ends(layout: &Layout, opening: usize) -> [f64; 2] {
 /// The openings in each wall from south to north, and the partition between two of them.
 const WALLS: [&[usize]; 2] = [&[2, 1], &[7, 4, 3, 5]];
 
-/// Whether openings and partitions are in their order, with at least 0.2 m of wall beside them.
+/// Whether openings and partitions are in their order, with at least 0.2 m of wall next to them.
 fn is_possible(layout: &Layout) -> bool {
     let of = |opening| ends(layout, opening);
     let [y11, y12, y13] = [layout[6], layout[7], layout[8]];
@@ -176,9 +176,9 @@ impl Cells {
             self.costs.iter().zip(paper.objective_cost).map(|(ours, paper)| (ours / paper - 1.0) / 0.05);
         let cell = |r: f64| math::squared((r.abs() - 0.9).max(0.0)) + 0.01 * r * r;
         let tolerance = [10.5, 15.0].map(|eta| eta * math::ln(10.0));
-        let beside =
+        let others =
             (tolerance[0] + 1.0 - self.discomfort).max(self.discomfort - tolerance[1] + 1.0).max(0.0);
-        choices.chain(costs).map(cell).sum::<f64>() + math::squared(beside / 2.0)
+        choices.chain(costs).map(cell).sum::<f64>() + math::squared(others / 2.0)
     }
 }
 

@@ -1,4 +1,4 @@
-//! A controller of one's own on the physical plant: the grasp moves to its next reference by damped least
+//! A custom controller on the physical plant: the grasp moves to its next reference by damped least
 //! squares, without horizon, limits or pose optimisation, in place of eqs. (8) and (7).
 //!
 //! ```text

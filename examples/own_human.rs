@@ -1,4 +1,4 @@
-//! A human of one's own: prefers the safest way, and takes over as soon as the robot leads elsewhere for five
+//! A custom human: prefers the safest way, and takes over as soon as the robot leads elsewhere for five
 //! seconds.
 //!
 //! ```text

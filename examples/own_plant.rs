@@ -1,4 +1,4 @@
-//! A plant of one's own: a robot whose motors follow their inputs with a delay, and a human who walks exactly.
+//! A custom plant: a robot whose motors follow their inputs with a delay, and a human who walks exactly.
 //!
 //! ```text
 //! cargo run --release --example own_plant
@@ -8,7 +8,7 @@ use cocarry::geometry::PlanarPose;
 use cocarry::math;
 use cocarry::plant::{Command, HumanMotion, Plant, Seen};
 use cocarry::robot::{Configuration, InputVector, Robot};
-use cocarry::saved::{NotRestored, Saved};
+use cocarry::saved::{RestoreError, Saved};
 use cocarry::scenario::{self, RobotSetup, Scenario};
 use cocarry::simulation::KinematicPlant;
 use cocarry::world::World;
@@ -38,7 +38,7 @@ impl Plant for Lagging<'_> {
         Saved::of(&self.state)
     }
 
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         saved.read("plant").map(|state| self.state = state)
     }
 }

@@ -1,4 +1,4 @@
-//! A robot policy of one's own: eq. (6) written anew, which gives the same episode as the built-in `mutual`.
+//! A custom robot policy: eq. (6) written anew, which gives the same episode as the built-in `mutual`.
 //!
 //! ```text
 //! cargo run --release --example own_policy

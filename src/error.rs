@@ -99,7 +99,7 @@ impl Error {
         place: Place,
         kind: &str,
         name: &str,
-        known: impl IntoIterator<Item = &'n str> + Clone,
+        known: impl IntoIterator<Item = &'n str, IntoIter: Clone> + Clone,
         most: usize,
     ) -> Self {
         let (listed, hint) = (suggestion::listed(known.clone(), most), suggestion::hint(name, known));

@@ -57,7 +57,7 @@ pub fn unreadable(file: impl Display, error: io::Error) -> Error {
     Error::at(Place::file(file.to_string()), "cannot be read").because(error)
 }
 
-/// The error of a file, with the name of a file beside it if that is nearly the name asked for.
+/// The error of a file, with the name of a file next to it if that is nearly the name asked for.
 fn hinted(path: &Path, error: io::Error) -> io::Error {
     let hint =
         if error.kind() == ErrorKind::NotFound { suggestion::hint_of_files(path) } else { String::new() };

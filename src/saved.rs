@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 #[serde(transparent)]
 pub struct Saved(#[serde(with = "serde_bytes")] Vec<u8>);
 
-impl From<NotRestored> for crate::error::Error {
-    fn from(error: NotRestored) -> Self {
+impl From<RestoreError> for crate::error::Error {
+    fn from(error: RestoreError) -> Self {
         Self::new(error.to_string())
     }
 }
@@ -17,7 +17,7 @@ impl From<NotRestored> for crate::error::Error {
 /// A saved state that does not belong to the part that should restore it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("the state belongs to another episode: its {part} does not match")]
-pub struct NotRestored {
+pub struct RestoreError {
     /// The part whose state does not match.
     pub part: &'static str,
 }
@@ -30,12 +30,12 @@ impl Saved {
     }
 
     /// The state read back. The error calls it `part`.
-    pub fn read<T: DeserializeOwned>(&self, part: &'static str) -> Result<T, NotRestored> {
-        cbor4ii::serde::from_slice(&self.0).map_err(|_| NotRestored { part })
+    pub fn read<T: DeserializeOwned>(&self, part: &'static str) -> Result<T, RestoreError> {
+        cbor4ii::serde::from_slice(&self.0).map_err(|_| RestoreError { part })
     }
 
     /// A check that nothing was saved, for parts without memory.
-    pub fn is_empty(&self, part: &'static str) -> Result<(), NotRestored> {
-        if self.0.is_empty() { Ok(()) } else { Err(NotRestored { part }) }
+    pub fn is_empty(&self, part: &'static str) -> Result<(), RestoreError> {
+        if self.0.is_empty() { Ok(()) } else { Err(RestoreError { part }) }
     }
 }

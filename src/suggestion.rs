@@ -1,5 +1,6 @@
 //! "Did you mean": the known name that is most like a mistyped one.
 
+use std::fmt;
 use std::path::Path;
 
 /// The least similarity of a suggestion, from 0 (nothing in common) to 1 (the same).
@@ -9,7 +10,8 @@ const MIN_SIMILARITY: f64 = 0.78;
 const MAX_FILES: usize = 1000;
 
 /// The known name that is most like `name`. What a name has in parentheses is not compared.
-pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str, IntoIter: Clone>) -> Option<&'a str> {
+    let known = known.into_iter();
     let stem = |name: &str| name.split_once('(').map_or(name, |(stem, _)| stem).to_lowercase();
     let similarity = |other: &str| {
         let (name, other) = (stem(name), stem(other));
@@ -17,15 +19,32 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
         let is_slip = name.len() > 2 && strsim::osa_distance(&name, &other) == 1;
         strsim::jaro(&name, &other).max(if is_slip { MIN_SIMILARITY } else { 0.0 })
     };
-    let near = known.into_iter().map(|other| (similarity(other), other));
+    let near = known.clone().map(|other| (similarity(other), other));
     let near = near.filter(|(similarity, other)| *similarity >= MIN_SIMILARITY && *other != name);
     // the first of equals
     near.fold(None, |best: Option<(f64, &str)>, next| Some(best.filter(|b| b.0 >= next.0).unwrap_or(next)))
         .map(|(_, other)| other)
+        .or_else(|| abbreviated(name, known))
+}
+
+/// The known name that `name` abbreviates: its number, after the beginning of its letters, as in `env4` or `4`
+/// for `environment-4`.
+fn abbreviated<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let parts = |name: &str| {
+        let letters = name.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+        let (letters, number) = name.split_at(letters);
+        (letters.to_lowercase(), number.to_owned())
+    };
+    let (letters, number) = parts(name);
+    let fits = |other: &&str| {
+        let (whole, of) = parts(other);
+        whole.starts_with(&letters) && of == number
+    };
+    known.into_iter().find(|other| !number.is_empty() && fits(other))
 }
 
 /// The end of an error about `name`: "; did you mean `OTHER`?", or nothing.
-pub fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+pub fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str, IntoIter: Clone>) -> String {
     nearest(name, known).map_or(String::new(), |other| format!("; did you mean `{other}`?"))
 }
 
@@ -39,20 +58,54 @@ pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>, most: usize) -> Stri
     }
 }
 
-/// [`hint`] for an error that lists the known names, each in quotes or backticks.
-pub fn hint_of_listed(name: &str, listed: &str) -> String {
-    let quote = if listed.contains('`') { '`' } else { '"' };
-    hint(name, listed.split(quote).skip(1).step_by(2))
+/// The values allowed, for an error: a sentence, and the names among them, for a suggestion.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Expected {
+    sentence: String,
+    names: Vec<String>,
 }
 
-/// [`hint`] for an error of a parser, such as "unknown field `a`, expected one of `b`, `c`".
+impl Expected {
+    /// One of these names, each shown in quotes.
+    pub fn one_of<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
+        let names: Vec<String> = names.into_iter().map(str::to_owned).collect();
+        let quoted: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
+        Self { sentence: format!("one of {}", quoted.join(", ")), names }
+    }
+
+    /// The same values, of which these are names.
+    #[must_use]
+    pub fn with_names<'a>(self, names: impl IntoIterator<Item = &'a str>) -> Self {
+        Self { names: names.into_iter().map(str::to_owned).collect(), ..self }
+    }
+
+    /// [`hint`] for a value that is not allowed.
+    pub fn hint(&self, name: &str) -> String {
+        hint(name, self.names.iter().map(String::as_str))
+    }
+}
+
+impl<T: Into<String>> From<T> for Expected {
+    fn from(sentence: T) -> Self {
+        Self { sentence: sentence.into(), names: Vec::new() }
+    }
+}
+
+impl fmt::Display for Expected {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&self.sentence)
+    }
+}
+
+/// [`hint`] for an error of a parser of TOML, which has the names in its text only: "unknown field `a`,
+/// expected one of `b`, `c`".
 pub fn hint_of_error(error: &str) -> String {
     let unknown = error.strip_prefix("unknown ").and_then(|rest| rest.split_once(", expected "));
     let unknown = unknown.and_then(|(found, listed)| Some((found.split('`').nth(1)?, listed)));
-    unknown.map_or(String::new(), |(name, listed)| hint_of_listed(name, listed))
+    unknown.map_or(String::new(), |(name, listed)| hint(name, listed.split('`').skip(1).step_by(2)))
 }
 
-/// [`hint`] for a file that does not exist: a file beside it, with its folder as given.
+/// [`hint`] for a file that does not exist: a file next to it, with its folder as given.
 pub fn hint_of_files(path: &Path) -> String {
     let Some(name) = path.file_name() else { return String::new() };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -76,6 +129,9 @@ mod tests {
             ("Environment-2", Some("environment-2")),
             ("enviroment3", Some("environment-3")),
             ("freeform", Some("free-form")),
+            ("env4", Some("environment-4")),
+            ("2", Some("environment-2")),
+            ("7", None),
             ("kitchen", None),
             ("", None),
             ("free-form", None),
@@ -91,6 +147,9 @@ mod tests {
         let error = "unknown field `nmae`, expected one of `note`, `name`, `start_m`";
         assert_eq!(hint_of_error(error), "; did you mean `name`?");
         assert_eq!(hint_of_error("missing field `name`"), "");
-        assert_eq!(hint_of_listed("rapie", r#"one of "point", "rapier""#), "; did you mean `rapier`?");
+        let expected = Expected::one_of(["point", "rapier"]);
+        assert_eq!(expected.to_string(), r#"one of "point", "rapier""#);
+        assert_eq!(expected.hint("rapie"), "; did you mean `rapier`?");
+        assert_eq!(Expected::from("true or false").hint("tru"), "");
     }
 }

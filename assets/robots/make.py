@@ -347,7 +347,7 @@ def shuttle():
     robot.joint("pedestal_joint", "fixed", "base_link", "pedestal_link", "-0.02 0 0.285")
     robot.link("turret_link", 3.6, [bar("white", 0.07, 0.062, along="z"), bar("teal", 0.14, 0.06, (0, -0.062, 0.11), "y")])
     robot.joint("turret_joint", "revolute", "pedestal_link", "turret_link", "0 0 0.25", "0 0 1", revolute(-3.1, 3.1, 2.0, 120))
-    # beside the turret, on its left
+    # next to the turret, on its left
     robot.link("boom_link", 4.8, [bar("white", 0.1, 0.058, (0, -0.02, 0), "y"), bar("white", 0.36, 0.044, (0.0, 0.035, 0)), bar("teal", 0.1, 0.05, (0.36, -0.012, 0), "y")])
     robot.joint("boom_joint", "revolute", "turret_link", "boom_link", "0 0.1 0.11", "0 1 0", revolute(-2.6, 2.0, 2.0, 150))
     # back in the middle

@@ -1,4 +1,4 @@
-"""What Python adds to a step, beside the Rust loop in the same run: ``python python/benches/overhead.py``.
+"""What Python adds to a step, alongside the Rust loop in the same run: ``python python/benches/overhead.py``.
 
 The Rust loop is ``Episode.run``, which takes many steps in a call. Measure a release wheel: ``python/wheel``.
 Every figure is the least of several repetitions, us per step; of CPU time, so that a busy machine disturbs little,
@@ -127,7 +127,7 @@ def main() -> None:
     rows = []
     for plant, count in (("point", 20), ("kinematic", 3), ("rapier", 2)):
         rows.append((f"Episode.step, {plant}", *least(loop(plant, count), steps(plant, count))))
-    rows.append(("own policy (eq. 6), point", *least(loop("point", 20), own(20))))
+    rows.append(("custom policy (eq. 6), point", *least(loop("point", 20), own(20))))
     rows.append(("Options-v0, single", *least(follow(20), single())))
     for threads in (1, 2):
         name = f"Options-v0, 64 at once, {threads} thread{'s (wall)' if threads > 1 else ''}"

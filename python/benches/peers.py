@@ -1,4 +1,4 @@
-"""Steps per second of the environments, beside those of table-carrying-ai where it can be imported.
+"""Steps per second of the environments, next to those of table-carrying-ai where it can be imported.
 
     python python/benches/peers.py
 

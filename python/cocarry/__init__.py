@@ -1,4 +1,4 @@
-"""A human and a mobile manipulator that carry an object together, and prefer different paths.
+"""A human and a mobile manipulator that carry an object together but prefer different paths.
 
 The same simulation as the Rust library and program ``cocarry``: the same scenario gives the same bits.
 Lengths are in metres, times in seconds, angles in radians unless a name ends in another unit.

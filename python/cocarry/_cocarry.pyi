@@ -29,7 +29,7 @@ class ScenarioError(Error):
     """A scenario or a setting that is not valid."""
 
 class DecisionError(Error):
-    """A decision of an own policy or human that is not valid."""
+    """A decision of a custom policy or human that is not valid."""
 
 class ActionError(Error):
     """An action of an environment that is not valid."""
@@ -211,13 +211,13 @@ class Episode:
     def __new__(cls, scenario: Scenario, *, policy: Any = None, human: Any = None) -> Self:
         """The episode before its first step.
 
-        policy: the robot's own policy: a callable or an object with ``decide``, of a RobotView (see
+        policy: a custom policy of the robot: a callable or an object with ``decide``, of a RobotView (see
             cocarry.Policy), or a class of such objects. Its answer: an option to lead on, None to follow,
             or a Decision.
-        human: an own human: the same, of a HumanView (see cocarry.Human). Its answer: an option, or a
+        human: a custom human: the same, of a HumanView (see cocarry.Human). Its answer: an option, or a
             HumanDecision.
 
-        Raises ScenarioError: a part of the scenario is not valid. Exceptions of own partners are raised by
+        Raises ScenarioError: a part of the scenario is not valid. Exceptions of custom partners are raised by
         the step.
         """
     @staticmethod
@@ -252,10 +252,10 @@ class Episode:
         """The scenario."""
     @property
     def policy(self) -> Any:
-        """The own policy; None with the scenario's."""
+        """The custom policy; None with the scenario's."""
     @property
     def human(self) -> Any:
-        """The own human; None with the scenario's."""
+        """The custom human; None with the scenario's."""
     @property
     def steps(self) -> int:
         """Steps taken."""
@@ -292,7 +292,7 @@ class Episode:
 
 @disjoint_base
 class View:
-    """What both an own policy and an own human see at the beginning of a control period.
+    """What both a custom policy and a custom human see at the beginning of a control period.
 
     Every quantity of ``quantities("option")`` is an attribute and an item: an array of one number for each
     option (NaN where missing), as ``view.objective_cost_m``; ``view.name`` is a list of names. ``len`` counts
@@ -327,10 +327,10 @@ class View:
 
 @final
 class RobotView(View):
-    """What an own policy sees at the beginning of a control period: that of View, and the robot."""
+    """What a custom policy sees at the beginning of a control period: that of View, and the robot."""
 
     def path(self, option: int) -> _Floats | None:
-        """The path of what is left of an option, (n, 2), m, from the team to the target; None where no path leads
+        """The remaining path of an option, (n, 2), m, from the team to the target; None where no path leads
         on."""
     @property
     def stubbornness(self) -> float:
@@ -358,7 +358,7 @@ class RobotView(View):
 
 @final
 class HumanView(View):
-    """What an own human sees at the beginning of a control period: that of View, and the human's own."""
+    """What a custom human sees at the beginning of a control period: that of View, and the human's own."""
 
     @property
     def risk_weight_m(self) -> float:
@@ -374,7 +374,7 @@ class HumanView(View):
 
 @final
 class HandView:
-    """What an own human sees at the beginning of a control period, for the hand."""
+    """What a custom human sees at the beginning of a control period, for the hand."""
 
     @property
     def time_s(self) -> float:
@@ -491,7 +491,7 @@ class Recording:
     def replay(self) -> dict[str, Any]:
         """Runs the scenario again and compares every message: verdict, same_messages, difference.
 
-        The decisions of own partners are repeated from the recording's log.
+        The decisions of custom partners are repeated from the recording's log.
         """
     def to_html(self, title: str | None = None) -> str:
         """The 3-D player, as one page."""

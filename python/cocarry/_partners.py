@@ -1,4 +1,4 @@
-"""Own policies and own humans: base classes to subclass, and their decisions."""
+"""Custom policies and humans: base classes to subclass, and their decisions."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class HumanDecision:
 
 
 class Policy:
-    """A robot's policy of one's own. Subclass it and write ``decide``; a plain function does as well.
+    """A custom policy of the robot. Subclass it and write ``decide``; a plain function does as well.
 
     An episode with a robot tries its first step on a deep copy, without the robot, to know which way the team faces
     at the start; if ``decide`` fails there, the team faces the option that the human prefers. A policy with memory that snapshots should keep writes ``save``
@@ -78,7 +78,7 @@ class Policy:
 
 
 class Human:
-    """A human of one's own. Subclass it and write ``decide``; a plain function does as well.
+    """A custom human. Subclass it and write ``decide``; a plain function does as well.
 
     A human who returns only an option has the stubbornness of eq. (5), and takes the lead once it exceeds 1.
     """

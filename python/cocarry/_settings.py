@@ -13,7 +13,7 @@ class Settings(TypedDict, total=False):
     """Model of the human: preference, boltzmann(RATIONALITY) or scripted(STEP:OPTION,...). Default: preference."""
 
     planning_step_s: float
-    """Planning step k, in seconds: phi, g, J and looks count in it, so an eta is for one planning step. Default: 0.2."""
+    """Planning step k, in seconds: phi, g, J and sightings count in it, so an eta is for one planning step. Default: 0.2."""
 
     control_period_s: float
     """Control period of eqs. (7) and (8), in seconds, a whole fraction of the planning step [default: the planning step]."""

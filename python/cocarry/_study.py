@@ -73,9 +73,9 @@ def sweep(
     seeds: the largest number of seeds of every run.
     shard: (i, n), the i-th of n parts, from 1.
     threads: default all. The rows do not depend on it.
-    processes: run in this many processes instead, each with one thread; for own partners, which hold Python's lock.
+    processes: run in this many processes instead, each with one thread; for custom partners, which hold Python's lock.
         They and the partners must be importable there (spawn).
-    policy, human: own partners, as of Episode, in all episodes. Every episode has copies of them. The columns
+    policy, human: custom partners, as of Episode, in all episodes. Every episode has copies of them. The columns
         ``method`` and ``human_model`` are then ``own(NAME)``, and ``checksum`` is empty.
     out: write the rows into this file too, as ``cocarry sweep --out``: Parquet if its name ends in ``.parquet``, else
         CSV. A sweep that was stopped, by Ctrl-C or a power cut, resumes where it stopped. Only for the study's own
@@ -85,7 +85,7 @@ def sweep(
     overwrite: replace existing outputs, and unfinished ones of another study.
     backend: "ray" runs blocks of episodes on a Ray cluster instead, and writes their rows here. Workers that die are
         replaced; a sweep that was stopped resumes. The rows are those of this machine, byte for byte. Only for the
-        study's own partners. The study's files that are beside it or below are sent along.
+        study's custom partners. The study's files that are next to it or below are sent along.
     address: of the Ray cluster, as of ``ray.init``; by default RAY_ADDRESS, or a cluster of this machine alone.
     progress: True for a bar, or a callable of the episodes done and all.
     table: False returns None instead of the rows, for studies whose rows do not fit into memory: a million take 1 GB.
@@ -100,7 +100,7 @@ def sweep(
         if backend != "ray":
             raise StudyError(f'backend = {backend!r}; it must be "ray" or None')
         if any(given is not None for given in (shard, threads, processes, policy, human, ticks)):
-            raise StudyError('backend = "ray": without shard, threads, processes, ticks and own partners')
+            raise StudyError('backend = "ray": without shard, threads, processes, ticks and custom partners')
         return _ray.sweep(text, file, folder, seeds, out, overwrite, address, progress, table)
     if address is not None:
         raise StudyError('address = the address of a Ray cluster: needs backend = "ray"')

@@ -5,7 +5,7 @@
 
 The data set is that of ``cocarry.datasets.to_lerobot``: ``mutual`` in all four environments on the planning level. The
 network (numpy, two layers of 64) sees ``observation.environment_state`` and gives ``action``: the option on which the robot
-leads, or to let the human lead. It then is an own policy, for seeds from 2^33 on; training has those from 0 on. The second
+leads, or to let the human lead. It then is a custom policy, for seeds from 2^33 on; training has those from 0 on. The second
 comparison has humans that training does not have at all: their choices are noisy.
 """
 
@@ -132,7 +132,7 @@ def main(arguments=None):
 
 
 def compare(clones, humans, model):
-    """The networks beside eq. (6), with the same humans."""
+    """The networks next to eq. (6), with the same humans."""
     seeds = {"first": HELD_OUT, "last": HELD_OUT + humans - 1}
     study = {"worlds": WORLDS, "plants": "point", "methods": "mutual", "seeds": seeds, "eta": ETAS, "human_model": model}
     mutual = cocarry.sweep(study)

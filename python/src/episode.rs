@@ -31,7 +31,7 @@ pub struct Running<'a> {
 }
 
 self_cell!(
-    /// An episode beside the prepared scenario that it borrows from.
+    /// An episode next to the prepared scenario that it borrows from.
     pub struct Cell {
         owner: Arc<PreparedScenario>,
         #[covariant]
@@ -45,8 +45,8 @@ impl Cell {
         prepared: Arc<PreparedScenario>,
         human: Option<Box<dyn Human>>,
     ) -> Result<Self, cocarry::Error> {
-        Self::try_new(prepared, |stage| {
-            let episode = stage.episode_of(Partners { human, policy: None })?;
+        Self::try_new(prepared, |prepared| {
+            let episode = prepared.episode_of(Partners { human, policy: None })?;
             Ok(Running { episode, recorder: None, outcome: None })
         })
     }
@@ -56,7 +56,7 @@ impl Cell {
 #[pyclass(frozen, module = "cocarry", name = "Episode")]
 pub struct Episode {
     scenario: Py<Scenario>,
-    /// Copies of the own partners as they were before the first step.
+    /// Copies of the custom partners as they were before the first step.
     pristine: Own,
     own: Own,
     fault: Fault,
@@ -79,7 +79,7 @@ impl Running<'_> {
     }
 }
 
-/// Makes the episode of a scenario and of own partners.
+/// Makes the episode of a scenario and of custom partners.
 pub fn cell(
     py: Python<'_>,
     prepared: Arc<PreparedScenario>,
@@ -90,8 +90,8 @@ pub fn cell(
     let partners = own.partners(&prepared, fault);
     let cell = py.detach(|| {
         guarded(|| {
-            Cell::try_new(prepared, |stage| {
-                let mut episode = stage.episode_of(partners)?;
+            Cell::try_new(prepared, |prepared| {
+                let mut episode = prepared.episode_of(partners)?;
                 if let Some(state) = state {
                     episode = episode.resume(state)?;
                 }
@@ -104,7 +104,7 @@ pub fn cell(
 }
 
 impl Episode {
-    /// The episode of a scenario and own partners, before its first step or in a state.
+    /// The episode of a scenario and custom partners, before its first step or in a state.
     fn of(py: Python<'_>, scenario: Py<Scenario>, own: Own, state: Option<episode::State>) -> PyResult<Self> {
         let prepared = scenario.get().prepared(py)?;
         let pristine = own.copied(py)?;
@@ -150,9 +150,9 @@ impl Episode {
 
     /// Reads from the last step.
     fn read<T: Send>(&self, py: Python<'_>, read: impl FnOnce(&View) -> T + Send) -> PyResult<T> {
-        let found = self.with(py, |stage, running| {
+        let found = self.with(py, |prepared, running| {
             let begun = running.episode.summary().steps > 0;
-            begun.then(|| read(&View::new(stage, &running.episode)))
+            begun.then(|| read(&View::new(prepared, &running.episode)))
         })?;
         found.ok_or_else(|| Error::new_err("the episode has no tick before its first step; call step()"))
     }
@@ -206,9 +206,9 @@ impl Episode {
         let log = self.own.log(py, &fault);
         let recorded = py.detach(|| {
             guarded(|| {
-                again.with_dependent_mut(|stage, running| {
+                again.with_dependent_mut(|prepared, running| {
                     let mut recorder =
-                        Recorder::new(Cursor::new(Vec::new()), "the episode", stage, &running.episode)?
+                        Recorder::new(Cursor::new(Vec::new()), "the episode", prepared, &running.episode)?
                             .logging(log);
                     for _ in 0..steps {
                         running.episode.step();
@@ -308,14 +308,16 @@ impl Episode {
 
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let record = self.with(py, |stage, running| View::new(stage, &running.episode).read(EPISODE))?;
+        let record =
+            self.with(py, |prepared, running| View::new(prepared, &running.episode).read(EPISODE))?;
         value::record(py, record)
     }
 
     /// The belief over this human, as of now; `None` if the robot does not learn.
     #[getter]
     fn learned<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let record = self.with(py, |stage, running| View::new(stage, &running.episode).read(LEARNED))?;
+        let record =
+            self.with(py, |prepared, running| View::new(prepared, &running.episode).read(LEARNED))?;
         let found = record.into_iter().next().map(|(_, human)| human).unwrap_or_default();
         value::to_python(py, &found)
     }
@@ -374,18 +376,18 @@ impl Episode {
     }
 
     fn snapshot<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = self.with(py, |stage, running| stage.snapshot(&running.episode).bytes())?;
+        let bytes = self.with(py, |prepared, running| prepared.snapshot(&running.episode).bytes())?;
         Ok(PyBytes::new(py, &bytes.map_err(|error| raise::<SnapshotError>(&error))?))
     }
 
     #[pyo3(signature = (file, *, overwrite = false))]
     fn record(slf: Py<Self>, py: Python<'_>, file: PathBuf, overwrite: bool) -> PyResult<Py<Self>> {
         let log = slf.get().own.log(py, &slf.get().fault);
-        let begun = slf.get().with(py, |stage, running| {
+        let begun = slf.get().with(py, |prepared, running| {
             if running.episode.summary().steps > 0 || running.recorder.is_some() {
                 return Ok(false);
             }
-            let recorder = FileRecorder::create(&file, overwrite, stage, &running.episode)?;
+            let recorder = FileRecorder::create(&file, overwrite, prepared, &running.episode)?;
             running.recorder = Some(recorder.logging(log));
             Ok::<_, recording::RecordingError>(true)
         })?;

@@ -16,7 +16,7 @@ create_exception!(
 create_exception!(cocarry, WorldError, Error, "A world that is not valid.");
 create_exception!(cocarry, RobotError, Error, "A robot that is not valid.");
 create_exception!(cocarry, ScenarioError, Error, "A scenario or a setting that is not valid.");
-create_exception!(cocarry, DecisionError, Error, "A decision of an own policy or human that is not valid.");
+create_exception!(cocarry, DecisionError, Error, "A decision of a custom policy or human that is not valid.");
 create_exception!(cocarry, ActionError, Error, "An action of an environment that is not valid.");
 create_exception!(cocarry, SnapshotError, Error, "A snapshot that cannot be resumed.");
 create_exception!(cocarry, RecordingError, Error, "A recording that cannot be read, written or drawn.");

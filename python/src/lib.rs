@@ -7,10 +7,12 @@ mod error;
 mod partners;
 mod preference;
 mod recording;
+mod robot;
 mod scenario;
 mod study;
 mod table;
 mod value;
+mod world;
 
 use cocarry::quantities::{EPISODE, Kind, OPTION, Quantity, TICK};
 use numpy::PyArray1;
@@ -70,8 +72,8 @@ fn program(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
 fn _cocarry(module: &Bound<'_, PyModule>) -> PyResult<()> {
     error::add(module)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add_class::<scenario::World>()?;
-    module.add_class::<scenario::Robot>()?;
+    module.add_class::<world::World>()?;
+    module.add_class::<robot::Robot>()?;
     module.add_class::<scenario::Scenario>()?;
     module.add_class::<episode::Episode>()?;
     module.add_class::<partners::PyView>()?;

@@ -75,9 +75,9 @@ impl Preference {
     /// Of a scenario's options from its start, with its belief and c_r.
     #[staticmethod]
     fn of(py: Python<'_>, scenario: &Bound<'_, Scenario>) -> PyResult<Self> {
-        let stage = scenario.get().prepared(py)?;
-        let prospects = prospects(stage.options(), &stage.options().begin());
-        Ok(Self::of_prospects(prospects, stage.scenario().settings.predictor.clone()))
+        let prepared = scenario.get().prepared(py)?;
+        let prospects = prospects(prepared.options(), &prepared.options().begin());
+        Ok(Self::of_prospects(prospects, prepared.scenario().settings.predictor.clone()))
     }
 
     #[getter]

@@ -1,183 +1,22 @@
-//! Scenarios, worlds and robots.
+//! Scenarios.
 
-use crate::error::{RobotError, ScenarioError, WorldError, raise};
+use crate::error::{ScenarioError, WorldError, raise};
+use crate::robot::{Robot, robot_of};
 use crate::value::repr;
+use crate::world::{World, load_world, world_of};
 use cocarry::episode;
-use cocarry::geometry::Point;
 use cocarry::human::PreferenceChange;
-use cocarry::options::OptionSet;
 use cocarry::preference::{Belief, Marginal, Perception, Predictor, RISK_WEIGHT, WeightedSample};
-use cocarry::robot;
 use cocarry::scenario::{
     self, GivenPerception, Kind, PERCEPTION, PERIOD, Plant, PlantKind, PreferenceChanges, PreparedScenario,
     RobotSetup, SETTINGS, Setting, Value, drawn_changes,
 };
-use cocarry::world;
-use cocarry_maps::Ends;
-use cocarry_output::drawing;
-use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
+use cocarry::suggestion;
+use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Arc, OnceLock};
-
-/// A world: obstacles, openings, start and target.
-#[pyclass(frozen, module = "cocarry", name = "World")]
-pub struct World {
-    pub world: world::World,
-}
-
-fn load_world(path: &Path) -> PyResult<world::World> {
-    cocarry_maps::find(path, &path.to_string_lossy()).map_err(|error| raise::<WorldError>(&error))
-}
-
-#[pymethods]
-impl World {
-    #[new]
-    #[pyo3(signature = (world = PathBuf::from("environment-4")))]
-    fn new(world: PathBuf) -> PyResult<Self> {
-        Ok(Self { world: load_world(&world)? })
-    }
-
-    #[staticmethod]
-    #[pyo3(signature = (text, name = "world"))]
-    fn parse(text: &str, name: &str) -> PyResult<Self> {
-        world::World::parse(name, text).map(|world| Self { world }).map_err(|e| raise::<WorldError>(&e))
-    }
-
-    /// The world of a map between two points.
-    #[staticmethod]
-    #[pyo3(signature = (map, start, target, *, robot_width_m = None, tolerance_m = None))]
-    fn from_map(
-        map: PathBuf,
-        start: [f64; 2],
-        target: [f64; 2],
-        robot_width_m: Option<f64>,
-        tolerance_m: Option<f64>,
-    ) -> PyResult<Self> {
-        let [start, target] = [start, target].map(Point::from);
-        let ends = Ends { start, target, robot_width: robot_width_m, tolerance: tolerance_m };
-        let world = cocarry_maps::from_map(&map, &ends).map_err(|error| raise::<WorldError>(&error))?;
-        Ok(Self { world })
-    }
-
-    #[getter]
-    fn name(&self) -> &str {
-        &self.world.name
-    }
-
-    #[getter]
-    fn text(&self) -> &str {
-        &self.world.text
-    }
-
-    #[getter]
-    fn start<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, self.world.start.coords.as_slice())
-    }
-
-    #[getter]
-    fn target<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, self.world.target.coords.as_slice())
-    }
-
-    #[getter]
-    fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let bounds = self.world.bounds();
-        let corners = [bounds.min, bounds.max].map(|corner| vec![corner.x, corner.y]);
-        Ok(PyArray2::from_vec2(py, &corners)?)
-    }
-
-    /// The names of its options, with the risk weight c_r (m).
-    #[pyo3(signature = (risk_weight_m = RISK_WEIGHT))]
-    fn options(&self, risk_weight_m: f64) -> PyResult<Vec<String>> {
-        Ok(self.option_set(risk_weight_m)?.options().iter().map(|option| option.name.clone()).collect())
-    }
-
-    fn _repr_svg_(&self) -> PyResult<String> {
-        let options = self.option_set(RISK_WEIGHT)?;
-        let mut predictor = Predictor::default();
-        let mut choice = Default::default();
-        let prospects = cocarry::episode::prospects(&options, &options.begin());
-        predictor.predict(&prospects, &mut choice);
-        drawing::world_map(&self.world, &options, choice.probabilities()).map_err(|e| raise::<WorldError>(&e))
-    }
-
-    fn __repr__(&self) -> String {
-        format!("<cocarry.World {:?}>", self.world.name)
-    }
-
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String, String))> {
-        let this = slf.get();
-        Ok((slf.get_type().getattr("parse")?, (this.world.text.clone(), this.world.file.clone())))
-    }
-}
-
-impl World {
-    pub fn option_set(&self, risk_weight: f64) -> PyResult<OptionSet> {
-        OptionSet::new(&self.world, risk_weight).map_err(|e| raise::<WorldError>(&e))
-    }
-}
-
-/// A mobile manipulator.
-#[pyclass(frozen, module = "cocarry", name = "Robot")]
-pub struct Robot {
-    pub robot: robot::Robot,
-}
-
-#[pymethods]
-impl Robot {
-    #[new]
-    #[pyo3(signature = (file = None))]
-    fn new(file: Option<PathBuf>) -> PyResult<Self> {
-        let robot = file.map_or_else(robot::Robot::built_in, |file| robot::Robot::load(&file));
-        Ok(Self { robot: robot.map_err(|e| raise::<RobotError>(&e))? })
-    }
-
-    #[getter]
-    fn name(&self) -> &str {
-        &self.robot.name
-    }
-
-    #[getter]
-    fn joints(&self) -> Vec<String> {
-        self.robot.joints.iter().map(|joint| joint.name.clone()).collect()
-    }
-
-    /// How the base moves: "differential", "skid-steer" or "omnidirectional".
-    #[getter]
-    fn drive(&self) -> &str {
-        self.robot.drive.kind.name()
-    }
-
-    #[getter]
-    fn postures(&self) -> Vec<String> {
-        self.robot.postures.iter().map(|posture| posture.name.clone()).collect()
-    }
-
-    /// The limits of u: the base's inputs, then joint rates (rad/s or m/s).
-    #[getter]
-    fn input_limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_vec(py, input_limits(&self.robot))
-    }
-
-    /// The limits of the joints, (n, 2), rad or m.
-    #[getter]
-    fn joint_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let limits: Vec<_> = self.robot.joints.iter().map(|joint| vec![joint.lower, joint.upper]).collect();
-        Ok(PyArray2::from_vec2(py, &limits)?)
-    }
-
-    fn __repr__(&self) -> String {
-        format!("<cocarry.Robot {:?}, {} joints>", self.robot.name, self.robot.joints.len())
-    }
-}
-
-/// The largest inputs of a robot.
-pub fn input_limits(robot: &robot::Robot) -> Vec<f64> {
-    let inputs = robot.drive.inputs() + robot.joints.len();
-    robot.input_limits().as_slice()[..inputs].to_vec()
-}
 
 /// The complete definition of an episode.
 #[pyclass(frozen, module = "cocarry", name = "Scenario")]
@@ -185,6 +24,20 @@ pub struct Scenario {
     scenario: scenario::Scenario,
     prepared: OnceLock<Arc<PreparedScenario>>,
 }
+
+/// The keywords of `Scenario` that are not settings.
+const KEYWORDS: [&str; 10] = [
+    "world",
+    "plant",
+    "seed",
+    "alpha",
+    "gamma",
+    "changes",
+    "preference_changes",
+    "belief_alpha",
+    "belief_gamma",
+    "robot",
+];
 
 /// A preference change in Python: step, alpha, gamma.
 type Change = (u64, f64, f64);
@@ -216,9 +69,11 @@ fn apply(scenario: &mut scenario::Scenario, settings: Option<&Bound<'_, PyDict>>
             return Err(refused(&key, repr(&given), PERIOD[2]));
         }
         let Some(setting) = SETTINGS.iter().find(|setting| setting.key == key) else {
+            let keys = KEYWORDS.into_iter().chain(SETTINGS.iter().map(|setting| setting.key));
+            let hint = suggestion::hint(&key, keys);
             let known = SETTINGS.iter().map(|setting| setting.key).collect::<Vec<_>>().join(", ");
             return Err(ScenarioError::new_err(format!(
-                "scenario: unknown setting `{key}`; expected one of: {known}"
+                "scenario: unknown setting `{key}`; expected one of: {known}{hint}"
             )));
         };
         let plant = scenario.plant.kind();
@@ -245,34 +100,6 @@ fn perception(key: &str, given: Option<f64>) -> PyResult<Option<f64>> {
     match given.filter(|value| !PERCEPTION.contains(*value)) {
         Some(wrong) => Err(refused(key, wrong, PERCEPTION)),
         None => Ok(given),
-    }
-}
-
-/// The world of an argument: a name, a file or a world.
-fn world_of(given: &Bound<'_, PyAny>) -> PyResult<world::World> {
-    if let Ok(world) = given.cast::<World>() {
-        return Ok(world.get().world.clone());
-    }
-    match given.extract::<PathBuf>() {
-        Ok(path) => load_world(&path),
-        Err(_) => Err(WorldError::new_err(format!(
-            "world = {}; it must be a world file, a built-in world (environment-1 to environment-4) or a cocarry.World",
-            repr(given)
-        ))),
-    }
-}
-
-fn robot_of(given: Option<&Bound<'_, PyAny>>) -> PyResult<robot::Robot> {
-    let Some(given) = given else { return robot::Robot::built_in().map_err(|e| raise::<RobotError>(&e)) };
-    if let Ok(robot) = given.cast::<Robot>() {
-        return Ok(robot.get().robot.clone());
-    }
-    match given.extract::<PathBuf>() {
-        Ok(path) => robot::Robot::load(&path).map_err(|e| raise::<RobotError>(&e)),
-        Err(_) => Err(RobotError::new_err(format!(
-            "robot = {}; it must be a robot file or a cocarry.Robot",
-            repr(given)
-        ))),
     }
 }
 
@@ -502,7 +329,7 @@ pub fn settings<'py>(py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         };
         about.set_item("type", kind)?;
         about.set_item("about", setting.about)?;
-        about.set_item("allowed", setting.expected())?;
+        about.set_item("allowed", setting.expected().to_string())?;
         match setting.get(&defaults) {
             None => about.set_item("default", py.None())?,
             Some(Value::Number(value)) => about.set_item("default", value)?,

@@ -30,7 +30,7 @@ struct Work<'w> {
 
 impl Work<'_> {
     /// Runs an episode to its end, or until the sweep is stopped.
-    fn run<'s>(&self, stage: &'s PreparedScenario) -> Result<Episode<'s>, cocarry::Error> {
+    fn run<'s>(&self, prepared: &'s PreparedScenario) -> Result<Episode<'s>, cocarry::Error> {
         let own = match self.own.is_empty() {
             true => Own::default(),
             false => Python::attach(|py| self.own.copied(py)).unwrap_or_else(|error| {
@@ -38,7 +38,7 @@ impl Work<'_> {
                 Own::default()
             }),
         };
-        let mut episode = stage.episode_of(own.partners(stage, &self.fault))?;
+        let mut episode = prepared.episode_of(own.partners(prepared, &self.fault))?;
         while episode.step().is_none() && !self.is_over() {}
         Ok(episode)
     }
@@ -54,7 +54,7 @@ impl Work<'_> {
             if episode >= self.end {
                 break;
             }
-            match guarded(|| self.study.row(episode, &|stage| self.run(stage))) {
+            match guarded(|| self.study.row(episode, &|prepared| self.run(prepared))) {
                 Ok(row) => {
                     if rows.send((episode, row)).is_err() {
                         break;
@@ -69,7 +69,7 @@ impl Work<'_> {
     }
 }
 
-/// The name of an own partner in results.
+/// The name of a custom partner in results.
 fn name(py: Python<'_>, object: &Py<PyAny>) -> String {
     let object = object.bind(py);
     let name = object.getattr("__name__").or_else(|_| object.get_type().getattr("__name__"));
@@ -99,7 +99,7 @@ pub fn sweep(
     let own = Own::of(policy, human)?;
     if out.is_some() && !own.is_empty() {
         return Err(StudyError::new_err(
-            "out = a file: only for the partners of a study, which its digest covers; write the table of own partners, as with polars.DataFrame(table).write_parquet",
+            "out = a file: only for the partners of a study, which its digest covers; write the table of custom partners, as with polars.DataFrame(table).write_parquet",
         ));
     }
     if ticks.is_some() && out.is_none() {

@@ -12,7 +12,7 @@ import pytest
 import cocarry
 
 EXAMPLES = pathlib.Path(__file__).parents[1] / "examples"
-pytestmark = pytest.mark.skipif(not EXAMPLES.is_dir(), reason="the examples are not beside the tests")
+pytestmark = pytest.mark.skipif(not EXAMPLES.is_dir(), reason="the examples are not next to the tests")
 
 
 def output(name, *arguments):

@@ -16,7 +16,7 @@ import cocarry
 
 
 def recorded(tmp_path) -> bytes:
-    """A recording of own partners: their decisions are in it."""
+    """A recording of custom partners: their decisions are in it."""
     scenario = cocarry.Scenario("environment-4", plant="point", alpha=0.747, gamma=0.765)
     policy = lambda view: view.step % 2 if view.step < 30 else None  # noqa: E731
     with cocarry.Episode(scenario, policy=policy).record(tmp_path / "own.mcap") as episode:

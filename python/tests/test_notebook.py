@@ -10,7 +10,7 @@ import pytest
 import cocarry
 
 NOTEBOOK = pathlib.Path(__file__).parents[1] / "examples" / "paper.ipynb"
-pytestmark = pytest.mark.skipif(not NOTEBOOK.is_file(), reason="the examples are not beside the tests")
+pytestmark = pytest.mark.skipif(not NOTEBOOK.is_file(), reason="the examples are not next to the tests")
 
 
 def test_the_notebook_goes_through_the_paper(tmp_path):

@@ -151,13 +151,13 @@ def test_ctrl_c_stops_a_sweep_with_files_which_resumes(tmp_path):
 def test_what_files_cannot_have_is_refused(tmp_path):
     with pytest.raises(cocarry.StudyError, match="needs out"):
         cocarry.sweep(STUDY, ticks=tmp_path / "ticks")
-    with pytest.raises(cocarry.StudyError, match="own partners"):
+    with pytest.raises(cocarry.StudyError, match="custom partners"):
         cocarry.sweep(STUDY, out=tmp_path / "rows.parquet", policy=lambda view: None)
     with pytest.raises(cocarry.StudyError, match="without shard"):
         cocarry.sweep(STUDY, out=tmp_path / "rows.parquet", processes=2)
     (tmp_path / "taken").mkdir()
     (tmp_path / "taken" / "mine.txt").write_text("mine")
-    with pytest.raises(cocarry.StudyError, match="has mine.txt"):
+    with pytest.raises(cocarry.StudyError, match="holds mine.txt"):
         cocarry.sweep(STUDY, out=tmp_path / "rows.parquet", ticks=tmp_path / "taken", overwrite=True)
     assert os.listdir(tmp_path) == ["taken"]
     assert pathlib.Path(tmp_path / "taken" / "mine.txt").read_text() == "mine"

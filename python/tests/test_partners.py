@@ -47,7 +47,7 @@ def same(own: cocarry.Episode, theirs: cocarry.Episode) -> None:
         assert own.step() == ended
         assert own.tick == theirs.tick
     assert own.summary == theirs.summary
-    # a recording of own partners has their decisions besides
+    # a recording of custom partners has their decisions besides
     assert messages(own) == messages(theirs)
 
 

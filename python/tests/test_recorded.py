@@ -119,7 +119,7 @@ def test_the_command_line_writes_every_format(home, recordings, tmp_path):
     with rosbags.rosbag2.Reader(tmp_path / "bag") as reader:
         assert "/hand_wrench" in reader.topics
     done = command("minari", recordings["kinematic"], "-o", "cocarry/run-v0", "--author", "A", "--email", "a@b.org", "--link", "https://c.org", "--description", "d")
-    assert done.stdout == "wrote cocarry/run-v0: 1 episodes, 180 steps\n"
+    assert done.stdout == "wrote cocarry/run-v0: 1 episode, 180 steps\n"
     assert minari.load_dataset("cocarry/run-v0").storage.metadata["author"] == {"A"}
 
 

@@ -19,8 +19,8 @@ const LOOK_AHEADS_M: [f64; 3] = [0.65, 0.45, 0.3];
 const SHORT_LOOK_AHEADS_M: [f64; 2] = [0.2, 0.12];
 /// Time over which the base looks out for obstacles, s.
 const LOOK_OUT_S: f64 = 1.2;
-/// How far (m) the base may overlap an obstacle: the base is narrower than its disc, or than the polygon around
-/// its shapes.
+/// How far (m) the base may overlap an obstacle: the base is narrower than its disc, or than the polygon
+/// around its shapes.
 const LOOK_OUT_TOLERANCE_M: f64 = 0.005;
 /// Gain of the spacing between base and grasp, 1/s.
 const SPACING_GAIN: f64 = 1.0;
@@ -48,7 +48,7 @@ pub struct Follower<'w> {
     /// Wanted distance of the base from the grasp, m. It is measured straight: in a bend, a distance along the
     /// path would fold the arm.
     pub distance: f64,
-    /// Angle of the grasp beside straight ahead of the base, rad: an omnidirectional base keeps it.
+    /// Bearing of the grasp from straight ahead of the base, rad: an omnidirectional base keeps it.
     pub bearing: f64,
     /// The outline of the base.
     pub footprint: &'w Footprint,
@@ -381,8 +381,8 @@ mod tests {
             });
             clearances.fold(f64::INFINITY, f64::min)
         };
-        let (free, beside) = (least_clearance(&no_obstacles()), least_clearance(&obstacles(wall)));
-        assert!(free < -0.05 && beside > -0.02, "{free} {beside}");
+        let (free, near_wall) = (least_clearance(&no_obstacles()), least_clearance(&obstacles(wall)));
+        assert!(free < -0.05 && near_wall > -0.02, "{free} {near_wall}");
     }
 
     #[test]

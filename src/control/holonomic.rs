@@ -17,7 +17,7 @@ pub(super) struct Sight {
     pub speed: f64,
     /// From the base to the grasp at the end of the step, m.
     pub to_grasp: Vector,
-    /// Angle of the grasp beside straight ahead, rad, which the base keeps.
+    /// Bearing of the grasp from straight ahead, rad, which the base keeps.
     pub bearing: f64,
     /// Gain of turning toward the grasp, 1/s, and largest turning rate, rad/s.
     pub turning: [f64; 2],
@@ -71,8 +71,8 @@ mod tests {
         RobotObstacles::new(&World::parse("w.toml", text).unwrap())
     }
 
-    /// Forward and backward, round corners, with a grasp ahead and beside: the base stays on the path at its
-    /// distance, and the grasp at its bearing.
+    /// Forward and backward, round corners, with a grasp ahead and to the side: the base stays on the path at
+    /// its distance, and the grasp at its bearing.
     #[test]
     fn a_base_keeps_to_its_path_its_distance_and_its_bearing() {
         let obstacles = far_away();

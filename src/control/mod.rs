@@ -32,7 +32,7 @@ pub use manipulator::Manipulator;
 pub use mpc::{Failure, Mpc, Plan, SolveOutcome};
 pub use obstacles::{Avoid, RobotObstacles};
 pub use pose::{
-    Considered, PoseChoice, PoseOptimiser, PoseProblem, least_singular_value, manipulability, motion_cost,
+    CandidateCost, PoseChoice, PoseOptimiser, PoseProblem, least_singular_value, manipulability, motion_cost,
 };
 pub use qp::Qp;
 pub use settings::{PoseCriterion, Settings};

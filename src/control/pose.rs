@@ -33,14 +33,14 @@ pub struct PoseChoice {
 /// A candidate of eq. (8) with its objective: the sum of eq. (8), or for [`PoseCriterion::Manipulability`]
 /// the negative manipulability.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Considered<'a> {
+pub struct CandidateCost<'a> {
     /// The candidate.
     pub candidate: &'a Candidate,
     /// A lower bound of the objective: its value without limits. `None` where costs were not evaluated.
-    pub floor: Option<f64>,
+    pub lower_bound: Option<f64>,
     /// The objective. `None` where its lower bound, or a part of its sum, already exceeded the least value,
     /// or there was no choice.
-    pub total: Option<f64>,
+    pub cost: Option<f64>,
 }
 
 /// A solver of eq. (8) that keeps memory between calls.
@@ -53,7 +53,7 @@ pub struct PoseOptimiser {
     /// Objective of each candidate: first a lower bound, later the value.
     totals: Vec<f64>,
     /// The initial lower bounds of the objectives.
-    floors: Vec<f64>,
+    lower_bounds: Vec<f64>,
     order: Vec<usize>,
 }
 
@@ -105,7 +105,7 @@ impl PoseOptimiser {
         let around = Neighbourhood { robot, configuration, kinematics, limits, period, share };
         around.candidates(settings.candidates, &mut self.candidates);
         self.totals.clear();
-        self.floors.clear();
+        self.lower_bounds.clear();
         let mut solved = 0;
         let index = match (self.candidates.len(), settings.criterion) {
             (1, _) => 0,
@@ -126,11 +126,11 @@ impl PoseOptimiser {
     }
 
     /// The candidates of the last call with their objectives.
-    pub fn considered(&self) -> impl Iterator<Item = Considered<'_>> {
-        self.candidates.iter().enumerate().map(|(i, candidate)| Considered {
+    pub fn candidate_costs(&self) -> impl Iterator<Item = CandidateCost<'_>> {
+        self.candidates.iter().enumerate().map(|(i, candidate)| CandidateCost {
             candidate,
-            floor: self.floors.get(i).copied(),
-            total: self.totals.get(i).copied().filter(|total| total.is_finite()),
+            lower_bound: self.lower_bounds.get(i).copied(),
+            cost: self.totals.get(i).copied().filter(|total| total.is_finite()),
         })
     }
 
@@ -155,7 +155,7 @@ impl PoseOptimiser {
             }
             self.totals.push(total);
         }
-        self.floors.extend(&self.totals);
+        self.lower_bounds.extend(&self.totals);
     }
 
     /// Replaces bounds by values, in the order of the bounds, as long as a bound is no greater than the least

@@ -8,7 +8,7 @@ use crate::team::{PathAhead, TEAM_ACCELERATION, Walk};
 
 /// The share of the rims' largest acceleration that the base plans with.
 const RIM_SHARE: f64 = 0.8;
-/// The least distance of the grasp beside a differential base's axis that counts, m.
+/// The least distance of the grasp from a differential base's axis that counts, m.
 const MIN_LATERAL_OFFSET_M: f64 = 1e-3;
 
 /// Where the base keeps relative to the grasp's path.
@@ -16,10 +16,10 @@ const MIN_LATERAL_OFFSET_M: f64 = 1e-3;
 pub struct Guide {
     /// Initial distance of the base behind the grasp, m, which the base keeps.
     distance: f64,
-    /// Initial angle of the grasp beside straight ahead of the base, rad; 0 on a differential base.
+    /// Initial bearing of the grasp from straight ahead of the base, rad; 0 on a differential base.
     bearing: f64,
-    /// How far a differential base is to the right of the grasp's path, m: as at the start.
-    beside: f64,
+    /// Lateral offset of a differential base to the right of the grasp's path, m; constant.
+    lateral_offset: f64,
     /// Acceleration of the rims that the base plans with, m/s^2.
     rim_acceleration: f64,
     /// Buffer: the past path of the grasp.
@@ -37,7 +37,7 @@ impl Guide {
         Self {
             distance: if is_free { held.norm() } else { held.x },
             bearing: if is_free { angle_of(held) } else { 0.0 },
-            beside: if is_free || held.y.abs() < MIN_LATERAL_OFFSET_M { 0.0 } else { held.y },
+            lateral_offset: if is_free || held.y.abs() < MIN_LATERAL_OFFSET_M { 0.0 } else { held.y },
             rim_acceleration: RIM_SHARE * rim_acceleration,
             way: Vec::with_capacity(64),
         }
@@ -56,7 +56,7 @@ impl Guide {
     ) -> Option<BaseInputs> {
         let bodies = seen.bodies?;
         let speeds = walk.grasp_way(seen, ahead, speed, &mut self.way)?;
-        shift_right(&mut self.way, self.beside);
+        shift_right(&mut self.way, self.lateral_offset);
         let follower = Follower {
             way: &self.way,
             speeds,

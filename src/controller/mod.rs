@@ -1,7 +1,7 @@
 //! The robot's controller: from what is seen, who leads where, and what the human may choose, to a command.
 //!
-//! Implement [`Controller`] to carry with a control law of your own on any plant; [`References`] has the motion
-//! that the grasp should make. Pass it to an episode with
+//! Implement [`Controller`] to carry with a control law of your own on any plant; [`References`] has the
+//! motion that the grasp should make. Pass it to an episode with
 //! [`EpisodeBuilder::with_controller`](crate::episode::EpisodeBuilder::with_controller).
 
 mod guide;
@@ -20,7 +20,7 @@ use crate::plant::{Command, Seen};
 use crate::policy::Motion;
 use crate::preference::ChoiceDistribution;
 use crate::robot::Configuration;
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 use crate::team::{Travel, Walk};
 
 /// A controller of the robot, asked in every control period. A clone continues independently and identically.
@@ -34,7 +34,7 @@ pub trait Controller: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     fn command(&mut self, seen: &Seen<'_>, way: &Way<'_>, belief: &ChoiceDistribution) -> Command;
 
     /// The basis of the last command; none by default.
-    fn considerations(&self) -> Option<Considerations<'_>> {
+    fn decision_basis(&self) -> Option<DecisionBasis<'_>> {
         None
     }
 
@@ -46,8 +46,8 @@ pub trait Controller: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// Restores what [`Controller::save`] returned.
     ///
     /// # Errors
-    /// [`NotRestored`] if the state belongs to another controller.
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    /// [`RestoreError`] if the state belongs to another controller.
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         saved.is_empty("controller")
     }
 }
@@ -79,7 +79,7 @@ pub struct Way<'s> {
 
 /// The basis of a command: the data of eq. (8) that others need to check it.
 #[derive(Clone, Copy, Debug)]
-pub struct Considerations<'e> {
+pub struct DecisionBasis<'e> {
     /// s_o(1..H) of every option while the human leads, else of the robot's own path only. On the physical
     /// plant, the part that the path-following base leaves for the arm.
     pub references: &'e [Reference],

@@ -1,6 +1,6 @@
 //! The paper's controller: pose optimisation (eq. 8), then MPC (eq. 7) from the configuration that it chose.
 
-use super::{Considerations, Controller, Guide, References, Way};
+use super::{Controller, DecisionBasis, Guide, References, Way};
 use crate::control::{
     Avoid, BaseInputs, Candidate, ClosedForm, GUIDE_PRICE, Intent, Limits, Manipulator, ModalReference, Mpc,
     Plan, PoseChoice, PoseOptimiser, PoseProblem, SolveOutcome, TURN_PRICE, rolled, seen_from_base,
@@ -13,7 +13,7 @@ use crate::preference::ChoiceDistribution;
 use crate::robot::{
     BaseInput, Configuration, InputJacobian, InputVector, JointVector, Kinematics, pose_difference,
 };
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 use crate::team::Pace;
 use nalgebra::Vector6;
 
@@ -96,8 +96,9 @@ impl<'a> Predictive<'a> {
         model_error * (MAX_CORRECTION / model_error.norm()).min(1.0)
     }
 
-    /// The Jacobian with the arm's part half-way through the first period of `input`. Where the wrist is nearly
-    /// stretched, its axes turn by so much in a period that those at the beginning do not describe the motion.
+    /// The Jacobian with the arm's part half-way through the first period of `input`. Where the wrist is
+    /// nearly stretched, its axes turn by so much in a period that those at the beginning do not describe the
+    /// motion.
     fn jacobian_half_way(
         &self,
         target: &Configuration,
@@ -226,16 +227,16 @@ impl Controller for Predictive<'_> {
         }
     }
 
-    fn considerations(&self) -> Option<Considerations<'_>> {
+    fn decision_basis(&self) -> Option<DecisionBasis<'_>> {
         let References { references, weights, .. } = &self.references;
-        Some(Considerations { references, weights, target: &self.target, poses: &self.poses })
+        Some(DecisionBasis { references, weights, target: &self.target, poses: &self.poses })
     }
 
     fn save(&self) -> Saved {
         Saved::of(&self.references.intent)
     }
 
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         let intent: Intent = saved.read("controller")?;
         self.references.intent = intent;
         Ok(())

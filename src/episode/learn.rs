@@ -1,4 +1,4 @@
-//! What the robot learns of the human in a step.
+//! What the robot learns about the human in a step.
 
 use super::evaluated::Prediction;
 use super::now::Now;
@@ -10,7 +10,7 @@ use crate::policy::Lead;
 
 /// Whether a human on each option would walk as this human does in a step; `None` where the human does not
 /// choose the way.
-pub(super) fn looks_like(tick: &Tick, lead: Lead) -> Option<impl Iterator<Item = bool> + '_> {
+pub(super) fn is_consistent(tick: &Tick, lead: Lead) -> Option<impl Iterator<Item = bool> + '_> {
     let is_free = match lead {
         Lead::Robot(_) => false,
         Lead::Human => true,
@@ -18,12 +18,12 @@ pub(super) fn looks_like(tick: &Tick, lead: Lead) -> Option<impl Iterator<Item =
         Lead::HumanKeepingOption => tick.step == 0,
     };
     let toward = tick.options[tick.executed].remaining.next;
-    let looks_like = tick.options.iter().map(move |o| !is_misaligned(toward, o.remaining.next));
-    (is_free && tick.reverses_for.is_none()).then_some(looks_like)
+    let is_consistent = tick.options.iter().map(move |o| !is_misaligned(toward, o.remaining.next));
+    (is_free && tick.reverses_for.is_none()).then_some(is_consistent)
 }
 
 impl<'a> Episode<'a> {
-    /// The same episode with a robot that goes on with what `learner` knows of this human. Call it before the
+    /// The same episode with a robot that starts from `learner`. Call it before the
     /// first step; the learner's next task begins.
     #[must_use]
     pub fn with_learner(mut self, mut learner: Learner) -> Self {
@@ -42,22 +42,22 @@ impl<'a> Episode<'a> {
         self.learner.map(|learner| *learner)
     }
 
-    /// Learns from the last step, if the human led it: its direction is that of every option with the same next
-    /// waypoint.
+    /// Learns from the last step, if the human led it: its direction is that of every option with the same
+    /// next waypoint.
     pub(super) fn learn_from_walk(&mut self) {
         let Some(learner) = self.learner.as_deref_mut() else { return };
         let Some((_, decision)) = &self.decided else { return };
-        let Some(looks_like) = looks_like(&self.tick, decision.lead) else { return };
-        // impossible only without lapses: such a look is then left out
-        drop(learner.see_walk(&self.prospects, &self.ways, looks_like));
+        let Some(is_consistent) = is_consistent(&self.tick, decision.lead) else { return };
+        // impossible only without lapses: such a sighting is then left out
+        drop(learner.observe_walk(&self.prospects, &self.ways, is_consistent));
     }
 
     /// Learns from the human's response to the robot's lead. Returns phi(k) as the robot takes it: the
-    /// human's, or its mean over what was learned of eta.
+    /// human's, or its mean over what was learned about eta.
     pub(super) fn learn_from_lead(&mut self, now: Now, human: &HumanDecision, prior: &Prediction) -> f64 {
         let Some(learner) = self.learner.as_deref_mut() else { return human.stubbornness };
         if now.mode == Mode::RobotLed && now.executed.is_some() {
-            learner.see_led_step(misalignment(&prior.options), human.stance == Stance::TakeOver);
+            learner.observe_led_step(misalignment(&prior.options), human.stance == Stance::TakeOver);
         }
         learner.stubbornness()
     }

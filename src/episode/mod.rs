@@ -8,6 +8,7 @@ mod builder;
 mod end;
 mod evaluated;
 mod execute;
+mod human_observer;
 mod learn;
 mod now;
 mod outcome;
@@ -17,15 +18,15 @@ mod state;
 mod step;
 mod tick;
 mod view;
-mod watch;
 
 pub use crate::control::Manipulator;
-pub use crate::controller::Considerations;
+pub use crate::controller::DecisionBasis;
 pub use crate::coordination::OptionTick;
 pub use crate::human::PreferenceChange;
 pub use crate::plant::Preparation;
 pub use builder::{EpisodeBuilder, Start};
 pub use evaluated::prospects;
+pub use human_observer::{HumanObserver, Sighting};
 pub use outcome::{
     ControlSummary, GRASP_WARNING_RMS_M, HumanSummary, InteractionSummary, LOSS_DISTANCE_M, Loss, Outcome,
     Summary, Transition,
@@ -34,7 +35,6 @@ pub use robot_tick::{PhysicsTick, RobotTick};
 pub use settings::Settings;
 pub use state::State;
 pub use tick::Tick;
-pub use watch::{Look, Watch};
 
 use crate::controller::Controller;
 use crate::geometry::{Path, PlanarPose, Point, Pose};
@@ -160,8 +160,8 @@ impl Episode<'_> {
     }
 
     /// The basis of the controller's last command; `None` without a robot and before the first step.
-    pub fn considerations(&self) -> Option<Considerations<'_>> {
-        self.controller.considerations().filter(|considered| !considered.references.is_empty())
+    pub fn decision_basis(&self) -> Option<DecisionBasis<'_>> {
+        self.controller.decision_basis().filter(|basis| !basis.references.is_empty())
     }
 
     /// The path from where the executed option was last chosen to the target; empty before the first step.

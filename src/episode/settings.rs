@@ -17,7 +17,8 @@ pub struct Settings {
     pub coordination: coordination::Settings,
     /// The method of deciding who leads.
     pub method: Method,
-    /// Planning step k, s: phi, g, J and looks at the human count in it. Texts have it under the key of before.
+    /// Planning step k, s: phi, g, J and sightings of the human count in it. Texts have it under the key of
+    /// before.
     #[serde(rename = "period_s", alias = "planning_step_s")]
     pub planning_step: f64,
     /// Control period of eqs. (7) and (8), s, a whole fraction of the planning step; by default as long.

@@ -6,7 +6,7 @@ use crate::learning;
 use crate::options::Progress;
 use crate::policy::Decision;
 use crate::preference::{Prospect, Ways};
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 use crate::team::Route;
 use serde::{Deserialize, Serialize};
 
@@ -27,7 +27,7 @@ pub struct State {
     learned: Option<Learned>,
 }
 
-/// What a robot that learns needs beside the state of every robot.
+/// What a robot that learns needs besides the state of every robot.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Learned {
     learner: learning::State,
@@ -84,8 +84,8 @@ impl Episode<'_> {
     /// options, settings, human, policy, controller and plant are the same.
     ///
     /// # Errors
-    /// [`NotRestored`] if the state does not fit.
-    pub fn resume(mut self, state: State) -> Result<Self, NotRestored> {
+    /// [`RestoreError`] if the state does not fit.
+    pub fn resume(mut self, state: State) -> Result<Self, RestoreError> {
         let n = self.options.options().len();
         let Summary { first_option, last_option, ref human, .. } = state.summary;
         let Tick { executed, preferred, reverses_for, .. } = state.tick;
@@ -98,9 +98,9 @@ impl Episode<'_> {
             ("option", state.tick.options.len() <= n),
         ];
         if let Some((part, _)) = parts.into_iter().find(|(_, belongs)| !belongs) {
-            return Err(NotRestored { part });
+            return Err(RestoreError { part });
         }
-        let no_learner = NotRestored { part: "learner" };
+        let no_learner = RestoreError { part: "learner" };
         match (self.learner.as_deref_mut(), &state.learned) {
             (None, None) => {}
             (Some(learner), Some(learned)) if learned.prospects.len() <= n && learned.ways.fits(n) => {

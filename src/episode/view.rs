@@ -35,7 +35,7 @@ impl Episode<'_> {
         Some(view(self.now(), begun, self.options, &self.progress, self.plant.observe()))
     }
 
-    /// The decision of the episode's own policy in a step that has begun; between steps, to follow.
+    /// The decision of the episode's policy in a step that has begun; between steps, to follow.
     pub fn ask_policy(&mut self) -> Decision {
         let now = self.now();
         let Some(begun) = &self.begun else { return Decision::follow() };

@@ -222,8 +222,8 @@ impl Footprint {
     }
 
     /// The face that lies farthest along the unit vector `toward`: the farthest corner, and what lies within
-    /// `tolerance` (m) of it along sides that are perpendicular to `toward` up to `slope` (rad). Returned as an
-    /// interval on the axis to the left of `toward`, m from the world's origin.
+    /// `tolerance` (m) of it along sides that are perpendicular to `toward` up to `slope` (rad). Returned as
+    /// an interval on the axis to the left of `toward`, m from the world's origin.
     ///
     /// It changes continuously with the outline: the tolerance decreases to 0 at `slope`.
     pub fn farthest_face(&self, toward: Vector, tolerance: f64, slope: f64) -> [f64; 2] {
@@ -267,9 +267,9 @@ impl Footprint {
                 }
             }
             Self::Disc { center, radius } => {
-                let (along, beside) = ((center - p).dot(&toward), cross(toward, center - p));
-                let half = (radius * radius - beside * beside).max(0.0).sqrt();
-                if beside.abs() > *radius {
+                let (along, across) = ((center - p).dot(&toward), cross(toward, center - p));
+                let half = (radius * radius - across * across).max(0.0).sqrt();
+                if across.abs() > *radius {
                     return None;
                 }
                 [enters, leaves] = [f64::max(0.0, along - half), along + half];
@@ -317,7 +317,7 @@ mod tests {
             assert_eq!(outline.reach(Vector::y()), 2.0);
             assert_eq!(outline.toward_segment(Point::new(-9.0, 1.5), Point::new(9.0, 1.5)), None);
         }
-        // an end beside a side, a corner beside the middle of the segment
+        // an end next to a side, a corner next to the middle of the segment
         assert_eq!(s.toward_segment(Point::new(3.0, 1.0), Point::new(9.0, 1.0)), Some(Vector::x()));
         let past_corner = s.toward_segment(Point::new(2.0, 4.0), Point::new(4.0, 2.0)).unwrap();
         assert!((past_corner - Vector::new(0.5_f64.sqrt(), 0.5_f64.sqrt())).norm() < 1e-12);

@@ -36,8 +36,8 @@ impl Nearby {
         let comes_near = |bounds: Bounds| {
             let near = bounds.grown(margin);
             let half = near.size() / 2.0;
-            let beside = cross(along, near.min + half - a).abs();
-            !near.misses_segment(a, b) && beside <= half.x * along.y.abs() + half.y * along.x.abs()
+            let across = cross(along, near.min + half - a).abs();
+            !near.misses_segment(a, b) && across <= half.x * along.y.abs() + half.y * along.x.abs()
         };
         any(self.tree.root(), &comes_near, &mut holds)
     }

@@ -56,7 +56,7 @@ impl<'f> Placed<'f> {
     }
 
     /// Calls `on_witness` for every pair of a corner and what is nearest to it, at least one. Two that are
-    /// apart: every corner of the moving outline, and those of `other` that are beside one of its sides.
+    /// apart: every corner of the moving outline, and those of `other` that are next to one of its sides.
     /// Where they overlap: the corners along the direction of least penetration. The distance of each changes
     /// with the pose of the moving outline as that of its nearest point along `away` does.
     pub fn witnesses(&self, other: &Footprint, on_witness: impl FnMut(Witness)) {
@@ -65,7 +65,7 @@ impl<'f> Placed<'f> {
 
     /// As [`Placed::witnesses`], of an outline that is also at the poses of `motion`, before and after: where
     /// any of them overlaps `other`, the direction is that of least penetration of all. A corner that is
-    /// before a wall now, and in its end the next time, is beside that end.
+    /// before a wall now, and in its end the next time, is next to that end.
     pub fn witnesses_on_motion(
         &self,
         other: &Footprint,
@@ -227,7 +227,7 @@ pub fn convex_hull(points: &[Point]) -> Vec<Point> {
 }
 
 /// A convex polygon (counter-clockwise) around this one of fewer corners: sides are left out, and those
-/// beside them continued, as long as no corner moves out by more than `most_out` (m) or more than
+/// next to them continued, as long as no corner moves out by more than `most_out` (m) or more than
 /// `most_corners` remain.
 pub fn with_fewer_corners(mut corners: Vec<Point>, most_corners: usize, most_out: f64) -> Vec<Point> {
     while corners.len() > 3 {
@@ -308,7 +308,7 @@ mod tests {
     #[test]
     fn closed_form_a_rectangle_beside_the_corner_of_a_wall_and_a_pillar() {
         let base = rectangle(0.9, 0.5);
-        // the wall's corner at (2, 1) is beside the middle of a side
+        // the wall's corner at (2, 1) is next to the middle of a side
         let found = Placed::new(&base, &at(2.3, 1.3, 3.0 * FRAC_PI_4)).separation(&rectangle(4.0, 2.0));
         let slanted = Vector::new(0.5f64.sqrt(), 0.5f64.sqrt());
         assert!((found.distance - (0.3 * 2f64.sqrt() - 0.25)).abs() < 1e-12, "{found:?}");

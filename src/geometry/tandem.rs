@@ -38,21 +38,21 @@ impl Tandem {
     }
 
     /// The radius (m) of the arc of a path that turns by `sweep` (rad) round a corner such that the object's
-    /// centre stays `beside` (m) away from the corner, apart from the effect of rounding. With l half the
+    /// centre stays `distance` (m) away from the corner, apart from the effect of rounding. With l half the
     /// object's length and a half the sweep, the midpoint between the points l ahead and l behind is
     /// R cos(a) - (l - R a) sin(a) from the centre where these points are on the lines before and after the
     /// arc, and R cos(l / R) where they are on the arc.
-    pub fn corner_radius(&self, sweep: f64, beside: f64) -> f64 {
+    pub fn corner_radius(&self, sweep: f64, distance: f64) -> f64 {
         let (half, angle) = (self.length / 2.0, sweep / 2.0);
         let (sin, cos) = math::sin_cos(angle);
-        let radius = (beside + half * sin) / (cos + angle * sin);
+        let radius = (distance + half * sin) / (cos + angle * sin);
         if radius > 0.0 && radius * angle <= half {
             return radius;
         }
         // Newton's iteration from above, where it is monotone
-        (0..8).fold(math::hypot(half, beside), |radius, _| {
+        (0..8).fold(math::hypot(half, distance), |radius, _| {
             let (sin, cos) = math::sin_cos(half / radius);
-            radius - (radius * cos - beside) / (cos + half / radius * sin)
+            radius - (radius * cos - distance) / (cos + half / radius * sin)
         })
     }
 
@@ -190,9 +190,12 @@ mod tests {
             middles.map(|middle| (middle - center).norm()).fold(f64::INFINITY, f64::min)
         };
         for sweep in [0.1, 0.7, 1.5, 2.2, 3.0] {
-            for beside in [0.1, 0.2, 0.4] {
-                let found = nearest(sweep, tandem.corner_radius(sweep, beside));
-                assert!((beside - 0.09..beside + 0.01).contains(&found), "{sweep}: {found} m, not {beside}");
+            for distance in [0.1, 0.2, 0.4] {
+                let found = nearest(sweep, tandem.corner_radius(sweep, distance));
+                assert!(
+                    (distance - 0.09..distance + 0.01).contains(&found),
+                    "{sweep}: {found} m, not {distance}"
+                );
             }
         }
     }

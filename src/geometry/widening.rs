@@ -292,7 +292,7 @@ mod tests {
     #[test]
     fn a_corner_is_widened_as_far_as_there_is_room_and_no_farther() {
         let path = bends(&[(3.0, -1.0), (3.0, 0.5)]);
-        // a wall beside the first corner
+        // a wall next to the first corner
         let way = widened(&path, |_, _| 0.6, |_, to| to.x > 1.0 || to.y < 0.15);
         let [first, second] = radii(&way)[..] else { panic!("{way:?}") };
         assert!((0.3..0.4).contains(&first) && second > first, "{first} {second}");

@@ -4,7 +4,7 @@ use super::model::{HumanModel, Participant, PreferenceChange, bad_arguments};
 use super::{Human, HumanDecision, HumanView, PreferenceHuman};
 use crate::math;
 use crate::preference::{Perception, subjective_cost};
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -19,7 +19,7 @@ pub(super) const MODEL: HumanModel = HumanModel {
     about: "Chooses with probability proportional to exp(-RATIONALITY * subjective cost)",
     make: |arguments, participant| {
         let rationality = arguments.parse().ok().filter(|r: &f64| *r > 0.0 && *r <= 1e6);
-        let expected = "the rationality, a number greater than 0 and at most 1000000";
+        let expected = "boltzmann(RATIONALITY), for example boltzmann(2), with a number greater than 0 and at most 1000000";
         let rationality = rationality.ok_or_else(|| bad_arguments(expected))?;
         Ok(Box::new(Boltzmann::new(participant, rationality)))
     },
@@ -79,7 +79,7 @@ impl Human for Boltzmann {
         self.human.save()
     }
 
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         self.human.restore(saved)
     }
 }

@@ -2,8 +2,8 @@
 //! decisions.
 //!
 //! Implement [`Human`] to use a model of your own. Pass it to an episode with
-//! [`EpisodeBuilder::with_human`](crate::episode::EpisodeBuilder::with_human), or add it to [`MODELS`], which serves the
-//! command line, studies, scenarios and recordings.
+//! [`EpisodeBuilder::with_human`](crate::episode::EpisodeBuilder::with_human), or add it to [`MODELS`], which
+//! serves the command line, studies, scenarios and recordings.
 
 mod boltzmann;
 mod model;
@@ -21,7 +21,7 @@ use crate::coordination::{Mode, OptionTick, Stubbornness};
 use crate::geometry::{Point, Pose};
 use crate::options::OptionSet;
 use crate::preference::{Perception, Prospect};
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 use crate::simulation::Wrench;
 use serde::{Deserialize, Serialize};
 
@@ -33,9 +33,9 @@ pub trait Human: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// The human's decision at the beginning of a control period.
     fn decide(&mut self, view: &HumanView<'_>) -> HumanDecision;
 
-    /// Where the hand goes by the end of a control period, m, world frame, on plants with bodies. By default, or
-    /// with `None`, it goes straight to the decision's target until the end of the planning step, or with the
-    /// leader.
+    /// Where the hand goes by the end of a control period, m, world frame, on plants with bodies. By default,
+    /// or with `None`, it goes straight to the decision's target until the end of the planning step, or with
+    /// the leader.
     fn hand(&mut self, view: &HandView<'_>) -> Option<Point> {
         let _ = view;
         None
@@ -60,8 +60,8 @@ pub trait Human: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// Restores what [`Human::save`] returned.
     ///
     /// # Errors
-    /// [`NotRestored`] if the state belongs to another model.
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    /// [`RestoreError`] if the state belongs to another model.
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         saved.is_empty("human")
     }
 }

@@ -7,7 +7,7 @@ use crate::options::OptionSet;
 use crate::preference::Perception;
 use serde::{Deserialize, Serialize};
 
-/// A human, or the reason why the model cannot be made.
+/// A human, or the reason why the model cannot be created.
 type Made = Result<Box<dyn Human>, Error>;
 
 /// A model of human decisions.
@@ -38,9 +38,9 @@ pub struct Participant<'a> {
     pub options: &'a OptionSet,
 }
 
-/// The error of arguments that do not fit a model.
+/// The error of arguments that do not fit a model, with what to write instead.
 pub(super) fn bad_arguments(expected: &str) -> Error {
-    Error::new(format!("the arguments must be {expected}"))
+    Error::new(format!("expected {expected}"))
 }
 
 /// A preference change: from a step on, the human perceives risk and distance differently. The robot is not

@@ -4,7 +4,7 @@ use super::model::{HumanModel, Participant, PreferenceChange, bad_arguments};
 use super::{Human, HumanDecision, HumanView};
 use crate::coordination::{Settings, Stubbornness};
 use crate::preference::{Perception, human_choice};
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 use serde::{Deserialize, Serialize};
 
 /// The model's entry in the list.
@@ -14,7 +14,7 @@ pub(super) const MODEL: HumanModel = HumanModel {
     about: "Prefers the option of least subjective cost, eq. (3)",
     make: |arguments, participant| match arguments {
         "" => Ok(Box::new(PreferenceHuman::of(participant))),
-        _ => Err(bad_arguments("no arguments")),
+        _ => Err(bad_arguments("preference, with no arguments")),
     },
 };
 
@@ -81,7 +81,7 @@ impl Human for PreferenceHuman {
         Saved::of(self)
     }
 
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         let changes = std::mem::take(&mut self.changes);
         *self = saved.read("human")?;
         self.changes = changes;

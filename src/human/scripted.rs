@@ -5,7 +5,7 @@ use super::{Human, HumanDecision, HumanView};
 use crate::coordination::Stubbornness;
 use crate::error::Error;
 use crate::preference::Perception;
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 
 /// The model's entry in the list.
 pub(super) const MODEL: HumanModel = HumanModel {
@@ -27,7 +27,8 @@ pub struct Scripted {
 
 impl Scripted {
     fn parse(script: &str, participant: &Participant<'_>) -> Result<Self, Error> {
-        let expected = "comma-separated entries STEP:OPTION, ordered by step, the first at step 0";
+        let expected =
+            "scripted(STEP:OPTION,...), for example scripted(0:1,30:2), ordered by step, the first at step 0";
         let wrong = || bad_arguments(expected);
         let options = participant.options.options();
         let entry = |text: &str| {
@@ -65,7 +66,7 @@ impl Human for Scripted {
         Saved::of(&self.stubbornness)
     }
 
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         self.stubbornness = saved.read("human")?;
         Ok(())
     }

@@ -16,11 +16,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
-    /// The probability that a look at the human, or a time of taking over, says nothing about this human.
+    /// The probability that a sighting of the human, or a time of taking over, says nothing about this human.
     pub lapse_rate: f64,
-    /// The probability, before every look, that alpha and gamma have changed.
+    /// The probability, before every sighting, that alpha and gamma have changed.
     pub change_rate: f64,
-    /// Number of steps under the human's lead from one look to the next.
+    /// Number of steps under the human's lead from one sighting to the next.
     pub look_steps: u32,
     /// The prior of eta.
     pub tolerance: TolerancePrior,
@@ -57,15 +57,15 @@ fn check_rate(name: &'static str, value: f64) -> Result<(), LearningError> {
     }
 }
 
-/// The likelihoods of a look if the human prefers each option: `looks_like` says whether a human on it would
-/// have moved so. A lapse looks like any option, as often as there are options that look so.
-pub fn likelihoods_of_look(
-    looks_like: impl Iterator<Item = bool>,
+/// The likelihoods of a sighting if the human prefers each option: `is_consistent` says whether a human on it
+/// would have moved so. A lapse is as likely as the share of options that are consistent.
+pub fn likelihoods_of_sighting(
+    is_consistent: impl Iterator<Item = bool>,
     lapse_rate: f64,
     likelihoods: &mut Vec<f64>,
 ) {
     likelihoods.clear();
-    likelihoods.extend(looks_like.map(|looks| f64::from(u8::from(looks))));
+    likelihoods.extend(is_consistent.map(|is| f64::from(u8::from(is))));
     let share = likelihoods.iter().sum::<f64>() / likelihoods.len() as f64;
     for likelihood in likelihoods {
         *likelihood = (1.0 - lapse_rate) * *likelihood + lapse_rate * share;
@@ -76,8 +76,8 @@ impl Settings {
     /// The least change rate: with it, the belief stays exact however often the human contradicts it.
     pub const MIN_CHANGE_RATE: f64 = 1e-4;
 
-    /// The settings of a robot whose belief has this lapse rate. A belief without lapses says nothing about the
-    /// rate.
+    /// The settings of a robot whose belief has this lapse rate. A belief without lapses says nothing about
+    /// the rate.
     pub(crate) fn assuming(self, lapse_rate: f64) -> Self {
         if lapse_rate > 0.0 { Self { lapse_rate, ..self } } else { self }
     }
@@ -112,7 +112,7 @@ pub struct Learner {
     /// g of the present task.
     discomfort: f64,
     has_taken_over: bool,
-    /// Steps under the human's lead since the last look.
+    /// Steps under the human's lead since the last sighting.
     steps_since_look: Option<u32>,
     likelihoods: Vec<f64>,
 }
@@ -128,7 +128,7 @@ pub struct State {
 }
 
 impl Learner {
-    /// A robot that knows nothing of the human but `belief` and the prior of eta. `risk_weight` is c_r (m),
+    /// A robot that knows only `belief` and the prior of eta about the human. `risk_weight` is c_r (m),
     /// `initial_stubbornness` phi(0). The first task has begun.
     ///
     /// # Errors
@@ -166,7 +166,7 @@ impl Learner {
 
     /// A step under the robot's lead in which discomfort grows by `misaligned`, the sum of omega_o P_o of eq.
     /// (5), and the human takes over or not.
-    pub fn see_led_step(&mut self, misaligned: f64, takes_over: bool) {
+    pub fn observe_led_step(&mut self, misaligned: f64, takes_over: bool) {
         let before = self.discomfort;
         self.discomfort += misaligned;
         // phi(0) = 1: the first discomfort is enough for everybody
@@ -183,55 +183,55 @@ impl Learner {
         self.tolerance.set_task(says);
     }
 
-    /// Whether a step under the human's lead, about to be reported, is a look.
-    pub fn is_look(&self) -> bool {
+    /// Whether a step under the human's lead, about to be reported, is a sighting.
+    pub fn is_sighting(&self) -> bool {
         self.steps_since_look.is_none_or(|steps| steps + 1 >= self.settings.look_steps)
     }
 
-    /// A step under the human's lead, from where the options were `prospects` with these `ways`. `looks_like`
-    /// says of each option whether a human on it would have moved as this human did.
+    /// A step under the human's lead, from where the options were `prospects` with these `ways`.
+    /// `is_consistent` says for each option whether a human on it would have moved as this human did.
     ///
     /// # Errors
     /// [`PreferenceError::Impossible`] with a lapse rate of 0.
-    pub fn see_walk(
+    pub fn observe_walk(
         &mut self,
         prospects: &[Prospect],
         ways: &Ways,
-        looks_like: impl Iterator<Item = bool>,
+        is_consistent: impl Iterator<Item = bool>,
     ) -> Result<(), PreferenceError> {
-        if !self.is_look() {
+        if !self.is_sighting() {
             self.steps_since_look = self.steps_since_look.map(|steps| steps + 1);
             return Ok(());
         }
         self.steps_since_look = Some(0);
-        self.see_look(prospects, ways, looks_like)
+        self.observe_sighting(prospects, ways, is_consistent)
     }
 
     /// The human's answer: the option that the human would choose.
     ///
     /// # Errors
-    /// As [`Learner::see_walk`].
-    pub fn see_answer(
+    /// As [`Learner::observe_walk`].
+    pub fn observe_answer(
         &mut self,
         prospects: &[Prospect],
         ways: &Ways,
         option: usize,
     ) -> Result<(), PreferenceError> {
         let chosen = ways.representative(option);
-        self.see_look(prospects, ways, (0..prospects.len()).map(|o| ways.representative(o) == chosen))
+        self.observe_sighting(prospects, ways, (0..prospects.len()).map(|o| ways.representative(o) == chosen))
     }
 
-    /// A look at the human, whenever it is; otherwise as [`Learner::see_walk`].
+    /// A sighting of the human, at any step; otherwise as [`Learner::observe_walk`].
     ///
     /// # Errors
-    /// As [`Learner::see_walk`].
-    pub fn see_look(
+    /// As [`Learner::observe_walk`].
+    pub fn observe_sighting(
         &mut self,
         prospects: &[Prospect],
         ways: &Ways,
-        looks_like: impl Iterator<Item = bool>,
+        is_consistent: impl Iterator<Item = bool>,
     ) -> Result<(), PreferenceError> {
-        likelihoods_of_look(looks_like, self.settings.lapse_rate, &mut self.likelihoods);
+        likelihoods_of_sighting(is_consistent, self.settings.lapse_rate, &mut self.likelihoods);
         self.perception.mix_with_prior(self.settings.change_rate)?;
         self.perception.observe(prospects, ways, &self.likelihoods).map(drop)
     }
@@ -246,7 +246,7 @@ impl Learner {
         self.perception.expected_costs(prospects, costs);
     }
 
-    /// The mean of phi(k), limited to 1, over what was learned of eta.
+    /// The mean of phi(k), limited to 1, over what was learned about eta.
     pub fn stubbornness(&self) -> f64 {
         match self.has_taken_over {
             true => 1.0,
@@ -321,7 +321,7 @@ mod tests {
         let (mut learner, mut before, mut after) =
             (learner(), ChoiceDistribution::default(), Default::default());
         learner.predict(&PROSPECTS, &Ways::default(), &mut before);
-        learner.see_answer(&PROSPECTS, &Ways::default(), 2).unwrap();
+        learner.observe_answer(&PROSPECTS, &Ways::default(), 2).unwrap();
         learner.predict(&PROSPECTS, &Ways::default(), &mut after);
         let likelihood = |option| if option == 2 { 0.985 } else { 0.005 };
         let weights: Vec<f64> =
@@ -333,30 +333,32 @@ mod tests {
     }
 
     #[test]
-    fn closed_form_a_look_at_what_all_options_share_says_nothing() {
+    fn closed_form_a_sighting_of_what_all_options_share_says_nothing() {
         let mut learner = learner();
-        learner.see_walk(&PROSPECTS, &Ways::default(), [true; 4].into_iter()).unwrap();
+        learner.observe_walk(&PROSPECTS, &Ways::default(), [true; 4].into_iter()).unwrap();
         assert!(learner.perception_mut().estimate().information < 1e-9);
     }
 
     #[test]
-    fn looks_are_every_ten_steps() {
+    fn sightings_are_every_ten_steps() {
         let mut learner = learner();
-        let mut looks = Vec::new();
+        let mut sightings = Vec::new();
         for step in 0..25 {
-            if learner.is_look() {
-                looks.push(step);
+            if learner.is_sighting() {
+                sightings.push(step);
             }
-            learner.see_walk(&PROSPECTS, &Ways::default(), [false, true, true, false].into_iter()).unwrap();
+            learner
+                .observe_walk(&PROSPECTS, &Ways::default(), [false, true, true, false].into_iter())
+                .unwrap();
         }
-        assert_eq!(looks, [0, 10, 20]);
+        assert_eq!(sightings, [0, 10, 20]);
     }
 
     #[test]
     fn closed_form_taking_over_bounds_eta_by_eq_5() {
         let mut learner = learner();
         for step in 0..=30 {
-            learner.see_led_step(0.7, step == 30);
+            learner.observe_led_step(0.7, step == 30);
         }
         let limit = discomfort_limit(0.1);
         let wanted = [21.0 / limit, 21.7 / limit];
@@ -367,7 +369,7 @@ mod tests {
         learner.begin_task();
         assert!((learner.stubbornness() - 0.1).abs() < 1e-12);
         for _ in 0..29 {
-            learner.see_led_step(0.7, false);
+            learner.observe_led_step(0.7, false);
         }
         let phi = 0.1 * crate::math::exp(20.3 / (21.35 / limit));
         assert!((learner.stubbornness() - phi).abs() < 0.02, "{} {phi}", learner.stubbornness());
@@ -382,7 +384,7 @@ mod tests {
         let mut choice = ChoiceDistribution::default();
         for option in wants {
             for _ in 0..8 {
-                learner.see_answer(&PROSPECTS, &Ways::default(), option).unwrap();
+                learner.observe_answer(&PROSPECTS, &Ways::default(), option).unwrap();
             }
             learner.predict(&PROSPECTS, &Ways::default(), &mut choice);
             assert!(choice.probabilities()[option] > 0.9, "{choice:?}");
@@ -392,13 +394,13 @@ mod tests {
     #[test]
     fn a_restored_learner_goes_on_with_the_same_bits() {
         let mut learner = learner();
-        learner.see_led_step(3.0, false);
-        learner.see_answer(&PROSPECTS, &Ways::default(), 3).unwrap();
+        learner.observe_led_step(3.0, false);
+        learner.observe_answer(&PROSPECTS, &Ways::default(), 3).unwrap();
         let mut restored = self::learner();
         assert!(restored.restore(&learner.state()));
         for learner in [&mut learner, &mut restored] {
-            learner.see_led_step(3.0, true);
-            learner.see_answer(&PROSPECTS, &Ways::default(), 1).unwrap();
+            learner.observe_led_step(3.0, true);
+            learner.observe_answer(&PROSPECTS, &Ways::default(), 1).unwrap();
         }
         assert_eq!(learner.state(), restored.state());
     }

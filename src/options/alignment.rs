@@ -2,7 +2,7 @@
 //!
 //! Human, object and robot in tandem are about 2.5 m long and must be aligned until they are out of the
 //! passage. Two lengths decide: the *depth* of the passage, over which it stays as narrow as its gap, and the
-//! *shoulder* beside its end, around which the team turns. Behind the shoulder of a wall, which is broad, the
+//! *shoulder* next to its end, around which the team turns. Behind the shoulder of a wall, which is broad, the
 //! team is straight for [`BEYOND_END_M`] from the passage's end, and for [`ALIGNMENT_M`] from the middle of a
 //! thin wall. A pillar, round or narrow, has no shoulder: where neither side of a gap has one, paths need not
 //! be straight, nor go through the middle. In between, both rules are continuous in the place of obstacles.
@@ -23,8 +23,8 @@ const MAX_DEPTH_M: f64 = 5.0;
 const DEPTH_STEP_M: f64 = 0.05;
 /// Bisections of the step in which the passage ends.
 const HALVINGS: u32 = 30;
-/// Shoulders up to the first length (m) are none: paths need not go through the middle. At the second, they do;
-/// from the third on, they are straight in full.
+/// Shoulders up to the first length (m) are none: paths need not go through the middle. At the second, they
+/// do; from the third on, they are straight in full.
 const SHOULDER_M: [f64; 3] = [0.5, 0.65, 0.8];
 /// Likewise for the depth of the passage (m): in a deep one the team must be straight however narrow the
 /// obstacles are.
@@ -46,8 +46,8 @@ pub(super) struct Alignment {
 }
 
 impl Alignment {
-    /// That of an opening among this number of openings. Where there are more than [`MAX_OPENINGS_WITH_LANES`], paths
-    /// go through the middle.
+    /// That of an opening among this number of openings. Where there are more than
+    /// [`MAX_OPENINGS_WITH_LANES`], paths go through the middle.
     pub fn new(opening: &Opening, space: &Space, openings: usize) -> Self {
         let axis = opening.axis();
         let sides = [-axis, axis].map(|outward| {
@@ -88,7 +88,7 @@ fn depth(opening: &Opening, outward: Vector, space: &Space) -> f64 {
     within
 }
 
-/// The length (m) of the longer one of the shoulders beside the end of a passage: how far an obstacle goes on
+/// The length (m) of the longer one of the shoulders next to the end of a passage: how far an obstacle goes on
 /// to the side at the gap, with free space before it at the passage's end.
 fn shoulder(opening: &Opening, outward: Vector, depth: f64, space: &Space) -> f64 {
     let [first, second] = opening.ends;

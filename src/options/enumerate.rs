@@ -152,7 +152,7 @@ impl<'a> Layout<'a> {
         let found: u64 = legs.iter().flat_map(|(_, to)| to).map(|to| roadmap.places_around(*to)).sum();
         if found > MAX_SEARCHED {
             return Err(format!(
-                "paths to the openings would be searched from {found} places, and at most {MAX_SEARCHED} are"
+                "paths to the openings start at {found} places; the limit is {MAX_SEARCHED}"
             ));
         }
         for (entries, to) in legs {

@@ -19,8 +19,8 @@ pub(super) struct Passage {
     pub risk: f64,
     /// Half the width of the gap, m. A step that meets the gap's line within it crosses the opening.
     half_width: f64,
-    /// The distance (m) of the lanes beside the middle from it; `None` where paths go through the middle alone.
-    beside: Option<f64>,
+    /// The distance (m) of the outer lanes from the middle; `None` where paths go through the middle alone.
+    lane_offset: Option<f64>,
 }
 
 /// A passage crossed in one direction.
@@ -39,10 +39,10 @@ impl Crossing {
     }
 }
 
-/// The distance (m) between a path through a lane that is not straight and the gap's line, where it arrives and
-/// leaves: more than the tolerance within which lines meet the gap.
+/// The distance (m) between a path through a lane that is not straight and the gap's line, where it arrives
+/// and leaves: more than the tolerance within which lines meet the gap.
 const OFF_GAP_M: f64 = 1e-7;
-/// What lanes beside the middle keep from a pillar beyond the clearance, m.
+/// What outer lanes keep from a pillar beyond the clearance, m.
 const FROM_PILLAR_M: f64 = 1e-6;
 /// Where lanes would be this near (m) to each other, there is one.
 const NARROWEST_LANES_M: f64 = 0.01;
@@ -61,9 +61,9 @@ pub(super) enum Exit {
 }
 
 impl Passage {
-    /// The passage through `opening`, straight as `alignment` says or less if an obstacle or another opening is
-    /// closer. Between pillars paths go through it in any direction and in one of three lanes, in the middle or
-    /// as near to either pillar as the team may.
+    /// The passage through `opening`, straight as `alignment` says or less if an obstacle or another opening
+    /// is closer. Between pillars paths go through it in any direction and in one of three lanes, in the
+    /// middle or as near to either pillar as the team may.
     pub fn new(
         opening: &Opening,
         others: &[[Point; 2]],
@@ -73,8 +73,8 @@ impl Passage {
     ) -> Self {
         let (center, axis) = (opening.center(), opening.axis());
         let (risk, half_width) = (opening.risk(robot_width), opening.width / 2.0);
-        let beside = alignment.off_middle * (half_width - robot_width / 2.0 - FROM_PILLAR_M);
-        let beside = (beside > NARROWEST_LANES_M).then_some(beside);
+        let lane_offset = alignment.off_middle * (half_width - robot_width / 2.0 - FROM_PILLAR_M);
+        let lane_offset = (lane_offset > NARROWEST_LANES_M).then_some(lane_offset);
         let reach =
             [(-axis, alignment.straight[0]), (axis, alignment.straight[1])].map(|(outward, straight)| {
                 let free = others
@@ -85,19 +85,19 @@ impl Passage {
                     .fold(straight, f64::min);
                 longest_clear(center, outward, free, space).max(OFF_GAP_M)
             });
-        Self { center, axis, reach, risk, half_width, beside }
+        Self { center, axis, reach, risk, half_width, lane_offset }
     }
 
     /// The number of lanes: the first is in the middle.
     pub fn lanes(&self) -> usize {
-        if self.beside.is_some() { MAX_LANES } else { 1 }
+        if self.lane_offset.is_some() { MAX_LANES } else { 1 }
     }
 
     /// The place of a lane in the gap.
     pub fn middle(&self, lane: usize) -> Point {
-        match (self.beside, lane) {
-            (Some(beside), 1) => self.center + left_of(self.axis) * beside,
-            (Some(beside), 2) => self.center - left_of(self.axis) * beside,
+        match (self.lane_offset, lane) {
+            (Some(lane_offset), 1) => self.center + left_of(self.axis) * lane_offset,
+            (Some(lane_offset), 2) => self.center - left_of(self.axis) * lane_offset,
             _ => self.center,
         }
     }
@@ -149,7 +149,7 @@ impl Passage {
         if left > 2.0 * NARROWING * ON_AXIS_M { left } else { 0.0 }
     }
 
-    /// `p`, or the point [`OFF_GAP_M`] off the gap's line beside it, if `p` is nearer to it: no path leads
+    /// `p`, or the point [`OFF_GAP_M`] off the gap's line next to it, if `p` is nearer to it: no path leads
     /// from the line itself. Points on it are on side 1, as for [`Passage::crossed`].
     pub fn off_gap(&self, p: Point) -> Point {
         let depth = self.depth(p, 1);

@@ -1,7 +1,7 @@
 //! The regions on routes that enter no region twice.
 
 /// For every region, whether any route leads through it from `from` to `to`, which are different, and enters
-/// no region twice. `neighbors` are the regions beside each region.
+/// no region twice. `neighbors` are the regions next to each region.
 ///
 /// These are the regions in the same biconnected component as an edge added between `from` and `to` (J.
 /// Hopcroft and R. Tarjan, Algorithm 447: efficient algorithms for graph manipulation, Communications of the

@@ -4,7 +4,7 @@
 use super::{Command, HumanMotion, Plant, Seen};
 use crate::geometry::{PlanarPose, Pose};
 use crate::robot::{Configuration, JointVector, Robot};
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 use crate::simulation::KinematicPlant;
 
 /// Human and robot without dynamics.
@@ -47,7 +47,7 @@ impl Plant for Kinematic<'_> {
         Saved::of(&(self.human, self.plant.configuration()))
     }
 
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         let (human, configuration): (PlanarPose, Configuration) = saved.read("plant")?;
         self.human = human;
         self.plant = KinematicPlant::at(self.robot, configuration);

@@ -16,7 +16,7 @@ pub use point::PointPlant;
 
 use crate::geometry::{PlanarPose, Point, Pose};
 use crate::robot::Configuration;
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 use crate::simulation::Observation;
 
 /// The bodies of a team. A clone continues independently and identically.
@@ -42,8 +42,8 @@ pub trait Plant: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// Restores what [`Plant::save`] returned.
     ///
     /// # Errors
-    /// [`NotRestored`] if the state belongs to another plant.
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored>;
+    /// [`RestoreError`] if the state belongs to another plant.
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError>;
 }
 
 dyn_clone::clone_trait_object!(Plant);

@@ -4,7 +4,7 @@ use super::{Command, HumanMotion, Plant, Seen, on_floor};
 use crate::error::Error;
 use crate::geometry::{PlanarPose, Pose};
 use crate::robot::{JointVector, Robot};
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 use crate::simulation::{HumanCommand, Observation, PhysicalPlant, PhysicsSettings};
 use crate::world::World;
 use serde::{Deserialize, Serialize};
@@ -13,11 +13,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone)]
 pub struct Physical<'a> {
     robot: &'a Robot,
-    state: State,
+    state: PhysicalState,
 }
 
 #[derive(Clone, Serialize, Deserialize)]
-struct State {
+struct PhysicalState {
     plant: PhysicalPlant,
     seen: Observation,
 }
@@ -36,13 +36,13 @@ impl<'a> Physical<'a> {
         seed: u64,
     ) -> Result<Self, Error> {
         let plant = PhysicalPlant::new(world, robot, posture, start, settings, seed)?;
-        Ok(Self { robot, state: State { seen: plant.observe(), plant } })
+        Ok(Self { robot, state: PhysicalState { seen: plant.observe(), plant } })
     }
 }
 
 impl Plant for Physical<'_> {
     fn observe(&self) -> Seen<'_> {
-        let State { seen, .. } = &self.state;
+        let PhysicalState { seen, .. } = &self.state;
         let configuration = &seen.configuration;
         Seen {
             position: on_floor(&seen.object),
@@ -59,7 +59,7 @@ impl Plant for Physical<'_> {
 
     fn step(&mut self, command: &Command, human: &HumanMotion, period: f64) {
         let hand = human.hand.map_or(HumanCommand::Follow, |hand| HumanCommand::Walk { hand });
-        let State { plant, seen } = &mut self.state;
+        let PhysicalState { plant, seen } = &mut self.state;
         plant.face(human.facing);
         *seen = plant.advance(&(command.rates + command.input), &hand, period);
     }
@@ -72,7 +72,7 @@ impl Plant for Physical<'_> {
         Saved::of(&self.state)
     }
 
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         self.state = saved.read("plant")?;
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use super::{Command, HumanMotion, Plant, Seen};
 use crate::geometry::Point;
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 
 /// A team without extent and without a robot.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +30,7 @@ impl Plant for PointPlant {
         Saved::of(&self.position)
     }
 
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         self.position = saved.read("plant")?;
         Ok(())
     }

@@ -1,8 +1,8 @@
 //! The robot's policy: it decides who leads, on which option, and optionally by which motion.
 //!
 //! Implement [`RobotPolicy`] to use a policy of your own. Pass it to an episode with
-//! [`EpisodeBuilder::with_policy`](crate::episode::EpisodeBuilder::with_policy), or add it to [`METHODS`], which serves the
-//! command line, studies, scenarios and recordings.
+//! [`EpisodeBuilder::with_policy`](crate::episode::EpisodeBuilder::with_policy), or add it to [`METHODS`],
+//! which serves the command line, studies, scenarios and recordings.
 
 mod entry;
 mod human_led;
@@ -20,7 +20,7 @@ use crate::geometry::{PlanarPose, Point, Pose};
 use crate::human::Stance;
 use crate::options::{OptionSet, Progress};
 use crate::robot::{Configuration, InputVector, without_last};
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 use crate::simulation::Wrench;
 use serde::{Deserialize, Serialize};
 
@@ -50,8 +50,8 @@ pub trait RobotPolicy: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// Restores what [`RobotPolicy::save`] returned.
     ///
     /// # Errors
-    /// [`NotRestored`] if the state belongs to another policy.
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    /// [`RestoreError`] if the state belongs to another policy.
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         saved.is_empty("policy")
     }
 }
@@ -79,7 +79,7 @@ pub struct RobotView<'a> {
     pub mode: Mode,
     /// The human's response to the robot's lead. The robot does not know the human's option, alpha or gamma.
     pub stance: Stance,
-    /// phi(k) as the robot takes it: the human's, or its mean over what was learned of eta.
+    /// phi(k) as the robot takes it: the human's, or its mean over what was learned about eta.
     pub stubbornness: f64,
     /// g(k).
     pub discomfort: f64,

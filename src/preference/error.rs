@@ -111,7 +111,9 @@ pub enum PreferenceError {
         bad: f64,
     },
     /// An observation has probability 0 under the belief.
-    #[error("the observation is impossible under the belief: allow lapses, or another person")]
+    #[error(
+        "the observation is impossible under the belief: set a lapse rate above 0, or check the participant's name"
+    )]
     Impossible,
     /// A rate that is not a probability.
     #[error("{name} {value} must be a number from {least} to {most}")]

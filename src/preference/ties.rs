@@ -4,7 +4,7 @@ use super::Prospect;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
-/// The difference in length (m) up to which two options of equal risk are tied: a micrometre is no reason.
+/// The difference in length (m) up to which two options of equal risk are tied: a micrometre is not a reason.
 /// Lengths of mirrored ways differ by rounding.
 const TIE_LENGTH_M: f64 = 1e-6;
 

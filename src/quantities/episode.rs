@@ -11,7 +11,7 @@ impl View<'_> {
     }
 
     fn seconds(&self, step: u64) -> f64 {
-        step as f64 * self.stage.scenario().settings.planning_step
+        step as f64 * self.prepared.scenario().settings.planning_step
     }
 
     fn transition(&self) -> Option<Transition> {

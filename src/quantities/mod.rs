@@ -17,10 +17,10 @@
 //! #     settings: Default::default(),
 //! #     plant: Plant::Point,
 //! # };
-//! let stage = scenario.prepare()?;
-//! let mut episode = stage.episode()?;
+//! let prepared = scenario.prepare()?;
+//! let mut episode = prepared.episode()?;
 //! while episode.step().is_none() {}
-//! let figures = View::new(&stage, &episode).read(EPISODE);
+//! let figures = View::new(&prepared, &episode).read(EPISODE);
 //! assert_eq!((figures[0].0, figures[0].1.as_str()), ("outcome", Some("arrived")));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -68,7 +68,7 @@ pub fn cell(value: &Value) -> String {
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
     /// The prepared scenario.
-    pub stage: &'a PreparedScenario,
+    pub prepared: &'a PreparedScenario,
     /// The episode. Quantities of a control period are those of the last step taken.
     pub episode: &'a Episode<'a>,
     /// The outcome of the episode; `None` if the user interrupted it.
@@ -77,8 +77,8 @@ pub struct View<'a> {
 
 impl<'a> View<'a> {
     /// An episode that goes on or is over.
-    pub fn new(stage: &'a PreparedScenario, episode: &'a Episode<'a>) -> Self {
-        Self { stage, episode, outcome: Some(episode.summary().outcome) }
+    pub fn new(prepared: &'a PreparedScenario, episode: &'a Episode<'a>) -> Self {
+        Self { prepared, episode, outcome: Some(episode.summary().outcome) }
     }
 }
 
@@ -90,7 +90,7 @@ impl View<'_> {
 
     /// Two links of the robot, by their names.
     fn links(&self, links: Option<[usize; 2]>) -> Option<String> {
-        let robot = self.stage.robot()?;
+        let robot = self.prepared.robot()?;
         links.map(|pair| pair.map(|link| robot.links[link].name.as_str()).join(", "))
     }
 
@@ -102,7 +102,7 @@ impl View<'_> {
     }
 
     fn option(&self, option: usize) -> &str {
-        &self.stage.options().options()[option].name
+        &self.prepared.options().options()[option].name
     }
 }
 

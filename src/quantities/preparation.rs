@@ -2,7 +2,7 @@
 //! recordings only.
 
 use super::{Kind, METRES, PLAIN, Quantity, RADIANS, View, headings, json, quantities, read};
-use crate::control::{Considered, Reference};
+use crate::control::{CandidateCost, Reference};
 use crate::robot::Configuration;
 use Kind::{List, Numbers, Text};
 use serde_json::Value;
@@ -11,8 +11,8 @@ use serde_json::Value;
 #[rustfmt::skip]
 pub const PREPARATION: &[Quantity] = quantities! {
     "references", List(|| headings(REFERENCE)), "what eq. (7) and (8) track: all options while the human leads, else the one executed", |v| references(v);
-    "target", Kind::Record(|| headings(CONFIGURATION)), "q*, the configuration that eq. (8) chose, else the present one", |v| v.episode.considerations().map(|c| configuration(v, c.target));
-    "candidates", List(|| headings(CANDIDATE)), "Q of eq. (8), the present configuration first; none where it was not asked", |v| candidates(v);
+    "target", Kind::Record(|| headings(CONFIGURATION)), "q*, the configuration that eq. (8) chose, else the present one", |v| v.episode.decision_basis().map(|c| configuration(v, c.target));
+    "candidates", List(|| headings(CANDIDATE)), "Q of eq. (8), the present configuration first; none where eq. (8) was not solved", |v| candidates(v);
 };
 
 struct ReferenceView<'a> {
@@ -28,7 +28,7 @@ const REFERENCE: &[OfReference] = quantities! {
     "name", Text, "name of the option", |v| v.name;
     "weight", PLAIN, "its weight in eq. (8): P_o, if nothing else was asked for", |v| v.weight;
     "s", Numbers, "s_o(1) to s_o(8), six numbers each: x, y, z (m) and rotation vector (rad), relative to the grasp's present pose, world axes; on the \
-        physical plant what is left for the arm while the base follows its path", |v| v.reference.as_slice().to_vec();
+        physical plant the part left to the arm while the base follows its path", |v| v.reference.as_slice().to_vec();
 };
 
 struct ConfigurationView<'a> {
@@ -47,20 +47,20 @@ const CONFIGURATION: &[OfConfiguration] = quantities! {
 };
 
 /// The quantities of a candidate: its configuration, as JSON, and its evaluation.
-type OfCandidate = Quantity<fn(&(Value, Considered)) -> Value>;
+type OfCandidate = Quantity<fn(&(Value, CandidateCost)) -> Value>;
 
 #[rustfmt::skip]
 const CANDIDATE: &[OfCandidate] = quantities! {
     "q", Kind::Record(|| headings(CONFIGURATION)), "the configuration", |(q, _)| q.clone();
-    "lower_bound", PLAIN, "the sum of eq. (8) without limits; missing where no costs were asked for", |(_, found)| found.floor;
+    "lower_bound", PLAIN, "the sum of eq. (8) without limits; missing where no costs were asked for", |(_, found)| found.lower_bound;
     "total", PLAIN, "the sum of eq. (8) (minus the manipulability, if that is the criterion); missing where it is known to exceed the least without being \
-        worked out", |(_, found)| found.total;
+        worked out", |(_, found)| found.cost;
 };
 
 fn references(view: &View) -> Option<Vec<Value>> {
-    let considerations = view.episode.considerations()?;
+    let decision_basis = view.episode.decision_basis()?;
     let is_led = view.preparation().is_some_and(|p| p.tracked.is_some());
-    let pairs = considerations.references.iter().zip(considerations.weights).enumerate();
+    let pairs = decision_basis.references.iter().zip(decision_basis.weights).enumerate();
     let records = pairs.map(|(i, (reference, &weight))| {
         let name = view.option(if is_led { i } else { view.tick().executed });
         json(read(REFERENCE, &ReferenceView { name, weight, reference }))
@@ -69,18 +69,18 @@ fn references(view: &View) -> Option<Vec<Value>> {
 }
 
 fn configuration(view: &View, configuration: &Configuration) -> Value {
-    let joints = view.stage.robot().map_or(0, |robot| robot.joint_count());
+    let joints = view.prepared.robot().map_or(0, |robot| robot.joint_count());
     json(read(CONFIGURATION, &ConfigurationView { configuration, joints }))
 }
 
 fn candidates(view: &View) -> Option<Vec<Value>> {
-    let considerations = view.episode.considerations()?;
+    let decision_basis = view.episode.decision_basis()?;
     if view.preparation().is_none() {
         return Some(Vec::new());
     }
-    let considered = considerations.poses.considered();
+    let candidate_costs = decision_basis.poses.candidate_costs();
     Some(
-        considered
+        candidate_costs
             .map(|c| json(read(CANDIDATE, &(configuration(view, &c.candidate.configuration), c))))
             .collect(),
     )

@@ -23,7 +23,7 @@ impl View<'_> {
 
     /// The base's inputs, for an omnidirectional base or for others.
     fn base_input(&self, is_omnidirectional: bool) -> Option<[f64; 3]> {
-        let (robot, tick) = (self.stage.robot()?, self.robot_tick()?);
+        let (robot, tick) = (self.prepared.robot()?, self.robot_tick()?);
         let is_asked = robot.drive.is_omnidirectional() == is_omnidirectional;
         is_asked.then(|| robot.base_input(&tick.input).into())
     }
@@ -117,9 +117,9 @@ pub const CONTROL: &[Quantity] = quantities! {
     "base_yaw_deg", DEGREES, "heading of the base at the beginning of the step", |v| v.robot_tick().map(|r| r.configuration.base.yaw.to_degrees());
     "base_clearance_m", METRES, "distance of the base to the nearest obstacle at the beginning of the step; missing without obstacles", |v| v.robot_tick().map(|r| r.base_clearance);
     "tracked", Text, "the option that the robot takes the human to be on; missing while it leads", |v| v.preparation().and_then(|p| p.tracked).map(|o| v.option(o));
-    "pose_candidate", Count, "the configuration that eq. (8) chose, 0 the present one; missing where it was not asked", |v| v.preparation().map(|p| p.candidate);
-    "pose_candidates", Count, "|Q|; missing where eq. (8) was not asked", |v| v.preparation().map(|p| p.candidates);
-    "pose_constrained_problems", Count, "problems of eq. (8) solved with limits; missing where it was not asked", |v| v.preparation().map(|p| p.constrained);
+    "pose_candidate", Count, "the configuration that eq. (8) chose, 0 the present one; missing where eq. (8) was not solved", |v| v.preparation().map(|p| p.candidate);
+    "pose_candidates", Count, "|Q|; missing where eq. (8) was not solved", |v| v.preparation().map(|p| p.candidates);
+    "pose_constrained_problems", Count, "problems of eq. (8) solved with limits; missing where eq. (8) was not solved", |v| v.preparation().map(|p| p.constrained);
     "mpc_outcome", Text, "how eq. (7) was solved: unconstrained, constrained, or fallback with the reason", |v| v.robot_tick().map(|r| solved(&r.outcome));
     "mpc_active_limits", Count, "limits of joints, wheels and obstacles active in its solution", |v| v.active();
     "least_singular_value", PLAIN, "least singular value of B(q*), m or rad for a unit input", |v| v.robot_tick().map(RobotTick::least_singular_value);
@@ -211,12 +211,12 @@ type OfOption = Quantity<fn(&OptionView) -> Value>;
 #[rustfmt::skip]
 pub const OPTION: &[OfOption] = quantities! {
     "name", Text, "name of the option", |v| v.name;
-    "length_m", METRES, "D_o: length of what is left; missing where no path leads on", |v| v.option.remaining.length;
-    "risk", PLAIN, "S_o: risk of what is left, 0 to 1", |v| v.option.remaining.risk;
+    "length_m", METRES, "D_o: length of the remaining path; missing where no path leads on", |v| v.option.remaining.length;
+    "risk", PLAIN, "S_o: risk of the remaining openings, 0 to 1", |v| v.option.remaining.risk;
     "objective_cost_m", METRES, "J_o = D_o + c_r S_o, eq. (1)", |v| v.option.objective;
     "expected_subjective_cost", PLAIN, "J~_o of eq. (6): mean of the subjective cost over the robot's belief, cost units; missing while the human leads", |v| v.option.expected;
     "probability", PLAIN, "P_o: probability that the human prefers it, eq. (4), 0 to 1; missing where it was not evaluated", |v| v.option.probability;
-    "misaligned", Flag, "omega_o, eq. (5): whether the team moves toward something else than this option's next opening", |v| v.option.misaligned;
+    "misaligned", Flag, "omega_o, eq. (5): whether the team moves toward something other than this option's next opening", |v| v.option.misaligned;
 };
 
 fn options(view: &View) -> Vec<Value> {
@@ -253,7 +253,7 @@ pub(super) const PRISMATIC: &[OfJoint] = quantities! {
 };
 
 fn joints(view: &View) -> Vec<Value> {
-    let (Some(robot), Some(tick)) = (view.stage.robot(), view.robot_tick()) else { return Vec::new() };
+    let (Some(robot), Some(tick)) = (view.prepared.robot(), view.robot_tick()) else { return Vec::new() };
     let rates = robot.joint_rates(&tick.input);
     let joints = robot.joints.iter().enumerate().map(|(i, joint)| {
         let view = JointView { joint, position: tick.configuration.joints[i], rate: rates[i] };

@@ -33,7 +33,7 @@ pub(super) fn bodies(robot: &Robot) -> Vec<usize> {
 }
 
 /// Gives shapes to the base and to moving links of the chain that have none, and says so. A base with any mesh
-/// that is missing gets its `footprint`, or a cylinder, beside its other shapes.
+/// that is missing gets its `footprint`, or a cylinder, besides its other shapes.
 pub(super) fn complete(robot: &mut Robot, footprint: Option<&[Point]>) -> Vec<RobotWarning> {
     let mut warnings = Vec::new();
     let body = bodies(robot);
@@ -138,8 +138,8 @@ fn prism(corners: &[Point]) -> Shape {
     Shape::Mesh { file: PathBuf::new(), scale: Vector3::repeat(1.0), hull }
 }
 
-/// The check of inertias and masses on the bodies that move as one. A link whose inertia no body has is a fault
-/// only if its body's is not possible either.
+/// The check of inertias and masses on the bodies that move as one. A link whose inertia no body has is a
+/// fault only if its body's is not possible either.
 pub(super) fn check_inertias(urdf: Urdf, robot: &Robot) -> (Vec<Error>, Vec<RobotWarning>) {
     let (mut faults, mut warnings) = (Vec::new(), Vec::new());
     let body = bodies(robot);

@@ -5,8 +5,9 @@ use super::draft_request::DraftRequest;
 use super::draft_search::{self, Parts};
 use super::footprint;
 use super::level::FULL;
-use super::load::{self, RobotTexts};
+use super::load;
 use super::postures::{self, Found};
+use super::texts::RobotTexts;
 use super::warning::WarningKind;
 use super::{Motion, Robot};
 use crate::error::{Error, Place};
@@ -94,10 +95,10 @@ impl Draft {
         let narrow = BaseSize::polygon_around(&robot, &disc).and_then(|mut polygon| {
             let best = best_postures(&robot, &heights, &polygon.footprint)?;
             let joints = &best.1[0].joints;
-            let beside = postures::beside(&robot, joints, ARM_RADIUS_M);
+            let half_width = postures::arm_half_width(&robot, joints, ARM_RADIUS_M);
             // nothing but balls is kept off obstacles as the arm moves
             let outside = postures::outside_balls(&robot, joints, ARM_RADIUS_M);
-            polygon.width = polygon.width.max(centimetres(2.0 * (beside + outside)));
+            polygon.width = polygon.width.max(centimetres(2.0 * (half_width + outside)));
             let is_narrow = outside <= MAX_OUTSIDE_M && NARROWER * polygon.width < disc.width;
             is_narrow.then_some((polygon, best))
         });
@@ -214,13 +215,17 @@ fn euler(rotation: &Rotation3<f64>) -> Vector3<f64> {
 
 /// A `[[posture]]`.
 fn entry(robot: &Robot, found: &Found, number: usize) -> String {
-    let Found { ahead, beside, .. } = *found;
-    let beside = match beside.abs() < 0.005 {
+    let Found { ahead, lateral_offset, .. } = *found;
+    let aside = match lateral_offset.abs() < 0.005 {
         true => String::new(),
-        false => format!(" and {:.2} m to the {}", beside.abs(), if beside > 0.0 { "left" } else { "right" }),
+        false => format!(
+            " and {:.2} m to the {}",
+            lateral_offset.abs(),
+            if lateral_offset > 0.0 { "left" } else { "right" }
+        ),
     };
     let mut text = format!(
-        "\n[[posture]]   # the grasp {ahead:.2} m ahead of the axle{beside}\nname = \"posture-{number}\"\n"
+        "\n[[posture]]   # the grasp {ahead:.2} m ahead of the axle{aside}\nname = \"posture-{number}\"\n"
     );
     for (motion, key) in [(Motion::Revolute, "angles_deg"), (Motion::Prismatic, "positions_m")] {
         let of = robot.joints.iter().zip(found.joints.iter()).filter(|(joint, _)| joint.motion == motion);

@@ -108,7 +108,7 @@ pub(super) fn drive(
             }
             if sides[0].len() != sides[1].len() || sides[0].len() < 2 {
                 let seen = format!(
-                    "a skid-steer base has two or more on either side, and here are {}",
+                    "a skid-steer base has two or more on either side, found {}",
                     listed(links, &wheels)
                 );
                 return Err(no_wheels(file, &seen));

@@ -1,8 +1,8 @@
-//! What is asked of the draft of a robot file.
+//! Options of `robot init`.
 
 use super::drive::DriveKind;
 
-/// What a user gives in place of what would be found.
+/// User overrides of the automatic detection.
 #[derive(Clone, Debug, Default)]
 pub struct DraftRequest {
     /// The link at the end of the arm.

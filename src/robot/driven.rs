@@ -23,7 +23,7 @@ pub(super) fn named(
     entries: &RobotFile,
 ) -> Result<Named, Vec<Error>> {
     let kind = entries.drive.as_ref().map_or(DriveKind::Differential, |drive| *drive.get_ref());
-    let mut reader = Reader { source, links, kind, faults: Vec::new() };
+    let mut reader = DriveReader { source, links, kind, faults: Vec::new() };
     reader.refuse_others(entries);
     let named = reader.read(entries);
     if reader.faults.is_empty()
@@ -79,14 +79,14 @@ fn other_drive(
     None
 }
 
-struct Reader<'a> {
+struct DriveReader<'a> {
     source: Source<'a>,
     links: &'a [Link],
     kind: DriveKind,
     faults: Vec<Error>,
 }
 
-impl Reader<'_> {
+impl DriveReader<'_> {
     fn keep<T>(&mut self, result: Result<T, Error>) -> Option<T> {
         result.map_err(|fault| self.faults.push(fault)).ok()
     }
@@ -150,7 +150,7 @@ impl Reader<'_> {
                 let (left, right) = (left?, right?);
                 if left.len() != right.len() {
                     let needed = format!(
-                        "a wheel: left_wheels has {} and right_wheels {}, as many must be on either side",
+                        "a wheel: both sides need the same number of wheels (left {}, right {})",
                         left.len(),
                         right.len()
                     );

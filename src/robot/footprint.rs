@@ -1,4 +1,5 @@
-//! The outline of a base on the floor: a disc about its drive, or what `base_footprint` of its robot file says.
+//! The outline of a base on the floor: a disc about its drive, or what `base_footprint` of its robot file
+//! says.
 
 use super::Robot;
 use super::collision;
@@ -106,7 +107,7 @@ pub(super) fn set(robot: &mut Robot, asked: Asked, has_shapes: bool) -> Result<(
     Ok(())
 }
 
-/// Twice the largest distance of a footprint beside the middle of the base, m: the width of an opening that
+/// Twice the largest distance of a footprint from the middle of the base, m: the width of an opening that
 /// it needs when it goes straight.
 pub(super) fn across(footprint: &Footprint) -> f64 {
     2.0 * footprint.reach(Vector::y()).max(footprint.reach(-Vector::y()))

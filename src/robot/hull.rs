@@ -12,8 +12,8 @@ use std::path::Path;
 
 /// The largest mesh file that is read, bytes.
 const MAX_MESH: u64 = 64 << 20;
-/// The number of directions in which a hull has its vertices. On a ball, the hull of as many vertices is within
-/// 1 % of the radius.
+/// The number of directions in which a hull has its vertices. On a ball, the hull of as many vertices is
+/// within 1 % of the radius.
 const DIRECTIONS: usize = 256;
 /// The largest coordinate of a vertex in the file's units.
 const MAX_COORDINATE: f64 = 1e6;
@@ -100,7 +100,7 @@ fn to_parry(p: Vector3<f64>) -> parry3d::math::Vector {
 pub(super) fn read(file: &Path) -> Result<Hull, String> {
     let format = file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
     let bytes = located::read_bytes(MAX_MESH, file).map_err(|e| e.to_string())?;
-    // a library of materials beside an OBJ has no shapes
+    // a library of materials next to an OBJ has no shapes
     let loader = mesh_loader::Loader::default().merge_meshes(true).custom_reader(|_| Ok(Vec::new()));
     let scene = match format.as_str() {
         "stl" => loader.load_stl_from_slice(&bytes, file),
@@ -119,7 +119,7 @@ pub(super) fn read(file: &Path) -> Result<Hull, String> {
         return Err("it has no triangles".to_owned());
     }
     if !points.iter().all(|p| p.amax() <= MAX_COORDINATE) {
-        return Err(format!("a vertex is not a number or beyond {MAX_COORDINATE}"));
+        return Err(format!("a vertex is NaN or exceeds {MAX_COORDINATE:e}"));
     }
     let mut chosen = extreme(&points);
     let solid = hull(&chosen);

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 /// Degrees of freedom of an arm that can place its grasp in any pose.
 pub(super) const FULL: usize = 6;
 /// The least singular value (m or rad for a unit joint rate) of a direction in which an arm can move its grasp:
-/// calibrated URDFs have axes that are not quite parallel, and that is no freedom.
+/// calibrated URDFs have axes that are not quite parallel, and that is not a freedom.
 const MIN_FREE: f64 = 0.01;
 /// Random configurations in which the freedom is looked at.
 const SAMPLES: usize = 16;

@@ -4,151 +4,22 @@ use super::arm::{self, Arm, Ends, Hold};
 use super::file::{RobotFile, number};
 use super::link::{Coupling, Joint, JointKind, Limits, Link};
 use super::mesh::MeshFolders;
+use super::texts::{KIND, RobotTexts, xacro};
 use super::urdf::{Hulls, Links, Urdf, is_xacro};
 use super::warning::RobotWarning;
 use super::wheels::Wheels;
 use super::{MAX_LISTED, Posture, Robot, SelfContacts, collision, driven, footprint, posture};
 use crate::error::{Error, Place};
 use crate::geometry::{Footprint, Point, Pose};
-use crate::located::{self, MAX_SETTINGS, Source};
-use crate::suggestion;
+use crate::located::Source;
 use nalgebra::{Rotation3, Vector3};
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::Path;
-use std::process::Command;
 use toml::Spanned;
-
-/// What a robot file is, in errors.
-const KIND: &str = "robot file";
-
-/// The source texts of a robot, from which it can be built again without the files.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RobotTexts {
-    /// The robot file, as the caller named it.
-    pub file: String,
-    /// Text of the robot file.
-    pub text: String,
-    /// The URDF that the robot file names.
-    pub urdf_file: String,
-    /// Text of the URDF.
-    pub urdf: String,
-    /// Vertices of the hulls of collision meshes, or of their convex parts, in the units of their files, by the
-    /// names of the meshes in the URDF; and the sign that shapes stand in for those that are missing. `None`
-    /// if every link that collides has a shape in the URDF itself, and for robots of recordings by versions
-    /// without hulls, whose meshes do not collide.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    hulls: Option<SharedHulls>,
-    /// The folders in which meshes are searched for.
-    #[serde(skip)]
-    meshes: MeshFolder,
-}
-
-/// The folders of a URDF's meshes, where they are at hand. They are no part of what a robot is: recordings
-/// and snapshots do not have them.
-#[derive(Clone, Debug, Default)]
-struct MeshFolder(Option<MeshFolders>);
-
-/// Hulls, whose numbers are those of a file and so are never NaN.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
-struct SharedHulls(Hulls);
-
-impl Eq for SharedHulls {}
-
-impl PartialEq for MeshFolder {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
-
-impl Eq for MeshFolder {}
-
-impl RobotTexts {
-    /// Reads a robot file (`.toml`) and the URDF that it names, or a URDF (`.urdf`, `.xml`) and the robot
-    /// file of the same name beside it.
-    fn read(path: &Path) -> Result<Self, Error> {
-        let file = path.display().to_string();
-        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
-        let robot_file = match extension.as_str() {
-            "toml" => path.to_owned(),
-            "urdf" | "xml" => path.with_extension("toml"),
-            // of `robot.urdf.xacro` as well as of `robot.xacro`
-            "xacro" if path.exists() => path.with_extension("").with_extension("toml"),
-            "xacro" => return Err(xacro(path)),
-            _ => {
-                let hint = hint_of_file(path);
-                return Err(Error::at(
-                    Place::file(file),
-                    format_args!(
-                        "expected a robot file (.toml), or a URDF (.urdf or .xml) with a robot file beside it{hint}"
-                    ),
-                ));
-            }
-        };
-        let asked = (extension != "toml").then_some(path);
-        if let Some(urdf) = asked
-            && urdf.exists()
-            && !robot_file.exists()
-        {
-            return Err(Error::at(
-                Place::file(&file),
-                format_args!(
-                    "needs a robot file beside it, {}, which names urdf, base_link, grasp_frame, left_wheel and right_wheel (or another drive), base_width_m, grasp_height_m and a [[posture]]; `cocarry robot init {file}` drafts one",
-                    robot_file.display()
-                ),
-            ));
-        }
-        let (name, text) =
-            (robot_file.display().to_string(), located::read_at_most(MAX_SETTINGS, &robot_file)?);
-        let source = Source { file: &name, text: &text };
-        let entries: RobotFile = source.parse(KIND)?;
-        let folder = robot_file.parent().unwrap_or(Path::new(""));
-        let urdf = folder.join(entries.urdf.get_ref());
-        if let Some(asked) = asked.filter(|&asked| !is_same(asked, &urdf)) {
-            return Err(Error::value(
-                source.place(&entries.urdf, "urdf"),
-                format_args!(
-                    "{:?}; expected {}, which was asked for",
-                    entries.urdf.get_ref(),
-                    asked.display()
-                ),
-            ));
-        }
-        let urdf_text = read_urdf(&urdf)?;
-        let packages = entries.packages.iter().map(|package| folder.join(package));
-        let meshes = MeshFolder(Some(MeshFolders::new(&urdf, packages)));
-        let urdf_file = urdf.display().to_string();
-        Ok(Self { file: name, text, urdf_file, urdf: urdf_text, hulls: None, meshes })
-    }
-
-    /// A URDF without a robot file yet.
-    pub(super) fn of_urdf(path: &Path) -> Result<Self, Error> {
-        let urdf = read_urdf(path)?;
-        let urdf_file = path.display().to_string();
-        let meshes = MeshFolder(Some(MeshFolders::new(path, std::iter::empty())));
-        let (file, text) = (urdf_file.clone(), String::new());
-        Ok(Self { file, text, urdf_file, urdf, hulls: None, meshes }.with_hulls().0)
-    }
-
-    /// The same with the text of a robot file.
-    pub(super) fn with(&self, text: String) -> Self {
-        Self { text, ..self.clone() }
-    }
-
-    /// The same with the hulls of the URDF's collision meshes, and warnings about those that have none.
-    fn with_hulls(mut self) -> (Self, Vec<RobotWarning>) {
-        let urdf = Urdf { file: &self.urdf_file, folders: self.meshes.0.as_ref(), hulls: None };
-        let (hulls, warnings) = urdf.collision_hulls(&self.urdf);
-        self.hulls = Some(SharedHulls(hulls));
-        (self, warnings)
-    }
-}
 
 impl Robot {
     /// Reads and validates a robot file (`.toml`) with the URDF that it names, or a URDF (`.urdf`, `.xml`)
-    /// with the robot file of the same name beside it.
+    /// with the robot file of the same name next to it.
     ///
     /// # Errors
     /// The file, the item and the numbers.
@@ -172,7 +43,7 @@ impl Robot {
     /// As [`Robot::load`].
     pub fn parse(texts: &RobotTexts) -> Result<Self, Error> {
         // files that were there may be gone
-        let found = texts.meshes.0.as_ref().and_then(|folders| build(texts, Some(folders)).ok());
+        let found = texts.folders().and_then(|folders| build(texts, Some(folders)).ok());
         found.map_or_else(|| build(texts, None), Ok).map_err(|mut faults| faults.swap_remove(0))
     }
 
@@ -184,97 +55,32 @@ impl Robot {
         let text = include_str!("../../assets/robots/carrier.toml").to_owned();
         let urdf = include_str!("../../assets/robots/carrier.urdf").to_owned();
         let (file, urdf_file) = ("carrier".to_owned(), "carrier.urdf".to_owned());
-        let meshes = MeshFolder::default();
-        Self::parse(&RobotTexts { file, text, urdf_file, urdf, hulls: None, meshes })
-    }
-}
-
-/// The text of a URDF. A xacro is expanded where the program `xacro` is installed.
-fn read_urdf(path: &Path) -> Result<String, Error> {
-    let text = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("xacro")) {
-        None
-    } else {
-        let text = located::read(path)?;
-        let file = path.display().to_string();
-        let is_bounded = Urdf { file: &file, folders: None, hulls: None }.check_extent(&text).is_ok();
-        if !(is_bounded && is_xacro(&text)) {
-            return Ok(text);
-        }
-        Some(text)
-    };
-    let expanded = Command::new("xacro").arg(path).output();
-    match (expanded, text) {
-        (Ok(output), _) if output.status.success() => {
-            String::from_utf8(output.stdout).map_err(|_| xacro(path))
-        }
-        (Ok(output), _) => {
-            let said = String::from_utf8_lossy(&output.stderr).into_owned();
-            let said = said.trim().lines().last().unwrap_or("no message").to_owned();
-            Err(Error::at(
-                Place::file(path.display().to_string()),
-                format_args!("`xacro` cannot expand it: {said}"),
-            ))
-        }
-        // without the program
-        (Err(_), _) => Err(xacro(path)),
+        Self::parse(&RobotTexts::without_meshes([file, text], [urdf_file, urdf]))
     }
 }
 
 /// The links of a URDF from which a robot file is drafted.
 pub(super) fn links_to_draft(texts: &RobotTexts) -> Result<Vec<Link>, Error> {
-    let hulls = texts.hulls.as_ref().map(|hulls| &hulls.0);
-    let urdf = Urdf { file: &texts.urdf_file, folders: texts.meshes.0.as_ref(), hulls };
+    let urdf = Urdf { file: &texts.urdf_file, folders: texts.folders(), hulls: texts.hulls() };
     let Links { links, faults, .. } = urdf.links(&texts.urdf)?;
     faults.into_iter().next().map_or(Ok(links), Err)
 }
 
 /// The robot of some texts whose robot file has no postures yet.
 pub(super) fn without_postures(texts: &RobotTexts) -> Result<Robot, Error> {
-    assemble(texts, texts.meshes.0.as_ref())
-        .map_err(|mut faults| faults.swap_remove(0))
-        .map(|(robot, _)| robot)
+    assemble(texts, texts.folders()).map_err(|mut faults| faults.swap_remove(0)).map(|(robot, _)| robot)
 }
 
 /// The robot of texts that were just read, with the hulls of its meshes; or all its faults.
 pub(super) fn complete(texts: RobotTexts) -> Result<Robot, Vec<Error>> {
     let (texts, warnings) = texts.with_hulls();
-    let mut robot = build(&texts, texts.meshes.0.as_ref())?;
+    let mut robot = build(&texts, texts.folders())?;
     let replaces = robot.warnings.iter().any(RobotWarning::is_about_missing_shapes);
-    if texts.hulls.as_ref().is_some_and(|hulls| hulls.0.is_empty()) && warnings.is_empty() && !replaces {
-        robot.texts.hulls = None;
+    if texts.hulls().is_some_and(Hulls::is_empty) && warnings.is_empty() && !replaces {
+        robot.texts.forget_hulls();
     }
     robot.warnings.splice(0..0, warnings.into_iter().map(RobotWarning::about_file));
     Ok(robot)
-}
-
-fn xacro(path: &Path) -> Error {
-    let stem = path.with_extension("");
-    let has_urdf = stem.extension().is_some_and(|e| e == "urdf");
-    let expanded = if has_urdf { stem } else { stem.with_extension("urdf") };
-    let expanded = if expanded == path { path.with_extension("expanded.urdf") } else { expanded };
-    let (file, expanded) = (path.display(), expanded.display());
-    Error::at(
-        Place::file(file.to_string()),
-        format_args!(
-            "a xacro, not a URDF; expand it first: `xacro {file} > {expanded}` (`pip install xacro` has the program)"
-        ),
-    )
-}
-
-/// A hint for a file of an unknown kind: the built-in robot's name in studies, or a file beside it.
-fn hint_of_file(path: &Path) -> String {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    match path.exists() {
-        true => String::new(),
-        false => Some(suggestion::hint(&name, ["built-in"]))
-            .filter(|hint| !hint.is_empty())
-            .unwrap_or_else(|| suggestion::hint_of_files(path)),
-    }
-}
-
-fn is_same(a: &Path, b: &Path) -> bool {
-    let same = |a: &Path, b: &Path| Some(a.canonicalize().ok()? == b.canonicalize().ok()?);
-    a == b || same(a, b).unwrap_or(false)
 }
 
 /// The results of checks, of which each failed one adds its faults.
@@ -305,7 +111,7 @@ fn assemble(texts: &RobotTexts, folders: Option<&MeshFolders>) -> Result<(Robot,
     let source = Source { file: &texts.file, text: &texts.text };
     let parsed = source.parse::<RobotFile>(KIND).map_err(|fault| vec![fault])?;
     let entries = &parsed;
-    let hulls = texts.hulls.as_ref().map(|hulls| &hulls.0);
+    let hulls = texts.hulls();
     let (urdf, text) = (Urdf { file: &texts.urdf_file, folders, hulls }, texts.urdf.as_str());
     urdf.check_extent(text).map_err(|fault| vec![fault])?;
     if is_xacro(text) {

@@ -28,7 +28,7 @@ impl MeshFolders {
 }
 
 /// The file that `mesh` names. `package://pkg/rest` is searched for in a folder `pkg` at or above the URDF's
-/// folder, or beside one of those, and then in the packages' folders. `file://` and absolute paths are taken
+/// folder, or next to one of those, and then in the packages' folders. `file://` and absolute paths are taken
 /// as they are. Other names are relative to the URDF's folder. The error lists the places searched.
 pub(super) fn find(mesh: &str, folders: &MeshFolders) -> Result<PathBuf, String> {
     if let Some(rest) = mesh.strip_prefix("package://") {

@@ -25,6 +25,7 @@ mod posture;
 mod postures;
 mod reach;
 mod self_contact;
+mod texts;
 mod tree;
 mod urdf;
 mod warning;
@@ -38,9 +39,9 @@ pub use drive::{BaseInput, BaseTwist, Drive, DriveKind, MAX_BASE_INPUTS, SlowDri
 pub(crate) use factor::{Factor, Lanes};
 pub use kinematics::{Kinematics, pose_difference};
 pub use link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
-pub use load::RobotTexts;
 pub use reach::Reach;
 pub(crate) use self_contact::SelfContacts;
+pub use texts::RobotTexts;
 pub use warning::{RobotWarning, WarningKind};
 
 use crate::geometry::{Footprint, PlanarPose, Pose};

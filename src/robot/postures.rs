@@ -17,11 +17,11 @@ pub(super) struct Found {
     pub joints: JointVector,
     /// x and y of the grasp in the drive's frame, m.
     pub ahead: f64,
-    pub beside: f64,
+    pub lateral_offset: f64,
     /// Turn of the grasp about its x axis that the posture needs, rad: a multiple of a right angle.
     pub roll: f64,
     /// Room to move: distance from limits as a share, less near singular configurations, near the ends of the
-    /// reach, and where the arm stands out beside the base; 0 to 1.
+    /// reach, and where the arm stands out to the side of the base; 0 to 1.
     pub room: f64,
 }
 
@@ -29,11 +29,12 @@ pub(super) struct Found {
 const STARTS: usize = 16;
 /// Places of the grasp, ahead of the base's edge, m.
 const AHEAD_M: [f64; 6] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7];
-/// Least distance of the grasp from the base's edge, ahead or beside, m: the object goes on from it ahead.
+/// Least distance of the grasp from the base's edge, ahead or to the side, m: the object extends forward from
+/// it.
 const MIN_AHEAD_M: f64 = 0.1;
-const MIN_BESIDE_M: f64 = 0.15;
-/// A grasp so far beside the axis halves the room, m.
-const BESIDE_HALF_M: f64 = 0.3;
+const MIN_LATERAL_M: f64 = 0.15;
+/// A grasp so far from the axis halves the room, m.
+const LATERAL_HALF_M: f64 = 0.3;
 const MAX_STEPS: usize = 150;
 const TOLERANCE: f64 = 1e-9;
 /// Least distance from a limit as a share of half the range.
@@ -51,11 +52,11 @@ const ENOUGH_REACH_M: f64 = 0.25;
 const ENOUGH_TURN_RAD: f64 = 0.8;
 /// Steps of the search for the ends of the reach, as shares of what is enough.
 const REACH_STEPS: u32 = 10;
-/// Distance of the arm beside the base's edge at which there is no room left, m.
-const FARTHEST_BESIDE_M: f64 = 0.4;
+/// Distance of the arm from the base's edge, to the side, at which there is no room left, m.
+const MAX_OVERHANG_M: f64 = 0.4;
 /// The same for a base that is a polygon, where the room is less from this far inside its edge on: on its way
 /// through openings for the base, the arm needs some.
-const FARTHEST_BESIDE_NARROW_M: f64 = 0.2;
+const MAX_OVERHANG_NARROW_M: f64 = 0.2;
 const ROOM_INSIDE_M: f64 = 0.1;
 /// Least factor of room for reach and width, so that a posture without either is better than none.
 const MIN_SHARE: f64 = 0.05;
@@ -145,8 +146,9 @@ fn judge(
     poses: &mut Vec<Pose>,
 ) -> Option<Found> {
     let grasp = robot.drive_from_grasp(&joints).translation.vector;
-    let (ahead, beside) = (footprint.reach(Vector::x()), across(footprint) / 2.0);
-    let is_clear = grasp.x >= ahead + MIN_AHEAD_M || grasp.x >= 0.0 && grasp.y.abs() >= beside + MIN_BESIDE_M;
+    let (ahead, half_width) = (footprint.reach(Vector::x()), across(footprint) / 2.0);
+    let is_clear =
+        grasp.x >= ahead + MIN_AHEAD_M || grasp.x >= 0.0 && grasp.y.abs() >= half_width + MIN_LATERAL_M;
     for (at, joint) in joints.iter_mut().zip(&robot.joints) {
         // continuous joints within a turn
         if joint.motion == Motion::Revolute && joint.upper.is_infinite() {
@@ -161,8 +163,8 @@ fn judge(
         return None;
     }
     let room = clearance.min(0.5) * (robot.dexterity(&joints) / DEXTEROUS).min(1.0);
-    let room = room / (1.0 + grasp.y.abs() / BESIDE_HALF_M);
-    Some(Found { joints, ahead: grasp.x, beside: grasp.y, roll, room })
+    let room = room / (1.0 + grasp.y.abs() / LATERAL_HALF_M);
+    Some(Found { joints, ahead: grasp.x, lateral_offset: grasp.y, roll, room })
 }
 
 /// How far the grasp can move ahead, back and to either side and turn, the least of all, as a share of what is
@@ -193,9 +195,9 @@ fn reach_share(robot: &Robot, found: &Found) -> f64 {
     ways.chain(turns).fold(1.0, f64::min).max(MIN_SHARE)
 }
 
-/// How far the arm is beside the middle of the base, m: its joints with balls of this radius (m) around them,
-/// and the collision shapes of the links from the base to the grasp.
-pub(super) fn beside(robot: &Robot, joints: &JointVector, radius: f64) -> f64 {
+/// The largest distance of the arm from the middle of the base to either side, m: its joints with balls of
+/// this radius (m) around them, and the collision shapes of the links from the base to the grasp.
+pub(super) fn arm_half_width(robot: &Robot, joints: &JointVector, radius: f64) -> f64 {
     let mut widest: f64 = 0.0;
     let q = Robot::at_origin(joints);
     robot.arm_points(&q, f64::INFINITY, |at, _| widest = widest.max(at.y.abs() + radius));
@@ -242,19 +244,19 @@ fn on_arm_corners(robot: &Robot, joints: &JointVector, mut on_corner: impl FnMut
     }
 }
 
-/// 1 for an arm that is no wider than the base, less for an elbow that stands out. Beside a disc, joints count;
-/// beside a polygon, which is as narrow as the base itself, shapes do.
+/// 1 for an arm that is no wider than the base, less for an elbow that stands out. For a disc, joints count;
+/// for a polygon, which is as narrow as the base itself, shapes do.
 fn width_share(robot: &Robot, joints: &JointVector, footprint: &Footprint) -> f64 {
     let (widest, farthest) = match footprint {
         Footprint::Disc { .. } => {
             let mut widest: f64 = 0.0;
             let q = Robot::at_origin(joints);
             robot.arm_points(&q, f64::INFINITY, |at, _| widest = widest.max(at.y.abs()));
-            (widest + ARM_RADIUS_M, FARTHEST_BESIDE_M)
+            (widest + ARM_RADIUS_M, MAX_OVERHANG_M)
         }
         Footprint::Polygon(_) => {
-            let widest = beside(robot, joints, ARM_RADIUS_M) + ROOM_INSIDE_M;
-            (widest, FARTHEST_BESIDE_NARROW_M + ROOM_INSIDE_M)
+            let widest = arm_half_width(robot, joints, ARM_RADIUS_M) + ROOM_INSIDE_M;
+            (widest, MAX_OVERHANG_NARROW_M + ROOM_INSIDE_M)
         }
     };
     (1.0 - (widest - across(footprint) / 2.0) / farthest).clamp(MIN_SHARE, 1.0)

@@ -77,7 +77,7 @@ impl Robot {
         self.squared_singular_values(joints)[self.freedom().clamp(1, 6) - 1].max(0.0).sqrt()
     }
 
-    /// Twice the largest distance of the footprint beside the middle of the base, m.
+    /// Twice the largest distance of the footprint from the middle of the base, m.
     pub fn footprint_across(&self) -> f64 {
         footprint::across(&self.footprint)
     }

@@ -20,7 +20,7 @@ pub(super) fn poses(links: &[Link]) -> Vec<Pose> {
     poses
 }
 
-/// Whether a link turns without limits about the root's y axis, beside its x axis, and is not a caster's.
+/// Whether a link turns without limits about the root's y axis, off its x axis, and is not a caster's.
 pub(super) fn is_wheel(links: &[Link], poses: &[Pose], i: usize) -> bool {
     let Some(joint) = &links[i].joint else { return false };
     let axis = poses[i].rotation * joint.axis.into_inner();
@@ -63,7 +63,7 @@ pub(super) fn is_mecanum(links: &[Link], i: usize) -> bool {
         || rollers.count() >= 4
 }
 
-/// The wheels beside those named that are of the same size and may be driven.
+/// The wheels besides those named that are of the same size and may be driven.
 pub(super) fn others(links: &[Link], named: &[usize]) -> Vec<usize> {
     let poses = poses(links);
     let height = |i: usize| poses[i].translation.z;

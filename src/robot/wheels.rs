@@ -43,7 +43,7 @@ pub(super) enum Named {
     Omnidirectional(Omnidirectional),
 }
 
-/// The wheels of an omnidirectional base and what its robot file says of it.
+/// The wheels of an omnidirectional base and what its robot file says about it.
 pub(super) struct Omnidirectional {
     pub wheels: Vec<usize>,
     /// Whether they are mecanum wheels, with rollers at 45 degrees.

@@ -19,7 +19,7 @@ impl Scenario {
         }
         for setting in SETTINGS {
             if let Some(value) = setting.number_out_of_range(self) {
-                return bad(setting.path, value, &setting.expected());
+                return bad(setting.path, value, &setting.expected().to_string());
             }
         }
         if let Some(value) =

@@ -9,8 +9,8 @@
 //! let scenario = Scenario { seed: 7, human, ..Scenario::new(world.into(), Plant::Point) };
 //! let again = Scenario::parse(&scenario.text()?)?;
 //! assert_eq!(again, scenario);
-//! let stage = again.prepare()?;
-//! let mut episode = stage.episode()?;
+//! let prepared = again.prepare()?;
+//! let mut episode = prepared.episode()?;
 //! while episode.step().is_none() {}
 //! assert_eq!(episode.summary().outcome.name(), "arrived");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -28,7 +28,7 @@ mod word;
 
 pub use given::{GivenRobot, GivenWorld, WorldText};
 pub use plant::{Plant, PlantKind, RobotSetup};
-pub use preference_changes::{NotPreferenceChanges, PreferenceChanges, drawn_changes};
+pub use preference_changes::{ParsePreferenceChangesError, PreferenceChanges, drawn_changes};
 pub use prepared::{Partners, PreparedScenario};
 pub use setting::{Applies, Field, Group, Kind, Range, Setting, Value};
 pub use settings::{

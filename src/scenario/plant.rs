@@ -16,13 +16,13 @@ pub enum Plant {
     /// The robot moves exactly as its inputs say.
     Kinematic {
         /// The robot.
-        #[serde(rename = "carrier")]
+        #[serde(rename = "robot", alias = "carrier")]
         setup: RobotSetup,
     },
     /// Robot, object, human and obstacles as bodies.
     Rapier {
         /// The robot.
-        #[serde(rename = "carrier")]
+        #[serde(rename = "robot", alias = "carrier")]
         setup: RobotSetup,
         /// Settings of the physics and of the human's motion.
         physics: PhysicsSettings,

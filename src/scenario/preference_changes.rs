@@ -4,6 +4,7 @@ use super::{GivenPerception, drawn_human};
 use crate::episode::{PreferenceChange, Settings, prospects};
 use crate::options::OptionSet;
 use crate::preference::{Belief, Perception, human_choice};
+use crate::suggestion::Expected;
 use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -20,10 +21,10 @@ pub enum PreferenceChanges {
     OnceOrTwice,
 }
 
-/// The error for a text that is no number of preference changes.
+/// The error for a text that is not a number of preference changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("must be {}", PreferenceChanges::expected())]
-pub struct NotPreferenceChanges;
+pub struct ParsePreferenceChangesError;
 
 impl PreferenceChanges {
     /// No preference changes.
@@ -34,8 +35,9 @@ impl PreferenceChanges {
     pub const ONCE_OR_TWICE: &str = "once-or-twice";
 
     /// A description of the allowed values, for errors.
-    pub fn expected() -> String {
-        format!("a whole number from 0 to {}, or \"{}\"", Self::MAX, Self::ONCE_OR_TWICE)
+    pub fn expected() -> Expected {
+        let sentence = format!("a whole number from 0 to {}, or \"{}\"", Self::MAX, Self::ONCE_OR_TWICE);
+        Expected::from(sentence).with_names([Self::ONCE_OR_TWICE])
     }
 
     /// Draws the changes of a human whose first perception is `first`: steps uniformly from 1 to half of the
@@ -87,14 +89,14 @@ pub fn drawn_changes(
 }
 
 impl std::str::FromStr for PreferenceChanges {
-    type Err = NotPreferenceChanges;
+    type Err = ParsePreferenceChangesError;
 
-    fn from_str(text: &str) -> Result<Self, NotPreferenceChanges> {
+    fn from_str(text: &str) -> Result<Self, ParsePreferenceChangesError> {
         match text {
             Self::ONCE_OR_TWICE => Ok(Self::OnceOrTwice),
             number => {
                 let times = number.parse().ok().filter(|times| *times <= Self::MAX);
-                times.map(Self::Times).ok_or(NotPreferenceChanges)
+                times.map(Self::Times).ok_or(ParsePreferenceChangesError)
             }
         }
     }

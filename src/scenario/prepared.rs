@@ -44,11 +44,11 @@ impl Scenario {
     /// # Errors
     /// A number is out of its range, or world, options, human model, robot or posture are not valid.
     pub fn prepare(self) -> Result<PreparedScenario, Error> {
-        self.prepare_beside(None)
+        self.prepare_sharing(None)
     }
 
     /// As [`Scenario::prepare`], but shares equal worlds and robots with `other`.
-    fn prepare_beside(self, other: Option<&PreparedScenario>) -> Result<PreparedScenario, Error> {
+    fn prepare_sharing(self, other: Option<&PreparedScenario>) -> Result<PreparedScenario, Error> {
         self.check()?;
         let robot = match self.plant.robot_setup() {
             None => None,
@@ -85,9 +85,9 @@ impl Scenario {
                 Arc::new(Scene { world, options, obstacles, as_written: OnceLock::new() })
             }
         };
-        let stage = PreparedScenario { scenario: self, scene, robot };
-        stage.human()?;
-        Ok(stage)
+        let prepared = PreparedScenario { scenario: self, scene, robot };
+        prepared.human()?;
+        Ok(prepared)
     }
 
     /// Whether a robot of this width (m) in this scenario meets the scene of another.
@@ -112,7 +112,7 @@ impl PreparedScenario {
     /// # Errors
     /// As [`Scenario::prepare`].
     pub fn prepare(&self, scenario: Scenario) -> Result<Self, Error> {
-        scenario.prepare_beside(Some(self))
+        scenario.prepare_sharing(Some(self))
     }
 
     /// Its world.
@@ -125,8 +125,8 @@ impl PreparedScenario {
         &self.scene.options
     }
 
-    /// The world's options for its own `robot_width_m`, which preference changes are drawn from: the human of a
-    /// seed is the same whatever carries with them.
+    /// The world's options for its own `robot_width_m`, which preference changes are drawn from: the human of
+    /// a seed is the same whatever carries with them.
     ///
     /// # Errors
     /// As [`OptionSet::new`].

@@ -2,7 +2,7 @@
 
 use super::word::{Word, one_of};
 use super::{PlantKind, Scenario};
-use crate::suggestion::hint_of_listed;
+use crate::suggestion::Expected;
 use std::fmt;
 
 /// A setting of an episode.
@@ -80,7 +80,7 @@ pub enum Kind {
     /// One of several words.
     Word(fn() -> Vec<Word>, Field<String>),
     /// A text: the form to name in errors, and a check.
-    Text(fn() -> String, fn(&str) -> bool, Field<String>),
+    Text(fn() -> Expected, fn(&str) -> bool, Field<String>),
 }
 
 /// A field of a scenario: a getter, which returns `None` if the scenario does not have the field, and a
@@ -155,11 +155,11 @@ impl Setting {
     }
 
     /// A description of the allowed values, for errors.
-    pub fn expected(&self) -> String {
+    pub fn expected(&self) -> Expected {
         match &self.kind {
-            Kind::Number(_, range, _) => range.to_string(),
-            Kind::Count(most, _) => format!("a whole number from 1 to {most}"),
-            Kind::Flag(_) => "true or false".to_owned(),
+            Kind::Number(_, range, _) => range.to_string().into(),
+            Kind::Count(most, _) => format!("a whole number from 1 to {most}").into(),
+            Kind::Flag(_) => "true or false".into(),
             Kind::Word(words, _) => one_of(&words()),
             Kind::Text(form, ..) => form(),
         }
@@ -168,7 +168,7 @@ impl Setting {
     /// The value in a text, as [`Value`] is displayed.
     ///
     /// # Errors
-    /// A description of the allowed values, if the text is none of them.
+    /// A description of the allowed values, if the text is not one of them.
     pub fn parse(&self, text: &str) -> Result<Value, String> {
         let value = match &self.kind {
             Kind::Number(..) => text.parse().ok().map(Value::Number),
@@ -178,7 +178,7 @@ impl Setting {
         };
         value.filter(|value| self.accepts(value)).ok_or_else(|| {
             let expected = self.expected();
-            format!("must be {expected}{}", hint_of_listed(text, &expected))
+            format!("must be {expected}{}", expected.hint(text))
         })
     }
 

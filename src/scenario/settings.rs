@@ -10,6 +10,7 @@ use crate::human::{MODELS, ModelName};
 use crate::policy::Method;
 use crate::preference::{MAX_LAPSE_RATE, MAX_PERCEPTION, MAX_RATIONALITY};
 use crate::simulation::{HumanSettings, PhysicsSettings};
+use crate::suggestion::Expected;
 
 /// The range of alpha and gamma.
 pub const PERCEPTION: Range = Range::above(0.0, MAX_PERCEPTION);
@@ -120,7 +121,7 @@ pub const POSTURE: Setting = Setting {
     about: "Posture at the start, by its name in the robot file [default: the first]",
     applies: Applies::Robot,
     kind: Kind::Text(
-        || "the name of a posture".to_owned(),
+        || "the name of a posture".into(),
         |text| !text.is_empty(),
         Field {
             get: |s| s.plant.robot_setup().map(|robot| robot.posture.clone()).filter(|name| !name.is_empty()),
@@ -170,7 +171,7 @@ pub const PLANNING_STEP: Setting = Setting {
     flag: "planning-step",
     path: "settings.period_s",
     group: Group::Walk,
-    about: "Planning step k, in seconds: phi, g, J and looks count in it, so an eta is for one planning step",
+    about: "Planning step k, in seconds: phi, g, J and sightings count in it, so an eta is for one planning step",
     applies: Applies::Always,
     kind: Kind::Number("s", PERIODS, field!(scenario s => s.settings.planning_step)),
 };
@@ -212,7 +213,7 @@ pub const SETTINGS: &[Setting] = &[
         about: "Model of the human: preference, boltzmann(RATIONALITY) or scripted(STEP:OPTION,...)",
         applies: Applies::Always,
         kind: Kind::Text(
-            || format!("one of {}", MODELS.map(|model| format!("\"{}\"", model.form)).join(", ")),
+            || Expected::one_of(MODELS.map(|model| model.form)),
             |text| text.parse::<ModelName>().is_ok(),
             Field {
                 get: |s| Some(s.human_model.to_string()),

@@ -1,6 +1,7 @@
 //! The words for the values of a setting.
 
 use crate::control::{Avoid, CandidateSet, PoseCriterion};
+use crate::suggestion::Expected;
 
 /// A word for a value, and its meaning.
 pub type Word = (&'static str, &'static str);
@@ -49,8 +50,7 @@ pub(super) fn put<T: Copy>(place: &mut T, all: &Words<T>, word: &str) {
     *place = found.map_or(*place, |(value, ..)| *value);
 }
 
-/// The text "one of" and the words.
-pub fn one_of(words: &[Word]) -> String {
-    let words: Vec<_> = words.iter().map(|(word, _)| format!("\"{word}\"")).collect();
-    format!("one of {}", words.join(", "))
+/// One of the words, for errors.
+pub fn one_of(words: &[Word]) -> Expected {
+    Expected::one_of(words.iter().map(|(word, _)| *word))
 }

@@ -115,11 +115,11 @@ impl<'a> InTandem<'a> {
             let nearest = places(ahead.position).find(|&place| {
                 let mut progress = options.begin();
                 options.advance(&mut progress, place);
-                let is_beside = obstacles.is_clear(place, world.robot_width / 2.0)
+                let has_room_aside = obstacles.is_clear(place, world.robot_width / 2.0)
                     && !options.goes_through_opening(ahead.position, place);
                 let path = (0..options.options().len())
                     .find_map(|o| options.path_passing(&progress, o, Self::PASSING));
-                is_beside && path.is_some_and(|path| any(&path, place, &[false]).is_ok())
+                has_room_aside && path.is_some_and(|path| any(&path, place, &[false]).is_ok())
             });
             room.at_start(world, nearest)
         })

@@ -10,7 +10,7 @@ use crate::human::Stance;
 use crate::math;
 use crate::options::{OptionSet, Passing};
 use crate::plant::{HumanMotion, Seen, on_floor};
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 use crate::simulation::Observation;
 use serde::{Deserialize, Serialize};
 
@@ -331,9 +331,7 @@ impl Walk for InTandem<'_> {
         let (pace, team_path) = (&self.pace, &self.state.team_path);
         let (position, speed) = self.path_position(seen, ahead, speed);
         let from_here = |s| self.pose(ahead, position - ahead.along + s);
-        let share = yielding(seen, ahead.mode)
-           
-            * ahead.travel.share_on_bend(pace, from_here);
+        let share = yielding(seen, ahead.mode) * ahead.travel.share_on_bend(pace, from_here);
         // from the grasp's position for the object's target, back to beyond the base
         way.clear();
         let behind = (0..TRAIL_POINTS).rev().map(|i| team_path.half() + Follower::STEP * f64::from(i));
@@ -345,7 +343,7 @@ impl Walk for InTandem<'_> {
         Saved::of(&self.state)
     }
 
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         self.state = saved.read("walk")?;
         Ok(())
     }

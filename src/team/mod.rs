@@ -26,7 +26,7 @@ use crate::geometry::{Path, PlanarPose, Point, Pose, Widening};
 use crate::human::Stance;
 use crate::options::Passing;
 use crate::plant::{HumanMotion, Seen};
-use crate::saved::{NotRestored, Saved};
+use crate::saved::{RestoreError, Saved};
 
 /// A team has arrived when it is this near (m) to the end of its path.
 const ARRIVAL_TOLERANCE_M: f64 = 0.05;
@@ -125,8 +125,8 @@ pub trait Walk: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// Restores what [`Walk::save`] returned.
     ///
     /// # Errors
-    /// [`NotRestored`] if the state belongs to another team.
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    /// [`RestoreError`] if the state belongs to another team.
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         saved.is_empty("walk")
     }
 }

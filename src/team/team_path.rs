@@ -26,7 +26,7 @@ const STEP_LIMIT_M: f64 = 0.4;
 const AHEAD_TOLERANCE_M: f64 = 0.05;
 /// Length of the expected path beyond its end, m.
 const ANTICIPATED_BEYOND_M: f64 = 1.0;
-/// How far the object's front end may be beside a straight path, m.
+/// How far the object's front end may be off a straight path, m.
 const STRAIGHT_TOLERANCE_M: f64 = 1e-9;
 /// Sampling step of paths, m.
 const STEP_M: f64 = 0.05;
@@ -47,7 +47,8 @@ pub(super) const SHARPEST_BEND_RAD: f64 = 2.0;
 pub(super) struct TeamPath {
     tandem: Tandem,
     /// Half the object's width, m.
-    beside: f64,
+    #[serde(alias = "beside")]
+    half_width: f64,
     /// Distance of the options' paths from obstacles, m.
     clearance: f64,
 }
@@ -81,7 +82,7 @@ impl TeamPath {
     pub fn new(world: &World, start: &PlanarPose) -> Self {
         let [length, width, _] = world.object.size;
         let tandem = Tandem::new(length, start.position, start.yaw);
-        Self { tandem, beside: width / 2.0, clearance: world.robot_width / 2.0 }
+        Self { tandem, half_width: width / 2.0, clearance: world.robot_width / 2.0 }
     }
 
     /// The path of a team in this world that stands at the beginning of the path `first`, and the object's
@@ -119,14 +120,14 @@ impl TeamPath {
     ) {
         let radius = |narrow: f64, sweep| {
             let obstacle = (narrow - self.clearance).max(0.0);
-            self.tandem.corner_radius(sweep, obstacle + self.beside + OBJECT_ROOM_M + ROUNDING_M)
+            self.tandem.corner_radius(sweep, obstacle + self.half_width + OBJECT_ROOM_M + ROUNDING_M)
         };
         widening.write(path, radius, is_free, way);
     }
 
     /// The path, with room for the object. It stays as it is up to where the human's body is now.
     pub fn with_object_room(&self, path: Path, free_space: FreeSpace) -> Path {
-        ObjectRoom::new(&self.tandem, self.beside, free_space).on(path, self.body_ahead())
+        ObjectRoom::new(&self.tandem, self.half_width, free_space).on(path, self.body_ahead())
     }
 
     /// The object's pose when its centre has come `walked` (m) along `path`.

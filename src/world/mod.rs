@@ -43,7 +43,7 @@ const MAX_FREE_PASSAGE: f64 = 100.0;
 /// Largest value of `option_limit`.
 pub const MAX_OPTION_LIMIT: usize = 64;
 
-/// Widths of robots that are no mistake, m.
+/// Plausible widths of robots, m.
 const USUAL_WIDTHS_M: std::ops::RangeInclusive<f64> = 0.1..=3.0;
 /// The extent of a world in robot widths beyond which its unit is probably wrong.
 const LARGE_WORLD: f64 = 1000.0;
@@ -317,8 +317,8 @@ fn unoccupied(point: Point, place: Place, obstacles: &[Obstacle], robot_width: f
     }
 }
 
-/// A start or target that is on the line of a gap, moved off that line by [`OFF_GAP_M`] to the side of `other`,
-/// the target or start: it must be on one side.
+/// A start or target that is on the line of a gap, moved off that line by [`OFF_GAP_M`] to the side of
+/// `other`, the target or start: it must be on one side.
 fn off_gaps(point: Point, other: Point, openings: &[Opening]) -> Point {
     openings.iter().fold(point, |point, gap| {
         let [a, b] = gap.ends;
@@ -378,7 +378,7 @@ fn declared_openings(
                 return Err(Error::at(
                     place,
                     format_args!(
-                        "`{third}` stands {distance:.4} m from the middle of the gap between `{first}` and `{second}` ({width:.4} m wide); name the narrower gap beside it"
+                        "`{third}` stands {distance:.4} m from the middle of the gap between `{first}` and `{second}` ({width:.4} m wide); name the narrower gap next to it"
                     ),
                 ));
             }
@@ -398,8 +398,8 @@ fn declared_openings(
     Ok(openings)
 }
 
-/// The openings among these gaps, named in the order in which they lie on the way from A to B, and from left to
-/// right where they lie side by side.
+/// The openings among these gaps, named in the order in which they lie on the way from A to B, and from left
+/// to right where they lie side by side.
 fn numbered(mut openings: Vec<Opening>, [start, target]: [Point; 2], robot_width: f64) -> Vec<Opening> {
     let along = (target - start).try_normalize(0.0).unwrap_or(Vector::x());
     // up to rounding, so that a room that is moved or turned has the same order

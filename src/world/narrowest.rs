@@ -1,10 +1,10 @@
 //! Parallel gaps in one passage as one opening, its narrowest.
 //!
-//! Grooves, ribs and ragged walls give a passage several gaps of nearly equal width, which the disc over a gap
-//! does not tell apart: where the wider of two gaps, of widths v < w, is closer than sqrt(w^2 - v^2) / 2 to the
-//! narrower, that disc contains the narrower one's sides. Here the same distance plus [`ONE_PASSAGE`] robot
-//! widths makes them one: nobody can turn off between them. From there on the wider gap counts the more the
-//! farther away it is, so that S does not jump.
+//! Grooves, ribs and ragged walls give a passage several gaps of nearly equal width, which the disc over a
+//! gap does not tell apart: where the wider of two gaps, of widths v < w, is closer than sqrt(w^2 - v^2) / 2
+//! to the narrower, that disc contains the narrower one's sides. Here the same distance plus [`ONE_PASSAGE`]
+//! robot widths makes them one: nobody can turn off between them. From there on the wider gap counts the more
+//! the farther away it is, so that S does not jump.
 
 use super::opening::Opening;
 use crate::geometry::{Bounds, Nearby, cross};
@@ -12,13 +12,13 @@ use crate::geometry::{Bounds, Nearby, cross};
 /// The distance in robot widths up to which parallel gaps of equal width are one opening, and from which on
 /// both count in full.
 const ONE_PASSAGE: [f64; 2] = [1.0, 2.0];
-/// The distance (m) that stands for a metre beside the axis of the narrower gap: gaps that lie side by side are
+/// The distance (m) that stands for a metre off the axis of the narrower gap: gaps that lie side by side are
 /// two.
-const BESIDE: f64 = 4.0;
+const ACROSS_FACTOR: f64 = 4.0;
 /// The distance (m) that stands for the difference of 1 minus the cosine of the angle between two gaps.
 const TURNED_M: f64 = 5.0;
 
-/// The gaps that are openings of their own, each with its share of the risk. Of gaps of equal width, up to a
+/// The gaps that are separate openings, each with its share of the risk. Of gaps of equal width, up to a
 /// micrometre, the first counts as narrower.
 pub(super) fn narrowest(mut gaps: Vec<Opening>, robot_width: f64) -> Vec<Opening> {
     let [from, to] = ONE_PASSAGE.map(|widths| widths * robot_width);
@@ -42,8 +42,8 @@ pub(super) fn narrowest(mut gaps: Vec<Opening>, robot_width: f64) -> Vec<Opening
 /// narrower one's sides.
 fn apart(narrower: &Opening, wider: &Opening) -> f64 {
     let between = wider.center() - narrower.center();
-    let beside = cross(narrower.axis(), between).abs();
+    let across = cross(narrower.axis(), between).abs();
     let along = between.norm_squared() - (wider.width * wider.width - narrower.width * narrower.width) / 4.0;
     let turned = 1.0 - narrower.axis().dot(&wider.axis()).abs();
-    along.max(0.0).sqrt() + BESIDE * beside + TURNED_M * turned
+    along.max(0.0).sqrt() + ACROSS_FACTOR * across + TURNED_M * turned
 }

@@ -80,7 +80,7 @@ rows, worst = [], []
 
 
 def compare(who, what, ours, values):
-    """The mean of `values` (chain, draw) beside ours."""
+    """The mean of `values` (chain, draw) next to ours."""
     error = float(arviz.mcse(values, method="mean"))
     r_hat, size = float(arviz.rhat(values)), float(arviz.ess(values, method="mean"))
     score = (values.mean() - ours) / error

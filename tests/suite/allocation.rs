@@ -44,7 +44,7 @@ fn a_warm_tick_of_a_robot_that_learns_allocates_nothing() {
     let settings = Settings { method: Method::HUMAN_LED, learning, ..Settings::default() };
     let mut episode =
         Episode::builder(&options, &settings, EXAMPLE_HUMAN).with_robot(manipulator).begin().expect("room");
-    let mut looks = 0;
+    let mut sightings = 0;
     loop {
         let before = episode.learner().map_or(0, |learner| learner.perception().size());
         let mut ended = false;
@@ -55,10 +55,10 @@ fn a_warm_tick_of_a_robot_that_learns_allocates_nothing() {
         let step = episode.tick().step;
         if step > WARM {
             assert_eq!(allocated.count_total, 0, "step {step}");
-            looks += usize::from(episode.learner().is_some_and(|l| l.perception().size() != before));
+            sightings += usize::from(episode.learner().is_some_and(|l| l.perception().size() != before));
         }
     }
-    assert!(looks > 5, "{looks} looks that changed the belief");
+    assert!(sightings > 5, "{sightings} sightings that changed the belief");
 }
 
 /// Runs episodes of the built-in robot `with` a change, whose joints have this share of their speed, and

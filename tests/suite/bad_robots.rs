@@ -43,7 +43,7 @@ fn a_robot_file_that_names_a_missing_urdf() {
 fn a_urdf_without_a_robot_file() {
     let files = Files::new();
     std::fs::write(files.folder.path().join("alone.urdf"), &files.urdf).expect("a file");
-    let said = ["alone.urdf: needs a robot file beside it", "alone.toml", "grasp_frame", "[[posture]]"];
+    let said = ["alone.urdf: needs a robot file next to it", "alone.toml", "grasp_frame", "[[posture]]"];
     check(files.load_as_is("alone.urdf"), &said);
 }
 

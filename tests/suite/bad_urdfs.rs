@@ -202,8 +202,8 @@ fn wheels_that_cannot_be_measured() {
     assert!(wheel(&ball).load(TOML).is_ok());
     let turned = [("rpy=\"1.5707963267948966 0 0\"", "rpy=\"1.5 0 0\"")];
     wheel(&turned).says(&["its cylinder is 0.0000 m or 4.06 deg off"]);
-    let beside = [("xyz=\"0 0 0\" rpy", "xyz=\"0.01 0 0\" rpy")];
-    wheel(&beside).says(&["its cylinder is 0.0100 m or 0.00 deg off"]);
+    let off_axis = [("xyz=\"0 0 0\" rpy", "xyz=\"0.01 0 0\" rpy")];
+    wheel(&off_axis).says(&["its cylinder is 0.0100 m or 0.00 deg off"]);
     // along its axis a wheel's middle may lie anywhere, if the other's does as well
     let inward = [("xyz=\"0 0 0\" rpy", "xyz=\"0 0.02 0\" rpy")];
     wheel(&inward).says(&["`right_wheel_joint`", "distance from the middle", "0.187", "0.207"]);

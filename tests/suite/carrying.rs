@@ -145,11 +145,11 @@ fn closed_form_eq_8_can_be_worked_out_from_what_a_step_tells() {
     let (mut changed, mut skipped) = (0, 0);
     while episode.step().is_none() {
         let tick = episode.tick().robot.unwrap();
-        let decision = episode.considerations().unwrap();
+        let decision = episode.decision_basis().unwrap();
         assert_eq!(decision.references.len(), options.options().len());
         let mut totals = Vec::new();
-        for considered in decision.poses.considered() {
-            let candidate = considered.candidate;
+        for candidate_cost in decision.poses.candidate_costs() {
+            let candidate = candidate_cost.candidate;
             let jacobian = robot.kinematics(&candidate.configuration).jacobian * settings.planning_step;
             let form = control::ClosedForm::new(&jacobian, control.state_weight, control.input_weight);
             limits.set(&robot, &candidate.configuration, &candidate.rates, settings.planning_step);
@@ -160,15 +160,18 @@ fn closed_form_eq_8_can_be_worked_out_from_what_a_step_tells() {
                 floor += weight * form.cost(&control::ModalReference::new(reference));
             }
             let near = |a: f64, b: f64| (a - b).abs() < 1e-9 * b.max(1.0);
-            assert!(considered.floor.is_some_and(|told| near(told, floor)), "{considered:?} {floor}");
-            assert!(considered.total.is_none_or(|told| near(told, total)), "{considered:?} {total}");
-            skipped += usize::from(considered.total.is_none());
+            assert!(
+                candidate_cost.lower_bound.is_some_and(|told| near(told, floor)),
+                "{candidate_cost:?} {floor}"
+            );
+            assert!(candidate_cost.cost.is_none_or(|told| near(told, total)), "{candidate_cost:?} {total}");
+            skipped += usize::from(candidate_cost.cost.is_none());
             totals.push(total);
         }
         let least = totals.iter().copied().fold(f64::INFINITY, f64::min);
         let chosen = tick.preparation.unwrap().candidate;
         assert!(totals[chosen] <= least + 2e-9, "{totals:?} {chosen}");
-        let target = decision.poses.considered().nth(chosen).unwrap().candidate.configuration;
+        let target = decision.poses.candidate_costs().nth(chosen).unwrap().candidate.configuration;
         assert_eq!(&target, decision.target);
         changed += usize::from(chosen > 0);
     }

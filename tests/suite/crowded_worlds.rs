@@ -149,7 +149,7 @@ fn a_world_too_large_to_be_searched_is_refused_before_the_search() {
     let rng = &mut ChaCha8Rng::seed_from_u64(4);
     let (_, set) = options(&clutter(4000, 4.0, [260.0, 130.0], rng));
     let error = set.map(|set| set.options().len()).unwrap_err();
-    assert!(error.to_string().contains("4000 obstacles are too many for so open a world"), "{error}");
+    assert!(error.to_string().contains("too many obstacles in an open world (4000)"), "{error}");
     assert!(!error.to_string().contains("cannot be reached"), "{error}");
 }
 
@@ -184,7 +184,7 @@ fn the_nearest_of_many_doors_are_the_options() {
     }
     // so many that paths along the wall would take gigabytes
     let error = options(&doors(1000)).1.map(|set| set.options().len()).unwrap_err();
-    let expected = "crowded: 1005 obstacles are too many for so open a world: paths may follow more than 4000000 \
-                    straight lines between their corners; use fewer obstacles, or fewer corners (a cylinder has none)";
+    let expected = "crowded: too many obstacles in an open world (1005): more than 4000000 clear lines between \
+                    their corners, which is the limit; use fewer obstacles, or fewer corners (a cylinder has none)";
     assert_eq!(error.to_string(), expected);
 }

@@ -63,7 +63,7 @@ impl Build {
     }
 }
 
-/// Two rooms beside each other, each cut by a wall along y with doors, and a few pillars; every wall built in
+/// Two rooms side by side, each cut by a wall along y with doors, and a few pillars; every wall built in
 /// one way.
 fn rooms(seed: u64, build: Build) -> String {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -245,11 +245,11 @@ fn closed_form_a_gap_as_wide_as_the_robot_is_impassable() {
         let error = World::parse("hall", &declared).unwrap_err();
         assert!(error.to_string().ends_with("m: impassable"), "{gap}: {error}");
     }
-    // a corridor of that width, and one beside a door
+    // a corridor of that width, and one next to a door
     let corridor = hall(&[[0.0, -1.0, 4.0, 1.0], [4.5, -1.0, 9.0, 1.0]]);
     assert!(OptionSet::new(&World::parse("hall", &corridor).unwrap(), 10.0).is_err());
-    let beside = hall(&[[0.0, 0.0, 4.0, 0.2], [4.5, 0.0, 7.0, 0.2], [7.8, 0.0, 9.0, 0.2]]);
-    let set = OptionSet::new(&World::parse("hall", &beside).unwrap(), 10.0).unwrap();
+    let near_door = hall(&[[0.0, 0.0, 4.0, 0.2], [4.5, 0.0, 7.0, 0.2], [7.8, 0.0, 9.0, 0.2]]);
+    let set = OptionSet::new(&World::parse("hall", &near_door).unwrap(), 10.0).unwrap();
     assert_eq!(set.options().len(), 1);
     assert!((set.remaining(&set.begin(), 0).risk - 0.5 / 0.8).abs() < 1e-9);
     let wider = hall(&[[0.0, 0.0, 4.0, 0.2], [4.5001, 0.0, 9.0, 0.2]]);
@@ -367,7 +367,7 @@ fn openings_that_no_option_uses_are_told() {
     // named, it is used
     let named = format!("{open}[[option]]\nopenings = [\"xi1\"]\n");
     assert_eq!(unused(&write("named.toml", &named)), []);
-    // a chamber beside the way: an opening into it, and none out
+    // a chamber next to the way: an opening into it, and none out
     let chamber =
         hall(&[[0.0, 0.0, 4.0, 0.2], [5.0, 0.0, 9.0, 0.2], [6.0, -5.0, 6.2, -3.5], [6.0, -2.5, 6.2, 0.0]]);
     let path = write("chamber.toml", &chamber);

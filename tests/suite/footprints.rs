@@ -57,7 +57,7 @@ fn closed_form_corners_give_their_hull() {
     assert!((robot.drive.base_radius - math::hypot(0.5, 0.25)).abs() < 1e-15);
 }
 
-/// A box beside the axle, and a disc with its wheels inside: no shape stands out, and no corner by more than
+/// A box next to the axle, and a disc with its wheels inside: no shape stands out, and no corner by more than
 /// 2 mm and what a polygon of 24 corners takes.
 #[test]
 fn closed_form_the_footprint_around_collision_shapes() {

@@ -160,8 +160,8 @@ fn what_is_wrong_with_files_and_flags_is_named() {
     refused(&["infer", ANSWERS, "--eta-median", "0"], &["--eta-median", "greater than 0"]);
     refused(&["infer", ANSWERS, "--draws", "10"], &["--draws", "100"]);
     refused(&["infer", SWITCHES, "--initial-stubbornness", "1"], &["--initial-stubbornness 1"]);
-    refused(&["infer", ANSWERS, "--csv", "rows.txt"], &["--csv", "ending must be .csv"]);
-    refused(&["infer", ANSWERS, "--arviz", "draws.nc"], &["--arviz", "ending must be .zarr.zip"]);
+    refused(&["infer", ANSWERS, "--csv", "rows.txt"], &["--csv", "expected the extension .csv"]);
+    refused(&["infer", ANSWERS, "--arviz", "draws.nc"], &["--arviz", "expected the extension .zarr.zip"]);
 }
 
 #[test]
@@ -195,7 +195,7 @@ fn recorded_walks_are_seen_as_the_learning_robot_sees_them() {
     let found = json(&["infer", &anna, &ben, "--json", "--draws", "100"]);
     let people = found["people"].as_array().unwrap();
     assert_eq!(people.len(), 2);
-    assert!(people[0]["participant"] == "anna" && people[0]["looks"].as_u64().unwrap() > 5, "{found}");
+    assert!(people[0]["participant"] == "anna" && people[0]["sightings"].as_u64().unwrap() > 5, "{found}");
     assert!(people[0]["eta"].is_null() && people[0]["information"].as_f64().unwrap() > 0.3, "{found}");
     let inside = |figure: &serde_json::Value, truth: f64| {
         let [low, high] = [0, 1].map(|end| figure["interval"][end].as_f64().unwrap());

@@ -127,7 +127,7 @@ fn the_belief_is_calibrated_and_a_wrong_likelihood_is_not() {
     let right = Calibration { replications: 1500, ..Calibration::default() };
     let found = checks(&right.run(&sets, &|| {}).expect("settings"));
     assert!(found.iter().all(|check| check.is_calibrated), "{found:#?}");
-    // the robot trusts looks and times that say nothing in three of ten cases
+    // the robot trusts sightings and times that say nothing in three of ten cases
     let lapses = |lapse_rate| learning::Settings { lapse_rate, ..right.truth };
     let wrong = Calibration { truth: lapses(0.3), assumed: lapses(0.001), ..right.clone() };
     let found = checks(&wrong.run(&sets, &|| {}).expect("settings"));

@@ -95,11 +95,11 @@ fn only_regular_files_are_read() {
 fn a_recording_has_a_robot_of_bounded_depth() {
     let folder = tempfile::tempdir().unwrap();
     let mut scenario = example(rapier());
-    let Plant::Rapier { setup: carrier, .. } = &mut scenario.plant else { panic!("the physical plant") };
+    let Plant::Rapier { setup, .. } = &mut scenario.plant else { panic!("the physical plant") };
     let deep = "<a b=\"/>\">".repeat(20_000) + &"</a>".repeat(20_000);
-    let mut texts = carrier.robot.texts().clone();
+    let mut texts = setup.robot.texts().clone();
     texts.urdf = format!("<robot name=\"r\"><link name=\"l\"><visual>{deep}</visual></link></robot>");
-    carrier.robot = texts.into();
+    setup.robot = texts.into();
     let file = [MAGIC, &attachment("scenario.toml", scenario.text().unwrap().as_bytes())].concat();
     std::fs::write(folder.path().join("deep.mcap"), file).unwrap();
     let said = refused(1000, folder.path(), "replay deep.mcap");

@@ -31,6 +31,7 @@ mod physical_carrying;
 mod physics;
 mod pictures;
 mod quantities;
+mod quantity_values;
 
 mod recording;
 mod reference_recordings;

@@ -1,5 +1,5 @@
-//! Worlds from maps and floor plans, and outlines of obstacles that touch or are concave, each against the same
-//! room written by hand.
+//! Worlds from maps and floor plans, and outlines of obstacles that touch or are concave, each against the
+//! same room written by hand.
 
 use crate::support::{cocarry, json, repository, stderr, stdout};
 use cocarry::geometry::{Point, direction, left_of};
@@ -83,7 +83,7 @@ fn map(origin: Origin, image: &str) -> (TempDir, PathBuf) {
     };
     std::fs::write(folder.path().join(image), bytes).unwrap();
     let yaml = format!(
-        "image: {image}  # beside this file\nmode: trinary\nresolution: {CELL_M}\norigin: [{}, {}, {}]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.25\n",
+        "image: {image}  # next to this file\nmode: trinary\nresolution: {CELL_M}\norigin: [{}, {}, {}]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.25\n",
         origin[0], origin[1], origin[2]
     );
     let path = folder.path().join("map.yaml");

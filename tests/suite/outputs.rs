@@ -103,7 +103,8 @@ fn no_output_replaces_what_is_there_unasked() {
             // a name with another ending is refused before its file is looked at
             let has_rule = command.ends_with("--svg ") || command.ends_with("--record ");
             let is_kind = Path::new(input).extension() == Path::new(name).extension();
-            let why = if has_rule && !is_kind { "its ending must be" } else { "is an input of this command" };
+            let why =
+                if has_rule && !is_kind { "expected the extension" } else { "is an input of this command" };
             bench.refused(&format!("{command}./{input} --overwrite"), why);
             assert_eq!(bench.read(input), text, "{command}");
         }

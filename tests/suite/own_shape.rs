@@ -1,5 +1,5 @@
 //! A robot's own shape: parts that touch each other, arms that cannot place their grasp anywhere, and a grasp
-//! beside the base.
+//! next to the base.
 
 use crate::spoiled_robot::{Files, TOML, URDF};
 use crate::support::{cocarry, stdout};
@@ -20,7 +20,7 @@ fn an_arm_that_reaches_into_the_robot_touches_it() {
     for posture in &robot.postures {
         assert_eq!(robot.self_contact(&posture.joints, &mut Vec::new()), None, "{}", posture.name);
     }
-    // stretched ahead, and hanging beside the base
+    // stretched ahead, and hanging next to the base
     assert_eq!(touching(&robot, [0.0; 7]), None);
     // the shoulder down and the elbow back: the hand is in the base's column
     let inside = touching(&robot, [0.0, 80.0, 0.0, 125.0, 0.0, 30.0, 0.0]).expect("a contact");
@@ -29,7 +29,7 @@ fn an_arm_that_reaches_into_the_robot_touches_it() {
 
 /// The carrier with its shoulder 10 cm to the left and turned as in a calibrated URDF, one posture, and these
 /// joints fixed.
-fn beside(roll: f64, fixed: &[&str]) -> Files {
+fn offset_shoulder(roll: f64, fixed: &[&str]) -> Files {
     let origin = format!("<origin xyz=\"0.12 0.1 0.349\" rpy=\"{roll} 0.0003 0\"/>");
     let mut files = Files::new().with(URDF, "<origin xyz=\"0.12 0 0.349\"/>", &origin);
     for joint in fixed {
@@ -47,19 +47,19 @@ fn beside(roll: f64, fixed: &[&str]) -> Files {
 #[test]
 fn an_arm_of_four_joints_is_as_level_as_it_can_be() {
     let fixed = ["upperarm_roll_joint", "forearm_roll_joint", "wrist_roll_joint"];
-    let robot = beside(0.003, &fixed).load(TOML).unwrap_or_else(|e| panic!("{e}"));
+    let robot = offset_shoulder(0.003, &fixed).load(TOML).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(robot.joint_count(), 4);
     let grasp = robot.drive_from_grasp(&robot.postures[0].joints);
     let tilt = grasp.rotation.angle();
     assert!((0.002..0.005).contains(&tilt), "{tilt} rad");
     assert!((grasp.translation.z - 0.7).abs() < 0.002, "{grasp}");
-    beside(0.02, &fixed).says(&["moves its grasp in 4 of 6 directions", "0.002 m and 0.005 rad"]);
+    offset_shoulder(0.02, &fixed).says(&["moves its grasp in 4 of 6 directions", "0.002 m and 0.005 rad"]);
 }
 
-/// A grasp beside the axis of a differential base: the base keeps its place beside the object.
+/// A grasp off the axis of a differential base: the base keeps its place next to the object.
 #[test]
 fn a_base_beside_its_object_stays_there() {
-    let files = beside(0.0, &[]);
+    let files = offset_shoulder(0.0, &[]);
     let robot = files.load(TOML).unwrap_or_else(|e| panic!("{e}"));
     let grasp = robot.drive_from_grasp(&robot.postures[0].joints);
     assert!((grasp.translation.y - 0.1).abs() < 0.01, "{grasp}");
@@ -73,7 +73,7 @@ fn a_base_beside_its_object_stays_there() {
     assert!(error < 0.01, "{error} m");
     // how far the base is to the left of the object's axis
     let mut rows = csv::Reader::from_path(&ticks).expect("ticks");
-    let mut beside: Vec<f64> = rows
+    let mut offsets: Vec<f64> = rows
         .deserialize::<BTreeMap<String, String>>()
         .map(|row| {
             let row = row.expect("a row");
@@ -84,7 +84,7 @@ fn a_base_beside_its_object_stays_there() {
             cos * y - sin * x
         })
         .collect();
-    beside.sort_by(f64::total_cmp);
-    let median = beside[beside.len() / 2];
+    offsets.sort_by(f64::total_cmp);
+    let median = offsets[offsets.len() / 2];
     assert!((median + 0.1).abs() < 0.03, "{median} m");
 }

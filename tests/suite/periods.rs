@@ -1,7 +1,7 @@
 //! The two clocks: what a person does counts in planning steps, whatever the controller's rate.
 
 use crate::support::{cocarry, stderr};
-use cocarry::episode::{Episode, Outcome, Settings, Watch};
+use cocarry::episode::{Episode, HumanObserver, Outcome, Settings};
 use cocarry::geometry::{Point, Vector};
 use cocarry::human::{HandView, Human, HumanDecision, HumanView, Stance};
 use cocarry::learning;
@@ -61,17 +61,17 @@ fn issue_the_same_press_another_eta() {
         let prepared = prepared(PlantKind::Point, period);
         let builder = prepared.builder().unwrap_or_else(|e| panic!("{e}"));
         let mut episode = builder.with_human(Pressing).begin().expect("a point has room");
-        let mut watch = Watch::new(learning::Settings::default(), 0.1).expect("settings");
+        let mut observer = HumanObserver::new(learning::Settings::default(), 0.1).expect("settings");
         while episode.step().is_none() {
-            watch.see(&episode);
+            observer.observe(&episode);
         }
-        (watch.etas(), watch.looks().len())
+        (observer.etas(), observer.sightings().len())
     });
     assert!(etas[0].0[0] > 1.0 && etas[0].0[1].is_finite(), "{etas:?}");
     // places on the path are sums of more parts, so that the last digits differ
     let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
-    let is_first = |(eta, looks): &([f64; 2], usize)| {
-        near(eta[0], etas[0].0[0]) && near(eta[1], etas[0].0[1]) && *looks == etas[0].1
+    let is_first = |(eta, sightings): &([f64; 2], usize)| {
+        near(eta[0], etas[0].0[0]) && near(eta[1], etas[0].0[1]) && *sightings == etas[0].1
     };
     assert!(etas.iter().all(is_first), "{etas:?}");
 }

@@ -351,8 +351,8 @@ fn a_change_of_option_is_walked_in_an_arc() {
     assert!(peak < 100.0, "{peak} N");
 }
 
-/// A hand that sways by 10 cm fails in some random worlds: the files that are kept say how to run each of these
-/// episodes again, and it ends in the same way.
+/// A hand that sways by 10 cm fails in some random worlds: the files that are kept say how to run each of
+/// these episodes again, and it ends in the same way.
 #[test]
 fn a_failed_episode_of_a_random_world_can_be_run_again() {
     let folder = tempfile::tempdir().unwrap();
@@ -416,7 +416,7 @@ fn a_team_does_not_have_to_turn_at_its_start() {
 }
 
 /// On the physical plant the robot stands behind the start. Where it has no room in line with the path, the
-/// team is turned; at a heading that is given, what stands beside the robot's way is named.
+/// team is turned; at a heading that is given, what stands next to the robot's way is named.
 #[test]
 fn a_start_without_room_for_the_robot_is_turned_or_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -130,7 +130,7 @@ fn the_comparison_sees_a_label_that_moved_and_forgives_rounding() {
     assert!(difference(&golden, &moved).is_some());
 }
 
-/// The README's moving picture and the book's filmstrip, by the command beside them.
+/// The README's moving picture and the book's filmstrip, by the command next to them.
 #[test]
 fn the_pictures_of_environment_4_are_of_the_present_program() {
     let folder = tempfile::tempdir().unwrap();
@@ -153,8 +153,8 @@ pub fn settle_text(file: &str, made: &str) {
     assert!(shown == made, "{file} is of an earlier program; write it anew with {UPDATE}=1");
 }
 
-/// `viewer/test/lichtblick` notes in the picture which recording it shows: the one that ships, or the page says
-/// that it is of an earlier one.
+/// `viewer/test/lichtblick` notes in the picture which recording it shows: the one that ships, or the page
+/// says that it is of an earlier one.
 #[test]
 fn the_picture_of_a_viewer_shows_the_recording_that_ships() {
     let recording = std::fs::read(repository("recordings/environment-4.mcap")).unwrap();

@@ -1,4 +1,4 @@
-//! The recordings that ship: written anew by the commands beside them, byte for byte.
+//! The recordings that ship: written anew by the commands next to them, byte for byte.
 
 use crate::support::{cocarry, repository, stderr};
 

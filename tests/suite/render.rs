@@ -247,7 +247,7 @@ fn what_cannot_be_rendered_is_refused() {
     std::fs::write(path("spoiled.mcap"), &spoiled).unwrap();
     render(&path("spoiled.mcap"), &["spoiled.mcap", "at byte"]);
     std::fs::write(path("other.mcap"), "no recording").unwrap();
-    render(&path("other.mcap"), &["other.mcap", "is no MCAP file"]);
+    render(&path("other.mcap"), &["other.mcap", "is not an MCAP file"]);
     render(&path("missing.mcap"), &["missing.mcap"]);
 
     // an input is never an output, whatever its name

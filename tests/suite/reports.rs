@@ -220,7 +220,7 @@ fn the_page_needs_nothing_but_itself() {
     for loads in ["<script", "<img", "<link", "<iframe", "<object", "@import", "src=", "url(http", "data:"] {
         assert!(!page.contains(loads), "{loads}");
     }
-    // addresses are names of formats only, and links lead to its sections and to the tables beside it
+    // addresses are names of formats only, and links lead to its sections and to the tables next to it
     assert_eq!(page.matches("http").count(), page.matches("xmlns=\"http://www.w3.org/2000/svg\"").count());
     let is_here = |link: &str| link.ends_with(".csv") || link.starts_with('#');
     assert!(page.split("href=\"").skip(1).all(|link| is_here(link.split('"').next().unwrap())));
@@ -255,7 +255,7 @@ fn every_colour_of_the_pictures_is_visible_in_the_dark_style() {
 fn equal_runs_write_equal_files_for_any_number_of_threads_on_any_processor() {
     let folder = tempfile::tempdir().unwrap();
     let one = folder.path().join("one");
-    // over an old report, beside a file of somebody's
+    // over an old report, next to a file of somebody's
     std::fs::create_dir_all(one.join("figures")).unwrap();
     for name in ["mine.txt", "report.html", "table-1.csv"] {
         std::fs::write(one.join(name), "old").unwrap();
@@ -313,7 +313,7 @@ fn the_figures_are_those_of_the_single_commands() {
     );
 }
 
-/// The paper's protocol of twenty humans stands beside the expectation over all, with intervals and tests,
+/// The paper's protocol of twenty humans stands next to the expectation over all, with intervals and tests,
 /// also where it goes the other way.
 #[test]
 fn the_twenty_humans_of_table_2_are_compared_in_pairs() {

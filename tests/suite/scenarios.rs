@@ -47,8 +47,8 @@ fn plants() -> [Plant; 3] {
 
 /// An episode to the last bit. As text: what was not evaluated is NaN.
 fn bits(scenario: Scenario) -> String {
-    let stage = scenario.prepare().unwrap_or_else(|e| panic!("{e}"));
-    let mut episode: Episode = stage.episode().unwrap_or_else(|e| panic!("{e}"));
+    let prepared = scenario.prepare().unwrap_or_else(|e| panic!("{e}"));
+    let mut episode: Episode = prepared.episode().unwrap_or_else(|e| panic!("{e}"));
     let mut bits = String::new();
     while episode.step().is_none() {
         bits += &format!("{:?}\n", episode.tick());
@@ -186,8 +186,8 @@ fn a_scenario_needs_no_files() {
     let carrier = RobotSetup { posture, robot: robot.texts.into(), ..carrier() };
     let physics = PhysicsSettings::default();
     for plant in [Plant::Kinematic { setup: carrier.clone() }, Plant::Rapier { setup: carrier, physics }] {
-        let stage = scenario(plant).prepare().unwrap_or_else(|e| panic!("{}", chain(e)));
-        let mut episode = stage.episode().unwrap_or_else(|e| panic!("{e}"));
+        let prepared = scenario(plant).prepare().unwrap_or_else(|e| panic!("{}", chain(e)));
+        let mut episode = prepared.episode().unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(episode.step(), None);
     }
 }
@@ -205,13 +205,13 @@ fn a_world_and_a_robot_are_parsed_once() {
         let scenario = Scenario::new(world.clone().into(), Plant::new(kind, RobotSetup::new(&robot)));
         // what was drawn before, and what is prepared after, share the options
         let options = scenario.world.options(scenario.settings.predictor.risk_weight());
-        let stage = scenario.clone().prepare().unwrap_or_else(|e| panic!("{}", chain(e)));
-        assert!(std::ptr::eq(&*options.expect("options"), stage.options()));
-        assert_eq!(stage.world().openings.len(), names);
-        assert_eq!(stage.robot().is_some(), kind != PlantKind::Point);
-        let other = stage.prepare(Scenario { seed: 1, ..scenario }).unwrap_or_else(|e| panic!("{e}"));
-        for stage in [stage, other] {
-            assert_eq!(stage.episode().unwrap_or_else(|e| panic!("{e}")).step(), None);
+        let prepared = scenario.clone().prepare().unwrap_or_else(|e| panic!("{}", chain(e)));
+        assert!(std::ptr::eq(&*options.expect("options"), prepared.options()));
+        assert_eq!(prepared.world().openings.len(), names);
+        assert_eq!(prepared.robot().is_some(), kind != PlantKind::Point);
+        let other = prepared.prepare(Scenario { seed: 1, ..scenario }).unwrap_or_else(|e| panic!("{e}"));
+        for prepared in [prepared, other] {
+            assert_eq!(prepared.episode().unwrap_or_else(|e| panic!("{e}")).step(), None);
         }
     }
     // from the texts alone, there is nothing

@@ -12,7 +12,7 @@ use cocarry::plant::{Command, HumanMotion, Plant, Seen};
 use cocarry::policy::{Decision, Motion, RobotPolicy, RobotView};
 use cocarry::preference::{Perception, subjective_cost};
 use cocarry::robot::{InputVector, Robot};
-use cocarry::saved::{NotRestored, Saved};
+use cocarry::saved::{RestoreError, Saved};
 use cocarry::scenario::{self, PreparedScenario, RobotSetup, Scenario, Snapshot};
 use cocarry::simulation::PhysicsSettings;
 use cocarry_studies::paper;
@@ -45,7 +45,7 @@ fn setup() -> RobotSetup {
     RobotSetup { posture, control: control::Settings::default(), robot: robot.into() }
 }
 
-fn stage(plant: scenario::Plant, model: &str) -> PreparedScenario {
+fn prepared(plant: scenario::Plant, model: &str) -> PreparedScenario {
     let scenario = Scenario {
         seed: 3,
         world: paper::ENVIRONMENTS[3].world().unwrap_or_else(|e| panic!("{e}")).into(),
@@ -75,8 +75,8 @@ fn a_policy_of_ones_own_that_is_eq_6_walks_like_mutual_on_every_plant() {
         scenario::Plant::Rapier { setup: setup(), physics: PhysicsSettings::default() },
     ] {
         let name = plant.name();
-        let stage = stage(plant, "preference");
-        let builder = || stage.builder().unwrap_or_else(|e| panic!("{e}"));
+        let prepared = prepared(plant, "preference");
+        let builder = || prepared.builder().unwrap_or_else(|e| panic!("{e}"));
         let own = ticks(builder().with_policy(OwnPolicy).begin().expect("room"));
         assert!(own.iter().any(|tick| tick.contains("HumanLed")), "{name}: the human takes over");
         assert!(own == ticks(builder().begin().expect("room")), "{name}");
@@ -109,8 +109,8 @@ impl RobotPolicy for StayThere {
 
 #[test]
 fn a_policy_may_set_the_reference_or_the_inputs() {
-    let stage = stage(scenario::Plant::Kinematic { setup: setup() }, "preference");
-    let builder = || stage.builder().unwrap_or_else(|e| panic!("{e}"));
+    let prepared = prepared(scenario::Plant::Kinematic { setup: setup() }, "preference");
+    let builder = || prepared.builder().unwrap_or_else(|e| panic!("{e}"));
     let mut still = builder().with_policy(StandStill).begin().expect("room").ignoring_loss();
     let mut stay = builder().with_policy(StayThere).begin().expect("room").ignoring_loss();
     let begin = *still.configuration().expect("a robot");
@@ -164,9 +164,11 @@ fn a_human_of_ones_own_resists_and_takes_over() {
 /// once the human leads.
 #[test]
 fn with_bodies_a_hand_that_resists_is_pulled_at() {
-    let stage =
-        stage(scenario::Plant::Rapier { setup: setup(), physics: PhysicsSettings::default() }, "preference");
-    let builder = stage.builder().unwrap_or_else(|e| panic!("{e}"));
+    let prepared = prepared(
+        scenario::Plant::Rapier { setup: setup(), physics: PhysicsSettings::default() },
+        "preference",
+    );
+    let builder = prepared.builder().unwrap_or_else(|e| panic!("{e}"));
     let mut episode = builder.with_human(Reluctant).begin().expect("room");
     let mut hands = Vec::new();
     let mut forces = Vec::new();
@@ -201,7 +203,7 @@ impl Plant for Slow {
         Saved::of(&self.0)
     }
 
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         self.0 = saved.read("plant")?;
         Ok(())
     }
@@ -270,17 +272,17 @@ fn closed_form_boltzmann_choices_have_boltzmann_frequencies() {
 #[test]
 fn a_human_of_any_model_is_in_scenarios_and_snapshots() {
     for model in ["boltzmann(0.5)", "scripted(0:2,30:1)"] {
-        let stage = stage(scenario::Plant::Point, model);
-        let text = stage.scenario().text().unwrap_or_else(|e| panic!("{e}"));
+        let prepared = prepared(scenario::Plant::Point, model);
+        let text = prepared.scenario().text().unwrap_or_else(|e| panic!("{e}"));
         assert!(text.contains(&format!("human_model = \"{model}\"")), "{text}");
-        assert_eq!(&Scenario::parse(&text).unwrap_or_else(|e| panic!("{e}")), stage.scenario());
-        let mut episode = stage.episode().unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(&Scenario::parse(&text).unwrap_or_else(|e| panic!("{e}")), prepared.scenario());
+        let mut episode = prepared.episode().unwrap_or_else(|e| panic!("{e}"));
         for _ in 0..25 {
             assert_eq!(episode.step(), None);
         }
-        let bytes = stage.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"));
+        let bytes = prepared.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"));
         let snapshot = Snapshot::parse("x.snapshot", &bytes).unwrap_or_else(|e| panic!("{e}"));
-        let again = stage.resume(snapshot.state).unwrap_or_else(|e| panic!("{e}"));
+        let again = prepared.resume(snapshot.state).unwrap_or_else(|e| panic!("{e}"));
         assert!(ticks(again) == ticks(episode), "{model}");
     }
 }

@@ -98,7 +98,7 @@ fn property_what_a_setting_does_not_take_is_refused_in_the_same_words_everywhere
             Some(words) => words.iter().map(|(word, _)| (*word).to_owned()).collect(),
             // a scenario's text is read by another parser than the rest, which says the same forms
             None if setting.key == "human_model" => vec!["boltzmann(RATIONALITY)".to_owned()],
-            None => vec![setting.expected()],
+            None => vec![setting.expected().to_string()],
         };
         for said in refusals(setting, &bad) {
             for expected in &expected {

@@ -41,7 +41,7 @@ fn check(set: &OptionSet, settings: &Settings, human: Perception, context: &str)
             if !is_the_same {
                 continue;
             }
-            let at = format!("{context}, step {}, option {o} beside {walked}", tick.step);
+            let at = format!("{context}, step {}, option {o} next to {walked}", tick.step);
             shared += 1;
             assert!(!option.misaligned, "{at}: misaligned");
             assert!(

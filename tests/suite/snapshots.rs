@@ -37,7 +37,7 @@ fn plants() -> [Plant; 3] {
     [Plant::Point, Plant::Kinematic { setup: carrier.clone() }, Plant::Rapier { setup: carrier, physics }]
 }
 
-fn stage(scenario: Scenario) -> PreparedScenario {
+fn prepared(scenario: Scenario) -> PreparedScenario {
     scenario.prepare().unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -56,12 +56,12 @@ fn parse(bytes: &[u8]) -> Result<Snapshot, cocarry::Error> {
 }
 
 /// An episode's snapshot after so many steps, as a file's contents.
-fn saved(stage: &PreparedScenario, steps: u64) -> Vec<u8> {
-    let mut episode = stage.episode().unwrap_or_else(|e| panic!("{e}"));
+fn saved(prepared: &PreparedScenario, steps: u64) -> Vec<u8> {
+    let mut episode = prepared.episode().unwrap_or_else(|e| panic!("{e}"));
     for _ in 0..steps {
         assert_eq!(episode.step(), None);
     }
-    stage.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"))
+    prepared.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Asserts that an episode saved after so many steps goes on with the bits of `whole`, and that its snapshot
@@ -72,9 +72,9 @@ fn assert_resumes(of_whole: &PreparedScenario, whole: &[String], cuts: &[u64]) {
         let bytes = saved(of_whole, cut);
         let snapshot = parse(&bytes).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(snapshot.state.steps(), cut);
-        let stage = stage(snapshot.scenario);
-        let episode = stage.resume(snapshot.state).unwrap_or_else(|e| panic!("{e}"));
-        let again = stage.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"));
+        let prepared = prepared(snapshot.scenario);
+        let episode = prepared.resume(snapshot.state).unwrap_or_else(|e| panic!("{e}"));
+        let again = prepared.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"));
         assert!(again == bytes, "{name}: something is lost after {cut} steps");
         assert!(rest(episode) == whole[cut as usize..], "{name}: cut after {cut} steps");
     }
@@ -84,8 +84,8 @@ fn assert_resumes(of_whole: &PreparedScenario, whole: &[String], cuts: &[u64]) {
 fn a_resumed_episode_is_the_one_never_cut() {
     for plant in plants() {
         let name = plant.name();
-        let stage_of_whole = stage(scenario(plant, Method::MUTUAL));
-        let whole = stage_of_whole.episode().unwrap_or_else(|e| panic!("{e}"));
+        let prepared_of_whole = prepared(scenario(plant, Method::MUTUAL));
+        let whole = prepared_of_whole.episode().unwrap_or_else(|e| panic!("{e}"));
         let transition = {
             let mut episode = whole.clone();
             while episode.step().is_none() {}
@@ -95,7 +95,7 @@ fn a_resumed_episode_is_the_one_never_cut() {
         let whole = rest(whole);
         let end = whole.len() as u64 - 1;
         let cuts = [0, 1, transition - 1, transition, transition + 1, (transition + end) / 2, end];
-        assert_resumes(&stage_of_whole, &whole, &cuts);
+        assert_resumes(&prepared_of_whole, &whole, &cuts);
     }
 }
 
@@ -104,21 +104,21 @@ fn a_resumed_episode_is_the_one_never_cut() {
 fn a_snapshot_of_a_resumed_episode_is_the_one_of_the_episode_never_cut() {
     for plant in plants() {
         let name = plant.name();
-        let whole = stage(scenario(plant, Method::HUMAN_LED));
+        let whole = prepared(scenario(plant, Method::HUMAN_LED));
         let early = parse(&saved(&whole, 20)).unwrap_or_else(|e| panic!("{e}"));
-        let stage = stage(early.scenario);
-        let mut episode = stage.resume(early.state).unwrap_or_else(|e| panic!("{e}"));
+        let prepared = prepared(early.scenario);
+        let mut episode = prepared.resume(early.state).unwrap_or_else(|e| panic!("{e}"));
         for _ in 20..50 {
             assert_eq!(episode.step(), None);
         }
-        let late = stage.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"));
+        let late = prepared.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"));
         assert!(late == saved(&whole, 50), "{name}: the files differ");
     }
 }
 
 #[test]
 fn a_cut_or_flipped_snapshot_is_refused() {
-    let [_, kinematic, rapier] = plants().map(|plant| saved(&stage(scenario(plant, Method::MUTUAL)), 30));
+    let [_, kinematic, rapier] = plants().map(|plant| saved(&prepared(scenario(plant, Method::MUTUAL)), 30));
     for (bytes, stride) in [(kinematic, 97), (rapier, 9973)] {
         assert!(parse(&bytes).is_ok());
         for at in (0..bytes.len()).step_by(stride) {
@@ -136,7 +136,7 @@ fn a_cut_or_flipped_snapshot_is_refused() {
 
 #[test]
 fn a_snapshot_of_another_format_says_so() {
-    let mut bytes = saved(&stage(scenario(Plant::Point, Method::MUTUAL)), 3);
+    let mut bytes = saved(&prepared(scenario(Plant::Point, Method::MUTUAL)), 3);
     let version = &bytes[21..21 + usize::from(bytes[20])];
     assert_eq!(version, env!("CARGO_PKG_VERSION").as_bytes());
     bytes[16] += 1;
@@ -151,19 +151,19 @@ fn a_snapshot_of_another_format_says_so() {
 #[test]
 fn a_state_of_another_scenario_is_refused() {
     let [point, kinematic, rapier] = plants();
-    let point = stage(scenario(point, Method::MUTUAL));
-    let kinematic = stage(scenario(kinematic, Method::MUTUAL));
-    let rapier = stage(scenario(rapier, Method::MUTUAL));
+    let point = prepared(scenario(point, Method::MUTUAL));
+    let kinematic = prepared(scenario(kinematic, Method::MUTUAL));
+    let rapier = prepared(scenario(rapier, Method::MUTUAL));
     let state = |of: &PreparedScenario| of.episode().unwrap_or_else(|e| panic!("{e}")).state();
-    let refused = |stage: &PreparedScenario, of: &PreparedScenario| {
-        stage.resume(state(of)).map(|_| ()).expect_err("misfit").to_string()
+    let refused = |prepared: &PreparedScenario, of: &PreparedScenario| {
+        prepared.resume(state(of)).map(|_| ()).expect_err("misfit").to_string()
     };
     assert!(refused(&point, &kinematic).contains("plant"));
     assert!(refused(&kinematic, &point).contains("plant"));
     assert!(refused(&kinematic, &rapier).contains("plant"));
     let door = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [0, 0]\ntarget_m = [9, 0]\n";
     let world = cocarry::world::World::parse("w.toml", door).unwrap_or_else(|e| panic!("{e}"));
-    let other = stage(Scenario { world: world.into(), ..scenario(Plant::Point, Method::MUTUAL) });
+    let other = prepared(Scenario { world: world.into(), ..scenario(Plant::Point, Method::MUTUAL) });
     assert!(refused(&other, &point).contains("place"));
 }
 
@@ -178,8 +178,8 @@ fn a_human_cut_around_a_change_of_mind_is_the_one_never_cut() {
         let changes =
             vec![change(45, 0.6, 0.6), change(25, 0.5, 0.5), change(25, 0.95, 1.1), change(0, 0.7, 0.8)];
         let scenario = scenario(plant, Method::HUMAN_LED);
-        let kept = rest(stage(scenario.clone()).episode().unwrap_or_else(|e| panic!("{e}")));
-        let of_whole = stage(Scenario { changes, ..scenario });
+        let kept = rest(prepared(scenario.clone()).episode().unwrap_or_else(|e| panic!("{e}")));
+        let of_whole = prepared(Scenario { changes, ..scenario });
         let whole = rest(of_whole.episode().unwrap_or_else(|e| panic!("{e}")));
         assert!(whole[25..30] != kept[25..30], "{name}: the change makes a difference");
         let end = whole.len() as u64 - 1;
@@ -195,7 +195,7 @@ fn a_team_cut_while_it_reverses_is_the_one_never_cut() {
     let coordination = coordination::Settings { eta: 15.0, ..coordination::Settings::default() };
     let settings = Settings { coordination, ..Settings::default() };
     let human = Perception { alpha: 0.7572, gamma: 0.9508 };
-    let whole = stage(Scenario { settings, human, ..scenario(plant, Method::MUTUAL) });
+    let whole = prepared(Scenario { settings, human, ..scenario(plant, Method::MUTUAL) });
     let mut episode = whole.episode().unwrap_or_else(|e| panic!("{e}"));
     let mut back = 0;
     while back < 4 {
@@ -204,8 +204,8 @@ fn a_team_cut_while_it_reverses_is_the_one_never_cut() {
     }
     let bytes = whole.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"));
     let snapshot = parse(&bytes).unwrap_or_else(|e| panic!("{e}"));
-    let stage = stage(snapshot.scenario);
-    let again = stage.resume(snapshot.state).unwrap_or_else(|e| panic!("{e}"));
+    let prepared = prepared(snapshot.scenario);
+    let again = prepared.resume(snapshot.state).unwrap_or_else(|e| panic!("{e}"));
     let (whole, again) = (rest(episode), rest(again));
     assert!(whole[0].contains("reverses_for: Some") && again == whole);
 }
@@ -219,7 +219,7 @@ fn an_episode_that_is_stuck_stays_so() {
     let mut texts = carrier.robot.texts().clone();
     texts.urdf = texts.urdf.replace("velocity=\"17.4\"", "velocity=\"0.1\"");
     carrier.robot = texts.into();
-    let whole = stage(scenario(plant, Method::ROBOT_LED));
+    let whole = prepared(scenario(plant, Method::ROBOT_LED));
     let end = rest(whole.episode().unwrap_or_else(|e| panic!("{e}")));
     assert!(end.last().expect("a summary").contains("Stuck"), "{:?}", end.last());
     let snapshot = parse(&saved(&whole, 40)).unwrap_or_else(|e| panic!("{e}"));

@@ -1,4 +1,4 @@
-//! The carrier with one thing spoiled, and what is said of it.
+//! The carrier with one thing spoiled, and the message about it.
 
 use crate::support::repository;
 use cocarry::robot::Robot;

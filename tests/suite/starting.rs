@@ -69,6 +69,21 @@ fn new_replaces_nothing_and_writes_all_files_or_none() {
     assert!(std::fs::read_to_string(folder.path().join("study.toml")).unwrap().contains("worlds ="));
 }
 
+/// The folder stands for its file of the kind that the command takes.
+#[test]
+fn a_folder_of_new_is_understood_as_its_world_robot_or_study() {
+    let folder = tempfile::tempdir().unwrap();
+    succeeds(folder.path(), &["new", "kitchen"]);
+    let told = succeeds(folder.path(), &["world", "kitchen"]);
+    assert_eq!(told, succeeds(folder.path(), &["world", "kitchen/world.toml"]));
+    succeeds(
+        folder.path(),
+        &["run", "kitchen", "--robot", "kitchen", "--plant", "kinematic", "--max-steps", "9999"],
+    );
+    let told = succeeds(folder.path(), &["sweep", "kitchen", "--seeds", "1", "-o", "rows.csv"]);
+    assert!(told.contains("rows.csv: "), "{told}");
+}
+
 #[test]
 fn what_is_exported_is_what_is_built_in() {
     let folder = tempfile::tempdir().unwrap();
@@ -89,6 +104,9 @@ fn what_is_exported_is_what_is_built_in() {
             assert_eq!(std::fs::read(file).unwrap(), std::fs::read(repository(source)).unwrap(), "{source}");
         }
     }
+    // a dash prints the same
+    let told = run_in(folder.path(), &["export", "environment-4", "-"]);
+    assert_eq!(told.stdout, std::fs::read(repository("worlds/environment-4.toml")).unwrap());
     // an exported robot is the built-in one
     let cost = |arguments: &[&str]| {
         let arguments = [&["run", "--plant", "kinematic", "--max-steps", "20", "--json"], arguments].concat();

@@ -21,6 +21,8 @@ fn mistyped_values_of_arguments_have_a_suggestion() {
     for (arguments, said) in [
         (&["run", "environmnt-4"][..], "did you mean `environment-4`?"),
         (&["world", "Environment-2"], "did you mean `environment-2`?"),
+        (&["run", "env4"], "did you mean `environment-4`?"),
+        (&["world", "4"], "did you mean `environment-4`?"),
         (&["run", "--plant", "kinematik"], "'kinematic'"),
         (&["run", "--method", "mutal"], "'mutual'"),
         (&["run", "--pose", "whole_body"], "'whole-body'"),
@@ -75,6 +77,28 @@ fn mistyped_keys_and_values_of_files_have_a_suggestion() {
     says(&[("w.toml", opening)], &["world", "w.toml"], "did you mean `island`?");
 }
 
+/// A file of another kind is named, with where it belongs.
+#[test]
+fn a_file_given_where_another_kind_belongs_is_named() {
+    let world = include_str!("../../worlds/environment-1.toml");
+    let robot = "name = \"r\"\nurdf = \"r.urdf\"\n";
+    let study = "worlds = \"environment-1\"\nplants = \"point\"\n";
+    let files = [("w.toml", world), ("r.toml", robot), ("s.toml", study)];
+    says(&files, &["run", "r.toml"], "error: r.toml: this is a robot file; give it as --robot");
+    says(&files, &["world", "s.toml"], "error: s.toml: this is a study; run it with `cocarry sweep`");
+    says(&files, &["sweep", "w.toml"], "error: w.toml: this is a world file; give it to `cocarry run`");
+    says(&files, &["run", "--robot", "w.toml"], "error: w.toml: this is a world file");
+}
+
+#[test]
+fn a_number_that_is_not_whole_is_refused_in_words() {
+    for value in ["1.5", "-1", "ten"] {
+        let said =
+            format!("invalid value '{value}' for '--seed <SEED>': expected a whole number of at least 0");
+        says(&[], &["run", "--seed", value], &said);
+    }
+}
+
 #[test]
 fn a_name_like_none_has_no_suggestion() {
     let output = cocarry(&["run", "zebra"]);
@@ -83,7 +107,7 @@ fn a_name_like_none_has_no_suggestion() {
 }
 
 #[test]
-fn an_ending_that_is_not_what_is_written_is_refused() {
+fn another_extension_than_that_of_the_format_is_refused() {
     for arguments in [
         &["run", "--svg", "a.png"][..],
         &["world", "environment-1", "--svg", "map"],
@@ -92,6 +116,6 @@ fn an_ending_that_is_not_what_is_written_is_refused() {
         &["run", "--render", "a.mp4"],
         &["run", "--ticks", "a.xlsx"],
     ] {
-        says(&[], arguments, "end");
+        says(&[], arguments, "expected");
     }
 }

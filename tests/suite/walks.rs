@@ -106,11 +106,11 @@ fn property_the_option_that_is_walked_gets_shorter_by_every_step_and_no_riskier(
 }
 
 /// D of every option, walked or not, changes with the team's position by no more than the rule of joining a
-/// straight part can explain, but where a gap is crossed or left. Elsewhere it jumps only where two paths round
-/// an obstacle are equally good and join a straight part at different positions.
+/// straight part can explain, but where a gap is crossed or left. Elsewhere it jumps only where two paths
+/// round an obstacle are equally good and join a straight part at different positions.
 #[test]
 fn property_lengths_jump_little_between_crossings() {
-    // beside the axis of a straight part D falls by up to 1.55 m for every metre walked
+    // off the axis of a straight part D falls by up to 1.55 m for every metre walked
     const STEEPEST: f64 = 1.6;
     let mut rng = ChaCha8Rng::seed_from_u64(39);
     let (mut worlds, mut lengths, mut jumps, mut largest) = (0, 0, 0, 0.0);

@@ -127,13 +127,13 @@ impl Grid {
         queue.iter().for_each(|i| is_reached[*i] = true);
         while let Some(i) = queue.pop() {
             let column = i % width;
-            let beside = [
+            let neighbours = [
                 (column > 0).then(|| i - 1),
                 (column + 1 < width).then_some(i + 1),
                 i.checked_sub(width),
                 Some(i + width).filter(|i| *i < cells),
             ];
-            for next in beside.into_iter().flatten() {
+            for next in neighbours.into_iter().flatten() {
                 if is_open(next) && !std::mem::replace(&mut is_reached[next], true) {
                     queue.push(next);
                 }

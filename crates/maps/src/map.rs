@@ -59,7 +59,7 @@ fn written(grid: &Grid, rings: Vec<Vec<Vertex>>, height: f64) -> String {
 }
 
 /// The free cells that belong to the floor on which the team walks: those near a place where the robot's
-/// middle gets to. What lies behind a crack in a wall is none of it.
+/// middle gets to. What lies behind a crack in a wall does not belong to it.
 fn floor(grid: &Grid, map: &str, request: &Request) -> Result<Vec<bool>, Error> {
     let is_free = |i: usize| match grid.cells[i] {
         Cell::Free => true,

@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn closed_form_rings_close_to_each_other_do_not_come_to_touch() {
-        // a cell beside a bay of two cells that a tolerance of two would close
+        // a cell next to a bay of two cells that a tolerance of two would close
         let bay = vec![[0, 0], [10, 0], [10, 6], [6, 6], [6, 4], [3, 4], [3, 6], [0, 6]];
         let cell = vec![[4, 5], [4, 6], [5, 6], [5, 5]];
         let simple = simplified(&[bay.clone(), cell.clone()], 2.5);

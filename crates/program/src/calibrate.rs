@@ -1,4 +1,4 @@
-//! `cocarry calibrate`: checks that what the robot learns of a human is as certain as it should be.
+//! `cocarry calibrate`: checks that what the robot learns about a human is as certain as it should be.
 
 use super::output::{Failure, Progress, examples, input, print, print_json, table, table_text};
 use super::settings::number;
@@ -11,12 +11,11 @@ use cocarry_studies::fit::{Calibration, Check, checks};
 use serde_json::json;
 use std::process::ExitCode;
 
-/// Check the calibration of what the robot learns of a human
+/// Check the calibration of what the robot learns about a human
 ///
 /// Humans are drawn from the prior and observed in the built-in worlds, with lapses and changes of mind. The
 /// posterior probability up to the true alpha, gamma and eta must be uniform over all humans (simulation-based
-/// calibration, Talts et al. 2018). The largest distance of its distribution from the uniform one must be
-/// within a band that a calibrated belief exceeds with probability 0.001. The exit code is 1 if one is not.
+/// calibration, Talts et al. 2018). Exits with 1 if a Kolmogorov-Smirnov test rejects uniformity at 0.001.
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry calibrate --replications 1000", ""),
@@ -26,16 +25,16 @@ pub(super) struct CalibrateArguments {
     /// Number of humans
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(100..=10_000_000))]
     replications: u64,
-    /// Looks at each human
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=1000))]
-    looks: u32,
+    /// Sightings of each human under their lead
+    #[arg(long, alias = "looks", value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=1000))]
+    sightings: u32,
     /// Tasks with each human under the robot's lead
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=100))]
     tasks: u32,
     /// Seed
     #[arg(long, value_name = "SEED", default_value_t = 0)]
     seed: u64,
-    /// Probability that a look at a human says nothing about them
+    /// Probability that a sighting of a human says nothing about them
     #[arg(long, value_name = "RATE", value_parser = number(&BELIEF_LAPSE), allow_negative_numbers = true, default_value_t = learning::Settings::default().lapse_rate)]
     lapse_rate: f64,
     /// The lapse rate that the robot assumes [default: the true one]
@@ -46,14 +45,14 @@ pub(super) struct CalibrateArguments {
     json: bool,
 }
 
-pub(super) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_calibrate(arguments: &CalibrateArguments) -> Result<ExitCode, Failure> {
     let truth = learning::Settings { lapse_rate: arguments.lapse_rate, ..Default::default() };
     let lapse_rate = arguments.assumed_lapse_rate.unwrap_or(arguments.lapse_rate);
     let calibration = Calibration {
         truth,
         assumed: learning::Settings { lapse_rate, ..truth },
         replications: arguments.replications,
-        looks: arguments.looks,
+        sightings: arguments.sightings,
         tasks: arguments.tasks,
         seed: arguments.seed,
         ..Calibration::default()

@@ -1,7 +1,9 @@
 //! `cocarry cluster`: runs a study as tasks of a cluster's scheduler, and gathers their results.
 
 use super::interrupt::Interrupt;
-use super::output::{Failure, Progress as Bar, examples, input, print, print_json, table, table_text, warn};
+use super::output::{
+    Failure, Progress as Bar, counted, examples, input, print, print_json, table, table_text, warn,
+};
 use super::reproduce::Common;
 use super::sweep::{self, print_summary};
 use anyhow::Context;
@@ -17,7 +19,7 @@ use std::process::ExitCode;
 /// Run a study on a cluster: submit its shards, follow them, and gather the results
 ///
 /// The results are those of `cocarry sweep` on one machine, byte for byte. The commands share the folder
-/// RESULTS.job beside the results, which must be on a file system that all nodes see.
+/// RESULTS.job next to the results, which must be on a file system that all nodes see.
 #[derive(Debug, Subcommand)]
 pub(super) enum Action {
     Slurm(SlurmArguments),
@@ -30,16 +32,16 @@ pub(super) enum Action {
 /// Submit a study to Slurm as a job array, one task per shard
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
-    ("cocarry cluster slurm study.toml --out study.csv --shards 100", "a hundred tasks"),
-    ("cocarry cluster slurm study.toml --out study.csv --sbatch \"--time=4:00:00 --partition=short\"", "with options of sbatch"),
-    ("cocarry cluster slurm study.toml --out study.csv --no-submit", "only the files, to look at"),
+    ("cocarry cluster slurm study.toml -o study.csv --shards 100", "a hundred tasks"),
+    ("cocarry cluster slurm study.toml -o study.csv --sbatch \"--time=4:00:00 --partition=short\"", "with options of sbatch"),
+    ("cocarry cluster slurm study.toml -o study.csv --no-submit", "only the files, to look at"),
 ]))]
 pub(super) struct SlurmArguments {
     /// Study file (TOML)
     study: PathBuf,
     /// File for the gathered results; FILE.job is the job's folder
-    #[arg(long, value_name = "FILE")]
-    out: PathBuf,
+    #[arg(short, long, alias = "out", value_name = "FILE")]
+    output: PathBuf,
     /// Number of shards, and so of tasks; at most one per episode
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     shards: u64,
@@ -64,7 +66,7 @@ pub(super) struct SlurmArguments {
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[("cocarry cluster status study.csv", "the shards of its job")]))]
 pub(super) struct StatusArguments {
-    /// File given as --out
+    /// File given as --output
     results: PathBuf,
     /// Print one JSON object instead of tables
     #[arg(long)]
@@ -75,7 +77,7 @@ pub(super) struct StatusArguments {
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[("cocarry cluster resubmit study.csv", "what `status` lists as failed or missing")]))]
 pub(super) struct ResubmitArguments {
-    /// File given as --out
+    /// File given as --output
     results: PathBuf,
     /// Print the commands, but submit nothing
     #[arg(long)]
@@ -89,7 +91,7 @@ pub(super) struct ResubmitArguments {
     ("cocarry cluster gather study.csv --audit 1", "and one percent of the episodes run again here"),
 ]))]
 pub(super) struct GatherArguments {
-    /// File given as --out
+    /// File given as --output
     results: PathBuf,
     /// Replace existing results
     #[arg(long)]
@@ -105,11 +107,11 @@ pub(super) struct GatherArguments {
     common: Common,
 }
 
-/// Run one shard of a job, or what is left of it; this is what a task does
+/// Run one shard of a job, or the rest of it: the command of a task
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[("cocarry cluster shard study.csv 3", "the third shard, on this machine")]))]
 pub(super) struct ShardArguments {
-    /// File given as --out
+    /// File given as --output
     results: PathBuf,
     /// Number of the shard, from 1
     number: u64,
@@ -117,7 +119,7 @@ pub(super) struct ShardArguments {
     common: Common,
 }
 
-pub(super) fn run(action: &Action) -> Result<ExitCode, Failure> {
+pub(super) fn run_cluster(action: &Action) -> Result<ExitCode, Failure> {
     match action {
         Action::Slurm(arguments) => submit(arguments),
         Action::Status(arguments) => status(arguments),
@@ -128,7 +130,8 @@ pub(super) fn run(action: &Action) -> Result<ExitCode, Failure> {
 }
 
 fn submit(arguments: &SlurmArguments) -> Result<ExitCode, Failure> {
-    let SlurmArguments { study: file, out, shards, threads, seeds, no_submit, overwrite, .. } = arguments;
+    let SlurmArguments { study: file, output: out, shards, threads, seeds, no_submit, overwrite, .. } =
+        arguments;
     let options: Vec<String> =
         arguments.sbatch.iter().flat_map(|text| text.split_whitespace()).map(str::to_owned).collect();
     slurm::check_options(&options).map_err(failure)?;
@@ -137,14 +140,23 @@ fn submit(arguments: &SlurmArguments) -> Result<ExitCode, Failure> {
     if *overwrite {
         refuse_queued(out)?;
     }
+    if !*no_submit {
+        // before the job's folder is created, and after what else may be wrong
+        let outputs = cocarry_output::output_file::Outputs::new(*overwrite, [file.clone()]);
+        outputs.check(out).map_err(|error| failure(error.into()))?;
+        slurm::check_available().map_err(failure)?;
+    }
     let program = std::env::current_exe().context("the path of this program").map_err(Failure::Output)?;
     let description = Description::of(&study, file, *seeds, *shards, options);
     let script = |job: &Job| slurm::script(job, &program, *threads);
     let mut job = Job::create(out, description, script, *overwrite).map_err(failure)?;
     let shards: Vec<u64> = (1..=job.description().shards).collect();
-    let combinations = study.combinations();
-    let sizes =
-        format!("{} episodes of {combinations} combinations, {} shards\n", study.episodes(), shards.len());
+    let sizes = format!(
+        "{} of {}, {}\n",
+        counted(study.episodes(), "episode"),
+        counted(study.combinations(), "combination"),
+        counted(shards.len(), "shard")
+    );
     print(&format!("{}: {sizes}", job.folder().display()))?;
     send(&mut job, &shards, *no_submit)
 }
@@ -224,11 +236,12 @@ fn status(arguments: &StatusArguments) -> Result<ExitCode, Failure> {
     let counts = counts.iter().filter(|(n, _)| *n > 0).map(|(n, name)| format!(", {n} {name}"));
     let done: u64 = states.iter().map(|(_, progress)| progress.done).sum();
     let mut text = format!(
-        "{}: {} of {of} shards done{}; {done} of {} episodes\n",
+        "{}: {} of {} done{}; {done} of {}\n",
         job.results().display(),
         count("done"),
+        counted(of, "shard"),
         counts.collect::<String>(),
-        job.description().episodes,
+        counted(job.description().episodes, "episode"),
     );
     let open: Vec<_> =
         states.iter().enumerate().filter(|(_, (state, _))| *state != ShardState::Done).collect();
@@ -284,15 +297,17 @@ fn gather(arguments: &GatherArguments) -> Result<ExitCode, Failure> {
         let listed = listed.first().map_or(String::new(), |array| ranges(&array.shards));
         let results = arguments.results.display();
         print(&format!(
-            "{} of {of} shards are not complete: {listed}\nto see why: cocarry cluster status {results}\n",
-            missing.len()
+            "{} of {} are not complete: {listed}\nto see why: cocarry cluster status {results}\n",
+            missing.len(),
+            counted(of, "shard")
         ))?;
         return Ok(ExitCode::from(1));
     }
     let files: Vec<PathBuf> = (1..=of).map(|number| job.file_of(number)).collect();
     let episodes =
         merge(job.results(), &files, arguments.overwrite).map_err(|error| failure(error.into()))?;
-    let title = format!("{}: {episodes} episodes of {of} shards", job.results().display());
+    let title =
+        format!("{}: {} of {}", job.results().display(), counted(episodes, "episode"), counted(of, "shard"));
     print_summary(job.results(), &title, arguments.common.json)?;
     match arguments.audit {
         Some(percent) => audit(&job, percent, arguments),
@@ -308,7 +323,7 @@ fn audit(job: &Job, percent: f64, arguments: &GatherArguments) -> Result<ExitCod
     bar.finish();
     let size = sample.episodes();
     if found.is_empty() {
-        eprintln!("audit: {size} episodes run again, all rows equal");
+        eprintln!("audit: {} run again, all rows equal", counted(size, "episode"));
         return Ok(ExitCode::SUCCESS);
     }
     let of = job.description().shards;
@@ -324,7 +339,11 @@ fn audit(job: &Job, percent: f64, arguments: &GatherArguments) -> Result<ExitCod
             values.join("; ")
         );
     }
-    eprintln!("audit: {} of {size} episodes differ; run the shards of these nodes again", found.len());
+    eprintln!(
+        "audit: {} of {} differ; run the shards of these nodes again",
+        found.len(),
+        counted(size, "episode")
+    );
     Ok(ExitCode::from(1))
 }
 
@@ -350,7 +369,7 @@ fn shard(arguments: &ShardArguments) -> Result<ExitCode, Failure> {
         Progress { done: 0, .. } => String::new(),
         Progress { done, .. } => format!(", {done} of them from an earlier run"),
     };
-    print(&format!("shard {number}/{of} on {node}: {} episodes{kept}\n", before.of))?;
+    print(&format!("shard {number}/{of} on {node}: {}{kept}\n", counted(before.of, "episode")))?;
     Ok(ExitCode::SUCCESS)
 }
 

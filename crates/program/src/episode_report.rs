@@ -1,6 +1,8 @@
 //! The report of an episode that `cocarry run` prints, as text and as JSON.
 
 use super::output::{OPTION_HEADINGS, option_json, table, table_text};
+use super::terminal::{ATTENTION, BAD, BOLD, GOOD, Text};
+use anstyle::Style;
 use cocarry::coordination;
 use cocarry::episode::{
     ControlSummary, Episode, GRASP_WARNING_RMS_M, HumanSummary, OptionTick, Outcome, PreferenceChange,
@@ -9,7 +11,7 @@ use cocarry::episode::{
 use cocarry::geometry::Point;
 use cocarry::policy::Method;
 use cocarry::preference::Perception;
-use cocarry::quantities::{EPISODE, Event, View};
+use cocarry::quantities::{EPISODE, Event, Severity, View};
 use cocarry::robot::Robot;
 use cocarry::scenario::{PreparedScenario, RobotSetup};
 use cocarry_output::drawing::Track;
@@ -18,7 +20,7 @@ use std::fmt::Write;
 
 /// The report of a finished episode.
 pub(super) struct EpisodeReport<'a> {
-    pub stage: &'a PreparedScenario,
+    pub prepared: &'a PreparedScenario,
     pub episode: &'a Episode<'a>,
     /// The step at which the episode was resumed; `None` if it ran from its beginning.
     pub resumed: Option<u64>,
@@ -26,9 +28,34 @@ pub(super) struct EpisodeReport<'a> {
     pub ticks: Vec<Tick>,
 }
 
+/// The style of an event in a terminal.
+fn style(event: &Event) -> Option<Style> {
+    match (event.severity, event.about) {
+        (Severity::Error, _) => Some(BAD),
+        (Severity::Info, "end") => Some(GOOD),
+        (Severity::Warning, "mode") => Some(BOLD),
+        _ => None,
+    }
+}
+
+/// alpha and gamma that experiments report for people, about: beyond them, a digit is probably mistyped.
+const PLAUSIBLE: [f64; 2] = [0.2, 2.0];
+
+/// Warnings about a scenario, known before its episode.
+pub(super) fn scenario_warnings(prepared: &PreparedScenario) -> Vec<String> {
+    let Perception { alpha, gamma } = prepared.scenario().human;
+    let [least, most] = PLAUSIBLE;
+    let odd =
+        [("alpha", alpha), ("gamma", gamma)].into_iter().filter(|(_, value)| !(least..=most).contains(value));
+    let odd = odd.map(|(name, value)| {
+        format!("{name} = {value}: experiments find values from {least} to {most} for people")
+    });
+    odd.chain(prepared.slow_drive().map(|slow| slow.to_string())).chain(prepared.robot_warnings()).collect()
+}
+
 impl EpisodeReport<'_> {
     fn view(&self) -> View<'_> {
-        View::new(self.stage, self.episode)
+        View::new(self.prepared, self.episode)
     }
 
     fn summary(&self) -> &Summary {
@@ -36,7 +63,7 @@ impl EpisodeReport<'_> {
     }
 
     fn settings(&self) -> &Settings {
-        &self.stage.scenario().settings
+        &self.prepared.scenario().settings
     }
 
     fn method(&self) -> Method {
@@ -45,16 +72,16 @@ impl EpisodeReport<'_> {
 
     /// The robot and its setup; `None` on the planning level alone.
     fn robot_setup(&self) -> Option<(&Robot, &RobotSetup)> {
-        self.stage.robot().zip(self.stage.scenario().plant.robot_setup())
+        self.prepared.robot().zip(self.prepared.scenario().plant.robot_setup())
     }
 
     fn option_name(&self, option: usize) -> &str {
-        &self.stage.options().options()[option].name
+        &self.prepared.options().options()[option].name
     }
 
     fn openings(&self, option: usize) -> Vec<&str> {
-        let crossings = &self.stage.options().options()[option].crossings;
-        crossings.iter().map(|c| self.stage.world().openings[c.opening].name.as_str()).collect()
+        let crossings = &self.prepared.options().options()[option].crossings;
+        crossings.iter().map(|c| self.prepared.world().openings[c.opening].name.as_str()).collect()
     }
 
     /// The options at the first reported step: name, openings, and quantities.
@@ -76,7 +103,7 @@ impl EpisodeReport<'_> {
 
     /// The human's preference changes that were applied, by step.
     fn preference_changes(&self) -> Vec<PreferenceChange> {
-        let mut standing = PreferenceChange::in_force(&self.stage.scenario().changes);
+        let mut standing = PreferenceChange::in_force(&self.prepared.scenario().changes);
         standing.retain(|change| change.step < self.summary().steps);
         standing
     }
@@ -91,17 +118,17 @@ impl EpisodeReport<'_> {
 
     /// The target, if the team arrived there.
     fn end(&self) -> Option<Point> {
-        (self.summary().outcome == Outcome::Arrived).then(|| self.stage.options().target())
+        (self.summary().outcome == Outcome::Arrived).then(|| self.prepared.options().target())
     }
 
-    pub fn as_text(&self) -> String {
-        let (world, summary) = (self.stage.world(), self.summary());
+    pub fn as_text(&self) -> Text {
+        let (world, summary) = (self.prepared.world(), self.summary());
         let coordination::Settings { eta, initial_stubbornness } = self.settings().coordination;
         let mut text = format!("{} ({})\n", world.name, world.file);
         let method = self.method().name();
         let from =
             self.resumed.map_or("the start".to_owned(), |step| format!("step {step}, where the run resumed"));
-        let Perception { alpha, gamma } = self.stage.scenario().human;
+        let Perception { alpha, gamma } = self.prepared.scenario().human;
         text += &format!(
             "human: alpha {alpha:.4}, gamma {gamma:.4}; method {method}, eta {eta}, phi(0) {initial_stubbornness}\n\nOptions at {from}\n"
         );
@@ -119,24 +146,35 @@ impl EpisodeReport<'_> {
         }
         text += &table_text(&options);
         text += "\nEvents\n";
+        let mut report = Text::default();
+        report.plain(&text);
         for event in self.events() {
-            let _ = writeln!(text, "  {event}");
+            let line = self.line(&event);
+            match style(&event) {
+                None => report.plain(&line),
+                Some(style) => report.styled(style, &line),
+            }
         }
-        text += &format!("  accumulated objective cost {:.2} m\n", summary.accumulated_cost);
+        if summary.steps == 0 {
+            report.plain("  no step was taken\n");
+        }
+        text = format!("  accumulated objective cost {:.2} m\n", summary.accumulated_cost);
         let HumanSummary { stubbornness, discomfort, subjective_cost, .. } = summary.human;
         let _ = writeln!(
             text,
-            "  human: final phi {stubbornness:.3}, discomfort g {discomfort:.2}; {:.0} % of the steps off the preferred option; accumulated \
-             subjective cost {subjective_cost:.2}",
+            "  human: final phi {stubbornness:.3}, discomfort g {discomfort:.2}; spent {:.0} % of the steps on an option they did not prefer; \
+             accumulated subjective cost {subjective_cost:.2}",
             100.0 * summary.human.share_off_preference(summary.steps)
         );
         if let (Some((robot, setup)), Some(control)) = (self.robot_setup(), &summary.control) {
             text += &self.control_text(robot, &setup.posture, control);
         }
-        for warning in self.warnings() {
-            let _ = writeln!(text, "\nwarning: {warning}");
+        report.plain(&text);
+        for warning in self.episode_warnings() {
+            report.plain("\n");
+            report.styled(ATTENTION, &format!("warning: {warning}\n"));
         }
-        text
+        report
     }
 
     fn control_text(&self, robot: &Robot, posture: &str, control: &ControlSummary) -> String {
@@ -169,7 +207,7 @@ impl EpisodeReport<'_> {
         if let Some(interaction) = &self.summary().interaction {
             let _ = writeln!(
                 text,
-                "  the human's force on the object: mean {:.1} N, rms {:.1} N; either grip at most {:.0} N, yielding at most {:.1} cm",
+                "  the human's force on the object: mean {:.1} N, rms {:.1} N; neither grip exceeds {:.0} N or gives way by more than {:.1} cm",
                 interaction.mean_force(),
                 interaction.rms_force(),
                 interaction.peak_force,
@@ -183,13 +221,13 @@ impl EpisodeReport<'_> {
         }
         if control.fallback_steps > 0 {
             let _ =
-                writeln!(text, "  no solution of eq. (7) in {} steps: see --ticks", control.fallback_steps);
+                writeln!(text, "  eq. (7) had no solution in {} steps: see --ticks", control.fallback_steps);
         }
         text
     }
 
-    /// Warnings about the scenario and about the episode.
-    fn warnings(&self) -> Vec<String> {
+    /// Warnings about the episode.
+    fn episode_warnings(&self) -> Vec<String> {
         let control =
             self.summary().control.map(|control| (control.error_rms(self.summary().steps), control));
         let off = control.filter(|(rms, _)| *rms >= GRASP_WARNING_RMS_M).map(|(rms, control)| {
@@ -200,17 +238,15 @@ impl EpisodeReport<'_> {
                 100.0 * control.largest_error
             )
         });
-        let slow = self.stage.slow_drive().map(|slow| slow.to_string());
-        let touched = self.view().self_contact();
-        slow.into_iter().chain(self.stage.robot_warnings()).chain(off).chain(touched).collect()
+        off.into_iter().chain(self.view().self_contact()).collect()
     }
 
-    /// The events, one line each. In a resumed episode, earlier preference changes and the transition are
-    /// included.
-    fn events(&self) -> Vec<String> {
-        let (summary, options) = (self.summary(), self.stage.options());
+    /// The events; none if no step was taken. In a resumed episode, earlier preference changes and the
+    /// transition are included.
+    fn events(&self) -> Vec<Event> {
+        let (summary, options) = (self.summary(), self.prepared.options());
         if summary.steps == 0 {
-            return vec!["no step was taken".to_owned()];
+            return Vec::new();
         }
         let first = self.ticks.first();
         let begin = first.map_or(summary.steps, |tick| tick.step);
@@ -233,16 +269,17 @@ impl EpisodeReport<'_> {
         let touched = summary.collision.as_ref();
         events.extend(touched.map(|contact| Event::contact(summary.steps - 1, contact)));
         events.push(Event::end(&self.view()));
-        events.iter().map(|event| self.line(event)).collect()
+        events
     }
 
     fn line(&self, Event { step, position, sentence, .. }: &Event) -> String {
         let place = position.map_or(String::new(), |at| format!(" at ({:.2}, {:.2}) m", at.x, at.y));
-        format!("step {step:>4} ({:5.1} s){place}: {sentence}", self.seconds(*step))
+        format!("  step {step:>4} ({:5.1} s){place}: {sentence}\n", self.seconds(*step))
     }
 
     pub fn as_json(&self) -> Value {
-        let (world, scenario, settings) = (self.stage.world(), self.stage.scenario(), self.settings());
+        let (world, scenario, settings) = (self.prepared.world(), self.prepared.scenario(), self.settings());
+        let warnings = [scenario_warnings(self.prepared), self.episode_warnings()].concat();
         let mut report = json!({
             "world": world.name,
             "file": world.file,
@@ -270,7 +307,7 @@ impl EpisodeReport<'_> {
                 "pose_criterion": c.control.criterion,
                 "avoid": c.control.avoid,
             })),
-            "warnings": self.warnings(),
+            "warnings": warnings,
         });
         for (key, value) in self.view().read(EPISODE) {
             report[key] = value;
@@ -285,7 +322,7 @@ impl EpisodeReport<'_> {
     /// from then on, which is not known for steps before the resumed one.
     fn changes_as_json(&self) -> Vec<Value> {
         let applied = self.preference_changes();
-        let mut given = self.stage.scenario().changes.clone();
+        let mut given = self.prepared.scenario().changes.clone();
         given.sort_by_key(|change| change.step);
         let is_last = |i: usize| given.get(i + 1).is_none_or(|next| next.step != given[i].step);
         let changes = given.iter().enumerate().map(|(i, change)| {

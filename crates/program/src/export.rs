@@ -1,7 +1,7 @@
 //! `cocarry export`: writes built-in files.
 
 use super::catalog;
-use super::output::{Failure, OverwriteArguments, examples, input, print, unwritten};
+use super::output::{Failure, OverwriteArguments, examples, input, print, print_for_programs, unwritten};
 use super::settings::named;
 use anyhow::{Context, anyhow};
 use clap::Args;
@@ -9,11 +9,12 @@ use cocarry_output::output_file::OutputFile;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Write a built-in world, robot or study into a file of your own, to read or to change
+/// Write a built-in world, robot or study into a file, to read or to change
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry export environment-4", "the world of the paper's example, as environment-4.toml"),
-    ("cocarry export carrier --folder robots", "the built-in robot: robots/carrier.toml and robots/carrier.urdf"),
+    ("cocarry export carrier -o robots", "the built-in robot: robots/carrier.toml and robots/carrier.urdf"),
+    ("cocarry export environment-4 -", "the same on standard output"),
     ("cocarry export porter", "a robot with meshes: porter.toml, porter.urdf and the folder porter"),
 ]))]
 pub(super) struct ExportArguments {
@@ -21,17 +22,25 @@ pub(super) struct ExportArguments {
     /// to the folder NAME
     #[arg(value_parser = named(catalog::all().into_iter().map(|item| (item.name, item.about))))]
     name: String,
+    /// `-` prints the file on standard output, of a robot its robot file
+    #[arg(value_name = "-", value_parser = ["-"], hide_possible_values = true, conflicts_with = "output")]
+    stdout: Option<String>,
     /// Folder to write into, which must exist [default: the current directory]
-    #[arg(long, value_name = "FOLDER")]
-    folder: Option<PathBuf>,
+    #[arg(short, long, alias = "folder", value_name = "FOLDER")]
+    output: Option<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArguments,
 }
 
-pub(super) fn run(arguments: &ExportArguments) -> Result<ExitCode, Failure> {
-    let folder = arguments.folder.clone().unwrap_or_default();
+pub(super) fn run_export(arguments: &ExportArguments) -> Result<ExitCode, Failure> {
+    let folder = arguments.output.clone().unwrap_or_default();
     let item = catalog::all().into_iter().find(|item| item.name == arguments.name);
     let files = item.expect("the command line takes names of the catalog only").files;
+    if arguments.stdout.is_some() {
+        let (_, text) = files.first().expect("every item of the catalog has a file");
+        print_for_programs(&String::from_utf8_lossy(text))?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let files: Vec<_> = files.into_iter().map(|(name, bytes)| (folder.join(name), bytes)).collect();
     // before the folder of meshes is made
     arguments.overwrite.outputs([], files.iter().map(|(file, _)| file))?;
@@ -53,11 +62,12 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<ExitCode, Failure> {
 fn made(folder: &Path) -> Result<&Path, Failure> {
     if folder.symlink_metadata().is_ok() {
         return Err(input(anyhow!(
-            "{}: exists and is not a folder; choose another --folder",
+            "{}: exists and is not a folder; choose another --output",
             folder.display()
         )));
     }
-    let made = std::fs::create_dir(folder).with_context(|| format!("{}: cannot be made", folder.display()));
+    let made =
+        std::fs::create_dir(folder).with_context(|| format!("{}: cannot be created", folder.display()));
     made.map(|()| folder).map_err(Failure::Output)
 }
 

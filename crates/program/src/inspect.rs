@@ -34,7 +34,7 @@ pub(super) struct InspectArguments {
     #[arg(long, value_name = "CHANNEL")]
     csv: Option<String>,
     /// Write the CSV into this file [default: standard output]
-    #[arg(long, value_name = "FILE", requires = "csv")]
+    #[arg(short, long, value_name = "FILE", requires = "csv")]
     output: Option<PathBuf>,
     /// Draw trajectory and stubbornness into this SVG file
     #[arg(long, value_name = "FILE", value_parser = svg_file)]
@@ -46,7 +46,7 @@ pub(super) struct InspectArguments {
 /// The largest number of steps in a picture.
 const MAX_STEPS: usize = 1_000_000;
 
-pub(super) fn run(arguments: &InspectArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_inspect(arguments: &InspectArguments) -> Result<ExitCode, Failure> {
     let files = arguments.svg.iter().chain(&arguments.output);
     let outputs = arguments.overwrite.outputs([arguments.file.as_path()], files)?;
     if let Some(file) = &arguments.svg {

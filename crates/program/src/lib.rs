@@ -6,6 +6,7 @@ mod catalog_robots;
 mod cluster;
 mod episode_report;
 mod export;
+mod file_kind;
 mod fit;
 mod infer;
 mod inspect;
@@ -38,13 +39,16 @@ mod tick_log;
 mod world;
 mod worlds;
 
+use clap::error::ContextKind;
 use clap::{CommandFactory, Parser, Subcommand};
 use output::Failure;
+use std::error::Error;
 use std::ffi::OsString;
+use std::num::ParseIntError;
 use std::process::ExitCode;
 
-/// Simulates a human and a mobile manipulator that carry an object together, and shows which way of adapting
-/// to each other works.
+/// Simulates a human and a mobile manipulator that carry an object together but prefer different paths, and
+/// shows which way of adapting works best.
 #[derive(Debug, Parser)]
 #[command(
     name = "cocarry",
@@ -100,14 +104,14 @@ fn after_help() -> String {
         ("cocarry run environment-4 --eta 5 --svg run.svg", "a sensitive human, with a picture"),
         ("cocarry run environment-4 --render run.html", "a 3-D player in one file, for any browser"),
         ("cocarry world free-form --svg map.svg", "obstacles, openings and options of a world"),
-        ("cocarry new kitchen", "a world, a robot and a study of your own, to start from"),
-        ("cocarry robot init robot.urdf", "a robot file for a URDF of your own"),
+        ("cocarry new kitchen", "a world, a robot and a study to start from"),
+        ("cocarry robot init robot.urdf", "a robot file for your URDF"),
         ("cocarry sweep kitchen/study.toml", "a study of many episodes, as CSV"),
-        ("cocarry cluster slurm study.toml --out study.csv", "the same on a cluster"),
+        ("cocarry cluster slurm study.toml -o study.csv", "the same on a cluster"),
         ("cocarry run --record run.mcap", "a recording, to watch in Foxglove"),
         ("cocarry inspect run.mcap", "contents of a recording"),
         ("cocarry reproduce h2", "Table II of the paper"),
-        ("cocarry reproduce all --report report", "all its tables and figures, as a page"),
+        ("cocarry reproduce all -o report", "all its tables and figures, as a page"),
     ]);
     format!(
         "With no command, one episode is run in the paper's Environment 4 with the human of its example.\n\n\
@@ -140,25 +144,25 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let done = match arguments.command {
         None => run::example(),
-        Some(Command::Run(arguments)) => run::run(&arguments),
-        Some(Command::World(arguments)) => world::run(&arguments),
-        Some(Command::Worlds(arguments)) => worlds::run(&arguments),
-        Some(Command::Robot(RobotAction::Check(arguments))) => robot_check::run(&arguments),
-        Some(Command::Robot(RobotAction::Init(arguments))) => robot_init::run(&arguments),
-        Some(Command::New(arguments)) => new::run(&arguments),
-        Some(Command::Export(arguments)) => export::run(&arguments),
-        Some(Command::Sweep(arguments)) => sweep::run(&arguments),
-        Some(Command::Cluster(action)) => cluster::run(&action),
-        Some(Command::Plot(arguments)) => plot::run(&arguments),
-        Some(Command::Reproduce(claim)) => reproduce::run(&claim),
-        Some(Command::Inspect(arguments)) => inspect::run(&arguments),
-        Some(Command::Recover(arguments)) => recover::run(&arguments),
-        Some(Command::Render(arguments)) => render::run(&arguments),
-        Some(Command::Replay(arguments)) => replay::run(&arguments),
-        Some(Command::Fit(parameter)) => fit::run(&parameter),
-        Some(Command::Infer(arguments)) => infer::run(&arguments),
-        Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
-        Some(Command::Regress(action)) => regress::run(&action),
+        Some(Command::Run(arguments)) => run::run_episode(&arguments),
+        Some(Command::World(arguments)) => world::run_world(&arguments),
+        Some(Command::Worlds(arguments)) => worlds::run_worlds(&arguments),
+        Some(Command::Robot(RobotAction::Check(arguments))) => robot_check::run_robot_check(&arguments),
+        Some(Command::Robot(RobotAction::Init(arguments))) => robot_init::run_robot_init(&arguments),
+        Some(Command::New(arguments)) => new::run_new(&arguments),
+        Some(Command::Export(arguments)) => export::run_export(&arguments),
+        Some(Command::Sweep(arguments)) => sweep::run_sweep(&arguments),
+        Some(Command::Cluster(action)) => cluster::run_cluster(&action),
+        Some(Command::Plot(arguments)) => plot::run_plot(&arguments),
+        Some(Command::Reproduce(claim)) => reproduce::run_reproduce(&claim),
+        Some(Command::Inspect(arguments)) => inspect::run_inspect(&arguments),
+        Some(Command::Recover(arguments)) => recover::run_recover(&arguments),
+        Some(Command::Render(arguments)) => render::run_render(&arguments),
+        Some(Command::Replay(arguments)) => replay::run_replay(&arguments),
+        Some(Command::Fit(parameter)) => fit::run_fit(&parameter),
+        Some(Command::Infer(arguments)) => infer::run_infer(&arguments),
+        Some(Command::Calibrate(arguments)) => calibrate::run_calibrate(&arguments),
+        Some(Command::Regress(action)) => regress::run_regress(&action),
         Some(Command::Completions(arguments)) => shell::completions(&arguments, command()),
         Some(Command::Man(arguments)) => shell::man(&arguments, command()),
     };
@@ -169,13 +173,13 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
                 Failure::Input(error) => (2, error),
                 Failure::Output(error) => (4, error),
                 Failure::Interrupted(error) => {
-                    output::tell(&format!("interrupted: {error:#}"));
+                    output::print_message(&format!("interrupted: {error:#}"));
                     return ExitCode::from(130);
                 }
             };
             // a broken pipe is not an error: the reader has closed it
             if !output::is_broken_pipe(&error) {
-                output::tell(&format!("error: {error:#}"));
+                output::print_error(&format_args!("{error:#}"));
             }
             ExitCode::from(code)
         }
@@ -187,9 +191,17 @@ fn refused(error: &clap::Error) -> ExitCode {
     if !error.use_stderr() {
         error.exit()
     }
-    let text = error.render().ansi().to_string();
+    let text = not_whole(error).as_ref().unwrap_or(error).render().ansi().to_string();
     anstream::eprint!("{}", terminal::wrapped(&text, terminal::error_width()));
     ExitCode::from(2)
+}
+
+/// The error of an argument that is not a whole number, in words.
+fn not_whole(error: &clap::Error) -> Option<clap::Error> {
+    error.source()?.downcast_ref::<ParseIntError>()?;
+    let (argument, value) = (error.get(ContextKind::InvalidArg)?, error.get(ContextKind::InvalidValue)?);
+    let sentence = format!("invalid value '{value}' for '{argument}': expected a whole number of at least 0");
+    Some(clap::Error::raw(error.kind(), format!("{sentence}\n\nFor more information, try '--help'.\n")))
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The arguments of the human model, shared by commands. Numbers are checked where they are read.
 
+use super::file_kind::{self, FileKind};
 use super::output::{Failure, input, warn};
 use super::settings::number;
 use anyhow::Context;
@@ -82,9 +83,11 @@ fn samples(file: &Path) -> anyhow::Result<Belief> {
     Belief::samples(samples).with_context(name)
 }
 
-/// The world in a file, which may name a map, or a built-in world by its name.
+/// The world in a file, which may name a map, in a folder of `cocarry new`, or a built-in world by its name.
 pub(super) fn load_world(path: &Path) -> Result<World, Failure> {
-    let world = cocarry_maps::find(path, &path.to_string_lossy()).map_err(input)?;
+    let path = &file_kind::within(path, FileKind::World);
+    let world = cocarry_maps::find(path, &path.to_string_lossy());
+    let world = world.map_err(|error| file_kind::refused(path, FileKind::World, error.into()))?;
     world.warnings().iter().for_each(warn);
     Ok(world)
 }
@@ -92,8 +95,8 @@ pub(super) fn load_world(path: &Path) -> Result<World, Failure> {
 /// The world that a file in `folder` names: a world file relative to that folder, otherwise as in
 /// [`load_world`].
 pub(super) fn load_world_near(folder: &Path, name: &str) -> Result<World, Failure> {
-    let beside = folder.join(name);
-    if beside.is_file() { load_world(&beside) } else { load_world(Path::new(name)) }
+    let sibling = folder.join(name);
+    if sibling.is_file() { load_world(&sibling) } else { load_world(Path::new(name)) }
 }
 
 /// The value of alpha or gamma in `text`.

@@ -17,7 +17,7 @@ use std::process::ExitCode;
     ("cocarry new kitchen", "kitchen/world.toml, robot.toml, robot.urdf, study.toml and answers.csv"),
 ]))]
 pub(super) struct NewArguments {
-    /// Folder, which is made if there is none
+    /// Folder; it is created if it does not exist
     folder: PathBuf,
     #[command(flatten)]
     overwrite: OverwriteArguments,
@@ -32,13 +32,13 @@ const FILES: [(&str, &str); 5] = [
     ("answers.csv", include_str!("../../../assets/new/answers.csv")),
 ];
 
-pub(super) fn run(arguments: &NewArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_new(arguments: &NewArguments) -> Result<ExitCode, Failure> {
     let NewArguments { folder, overwrite } = arguments;
     let files = FILES.map(|(name, text)| (folder.join(name), text));
     // before the folder is made
     overwrite.outputs([], files.iter().map(|(file, _)| file))?;
     std::fs::create_dir_all(folder)
-        .with_context(|| format!("{}: cannot be made", folder.display()))
+        .with_context(|| format!("{}: cannot be created", folder.display()))
         .map_err(Failure::Output)?;
     write_all(*overwrite, &files)?;
     let file = |name: &str| folder.join(name).display().to_string();
@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &NewArguments) -> Result<ExitCode, Failure> {
         "\nTry:\n  \
         cocarry world {world}\n  \
         cocarry run {world} --robot {robot} --render {}\n  \
-        cocarry sweep {study} --out {}\n  \
+        cocarry sweep {study} -o {}\n  \
         cocarry fit risk-weight {answers}\n",
         file("episode.html"),
         file("results.csv"),

@@ -1,6 +1,6 @@
 //! Output of commands: text, tables, files, and a progress bar that is hidden in a pipe.
 
-use super::terminal;
+use super::terminal::{self, ATTENTION, BAD, GOOD, Text};
 use super::text_table::TextTable;
 use anstyle::Style;
 use anyhow::{Context, Error, anyhow};
@@ -44,14 +44,19 @@ pub(super) fn visible(text: &str) -> Cow<'_, str> {
 
 /// Prints text, which ends with a newline: in the terminal's width and with its colours, if it is one.
 pub(super) fn print(text: &str) -> Result<(), Failure> {
-    let text = visible(text);
-    write_out(&terminal::painted(&terminal::wrapped(&text, terminal::width())))
+    let mut plain = Text::default();
+    plain.plain(text);
+    print_text(&plain)
 }
 
 /// As [`print()`], with the first line as a good or a bad verdict.
 pub(super) fn print_verdict(text: &str, is_good: bool) -> Result<(), Failure> {
-    let text = visible(text);
-    write_out(&terminal::verdict(&terminal::wrapped(&text, terminal::width()), is_good))
+    print_text(&Text::headed(if is_good { GOOD } else { BAD }, text))
+}
+
+/// As [`print()`], for text that has styles.
+pub(super) fn print_text(text: &Text) -> Result<(), Failure> {
+    write_out(&text.shown(terminal::width(), |text| visible(text).into_owned()))
 }
 
 /// Prints text for programs, which is neither wrapped nor coloured.
@@ -139,20 +144,46 @@ pub(super) fn option_json(
 /// The largest number of characters of a line on standard error: TOML's errors repeat the line of the file.
 const MAX_LINE: usize = 4000;
 
-/// Prints a message for people, such as an error, on standard error.
-pub(super) fn tell(message: &str) {
-    let message = visible(message);
-    let cut = message.lines().map(|line| match line.char_indices().nth(MAX_LINE) {
+/// Prints a message for people on standard error.
+pub(super) fn print_message(message: &str) {
+    let mut text = Text::default();
+    text.plain(message);
+    print_on_error(&text);
+}
+
+/// Prints an error.
+pub(super) fn print_error(error: &impl std::fmt::Display) {
+    print_on_error(&Text::headed(BAD, &format!("error: {error}")));
+}
+
+fn print_on_error(text: &Text) {
+    anstream::eprint!("{}", text.shown(terminal::error_width(), of_bounded_lines));
+}
+
+/// Visible text whose lines are cut, and end.
+fn of_bounded_lines(text: &str) -> String {
+    let text = visible(text);
+    let cut = text.lines().map(|line| match line.char_indices().nth(MAX_LINE) {
         None => format!("{line}\n"),
         Some((end, _)) => format!("{}…\n", &line[..end]),
     });
-    let cut: String = cut.collect();
-    anstream::eprint!("{}", terminal::painted(&terminal::wrapped(&cut, terminal::error_width())));
+    cut.collect()
+}
+
+/// A number with its noun, which gets an s unless the number is 1.
+pub(super) fn counted(number: impl TryInto<u64>, noun: &str) -> String {
+    let number = number.try_into().unwrap_or(u64::MAX);
+    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
 }
 
 /// Prints a warning. The command continues.
 pub(super) fn warn(warning: &impl std::fmt::Display) {
-    tell(&format!("warning: {warning}"));
+    print_on_error(&Text::headed(ATTENTION, &format!("warning: {warning}")));
+}
+
+/// Prints a note: something that a user may not expect.
+pub(super) fn note(note: &impl std::fmt::Display) {
+    print_on_error(&Text::headed(ATTENTION, &format!("note: {note}")));
 }
 
 /// A table with the given headings. The first `left` columns are text, the others numbers.
@@ -189,30 +220,30 @@ pub(super) fn examples(all: &[(&str, &str)]) -> String {
 
 /// A parser of the name of an SVG file.
 pub(super) fn svg_file(name: &str) -> Result<PathBuf, String> {
-    file_ending_in("svg", name)
+    file_with_extension("svg", name)
 }
 
 /// A parser of the name of a TOML file.
 pub(super) fn toml_file(name: &str) -> Result<PathBuf, String> {
-    file_ending_in("toml", name)
+    file_with_extension("toml", name)
 }
 
 /// A parser of the name of a CSV file.
 pub(super) fn csv_file(name: &str) -> Result<PathBuf, String> {
-    file_ending_in("csv", name)
+    file_with_extension("csv", name)
 }
 
 /// A parser of the name of a recording.
 pub(super) fn mcap_file(name: &str) -> Result<PathBuf, String> {
-    file_ending_in("mcap", name)
+    file_with_extension("mcap", name)
 }
 
-fn file_ending_in(ending: &str, name: &str) -> Result<PathBuf, String> {
+fn file_with_extension(extension: &str, name: &str) -> Result<PathBuf, String> {
     let file = PathBuf::from(name);
     let found = file.extension().and_then(|found| found.to_str()).unwrap_or_default();
-    match found.eq_ignore_ascii_case(ending) {
+    match found.eq_ignore_ascii_case(extension) {
         true => Ok(file),
-        false => Err(format!("its ending must be .{ending}, which is what is written")),
+        false => Err(format!("expected the extension .{extension}")),
     }
 }
 

@@ -49,7 +49,7 @@ enum Picture {
     Map,
 }
 
-pub(super) fn run(arguments: &PlotArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_plot(arguments: &PlotArguments) -> Result<ExitCode, Failure> {
     let PlotArguments { results, output, kind, quantity, cells, overwrite } = arguments;
     let outputs = overwrite.outputs([results.as_path()], [output])?;
     let drawn = match kind {

@@ -44,16 +44,16 @@ impl RecordArguments {
     /// Begins the recording before the first step.
     pub fn begin<'a>(
         &self,
-        stage: &'a PreparedScenario,
+        prepared: &'a PreparedScenario,
         episode: &Episode,
         overwrite: bool,
     ) -> Result<Recording<'a>, Failure> {
         let file = self.record.as_ref().map(|file| {
-            let recorder = FileRecorder::create(file, overwrite, stage, episode).map_err(output)?;
+            let recorder = FileRecorder::create(file, overwrite, prepared, episode).map_err(output)?;
             Ok((file.clone(), recorder))
         });
         let in_memory = self.render.as_ref().map(|target| {
-            let recorder = Recorder::new(Cursor::default(), IN_MEMORY, stage, episode).map_err(output)?;
+            let recorder = Recorder::new(Cursor::default(), IN_MEMORY, prepared, episode).map_err(output)?;
             Ok((target.clone(), recorder))
         });
         Ok(Recording { file: file.transpose()?, in_memory: in_memory.transpose()? })

@@ -1,6 +1,6 @@
 //! `cocarry recover`: saves the intact messages of a damaged recording as a valid one.
 
-use super::output::{Failure, OverwriteArguments, examples, input, print};
+use super::output::{Failure, OverwriteArguments, counted, examples, input, print};
 use super::record::output;
 use clap::Args;
 use cocarry_recording::recording::{Reader, RecoverError, recover};
@@ -26,7 +26,7 @@ pub(super) struct RecoverArguments {
 /// The largest number of faults that are listed.
 const LISTED_FAULTS: usize = 10;
 
-pub(super) fn run(arguments: &RecoverArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_recover(arguments: &RecoverArguments) -> Result<ExitCode, Failure> {
     let OverwriteArguments { overwrite } = arguments.overwrite;
     arguments.overwrite.outputs([arguments.file.as_path()], [&arguments.output])?;
     let mut reader = Reader::open(&arguments.file).map_err(input)?;
@@ -35,9 +35,9 @@ pub(super) fn run(arguments: &RecoverArguments) -> Result<ExitCode, Failure> {
         RecoverError::Write(error) => output(error),
     })?;
     let mut text = format!(
-        "{}: {} messages saved, up to {:.1} s\n",
+        "{}: {} saved, up to {:.1} s\n",
         arguments.output.display(),
-        saved.messages,
+        counted(saved.messages, "message"),
         saved.until as f64 / 1e9
     );
     if saved.lost.is_empty() {

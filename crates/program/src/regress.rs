@@ -1,7 +1,7 @@
 //! `cocarry regress`: records the figures of a baseline's runs, or checks them against those recorded.
 
 use super::output::{
-    Failure, examples, input, print_json, print_verdict, table, table_text, unwritten, write_file,
+    Failure, counted, examples, input, print_json, print_verdict, table, table_text, unwritten, write_file,
 };
 use super::reproduce::Common;
 use super::scenario::ScenarioArguments;
@@ -43,10 +43,10 @@ struct BaselineRunArguments {
     scenario: ScenarioArguments,
 }
 
-/// Arguments that name a file. The file is first looked for beside the baseline file.
+/// Arguments that name a file. The file is first looked for next to the baseline file.
 const FILES: [&str; 3] = ["world", "robot", "belief-samples"];
 
-pub(super) fn run(action: &Action) -> Result<ExitCode, Failure> {
+pub(super) fn run_regress(action: &Action) -> Result<ExitCode, Failure> {
     let (Action::Record(arguments) | Action::Check(arguments)) = action;
     let baseline = Baseline::load(&arguments.file).map_err(input)?;
     let is_check = matches!(action, Action::Check(_));
@@ -127,9 +127,9 @@ fn scenario(file: &str, folder: &Path, run: &Run) -> Result<Scenario, Failure> {
         let words = match value {
             Value::Flag(is_set) if is_flag => is_set.then(|| format!("--{long}")).into_iter().collect(),
             Value::Text(text) if !is_flag => {
-                let beside = folder.join(text);
-                let is_beside = FILES.contains(&long.as_str()) && beside.is_file();
-                vec![word(&if is_beside { beside.display().to_string() } else { text.clone() })]
+                let sibling = folder.join(text);
+                let is_sibling = FILES.contains(&long.as_str()) && sibling.is_file();
+                vec![word(&if is_sibling { sibling.display().to_string() } else { text.clone() })]
             }
             Value::List(texts) if is_repeated => texts.iter().map(word).collect(),
             Value::Flag(value) => {
@@ -167,8 +167,9 @@ fn wrong(file: &str, run: &Run, line: usize, key: &str, value: &str, expected: &
 
 fn text(is_check: bool, runs: usize, figures: usize, found: &[Moved]) -> String {
     let done = if is_check { "checked" } else { "recorded" };
+    let done = format!("{}, {} {done}", counted(runs, "run"), counted(figures, "figure"));
     if found.is_empty() {
-        return format!("{runs} runs, {figures} figures {done}: nothing moved.\n");
+        return format!("{done}: nothing moved.\n");
     }
     let mut shown = table(["run", "figure", "recorded", "now", "change", "may move by"], 2);
     for moved in found {
@@ -192,7 +193,7 @@ fn text(is_check: bool, runs: usize, figures: usize, found: &[Moved]) -> String 
         ]);
     }
     let n = found.len();
-    format!("{runs} runs, {figures} figures {done}: {n} moved.\n{}", table_text(&shown))
+    format!("{done}: {n} moved.\n{}", table_text(&shown))
 }
 
 /// A signed number with about three digits.

@@ -12,12 +12,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// The kinds of files, by their endings.
-const KINDS: [(&str, Kind); 5] = [
-    ("html", Kind::Player),
-    ("svg", Kind::StripSvg),
-    ("png", Kind::StripPng),
-    ("gif", Kind::Moving),
-    ("json", Kind::Layout),
+const KINDS: [(&str, PictureKind); 5] = [
+    ("html", PictureKind::Player),
+    ("svg", PictureKind::StripSvg),
+    ("png", PictureKind::StripPng),
+    ("gif", PictureKind::Moving),
+    ("json", PictureKind::Layout),
 ];
 
 /// Render a recording: a 3-D player (.html), a filmstrip (.svg, .png), a moving picture (.gif), a layout for
@@ -25,16 +25,16 @@ const KINDS: [(&str, Kind); 5] = [
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry render run.mcap -o run.html", "a 3-D player in one file, for any browser, without a network"),
-    ("cocarry render run.mcap -o run.gif", "the team on the map with phi beside it, at twice its speed"),
+    ("cocarry render run.mcap -o run.gif", "the team on the map with phi next to it, at twice its speed"),
     ("cocarry render run.mcap -o run.svg --width 3.5in", "the team at six instants, for a paper"),
     ("cocarry render run.mcap -o run.png --width 1400px --instants 8", ""),
-    ("cocarry render run.mcap -o layout.json", "the layout to import in Foxglove or Lichtblick, beside the recording"),
+    ("cocarry render run.mcap -o layout.json", "the layout to import in Foxglove or Lichtblick, next to the recording"),
 ]))]
 pub(super) struct RenderArguments {
     /// Recording (MCAP)
     recording: PathBuf,
-    /// File to write. Its ending says what: .html is a player, .svg and .png are filmstrips, .gif moves,
-    /// .json is a layout
+    /// File to write. The extension selects the format: .html player, .svg or .png filmstrip, .gif animation,
+    /// .json layout for Foxglove
     #[arg(short, long, value_name = "FILE", value_parser = Target::of)]
     output: Target,
     /// Width of a picture, in inches or pixels: 3.5in, 1200px. Type is at least 7 pt from 3.5 inches on; a
@@ -57,11 +57,11 @@ pub(super) struct RenderArguments {
 pub(super) struct Target {
     /// Its name.
     pub file: PathBuf,
-    kind: Kind,
+    kind: PictureKind,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum PictureKind {
     Player,
     StripSvg,
     StripPng,
@@ -97,25 +97,25 @@ fn width(text: &str) -> Result<Width, String> {
 }
 
 impl Target {
-    /// The file of that name; an error if its ending is none of those that can be rendered.
+    /// The file of that name; an error if its extension is not one that can be rendered.
     pub fn of(name: &str) -> Result<Self, String> {
         let file = PathBuf::from(name);
         let ending = file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
         let Some((_, kind)) = KINDS.iter().find(|(known, _)| *known == ending) else {
             let known = KINDS.map(|(ending, _)| format!(".{ending}"));
-            return Err(format!("its ending must be one of {}", known.join(", ")));
+            return Err(format!("expected one of the extensions {}", known.join(", ")));
         };
         Ok(Self { file, kind: *kind })
     }
 
     /// An error if the form has what this kind of file does not.
     fn check(&self, form: Form) -> Result<(), Failure> {
-        let is_strip = matches!(self.kind, Kind::StripSvg | Kind::StripPng);
-        let is_picture = is_strip || self.kind == Kind::Moving;
+        let is_strip = matches!(self.kind, PictureKind::StripSvg | PictureKind::StripPng);
+        let is_picture = is_strip || self.kind == PictureKind::Moving;
         let misplaced = [
             ("--instants", form.instants.is_some() && !is_strip, ".svg and .png"),
             ("--width", form.width.is_some() && !is_picture, ".svg, .png and .gif"),
-            ("--robot", form.robot.is_some() && self.kind != Kind::Player, ".html"),
+            ("--robot", form.robot.is_some() && self.kind != PictureKind::Player, ".html"),
         ];
         match misplaced.into_iter().find(|(_, is_misplaced, _)| *is_misplaced) {
             None => Ok(()),
@@ -137,24 +137,26 @@ impl Target {
         let title = Path::new(&name).file_stem().unwrap_or_default().to_string_lossy();
         let instants = form.instants.unwrap_or(6) as usize;
         let width = form.width.unwrap_or(match self.kind {
-            Kind::Moving => Width::Pixels(760),
+            PictureKind::Moving => Width::Pixels(760),
             _ => Width::Inches(7.0),
         });
         let rendered: Result<Vec<u8>, RenderError> = match self.kind {
-            Kind::Player => {
+            PictureKind::Player => {
                 let robot = form.robot.map(Robot::load).transpose().map_err(input)?;
                 rendering::player(&playback, &title, robot.as_ref()).map(String::into_bytes)
             }
-            Kind::StripSvg => rendering::filmstrip_svg(&playback, instants, width).map(String::into_bytes),
-            Kind::StripPng => rendering::filmstrip_png(&playback, instants, width),
-            Kind::Moving => rendering::moving_gif(&playback, width),
-            Kind::Layout => Ok(rendering::viewer_layout(&playback).into_bytes()),
+            PictureKind::StripSvg => {
+                rendering::filmstrip_svg(&playback, instants, width).map(String::into_bytes)
+            }
+            PictureKind::StripPng => rendering::filmstrip_png(&playback, instants, width),
+            PictureKind::Moving => rendering::moving_gif(&playback, width),
+            PictureKind::Layout => Ok(rendering::viewer_layout(&playback).into_bytes()),
         };
         write_file(outputs, &self.file, rendered.map_err(input)?)
     }
 }
 
-pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_render(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     let RenderArguments { recording, output, width, instants, robot, overwrite } = arguments;
     let form = Form { width: *width, instants: *instants, robot: robot.as_deref() };
     output.check(form)?;

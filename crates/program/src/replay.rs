@@ -1,6 +1,6 @@
 //! `cocarry replay`: runs a recording's scenario again and compares the messages.
 
-use super::output::{Failure, examples, input, print_verdict};
+use super::output::{Failure, counted, examples, input, print_verdict};
 use clap::Args;
 use cocarry::arithmetic;
 use cocarry_recording::recording::{Reader, Verdict, replay};
@@ -17,7 +17,7 @@ pub(super) struct ReplayArguments {
     file: PathBuf,
 }
 
-pub(super) fn run(arguments: &ReplayArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_replay(arguments: &ReplayArguments) -> Result<ExitCode, Failure> {
     let open = || Reader::open(&arguments.file).map_err(input);
     let replayed = replay(open()?, open()?).map_err(input)?;
     let file = arguments.file.display();
@@ -29,7 +29,7 @@ pub(super) fn run(arguments: &ReplayArguments) -> Result<ExitCode, Failure> {
         ),
         None => "the recording does not name its arithmetic: an older version wrote it\n".to_owned(),
     };
-    let so_far = format!("{} messages, up to {:.1} s", replayed.same, replayed.until as f64 / 1e9);
+    let so_far = format!("{}, up to {:.1} s", counted(replayed.same, "message"), replayed.until as f64 / 1e9);
     match &replayed.verdict {
         Verdict::Identical => print_verdict(&format!("{file}: identical: {so_far}\n{other}"), true)?,
         Verdict::IdenticalUntilCut => print_verdict(

@@ -3,6 +3,7 @@
 
 use super::catalog::ROBOT;
 use super::catalog_robots::ROBOTS;
+use super::file_kind::{self, FileKind};
 use super::output::{Failure, input};
 use super::settings::{SettingArguments, number, plants};
 use anyhow::anyhow;
@@ -18,7 +19,7 @@ pub(super) struct RobotArguments {
     /// Plant: what the controller moves
     #[arg(long, default_value = PlantKind::Rapier.name(), value_parser = plants(&PlantKind::ALL))]
     plant: PlantKind,
-    /// Robot file (TOML), or a URDF with a robot file of the same name beside it [default: the built-in
+    /// Robot file (TOML), or a URDF with a robot file of the same name next to it [default: the built-in
     /// robot]
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
@@ -94,7 +95,9 @@ pub(super) fn check_is_file(flag: &str, file: &Path) -> Result<(), Failure> {
             "the built-in robot is the default; leave --robot out, or write its files with `cocarry export {ROBOT}`"
         )
     } else if let Some(name) = ROBOTS.iter().map(|robot| robot.name).find(named) {
-        format!("not a file; `cocarry export {name}` writes this robot's files, then `{flag} {name}.toml`")
+        format!(
+            "not a file; `cocarry export {name}` writes this robot's files, then use `{flag} {name}.toml`"
+        )
     } else {
         return Ok(());
     };
@@ -105,5 +108,6 @@ pub(super) fn check_is_file(flag: &str, file: &Path) -> Result<(), Failure> {
 pub(super) fn load_robot(file: Option<&Path>) -> Result<Robot, Failure> {
     let Some(file) = file else { return Robot::built_in().map_err(input) };
     check_is_file("--robot", file)?;
-    Robot::load(file).map_err(input)
+    let file = &file_kind::within(file, FileKind::Robot);
+    Robot::load(file).map_err(|error| file_kind::refused(file, FileKind::Robot, error.into()))
 }

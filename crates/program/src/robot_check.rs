@@ -1,7 +1,8 @@
 //! `cocarry robot check`: all faults of a robot's files, or what the program makes of them.
 
 use super::output::{
-    Failure, OverwriteArguments, examples, input, print, print_json, table, table_text, tell, write_file,
+    Failure, OverwriteArguments, examples, input, print, print_error, print_json, table, table_text,
+    write_file,
 };
 use super::robot::check_is_file;
 use anyhow::{Error, anyhow};
@@ -25,7 +26,7 @@ use std::process::ExitCode;
     ("cocarry run --robot robot.toml --render run.html", "to see the robot, carrying"),
 ]))]
 pub(super) struct CheckArguments {
-    /// Robot file (TOML), or a URDF with a robot file of the same name beside it
+    /// Robot file (TOML), or a URDF with a robot file of the same name next to it
     robot: PathBuf,
     /// Print one JSON object instead of text
     #[arg(long)]
@@ -41,10 +42,10 @@ pub(super) struct CheckArguments {
 fn page(name: &str) -> Result<PathBuf, String> {
     let file = PathBuf::from(name);
     let is_page = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html"));
-    is_page.then_some(file).ok_or_else(|| "expected a name that ends in .html".to_owned())
+    is_page.then_some(file).ok_or_else(|| "expected the extension .html".to_owned())
 }
 
-pub(super) fn run(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_robot_check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
     check_is_file("robot check", &arguments.robot)?;
     let outputs = arguments.overwrite.outputs([arguments.robot.as_path()], &arguments.render)?;
     let robot = match Robot::check(&arguments.robot) {
@@ -77,7 +78,7 @@ fn refused(arguments: &CheckArguments, faults: Vec<cocarry::Error>) -> Result<Ex
             &json!({ "file": arguments.robot.display().to_string(), "valid": false, "faults": faults }),
         )?;
     } else if count > 1 {
-        faults[..count - 1].iter().for_each(|fault| tell(&format!("error: {fault}")));
+        faults[..count - 1].iter().for_each(print_error);
     }
     // the last one as any command ends
     let last = faults.last().cloned().expect("a robot that is refused has a fault");
@@ -100,10 +101,10 @@ fn masses(robot: &Robot) -> [f64; 2] {
 }
 
 /// A posture with where its grasp is and the room that it leaves.
-struct Row<'a> {
+struct PostureRow<'a> {
     posture: &'a Posture,
     ahead: f64,
-    beside: f64,
+    lateral_offset: f64,
     nearest: f64,
     farthest: f64,
     /// The joint nearest to a limit, and its share of room.
@@ -111,22 +112,22 @@ struct Row<'a> {
     dexterity: f64,
 }
 
-fn rows(robot: &Robot) -> Vec<Row<'_>> {
+fn rows(robot: &Robot) -> Vec<PostureRow<'_>> {
     let row = |posture| {
         let Posture { joints, .. }: &Posture = posture;
         let (at, reach) = (robot.drive_from_grasp(joints).translation.vector, robot.reach(posture));
         let tightest = robot.limit_clearance(joints).map(|(i, share)| (robot.joints[i].name.as_str(), share));
         let dexterity = robot.dexterity(joints);
         let (nearest, farthest) = (reach.nearest, reach.farthest);
-        Row { posture, ahead: at.x, beside: at.y, nearest, farthest, tightest, dexterity }
+        PostureRow { posture, ahead: at.x, lateral_offset: at.y, nearest, farthest, tightest, dexterity }
     };
     robot.postures.iter().map(row).collect()
 }
 
-/// The largest distance beside the base's axis (m) at which a grasp is said to be on it.
+/// The largest distance from the base's axis (m) at which a grasp is said to be on it.
 const ON_AXIS_M: f64 = 0.01;
 
-/// What a user should know, beside the notes of the files.
+/// What a user should know, besides the warnings about the files.
 fn remarks(robot: &Robot) -> Vec<String> {
     let mut remarks: Vec<String> = robot.warnings.iter().map(ToString::to_string).collect();
     let width = robot.width();
@@ -148,11 +149,11 @@ fn remarks(robot: &Robot) -> Vec<String> {
             }
         }
     }
-    for row in rows(robot).iter().filter(|row| row.beside.abs() > ON_AXIS_M) {
+    for row in rows(robot).iter().filter(|row| row.lateral_offset.abs() > ON_AXIS_M) {
         remarks.push(format!(
-            "posture `{}` holds the grasp {:.2} m beside the base's axis, which the base then keeps to",
+            "posture `{}` holds the grasp {:.2} m to the side of the base's axis; the base keeps that offset",
             row.posture.name,
-            row.beside.abs()
+            row.lateral_offset.abs()
         ));
     }
     if robot.joint_count() < 6 {
@@ -278,7 +279,7 @@ fn as_json(robot: &Robot) -> Value {
                 "joints": joints_of(robot, row.posture),
                 "drive_from_grasp": transform(&robot.drive_from_grasp(&row.posture.joints)),
                 "ahead_m": row.ahead,
-                "beside_m": row.beside,
+                "lateral_offset_m": row.lateral_offset,
                 "nearest_m": row.nearest,
                 "farthest_m": row.farthest,
                 "tightest_joint": row.tightest.map(|(name, _)| name),

@@ -1,6 +1,6 @@
 //! `cocarry robot init`: drafts a robot file from a URDF.
 
-use super::output::{Failure, OverwriteArguments, examples, input, print, write_file};
+use super::output::{Failure, OverwriteArguments, counted, examples, input, print, write_file};
 use clap::{Args, ValueEnum};
 use cocarry::robot::{Draft, DraftRequest, DriveKind};
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use std::process::ExitCode;
 /// configurations, with the arm above the base. A xacro is expanded where the program `xacro` is installed.
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
-    ("cocarry robot init tiago.urdf", "tiago.toml, beside the URDF"),
+    ("cocarry robot init tiago.urdf", "tiago.toml, next to the URDF"),
     ("cocarry robot init tiago.urdf -o robots/tiago.toml", "another place"),
     ("cocarry robot init pr2.urdf --tool l_gripper_tool_frame", "another arm"),
     ("cocarry robot init summit.urdf --drive omnidirectional", "another base"),
@@ -21,7 +21,7 @@ use std::process::ExitCode;
 pub(super) struct InitArguments {
     /// URDF, or a xacro
     urdf: PathBuf,
-    /// The robot file to write [default: beside the URDF, with its name]
+    /// The robot file to write [default: next to the URDF, with its name]
     #[arg(short, long, value_name = "FILE", value_parser = toml_file)]
     output: Option<PathBuf>,
     /// The link that holds the object
@@ -69,7 +69,7 @@ fn toml_file(name: &str) -> Result<PathBuf, String> {
     let file = PathBuf::from(name);
     match file.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
         true => Ok(file),
-        false => Err("its ending must be .toml, which is what is written".to_owned()),
+        false => Err("expected the extension .toml".to_owned()),
     }
 }
 
@@ -78,14 +78,14 @@ fn height(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| "it must be a number from 0 to 3 (metres)".to_owned())
 }
 
-pub(super) fn run(arguments: &InitArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_robot_init(arguments: &InitArguments) -> Result<ExitCode, Failure> {
     let InitArguments { urdf, output, tool, drive, left_wheel, right_wheel, grasp_height, overwrite } =
         arguments;
-    let beside = || match urdf.extension().is_some_and(|e| e.eq_ignore_ascii_case("xacro")) {
+    let next_to_urdf = || match urdf.extension().is_some_and(|e| e.eq_ignore_ascii_case("xacro")) {
         true => urdf.with_extension("").with_extension("toml"),
         false => urdf.with_extension("toml"),
     };
-    let file = output.clone().unwrap_or_else(beside);
+    let file = output.clone().unwrap_or_else(next_to_urdf);
     let outputs = overwrite.outputs([urdf.as_path()], [&file])?;
     let request = DraftRequest {
         tool: tool.clone(),
@@ -101,11 +101,11 @@ pub(super) fn run(arguments: &InitArguments) -> Result<ExitCode, Failure> {
         draft.assumed.iter().cloned().chain(notes).map(|line| format!("- {line}\n")).collect();
     let file = file.display();
     print(&format!(
-        "wrote {file}: {} joints, {} postures\n\nAssumed\n{lines}\nTry:\n  \
+        "wrote {file}: {}, {}\n\nAssumed\n{lines}\nTry:\n  \
         cocarry robot check {file}\n  \
         cocarry run environment-1 --robot {file} --render episode.html\n",
-        draft.robot.joint_count(),
-        draft.robot.postures.len(),
+        counted(draft.robot.joint_count(), "joint"),
+        counted(draft.robot.postures.len(), "posture"),
     ))?;
     Ok(ExitCode::SUCCESS)
 }

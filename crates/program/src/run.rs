@@ -1,11 +1,11 @@
 //! `cocarry run`: runs one episode and reports, tabulates, draws or records it.
 
-use super::episode_report::EpisodeReport;
+use super::episode_report::{EpisodeReport, scenario_warnings};
 use super::interrupt::Interrupt;
 use super::live::LiveArguments;
 use super::output::{
-    Failure, OverwriteArguments, Progress, examples, print, print_json, svg_file, tell, warn, with_spinner,
-    write_file,
+    Failure, OverwriteArguments, Progress, examples, print, print_json, print_message, print_text, svg_file,
+    warn, with_spinner, write_file,
 };
 use super::record::RecordArguments;
 use super::scenario::ScenarioArguments;
@@ -90,7 +90,7 @@ pub(super) fn example() -> Result<ExitCode, Failure> {
     let Perception { alpha, gamma } = EXAMPLE_HUMAN;
     let line = format!("run environment-4 --alpha {alpha} --gamma {gamma}");
     print(&format!("$ cocarry {line}  (see cocarry --help)\n\n"))?;
-    let code = run(&Defaults::parse_from(line.split(' ')).arguments)?;
+    let code = run_episode(&Defaults::parse_from(line.split(' ')).arguments)?;
     print(&format!(
         "\nTo watch this episode in a browser, write it into a page and open that:\n  \
         cocarry {line} --render episode.html\nIn a clone of the project, begin with `cargo run --release --` instead of `cocarry`.\n"
@@ -98,7 +98,7 @@ pub(super) fn example() -> Result<ExitCode, Failure> {
     Ok(code)
 }
 
-pub(super) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_episode(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     arguments.snapshots.guard(|| carry_out(arguments))
 }
 
@@ -109,23 +109,22 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     };
     let resumed = state.as_ref().map(State::steps);
     let refused = |error| arguments.snapshots.refused(error);
-    let stage = with_spinner("preparing the world", || scenario.prepare()).map_err(refused)?;
-    stage.slow_drive().iter().for_each(warn);
-    stage.robot_warnings().iter().for_each(warn);
+    let prepared = with_spinner("preparing the world", || scenario.prepare()).map_err(refused)?;
+    scenario_warnings(&prepared).iter().for_each(warn);
     let episode = match state {
-        None => stage.episode(),
-        Some(state) => stage.resume(state),
+        None => prepared.episode(),
+        Some(state) => prepared.resume(state),
     };
     let mut episode = episode.map_err(refused)?;
     let mut saves = arguments.snapshots.saves(resumed)?;
-    let outputs = arguments.outputs(stage.scenario(), &saves)?;
+    let outputs = arguments.outputs(prepared.scenario(), &saves)?;
     let mut ticks = Vec::new();
     let mut log = arguments.ticks.as_ref().map(tick_log::File::begin);
     let bar = Progress::new(episode.expected_steps() as usize, "episode");
-    saves.write(&outputs, &stage, &episode)?;
+    saves.write(&outputs, &prepared, &episode)?;
     let interrupt = Interrupt::caught()?;
-    let mut viewers = arguments.live.begin(&stage, &episode, &interrupt)?;
-    let mut recording = arguments.recording.begin(&stage, &episode, arguments.overwrite.overwrite)?;
+    let mut viewers = arguments.live.begin(&prepared, &episode, &interrupt)?;
+    let mut recording = arguments.recording.begin(&prepared, &episode, arguments.overwrite.overwrite)?;
     viewers.iter_mut().for_each(|viewers| viewers.await_first());
     while !interrupt.is_set() && episode.step().is_none() {
         recording.step(&episode)?;
@@ -133,10 +132,10 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
             viewers.step(&episode);
         }
         if let Some(log) = &mut log {
-            log.step(&View::new(&stage, &episode))?;
+            log.step(&View::new(&prepared, &episode))?;
         }
         ticks.push(episode.tick().clone());
-        saves.write(&outputs, &stage, &episode)?;
+        saves.write(&outputs, &prepared, &episode)?;
         bar.step();
     }
     bar.finish();
@@ -147,13 +146,16 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     if let Some(viewers) = &mut viewers {
         viewers.end(&episode, ending);
     }
-    let report = EpisodeReport { stage: &stage, episode: &episode, resumed, ticks };
+    let report = EpisodeReport { prepared: &prepared, episode: &episode, resumed, ticks };
     log.map_or(Ok(()), |log| log.finish(&outputs))?;
     if let Some(path) = &arguments.svg {
-        let svg =
-            drawing::adaptation(stage.world(), &[report.track()], stage.scenario().settings.planning_step)
-                .with_context(|| path.display().to_string())
-                .map_err(Failure::Output)?;
+        let svg = drawing::adaptation(
+            prepared.world(),
+            &[report.track()],
+            prepared.scenario().settings.planning_step,
+        )
+        .with_context(|| path.display().to_string())
+        .map_err(Failure::Output)?;
         write_file(&outputs, path, &svg)?;
     }
     if is_interrupted {
@@ -162,14 +164,14 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
             recorded.iter().chain(ticks).chain(&arguments.svg).map(|f| f.display().to_string()).collect();
         let place =
             if files.is_empty() { String::new() } else { format!(", which are in {}", files.join(", ")) };
-        tell(&format!("interrupted after {steps} steps{place}"));
+        print_message(&format!("interrupted after {steps} steps{place}"));
         viewers.into_iter().for_each(|viewers| viewers.stop());
         return Ok(ExitCode::from(130));
     }
     if arguments.json {
         print_json(&report.as_json())?;
     } else {
-        print(&report.as_text())?;
+        print_text(&report.as_text())?;
         if let Some(file) = arguments.recording.rendered() {
             print(&format!("wrote {}\n", file.display()))?;
         }

@@ -39,12 +39,12 @@ pub(super) struct ScenarioArguments {
     #[arg(long, value_name = "N", default_value_t = PreferenceChanges::NONE, allow_negative_numbers = true, help_heading = HUMAN)]
     preference_changes: PreferenceChanges,
     /// Seed of the human, of the human's preference changes and of the gait
-    #[arg(long, default_value_t = 0, help_heading = HUMAN)]
+    #[arg(long, default_value_t = 0, allow_negative_numbers = true, help_heading = HUMAN)]
     seed: u64,
     #[command(flatten, next_help_heading = "Robot's belief")]
     belief: BeliefArguments,
     #[command(flatten, next_help_heading = ROBOT)]
-    carrier: RobotArguments,
+    robot: RobotArguments,
     #[command(flatten)]
     settings: SettingArguments,
 }
@@ -57,13 +57,13 @@ impl ScenarioArguments {
 
     /// The robot's file, if it is not the built-in robot.
     pub fn robot(&self) -> Option<&Path> {
-        self.carrier.robot.as_deref()
+        self.robot.robot.as_deref()
     }
 
     /// The scenario of these arguments; reads its files.
     pub fn scenario(&self) -> Result<Scenario, Failure> {
         let world = load_world(&self.world)?;
-        let plant = self.carrier.plant(&self.settings)?;
+        let plant = self.robot.plant(&self.settings)?;
         let settings = Settings { predictor: self.belief.predictor(RISK_WEIGHT)?, ..Settings::default() };
         let belief = &settings.predictor.belief().clone();
         let given = GivenPerception { alpha: self.alpha, gamma: self.gamma };

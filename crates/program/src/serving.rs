@@ -95,7 +95,7 @@ impl Serving<'_> {
         while holds(self) && !self.interrupt.is_set() {
             std::thread::sleep(POLL_INTERVAL);
             if sent.elapsed() >= TIME_INTERVAL {
-                self.server.tell_time();
+                self.server.broadcast_time();
                 sent = Instant::now();
             }
         }

@@ -22,12 +22,12 @@ pub(super) struct CompletionsArguments {
 /// Print the manual page, or write the pages of all commands
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
-    ("cocarry man --folder ~/.local/share/man/man1", "then: man cocarry, man cocarry-run"),
+    ("cocarry man -o ~/.local/share/man/man1", "then: man cocarry, man cocarry-run"),
 ]))]
 pub(super) struct ManArguments {
     /// Write a page for every command into this folder, which must exist, instead of printing the first
-    #[arg(long, value_name = "FOLDER")]
-    folder: Option<PathBuf>,
+    #[arg(short, long, alias = "folder", value_name = "FOLDER")]
+    output: Option<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArguments,
 }
@@ -45,7 +45,7 @@ pub(super) fn completions(
 pub(super) fn man(arguments: &ManArguments, mut command: Command) -> Result<ExitCode, Failure> {
     command.build();
     let mut pages = Vec::new();
-    match &arguments.folder {
+    match &arguments.output {
         None => print_for_programs(&page(command)?.1)?,
         Some(folder) => {
             collect(command, folder, &mut pages)?;

@@ -63,8 +63,8 @@ impl SnapshotArguments {
         Ok(Some(snapshot))
     }
 
-    /// Runs `act`, the whole command. With --resume, a panic in it is bad input: the physics engine panics on a
-    /// state of its own that is not consistent.
+    /// Runs `act`, the whole command. With --resume, a panic in it is bad input: the physics engine panics on
+    /// a state of its own that is not consistent.
     pub fn guard(&self, act: impl FnOnce() -> Result<ExitCode, Failure>) -> Result<ExitCode, Failure> {
         let Some(file) = &self.resume else { return act() };
         let usual = std::panic::take_hook();
@@ -116,12 +116,12 @@ impl Saves {
     pub fn write(
         &mut self,
         outputs: &Outputs,
-        stage: &PreparedScenario,
+        prepared: &PreparedScenario,
         episode: &Episode,
     ) -> Result<(), Failure> {
         let steps = episode.summary().steps;
         for save in self.0.iter_mut().filter(|save| save.tick == steps) {
-            let bytes = stage.snapshot(episode).bytes().map_err(|e| Failure::Output(e.into()))?;
+            let bytes = prepared.snapshot(episode).bytes().map_err(|e| Failure::Output(e.into()))?;
             write_file(outputs, &save.file, bytes)?;
             save.is_written = true;
         }

@@ -1,8 +1,9 @@
 //! `cocarry sweep`: runs a study, merges the shards of a study, and prints summaries.
 
+use super::file_kind::{self, FileKind};
 use super::interrupt::Interrupt;
 use super::output::{
-    Failure, Progress, examples, input, print, print_json, table, table_text, unwritten, warn,
+    Failure, Progress, counted, examples, input, note, print, print_json, table, table_text, unwritten, warn,
 };
 use super::reproduce::Common;
 use anyhow::Error;
@@ -10,17 +11,16 @@ use clap::Args;
 use cocarry_output::output_file::Outputs;
 use cocarry_studies::statistics::Estimate;
 use cocarry_studies::study::{
-    Comparison, Group, Shard, Study, Summary, Sweep, SweepError, SweepOutputs, merge,
+    Comparison, Group, Shard, Study, Summary, Sweep, SweepError, SweepOutputs, complete_rows, merge,
 };
 use serde_json::json;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Run a study: every combination of worlds, methods, humans, plants and seeds, one row of results per
 /// episode
 ///
-/// The rows go to NAME.partial beside the results, which is renamed when it is complete. A sweep that was
+/// The rows go to NAME.partial next to the results, which is renamed when it is complete. A sweep that was
 /// stopped, by Ctrl-C or a power cut, resumes where it stopped when it is started again.
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
@@ -36,13 +36,13 @@ pub(super) struct SweepArguments {
     /// Write the results into this file, CSV or (.parquet) Parquet [default: the study's name with .csv, or
     /// .I-of-N.csv for a shard, in the current directory]
     ///
-    /// Parquet needs a program built with the feature `parquet`; that of the Python package has it.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["merge", "summary"])]
-    out: Option<PathBuf>,
+    /// Parquet needs a program built with the feature `parquet`; the Python package includes it.
+    #[arg(short, long, alias = "out", value_name = "FILE", conflicts_with_all = ["merge", "summary"])]
+    output: Option<PathBuf>,
     /// Write every tick of every episode into this new folder, as Parquet files of 100 episodes each
     ///
-    /// The columns are those of `cocarry run --ticks` with the episode, its seed and the inputs that vary. Needs
-    /// the feature `parquet`, as --out.
+    /// The columns are those of `cocarry run --ticks` with the episode, its seed and the inputs that vary.
+    /// Needs the feature `parquet`, as --output.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["merge", "summary"])]
     ticks: Option<PathBuf>,
     /// Run only shard I of N, such as 3/16, for job arrays; --merge joins the shards
@@ -64,12 +64,17 @@ pub(super) struct SweepArguments {
     common: Common,
 }
 
-pub(super) fn run(arguments: &SweepArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_sweep(arguments: &SweepArguments) -> Result<ExitCode, Failure> {
     if let Some(file) = &arguments.summary {
         print_summary(file, &file.display().to_string(), arguments.common.json)?;
     } else if let Some([out, shards @ ..]) = arguments.merge.as_deref() {
         let episodes = merge(out, shards, arguments.overwrite).map_err(failure)?;
-        let title = format!("{}: {episodes} episodes of {} files", out.display(), shards.len());
+        let title = format!(
+            "{}: {} of {}",
+            out.display(),
+            counted(episodes, "episode"),
+            counted(shards.len(), "file")
+        );
         print_summary(out, &title, arguments.common.json)?;
     } else if let Some(study) = &arguments.study {
         sweep(arguments, study)?;
@@ -78,32 +83,54 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<ExitCode, Failure> {
 }
 
 fn sweep(arguments: &SweepArguments, file: &Path) -> Result<(), Failure> {
-    let study = Study::load(file, arguments.seeds).map_err(failure)?;
+    let file = &file_kind::within(file, FileKind::Study);
+    let study = Study::load(file, arguments.seeds);
+    let study = study.map_err(|error| file_kind::refused(file, FileKind::Study, error.into()))?;
     study.slow_drives().iter().for_each(warn);
     study.robot_warnings().iter().for_each(warn);
-    let out = arguments.out.clone().unwrap_or_else(|| results_of(file, arguments.shard));
+    let out = arguments.output.clone().unwrap_or_else(|| results_of(file, arguments.shard));
     let inputs = std::iter::once(file.to_owned()).chain(study.files(file));
     Outputs::new(true, inputs).check(&out).map_err(unwritten)?;
-    let to = SweepOutputs { rows: &out, ticks: arguments.ticks.as_deref(), overwrite: arguments.overwrite };
-    let sweep = Sweep::open(&study, arguments.shard, to).map_err(failure)?;
+    let is_new = arguments.overwrite || arguments.ticks.is_some();
+    let complete = match is_new {
+        true => None,
+        false => complete_rows(&study, arguments.shard, &out),
+    };
+    let (kept, episodes) = match complete {
+        Some(rows) => (rows, rows),
+        None => run_episodes(arguments, &study, &out)?,
+    };
+    let mut title = format!(
+        "{}: {} of {}",
+        out.display(),
+        counted(episodes, "episode"),
+        counted(study.combinations(), "combination")
+    );
+    match kept {
+        0 => {}
+        kept if kept == episodes => title += &format!(", all {kept} of them from the earlier run"),
+        kept => title += &format!(", {kept} of them from the earlier run"),
+    }
+    match (arguments.shard, episodes) {
+        (Some(Shard { number, of }), 0) => {
+            // the study has fewer episodes than shards
+            note(&format_args!("shard {number}/{of} has no episode"));
+            Ok(())
+        }
+        _ => print_summary(&out, &title, arguments.common.json),
+    }
+}
+
+/// Runs the episodes that have no rows yet. Returns the number of those that had, and of all.
+fn run_episodes(arguments: &SweepArguments, study: &Study, out: &Path) -> Result<(u64, u64), Failure> {
+    let to = SweepOutputs { rows: out, ticks: arguments.ticks.as_deref(), overwrite: arguments.overwrite };
+    let sweep = Sweep::open(study, arguments.shard, to).map_err(failure)?;
     let (kept, episodes) = (sweep.kept(), sweep.episodes());
     let bar = Progress::new((episodes - kept) as usize, "episodes");
     let interrupt = Interrupt::caught()?;
     arguments.common.on_threads(|| sweep.run(&|| bar.step(), interrupt.flag()))?.map_err(failure)?;
     bar.finish();
-    let mut title =
-        format!("{}: {episodes} episodes of {} combinations", out.display(), study.combinations());
-    if kept > 0 {
-        let _ = write!(title, ", {kept} of them from the earlier run");
-    }
-    match (arguments.shard, episodes) {
-        (Some(Shard { number, of }), 0) => {
-            // the study has fewer episodes than shards
-            eprintln!("note: shard {number}/{of} has no episode");
-            Ok(())
-        }
-        _ => print_summary(&out, &title, arguments.common.json),
-    }
+    Ok((kept, episodes))
 }
 
 /// The default file of results of a study.
@@ -251,8 +278,13 @@ fn comparisons(summary: &Summary) -> String {
         ]);
         rows.add_row(cells);
     }
+    let test = match tested {
+        0 => String::new(),
+        1 => "; p: paired t-test".to_owned(),
+        _ => format!("; p: paired t-test, corrected by Holm's method for the {tested} comparisons tested"),
+    };
     format!(
-        "\nPaired by seed\n{}First minus second, all other inputs equal, over the seeds with which both arrived. d: mean of the differences over their standard deviation; p: paired t-test, corrected by Holm's method for the {tested} comparisons tested. There is no interval and no test where all humans make the same choices: seeds then differ by gait noise only. Comparisons without any difference are left out.\n",
+        "\nPaired by seed\n{}First minus second, all other inputs equal, over the seeds with which both arrived. d: mean of the differences over their standard deviation{test}. There is no interval and no test where all humans make the same choices: seeds then differ by gait noise only. Comparisons without any difference are left out.\n",
         table_text(&rows)
     )
 }

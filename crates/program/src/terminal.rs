@@ -8,24 +8,11 @@ use textwrap::{Options, WordSplitter, core::display_width};
 /// The least width that output is fitted to.
 const MIN_WIDTH: usize = 40;
 
-const GOOD: Style = AnsiColor::Green.on_default().bold();
-const BAD: Style = AnsiColor::Red.on_default().bold();
-const ATTENTION: Style = AnsiColor::Yellow.on_default().bold();
-const BOLD: Style = Style::new().bold();
+pub(super) const GOOD: Style = AnsiColor::Green.on_default().bold();
+pub(super) const BAD: Style = AnsiColor::Red.on_default().bold();
+pub(super) const ATTENTION: Style = AnsiColor::Yellow.on_default().bold();
+pub(super) const BOLD: Style = Style::new().bold();
 const RULE: Style = Style::new().dimmed();
-
-/// How a line begins and what follows in it, and the line's style.
-const STYLES: [(&str, &str, Style); 7] = [
-    ("error:", "", BAD),
-    ("warning:", "", ATTENTION),
-    ("note:", "", ATTENTION),
-    (EVENT, ": arrived at B on option", GOOD),
-    (EVENT, ": did not arrive: ", BAD),
-    (EVENT, " cm: it lost the object", BAD),
-    (EVENT, ", the human takes the lead", BOLD),
-];
-/// How the line of an event begins.
-const EVENT: &str = "  step ";
 
 /// The width of standard output: the terminal's, or the environment's `COLUMNS`. `None` for a pipe or a file.
 pub(super) fn width() -> Option<usize> {
@@ -70,22 +57,57 @@ pub(super) fn wrapped(text: &str, width: Option<usize>) -> Cow<'_, str> {
     Cow::Owned(wrapped)
 }
 
-/// The text with its first line, a verdict, in its colour.
-pub(super) fn verdict(text: &str, is_good: bool) -> String {
-    let style = if is_good { GOOD } else { BAD };
-    let (first, rest) = text.split_once('\n').unwrap_or((text, ""));
-    format!("{style}{first}{style:#}\n{}", painted(rest))
+/// Text for a terminal: parts, some of which have a style.
+#[derive(Debug, Default)]
+pub(super) struct Text(Vec<(Option<Style>, String)>);
+
+impl Text {
+    /// A text whose first line has a style: a verdict, an error.
+    pub fn headed(style: Style, text: &str) -> Self {
+        let (first, rest) = text.split_at(text.find('\n').map_or(text.len(), |end| end + 1));
+        let mut headed = Self::default();
+        headed.styled(style, first);
+        headed.plain(rest);
+        headed
+    }
+
+    /// Adds text without a style; tables in it are drawn with theirs.
+    pub fn plain(&mut self, text: &str) {
+        self.0.push((None, text.to_owned()));
+    }
+
+    /// Adds lines in a style.
+    pub fn styled(&mut self, style: Style, lines: &str) {
+        self.0.push((Some(style), lines.to_owned()));
+    }
+
+    /// The text for this width, with escape sequences for colours, which a stream without colours removes.
+    /// `clean` is applied to every part before these are added.
+    pub fn shown(&self, width: Option<usize>, clean: impl Fn(&str) -> String) -> String {
+        let shown = self.0.iter().map(|(style, text)| {
+            let text = clean(text);
+            let text = wrapped(&text, width);
+            match style {
+                None => with_tables(&text),
+                Some(style) => text.split_inclusive('\n').map(|line| in_style(*style, line)).collect(),
+            }
+        });
+        shown.collect()
+    }
 }
 
-/// The text with escape sequences for colours, which a stream without colours removes.
-pub(super) fn painted(text: &str) -> String {
+fn in_style(style: Style, line: &str) -> String {
+    let content = line.trim_end_matches('\n');
+    format!("{style}{content}{style:#}{}", &line[content.len()..])
+}
+
+/// The text with the rules of its tables dimmed and their headings bold.
+fn with_tables(text: &str) -> String {
     let is_rule = |line: &str, sign: char| !line.is_empty() && line.chars().all(|c| c == sign);
     let lines: Vec<&str> = text.split_inclusive('\n').collect();
     let mut styles: Vec<Option<Style>> = Vec::with_capacity(lines.len());
     let mut headings = None;
     for (at, line) in lines.iter().map(|line| line.trim_end_matches('\n')).enumerate() {
-        let has = |(start, words, _): &&(&str, &str, _)| line.starts_with(start) && line.contains(words);
-        let listed = STYLES.iter().find(has).map(|(.., style)| *style);
         let style = match (is_rule(line, '─'), is_rule(line, '═'), headings) {
             (true, ..) => {
                 headings = Some(at + 1);
@@ -95,18 +117,14 @@ pub(super) fn painted(text: &str) -> String {
                 styles[first..].fill(Some(BOLD));
                 Some(RULE)
             }
-            _ => listed,
+            _ => None,
         };
         styles.push(style);
     }
-    let painted = lines.iter().zip(styles).map(|(line, style)| match style {
-        None => Cow::Borrowed(*line),
-        Some(style) => {
-            let content = line.trim_end_matches('\n');
-            Cow::Owned(format!("{style}{content}{style:#}{}", &line[content.len()..]))
-        }
-    });
-    painted.collect()
+    let styled = lines.iter().zip(styles);
+    styled
+        .map(|(line, style)| style.map_or_else(|| (*line).to_owned(), |style| in_style(style, line)))
+        .collect()
 }
 
 #[cfg(test)]
@@ -126,17 +144,20 @@ mod tests {
 
     #[test]
     fn golden_what_matters_has_a_colour_and_the_rest_has_none() {
-        let text = "plain\n──\n a\n══\n b\n──\n  step    9 (  1.8 s): arrived at B on option 1\n";
-        let painted = painted(text);
-        assert!(painted.starts_with("plain\n") && painted.contains("\n b\n"), "{painted:?}");
-        assert!(painted.contains("\u{1b}[1m a\u{1b}[0m"), "{painted:?}");
-        assert!(
-            painted.contains("\u{1b}[32m  step    9 (  1.8 s): arrived at B on option 1\u{1b}[0m"),
-            "{painted:?}"
-        );
-        assert_eq!(anstream::adapter::strip_str(&painted).to_string(), text);
-        // a name is no verdict
-        assert_eq!(super::painted("Lost: arrived at B on option 1\n"), "Lost: arrived at B on option 1\n");
-        assert_eq!(verdict("bad\nrest\n", false), format!("{BAD}bad{BAD:#}\nrest\n"));
+        let mut text = Text::default();
+        text.plain("plain\n──\n a\n══\n b\n──\n");
+        text.styled(GOOD, "  arrived\n");
+        let shown = text.shown(None, str::to_owned);
+        assert!(shown.starts_with("plain\n") && shown.contains("\n b\n"), "{shown:?}");
+        assert!(shown.contains("\u{1b}[1m a\u{1b}[0m"), "{shown:?}");
+        assert!(shown.contains("\u{1b}[32m  arrived\u{1b}[0m"), "{shown:?}");
+        let bare = "plain\n──\n a\n══\n b\n──\n  arrived\n";
+        assert_eq!(anstream::adapter::strip_str(&shown).to_string(), bare);
+        let headed = Text::headed(BAD, "bad\nrest\n").shown(None, str::to_owned);
+        assert_eq!(headed, format!("{BAD}bad{BAD:#}\nrest\n"));
+        // a name is not a verdict
+        let mut name = Text::default();
+        name.plain("Lost: arrived at B on option 1\n");
+        assert_eq!(name.shown(None, str::to_owned), "Lost: arrived at B on option 1\n");
     }
 }

@@ -8,7 +8,7 @@ const STYLE: TableStyle = TableStyle::new()
     .top_border(LineStyle::none().fill('─'))
     .header_separator(LineStyle::none().fill('═'))
     .bottom_border(LineStyle::none().fill('─'));
-/// Spaces beside the contents of a column.
+/// Spaces on either side of the contents of a column.
 const PADDING: usize = 2;
 
 /// A table of texts.
@@ -46,7 +46,7 @@ impl TextTable {
         let least: Vec<usize> = all.iter().map(|&column| self.width(column, true)).collect();
         let sets = self.columns_by_part(&least, width).into_iter().map(|columns| {
             let mut widths: Vec<usize> = columns.iter().map(|&column| least[column]).collect();
-            // what is left goes to the columns in their order
+            // the rest goes to the columns in their order
             for (at, &column) in columns.iter().enumerate() {
                 let room = width.saturating_sub(total(&widths));
                 widths[at] += room.min(widest[column] - least[column]);

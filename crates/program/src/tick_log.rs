@@ -27,7 +27,7 @@ pub(super) fn file(text: &str) -> Result<File, String> {
     let format = match path.extension().and_then(|e| e.to_str()) {
         Some("csv") => Format::Csv,
         Some("jsonl") => Format::JsonLines,
-        _ => return Err("the name must end in .csv or .jsonl".to_owned()),
+        _ => return Err("expected the extension .csv or .jsonl".to_owned()),
     };
     Ok(File { path, format })
 }

@@ -103,7 +103,7 @@ struct Offer {
     shortest: Option<f64>,
 }
 
-pub(super) fn run(arguments: &WorldArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_world(arguments: &WorldArguments) -> Result<ExitCode, Failure> {
     let inputs = [Some(&arguments.world), arguments.model.belief.belief_samples.as_ref()];
     let inputs = inputs.into_iter().flatten().map(PathBuf::as_path);
     let files = arguments.svg.iter().chain(&arguments.write);
@@ -229,7 +229,7 @@ fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
     text + &table_text(&options)
 }
 
-/// A line for the widest gaps that are no openings as they are too narrow, where openings are detected.
+/// A line for the widest gaps that are too narrow to be openings, where openings are detected.
 fn closed_gaps(world: &World) -> String {
     const MAX_LISTED: usize = 3;
     let gaps = if world.openings_detected { world.impassable_gaps() } else { Vec::new() };

@@ -20,7 +20,7 @@ pub(super) struct WorldsArguments {
     json: bool,
 }
 
-pub(super) fn run(arguments: &WorldsArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_worlds(arguments: &WorldsArguments) -> Result<ExitCode, Failure> {
     let worlds = BUILT_IN_WORLDS.iter().map(|built_in| {
         let world = World::parse(built_in.name, built_in.text).map_err(input)?;
         let options = OptionSet::new(&world, RISK_WEIGHT).map_err(input)?.options().len();

@@ -2,7 +2,7 @@
 //!
 //! The format is Zarr 2, uncompressed, one chunk for each array, with the attributes that xarray reads: ArviZ
 //! 0.23 takes only this version. The crate zarrs writes version 3, and brings 136 crates; a store of this kind
-//! is a handful of small JSON texts beside the numbers.
+//! is a handful of small JSON texts next to the numbers.
 
 use serde_json::{Map, Value, json};
 use std::io::{Cursor, Write};

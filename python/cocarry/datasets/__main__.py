@@ -71,7 +71,11 @@ def _write(given: argparse.Namespace) -> str:
     }  # fmt: skip
     stated = {key: value for key, value in about.items() if value is not None}
     made = recorded_to_minari(given.recordings, given.output, overwrite=given.overwrite, **stated)
-    return f"{given.output}: {made.total_episodes} episodes, {made.total_steps} steps"
+    return f"{given.output}: {_counted(made.total_episodes, 'episode')}, {_counted(made.total_steps, 'step')}"
+
+
+def _counted(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 if __name__ == "__main__":

@@ -44,7 +44,7 @@ def free(path: pathlib.Path, sign: str, overwrite: bool, what: str) -> None:
 
 
 @contextmanager
-def beside(final: pathlib.Path, overwrite: bool, root: pathlib.Path | None = None) -> Iterator[pathlib.Path]:
+def staged(final: pathlib.Path, overwrite: bool, root: pathlib.Path | None = None) -> Iterator[pathlib.Path]:
     """A folder's name in a temporary folder of ``root`` (default: the final one's parent). What is made there gets the
     final name if nothing is raised."""
     root = (root or final.parent).absolute()  # Minari does not write into relative folders

@@ -28,7 +28,7 @@ class Signal:
     units: list[str]
     values: Floats
 
-    def beside(self, other: Signal) -> Signal:
+    def joined(self, other: Signal) -> Signal:
         return Signal(self.names + other.names, self.units + other.units, np.hstack([self.values, other.values]))
 
 
@@ -64,7 +64,7 @@ class Frames:
     def observed(self) -> Signal:
         """(n + 1, .): state and options, those at the end as in the last period; of a point the options alone."""
         options = Signal(self.options.names, self.options.units, np.vstack([self.options.values, self.options.values[-1:]]))
-        return options if self.motion is None else self.state.beside(options)
+        return options if self.motion is None else self.state.joined(options)
 
 
 def sources(episodes: Iterable[Source]) -> list[Source]:
@@ -125,10 +125,10 @@ def frames_of(name: str, recording: Recording, options: int) -> Frames:
         state, motion = _state(name, recording, scenario.robot.joints, coordination.times), _motion(recording)
     cost = Columns(recording.table("/cost")).numbers("objective_cost_m")[:, 0]
     known = _options(Columns(recording.table("/options")), scenario.options, options, executed)
-    known = known.beside(_common(coordination, human_leads))
+    known = known.joined(_common(coordination, human_leads))
     if motion is not None:
         goal = ["grasp_goal_x_m", "grasp_goal_y_m", "grasp_goal_yaw_deg"]
-        known = known.beside(Signal(goal, ["m", "m", "deg"], Columns(recording.table("/control")).numbers(*goal)))
+        known = known.joined(Signal(goal, ["m", "m", "deg"], Columns(recording.table("/control")).numbers(*goal)))
     found = Frames(
         name=name, scenario=scenario, world=recording.provenance["world"], method=recording.provenance["method"],
         outcome=outcome, times_s=times, state=state, options=known,
@@ -160,7 +160,7 @@ def _state(name: str, recording: Recording, joints: list[str], begins: list[int]
         parts.append(Signal(names, ["N", "N", "Nm"], np.vstack([np.zeros(3), wrench])))
     whole = parts[0]
     for part in parts[1:]:
-        whole = whole.beside(part)
+        whole = whole.joined(part)
     return whole
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from cocarry._cocarry import __version__
-from cocarry.datasets._files import DatasetError, Path, beside, free, needed, written
+from cocarry.datasets._files import DatasetError, Path, free, needed, staged, written
 from cocarry.datasets._frames import Frames, Signal, Source, all_frames, described, sources
 
 _DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
@@ -48,7 +48,7 @@ def to_lerobot(
     Numbers are the recording's, in float64; ``timestamp`` is float32, as the format has it. (LeRobot's loader makes
     float32 of numbers.) Names and units are in ``meta/info.json`` and in the data set's card, ``README.md``. The table of
     episodes has ``scenario_text``, the whole scenario, ``scenario_world``, ``scenario_seed``, ``scenario_alpha``,
-    ``scenario_gamma``, ``scenario_plant``, ``scenario_method`` (own(NAME) for an Episode with an own policy), ``outcome``
+    ``scenario_gamma``, ``scenario_plant``, ``scenario_method`` (own(NAME) for an Episode with a custom policy), ``outcome``
     and the accumulated costs. Quantiles in ``stats.json`` are means of those of the episodes, weighted by their lengths, as
     LeRobot's own are.
 
@@ -70,7 +70,7 @@ def to_lerobot(
         raise DatasetError("task: is empty; expected a sentence, as `carry the table to the kitchen`")
     given = sources(episodes)
     free(folder, "meta/info.json", overwrite, "a LeRobot data set")
-    with beside(folder, overwrite) as made, written(folder):
+    with staged(folder, overwrite) as made, written(folder):
         _Writer(made, task).write(given, license)
     return folder
 
@@ -210,7 +210,7 @@ def _columns(frames: Frames) -> dict[str, Any]:
 
 
 def _features(frames: Frames) -> dict[str, dict[str, Any]]:
-    """The features of a frame, without those that every data set has; ``units`` are beside the names."""
+    """The features of a frame, without those that every data set has; ``units`` are next to the names."""
     features = {
         key: {"dtype": "float64", "shape": [len(signal.names)], "names": signal.names, "units": signal.units}
         for key, signal in _signals(frames).items()
@@ -300,7 +300,7 @@ configs:
 
 # A human and a robot carry an object together
 
-Simulated with cocarry {__version__} on the plant `{first.scenario.plant}`, team: {info["robot_type"]}. {len(rows)} episodes,
+Simulated with cocarry {__version__} on the plant `{first.scenario.plant}`, team: {info["robot_type"]}. {len(rows)} episode{"" if len(rows) == 1 else "s"},
 {info["total_frames"]} frames at {info["fps"]} per second of simulated time (a frame is a control period of {first.period_s:g} s).
 Outcomes: {", ".join(f"{name} {count}" for name, count in sorted(outcomes.items()))}.
 Worlds: {", ".join(sorted({row["scenario_world"] for row in rows}))}. Methods: {", ".join(sorted({row["scenario_method"] for row in rows}))}.

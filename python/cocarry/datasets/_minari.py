@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from cocarry._cocarry import __version__
-from cocarry.datasets._files import DatasetError, beside, free, needed, written
+from cocarry.datasets._files import DatasetError, free, needed, staged, written
 from cocarry.datasets._frames import Frames, Source, all_frames, described, sources
 
 
@@ -85,7 +85,7 @@ def recorded_to_minari(episodes: Iterable[Source], dataset_id: str, *, overwrite
     are those of its last step, and so is all of a point's observation.
     Rewards are minus the objective cost of the period, J (m). An episode is truncated when its steps ran out, else
     terminated. Per episode: ``scenario_text`` (the whole scenario), ``scenario_world``, ``scenario_seed``,
-    ``scenario_alpha``, ``scenario_gamma``, ``scenario_plant``, ``scenario_method`` (own(NAME) for an Episode with an own
+    ``scenario_alpha``, ``scenario_gamma``, ``scenario_plant``, ``scenario_method`` (own(NAME) for an Episode with a custom
     policy) and ``outcome``.
 
     episodes: Recordings, their files, Scenarios or Episodes that have not begun; teams of one kind.
@@ -161,7 +161,7 @@ class _Home:
 
     def write(self, buffers: list[Any], drawn: list[dict[str, Any]], about: dict[str, Any]) -> Any:
         minari, name = self.minari, self.dataset_id
-        with beside(self.final, self.overwrite, self.root) as folder, _datasets_in(folder.parent / "root"), written(self.final):
+        with staged(self.final, self.overwrite, self.root) as folder, _datasets_in(folder.parent / "root"), written(self.final):
             with warnings.catch_warnings():
                 if "env" not in about:  # there is none
                     warnings.filterwarnings("ignore", r"(`eval_env` is set to None|env_spec is None)", UserWarning)

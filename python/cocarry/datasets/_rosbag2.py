@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from cocarry._cocarry import Recording, RecordingError, read
-from cocarry.datasets._files import Columns, DatasetError, Floats, Path, beside, free, needed, written
+from cocarry.datasets._files import Columns, DatasetError, Floats, Path, free, needed, staged, written
 
 _Messages: TypeAlias = Iterator[tuple[int, Any]]
 
@@ -53,7 +53,7 @@ def to_rosbag2(recording: Recording | Path, bag: Path, *, overwrite: bool = Fals
     store = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
     topics = _topics(source, store.types)
     profile = _profile()
-    with beside(bag, overwrite) as folder, written(bag):
+    with staged(bag, overwrite) as folder, written(bag):
         with rosbag2.Writer(folder, version=_BAG_VERSION, storage_plugin=rosbag2.StoragePlugin.MCAP) as writer:
             for key, value in sorted(source.provenance.items()):
                 writer.set_custom_data(key, value)

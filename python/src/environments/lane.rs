@@ -110,11 +110,11 @@ impl Lane {
         let made = base
             .prepare(scenario)
             .map_err(|error| words(&error))
-            .and_then(|stage| Cell::beginning(Arc::new(stage), acted).map_err(|error| words(&error)));
+            .and_then(|prepared| Cell::beginning(Arc::new(prepared), acted).map_err(|error| words(&error)));
         match made {
             Ok(mut made) => {
-                made.with_dependent_mut(|stage, running| {
-                    running.outcome = rules.begin(stage, &mut running.episode, observation);
+                made.with_dependent_mut(|prepared, running| {
+                    running.outcome = rules.begin(prepared, &mut running.episode, observation);
                 });
                 self.is_over = false;
                 self.cell = Some(made);
@@ -135,7 +135,7 @@ impl Lane {
         }
         let Some(cell) = self.cell.as_mut() else { return StepResult::default() };
         let (subjective, human, costs) = (&mut self.subjective, &self.human, &mut self.costs);
-        let (result, last) = cell.with_dependent_mut(|stage, running| {
+        let (result, last) = cell.with_dependent_mut(|prepared, running| {
             let episode = &mut running.episode;
             if rules.task == Task::Both {
                 let stance = STANCES[(action[2] as usize).min(STANCES.len() - 1)];
@@ -150,12 +150,12 @@ impl Lane {
             *costs = [tick.objective_cost, so_far - *subjective, control];
             *subjective = so_far;
             let cost: f64 = rules.weights.iter().zip(*costs).map(|(weight, cost)| weight * cost).sum();
-            let ended = rules.begin(stage, episode, observation);
+            let ended = rules.begin(prepared, episode, observation);
             let is_long = rules.most_steps.is_some_and(|most| episode.summary().steps >= most);
             let truncated = ended == Some(Outcome::OutOfTime) || (ended.is_none() && is_long);
             let terminated = ended.is_some_and(|outcome| outcome != Outcome::OutOfTime);
             running.outcome = ended;
-            let last = (terminated || truncated).then(|| View::new(stage, &running.episode).read(EPISODE));
+            let last = (terminated || truncated).then(|| View::new(prepared, &running.episode).read(EPISODE));
             (StepResult { reward: -cost, terminated, truncated }, last)
         });
         if let Some(last) = last {

@@ -1,14 +1,15 @@
 //! Environments for learners: episodes side by side, each step decided by actions, in preallocated arrays.
 //!
-//! A lane is one environment. Every lane draws its episodes from a generator of its own, so N lanes are equal to
-//! N single environments bit for bit, for any number of threads.
+//! A lane is one environment. Every lane draws its episodes from a generator of its own, so N lanes are equal
+//! to N single environments bit for bit, for any number of threads.
 
 mod lane;
 mod rules;
 
 use crate::episode::Cell;
 use crate::error::{ActionError, ClosedError, Error, RecordingError, ScenarioError, guarded, words};
-use crate::scenario::{Scenario, input_limits};
+use crate::robot::input_limits;
+use crate::scenario::Scenario;
 use crate::value::{self, repr};
 use cocarry::coordination::Stubbornness;
 use cocarry::human::{Human, Stance};
@@ -410,9 +411,9 @@ impl Lanes {
         index: usize,
         actions: Vec<Vec<f64>>,
     ) -> PyResult<Bound<'py, PyBytes>> {
-        let stage =
+        let prepared =
             self.lane(index, |lane| Ok(lane.cell.as_ref().map(|cell| Arc::clone(cell.borrow_owner()))))?;
-        let stage = stage
+        let prepared = prepared
             .ok_or_else(|| ClosedError::new_err("the environment has no episode; call reset() first"))?;
         let width = if self.rules.task == Task::Both { 3 } else { self.rules.limits.len().max(1) };
         if actions.iter().any(|action| action.len() != width) {
@@ -422,17 +423,17 @@ impl Lanes {
             guarded(|| {
                 let next = Arc::new(Mutex::new((0, Stance::Follow)));
                 let acted = (self.rules.task == Task::Both).then(|| {
-                    let scenario = stage.scenario();
+                    let scenario = prepared.scenario();
                     let stubbornness = Stubbornness::new(scenario.settings.coordination);
                     let next = Arc::clone(&next);
                     Box::new(ActedHuman { next, perception: scenario.human, stubbornness }) as Box<dyn Human>
                 });
-                let mut cell = Cell::beginning(stage, acted).map_err(|error| words(&error))?;
-                cell.with_dependent_mut(|stage, running| {
+                let mut cell = Cell::beginning(prepared, acted).map_err(|error| words(&error))?;
+                cell.with_dependent_mut(|prepared, running| {
                     let episode = &mut running.episode;
                     let file = Cursor::new(Vec::new());
-                    let mut recorder =
-                        Recorder::new(file, "the episode", stage, episode).map_err(|error| words(&error))?;
+                    let mut recorder = Recorder::new(file, "the episode", prepared, episode)
+                        .map_err(|error| words(&error))?;
                     if actions.is_empty() && episode.step().is_none() {
                         recorder.step(episode).map_err(|error| words(&error))?;
                     }

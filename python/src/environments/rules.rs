@@ -114,17 +114,17 @@ impl Rules {
         layout
     }
 
-    pub(super) fn observe(&self, stage: &PreparedScenario, episode: &Episode, into: &mut [f64]) {
+    pub(super) fn observe(&self, prepared: &PreparedScenario, episode: &Episode, into: &mut [f64]) {
         match self.task {
-            Task::Options | Task::Both => self.observe_options(stage, episode, into),
-            Task::Inputs | Task::Reference => self.observe_carrying(stage, episode, into),
+            Task::Options | Task::Both => self.observe_options(prepared, episode, into),
+            Task::Inputs | Task::Reference => self.observe_carrying(prepared, episode, into),
         }
         for number in into {
             *number = if number.is_nan() { 0.0 } else { number.clamp(-MAX_VALUE, MAX_VALUE) };
         }
     }
 
-    pub(super) fn observe_options(&self, stage: &PreparedScenario, episode: &Episode, into: &mut [f64]) {
+    pub(super) fn observe_options(&self, prepared: &PreparedScenario, episode: &Episode, into: &mut [f64]) {
         let Some(view) = episode.robot_view() else { return };
         into.fill(0.0);
         let mut at = 0;
@@ -132,7 +132,7 @@ impl Rules {
             into[at] = number;
             at += 1;
         };
-        let named = stage.options().options().iter().zip(view.evaluated).enumerate();
+        let named = prepared.options().options().iter().zip(view.evaluated).enumerate();
         for (i, (option, evaluated)) in named {
             let option = OptionView { name: &option.name, option: evaluated };
             for quantity in OPTION.iter().filter(|quantity| quantity.key != "name") {
@@ -150,7 +150,7 @@ impl Rules {
         into[begin..].copy_from_slice(&common);
     }
 
-    pub(super) fn observe_carrying(&self, stage: &PreparedScenario, episode: &Episode, into: &mut [f64]) {
+    pub(super) fn observe_carrying(&self, prepared: &PreparedScenario, episode: &Episode, into: &mut [f64]) {
         let Some(view) = episode.robot_view() else { return };
         let (Some(configuration), Some(grasp)) = (view.configuration, view.grasp) else { return };
         let grasp = PlanarPose::from_above(&grasp);
@@ -161,7 +161,7 @@ impl Rules {
         numbers.extend((0..self.joints + self.base).map(|i| robot.map_or(0.0, |robot| robot.input[i])));
         let goal = episode.human().or(robot.map(|robot| robot.grasp_goal)).unwrap_or(grasp);
         numbers.extend(seen_from(&grasp, &goal));
-        let settings = &stage.scenario().settings;
+        let settings = &prepared.scenario().settings;
         let per_step = settings.speed * settings.planning_step;
         for i in 1..=AHEAD {
             let along = (episode.along() + i as f64 * per_step).min(episode.path().length());
@@ -187,23 +187,23 @@ impl Rules {
         into.copy_from_slice(&numbers);
     }
 
-    /// Begins the next step and observes it; returns the outcome once the episode has ended. Where the human acts
-    /// too, a copy looks ahead, since the human has not decided yet.
+    /// Begins the next step and observes it; returns the outcome once the episode has ended. Where the human
+    /// acts too, a copy looks ahead, since the human has not decided yet.
     pub(super) fn begin(
         &self,
-        stage: &PreparedScenario,
+        prepared: &PreparedScenario,
         episode: &mut Episode<'_>,
         into: &mut [f64],
     ) -> Option<Outcome> {
         if self.task == Task::Both {
             let mut ahead = episode.clone();
             let ended = ahead.begin_step();
-            self.observe(stage, &ahead, into);
+            self.observe(prepared, &ahead, into);
             // asks nobody, and notes the outcome
             return ended.and_then(|_| episode.begin_step());
         }
         let ended = episode.begin_step();
-        self.observe(stage, episode, into);
+        self.observe(prepared, episode, into);
         ended
     }
 

@@ -1,4 +1,4 @@
-//! What own policies and humans may return.
+//! What custom policies and humans may return.
 
 use super::views::{STANCES, stance};
 use crate::error::DecisionError;
@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyString};
 use std::sync::Arc;
 
-/// What an own partner may know of its scenario.
+/// What a custom partner may know about its scenario.
 #[derive(Clone, Debug)]
 pub(super) struct Basis {
     pub(super) names: Arc<[String]>,
@@ -29,13 +29,13 @@ pub(super) struct Basis {
 }
 
 impl Basis {
-    pub(super) fn of(stage: &PreparedScenario) -> Self {
-        let names = stage.options().options().iter().map(|option| option.name.clone()).collect();
-        let joints = stage.robot().map_or(0, |robot| robot.joints.len());
-        let seed = stage.scenario().seed;
-        let base = stage.robot().map_or(2, |robot| robot.drive.inputs());
-        let prepared = Arc::new(stage.clone());
-        Self { names, prepared, joints, base, seed, has_robot: stage.robot().is_some() }
+    pub(super) fn of(prepared: &PreparedScenario) -> Self {
+        let names = prepared.options().options().iter().map(|option| option.name.clone()).collect();
+        let joints = prepared.robot().map_or(0, |robot| robot.joints.len());
+        let seed = prepared.scenario().seed;
+        let base = prepared.robot().map_or(2, |robot| robot.drive.inputs());
+        let has_robot = prepared.robot().is_some();
+        Self { names, prepared: Arc::new(prepared.clone()), joints, base, seed, has_robot }
     }
 
     /// The option of an index or a name.

@@ -12,7 +12,7 @@ use cocarry::coordination::{Mode, Stubbornness};
 use cocarry::geometry::Point;
 use cocarry::human::{HandView, Human, HumanDecision, HumanView};
 use cocarry::policy::{Decision, RobotPolicy, RobotView};
-use cocarry::saved::{NotRestored, Saved};
+use cocarry::saved::{RestoreError, Saved};
 use cocarry::scenario::{self, PreparedScenario};
 use cocarry_recording::recording::{Decisions, PolicyLog};
 use pyo3::prelude::*;
@@ -20,7 +20,7 @@ use pyo3::types::{PyBytes, PyType};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// The first exception of an own policy or human in an episode, which is raised once its step is over.
+/// The first exception of a custom policy or human in an episode, which is raised once its step is over.
 #[derive(Clone, Debug, Default)]
 pub struct Fault(Arc<Mutex<Option<PyErr>>>, Arc<AtomicBool>);
 
@@ -125,14 +125,14 @@ impl Partner {
         if bytes.is_empty() { Saved::default() } else { Saved::of(&bytes) }
     }
 
-    fn read(&self, saved: &Saved, part: &'static str) -> Result<(), NotRestored> {
+    fn read(&self, saved: &Saved, part: &'static str) -> Result<(), RestoreError> {
         if saved.is_empty(part).is_ok() {
             return Ok(());
         }
         let bytes: Vec<u8> = saved.read(part)?;
         self.restore(&bytes).map_err(|error| {
             self.fault.put(error);
-            NotRestored { part }
+            RestoreError { part }
         })
     }
 }
@@ -154,7 +154,7 @@ macro_rules! common {
     };
 }
 
-/// An own policy.
+/// A custom policy.
 #[derive(Clone, Debug)]
 struct OwnPolicy(Partner);
 
@@ -203,7 +203,7 @@ impl RobotPolicy for OwnPolicy {
         self.0.saved()
     }
 
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         self.0.read(saved, "policy")
     }
 }
@@ -213,7 +213,7 @@ fn wrench(wrench: &cocarry::simulation::Wrench) -> [f64; 6] {
     [f.x, f.y, f.z, t.x, t.y, t.z]
 }
 
-/// An own human. One who returns only an option has the stubbornness of eq. (5).
+/// A custom human. One who returns only an option has the stubbornness of eq. (5).
 #[derive(Clone, Debug)]
 struct OwnHuman {
     partner: Partner,
@@ -267,7 +267,7 @@ impl Human for OwnHuman {
         Saved::of(&(&self.stubbornness, self.partner.save()))
     }
 
-    fn restore(&mut self, saved: &Saved) -> Result<(), NotRestored> {
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         let (stubbornness, bytes): (Stubbornness, Vec<u8>) = saved.read("human")?;
         self.stubbornness = stubbornness;
         if bytes.is_empty() {
@@ -275,12 +275,12 @@ impl Human for OwnHuman {
         }
         self.partner.restore(&bytes).map_err(|error| {
             self.partner.fault.put(error);
-            NotRestored { part: "human" }
+            RestoreError { part: "human" }
         })
     }
 }
 
-/// The own partners of an episode: None for the scenario's.
+/// The custom partners of an episode: None for the scenario's.
 #[derive(Debug, Default)]
 pub struct Own {
     pub policy: Option<Py<PyAny>>,
@@ -333,10 +333,10 @@ impl Own {
     }
 
     /// As partners of an episode of a prepared scenario.
-    pub fn partners(self, stage: &PreparedScenario, fault: &Fault) -> scenario::Partners<'static> {
-        let basis = Basis::of(stage);
+    pub fn partners(self, prepared: &PreparedScenario, fault: &Fault) -> scenario::Partners<'static> {
+        let basis = Basis::of(prepared);
         let partner = |object| Partner { object, basis: basis.clone(), fault: fault.clone() };
-        let stubbornness = Stubbornness::new(stage.scenario().settings.coordination);
+        let stubbornness = Stubbornness::new(prepared.scenario().settings.coordination);
         scenario::Partners {
             human: self.human.map(|object| {
                 Box::new(OwnHuman { partner: partner(object), stubbornness }) as Box<dyn Human>

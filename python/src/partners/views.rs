@@ -1,4 +1,4 @@
-//! What own policies and humans see.
+//! What custom policies and humans see.
 
 use crate::error::Error;
 use cocarry::coordination::{Mode, OptionTick};
@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// How far the chords of a path may be off its arcs, m.
 const SAGITTA_M: f64 = 1e-3;
 
-/// What both an own policy and an own human see at the beginning of a control period.
+/// What both a custom policy and a custom human see at the beginning of a control period.
 #[pyclass(frozen, subclass, module = "cocarry._cocarry", name = "View")]
 pub struct PyView {
     pub(super) step: u64,
@@ -103,7 +103,7 @@ fn matrix<'py>(py: Python<'py>, pose: &Pose) -> PyResult<Bound<'py, PyArray2<f64
     Ok(PyArray2::from_vec2(py, &rows)?)
 }
 
-/// What an own policy sees at the beginning of a control period.
+/// What a custom policy sees at the beginning of a control period.
 #[pyclass(frozen, extends = PyView, module = "cocarry", name = "RobotView")]
 pub struct PyRobotView {
     pub(super) prepared: Arc<PreparedScenario>,
@@ -119,7 +119,7 @@ pub struct PyRobotView {
 
 #[pymethods]
 impl PyRobotView {
-    /// The path of what is left of an option (an index), (n, 2), m; None where no path leads on.
+    /// The remaining path of an option (an index), (n, 2), m; None where no path leads on.
     fn path<'py>(&self, py: Python<'py>, option: usize) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         let options = self.prepared.options();
         let count = options.options().len();
@@ -165,7 +165,7 @@ impl PyRobotView {
     }
 }
 
-/// What an own human sees at the beginning of a control period, for the hand.
+/// What a custom human sees at the beginning of a control period, for the hand.
 #[pyclass(frozen, module = "cocarry", name = "HandView")]
 pub struct PyHandView {
     pub(super) time: f64,
@@ -207,7 +207,7 @@ impl PyHandView {
     }
 }
 
-/// What an own human sees at the beginning of a control period.
+/// What a custom human sees at the beginning of a control period.
 #[pyclass(frozen, extends = PyView, module = "cocarry", name = "HumanView")]
 pub struct PyHumanView {
     pub(super) prospects: Vec<Prospect>,

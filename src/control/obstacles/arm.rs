@@ -28,7 +28,7 @@ impl Outline {
     /// The distance for a point of the arm that is too close, measured toward the side on which the arm's
     /// chain from `from` to `to` passes the outline. The nearest side may be the far side of a wall, which
     /// the arm cannot pass. `None` if the chain meets the outline.
-    fn beside(&self, p: Point, [from, to]: [Point; 2]) -> Option<(f64, Vector)> {
+    fn distance_on_chain_side(&self, p: Point, [from, to]: [Point; 2]) -> Option<(f64, Vector)> {
         let away = self.footprint.toward_segment(from, to)?;
         Some((p.coords.dot(&away) - self.footprint.reach(away), away))
     }
@@ -100,10 +100,10 @@ impl RobotObstacles {
                         continue;
                     };
                     if distance < RADIUS_M + MARGIN_M {
-                        let beside = outline.beside(at, *chain);
+                        let on_chain_side = outline.distance_on_chain_side(at, *chain);
                         // from outside, on the right side of it, the nearest place is the one to keep off
                         let is_astray = |(_, side): &(f64, Vector)| distance < 0.0 || away.dot(side) < 0.0;
-                        (distance, away) = beside.filter(is_astray).unwrap_or((distance, away));
+                        (distance, away) = on_chain_side.filter(is_astray).unwrap_or((distance, away));
                     }
                     let mut coefficients = Inputs::zeros();
                     let of_base = reaching.rolling.gradient_at(t, -away, lever);

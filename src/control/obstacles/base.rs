@@ -86,7 +86,7 @@ mod tests {
     use rand_chacha::rand_core::SeedableRng;
 
     /// The coefficients of a plane predict how its distance changes with the inputs: for the corners of a base
-    /// of 0.9 m by 0.5 m, on either drive, beside a post and a wall's end, and within steps. (Of a pillar on
+    /// of 0.9 m by 0.5 m, on either drive, next to a post and a wall's end, and within steps. (Of a pillar on
     /// the way, the direction is held.)
     #[test]
     fn property_half_planes_of_a_polygon_agree_with_finite_differences() {
@@ -149,7 +149,8 @@ mod tests {
         assert!(compared > 2000 && within > 20, "{compared} {within}");
     }
 
-    /// A base whose side is along a wall has a bound for either end of the side: it may not turn into the wall.
+    /// A base whose side is along a wall has a bound for either end of the side: it may not turn into the
+    /// wall.
     #[test]
     fn a_side_along_a_wall_is_kept_off_at_both_ends() {
         let text = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [-3, 0]\ntarget_m = [9, 0]\n[[obstacle]]\nname = \"wall\"\n\

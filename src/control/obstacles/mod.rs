@@ -21,7 +21,7 @@ impl RobotObstacles {
     /// the inputs about these.
     ///
     /// A base that is a polygon has a bound for every corner of it that is nearly nearest to an obstacle, and
-    /// for every corner of the obstacle that is so near beside one of its sides. Where the two overlap, or do
+    /// for every corner of the obstacle that is so near to one of its sides. Where the two overlap, or do
     /// so one step earlier or later, n is the direction of least penetration. Near an obstacle, steps are
     /// divided.
     ///

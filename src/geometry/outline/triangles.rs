@@ -73,7 +73,7 @@ pub(super) fn rings(triangles: &Triangles, is_solid: &[bool]) -> Vec<Vec<Point>>
         while is_solid(&edge) && !is_solid(&edge.rev()) && !seen[edge.fix().index()] {
             seen[edge.fix().index()] = true;
             ring.push(point(edge.from().position()));
-            // around the corner, through the solid faces beside it
+            // around the corner, through the solid faces next to it
             let mut next = edge.next();
             while is_solid(&next.rev()) {
                 next = next.rev().next();

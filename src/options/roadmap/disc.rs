@@ -86,9 +86,9 @@ impl Disc {
         let faces = |disc: &Self, turn: f64| {
             disc.between.is_none_or(|[first, last]| {
                 // the line's direction is between the tangents at the two normals; its ends lie at most both
-                // radii beside the line from centre to centre
-                let beside = -(self.radius + other.radius + EARLY_MARGIN * (v.x.abs() + v.y.abs()));
-                -turn * first.dot(&v) >= beside && turn * last.dot(&v) >= beside
+                // radii to the side of the line from centre to centre
+                let least = -(self.radius + other.radius + EARLY_MARGIN * (v.x.abs() + v.y.abs()));
+                -turn * first.dot(&v) >= least && turn * last.dot(&v) >= least
             })
         };
         faces(self, turn) && faces(other, other_turn)

@@ -168,13 +168,13 @@ impl Roadmap {
         let reachable = Reachable::new(&space, &discs, sites, closed);
         if reachable.lines() > MAX_TRIED {
             return Err(format!(
-                "{} straight lines between their corners would have to be tried, and at most {MAX_TRIED} are",
+                "{} lines between their corners to test; the limit is {MAX_TRIED}",
                 reachable.lines()
             ));
         }
         let check = |graph: &DiGraph<(), Way>| match graph.edge_count() > MAX_CLEAR_LINES {
             true => Err(format!(
-                "paths may follow more than {MAX_CLEAR_LINES} straight lines between their corners"
+                "more than {MAX_CLEAR_LINES} clear lines between their corners, which is the limit"
             )),
             false => Ok(()),
         };

@@ -18,7 +18,7 @@ const FEW_OBSTACLES: usize = 50;
 const MIN_RADIUS_M: f64 = 1e-6;
 /// The angle (rad) between two blocks below which no line passes between them: their ends lie in obstacles.
 const NO_GAP_RAD: f64 = 1e-9;
-/// The largest distance (m) from an obstacle to the end of a gap beside it.
+/// The largest distance (m) from an obstacle to the end of a gap next to it.
 const AT_OUTLINE_M: f64 = 1e-3;
 
 /// Segments that no clear line crosses. There are none where obstacles are few, or where so few gaps join them
@@ -30,7 +30,7 @@ pub(super) struct Sight {
 
 impl Sight {
     /// The sides of the obstacles, the barriers, and `closed` gaps, which are too narrow. Every gap is
-    /// extended into the obstacles beside it, so that no slit is left at its ends.
+    /// extended into the obstacles next to it, so that no slit is left at its ends.
     pub fn new(space: &Space, closed: &[[Point; 2]]) -> Self {
         let obstacles = space.obstacles.len();
         if obstacles <= FEW_OBSTACLES || space.barriers.len() + closed.len() < obstacles {

@@ -70,25 +70,25 @@ impl Straight {
     /// The joining point of the line from `p` in one of these directions; `None` if it does not meet the
     /// straight part.
     pub(super) fn join_along(&self, p: Point, along: Vector) -> Option<Join> {
-        let beside = cross(self.outward, p - self.center);
+        let offset = cross(self.outward, p - self.center);
         let toward = -cross(self.outward, along);
-        (beside * toward > 0.0).then(|| self.join_beside(p, beside.abs())).flatten()
+        (offset * toward > 0.0).then(|| self.join_at_offset(p, offset.abs())).flatten()
     }
 
     /// The joining point, before the far end, of a line from `p`; `None` if it is at the far end or `p` is
     /// behind the gap.
     pub(super) fn join_from(&self, p: Point) -> Option<Join> {
-        self.join_beside(p, cross(self.outward, p - self.center).abs())
+        self.join_at_offset(p, cross(self.outward, p - self.center).abs())
     }
 
-    fn join_beside(&self, p: Point, beside: f64) -> Option<Join> {
-        let depth = self.ideal_depth(p, beside);
+    fn join_at_offset(&self, p: Point, offset: f64) -> Option<Join> {
+        let depth = self.ideal_depth(p, offset);
         (0.0 <= depth && depth < self.reach).then(|| self.join(p, self.at(depth), depth))
     }
 
-    /// The depth at which a path from a point `beside` (m) the axis would join if the axis were endless.
-    fn ideal_depth(&self, p: Point, beside: f64) -> f64 {
-        self.depth(p) + beside * MAX_BACKWARD / (1.0 - MAX_BACKWARD * MAX_BACKWARD).sqrt()
+    /// The depth at which a path from a point `offset` (m) off the axis would join if the axis were endless.
+    fn ideal_depth(&self, p: Point, offset: f64) -> f64 {
+        self.depth(p) + offset * MAX_BACKWARD / (1.0 - MAX_BACKWARD * MAX_BACKWARD).sqrt()
     }
 
     /// The best joining point of a line from `p`; `None` from behind the gap, unless that is along a straight

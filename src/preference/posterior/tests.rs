@@ -211,7 +211,7 @@ fn property_brute_force_a_human_who_chooses_by_chance() {
 }
 
 #[test]
-fn property_brute_force_a_hundred_looks() {
+fn property_brute_force_a_hundred_sightings() {
     let mut rng = ChaCha8Rng::seed_from_u64(9);
     let human = Belief::default().sample(&mut rng);
     let seen = [seen(&mut rng, 100, of_human(human)), seen(&mut rng, 100, |_, rng| rng.random_range(0..4))];

@@ -276,6 +276,16 @@ mod tests {
         assert!(at > 0.03 && at < 0.042, "{at} m");
     }
 
+    /// At a phase of 30 degrees, the hand is half the lateral amplitude to the left and, twice as fast, half the
+    /// vertical one up.
+    #[test]
+    fn closed_form_the_hand_sways_to_the_side_and_up() {
+        let mut walker = Walker::new(START, HumanSettings::default(), 3);
+        (walker.sway.size, walker.sway.phase) = ([0.03, 0.016], std::f64::consts::FRAC_PI_6);
+        let hand = walker.hand(0.7).translation.vector;
+        assert!((hand.y - 0.015).abs() < 1e-12 && (hand.z - 0.708).abs() < 1e-12, "{hand}");
+    }
+
     #[test]
     fn sway_stays_near_its_size_and_stops_with_the_walk() {
         let settings = HumanSettings::default();

@@ -10,9 +10,8 @@ pub(super) const NOISE_FREQUENCY: f64 = 10.0;
 
 /// A Butterworth high-pass filter of second order, by the bilinear transform that is exact at its corner.
 ///
-/// A sine of frequency f, in steps of dt seconds, leaves it with the gain w^2 / sqrt(1 + w^4), where
-/// w = tan(pi f dt) / tan(pi fc dt): f / fc in the limit of short steps. A constant leaves nothing, nor does a
-/// ramp that goes on.
+/// Gain at frequency f, in steps of dt seconds: w^2 / sqrt(1 + w^4), where w = tan(pi f dt) / tan(pi fc dt):
+/// f / fc in the limit of short steps. Constants and ramps are removed.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct HighPass {
     /// The two state vectors of the transposed direct form; `None` before the first value.

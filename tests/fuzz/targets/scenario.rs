@@ -9,7 +9,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let Ok(scenario) = Scenario::parse(text) else { return };
     let written = scenario.text().expect("what was read can be written");
     assert_eq!(Scenario::parse(&written).expect("what was written can be read"), scenario);
-    if let Ok(stage) = scenario.prepare() {
-        let _ = stage.episode();
+    if let Ok(prepared) = scenario.prepare() {
+        let _ = prepared.episode();
     }
 });

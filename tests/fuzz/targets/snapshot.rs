@@ -10,8 +10,8 @@ libfuzzer_sys::fuzz_target!(|contents: &[u8]| {
     let Ok(Snapshot { scenario, state, .. }) = Snapshot::parse("s", &bytes) else { return };
     // the physics engine may panic on a state of its own that is not consistent
     if !matches!(scenario.plant, Plant::Rapier { .. })
-        && let Ok(stage) = scenario.prepare()
-        && let Ok(mut episode) = stage.resume(state)
+        && let Ok(prepared) = scenario.prepare()
+        && let Ok(mut episode) = prepared.resume(state)
     {
         let _ = (0..20).find(|_| episode.step().is_some());
     }

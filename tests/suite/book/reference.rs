@@ -63,7 +63,7 @@ fn the_reference_of_settings_is_the_table_of_settings() {
         };
         let default = setting.get(&defaults).map_or(String::new(), |value| value.to_string());
         let (key, option) = (format!("`{}`", setting.key), format!("`--{}`", setting.flag));
-        text += &row(&[&key, &option, &setting.expected(), &default, needs, setting.about]);
+        text += &row(&[&key, &option, &setting.expected().to_string(), &default, needs, setting.about]);
     }
     text += "\nA setting without a default in the table says in its meaning what is taken.\n";
     settle("book/src/settings.md", &read("book/src/settings.md"), &text);
@@ -93,7 +93,7 @@ fn the_reference_of_columns_is_the_table_of_quantities() {
         text += &format!("\n### {title}\n\nIn recordings: {channel}.\n");
         text += &listed(quantities);
         if title == "Options" {
-            text += "\nOf each option; in CSV, `length_m[NAME]` is that of option NAME:\n";
+            text += "\nFor each option; in CSV, `length_m[NAME]` is the length of option NAME:\n";
             text += &listed(OPTION);
         }
     }

@@ -173,8 +173,8 @@ fn golden_no_eta_that_switches_at_a_step_is_missed() {
     for environment in [&ENVIRONMENTS[0], &ENVIRONMENTS[3]] {
         let world = environment.world().unwrap();
         let set = OptionSet::new(&world, 10.0).unwrap();
-        let stage = Scenario::new(world.into(), Plant::Point).prepare().unwrap();
-        let guidance = Guidance::mutual(&stage).unwrap();
+        let prepared = Scenario::new(world.into(), Plant::Point).prepare().unwrap();
+        let guidance = Guidance::mutual(&prepared).unwrap();
         let Guidance::Mutual { pieces, .. } = &guidance else { panic!("not mutual") };
         assert!(pieces.windows(2).all(|p| p[0].upper == p[1].lower && p[0].lower < p[0].upper));
         let mut rng = ChaCha8Rng::seed_from_u64(4);

@@ -1,6 +1,8 @@
 //! The physical plant: what it does is what mechanics says, within stated errors, and the same bits every
 //! time.
 
+mod accuracy;
+mod collisions;
 mod repeatability;
 
 use crate::support::repository;
@@ -17,6 +19,8 @@ use std::f64::consts::FRAC_PI_2;
 const PERIOD: f64 = 0.2;
 const AT_ORIGIN: PlanarPose = PlanarPose { position: Point::new(0.0, 0.0), yaw: 0.0 };
 const GRAVITY: f64 = 9.81;
+/// A wall across the way, at WALL (m).
+const WALL: &str = "[[obstacle]]\nname = \"wall\"\nshape = \"box\"\ncenter_m = [WALL, 0]\nsize_m = [0.2, 3]\nheight_m = 1.2\n";
 
 fn carrier() -> Robot {
     Robot::built_in().unwrap_or_else(|e| panic!("{e}"))
@@ -386,155 +390,4 @@ fn closed_form_grips_yield_as_stiff_as_they_are_set() {
             assert!(force > 4.0 && (force / expected - 1.0).abs() < 0.05, "{force} N, {expected} N");
         }
     }
-}
-
-/// Largest differences of an object's position (m) and of the forces of gripper and hand (N) around a corner,
-/// between this number of solver iterations and a hundred.
-fn spoiled_by(solver_iterations: usize, mass: f64) -> [f64; 2] {
-    let robot = carrier();
-    let world = world(&format!("[object]\nshape = \"beam\"\nsize_m = [1.2, 0.1, 0.1]\nmass_kg = {mass}\n"));
-    let reach = world.object.size[0] / 2.0;
-    let walk = |solver_iterations| {
-        let mut plant =
-            plant(&robot, &world, &PhysicsSettings { solver_iterations, ..PhysicsSettings::default() });
-        let mut seen = plant.observe();
-        let step = |tick: i32| {
-            let goal = around_a_corner(f64::from(tick) * PERIOD);
-            let hand = PlanarPose { position: goal.position + direction(goal.yaw) * reach, ..goal };
-            let rates = around(&robot, &seen, f64::from(tick - 1) * PERIOD, reach);
-            seen = plant.step(&rates, &HumanCommand::Walk { hand }, PERIOD);
-            seen.clone()
-        };
-        (1..=45).map(step).collect::<Vec<_>>()
-    };
-    let mut worst = [0.0_f64; 2];
-    for (seen, exact) in walk(solver_iterations).iter().zip(&walk(100)) {
-        let place = (seen.object.translation.vector - exact.object.translation.vector).norm();
-        let force = (seen.grip.mean.force - exact.grip.mean.force).norm();
-        let hand = (seen.hand_grip.mean.force - exact.hand_grip.mean.force).norm();
-        worst = [worst[0].max(place), worst[1].max(force).max(hand)];
-    }
-    worst
-}
-
-#[test]
-fn oracle_the_default_solver_iterations_suffice() {
-    let solver_iterations = PhysicsSettings::default().solver_iterations;
-    for (mass, bounds) in [(0.5, [1e-4, 0.02]), (4.0, [1e-6, 1e-3]), (15.0, [1e-6, 1e-3])] {
-        let spoiled = spoiled_by(solver_iterations, mass);
-        assert!(spoiled[0] < bounds[0] && spoiled[1] < bounds[1], "{mass} kg: {spoiled:?}");
-    }
-}
-
-/// Around a corner with a human who follows, at a rate (Hz): where the object is after each control period, and
-/// the noise of gripper and hand, rms over the way (N).
-fn at_rate(rate_hz: f64) -> (Vec<Vector3<f64>>, [f64; 2]) {
-    let robot = carrier();
-    let world = world("");
-    let reach = world.object.size[0] / 2.0;
-    let mut plant = plant(&robot, &world, &PhysicsSettings { rate_hz, ..PhysicsSettings::default() });
-    let mut seen = plant.observe();
-    let (mut places, mut squares) = (Vec::new(), [0.0; 2]);
-    for tick in 1..=45 {
-        let rates = around(&robot, &seen, f64::from(tick - 1) * PERIOD, reach);
-        seen = plant.step(&rates, &HumanCommand::Follow, PERIOD);
-        places.push(seen.object.translation.vector);
-        squares[0] += math::squared(seen.grip.noise) / 45.0;
-        squares[1] += math::squared(seen.hand_grip.noise) / 45.0;
-    }
-    (places, squares.map(f64::sqrt))
-}
-
-/// The change of a force from one step to the next would double with the step.
-#[test]
-fn the_noise_of_forces_does_not_depend_on_the_step() {
-    let exact = at_rate(960.0).1;
-    for rate_hz in [60.0, 100.0, 240.0, 480.0] {
-        let noise = at_rate(rate_hz).1;
-        for (found, expected) in noise.iter().zip(&exact) {
-            assert!(*expected > 0.01, "{exact:?}");
-            assert!((found / expected - 1.0).abs() < 0.25, "{rate_hz} Hz: {noise:?}, {exact:?}");
-        }
-    }
-}
-
-#[test]
-fn oracle_the_default_step_is_short_enough() {
-    let exact = at_rate(960.0).0;
-    let default = at_rate(PhysicsSettings::default().rate_hz).0;
-    let off = default.iter().zip(&exact).map(|(at, exact)| (at - exact).norm()).fold(0.0, f64::max);
-    assert!(off < 0.002, "{off} m");
-}
-
-const WALL: &str = "[[obstacle]]\nname = \"wall\"\nshape = \"box\"\ncenter_m = [WALL, 0]\nsize_m = [0.2, 3]\nheight_m = 1.2\n";
-
-#[test]
-fn a_collision_says_who_with_what_where_and_how_hard() {
-    let robot = carrier();
-    let world = World::parse(
-        "w.toml",
-        &format!(
-            "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [0, 0]\ntarget_m = [9, 0]\n{}",
-            WALL.replace("center_m = [WALL, 0]", "center_m = [2.0, 1.7]")
-        ),
-    )
-    .unwrap_or_else(|e| panic!("{e}"));
-    let mut plant = plant(&robot, &world, &PhysicsSettings::default());
-    let first = plant.observe();
-    let near = first.clearances.object_obstacle.clone().expect("a wall");
-    assert!((near.distance - math::hypot(1.3_f64, 0.15)).abs() < 1e-9, "{near:?}");
-    assert_eq!(near.between[1].name, "wall");
-    // to the left into the wall's end
-    let (mut met, mut deepest, mut hardest) = (None, 0.0_f64, 0.0_f64);
-    for _ in 0..40 {
-        let seen = plant.step(&wheels(&robot, 0.4, 0.12), &HumanCommand::Follow, PERIOD);
-        assert_eq!(seen.failure, None);
-        let speed = Vector3::from_column_slice(&seen.object_twist[..3]).norm();
-        assert!(speed < 2.0, "{speed} m/s");
-        for contact in &seen.contacts {
-            assert_eq!(contact.between[1].kind, BodyKind::Obstacle);
-            assert_eq!(contact.between[1].name, "wall");
-            // nothing holds the human back; what is dynamic must not go in
-            if contact.between[0].kind == BodyKind::Human {
-                assert_eq!(contact.force, 0.0);
-                continue;
-            }
-            deepest = deepest.max(contact.depth);
-            hardest = hardest.max(contact.force);
-            if contact.between[0].kind == BodyKind::Object {
-                assert_eq!(contact.between[0].name, "beam");
-                assert!((contact.point - nalgebra::Point3::new(2.0, 1.7, 0.7)).norm() < 1.6, "{contact:?}");
-                met.get_or_insert((seen.time, contact.clone()));
-            }
-        }
-    }
-    assert!(met.is_some());
-    assert!(deepest < 0.01 && hardest > 5.0 && hardest < 10_000.0, "{deepest} m, {hardest} N");
-}
-
-#[test]
-fn a_team_that_starts_in_an_obstacle_is_refused() {
-    let robot = carrier();
-    let world = world(&WALL.replace("WALL", "0.9"));
-    let refused = PhysicalPlant::new(&world, &robot, &robot.postures[0].joints, &AT_ORIGIN, &steady(), 1);
-    let error = refused.expect_err("the human stands in the wall");
-    assert_eq!(error.kind(), cocarry::ErrorKind::World);
-    let text = error.to_string();
-    for part in ["w.toml", "human", "torso", "`wall`"] {
-        assert!(text.contains(part), "{text}");
-    }
-    let settings = PhysicsSettings { rate_hz: 0.0, ..steady() };
-    let refused = PhysicalPlant::new(&world, &robot, &robot.postures[0].joints, &AT_ORIGIN, &settings, 1);
-    assert!(refused.expect_err("no rate").to_string().contains("rate_hz = 0"));
-}
-
-#[test]
-fn what_is_not_a_number_stops_the_plant_and_is_named() {
-    let robot = carrier();
-    let mut plant = plant(&robot, &world(""), &steady());
-    let mut rates = InputVector::zeros();
-    rates[3] = f64::NAN;
-    let seen = plant.step(&rates, &HumanCommand::Follow, PERIOD);
-    assert_eq!(seen.failure, Some(Failure::NonFinite { body: "command".to_owned() }));
-    assert_eq!(plant.step(&InputVector::zeros(), &HumanCommand::Follow, PERIOD).time, 0.0);
 }

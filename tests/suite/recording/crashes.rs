@@ -170,10 +170,10 @@ fn what_a_crash_leaves_is_at_most_a_second_behind() {
     let folder = tempfile::tempdir().unwrap();
     let scenario = example(rapier());
     let settings = Settings { tick_limit: Some(17), ..scenario.settings };
-    let stage = Scenario { settings, ..scenario }.prepare().unwrap();
-    let mut episode = stage.episode().unwrap();
+    let prepared = Scenario { settings, ..scenario }.prepare().unwrap();
+    let mut episode = prepared.episode().unwrap();
     let file = folder.path().join("r.mcap");
-    let mut recorder = FileRecorder::create(&file, false, &stage, &episode).unwrap();
+    let mut recorder = FileRecorder::create(&file, false, &prepared, &episode).unwrap();
     let mut written = Vec::new();
     while episode.step().is_none() {
         recorder.step(&episode).unwrap();

@@ -21,8 +21,11 @@ fn fault(bytes: &[u8]) -> String {
 #[test]
 fn bad_files_are_told_with_their_place() {
     let whole = short();
-    assert_eq!(fault(b""), "bad.mcap: is no MCAP file: it must begin with the bytes 89 4d 43 41 50 30 0d 0a");
-    assert!(fault(b"not an MCAP file").contains("is no MCAP file"));
+    assert_eq!(
+        fault(b""),
+        "bad.mcap: is not an MCAP file: it must begin with the bytes 89 4d 43 41 50 30 0d 0a"
+    );
+    assert!(fault(b"not an MCAP file").contains("is not an MCAP file"));
     assert!(fault(&whole[..5]).contains("is cut at byte 5"));
     assert!(fault(&whole[..whole.len() - 3]).contains("in the last bytes"));
     assert!(fault(&[&whole[..], b"x"].concat()).contains("nothing else"));
@@ -47,7 +50,7 @@ fn bad_files_are_told_with_their_place() {
     assert!(
         fault(&chunk(4, 0, "lz4", b"abcd")).contains("its compression is `lz4`; only zstd and none are read")
     );
-    assert!(fault(&chunk(4, 0, "", b"abcd")).contains("a record is longer than what is left of it"));
+    assert!(fault(&chunk(4, 0, "", b"abcd")).contains("a record is longer than the rest of it"));
     let lost = record(5, &[[7, 0].as_slice(), &[0; 20]].concat());
     assert!(
         fault(&chunk(lost.len() as u64, 0, "", &lost)).contains("is on channel 7, which was not defined")

@@ -46,12 +46,12 @@ pub fn rapier() -> Plant {
 /// A scenario's episode as a file, and as what it is told as; `on_step` sees the episode before the first
 /// step and after each.
 pub fn encoded(scenario: Scenario, mut on_step: impl FnMut(&Episode)) -> (Vec<u8>, Vec<Message>) {
-    let stage = scenario.prepare().expect("a scenario");
-    let mut episode = stage.episode().expect("room");
-    let mut encoder = Encoder::new(&stage);
+    let prepared = scenario.prepare().expect("a scenario");
+    let mut episode = prepared.episode().expect("room");
+    let mut encoder = Encoder::new(&prepared);
     let mut messages = encoder.begin(&episode).to_vec();
     let file = Cursor::new(Vec::new());
-    let mut recorder = Recorder::new(file, "memory", &stage, &episode).expect("memory");
+    let mut recorder = Recorder::new(file, "memory", &prepared, &episode).expect("memory");
     on_step(&episode);
     let outcome = loop {
         if let Some(outcome) = episode.step() {

@@ -106,5 +106,5 @@ fn the_program_replays() {
     }
     let output = cocarry(&["replay", "Cargo.toml"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("Cargo.toml: is no MCAP file"));
+    assert!(stderr(&output).contains("Cargo.toml: is not an MCAP file"));
 }

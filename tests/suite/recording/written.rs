@@ -93,8 +93,8 @@ fn frames_in_the_world(message: &Value) -> BTreeMap<String, Pose> {
     known
 }
 
-/// A viewer without a layout draws a line from every frame to its parent: three lines from the origin, to robot,
-/// object and human, and theirs.
+/// A viewer without a layout draws a line from every frame to its parent: three lines from the origin, to
+/// robot, object and human, and theirs.
 #[test]
 fn frames_are_a_tree_of_robot_object_and_human_in_which_every_shape_has_its_frame() {
     let robot = Robot::built_in().unwrap();
@@ -350,16 +350,16 @@ fn inspect_tells_what_is_in_a_recording() {
 /// As a viewer of an episode that goes on from a snapshot is told of it.
 #[test]
 fn an_episode_under_way_is_told_of_from_where_it_is() {
-    let stage = example(Plant::Kinematic { setup: carrier() }).prepare().unwrap();
-    let mut episode = stage.episode().unwrap();
-    let mut encoder = Encoder::new(&stage);
+    let prepared = example(Plant::Kinematic { setup: carrier() }).prepare().unwrap();
+    let mut episode = prepared.episode().unwrap();
+    let mut encoder = Encoder::new(&prepared);
     encoder.begin(&episode);
     let mut told = Vec::new();
     for _ in 0..7 {
         assert_eq!(episode.step(), None);
         told = encoder.step(&episode).to_vec();
     }
-    let mut encoder = Encoder::new(&stage);
+    let mut encoder = Encoder::new(&prepared);
     let begun = encoder.begin(&episode);
     assert!(begun.iter().all(|message| message.time == 1_400_000_000));
     for channel in [Channel::Transforms, Channel::Joints] {

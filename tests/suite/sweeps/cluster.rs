@@ -106,8 +106,10 @@ fn what_is_wrong_is_said_and_nothing_is_overwritten() {
     refused(&bench, &slurm(&["--sbatch", "--wrap=x"]), 2, &["`--wrap` is set by cocarry"]);
     refused(&bench, &slurm(&["--shards", "0"]), 2, &["--shards"]);
     refused(&bench, &["slurm", "study.toml", "--out", "study.toml"], 2, &["study.toml"]);
-    // the job is there when the scheduler is not, and can be submitted where it is
+    // without a scheduler nothing is left behind
     refused(&bench, &slurm(&[]), 2, &["scontrol: cannot be started", "--no-submit"]);
+    assert!(!bench.path("a.csv.job").exists());
+    good(&bench, &slurm(&["--no-submit"]));
     refused(&bench, &slurm(&["--no-submit"]), 2, &["there is a job for these results already"]);
     refused(&bench, &["shard", "a.csv", "17"], 2, &["shard 17", "shards 1 to 16"]);
     refused(&bench, &["shard", "a.csv", "0"], 2, &["shard 0"]);

@@ -77,7 +77,7 @@ impl Bench {
         output
     }
 
-    /// Runs what must be refused, and sees what is said of it.
+    /// Runs what must be refused, and sees the message about it.
     fn refused(&self, arguments: &[&str], code: i32, said: &[&str]) {
         let output = self.sweep(arguments);
         let error = stderr(&output);
@@ -229,6 +229,23 @@ fn the_number_of_threads_and_of_shards_makes_no_difference() {
     assert_eq!(bench.read("new.csv.partial"), b"a sweep under way");
 }
 
+/// The same command again finds its results complete: no episode runs, and the tables are printed.
+#[test]
+fn a_finished_sweep_is_a_success() {
+    let bench = Bench::new(STUDY);
+    let first = stdout(&bench.good(&["study.toml"]));
+    let rows = bench.read("study.csv");
+    let again = stdout(&bench.good(&["study.toml"]));
+    let title = "study.csv: 96 episodes of 16 combinations";
+    assert!(first.starts_with(&format!("{title}\n")), "{first}");
+    assert!(again.starts_with(&format!("{title}, all 96 of them from the earlier run\n")), "{again}");
+    assert!(bench.read("study.csv") == rows && !bench.path("study.csv.partial").exists());
+    // results of another study, or a row less, are not
+    bench.refused(&["study.toml", "--seeds", "2"], 2, &["study.csv: exists already"]);
+    std::fs::write(bench.path("study.csv"), &rows[..rows.len() - 9]).expect("a file");
+    bench.refused(&["study.toml"], 2, &["study.csv: exists already"]);
+}
+
 #[test]
 fn more_shards_than_episodes_are_merged_too() {
     let bench = Bench::new("worlds = \"environment-1\"\nplants = \"point\"\nseeds = 2\n");
@@ -281,7 +298,7 @@ fn a_sweep_that_is_interrupted_says_so_and_goes_on_to_the_same_file() {
         let output = child.wait_with_output().expect("a process");
         assert_eq!(output.status.code(), Some(130), "{signal}");
         let said = String::from_utf8_lossy(&output.stderr).replace('\n', " ");
-        assert!(said.contains("interrupted: study.csv.partial: has the rows so far"), "{said}");
+        assert!(said.contains("interrupted: study.csv.partial holds the rows so far"), "{said}");
     }
     let said = stdout(&bench.good(&["study.toml"]));
     assert!(said.contains("of them from the earlier run"), "{said}");
@@ -374,7 +391,6 @@ fn results_of_another_study_are_not_gone_on_with() {
     let bench = Bench::new(STUDY);
     bench.good(&["study.toml"]);
     let first = bench.read("study.csv");
-    bench.refused(&["study.toml"], 2, &["study.csv: exists already", "--overwrite"]);
     std::fs::rename(bench.path("study.csv"), bench.path("study.csv.partial")).expect("renamed");
     let other = STUDY.replace("eta = [5, 10.5]", "eta = [5, 10]");
     std::fs::write(bench.path("study.toml"), &other).expect("a study");
@@ -402,7 +418,6 @@ fn rows_out_of_order_are_refused() {
     std::fs::write(bench.path("swapped.csv"), lines.concat()).expect("a file");
     bench.refused(&["--summary", "swapped.csv"], 2, &["swapped.csv: line 4 is episode 3", "episode 2"]);
     std::fs::rename(bench.path("swapped.csv"), bench.path("study.csv.partial")).expect("renamed");
-    bench.refused(&["study.toml", "--out", "study.csv"], 2, &["exists already"]);
     std::fs::remove_file(bench.path("study.csv")).expect("removed");
     bench.refused(&["study.toml"], 2, &["study.csv.partial: line 4 is episode 3"]);
 }
@@ -472,7 +487,7 @@ seeds = { first = 2, last = 5 }
     assert!(told.lines().any(|l| l.contains("mutual - without-model") && l.contains("   2   ")), "{told}");
 }
 
-/// Worlds and robots lie beside the study, wherever it is run from, and the rows do not depend on that.
+/// Worlds and robots lie next to the study, wherever it is run from, and the rows do not depend on that.
 #[test]
 fn files_are_relative_to_the_study() {
     let study = "worlds = \"mine.toml\"\nrobots = [\"built-in\", \"six.toml\"]\nseeds = 1\nmax_steps = 3\n";

@@ -278,7 +278,7 @@ fn parquet_ticks_replace_nothing_but_ticks() {
     bench.good(&[&again[..], &["--overwrite"]].concat());
     std::fs::write(bench.path("ticks/mine.txt"), "mine").expect("a file");
     let overwriting = [&sweep[..], &["--overwrite"]].concat();
-    bench.refused(&overwriting, 2, &["ticks: has mine.txt", "files of ticks only"]);
+    bench.refused(&overwriting, 2, &["ticks: holds mine.txt", "choose another folder"]);
     assert_eq!(bench.read("ticks/mine.txt"), b"mine");
     std::fs::write(bench.path("file"), "mine").expect("a file");
     bench.refused(
@@ -295,7 +295,7 @@ fn parquet_ticks_replace_nothing_but_ticks() {
     std::fs::write(bench.path("study.toml"), STUDY.replace("seeds = 6", "seeds = 1").replace("10.5", "11"))
         .expect("a study");
     let other = ["study.toml", "--out", "d.csv", "--ticks", "d"];
-    bench.refused(&other, 2, &["d.partial: has episodes-", "another study", "--overwrite"]);
+    bench.refused(&other, 2, &["d.partial: holds episodes-", "another study", "--overwrite"]);
     bench.good(&[&other[..], &["--overwrite"]].concat());
     assert_eq!(files(&bench.path("d")).len(), 1);
 }

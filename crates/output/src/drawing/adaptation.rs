@@ -20,7 +20,7 @@ const TIME_ROOM: f64 = 62.0;
 /// which it exceeds 1.
 ///
 /// Tracks are drawn from wide to narrow, so that coinciding tracks remain visible. A map that is taller than
-/// wide is placed beside the chart, any other map above it.
+/// wide is placed next to the chart, any other map above it.
 ///
 /// # Errors
 /// [`DrawingError::NotDrawable`], [`DrawingError::Transition`], [`DrawingError::Period`].

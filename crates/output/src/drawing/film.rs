@@ -1,4 +1,4 @@
-//! The filmstrip of an episode: the team at several instants on one map, with phi beside it.
+//! The filmstrip of an episode: the team at several instants on one map, with phi next to it.
 
 use super::kit::{
     AXIS_ROOM, Align, BAND, Clutter, GAP, INK, LEFT_ROOM, Legend, LineStyle, MARGIN, PAPER, Plot, TEXT_SIZE,
@@ -19,8 +19,8 @@ use svg::node::element::{ClipPath, Definitions, Element, Group};
 pub const NARROWEST: f64 = 577.0;
 /// See [`NARROWEST`].
 pub const WIDEST: f64 = 1154.0;
-/// From this width on the chart is beside the map, px.
-pub(super) const BESIDE: f64 = 760.0;
+/// From this width on the chart is next to the map, px.
+pub(super) const MIN_WIDTH_BOTH: f64 = 760.0;
 
 /// Largest distance of a drawn arc from its chords, m.
 const SAGITTA: f64 = 0.01;
@@ -64,7 +64,7 @@ pub struct Moment {
 }
 
 /// Where the parts of a picture are.
-struct Layout {
+struct FilmLayout {
     view: MapView,
     chart: Bounds,
     /// The y at which map and chart end, with their axes.
@@ -72,7 +72,7 @@ struct Layout {
 }
 
 impl Film<'_> {
-    /// The team at `instants` times on one map, with phi beside it: the first and the last time, the
+    /// The team at `instants` times on one map, with phi next to it: the first and the last time, the
     /// transition if there is one, and others at equal distances. `width` is the layout's, px, from
     /// [`NARROWEST`] to [`WIDEST`]. The picture is shown `shown_width` wide, in `unit` (`in`, or `` for px).
     ///
@@ -149,11 +149,11 @@ impl Film<'_> {
         Bounds::around(points).unwrap_or(self.world.bounds()).grown(0.9)
     }
 
-    /// The map as large as fits with a chart beside or below it.
-    fn layout(&self, width: f64) -> Layout {
+    /// The map as large as fits with a chart next to or below it.
+    fn layout(&self, width: f64) -> FilmLayout {
         let top = TITLE_ROOM;
         let content = self.content();
-        let is_beside = width >= BESIDE;
+        let is_beside = width >= MIN_WIDTH_BOTH;
         let right = width - MARGIN;
         let room = if is_beside { 0.56 * width } else { right };
         let most = Vector::new(room - LEFT_ROOM, if is_beside { 0.5 * width } else { 0.95 * width });
@@ -163,12 +163,12 @@ impl Film<'_> {
             let min = Point::new(frame.max.x + LEFT_ROOM + GAP, top);
             let tallest = frame.max.y.min(top + 0.8 * (right - min.x)).max(top + 150.0);
             let chart = Bounds { min, max: Point::new(right, tallest) };
-            return Layout { view, chart, bottom: frame.max.y.max(tallest) + AXIS_ROOM };
+            return FilmLayout { view, chart, bottom: frame.max.y.max(tallest) + AXIS_ROOM };
         }
         let spare = Vector::new((most.x - frame.size().x) / 2.0, 0.0);
         let min = Point::new(LEFT_ROOM, frame.max.y + AXIS_ROOM + TITLE_ROOM);
         let chart = Bounds { min, max: Point::new(right, min.y + 170.0) };
-        Layout { view: view.moved_to(frame.min + spare), chart, bottom: chart.max.y + AXIS_ROOM }
+        FilmLayout { view: view.moved_to(frame.min + spare), chart, bottom: chart.max.y + AXIS_ROOM }
     }
 
     /// A frame by its name: what lies outside is not drawn.
@@ -264,8 +264,8 @@ impl Film<'_> {
         bodies.map(area).to_vec()
     }
 
-    /// The number of an instant beside the team, with its time.
-    fn instant_number(&self, n: usize, layout: &Layout, moment: &Moment, clutter: &mut Clutter) -> Group {
+    /// The number of an instant next to the team, with its time.
+    fn instant_number(&self, n: usize, layout: &FilmLayout, moment: &Moment, clutter: &mut Clutter) -> Group {
         let center = layout.view.px(moment.object.position);
         let words = Text::new(n.to_string()).bold();
         let half = Vector::new(words.width(TEXT_SIZE) / 2.0 + 5.0, 0.62 * TEXT_SIZE);

@@ -34,9 +34,9 @@ pub fn world_map(world: &World, options: &OptionSet, probabilities: &[f64]) -> R
     let points = listed.iter().chain(&others).flat_map(|r| r.points.iter().copied());
     let most = Vector::new(WIDTH - LEFT_ROOM - MARGIN, 700.0);
     let view = MapView::fit(world, points, top, Vector::new(214.0, 210.0), most);
-    let beside = WIDTH - view.frame().max.x - 2.0 * MARGIN;
-    let (view, at, width) = if beside >= MIN_WIDTH {
-        (view, Point::new(view.frame().max.x + MARGIN, top.y), beside)
+    let free_width = WIDTH - view.frame().max.x - 2.0 * MARGIN;
+    let (view, at, width) = if free_width >= MIN_WIDTH {
+        (view, Point::new(view.frame().max.x + MARGIN, top.y), free_width)
     } else {
         let spare = Vector::new((most.x - view.frame().size().x) / 2.0, 0.0);
         let below = Point::new(MARGIN, view.frame().max.y + AXIS_ROOM + MARGIN);

@@ -1,7 +1,7 @@
 //! The pictures of a moving one: the team in the middle of a map that moves with it, phi over time, and the
 //! whole way.
 
-use super::film::{BESIDE, Film};
+use super::film::{Film, MIN_WIDTH_BOTH};
 use super::kit::{
     AXIS_ROOM, Align, GAP, INK, LEFT_ROOM, MARGIN, PAPER, TEXT_SIZE, Text, disc, document_of, number, px,
     rectangle, stroke, wrapped,
@@ -35,14 +35,14 @@ pub struct Moving<'a> {
 }
 
 impl<'a> Film<'a> {
-    /// The pictures of a moving one. `width` is the layout's, px. Each has room for `lines` lines of words, and
-    /// shows no more; without a number, for the longest.
+    /// The pictures of a moving one. `width` is the layout's, px. Each has room for `lines` lines of words,
+    /// and shows no more; without a number, for the longest.
     ///
     /// # Errors
     /// [`DrawingError`]: there is nothing to draw, or a number cannot be drawn.
     pub fn moving(&'a self, width: f64, lines: Option<usize>) -> Result<Moving<'a>, DrawingError> {
         self.check()?;
-        let is_wide = width >= BESIDE;
+        let is_wide = width >= MIN_WIDTH_BOTH;
         let room = width - 2.0 * MARGIN;
         let longest = || self.moments.iter().map(|m| wrapped(&m.sentence, room, TEXT_SIZE).len()).max();
         let lines = lines.or_else(longest).unwrap_or(0);
@@ -88,7 +88,7 @@ impl<'a> Film<'a> {
         let ends = [(self.world.start, "A"), (self.world.target, "B")];
         let map = ends.into_iter().fold(map, |map, (place, letter)| {
             let at = view.px(place);
-            // beside its point, toward the middle of the map
+            // next to its point, toward the middle of the map
             let is_left = at.x < view.frame().min.x + view.frame().size().x / 2.0;
             let (off, align) = if is_left { (9.0, Align::Left) } else { (-9.0, Align::Right) };
             let words = Text::new(letter).bold();

@@ -3,7 +3,8 @@
 use super::worlds::{inputs, load};
 use crate::model::ModelArguments;
 use crate::output::{
-    Failure, OverwriteArguments, examples, input, print, print_json, svg_file, table, table_text, write_file,
+    Failure, OverwriteArguments, counted, examples, input, print, print_json, svg_file, table, table_text,
+    write_file,
 };
 use crate::settings::number;
 use anyhow::{Context, anyhow};
@@ -21,8 +22,8 @@ use std::path::PathBuf;
 /// Fit the tolerance eta of participants to the steps at which they asked to stop following the robot
 ///
 /// Switches are CSV with the columns participant, world, option and step: one row for every option that a
-/// participant watched the robot walk, and the planning step (0.2 s and 0.1 m) at which the participant asked to
-/// switch, empty if never. Instead of an option, a column `method` may have the value `mutual`: the robot
+/// participant watched the robot walk, and the planning step (0.2 s and 0.1 m) at which the participant asked
+/// to switch, empty if never. Instead of an option, a column `method` may have the value `mutual`: the robot
 /// chose its option as in `cocarry run`. A column `trial` distinguishes repetitions. `world` is a world file,
 /// relative to the file of switches, or a built-in world.
 ///
@@ -57,7 +58,7 @@ pub(crate) struct EtaArguments {
     overwrite: OverwriteArguments,
 }
 
-pub(super) fn run(arguments: &EtaArguments) -> Result<(), Failure> {
+pub(super) fn run_fit_eta(arguments: &EtaArguments) -> Result<(), Failure> {
     let phi = arguments.initial_stubbornness;
     if phi >= 1.0 {
         return Err(input(anyhow!(
@@ -72,12 +73,12 @@ pub(super) fn run(arguments: &EtaArguments) -> Result<(), Failure> {
         planning_step: arguments.planning_step,
         ..Settings::default()
     };
-    let stages = load(&arguments.switches, file.worlds(), |world| {
+    let prepared = load(&arguments.switches, file.worlds(), |world| {
         Scenario { settings: settings.clone(), ..Scenario::new(world.into(), Plant::Point) }.prepare()
     })?;
-    let inputs = inputs(&arguments.switches, &stages, &arguments.model.belief);
+    let inputs = inputs(&arguments.switches, &prepared, &arguments.model.belief);
     let outputs = arguments.overwrite.outputs(inputs.iter().map(PathBuf::as_path), &arguments.svg)?;
-    let switches = file.matched(&stages).map_err(input)?;
+    let switches = file.matched(&prepared).map_err(input)?;
     let fit = fit_eta(&switches);
     if let Some(path) = &arguments.svg {
         let overall = fit.overall.map(|o| (o.median, o.log_std));
@@ -111,10 +112,9 @@ pub(super) fn run(arguments: &EtaArguments) -> Result<(), Failure> {
 }
 
 fn text(fit: &EtaFit, planning_step: f64) -> String {
-    let n = fit.participants.len();
     let mut text = format!(
-        "eta: tolerance of {n} participant{}, from the steps at which they asked to switch\n",
-        if n == 1 { "" } else { "s" }
+        "eta: tolerance of {}, from the steps at which they asked to switch\n",
+        counted(fit.participants.len(), "participant")
     );
     let headings = ["participant", "eta", "interval", "evidence", "episodes", "switches"];
     let mut shown = table(headings, 1);

@@ -15,10 +15,10 @@ pub(super) enum Parameter {
     Eta(eta::EtaArguments),
 }
 
-pub(super) fn run(parameter: &Parameter) -> Result<ExitCode, Failure> {
+pub(super) fn run_fit(parameter: &Parameter) -> Result<ExitCode, Failure> {
     match parameter {
-        Parameter::RiskWeight(arguments) => risk_weight::run(arguments),
-        Parameter::Eta(arguments) => eta::run(arguments),
+        Parameter::RiskWeight(arguments) => risk_weight::run_fit_risk_weight(arguments),
+        Parameter::Eta(arguments) => eta::run_fit_eta(arguments),
     }?;
     Ok(ExitCode::SUCCESS)
 }

@@ -4,7 +4,8 @@
 use super::worlds::{inputs, load};
 use crate::model::BeliefArguments;
 use crate::output::{
-    Failure, OverwriteArguments, examples, input, print, print_json, svg_file, table, table_text, write_file,
+    Failure, OverwriteArguments, counted, examples, input, print, print_json, svg_file, table, table_text,
+    write_file,
 };
 use crate::reproduce::Common;
 use anyhow::Context;
@@ -58,7 +59,7 @@ pub(crate) struct RiskWeightArguments {
     overwrite: OverwriteArguments,
 }
 
-pub(super) fn run(arguments: &RiskWeightArguments) -> Result<(), Failure> {
+pub(super) fn run_fit_risk_weight(arguments: &RiskWeightArguments) -> Result<(), Failure> {
     let file = AnswerFile::read(&arguments.answers).map_err(input)?;
     let worlds = load(&arguments.answers, file.worlds(), |world| OptionSet::new(&world, RISK_WEIGHT))?;
     let inputs = inputs(&arguments.answers, &worlds, &arguments.belief);
@@ -106,10 +107,9 @@ pub(super) fn run(arguments: &RiskWeightArguments) -> Result<(), Failure> {
 }
 
 fn text(answers: &Answers, settings: &RiskWeightSettings, fit: &RiskWeightFit) -> String {
-    let n = answers.participants.len();
     let mut text = format!(
-        "c_r: weight of risk against distance, from the answers of {n} participant{}\n",
-        if n == 1 { "" } else { "s" }
+        "c_r: weight of risk against distance, from the answers of {}\n",
+        counted(answers.participants.len(), "participant")
     );
     let headings =
         ["by", "c_r (m)", "95 % interval (m)", "lapse (%)", "rms error, fitted (pp)", "held out (pp)"];
@@ -137,7 +137,7 @@ fn text(answers: &Answers, settings: &RiskWeightSettings, fit: &RiskWeightFit) -
         text,
         "From {low:.2} to {high:.2} m, the rms error is at most {CELL_ERROR} percentage points above the smallest."
     );
-    if n == 1 {
+    if answers.participants.len() == 1 {
         text += "No interval: the bootstrap needs two participants or more.\n";
     } else {
         let _ = writeln!(

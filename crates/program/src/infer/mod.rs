@@ -12,7 +12,7 @@ use super::settings::number;
 use anyhow::{Context, anyhow};
 use clap::Args;
 use cocarry::coordination;
-use cocarry::episode::{self, Watch};
+use cocarry::episode::{self, HumanObserver};
 use cocarry::learning;
 use cocarry::options::OptionSet;
 use cocarry::scenario::{BELIEF_LAPSE, INITIAL_STUBBORNNESS, PLANNING_STEP, Plant, Scenario};
@@ -29,11 +29,11 @@ use std::process::ExitCode;
 ///
 /// Files are those of `cocarry fit`, answers (CSV with the columns participant, world, option and percent)
 /// and switches (CSV with the columns participant, world, option or method, and step), and recordings of
-/// walks (MCAP). Give one file of answers, one of switches, any number of recordings, or several of these. A
-/// participant has the same name in all; that of a recording is its file's, without the ending.
+/// walks (MCAP). Give one file of answers, one of switches, any number of recordings, or several of these.
+/// Use the same participant name in all files; for a recording it is the file name without its extension.
 ///
-/// An answer is taken as one choice, distributed as the participant says; with the lapse rate, it says
-/// nothing about them. Every participant's posterior of alpha and gamma is exact, with the belief as prior;
+/// An answer is taken as one choice, distributed as the participant says; a lapse occurs with the given rate
+/// and is uninformative. Every participant's posterior of alpha and gamma is exact, with the belief as prior;
 /// that of eta too, with a log-normal prior. With two participants or more, alpha and gamma also have a
 /// population: independent truncated normals on the belief's ranges, whose means and spreads are inferred.
 /// With two worlds or more, each is held out in turn, and its answers are predicted from the others.
@@ -102,7 +102,7 @@ struct Read {
     inputs: Vec<PathBuf>,
 }
 
-pub(super) fn run(arguments: &InferArguments) -> Result<ExitCode, Failure> {
+pub(super) fn run_infer(arguments: &InferArguments) -> Result<ExitCode, Failure> {
     let read = read(arguments)?;
     let files = arguments.csv.iter().chain(&arguments.arviz);
     let outputs = arguments.overwrite.outputs(read.inputs.iter().map(PathBuf::as_path), files)?;
@@ -245,11 +245,11 @@ fn switches(arguments: &InferArguments, path: &Path, read: &mut Read) -> Result<
         planning_step: arguments.planning_step,
         ..episode::Settings::default()
     };
-    let stages = load(path, file.worlds(), |world| {
+    let prepared = load(path, file.worlds(), |world| {
         Scenario { settings: settings.clone(), ..Scenario::new(world.into(), Plant::Point) }.prepare()
     })?;
-    read.inputs.extend(inputs(path, &stages, &arguments.model.belief));
-    read.switches = Some((path.display().to_string(), file.matched(&stages).map_err(input)?));
+    read.inputs.extend(inputs(path, &prepared, &arguments.model.belief));
+    read.switches = Some((path.display().to_string(), file.matched(&prepared).map_err(input)?));
     Ok(())
 }
 
@@ -275,11 +275,12 @@ fn walk(arguments: &InferArguments, path: &Path) -> Result<Walk, Failure> {
         )));
     }
     let phi = scenario.settings.coordination.initial_stubbornness;
-    let mut watch =
-        Watch::new(learning::Settings::default(), phi).context(file.clone()).map_err(Failure::Input)?;
-    rerun(&mut Reader::open(path).map_err(input)?, |episode| watch.see(episode)).map_err(input)?;
+    let mut observer = HumanObserver::new(learning::Settings::default(), phi)
+        .context(file.clone())
+        .map_err(Failure::Input)?;
+    rerun(&mut Reader::open(path).map_err(input)?, |episode| observer.observe(episode)).map_err(input)?;
     let participant = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(Walk { file, participant, looks: watch.looks().to_vec(), etas: watch.etas() })
+    Ok(Walk { file, participant, sightings: observer.sightings().to_vec(), etas: observer.etas() })
 }
 
 /// A parser of a number of the prior of eta; both have one range.
@@ -295,6 +296,6 @@ fn of_eta(text: &str) -> Result<f64, String> {
 fn zarr_file(name: &str) -> Result<PathBuf, String> {
     match name.ends_with(".zarr.zip") {
         true => Ok(PathBuf::from(name)),
-        false => Err("its ending must be .zarr.zip, which is what is written".to_owned()),
+        false => Err("expected the extension .zarr.zip".to_owned()),
     }
 }

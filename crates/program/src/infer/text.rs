@@ -39,7 +39,7 @@ pub(super) fn people(inference: &Inference) -> Table {
     let columns = Columns::of(&inference.people)
         .text("participant", "participant", |p| p.participant.clone())
         .count("answers", "answers", |p| p.answers as u64)
-        .count("looks", "looks", |p| p.looks as u64);
+        .count("sightings", "sightings", |p| p.sightings as u64);
     let columns = figure(columns, "alpha", |p| Some(p.alpha));
     let columns = figure(columns, "gamma", |p| Some(p.gamma))
         .data("correlation", |p| p.correlation)
@@ -78,7 +78,7 @@ fn of_parameters<'a>(rows: &'a [Parameter<'a>], has_counts: bool) -> Columns<'a,
     let name = |row: &Parameter| once(row, row.person.participant.clone());
     let mut columns = Columns::of(rows).text("participant", "participant", name);
     type Count = fn(&Person) -> usize;
-    let counts: [(&str, Count); 2] = [("answers", |p| p.answers), ("looks", |p| p.looks)];
+    let counts: [(&str, Count); 2] = [("answers", |p| p.answers), ("sightings", |p| p.sightings)];
     for (heading, count) in counts.into_iter().filter(|_| has_counts) {
         if rows.iter().any(|row| count(row.person) > 0) {
             columns = columns.derived(heading, |row| once(row, count(row.person).to_string()));
@@ -90,7 +90,7 @@ fn of_parameters<'a>(rows: &'a [Parameter<'a>], has_counts: bool) -> Columns<'a,
 /// What a terminal shows.
 pub(super) fn tables(inference: &Inference, settings: &InferenceSettings) -> Vec<Table> {
     let mut tables = Vec::new();
-    let answered: Vec<&Person> = inference.people.iter().filter(|p| p.answers + p.looks > 0).collect();
+    let answered: Vec<&Person> = inference.people.iter().filter(|p| p.answers + p.sightings > 0).collect();
     if !answered.is_empty() {
         let rows = parameters(&answered, |p| Some([p.alpha, p.gamma]));
         let table = of_parameters(&rows, true)

@@ -1,4 +1,4 @@
-//! `cocarry reproduce all --report FOLDER`: a report with every claim, table and picture of the paper beside
+//! `cocarry reproduce all -o FOLDER`: a report with every claim, table and picture of the paper next to
 //! ours.
 
 use super::super::output::{Failure, Progress, examples, input, print, print_json, unwritten};
@@ -15,17 +15,17 @@ use std::time::Instant;
 
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
-    ("cocarry reproduce all --report report", "the page is report/report.html"),
-    ("cocarry reproduce all --report draft --short", "a little of everything, in a minute"),
-    ("cocarry reproduce all --report some --parts h1,h2", ""),
+    ("cocarry reproduce all -o report", "the page is report/report.html"),
+    ("cocarry reproduce all -o draft --short", "a little of everything, in a minute"),
+    ("cocarry reproduce all -o some --parts h1,h2", ""),
 ]))]
 pub(in super::super) struct AllArguments {
     #[command(flatten)]
     common: Common,
     /// Write the report into this folder: report.html, report.md, a CSV file for each table, tables.csv with
     /// their checksums, figures/*.svg
-    #[arg(long, value_name = "FOLDER")]
-    report: PathBuf,
+    #[arg(short, long, alias = "report", value_name = "FOLDER")]
+    output: PathBuf,
     /// Only these parts, separated by commas [default: all]
     #[arg(long, value_delimiter = ',', value_parser = PossibleValuesParser::new(PARTS.iter().map(|part| part.id)))]
     parts: Vec<String>,
@@ -68,8 +68,8 @@ pub(in super::super) struct AllArguments {
 /// The page. It is written last: where it exists, the report is complete.
 const PAGE: &str = "report.html";
 
-pub(super) fn run(arguments: &AllArguments) -> Result<(), Failure> {
-    let folder = &arguments.report;
+pub(super) fn reproduce_all(arguments: &AllArguments) -> Result<(), Failure> {
+    let folder = &arguments.output;
     prepare(folder, arguments.overwrite)?;
     let robot = load_robot(None)?;
     let mut plan = if arguments.short { Plan::short(&robot) } else { Plan::new(&robot) };
@@ -130,10 +130,10 @@ fn sections(plan: &Plan, parts: &[&Part]) -> Result<Vec<Section>, ReportError> {
 fn prepare(folder: &Path, overwrite: bool) -> Result<(), Failure> {
     let name = folder.display();
     if folder.as_os_str().is_empty() {
-        return Err(input(anyhow!("--report: is empty; expected the name of a folder")));
+        return Err(input(anyhow!("--output: is empty; expected the name of a folder")));
     }
     if folder.exists() && !folder.is_dir() {
-        return Err(input(anyhow!("--report {name}: is a file; expected a folder")));
+        return Err(input(anyhow!("--output {name}: is a file; expected a folder")));
     }
     let cannot = |error: std::io::Error| {
         Failure::Output(anyhow::Error::from(error).context(format!("{name}: cannot be written")))
@@ -141,7 +141,7 @@ fn prepare(folder: &Path, overwrite: bool) -> Result<(), Failure> {
     if folder.exists() {
         let is_empty = std::fs::read_dir(folder).map_err(cannot)?.next().is_none();
         if !is_empty && !overwrite {
-            return Err(input(anyhow!("--report {name}: is not empty; --overwrite replaces a report in it")));
+            return Err(input(anyhow!("--output {name}: is not empty; --overwrite replaces a report in it")));
         }
     }
     std::fs::create_dir_all(folder).map_err(cannot)?;

@@ -27,7 +27,7 @@ pub(in super::super) struct ContactsArguments {
     sway: SwayArguments,
 }
 
-pub(super) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
+pub(super) fn reproduce_contacts(arguments: &ContactsArguments) -> Result<(), Failure> {
     let plant = arguments.sway.plant()?;
     let settings = Settings::default();
     let study =

@@ -52,7 +52,7 @@ fn placements() -> impl TypedValueParser<Value = Placed> {
     names.try_map(move |name| named(&name).ok_or("unknown place"))
 }
 
-pub(super) fn run(arguments: &CyclesArguments) -> Result<(), Failure> {
+pub(super) fn reproduce_cycles(arguments: &CyclesArguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.keep {
         // before the work, which would otherwise be lost
         std::fs::create_dir_all(folder)

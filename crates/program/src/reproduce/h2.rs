@@ -27,7 +27,7 @@ pub(in super::super) struct H2Arguments {
     /// Seed of the twenty random humans
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Team: `point`, as in the paper, or `rapier`, the same humans with bodies beside the point
+    /// Team: `point`, as in the paper, or `rapier`, the same humans with bodies in addition to the point
     #[arg(long, default_value = "point", value_parser = plants(&[PlantKind::Point, PlantKind::Rapier]))]
     plant: PlantKind,
     /// Humans per cell, with --plant rapier [default: 20]
@@ -42,7 +42,7 @@ pub(in super::super) struct H2Arguments {
     overwrite: OverwriteArguments,
 }
 
-pub(super) fn run(arguments: &H2Arguments) -> Result<(), Failure> {
+pub(super) fn reproduce_h2(arguments: &H2Arguments) -> Result<(), Failure> {
     if arguments.plant == PlantKind::Rapier {
         return run_with_bodies(arguments);
     }

@@ -1,4 +1,4 @@
-//! `cocarry reproduce h3`: Table III beside the paper's, and further measurements.
+//! `cocarry reproduce h3`: Table III next to the paper's, and further measurements.
 
 use super::super::output::{
     Failure, OverwriteArguments, examples, input, print, print_json, svg_file, table_with_notes, warn,
@@ -33,7 +33,7 @@ pub(in super::super) struct H3Arguments {
     /// Seed of the humans
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Robot file (TOML), or a URDF with a robot file of the same name beside it [default: the built-in
+    /// Robot file (TOML), or a URDF with a robot file of the same name next to it [default: the built-in
     /// robot]
     #[arg(long, value_name = "FILE")]
     robot: Option<PathBuf>,
@@ -48,7 +48,7 @@ pub(in super::super) struct H3Arguments {
     overwrite: OverwriteArguments,
 }
 
-pub(super) fn run(arguments: &H3Arguments) -> Result<(), Failure> {
+pub(super) fn reproduce_h3(arguments: &H3Arguments) -> Result<(), Failure> {
     let files = arguments.humans.iter().chain(&arguments.svg);
     let robot = load_robot(arguments.robot.as_deref())?;
     let inputs = [&robot.texts.file, &robot.texts.urdf_file].map(Path::new);

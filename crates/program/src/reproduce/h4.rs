@@ -39,7 +39,7 @@ pub(in super::super) struct H4Arguments {
     overwrite: OverwriteArguments,
 }
 
-pub(super) fn run(arguments: &H4Arguments) -> Result<(), Failure> {
+pub(super) fn reproduce_h4(arguments: &H4Arguments) -> Result<(), Failure> {
     let outputs = arguments.overwrite.outputs([], &arguments.rows)?;
     let settings = Settings::default();
     let plant = Plant::new(PlantKind::Kinematic, RobotSetup::new(&load_robot(None)?));

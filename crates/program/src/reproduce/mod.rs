@@ -1,4 +1,4 @@
-//! `cocarry reproduce`: the paper's claims and tables, with the paper's figures beside ours.
+//! `cocarry reproduce`: the paper's claims and tables, with the paper's figures next to ours.
 
 mod all;
 mod common;
@@ -19,7 +19,7 @@ use cocarry_studies::report::table_1;
 use serde_json::json;
 use std::process::ExitCode;
 
-/// Reproduce a table or a claim of the paper, with its figures beside ours
+/// Reproduce a table or a claim of the paper, with its figures next to ours
 #[derive(Debug, Subcommand)]
 pub(super) enum Claim {
     /// Table I: how humans choose between the options of four environments
@@ -51,16 +51,16 @@ pub(super) struct H1Arguments {
     common: Common,
 }
 
-pub(super) fn run(claim: &Claim) -> Result<ExitCode, Failure> {
+pub(super) fn run_reproduce(claim: &Claim) -> Result<ExitCode, Failure> {
     match claim {
         Claim::H1(arguments) => run_h1(arguments),
-        Claim::H2(arguments) => h2::run(arguments),
-        Claim::H3(arguments) => h3::run(arguments),
-        Claim::H4(arguments) => h4::run(arguments),
-        Claim::Contacts(arguments) => contacts::run(arguments),
-        Claim::Slots(arguments) => slots::run(arguments),
-        Claim::Cycles(arguments) => cycles::run(arguments),
-        Claim::All(arguments) => all::run(arguments),
+        Claim::H2(arguments) => h2::reproduce_h2(arguments),
+        Claim::H3(arguments) => h3::reproduce_h3(arguments),
+        Claim::H4(arguments) => h4::reproduce_h4(arguments),
+        Claim::Contacts(arguments) => contacts::reproduce_contacts(arguments),
+        Claim::Slots(arguments) => slots::reproduce_slots(arguments),
+        Claim::Cycles(arguments) => cycles::reproduce_cycles(arguments),
+        Claim::All(arguments) => all::reproduce_all(arguments),
     }?;
     Ok(ExitCode::SUCCESS)
 }

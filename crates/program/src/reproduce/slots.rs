@@ -26,7 +26,7 @@ pub(in super::super) struct SlotsArguments {
     sway: SwayArguments,
 }
 
-pub(super) fn run(arguments: &SlotsArguments) -> Result<(), Failure> {
+pub(super) fn reproduce_slots(arguments: &SlotsArguments) -> Result<(), Failure> {
     let plant = arguments.sway.plant()?;
     let settings = Settings::default();
     let study =

@@ -1,4 +1,4 @@
-//! The decisions of own partners in a recording, whose code it does not have: replays repeat them.
+//! The decisions of custom partners in a recording, whose code it does not have: replays repeat them.
 
 use super::records::Attachment;
 use super::{ReadError, Reader};
@@ -16,7 +16,7 @@ pub const DECISIONS: &str = "decisions.json";
 /// The largest magnitude of a number of a logged motion.
 const MAX_MOTION: f64 = 1e6;
 
-/// A log of the decisions of own partners; `None` for those that the scenario names.
+/// A log of the decisions of custom partners; `None` for those that the scenario names.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Decisions {
     /// The human's, by step.
@@ -30,7 +30,7 @@ pub struct Decisions {
     policy: Option<PolicyLog>,
 }
 
-/// The decisions of a policy, and what it says of itself.
+/// The decisions of a policy, and what it says about itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PolicyLog {
     /// The mode before the first step.
@@ -92,8 +92,8 @@ impl Decisions {
     }
 
     /// Partners that repeat the decisions; after the last one, the human keeps the last option and leads.
-    pub(super) fn partners(self, stage: &PreparedScenario) -> Partners<'static> {
-        let has_robot = stage.robot().is_some();
+    pub(super) fn partners(self, prepared: &PreparedScenario) -> Partners<'static> {
+        let has_robot = prepared.robot().is_some();
         Partners {
             human: self
                 .human

@@ -15,7 +15,7 @@ use cocarry::scenario::PreparedScenario;
 /// An encoder of an episode's messages. Equal episodes give equal bytes.
 #[derive(Clone, Debug)]
 pub struct Encoder<'a> {
-    stage: &'a PreparedScenario,
+    prepared: &'a PreparedScenario,
     options: scene::OptionLines,
     /// The `/scene/team` message of another recording of the episode, in place of one of its own.
     team: Option<Vec<u8>>,
@@ -41,10 +41,10 @@ impl Known {
 
 impl<'a> Encoder<'a> {
     /// An encoder before the first step.
-    pub fn new(stage: &'a PreparedScenario) -> Self {
+    pub fn new(prepared: &'a PreparedScenario) -> Self {
         Self {
-            options: scene::OptionLines::new(stage.options()),
-            stage,
+            options: scene::OptionLines::new(prepared.options()),
+            prepared,
             team: None,
             events: Events::default(),
             walked: Vec::new(),
@@ -66,7 +66,7 @@ impl<'a> Encoder<'a> {
             | Channel::Team
             | Channel::Joints
             | Channel::Control
-            | Channel::Preparation => self.stage.robot().is_some(),
+            | Channel::Preparation => self.prepared.robot().is_some(),
             Channel::Base => self.has_free_base(),
             Channel::Learned => episode.learner().is_some(),
             Channel::Interaction => episode.observation().is_some(),
@@ -78,12 +78,12 @@ impl<'a> Encoder<'a> {
     /// The messages before the first step, or before the next step of a resumed episode: scene and state.
     pub fn begin(&mut self, episode: &Episode) -> &[Message] {
         self.messages.clear();
-        let (world, robot) = (self.stage.world(), self.stage.robot());
+        let (world, robot) = (self.prepared.world(), self.prepared.robot());
         let time = self.time(episode.summary().steps);
         self.messages.push(Message::of(
             Channel::World,
             time,
-            &scene::world(world, self.stage.options(), time),
+            &scene::world(world, self.prepared.options(), time),
         ));
         if let Some(robot) = robot {
             self.messages.push(match &self.team {
@@ -101,17 +101,17 @@ impl<'a> Encoder<'a> {
     /// The messages of a step: decisions at its beginning, motion and forces at its end.
     pub fn step(&mut self, episode: &Episode) -> &[Message] {
         self.messages.clear();
-        let (tick, view) = (episode.tick(), View::new(self.stage, episode));
+        let (tick, view) = (episode.tick(), View::new(self.prepared, episode));
         let (from, to) = (self.time(tick.step), self.time(tick.step + 1));
-        let decided = self.events.decided(episode, self.stage.options(), from);
+        let decided = self.events.decided(episode, self.prepared.options(), from);
         self.messages.extend(decided.iter().map(|log| Message::of(Channel::Log, from, log)));
         self.json(Channel::Options, from, &view);
         self.json(Channel::Coordination, from, &view);
         if let Some(options) = self.options.update(tick, from) {
             self.messages.push(Message::of(Channel::OptionLines, from, &options));
         }
-        let has_robot = self.stage.robot().is_some();
-        if has_robot && episode.considerations().is_some() {
+        let has_robot = self.prepared.robot().is_some();
+        if has_robot && episode.decision_basis().is_some() {
             self.json(Channel::Preparation, from, &view);
         }
         self.learned(episode, from);
@@ -138,7 +138,7 @@ impl<'a> Encoder<'a> {
     pub fn end(&mut self, episode: &Episode, ending: Ending) -> &[Message] {
         self.messages.clear();
         let time = self.time(episode.summary().steps);
-        let view = View { outcome: ending.outcome(), ..View::new(self.stage, episode) };
+        let view = View { outcome: ending.outcome(), ..View::new(self.prepared, episode) };
         let ended = Events::ended(&view, time);
         self.messages.extend(ended.iter().map(|log| Message::of(Channel::Log, time, log)));
         self.json(Channel::Outcome, time, &view);
@@ -147,12 +147,12 @@ impl<'a> Encoder<'a> {
 
     /// Whether there is an omnidirectional base.
     fn has_free_base(&self) -> bool {
-        self.stage.robot().is_some_and(|robot| robot.drive.is_omnidirectional())
+        self.prepared.robot().is_some_and(|robot| robot.drive.is_omnidirectional())
     }
 
     /// The simulated time at the beginning of a step, ns.
     fn time(&self, step: u64) -> u64 {
-        (step as f64 * self.stage.scenario().settings.planning_step * 1e9).round() as u64
+        (step as f64 * self.prepared.scenario().settings.planning_step * 1e9).round() as u64
     }
 
     /// Adds the message with a channel's quantities.
@@ -165,15 +165,15 @@ impl<'a> Encoder<'a> {
     fn learned(&mut self, episode: &Episode, time: u64) {
         let known = episode.learner().map(Known::of);
         if known.is_some() && known != self.learned {
-            self.json(Channel::Learned, time, &View::new(self.stage, episode));
+            self.json(Channel::Learned, time, &View::new(self.prepared, episode));
             self.learned = known;
         }
     }
 
     /// Adds the poses and joints, unless the team is a point.
     fn state(&mut self, episode: &Episode, time: u64) {
-        let Some(robot) = self.stage.robot() else { return };
-        let transforms = motion::transforms(episode, self.stage, time);
+        let Some(robot) = self.prepared.robot() else { return };
+        let transforms = motion::transforms(episode, self.prepared, time);
         self.messages.push(Message::of(Channel::Transforms, time, &transforms));
         let joints = motion::joints(episode, robot, time);
         self.messages.push(Message::of(Channel::Joints, time, &joints));

@@ -49,7 +49,7 @@ pub enum ReadError {
         source: std::io::Error,
     },
     /// The file does not begin like an MCAP file.
-    #[error("{file}: is no MCAP file: it must begin with the bytes 89 4d 43 41 50 30 0d 0a")]
+    #[error("{file}: is not an MCAP file: it must begin with the bytes 89 4d 43 41 50 30 0d 0a")]
     NotMcap {
         /// The file.
         file: String,

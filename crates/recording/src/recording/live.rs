@@ -1,10 +1,10 @@
 //! A live server: the messages of a running episode for viewers over WebSocket.
 //!
-//! Only this file uses Foxglove's server, behind a gate that checks where web pages come from. The server has
+//! Only this file uses Foxglove's server, behind a proxy that checks where web pages come from. The server has
 //! its own threads, which only wait for viewers and send queued messages: viewers do not influence the
 //! episode.
 
-use super::gate::{Gate, hidden_host};
+use super::origin_proxy::{OriginProxy, hidden_host};
 use super::{Channel, Message};
 use foxglove::websocket::{Capability, ChannelView, Client, ServerListener};
 use foxglove::{Context, FoxgloveError, PartialMetadata, RawChannel, SinkId, WebSocketServerHandle};
@@ -48,7 +48,7 @@ pub enum LiveError {
 pub struct LiveServer {
     topics: Arc<Topics>,
     server: WebSocketServerHandle,
-    gate: Gate,
+    proxy: OriginProxy,
     time: u64,
     /// The context, which keeps the server's channels alive.
     _context: Arc<Context>,
@@ -97,13 +97,13 @@ impl LiveServer {
             .bind(host.to_string(), 0)
             .start_blocking()
             .map_err(listen)?;
-        let gate = Gate::open(listener, (host, server.port()).into(), origins).map_err(refused)?;
-        Ok(Self { topics, server, gate, time: 0, _context: context })
+        let proxy = OriginProxy::open(listener, (host, server.port()).into(), origins).map_err(refused)?;
+        Ok(Self { topics, server, proxy, time: 0, _context: context })
     }
 
     /// The address of the server.
     pub fn address(&self) -> SocketAddr {
-        self.gate.address()
+        self.proxy.address()
     }
 
     /// The number of connected viewers.
@@ -120,17 +120,17 @@ impl LiveServer {
     pub fn send(&mut self, messages: &[Message]) {
         self.time = messages.last().map_or(self.time, |message| message.time);
         // the time comes first, since viewers file messages under the time of their clock
-        self.tell_time();
+        self.broadcast_time();
         let mut topics = self.topics.lock();
         for message in messages {
             let Some(topic) = topics.get_mut(&message.channel) else { continue };
             topic.last = Some(message.clone());
-            topic.viewers.iter().for_each(|viewer| topic.tell(*viewer));
+            topic.viewers.iter().for_each(|viewer| topic.send_latest(*viewer));
         }
     }
 
     /// Sends the time again, for new viewers: their clock is the simulation's.
-    pub fn tell_time(&self) {
+    pub fn broadcast_time(&self) {
         self.server.broadcast_time(self.time);
     }
 
@@ -156,7 +156,7 @@ impl Topics {
 
 impl Topic {
     /// Sends the latest message to one viewer.
-    fn tell(&self, viewer: SinkId) {
+    fn send_latest(&self, viewer: SinkId) {
         if let Some(Message { time, data, .. }) = &self.last {
             self.channel.log_with_meta_to_sink(data, PartialMetadata::with_log_time(*time), Some(viewer));
         }
@@ -171,7 +171,7 @@ impl ServerListener for Topics {
         let mut topics = self.lock();
         let topic = channel.and_then(|channel| topics.get_mut(&channel));
         if let (Some(topic), Some(viewer)) = (topic, client.sink_id()) {
-            topic.tell(viewer);
+            topic.send_latest(viewer);
             topic.viewers.push(viewer);
         }
     }

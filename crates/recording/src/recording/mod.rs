@@ -5,8 +5,9 @@
 //! handed to the system at every whole simulated second; after a crash, [`recover`] makes a valid file of it.
 //! With the cargo feature `live`, `LiveServer` serves the same messages to viewers while an episode runs.
 //!
-//! Times are simulated. JSON fields are [quantities](cocarry::quantities), and missing values are left out. The
-//! channels are those of [`Channel`]; `book/src/recordings.md` has a table of all, with rates and contents.
+//! Times are simulated. JSON fields are [quantities](cocarry::quantities), and missing values are left out.
+//! The channels are those of [`Channel`]; `book/src/recordings.md` has a table of all, with rates and
+//! contents.
 //!
 //! ```
 //! use cocarry::episode::Outcome;
@@ -17,10 +18,10 @@
 //!
 //! let world = World::load("../../worlds/environment-4.toml".as_ref())?;
 //! let scenario = Scenario::new(world.into(), Plant::Point);
-//! let stage = scenario.prepare()?;
-//! let mut episode = stage.episode()?;
+//! let prepared = scenario.prepare()?;
+//! let mut episode = prepared.episode()?;
 //! let file = Cursor::new(Vec::new());
-//! let mut recorder = Recorder::new(file, "memory", &stage, &episode)?;
+//! let mut recorder = Recorder::new(file, "memory", &prepared, &episode)?;
 //! while episode.step().is_none() {
 //!     recorder.step(&episode)?;
 //! }
@@ -46,13 +47,13 @@ mod error;
 mod events;
 mod file;
 mod frames;
-#[cfg(feature = "live")]
-mod gate;
 mod human;
 #[cfg(feature = "live")]
 mod live;
 mod meshes;
 mod motion;
+#[cfg(feature = "live")]
+mod origin_proxy;
 mod overview;
 mod playback;
 mod provenance;

@@ -37,8 +37,8 @@ pub(super) fn torso_ahead_of(hand: &Pose) -> Pose {
 }
 
 /// The poses of all frames, as a tree; empty for a team that is a point.
-pub(super) fn transforms(episode: &Episode, stage: &PreparedScenario, time: u64) -> FrameTransforms {
-    let (Some(robot), Some(poses)) = (stage.robot(), episode.link_poses()) else {
+pub(super) fn transforms(episode: &Episode, prepared: &PreparedScenario, time: u64) -> FrameTransforms {
+    let (Some(robot), Some(poses)) = (prepared.robot(), episode.link_poses()) else {
         return FrameTransforms::default();
     };
     let seen = episode.observation();
@@ -67,7 +67,7 @@ pub(super) fn transforms(episode: &Episode, stage: &PreparedScenario, time: u64)
     if let Some(goal) = &goal {
         transforms.push(transform(WORLD, GRASP_GOAL, goal, time));
     }
-    let [length, width, _] = stage.world().object.size;
+    let [length, width, _] = prepared.world().object.size;
     let bodies = match (seen, goal) {
         (Some(seen), _) => Bodies { object: seen.object, hand: seen.hand, torso: seen.torso },
         (None, Some(goal)) => Bodies::around(&poses[robot.grasp_link], &goal, length),

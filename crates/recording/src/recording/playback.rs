@@ -196,7 +196,7 @@ fn path_ahead(message: &Value) -> Option<Vec<Point>> {
     points.iter().map(|p| Some(Point::new(p["x"].as_f64()?, p["y"].as_f64()?))).collect()
 }
 
-/// The poses in the world of a `/tf` message's frames; `None` where they are no tree, or a number is missing.
+/// The poses in the world of a `/tf` message's frames; `None` where they are not a tree, or a number is missing.
 fn poses(message: &Value) -> Option<BTreeMap<String, Pose>> {
     let transform = |t: &Value| {
         let number = |part: &str, key: &str| t[part][key].as_f64();
@@ -216,7 +216,7 @@ fn poses(message: &Value) -> Option<BTreeMap<String, Pose>> {
         let mut below: Vec<&str> = Vec::new();
         let mut next = frame.as_str();
         while next != WORLD && !known.contains_key(next) {
-            // a circle is no tree
+            // a circle is not a tree
             if below.len() == given.len() {
                 return None;
             }

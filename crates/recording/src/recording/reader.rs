@@ -117,7 +117,7 @@ enum Stage {
 }
 
 /// An entry that was parsed, without borrowing from the reader.
-enum Found {
+enum FoundRecord {
     Metadata(String, BTreeMap<String, String>),
     Attachment(Attachment),
     Channel(u16),
@@ -130,7 +130,7 @@ impl Reader<BufReader<File>> {
     /// Opens a file.
     ///
     /// # Errors
-    /// [`ReadError`]: it cannot be read, or is no MCAP file.
+    /// [`ReadError`]: it cannot be read, or is not an MCAP file.
     pub fn open(file: &Path) -> Result<Self, ReadError> {
         let name = file.display().to_string();
         match located::open(file) {
@@ -144,7 +144,7 @@ impl<R: Read> Reader<R> {
     /// A reader at the beginning of a file. Errors call the file `name`.
     ///
     /// # Errors
-    /// [`ReadError`]: it cannot be read, or is no MCAP file.
+    /// [`ReadError`]: it cannot be read, or is not an MCAP file.
     pub fn new(input: R, name: &str) -> Result<Self, ReadError> {
         let options = LinearReaderOptions::default()
             .with_emit_chunks(true)
@@ -202,10 +202,12 @@ impl<R: Read> Reader<R> {
             }
         };
         Ok(match found {
-            Found::Metadata(name, entries) => Some(Entry::Metadata { name, entries }),
-            Found::Attachment(attachment) => Some(Entry::Attachment(attachment)),
-            Found::Channel(id) => self.channels.get(&id).map(|definition| Entry::Channel { id, definition }),
-            Found::Message(id, time, length) => {
+            FoundRecord::Metadata(name, entries) => Some(Entry::Metadata { name, entries }),
+            FoundRecord::Attachment(attachment) => Some(Entry::Attachment(attachment)),
+            FoundRecord::Channel(id) => {
+                self.channels.get(&id).map(|definition| Entry::Channel { id, definition })
+            }
+            FoundRecord::Message(id, time, length) => {
                 let Block { offset: chunk, bytes, parsed, .. } = &self.block;
                 let data = &bytes[parsed - length..*parsed];
                 let channel = self.channels.get(&id);
@@ -266,8 +268,8 @@ impl<R: Read> Reader<R> {
         Ok(false)
     }
 
-    /// Parses the next record of the block; `None` if it is no entry.
-    fn next_in_block(&mut self) -> Result<Option<Found>, ReadError> {
+    /// Parses the next record of the block; `None` if it is not an entry.
+    fn next_in_block(&mut self) -> Result<Option<FoundRecord>, ReadError> {
         let begin = self.block.parsed;
         let framed = self.block.bytes[begin..].split_at_checked(HEAD).and_then(|(head, rest)| {
             let length = u64::from_le_bytes(head[1..].try_into().ok()?);
@@ -275,7 +277,7 @@ impl<R: Read> Reader<R> {
         });
         let Some((opcode, length)) = framed else {
             self.block.parsed = self.block.bytes.len();
-            let why = format!("{begin} bytes into it, a record is longer than what is left of it");
+            let why = format!("{begin} bytes into it, a record is longer than the rest of it");
             return Err(self.damaged(op::CHUNK, why));
         };
         self.block.parsed += HEAD + length;
@@ -285,7 +287,7 @@ impl<R: Read> Reader<R> {
         found
     }
 
-    fn parse(&mut self, opcode: u8, body: &[u8]) -> Result<Option<Found>, ReadError> {
+    fn parse(&mut self, opcode: u8, body: &[u8]) -> Result<Option<FoundRecord>, ReadError> {
         if self.block.is_chunk && !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
             let why = "it is in a chunk, where only schemas, channels and messages may be";
             return Err(self.damaged(opcode, why.to_owned()));
@@ -312,7 +314,7 @@ impl<R: Read> Reader<R> {
                 self.keep(opcode, body.len() + schema.as_ref().map_or(0, |schema| schema.data.len()))?;
                 let (encoding, metadata) = (channel.message_encoding, channel.metadata);
                 self.channels.insert(channel.id, Definition { topic, encoding, schema, metadata });
-                Some(Found::Channel(channel.id))
+                Some(FoundRecord::Channel(channel.id))
             }
             Record::Message { header, data } => {
                 let id = header.channel_id;
@@ -320,12 +322,12 @@ impl<R: Read> Reader<R> {
                     let why = format!("it is on channel {id}, which was not defined before it");
                     return Err(self.damaged(opcode, why));
                 }
-                Some(Found::Message(id, header.log_time, data.len()))
+                Some(FoundRecord::Message(id, header.log_time, data.len()))
             }
-            Record::Metadata(metadata) => Some(Found::Metadata(metadata.name, metadata.metadata)),
+            Record::Metadata(metadata) => Some(FoundRecord::Metadata(metadata.name, metadata.metadata)),
             Record::Attachment { header, data, .. } => {
                 let (name, media_type, data) = (header.name, header.media_type, data.into_owned());
-                Some(Found::Attachment(Attachment { name, media_type, data }))
+                Some(FoundRecord::Attachment(Attachment { name, media_type, data }))
             }
             _ => None,
         })

@@ -36,11 +36,11 @@ impl<'a, W: Write + Seek> Recorder<'a, W> {
     pub fn new(
         to: W,
         name: &str,
-        stage: &'a PreparedScenario,
+        prepared: &'a PreparedScenario,
         episode: &Episode,
     ) -> Result<Self, RecordingError> {
-        let mut encoder = Encoder::new(stage);
-        let provenance = Provenance::of(stage.scenario())
+        let mut encoder = Encoder::new(prepared);
+        let provenance = Provenance::of(prepared.scenario())
             .map_err(|source| RecordingError::Scenario { file: name.to_owned(), source })?;
         let written = MessageFile::new(to).and_then(|mut file| {
             file.metadata(METADATA, &provenance.metadata)?;
@@ -66,7 +66,8 @@ impl<'a, W: Write + Seek> Recorder<'a, W> {
         })
     }
 
-    /// The same recorder, which also logs the decisions of own partners, so that the recording can be replayed.
+    /// The same recorder, which also logs the decisions of custom partners, so that the recording can be
+    /// replayed.
     #[must_use]
     pub fn logging(self, decisions: Decisions) -> Self {
         Self { decisions, ..self }
@@ -125,13 +126,13 @@ impl<'a> FileRecorder<'a> {
     pub fn create(
         file: &Path,
         overwrite: bool,
-        stage: &'a PreparedScenario,
+        prepared: &'a PreparedScenario,
         episode: &Episode,
     ) -> Result<Self, RecordingError> {
         let mut to = OutputFile::anew(file, overwrite)?;
         to.keep();
         let partial = to.partial().to_owned();
-        let recorder = Recorder::new(to, &partial.display().to_string(), stage, episode);
+        let recorder = Recorder::new(to, &partial.display().to_string(), prepared, episode);
         Ok(Self(recorder.map_err(|error| {
             // without its first chunk the file is useless; if the removal fails, the first error is reported
             let _ = std::fs::remove_file(&partial);

@@ -37,8 +37,8 @@ pub enum Verdict {
     Different(Difference),
 }
 
-/// Runs a recording's scenario again, with the logged decisions of own partners, and compares its messages with
-/// those recorded, up to the first difference.
+/// Runs a recording's scenario again, with the logged decisions of custom partners, and compares its messages
+/// with those recorded, up to the first difference.
 ///
 /// `first` and `second` are the same file, each from its beginning.
 ///
@@ -47,14 +47,14 @@ pub enum Verdict {
 pub fn replay<R: Read>(mut first: Reader<R>, second: Reader<R>) -> Result<Replay, ReadError> {
     let file = first.name().to_owned();
     let invalid = |source| ReadError::Scenario { file: file.clone(), source };
-    let stage = scenario(&mut first)?.prepare().map_err(invalid)?;
+    let prepared = scenario(&mut first)?.prepare().map_err(invalid)?;
     let Known { stopped, team, decisions } = known(&mut first)?;
-    let mut episode = stage.episode_of(decisions.partners(&stage)).map_err(invalid)?;
+    let mut episode = prepared.episode_of(decisions.partners(&prepared)).map_err(invalid)?;
     // a recording holds the files of a robot's meshes, the scenario does not
-    let has_meshes = stage.robot().is_some_and(Robot::has_visual_meshes);
+    let has_meshes = prepared.robot().is_some_and(Robot::has_visual_meshes);
 
     let mut recorded = Compared { reader: second, replay: Replay::default(), is_recovered: false };
-    let mut encoder = Encoder::new(&stage).with_team(team.filter(|_| has_meshes));
+    let mut encoder = Encoder::new(&prepared).with_team(team.filter(|_| has_meshes));
     if recorded.differs(encoder.begin(&episode))? {
         return Ok(recorded.replay);
     }
@@ -76,7 +76,7 @@ pub fn replay<R: Read>(mut first: Reader<R>, second: Reader<R>) -> Result<Replay
     Ok(recorded.replay)
 }
 
-/// Runs a recording's scenario again, with the logged decisions of own partners, and calls `on_step` after
+/// Runs a recording's scenario again, with the logged decisions of custom partners, and calls `on_step` after
 /// every step. Returns the scenario. Nothing is compared.
 ///
 /// # Errors
@@ -87,14 +87,14 @@ pub fn rerun<R: Read>(
 ) -> Result<Scenario, ReadError> {
     let file = reader.name().to_owned();
     let invalid = |source| ReadError::Scenario { file: file.clone(), source };
-    let stage = scenario(reader)?.prepare().map_err(invalid)?;
+    let prepared = scenario(reader)?.prepare().map_err(invalid)?;
     let Known { stopped, decisions, .. } = known(reader)?;
-    let mut episode = stage.episode_of(decisions.partners(&stage)).map_err(invalid)?;
+    let mut episode = prepared.episode_of(decisions.partners(&prepared)).map_err(invalid)?;
     while stopped != Some(episode.summary().steps) && episode.step().is_none() {
         on_step(&episode);
     }
     drop(episode);
-    Ok(stage.scenario().clone())
+    Ok(prepared.scenario().clone())
 }
 
 /// What a replay takes from the recording.
@@ -104,7 +104,7 @@ struct Known {
     stopped: Option<u64>,
     /// The shapes of the team.
     team: Option<Vec<u8>>,
-    /// The decisions of own partners.
+    /// The decisions of custom partners.
     decisions: Decisions,
 }
 

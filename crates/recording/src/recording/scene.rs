@@ -159,13 +159,13 @@ fn link(link: &Link, meshes: &Meshes, time: u64) -> Option<SceneEntity> {
 /// The options from the start. Width and opacity show their probability.
 #[derive(Clone, Debug)]
 pub(super) struct OptionLines {
-    lines: Vec<Line>,
+    lines: Vec<OptionLine>,
     shown: Vec<u32>,
 }
 
 /// An option's path, and where its name is.
 #[derive(Clone, Debug)]
-struct Line {
+struct OptionLine {
     name: String,
     points: Vec<Point>,
     label: Option<Point>,
@@ -202,7 +202,7 @@ impl OptionLines {
             let others = paths.iter().enumerate().filter(|(other, _)| *other != o && o < MAX_LABELS);
             let others: Vec<&Vec<Point>> = others.take(MAX_LABELS).map(|(_, path)| path).collect();
             let label = if o < MAX_LABELS { apart(points, &others) } else { None };
-            Line { name: option.name.clone(), points: points.clone(), label }
+            OptionLine { name: option.name.clone(), points: points.clone(), label }
         });
         Self { lines: lines.collect(), shown: Vec::new() }
     }

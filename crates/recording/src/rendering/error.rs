@@ -10,8 +10,8 @@ pub enum RenderError {
     /// A picture cannot be drawn.
     #[error(transparent)]
     Drawing(#[from] DrawingError),
-    /// A picture cannot be made into an image.
-    #[error("the image cannot be made: {0}")]
+    /// An image cannot be created.
+    #[error("the image cannot be created: {0}")]
     Image(String),
     /// The given robot is another one than the recording's.
     #[error("{file}: is not the robot of the recording: its {what} differs from the recorded one")]

@@ -45,7 +45,7 @@ pub fn viewer_layout(playback: &Playback) -> String {
     let title = "Probability P_o that a human prefers an option";
     plots.push(("Plot!probability", plot(title, "P_o", Some(0.0), &curves)));
     let discomfort = [curve("/coordination.discomfort", "g", ink())];
-    plots.push(("Plot!discomfort", plot("Discomfort g", "g, m", Some(0.0), &discomfort)));
+    plots.push(("Plot!discomfort", plot("Discomfort g", "g", Some(0.0), &discomfort)));
     if has_team {
         let cost =
             |key: &str, name: &str, colour| curve(&format!("/cost.accumulated_{key}_cost"), name, colour);

@@ -61,7 +61,7 @@ impl Width {
     }
 }
 
-/// The filmstrip as SVG: the team at `instants` times on one map, with phi beside it. Its text is text.
+/// The filmstrip as SVG: the team at `instants` times on one map, with phi next to it. Its text is text.
 ///
 /// # Errors
 /// [`RenderError::Drawing`].
@@ -79,7 +79,7 @@ pub fn filmstrip_png(playback: &Playback, instants: usize, width: Width) -> Resu
     picture.encode_png().map_err(|error| RenderError::Image(error.to_string()))
 }
 
-/// The team on the map with phi beside it, as a moving GIF at twice the recording's speed. Of a long episode
+/// The team on the map with phi next to it, as a moving GIF at twice the recording's speed. Of a long episode
 /// it shows every second step, or every third, and so on.
 ///
 /// # Errors

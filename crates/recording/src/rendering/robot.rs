@@ -13,7 +13,7 @@ const MOVES_S: f64 = 1.5;
 const BETWEEN: u32 = 24;
 
 /// The page that shows a robot in its postures one after the other, with the shapes of its URDF or those that
-/// collide. `remarks` are sentences about it, which stand beside the picture. Equal robots give equal bytes.
+/// collide. `remarks` are sentences about it, which stand next to the picture. Equal robots give equal bytes.
 ///
 /// # Errors
 /// [`RenderError`]: a mesh cannot be read.

@@ -17,7 +17,7 @@ pub enum ClusterError {
     /// A file of the job cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// A folder of the job cannot be made or removed.
+    /// A folder of the job cannot be created or removed.
     #[error("{}: {source}", path.display())]
     Folder {
         /// The folder, or the file in it.
@@ -27,7 +27,7 @@ pub enum ClusterError {
     },
     /// There is no job for these results.
     #[error(
-        "{}: there is no such job; `cocarry cluster slurm STUDY --out {}` makes it",
+        "{}: there is no such job; `cocarry cluster slurm STUDY -o {}` creates it",
         folder.display(), results.display()
     )]
     NoJob {

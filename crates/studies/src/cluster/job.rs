@@ -175,7 +175,7 @@ impl Job {
 
     /// The file with the results of a shard.
     pub fn file_of(&self, shard: u64) -> PathBuf {
-        self.beside(shard, "csv")
+        self.shard_file(shard, "csv")
     }
 
     /// The study, as it was when the job was made.
@@ -249,7 +249,7 @@ impl Job {
             return Progress { done: of, of, is_complete: true };
         }
         // complete rows below the header
-        let lines = File::open(self.beside(number, "csv.partial")).map_or(0, |file| {
+        let lines = File::open(self.shard_file(number, "csv.partial")).map_or(0, |file| {
             let mut reader = BufReader::with_capacity(1 << 16, file);
             let mut lines = 0;
             while let Ok(bytes @ [_, ..]) = reader.fill_buf() {
@@ -266,7 +266,7 @@ impl Job {
     pub fn node_of(&self, episode: u64) -> Option<(u64, String)> {
         let Description { shards: of, episodes, .. } = self.description;
         let number = (1..=of).find(|&number| Shard { number, of }.episodes(episodes).contains(&episode))?;
-        let notes = located::read(&self.beside(number, "nodes")).unwrap_or_default();
+        let notes = located::read(&self.shard_file(number, "nodes")).unwrap_or_default();
         let starts = notes.lines().filter_map(|line| line.split_once(' '));
         let mut begun = starts.filter(|(first, _)| first.parse().is_ok_and(|first: u64| first <= episode));
         Some((number, begun.next_back().map_or("unknown", |(_, node)| node).to_owned()))
@@ -274,15 +274,15 @@ impl Job {
 
     /// Notes which machine runs a shard from an episode on.
     fn note_node(&self, shard: u64, episode: u64, node: &str) -> Result<(), ClusterError> {
-        let path = self.beside(shard, "nodes");
+        let path = self.shard_file(shard, "nodes");
         let opened = OpenOptions::new().create(true).append(true).open(&path);
         let written = opened.and_then(|mut file| file.write_all(format!("{episode} {node}\n").as_bytes()));
         let write = |source| OutputError::Write { file: path.clone(), source };
         Ok(written.map_err(write)?)
     }
 
-    fn beside(&self, shard: u64, ending: &str) -> PathBuf {
-        self.folder.join(SHARDS).join(format!("{shard}-of-{}.{ending}", self.description.shards))
+    fn shard_file(&self, shard: u64, extension: &str) -> PathBuf {
+        self.folder.join(SHARDS).join(format!("{shard}-of-{}.{extension}", self.description.shards))
     }
 
     fn save(&self) -> Result<(), ClusterError> {

@@ -1,4 +1,4 @@
-//! Slurm: job arrays, and what the scheduler knows of their tasks.
+//! Slurm: job arrays, and what the scheduler knows about their tasks.
 
 use super::{Array, ClusterError, Job};
 use std::collections::BTreeMap;
@@ -7,10 +7,10 @@ use std::process::Command;
 
 /// Options of `sbatch` that a job sets itself.
 const OWN: [&str; 6] = ["--array", "-a", "--wrap", "--parsable", "--output", "-o"];
-/// The largest number of tasks of an array where the scheduler does not tell, its own default.
+/// The largest number of tasks of an array where the scheduler does not say; its default.
 pub const MAX_TASKS: u64 = 1000;
 
-/// What the scheduler says of a task.
+/// What the scheduler says about a task.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Task {
     /// It waits, for a reason.
@@ -107,6 +107,14 @@ pub fn submit(job: &mut Job, shards: &[u64]) -> Result<Vec<Array>, ClusterError>
         submitted.push(array);
     }
     Ok(submitted)
+}
+
+/// The check that Slurm answers on this machine.
+///
+/// # Errors
+/// [`ClusterError`], where its commands are missing or fail.
+pub fn check_available() -> Result<(), ClusterError> {
+    most_tasks().map(drop)
 }
 
 /// The largest number that a task of an array may have on this cluster.

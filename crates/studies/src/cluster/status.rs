@@ -50,7 +50,7 @@ pub fn states(job: &Job) -> Result<Vec<(ShardState, Progress)>, ClusterError> {
                     _ => None,
                 });
                 let why: Vec<String> = account.into_iter().chain(last_line(&log)).collect();
-                let silent = "ended without a word; it may have been killed".to_owned();
+                let silent = "ended without a message; it may have been killed".to_owned();
                 ShardState::Failed(if why.is_empty() { silent } else { why.join(": ") })
             }
         };

@@ -39,8 +39,8 @@ pub struct Calibration {
     pub assumed: Settings,
     /// Number of humans.
     pub replications: u64,
-    /// Looks at each human.
-    pub looks: u32,
+    /// Sightings of each human under their lead.
+    pub sightings: u32,
     /// Tasks under the robot's lead with each human.
     pub tasks: u32,
     /// The seed of all.
@@ -50,7 +50,7 @@ pub struct Calibration {
 impl Default for Calibration {
     fn default() -> Self {
         let (settings, truth) = (episode::Settings::default(), Settings::default());
-        Self { settings, truth, assumed: truth, replications: 10_000, looks: 8, tasks: 2, seed: 0 }
+        Self { settings, truth, assumed: truth, replications: 10_000, sightings: 8, tasks: 2, seed: 0 }
     }
 }
 
@@ -131,11 +131,11 @@ impl Calibration {
             let eta = if lapses { self.truth.tolerance.sample(&mut rng) } else { eta };
             self.lead(worlds, &mut learner, eta, &mut rng);
         }
-        for _ in 0..self.looks {
+        for _ in 0..self.sightings {
             if rng.random_bool(self.truth.change_rate) {
                 human = belief.sample(&mut rng);
             }
-            self.look(worlds, &mut learner, human, &mut rng);
+            self.sight(worlds, &mut learner, human, &mut rng);
         }
         let density = learner.density(human);
         let [above, from] = learner.perception().credibility(density);
@@ -159,7 +159,7 @@ impl Calibration {
         let mut before = 0.0;
         for &g in discomfort {
             let takes_over = eta < eta_interval(g, None, limit)[0];
-            learner.see_led_step(g - before, takes_over);
+            learner.observe_led_step(g - before, takes_over);
             if takes_over {
                 return;
             }
@@ -167,8 +167,8 @@ impl Calibration {
         }
     }
 
-    /// A look at the human, who leads somewhere along an option.
-    fn look(&self, worlds: &[Watched<'_>], learner: &mut Learner, human: Perception, rng: &mut ChaCha8Rng) {
+    /// A sighting of the human, who leads somewhere along an option.
+    fn sight(&self, worlds: &[Watched<'_>], learner: &mut Learner, human: Perception, rng: &mut ChaCha8Rng) {
         let set = worlds[rng.random_range(0..worlds.len())].set;
         let count = set.options().len();
         let mut progress = set.begin();
@@ -189,9 +189,9 @@ impl Calibration {
         let any = rng.random_range(0..count);
         let chosen = if lapses { any } else { human_choice(&options, risk_weight, human, None) };
         let toward = set.next(&progress, chosen);
-        let looks_like = (0..count).map(|option| set.next(&progress, option) == toward);
+        let is_consistent = (0..count).map(|option| set.next(&progress, option) == toward);
         // impossible only if no lapse is assumed: then nothing is learned from it
-        drop(learner.see_look(&options, &Ways::default(), looks_like));
+        drop(learner.observe_sighting(&options, &Ways::default(), is_consistent));
     }
 }
 

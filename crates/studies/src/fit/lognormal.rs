@@ -113,7 +113,7 @@ pub fn fit_repeated(draws: &[Vec<Set>]) -> Result<(LogNormal, Result<[f64; 2], N
         let all: Vec<Set> = draws.iter().flatten().cloned().collect();
         let (resolution, [low, high]) = (resolution(&all), ends(&all));
         let repeats = all.len() as f64 / draws.len() as f64;
-        let mut rows: Vec<Row> = Vec::new();
+        let mut rows: Vec<SpreadRow> = Vec::new();
         let mut best = f64::NEG_INFINITY;
         let mut scatter = (4.0 * (high - low)).max(resolution);
         while scatter > resolution / 8.0 {
@@ -169,11 +169,11 @@ fn share_above(spread: f64, resolution: f64) -> f64 {
 
 /// The posterior of mean and spread of the logarithm.
 struct Posterior {
-    rows: Vec<Row>,
+    rows: Vec<SpreadRow>,
 }
 
 /// The posterior at one spread.
-struct Row {
+struct SpreadRow {
     log_spread: f64,
     /// The logarithm of its weight among the spreads.
     log_weight: f64,
@@ -237,7 +237,7 @@ impl Posterior {
     }
 }
 
-impl Row {
+impl SpreadRow {
     fn below(&self, mean: f64) -> f64 {
         let last = MEANS - 1;
         let at = (mean - self.means[0]) / (self.means[1] - self.means[0]) * last as f64;
@@ -319,7 +319,7 @@ impl Draw {
 
 impl Draws {
     /// Rows for spreads from far below the resolution to far above the observed range.
-    fn rows(&self) -> Vec<Row> {
+    fn rows(&self) -> Vec<SpreadRow> {
         let ends = self.ends();
         let start = (ends[1] - ends[0]).max(self.resolution);
         let mut rows = Vec::new();
@@ -353,7 +353,7 @@ impl Draws {
     }
 
     /// The weights of the means at one spread.
-    fn row(&self, spread: f64, ends: [f64; 2]) -> Row {
+    fn row(&self, spread: f64, ends: [f64; 2]) -> SpreadRow {
         let near = spread / (self.draws.len() as f64).sqrt();
         let loss = |mean: f64| self.loss(mean, spread);
         let ends = [ends[0] - 6.0 * spread, ends[1] + 6.0 * spread];
@@ -386,7 +386,7 @@ impl Draws {
         let total = cumulated[MEANS - 1];
         cumulated.iter_mut().for_each(|share| *share /= total);
         let log_weight = math::ln(share_above(spread, self.resolution) * total) - least;
-        Row { log_spread: math::ln(spread), log_weight, means, cumulated }
+        SpreadRow { log_spread: math::ln(spread), log_weight, means, cumulated }
     }
 }
 

@@ -157,7 +157,7 @@ struct Likeliest {
 }
 
 /// P_o at the values of c_r tried.
-struct Model<'a> {
+struct ChoiceModel<'a> {
     answers: &'a Answers,
     /// The fitted worlds.
     fitted: Vec<usize>,
@@ -191,7 +191,7 @@ pub fn fit_risk_weight(
     let probabilities = scanned.iter().map(|c| {
         (0..answers.situations.len()).map(|w| probabilities(answers, &mut predictor, w, *c)).collect()
     });
-    let model = Model { answers, fitted, probabilities: probabilities.collect(), scanned };
+    let model = ChoiceModel { answers, fitted, probabilities: probabilities.collect(), scanned };
     if model.is_flat() {
         let [lower, upper] = settings.range;
         let sentence = format_args!(
@@ -266,7 +266,7 @@ fn fitted_worlds(answers: &Answers, held_out: &[String]) -> Result<Vec<usize>, E
 
 /// c_r by either method for resamples of the participants; `None` if there is only one participant.
 fn bootstrap(
-    model: &Model,
+    model: &ChoiceModel,
     predictor: &Predictor,
     settings: &RiskWeightSettings,
     on_done: OnDone,
@@ -330,7 +330,7 @@ impl Weights {
     }
 }
 
-impl Model<'_> {
+impl ChoiceModel<'_> {
     fn is_flat(&self) -> bool {
         let first = &self.probabilities[0];
         self.probabilities.iter().all(|p| self.fitted.iter().all(|&w| p[w] == first[w]))

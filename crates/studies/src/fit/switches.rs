@@ -137,12 +137,12 @@ impl SwitchFile {
         let mut known: Vec<(&str, &Executed, Guidance)> = Vec::new();
         let mut switches = Vec::new();
         for row in &self.rows {
-            let Some((_, stage)) = worlds.iter().find(|(name, _)| *name == row.world) else { continue };
+            let Some((_, prepared)) = worlds.iter().find(|(name, _)| *name == row.world) else { continue };
             let is_same = |k: &(&str, &Executed, Guidance)| k.0 == row.world && *k.1 == row.executed;
             let guidance = match known.iter().position(is_same) {
                 Some(i) => &known[i].2,
                 None => {
-                    known.push((&row.world, &row.executed, self.guidance(row, stage)?));
+                    known.push((&row.world, &row.executed, self.guidance(row, prepared)?));
                     &known[known.len() - 1].2
                 }
             };
@@ -163,9 +163,9 @@ impl SwitchFile {
         Ok(switches)
     }
 
-    fn guidance(&self, row: &SwitchRow, stage: &PreparedScenario) -> Result<Guidance, Error> {
-        let Executed::Option(name) = &row.executed else { return Guidance::mutual(stage) };
-        let (set, settings) = (stage.options(), &stage.scenario().settings);
+    fn guidance(&self, row: &SwitchRow, prepared: &PreparedScenario) -> Result<Guidance, Error> {
+        let Executed::Option(name) = &row.executed else { return Guidance::mutual(prepared) };
+        let (set, settings) = (prepared.options(), &prepared.scenario().settings);
         let option = set.options().iter().position(|o| o.name == *name);
         option.and_then(|o| Guidance::along_option(set, settings, o)).ok_or_else(|| {
             let known: Vec<_> = set.options().iter().map(|o| format!("`{}`", o.name)).collect();

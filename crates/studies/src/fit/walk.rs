@@ -82,12 +82,12 @@ impl Guidance {
     ///
     /// # Errors
     /// [`Error`]: the scenario has a plant with bodies, which do not fit at its start.
-    pub fn mutual(stage: &PreparedScenario) -> Result<Self, Error> {
-        let led = Settings { method: Method::ROBOT_LED, ..stage.scenario().settings.clone() };
-        let stage_led = with(stage, led)?;
-        let mut episode = stage_led.episode()?;
+    pub fn mutual(prepared: &PreparedScenario) -> Result<Self, Error> {
+        let led = Settings { method: Method::ROBOT_LED, ..prepared.scenario().settings.clone() };
+        let prepared_led = with(prepared, led)?;
+        let mut episode = prepared_led.episode()?;
         while episode.step().is_none() {}
-        Ok(Self::Mutual { pieces: pieces(stage)?, steps: episode.summary().steps })
+        Ok(Self::Mutual { pieces: pieces(prepared)?, steps: episode.summary().steps })
     }
 
     /// Number of steps.
@@ -135,8 +135,8 @@ impl Guidance {
 
 /// The scenario with these settings and the human of the example: while the robot leads, humans differ in eta
 /// only.
-fn with(stage: &PreparedScenario, settings: Settings) -> Result<PreparedScenario, Error> {
-    stage.prepare(Scenario { settings, human: EXAMPLE_HUMAN, ..stage.scenario().clone() })
+fn with(prepared: &PreparedScenario, settings: Settings) -> Result<PreparedScenario, Error> {
+    prepared.prepare(Scenario { settings, human: EXAMPLE_HUMAN, ..prepared.scenario().clone() })
 }
 
 /// ln(1 / phi(0)).
@@ -157,11 +157,11 @@ struct LedWalk {
 }
 
 impl LedWalk {
-    fn of(stage: &PreparedScenario, eta: f64) -> Result<Self, Error> {
-        let settings = &stage.scenario().settings;
+    fn of(prepared: &PreparedScenario, eta: f64) -> Result<Self, Error> {
+        let settings = &prepared.scenario().settings;
         let coordination = coordination::Settings { eta, ..settings.coordination };
-        let stage = with(stage, Settings { method: Method::MUTUAL, coordination, ..settings.clone() })?;
-        let mut episode = stage.episode()?;
+        let prepared = with(prepared, Settings { method: Method::MUTUAL, coordination, ..settings.clone() })?;
+        let mut episode = prepared.episode()?;
         let mut led = Self { eta, executed: Vec::new(), discomfort: Vec::new(), has_switched: false };
         while episode.step().is_none() {
             let tick = episode.tick();
@@ -197,9 +197,9 @@ impl LedWalk {
 /// interval of phi. Hence, if both ends of an interval of eta see the same options and switch at the same
 /// step, so does every eta between them. An interval whose ends differ is divided where they begin to differ,
 /// so no piece is missed.
-fn pieces(stage: &PreparedScenario) -> Result<Vec<Piece>, Error> {
-    let discomfort_limit = discomfort_limit(&stage.scenario().settings);
-    let led = |eta: f64| LedWalk::of(stage, eta);
+fn pieces(prepared: &PreparedScenario) -> Result<Vec<Piece>, Error> {
+    let discomfort_limit = discomfort_limit(&prepared.scenario().settings);
+    let led = |eta: f64| LedWalk::of(prepared, eta);
     let [least, largest] = DISCOMFORT_RANGE.map(|g| g / discomfort_limit);
     let (least, largest) = (led(least)?, led(largest)?);
     let mut pieces: Vec<Piece> = Vec::new();

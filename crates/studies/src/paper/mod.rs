@@ -1,5 +1,6 @@
-//! The paper's claims, one file each, with our results beside the paper's. This file has the paper's figures
-//! and the four environments that were calibrated to them.
+//! The paper's claims, one folder each: the run, then its tables, pictures and sentences (`section.rs`), with
+//! our results next to the paper's. This file has the paper's figures and the four environments that were
+//! calibrated to them.
 //!
 //! Source: A. J. Mahmud, W. Li, X. Wang, "Mutual Adaptation in Human-Robot Co-Transportation with Human
 //! Preference Uncertainty"; the table is named at each figure.
@@ -11,6 +12,8 @@ pub mod h1;
 pub mod h2;
 pub mod h3;
 pub mod h4;
+pub(crate) mod pairs;
+pub mod part;
 pub mod placed;
 pub mod slots;
 
@@ -135,8 +138,8 @@ fn prepared(
 }
 
 /// Runs the episode of a scenario to its end, and calls `on_tick` after every step.
-fn run(stage: &PreparedScenario, mut on_tick: impl FnMut(&Tick)) -> Result<Summary, Error> {
-    let mut episode = stage.episode()?;
+fn run(prepared: &PreparedScenario, mut on_tick: impl FnMut(&Tick)) -> Result<Summary, Error> {
+    let mut episode = prepared.episode()?;
     while episode.step().is_none() {
         on_tick(episode.tick());
     }

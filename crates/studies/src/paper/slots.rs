@@ -93,9 +93,10 @@ impl Study<'_> {
     fn walk(&self, world: &str, walk: u64) -> Result<(Option<BodyKind>, Outcome), Error> {
         let settings = Settings { method: Method::ROBOT_LED, ..self.settings.clone() };
         let human = settings.predictor.belief().sample(&mut ChaCha8Rng::seed_from_u64(self.seed));
-        let stage = prepared(World::parse("slot", world)?, &settings, self.plant)?;
+        let prepared = prepared(World::parse("slot", world)?, &settings, self.plant)?;
         let seed = self.seed.wrapping_add(walk);
-        let summary = run(&stage.prepare(Scenario { seed, human, ..stage.scenario().clone() })?, |_| ())?;
+        let summary =
+            run(&prepared.prepare(Scenario { seed, human, ..prepared.scenario().clone() })?, |_| ())?;
         Ok((summary.collision.map(|contact| contact.between[0].kind), summary.outcome))
     }
 }

@@ -67,7 +67,7 @@ impl Baseline {
     pub fn parse(file: String, text: String) -> Result<Self, Error> {
         let located = located::Source { file: &file, text: &text };
         let document = Document::parse(text.clone()).map_err(|error| located.invalid(KIND, error))?;
-        let mut source = Source { located, is_current: false };
+        let mut source = BaselineSource { located, is_current: false };
         if let Some((key, _)) = document.iter().find(|(key, _)| !TOP.contains(key)) {
             return Err(source.unknown(document.as_table(), key, "the file", &TOP));
         }
@@ -138,13 +138,13 @@ impl Baseline {
 }
 
 /// A text that errors point into.
-struct Source<'a> {
+struct BaselineSource<'a> {
     located: located::Source<'a>,
     /// Whether figures are of the latest format: earlier ones had other names.
     is_current: bool,
 }
 
-impl Source<'_> {
+impl BaselineSource<'_> {
     fn line(&self, span: Option<std::ops::Range<usize>>) -> usize {
         self.located.line(span.map_or(0, |span| span.start))
     }
@@ -169,7 +169,7 @@ fn no_runs(file: &str) -> Error {
 }
 
 /// Tolerances by figure; that of all others has no name.
-fn tolerances(source: &Source, item: &Item) -> Result<Vec<(String, Tolerance)>, Error> {
+fn tolerances(source: &BaselineSource, item: &Item) -> Result<Vec<(String, Tolerance)>, Error> {
     const KEYS: [&str; 2] = ["relative", "absolute"];
     let table_of = |item: &Item, key: &str, place: &str| match item.as_table() {
         Some(table) => Ok(table.clone()),
@@ -206,7 +206,7 @@ fn tolerances(source: &Source, item: &Item) -> Result<Vec<(String, Tolerance)>, 
     Ok(all)
 }
 
-fn run(source: &Source, table: &Table) -> Result<Run, Error> {
+fn run(source: &BaselineSource, table: &Table) -> Result<Run, Error> {
     let line = source.line(table.span());
     let mut run = Run { name: String::new(), line, arguments: Vec::new(), recorded: None };
     for (key, item) in table.iter() {
@@ -254,7 +254,7 @@ fn text(value: &toml_edit::Value) -> Option<String> {
     }
 }
 
-fn recorded(source: &Source, item: &Item) -> Result<Vec<(String, Figure)>, Error> {
+fn recorded(source: &BaselineSource, item: &Item) -> Result<Vec<(String, Figure)>, Error> {
     let Some(table) = item.as_table() else {
         return Err(source.wrong(item, "run", "recorded", "a table [run.recorded], as `record` writes it"));
     };

@@ -42,23 +42,23 @@ pub struct Route {
 
 impl Route {
     /// The route before the first step.
-    pub fn new(stage: &PreparedScenario) -> Self {
-        Self { position: stage.world().start, crossings: Vec::new(), offsets: 0.0, steps: 0 }
+    pub fn new(prepared: &PreparedScenario) -> Self {
+        Self { position: prepared.world().start, crossings: Vec::new(), offsets: 0.0, steps: 0 }
     }
 
     /// Adds a step to a new position.
-    pub fn step(&mut self, stage: &PreparedScenario, to: Point) {
-        let world = stage.world();
-        self.crossings.extend(stage.options().crossing(self.position, to));
+    pub fn step(&mut self, prepared: &PreparedScenario, to: Point) {
+        let world = prepared.world();
+        self.crossings.extend(prepared.options().crossing(self.position, to));
         let ahead = world.target - world.start;
         self.offsets += cross(ahead, to - world.start) / ahead.norm();
         self.steps += 1;
         self.position = to;
     }
 
-    fn openings(&self, stage: &PreparedScenario) -> String {
+    fn openings(&self, prepared: &PreparedScenario) -> String {
         let names = self.crossings.iter().map(|crossing| {
-            let opening = &stage.world().openings[crossing.opening];
+            let opening = &prepared.world().openings[crossing.opening];
             // to the centimetre; no negative zero
             let [x, y] = [opening.center().x, opening.center().y].map(|c| (c * 100.0).round() / 100.0 + 0.0);
             format!("{} ({x:.2}, {y:.2})", opening.name)
@@ -71,7 +71,7 @@ impl Route {
 /// The figures of a finished episode.
 pub fn figures(view: &View, route: &Route) -> Figures {
     let mean_offset = route.offsets / route.steps.max(1) as f64;
-    let walked = WALKED.into_iter().zip([route.openings(view.stage).into(), mean_offset.into()]);
+    let walked = WALKED.into_iter().zip([route.openings(view.prepared).into(), mean_offset.into()]);
     view.read(EPISODE).into_iter().chain(walked).filter(|(_, figure)| !figure.is_null()).collect()
 }
 

@@ -34,13 +34,13 @@ pub struct Moved {
 /// Runs all episodes to their ends. The results are in the order of the scenarios.
 pub fn run_all(scenarios: Vec<Scenario>, on_done: OnDone) -> Vec<Result<Figures, Error>> {
     in_parallel(scenarios.len(), on_done, |i| {
-        let stage = scenarios[i].clone().prepare()?;
-        let mut episode = stage.episode()?;
-        let mut route = Route::new(&stage);
+        let prepared = scenarios[i].clone().prepare()?;
+        let mut episode = prepared.episode()?;
+        let mut route = Route::new(&prepared);
         while episode.step().is_none() {
-            route.step(&stage, episode.position());
+            route.step(&prepared, episode.position());
         }
-        Ok(figures(&View::new(&stage, &episode), &route))
+        Ok(figures(&View::new(&prepared, &episode), &route))
     })
 }
 

@@ -1,49 +1,38 @@
-//! The report of `reproduce all`: the paper's claims, tables and figures beside the project's.
+//! The report of `reproduce all`: the paper's claims, tables and figures next to the project's.
 //!
 //! A claim is one file here, with a [`Part`], and one line in [`PARTS`]. Its tables, pictures and finding are
 //! then part of the report, its files and `--json`. The report is Markdown; the HTML page is made from it.
 
-mod adaptation;
-mod arrivals;
-mod bodies;
-mod choices;
-mod contacts;
-mod cycles;
-mod learning;
 mod page;
-mod pairs;
-mod part;
-mod preparation;
-mod preparation_elsewhere;
 mod run;
-mod weight;
 
-pub use adaptation::{example_picture, example_table, table_2};
-pub use bodies::table_2_with_bodies;
-pub use choices::table_1;
-pub use contacts::contact_table;
-pub use learning::{learning_tables, people_table};
-pub use part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
-pub use preparation::{Compared, ratio_picture, table_3, table_3_ratios};
-pub use weight::answers_picture;
+pub use crate::paper::contacts::section::contact_table;
+pub use crate::paper::h1::section::table_1;
+pub use crate::paper::h1::weight::answers_picture;
+pub use crate::paper::h2::bodies::table_2_with_bodies;
+pub use crate::paper::h2::section::{example_picture, example_table, table_2};
+pub use crate::paper::h3::section::{Compared, ratio_picture, table_3, table_3_ratios};
+pub use crate::paper::h4::section::{learning_tables, people_table};
+pub use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
 
+use crate::paper::{arrivals, contacts, cycles, h1, h2, h3, h4};
 use crate::table::Table;
 
 /// The claims, in the order of the report. A report may have some of them only.
 pub const PARTS: &[Part] = &[
-    choices::PART,
-    weight::PART,
-    adaptation::PART,
-    bodies::PART,
-    arrivals::PART,
-    contacts::PART,
-    cycles::PART,
-    cycles::WITH_BODIES,
-    preparation::PART,
-    preparation_elsewhere::WITH_BODIES,
-    preparation_elsewhere::OMNIDIRECTIONAL,
-    preparation_elsewhere::CHOICES,
-    learning::PART,
+    h1::section::PART,
+    h1::weight::PART,
+    h2::section::PART,
+    h2::bodies::PART,
+    arrivals::section::PART,
+    contacts::section::PART,
+    cycles::section::PART,
+    cycles::section::WITH_BODIES,
+    h3::section::PART,
+    h3::elsewhere::WITH_BODIES,
+    h3::elsewhere::OMNIDIRECTIONAL,
+    h3::elsewhere::CHOICES,
+    h4::section::PART,
 ];
 
 /// The whole report. Equal plans give byte-identical reports on any number of threads.

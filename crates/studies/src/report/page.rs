@@ -1,7 +1,7 @@
 //! The report as one self-contained HTML page.
 
-use super::part::Figure;
 use super::run::anchor;
+use crate::paper::part::Figure;
 use cocarry_output::drawing::dark_rules;
 use pulldown_cmark::{CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, html::push_html};
 

@@ -1,7 +1,7 @@
 //! The report's opening and closing sections: settings, environment and contents.
 
-use super::part::{Part, Plan, Section, grouped};
 use crate::paper::COLUMNS;
+use crate::paper::part::{Part, Plan, Section, grouped};
 use cocarry::control::{self, HORIZON};
 use cocarry::simulation::PhysicsSettings;
 
@@ -13,7 +13,7 @@ pub(super) fn opening(plan: &Plan, run: &[&Part], sections: &[Section]) -> Strin
     let mut text = format!(
         "# Human-robot co-transportation, reproduced\n\n\
          Every table and figure of A. J. Mahmud, W. Li and X. Wang, *Mutual Adaptation in Human-Robot Co-Transportation with Human Preference Uncertainty*, with those \
-         of `cocarry` {} beside them. All figures of ours, those in the text included, come from one run of {} episodes.\n\n\
+         of `cocarry` {} next to them. All figures of ours, those in the text included, come from one run of {} episodes.\n\n\
          ## What holds\n\n| claim | finding | in figures |\n| :-- | :-- | :-- |\n",
         env!("CARGO_PKG_VERSION"),
         grouped(episodes(plan, run)),
@@ -22,7 +22,7 @@ pub(super) fn opening(plan: &Plan, run: &[&Part], sections: &[Section]) -> Strin
         let finding = &section.finding;
         text += &format!("| {} | **{}** | {} |\n", finding.claim, finding.verdict, finding.figures);
     }
-    text + "\nA picture is `figures/NAME.svg` beside this report; the figures of a table are in the CSV file named at it.\n\n"
+    text + "\nA picture is `figures/NAME.svg` next to this report; the figures of a table are in the CSV file named at it.\n\n"
 }
 
 /// The text with a table of its sections before the first of them.

@@ -1,7 +1,7 @@
 //! Errors of study files and of the files of a sweep, each with its file, place and value.
 
 use cocarry::error::Place;
-use cocarry::suggestion::{hint, hint_of_listed};
+use cocarry::suggestion::{Expected, hint};
 use cocarry_output::output_file::OutputError;
 use std::fmt;
 use std::path::PathBuf;
@@ -17,14 +17,14 @@ pub enum SweepError {
     #[error(transparent)]
     Output(#[from] OutputError),
     /// A value is not allowed for its key.
-    #[error("{place} = {value}; it must be {expected}{}", hint_of_listed(value.trim_matches('"'), expected))]
+    #[error("{place} = {value}; it must be {expected}{}", expected.hint(value.trim_matches('"')))]
     Value {
         /// Where, and the key.
         place: Place,
         /// The value, as written.
         value: String,
         /// The values allowed.
-        expected: String,
+        expected: Expected,
     },
     /// A key is unknown.
     #[error(
@@ -174,24 +174,24 @@ pub enum SweepError {
     },
     /// The program was built without Parquet.
     #[error(
-        "{file}: this program was built without the feature `parquet`; build it with `cargo install --path crates/program --features parquet`, take that of the Python package, or write CSV"
+        "{file}: this program was built without the feature `parquet`; build it with `cargo install --path crates/program --features parquet`, use the Python package, or write CSV"
     )]
     NoParquet {
         /// The file or folder.
         file: String,
     },
     /// The folder for ticks has something else in it, or ticks of another study.
-    #[error("{folder}: has {found}; it must have {expected}")]
+    #[error("{folder}: holds {found}; {advice}")]
     Ticks {
         /// The folder.
         folder: String,
         /// The file found in it.
         found: String,
-        /// What was expected.
-        expected: &'static str,
+        /// What to do.
+        advice: &'static str,
     },
     /// The sweep was stopped.
-    #[error("{}: has the rows so far; the same sweep resumes there", file.display())]
+    #[error("{} holds the rows so far; run the same command to resume", file.display())]
     Stopped {
         /// The partial file.
         file: PathBuf,

@@ -11,6 +11,7 @@ use cocarry::scenario::{
     Applies, GivenRobot, GivenWorld, Kind, PERCEPTION, POSTURE, PlantKind, PreferenceChanges, SETTINGS,
     Setting, Value, one_of,
 };
+use cocarry::suggestion::Expected;
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
 
@@ -60,7 +61,7 @@ pub(super) fn read(
     let run_keys: Vec<&str> = SETTINGS.iter().map(list_key).chain(RUN_KEYS).collect();
     source.only(table, &[&STUDY_KEYS[..], &run_keys].concat())?;
     for key in ["name", "note"] {
-        source.list(table, key, "a text", source::text)?;
+        source.list(table, key, &"a text".into(), source::text)?;
     }
     let mut contents = Contents::default();
     let standard = Belief::default();
@@ -125,12 +126,12 @@ impl Contents {
         run: &mut Draft,
     ) -> Result<(), SweepError> {
         let axes = &mut run.axes;
-        let world = "the name of a world file, relative to the study, or of a built-in world";
-        if let Some(worlds) = source.list(table, "worlds", world, source::text)? {
+        let world = Expected::from("the name of a world file, relative to the study, or of a built-in world");
+        if let Some(worlds) = source.list(table, "worlds", &world, source::text)? {
             axes.worlds = worlds.into_iter().map(|w| self.world(folder, w)).collect::<Result<_, _>>()?;
         }
-        let robot = "the name of a robot file, relative to the study, or \"built-in\"";
-        if let Some(robots) = source.list(table, "robots", robot, source::text)? {
+        let robot = Expected::from("the name of a robot file, relative to the study, or \"built-in\"");
+        if let Some(robots) = source.list(table, "robots", &robot.with_names([BUILT_IN]), source::text)? {
             axes.robots = robots.into_iter().map(|r| self.robot(folder, r)).collect::<Result<_, _>>()?;
         }
         pick(source, table, "humans", &self.humans, &mut axes.humans)?;
@@ -244,7 +245,8 @@ impl Contents {
             return Err(SweepError::Value {
                 place: place.clone(),
                 value: changes.to_string(),
-                expected: format!("0 for the humans `{name}`, whose alpha and gamma are fixed numbers"),
+                expected: format!("0 for the humans `{name}`, whose alpha and gamma are fixed numbers")
+                    .into(),
             });
         }
         if !run.changes.is_empty() {
@@ -259,8 +261,9 @@ impl Contents {
             let name = name.to_string();
             let mut robots = run.axes.robots.iter().map(|&robot| &self.robots[robot]);
             if let Some((_, robot, known)) = robots.find(|(.., known)| !known.contains(&name)) {
-                let known = known.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>();
-                let expected = format!("a posture of {}: {}", robot.texts().file, known.join(", "));
+                let quoted = known.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>();
+                let expected = format!("a posture of {}: {}", robot.texts().file, quoted.join(", "));
+                let expected = Expected::from(expected).with_names(known.iter().map(String::as_str));
                 let (place, value) = (place.clone(), format!("{name:?}"));
                 return Err(SweepError::Value { place, value, expected });
             }
@@ -329,8 +332,8 @@ fn pick<T>(
     values: &mut Vec<usize>,
 ) -> Result<(), SweepError> {
     let read = |value: &DeValue| known.iter().position(|(name, _)| Some(name.as_str()) == value.as_str());
-    let names: Vec<_> = known.iter().map(|(name, _)| format!("{name:?}")).collect();
-    replace(values, source.list(table, key, &format!("one of {}", names.join(", ")), read)?);
+    let expected = Expected::one_of(known.iter().map(|(name, _)| name.as_str()));
+    replace(values, source.list(table, key, &expected, read)?);
     Ok(())
 }
 

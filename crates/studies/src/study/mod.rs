@@ -26,7 +26,7 @@ mod tables;
 pub use again::{Difference, different};
 pub use error::{Position, SweepError};
 pub use merge::merge;
-pub use partial::{Shard, Sweep, SweepOutputs};
+pub use partial::{Shard, Sweep, SweepOutputs, complete_rows};
 pub use plane::{Plane, PlanePart};
 pub use results::read_rows;
 pub use row::Run as EpisodeRun;
@@ -53,8 +53,8 @@ pub fn columns() -> Vec<Heading> {
     row::headings()
 }
 
-/// The largest number of prepared scenarios of a study, each with its own world, c_r and robot. They take about
-/// 0.2 MB each.
+/// The largest number of prepared scenarios of a study, each with its own world, c_r and robot. They take
+/// about 0.2 MB each.
 const MAX_SCENES: usize = 1000;
 
 /// A study, read and checked: its episodes by number.
@@ -66,8 +66,8 @@ pub struct Study {
     /// The default settings with each belief.
     bases: Vec<Settings>,
     /// A prepared scenario for every world, c_r and robot, and the index for each cell.
-    stages: Vec<PreparedScenario>,
-    stage_of: Vec<usize>,
+    prepared: Vec<PreparedScenario>,
+    prepared_of: Vec<usize>,
     /// Drives that are slower than their team is to walk, each once.
     slow_drives: Vec<SlowDrive>,
     robot_warnings: Vec<String>,
@@ -116,8 +116,8 @@ impl Study {
             contents,
             cells,
             bases: Vec::new(),
-            stages: Vec::new(),
-            stage_of: Vec::new(),
+            prepared: Vec::new(),
+            prepared_of: Vec::new(),
             slow_drives: Vec::new(),
             robot_warnings: Vec::new(),
             blocks,
@@ -187,8 +187,8 @@ impl Study {
     /// The scenario of a cell with everything that is drawn.
     fn drawn(&self, cell: usize, seed: u64) -> Scenario {
         let scenario = self.scenario_of(cell, seed);
-        let stage = &self.stages[self.stage_of[cell]];
-        let options = stage.options_as_written().expect("worlds were checked when the study was read");
+        let prepared = &self.prepared[self.prepared_of[cell]];
+        let options = prepared.options_as_written().expect("worlds were checked when the study was read");
         let cell = &self.cells[cell];
         let (_, humans) = &self.contents.humans[cell.humans];
         let changes = humans.draw_changes(cell.changes, seed, options, &scenario.settings);
@@ -252,7 +252,7 @@ impl Study {
                 return Err(SweepError::TooMany { place, most, what });
             }
             let made = match known.get(&key).or(similar.map(|(_, at)| at)) {
-                Some(&at) => self.stages[at].prepare(scenario),
+                Some(&at) => self.prepared[at].prepare(scenario),
                 None => scenario.prepare(),
             };
             let made = made.map_err(|source| self.refused(i, source))?;
@@ -264,11 +264,11 @@ impl Study {
                     self.robot_warnings.push(warning);
                 }
             }
-            let at = *known.entry(key).or_insert(self.stages.len());
-            if at == self.stages.len() {
-                self.stages.push(made);
+            let at = *known.entry(key).or_insert(self.prepared.len());
+            if at == self.prepared.len() {
+                self.prepared.push(made);
             }
-            self.stage_of.push(at);
+            self.prepared_of.push(at);
         }
         Ok(())
     }
@@ -288,7 +288,7 @@ impl Study {
         for (Run { cells, seeds }, _) in &self.contents.runs {
             add(&format!("{} combinations, seeds {} to {}", cells.len(), seeds.first, seeds.last));
             for _ in cells {
-                if whole.insert((self.stage_of[cell], self.cells[cell].plant.name())) {
+                if whole.insert((self.prepared_of[cell], self.cells[cell].plant.name())) {
                     let text = self.scenario_of(cell, seeds.first).text();
                     add(&text.map_err(|source| self.refused(cell, source))?);
                 }
@@ -341,7 +341,7 @@ impl Study {
     fn row_of(&self, episode: u64, cell: usize, scenario: Scenario, run: row::Run) -> Vec<u8> {
         let (episodes, digest) = (self.episodes.to_string(), self.digest.clone());
         let identity = [episode.to_string(), episodes, digest, arithmetic::stamp().to_owned()];
-        row::of(identity, self.inputs(cell), scenario, &self.stages[self.stage_of[cell]], run)
+        row::of(identity, self.inputs(cell), scenario, &self.prepared[self.prepared_of[cell]], run)
     }
 
     /// The check that no episode is in two runs, where it would count twice.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 /// The shared state of the threads.
-struct State<T, W, E> {
+struct OrderedState<T, W, E> {
     /// The next number to work on.
     next: u64,
     /// The next number to write.
@@ -20,7 +20,7 @@ struct State<T, W, E> {
 struct Shared<T, W, E> {
     /// How far results may be ahead of the first missing one.
     window: u64,
-    state: Mutex<State<T, W, E>>,
+    state: Mutex<OrderedState<T, W, E>>,
     changed: Condvar,
 }
 
@@ -35,7 +35,7 @@ pub(super) fn in_order<T: Send, E: Send, W: FnMut(Vec<T>) -> Result<(), E> + Sen
     work: impl Fn(u64) -> T + Sync,
     write: W,
 ) -> Result<(), E> {
-    let state = State {
+    let state = OrderedState {
         next: numbers.start,
         due: numbers.start,
         waiting: BTreeMap::new(),
@@ -55,7 +55,7 @@ pub(super) fn in_order<T: Send, E: Send, W: FnMut(Vec<T>) -> Result<(), E> + Sen
 }
 
 impl<T, W, E> Shared<T, W, E> {
-    fn lock(&self) -> MutexGuard<'_, State<T, W, E>> {
+    fn lock(&self) -> MutexGuard<'_, OrderedState<T, W, E>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -75,7 +75,7 @@ impl<T, E, W: FnMut(Vec<T>) -> Result<(), E>> Shared<T, W, E> {
     /// Stores a result, and writes the results that are next in order.
     fn give(&self, number: u64, result: T) {
         let mut state = self.lock();
-        let State { due, waiting, write, failed, is_over, .. } = &mut *state;
+        let OrderedState { due, waiting, write, failed, is_over, .. } = &mut *state;
         waiting.insert(number, result);
         let mut results = Vec::new();
         while let Some(result) = waiting.remove(due) {

@@ -1,4 +1,4 @@
-//! Running sweeps, whose rows are in a partial file beside the results until the sweep is complete. The
+//! Running sweeps, whose rows are in a partial file next to the results until the sweep is complete. The
 //! partial file may end anywhere; the sweep resumes from it.
 //!
 //! The partial file is the beginning of the final one: rows are appended in order, each batch in one write. A
@@ -143,8 +143,8 @@ impl<S: Borrow<Study>> Sweep<S> {
     /// With `stop` it stops after the episodes that are running.
     ///
     /// # Errors
-    /// [`SweepError::Output`] or [`SweepError::Stopped`]; the rows and ticks written so far stay in the partial
-    /// outputs.
+    /// [`SweepError::Output`] or [`SweepError::Stopped`]; the rows and ticks written so far stay in the
+    /// partial outputs.
     pub fn run(self, on_done: OnDone, stop: &AtomicBool) -> Result<(), SweepError> {
         let Self { study: owner, path, mut file, mut ticks, episodes, kept } = self;
         let study = owner.borrow();
@@ -186,6 +186,16 @@ impl<S: Borrow<Study>> Sweep<S> {
         ticks.map_or(Ok(()), Ticks::finish)?;
         results::finish(file, &path, &study.origin())
     }
+}
+
+/// The number of rows in `path`, if these are all rows of the study, or of a shard of it, as CSV: a sweep would
+/// write the same file.
+pub fn complete_rows(study: &Study, shard: Option<Shard>, path: &Path) -> Option<u64> {
+    let episodes = shard.map_or(0..study.episodes(), |shard| shard.episodes(study.episodes()));
+    let file = located::open(path).ok()?;
+    let length = file.metadata().ok()?.len();
+    let (bytes, rows) = rows_kept(study, &file, &path.display().to_string(), &episodes, |_| true).ok()?;
+    (bytes == length && rows == episodes.end - episodes.start).then_some(rows)
 }
 
 /// The number of bytes of the file that can be kept, and the number of rows in them, which `is_kept` allows.

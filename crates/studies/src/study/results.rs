@@ -130,14 +130,14 @@ pub fn read_rows(
 /// A reader of a file's rows.
 pub(super) struct Rows {
     pub file: String,
-    source: Source,
+    source: RowSource,
     /// The number of the line or row read last, counted from 1.
     number: u64,
     /// The line of the row read last, with its newline.
     pub line: Vec<u8>,
 }
 
-enum Source {
+enum RowSource {
     Csv(BufReader<File>),
     Parquet(Box<tables::Reader>),
 }
@@ -149,11 +149,11 @@ impl Rows {
         let read = |source| located::unreadable(&file, source);
         let mut opened = BufReader::new(located::open(path).map_err(read)?);
         let source = match opened.fill_buf().map_err(read)?.starts_with(PARQUET) {
-            true => Source::Parquet(Box::new(tables::Reader::open(opened.into_inner(), &file)?)),
-            false => Source::Csv(opened),
+            true => RowSource::Parquet(Box::new(tables::Reader::open(opened.into_inner(), &file)?)),
+            false => RowSource::Csv(opened),
         };
         let mut rows = Self { file, source, number: 0, line: Vec::new() };
-        if let Source::Csv(_) = rows.source {
+        if let RowSource::Csv(_) = rows.source {
             rows.advance()?;
             check_header(&rows.line, &rows.file)?;
         }
@@ -187,24 +187,24 @@ impl Rows {
     /// The place of the row read last.
     pub fn position(&self) -> Position {
         match self.source {
-            Source::Csv(_) => Position::Line(self.number),
-            Source::Parquet(_) => Position::Row(self.number),
+            RowSource::Csv(_) => Position::Line(self.number),
+            RowSource::Parquet(_) => Position::Row(self.number),
         }
     }
 
     /// The text of the study, if the file has it.
     pub fn study_text(&self) -> Option<&str> {
         match &self.source {
-            Source::Csv(_) => None,
-            Source::Parquet(reader) => reader.study_text(),
+            RowSource::Csv(_) => None,
+            RowSource::Parquet(reader) => reader.study_text(),
         }
     }
 
     fn advance(&mut self) -> Result<(), SweepError> {
         self.number += 1;
         let reader = match &mut self.source {
-            Source::Csv(reader) => reader,
-            Source::Parquet(reader) => {
+            RowSource::Csv(reader) => reader,
+            RowSource::Parquet(reader) => {
                 self.line = reader.next()?;
                 return Ok(());
             }

@@ -124,7 +124,7 @@ pub(super) fn of(
     run: Run,
 ) -> Vec<u8> {
     let drawn = drawn(&scenario);
-    let results = basis.prepare(scenario).and_then(|stage| carry_out(&stage, run));
+    let results = basis.prepare(scenario).and_then(|prepared| carry_out(&prepared, run));
     let results = results.unwrap_or_else(|error| not_begun(&words(&error)));
     let line = line(identity.into_iter().chain([String::new()]).chain(inputs).chain(drawn).chain(results));
     let ([begin, _, end], checksum) = split(&line).expect("a row has columns before and after its checksum");
@@ -162,17 +162,17 @@ fn drawn(scenario: &Scenario) -> [String; DRAWN.len()] {
 /// Makes the episode of a prepared scenario and runs it to its end.
 pub type Run<'r> = &'r dyn for<'s> Fn(&'s PreparedScenario) -> Result<Episode<'s>, Error>;
 
-/// The [`Run`] of the scenario's own partners.
-pub(super) fn to_its_end(stage: &PreparedScenario) -> Result<Episode<'_>, Error> {
-    let mut episode = stage.episode()?;
+/// The [`Run`] of the scenario's custom partners.
+pub(super) fn to_its_end(prepared: &PreparedScenario) -> Result<Episode<'_>, Error> {
+    let mut episode = prepared.episode()?;
     while episode.step().is_none() {}
     Ok(episode)
 }
 
 /// The figures of a finished episode.
-fn carry_out(stage: &PreparedScenario, run: Run) -> Result<Vec<String>, Error> {
-    let episode = run(stage)?;
-    let figures = View::new(stage, &episode).read(EPISODE);
+fn carry_out(prepared: &PreparedScenario, run: Run) -> Result<Vec<String>, Error> {
+    let episode = run(prepared)?;
+    let figures = View::new(prepared, &episode).read(EPISODE);
     Ok(figures.iter().map(|(_, value)| cell(value)).collect())
 }
 

@@ -4,6 +4,7 @@ use super::SweepError;
 use cocarry::error::Place;
 use cocarry::located;
 use cocarry::scenario::PERIOD;
+use cocarry::suggestion::Expected;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -37,7 +38,7 @@ impl<'a> Source<'a> {
     }
 
     /// The error about a value.
-    pub fn wrong(self, key: &str, value: &Value, expected: impl Into<String>) -> SweepError {
+    pub fn wrong(self, key: &str, value: &Value, expected: impl Into<Expected>) -> SweepError {
         let place = self.place(value.span(), key);
         SweepError::Value { place, value: self.written(value), expected: expected.into() }
     }
@@ -70,7 +71,7 @@ impl<'a> Source<'a> {
         self,
         table: &DeTable,
         key: &str,
-        expected: &str,
+        expected: &Expected,
         read: impl Fn(&DeValue) -> Option<T>,
     ) -> Result<Option<Vec<(T, Place)>>, SweepError> {
         let Some(value) = get(table, key) else { return Ok(None) };
@@ -83,7 +84,9 @@ impl<'a> Source<'a> {
         }
         let mut read_values: Vec<(T, Place)> = Vec::with_capacity(values.len());
         for value in values {
-            let Some(read) = read(value.get_ref()) else { return Err(self.wrong(key, value, expected)) };
+            let Some(read) = read(value.get_ref()) else {
+                return Err(self.wrong(key, value, expected.clone()));
+            };
             let place = self.place(value.span(), key);
             if read_values.iter().any(|(other, _)| *other == read) {
                 return Err(SweepError::Twice { place, value: self.written(value) });

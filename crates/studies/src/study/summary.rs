@@ -140,7 +140,7 @@ struct Places {
 }
 
 #[derive(Default)]
-struct Reader {
+struct SummaryReader {
     cells: Vec<Cell>,
     known: BTreeMap<Vec<String>, usize>,
     classes: BTreeMap<(usize, Vec<String>), usize>,
@@ -170,7 +170,7 @@ impl Summary {
         };
         let first_input = row::IDENTITY.len();
         let inputs = first_input..first_input + row::input_columns().count();
-        let mut reader = Reader::default();
+        let mut reader = SummaryReader::default();
         let mut first = None;
         let mut count = 0;
         while let Some(identity) = rows.next()? {
@@ -203,7 +203,7 @@ impl Summary {
     }
 }
 
-impl Reader {
+impl SummaryReader {
     fn add(
         &mut self,
         fields: &csv::StringRecord,

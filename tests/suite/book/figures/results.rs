@@ -101,7 +101,7 @@ pub const FIGURES: &[Figure] = &[
     ("table-3.overlaps-avoided", |t| overlaps(t, "with-po-obstacles")),
 ];
 
-/// Tables I and II of the geometry that was searched for anew, worked out here, beside the kept ones of the
+/// Tables I and II of the geometry that was searched for anew, worked out here, next to the kept ones of the
 /// built-in geometry.
 fn environment_2(t: &Tables) -> String {
     let settings = Settings::default();

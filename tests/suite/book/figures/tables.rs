@@ -26,7 +26,7 @@ pub fn files(folder: &Path) -> Vec<String> {
 }
 
 impl Tables {
-    /// Those beside the book.
+    /// Those next to the book.
     pub fn read() -> Self {
         let folder = repository("book/figures");
         let table = |name: String| {

@@ -5,11 +5,11 @@ use cocarry::geometry::{Bounds, Point};
 /// Lines, and areas that must stay free, inside a frame.
 pub(in super::super) struct Clutter {
     frame: Bounds,
-    lines: Vec<Line>,
+    lines: Vec<ClutterLine>,
     taken: Vec<Bounds>,
 }
 
-struct Line {
+struct ClutterLine {
     ends: [Point; 2],
     /// Half of its width, px.
     half: f64,
@@ -17,7 +17,7 @@ struct Line {
     cost: f64,
 }
 
-impl Line {
+impl ClutterLine {
     fn inside(&self, area: Bounds) -> f64 {
         length_inside(area.grown(self.half), self.ends)
     }
@@ -31,7 +31,7 @@ impl Clutter {
     /// Adds a line, with the cost of covering a pixel of its length.
     pub fn add(&mut self, points: &[Point], width: f64, cost: f64) {
         let half = width / 2.0;
-        self.lines.extend(points.windows(2).map(|w| Line { ends: [w[0], w[1]], half, cost }));
+        self.lines.extend(points.windows(2).map(|w| ClutterLine { ends: [w[0], w[1]], half, cost }));
     }
 
     /// Reserves an area.

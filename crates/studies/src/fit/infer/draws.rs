@@ -34,7 +34,7 @@ pub struct Draws {
 }
 
 /// What draws are drawn from.
-pub(super) struct Source<'a> {
+pub(super) struct DrawSource<'a> {
     pub belief: &'a Belief,
     pub people: &'a [Perceived],
     /// By person; empty without switches.
@@ -59,7 +59,7 @@ struct Draw {
     log_density: f64,
 }
 
-impl Source<'_> {
+impl DrawSource<'_> {
     /// Draws `length` times in every chain. `stream` tells several sets of draws with one seed apart.
     pub fn draws(&self, length: usize, seed: u64, stream: u64) -> Draws {
         let cumulated: Vec<f64> = self.crowd.as_ref().map_or(Vec::new(), |crowd| {

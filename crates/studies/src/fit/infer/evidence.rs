@@ -4,9 +4,9 @@ use super::inputs::{Settings, Walk};
 use crate::fit::set::{Set, hull, intersection};
 use crate::fit::{Answers, Situation};
 use cocarry::Error;
-use cocarry::episode::Look;
+use cocarry::episode::Sighting;
 use cocarry::error::Place;
-use cocarry::learning::{MAX_TASKS, Tolerance, likelihoods_of_look};
+use cocarry::learning::{MAX_TASKS, Tolerance, likelihoods_of_sighting};
 use cocarry::math;
 use cocarry::preference::{
     Belief, ChoiceDistribution, Posterior, PreferenceError, Prospect, Ways, with_lapses,
@@ -41,8 +41,8 @@ pub(super) struct Perceived {
     pub log_evidence: f64,
     /// Number of answers.
     pub answers: usize,
-    /// Number of looks at walks.
-    pub looks: usize,
+    /// Number of sightings in walks.
+    pub sightings: usize,
 }
 
 impl Perceived {
@@ -51,7 +51,7 @@ impl Perceived {
             posterior: Posterior::new(belief.clone(), risk_weight)?,
             log_evidence: 0.0,
             answers: 0,
-            looks: 0,
+            sightings: 0,
         })
     }
 
@@ -67,14 +67,14 @@ impl Perceived {
         }
     }
 
-    /// Learns from the looks at a walk.
+    /// Learns from the sightings of a walk.
     ///
     /// # Errors
     /// No alpha and gamma agree with it, and there are no lapses.
-    pub fn see(&mut self, walk: &Walk, lapse_rate: f64) -> Result<(), Error> {
+    pub fn observe(&mut self, walk: &Walk, lapse_rate: f64) -> Result<(), Error> {
         let mut likelihoods = Vec::new();
-        for Look { prospects, ways, looks_like } in &walk.looks {
-            likelihoods_of_look(looks_like.iter().copied(), lapse_rate, &mut likelihoods);
+        for Sighting { prospects, ways, is_consistent } in &walk.sightings {
+            likelihoods_of_sighting(is_consistent.iter().copied(), lapse_rate, &mut likelihoods);
             if !self.learn(prospects, ways, &likelihoods) {
                 return Err(contradicted(
                     &walk.file,
@@ -82,7 +82,7 @@ impl Perceived {
                     "no alpha and gamma of the belief agree with this walk and the rest; give a --lapse-rate above 0",
                 ));
             }
-            self.looks += 1;
+            self.sightings += 1;
         }
         Ok(())
     }

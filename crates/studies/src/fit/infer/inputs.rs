@@ -1,7 +1,7 @@
 //! What an inference is given: settings, the belief, and what participants did besides answering.
 
 use crate::fit::Switch;
-use cocarry::episode::Look;
+use cocarry::episode::Sighting;
 use cocarry::learning::{self, TolerancePrior};
 use cocarry::preference::Belief;
 
@@ -53,7 +53,7 @@ pub struct Walk {
     /// The participant.
     pub participant: String,
     /// Looks under the human's lead.
-    pub looks: Vec<Look>,
+    pub sightings: Vec<Sighting>,
     /// The eta that agree with when they took over, or did not.
     pub etas: [f64; 2],
 }

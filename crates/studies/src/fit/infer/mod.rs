@@ -22,7 +22,7 @@ use crate::parallel::{OnDone, in_parallel};
 use cocarry::Error;
 use cocarry::learning::Tolerance;
 use cocarry::preference::Belief;
-use draws::{Crowd, Source};
+use draws::{Crowd, DrawSource};
 use evidence::Perceived;
 use population::{Grid, Integrals};
 use serde::Serialize;
@@ -34,8 +34,8 @@ pub struct Person {
     pub participant: String,
     /// Number of answers.
     pub answers: usize,
-    /// Number of looks at recorded walks.
-    pub looks: usize,
+    /// Number of sightings in recorded walks.
+    pub sightings: usize,
     /// alpha, from the own answers alone.
     pub alpha: Figure,
     /// gamma, from the own answers alone.
@@ -102,7 +102,7 @@ pub fn infer(
             _ => prior.clone(),
         };
         for walk in walks.iter().filter(|walk| walk.participant == *names[p]) {
-            perceived.see(walk, settings.lapse_rate)?;
+            perceived.observe(walk, settings.lapse_rate)?;
         }
         Ok(perceived)
     };
@@ -126,7 +126,7 @@ pub fn infer(
     };
     let grid = Grid::new(model.belief.ranges())?;
     let is_sampled = matches!(model.belief, Belief::Samples(_));
-    let is_asked = people.iter().any(|person| person.answers + person.looks > 0);
+    let is_asked = people.iter().any(|person| person.answers + person.sightings > 0);
     let has_population = settings.has_population && is_asked && names.len() > 1 && !is_sampled;
     let integrals: Vec<Integrals> = match has_population {
         false => Vec::new(),
@@ -135,7 +135,7 @@ pub fn infer(
         }),
     };
     let weighed = has_population.then(|| weighed(&grid, &people, &integrals)).flatten();
-    let source = Source {
+    let source = DrawSource {
         belief: &model.belief,
         people: &people,
         tolerances: &tolerances,
@@ -166,7 +166,7 @@ pub fn infer(
         Person {
             participant: (*name).clone(),
             answers: known.answers,
-            looks: known.looks,
+            sightings: known.sightings,
             alpha: figure(0, variance_alpha),
             gamma: figure(1, variance_gamma),
             correlation: covariance / (variance_alpha * variance_gamma).sqrt(),
@@ -203,7 +203,7 @@ fn weighed(grid: &Grid, people: &[Perceived], integrals: &[Integrals]) -> Option
 }
 
 /// Draws from the same model without any answers and switches.
-fn prior_draws(source: &Source, prior: &Perceived, settings: &Settings) -> Result<Draws, Error> {
+fn prior_draws(source: &DrawSource, prior: &Perceived, settings: &Settings) -> Result<Draws, Error> {
     let people = vec![prior.clone(); source.people.len()];
     let tolerance = Tolerance::new(source.tolerance, settings.lapse_rate)?;
     let tolerances = vec![tolerance; source.tolerances.len()];
@@ -216,7 +216,7 @@ fn prior_draws(source: &Source, prior: &Perceived, settings: &Settings) -> Resul
         }
     };
     let crowd = source.crowd.as_ref().map(|_| Crowd { weights: &even, integrals: &integrals });
-    let source = Source { people: &people, tolerances: &tolerances, crowd, ..*source };
+    let source = DrawSource { people: &people, tolerances: &tolerances, crowd, ..*source };
     Ok(source.draws(settings.draws, settings.seed, 1))
 }
 

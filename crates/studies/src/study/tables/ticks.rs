@@ -91,10 +91,10 @@ impl Layout {
             .chain(&after)
             .map(String::as_str)
             .collect();
-        let line = study.row_of(episode, cell, scenario, &|stage| {
-            let mut episode = stage.episode()?;
+        let line = study.row_of(episode, cell, scenario, &|prepared| {
+            let mut episode = prepared.episode()?;
             while episode.step().is_none() {
-                let view = View::new(stage, &episode);
+                let view = View::new(prepared, &episode);
                 let values: Vec<Value> =
                     TICK.into_iter().flat_map(|table| view.read(table)).map(|(_, value)| value).collect();
                 columns.borrow_mut().add(cells.iter().copied(), &values);
@@ -192,8 +192,8 @@ impl Ticks {
     fn foreign(&self, path: &Path) -> SweepError {
         SweepError::Ticks {
             folder: self.partial.display().to_string(),
-            found: format!("{}, which is of another study or arithmetic", file_name(path)),
-            expected: "only ticks of this study: remove it, choose another folder, or give --overwrite",
+            found: format!("{}, which belongs to another study or arithmetic", file_name(path)),
+            advice: "remove it, choose another folder, or give --overwrite",
         }
     }
 
@@ -330,7 +330,7 @@ fn files(folder: &Path) -> Result<BTreeMap<String, PathBuf>, SweepError> {
             return Err(SweepError::Ticks {
                 folder: folder.display().to_string(),
                 found: name,
-                expected: "files of ticks only: choose another folder",
+                advice: "choose another folder",
             });
         }
     }

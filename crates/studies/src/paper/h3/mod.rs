@@ -5,6 +5,9 @@
 //! twice at random steps of the first half; the robot only knows the full ranges. Every method meets the same
 //! humans: all comparisons are paired.
 
+pub mod elsewhere;
+pub mod section;
+
 use super::{ENVIRONMENTS, Environment, SETTINGS};
 use super::{Route, prepared, route};
 use crate::parallel::{OnDone, in_parallel};
@@ -204,8 +207,8 @@ impl Study<'_> {
 
     fn environment(&self, environment: &Environment, on_done: OnDone) -> Result<Vec<PoseRow>, Error> {
         let settings = Settings { method: Method::HUMAN_LED, ..self.settings.clone() };
-        let stage = prepared(environment.world()?, &settings, self.plant)?;
-        let humans = self.humans_of(environment, stage.options())?;
+        let prepared = prepared(environment.world()?, &settings, self.plant)?;
+        let humans = self.humans_of(environment, prepared.options())?;
         let is_physical = self.plant.kind() == PlantKind::Rapier;
         // all episodes of the environment; the last index varies fastest
         let (starts, methods, n) = (self.starts, self.methods, self.episodes);
@@ -219,13 +222,13 @@ impl Study<'_> {
                 seed: human.gait_seed,
                 human: human.first,
                 changes: human.changes.clone(),
-                ..stage.scenario().clone()
+                ..prepared.scenario().clone()
             };
             if let Some(robot) = scenario.plant.robot_setup_mut() {
                 robot.posture = start.to_owned();
                 robot.control = method.control(self.plant.kind(), &robot.control);
             }
-            let begun = stage.prepare(scenario)?;
+            let begun = prepared.prepare(scenario)?;
             let episode = begun.episode()?;
             Ok(follow(if is_physical { episode } else { episode.ignoring_loss() }))
         });

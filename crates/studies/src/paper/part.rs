@@ -1,6 +1,6 @@
 //! A claim's part of the report: its runs, and its section.
 
-use crate::paper::{arrivals, contacts, cycles as locked, h2, h3, h4};
+use super::{arrivals, contacts, cycles as locked, h2, h3, h4};
 use crate::parallel::OnDone;
 use crate::table::Table;
 use cocarry::episode::Settings;
@@ -140,7 +140,7 @@ pub enum ReportError {
 }
 
 /// `n of m` in words: whether a claim holds in all of them.
-pub(super) fn holds(n: usize, of: usize, what: &str) -> String {
+pub(crate) fn holds(n: usize, of: usize, what: &str) -> String {
     match n {
         _ if n == of => "holds".to_owned(),
         0 => "does not hold".to_owned(),
@@ -149,7 +149,7 @@ pub(super) fn holds(n: usize, of: usize, what: &str) -> String {
 }
 
 /// A number with separated thousands.
-pub(super) fn grouped(n: usize) -> String {
+pub(crate) fn grouped(n: usize) -> String {
     let digits = n.to_string();
     let mut text = String::new();
     for (i, digit) in digits.chars().enumerate() {

@@ -1,9 +1,9 @@
 //! H3 elsewhere than in the paper: with bodies, on an omnidirectional base, and with the other choices that
 //! the paper leaves open.
 
-use super::part::{Block, Finding, Part, Plan, ReportError, Section};
-use super::preparation::{Compared, finding, table_3, table_3_ratios};
+use super::section::{Compared, finding, table_3, table_3_ratios};
 use crate::paper::h3::{self, PoseMethod, Study};
+use crate::paper::part::{Block, Finding, Part, Plan, ReportError, Section};
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
 use cocarry::control;
@@ -12,7 +12,7 @@ use cocarry::robot::{Robot, RobotTexts};
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 
 /// Table III on the physical plant.
-pub(super) const WITH_BODIES: Part = Part {
+pub(crate) const WITH_BODIES: Part = Part {
     id: "h3-bodies",
     name: "Table III with bodies",
     episodes: |plan| {
@@ -22,7 +22,7 @@ pub(super) const WITH_BODIES: Part = Part {
 };
 
 /// Table III on the built-in robot's omnidirectional sister.
-pub(super) const OMNIDIRECTIONAL: Part = Part {
+pub(crate) const OMNIDIRECTIONAL: Part = Part {
     id: "h3-omni",
     name: "Table III, omnidirectional",
     episodes: |plan| h3::units(&WITH_AND_WITHOUT, plan.robot.postures.len(), plan.episodes),
@@ -30,7 +30,7 @@ pub(super) const OMNIDIRECTIONAL: Part = Part {
 };
 
 /// Table III with other values of what the paper leaves open.
-pub(super) const CHOICES: Part = Part {
+pub(crate) const CHOICES: Part = Part {
     id: "h3-choices",
     name: "Table III, open choices",
     episodes: |plan| VARIANTS.len() * h3::units(&WITH_AND_WITHOUT[..2], 1, choice_episodes(plan)),
@@ -54,9 +54,9 @@ fn run_with_bodies(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError>
 fn run_omnidirectional(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     let mut texts = RobotTexts::default();
     texts.file = "omni-carrier.toml".to_owned();
-    texts.text = include_str!("../../../../assets/robots/omni-carrier.toml").to_owned();
+    texts.text = include_str!("../../../../../assets/robots/omni-carrier.toml").to_owned();
     texts.urdf_file = "omni-carrier.urdf".to_owned();
-    texts.urdf = include_str!("../../../../assets/robots/omni-carrier.urdf").to_owned();
+    texts.urdf = include_str!("../../../../../assets/robots/omni-carrier.urdf").to_owned();
     let robot = Robot::parse(&texts)?;
     let plant = Plant::new(PlantKind::Kinematic, RobotSetup::new(&robot));
     let text =

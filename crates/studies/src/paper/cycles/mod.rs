@@ -2,6 +2,8 @@
 //! options). This study runs random worlds and humans, each episode until the team arrives or takes ten times
 //! the steps of the longest option. The team is a point, or has bodies, which must not touch anything either.
 
+pub mod section;
+
 use super::placed::Placed;
 use super::{prepared, run};
 use crate::parallel::{OnDone, in_parallel};
@@ -134,11 +136,11 @@ impl Search<'_> {
             // draw again if the start or target is inside an obstacle, enclosed, or without room for the team
             let world =
                 WorldText { file: "random world".to_owned(), text: self.placed.world(draw_world(&mut rng)) };
-            let stage = match prepared(world, &settings, self.plant) {
+            let prepared = match prepared(world, &settings, self.plant) {
                 Err(error) if error.kind() == ErrorKind::World => continue,
-                stage => stage?,
+                prepared => prepared?,
             };
-            let stage = stage.prepare(Scenario { seed, human, ..stage.scenario().clone() })?;
+            let prepared = prepared.prepare(Scenario { seed, human, ..prepared.scenario().clone() })?;
             let mut taken_up: Option<(usize, u64, Mode)> = None;
             let mut dropped_soon = false;
             let on_tick = |tick: &Tick| match taken_up {
@@ -151,19 +153,19 @@ impl Search<'_> {
                     taken_up = Some((tick.executed, tick.step, tick.mode));
                 }
             };
-            let summary = match run(&stage, on_tick) {
+            let summary = match run(&prepared, on_tick) {
                 Err(error) if error.kind() == ErrorKind::World => continue,
                 summary => summary?,
             };
-            let options = stage.options();
+            let options = prepared.options();
             let shortest =
                 options.remaining(&options.begin(), 0).length / (settings.speed * settings.planning_step);
             let contact = summary.collision.as_ref();
             return Ok(Trial {
-                scenario: stage.scenario().clone(),
+                scenario: prepared.scenario().clone(),
                 options: options.options().len(),
                 detour: summary.steps as f64 / shortest.max(1.0),
-                from_target: contact.map(|c| (c.point.xy() - stage.world().target).norm()),
+                from_target: contact.map(|c| (c.point.xy() - prepared.world().target).norm()),
                 dropped_soon,
                 summary,
             });

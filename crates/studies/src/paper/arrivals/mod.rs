@@ -1,6 +1,8 @@
 //! How a team with bodies carries: arrivals, errors of the grasp, grips and forces, in all built-in worlds.
 //! Not in the paper.
 
+pub mod section;
+
 use super::{COLUMNS, prepared, run};
 use crate::parallel::{OnDone, in_parallel};
 use crate::statistics::mean_and_std;

@@ -1,11 +1,11 @@
 //! The risk weight c_r (Sec. V-A): fitted to Table I's human column, as in the paper, and validated in
 //! Environment 4.
 
-use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
 use crate::fit::{
     Answers, CELL_ERROR, Estimate, RiskWeightFit, RiskWeightSettings, Situation, fit_risk_weight,
 };
 use crate::paper::ENVIRONMENTS;
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
 use cocarry::options::OptionSet;
@@ -13,7 +13,7 @@ use cocarry::preference::RISK_WEIGHT;
 use cocarry_output::drawing::{self, AnswerPanel, AnswerRow, DrawingError, RiskWeightMark};
 
 /// The fit of c_r.
-pub(super) const PART: Part = Part { id: "risk-weight", name: "fit of c_r", episodes: |_| 0, run };
+pub(crate) const PART: Part = Part { id: "risk-weight", name: "fit of c_r", episodes: |_| 0, run };
 
 /// Answers and fits, and the error over c_r.
 ///

@@ -1,6 +1,9 @@
 //! H2, Table II: accumulated objective cost with and without the mode transition, and the Environment 4
 //! example. The team is a point, as in the paper, or has bodies.
 
+pub mod bodies;
+pub mod section;
+
 use super::{COLUMNS, ENVIRONMENTS, EXAMPLE, EXAMPLE_ENVIRONMENT, EXAMPLE_HUMAN, Environment};
 use super::{Route, prepared, route, run};
 use crate::parallel::{OnDone, in_parallel};
@@ -59,10 +62,10 @@ pub fn table(settings: &Settings, seed: u64, on_done: OnDone) -> Result<Vec<Cost
     let sample = humans_at_random(settings.predictor.belief(), seed, SAMPLES);
     let mut rows = Vec::new();
     for environment in &ENVIRONMENTS {
-        let stage = prepared(environment.world()?, settings, &Plant::Point)?;
+        let prepared = prepared(environment.world()?, settings, &Plant::Point)?;
         let mut without = Vec::new();
         for (column, eta) in COLUMNS.into_iter().enumerate() {
-            let (mut row, costs) = cell(environment, column, &stage, [&grid, &sample], on_done)?;
+            let (mut row, costs) = cell(environment, column, &prepared, [&grid, &sample], on_done)?;
             match eta {
                 None => without = costs,
                 Some(_) => row.sample_against_without = Paired::of_lists(&costs, &without, true),
@@ -78,13 +81,13 @@ pub fn table(settings: &Settings, seed: u64, on_done: OnDone) -> Result<Vec<Cost
 fn cell(
     environment: &Environment,
     column: usize,
-    stage: &PreparedScenario,
+    prepared: &PreparedScenario,
     [grid, sample]: [&[Perception]; 2],
     on_done: OnDone,
 ) -> Result<(CostRow, Vec<f64>), Error> {
     let eta = COLUMNS[column];
-    let stage = with_eta(stage, eta, EXAMPLE_HUMAN)?;
-    let (led, transition_step) = led_by_robot(&stage)?;
+    let prepared = with_eta(prepared, eta, EXAMPLE_HUMAN)?;
+    let (led, transition_step) = led_by_robot(&prepared)?;
     let costs = |humans: &[Perception]| {
         let ends = in_parallel(humans.len(), on_done, |i| finish(led.clone().with_preference(humans[i])));
         let costs: Vec<f64> = ends.iter().map(|s| s.accumulated_cost).collect();
@@ -118,12 +121,12 @@ pub fn expected_costs(
     settings: &Settings,
     n: usize,
 ) -> Result<[f64; COLUMNS.len()], Error> {
-    let stage = prepared(world, settings, &Plant::Point)?;
+    let prepared = prepared(world, settings, &Plant::Point)?;
     let humans = humans_on_grid(settings.predictor.belief(), n);
     let mut means = [f64::NAN; COLUMNS.len()];
     for (mean, eta) in means.iter_mut().zip(COLUMNS) {
-        let stage = with_eta(&stage, eta, EXAMPLE_HUMAN)?;
-        let (led, _) = led_by_robot(&stage)?;
+        let prepared = with_eta(&prepared, eta, EXAMPLE_HUMAN)?;
+        let (led, _) = led_by_robot(&prepared)?;
         let ends = in_parallel(humans.len(), &|| (), |i| finish(led.clone().with_preference(humans[i])));
         let costs = ends.iter().map(|s| match s.outcome {
             Outcome::Arrived => s.accumulated_cost,
@@ -141,11 +144,11 @@ fn method(eta: Option<f64>) -> Method {
 
 /// The episode of a human in a column of Table II.
 fn with_eta(
-    stage: &PreparedScenario,
+    prepared: &PreparedScenario,
     eta: Option<f64>,
     human: Perception,
 ) -> Result<PreparedScenario, Error> {
-    let base = stage.scenario();
+    let base = prepared.scenario();
     let coordination = coordination::Settings {
         eta: eta.unwrap_or(base.settings.coordination.eta),
         ..base.settings.coordination
@@ -156,14 +159,14 @@ fn with_eta(
         predict_while_human_leads: false,
         ..base.settings.clone()
     };
-    stage.prepare(Scenario { human, settings, ..base.clone() })
+    prepared.prepare(Scenario { human, settings, ..base.clone() })
 }
 
 /// The part of an episode that is the same for all humans, since a leading robot does not know this human:
 /// the episode just before the step at which the human takes over, and that step.
-fn led_by_robot(stage: &PreparedScenario) -> Result<(Episode<'_>, Option<u64>), Error> {
-    let mut episode = stage.episode()?;
-    if stage.scenario().settings.method == Method::WITHOUT_MODEL {
+fn led_by_robot(prepared: &PreparedScenario) -> Result<(Episode<'_>, Option<u64>), Error> {
+    let mut episode = prepared.episode()?;
+    if prepared.scenario().settings.method == Method::WITHOUT_MODEL {
         return Ok((episode, None));
     }
     loop {
@@ -224,7 +227,7 @@ pub struct ExampleRun {
 /// # Errors
 /// If the built-in world is not valid.
 pub fn example(environment: &Environment, settings: &Settings) -> Result<(World, Vec<ExampleRun>), Error> {
-    let stage = prepared(environment.world()?, settings, &Plant::Point)?;
+    let prepared = prepared(environment.world()?, settings, &Plant::Point)?;
     let is_papers = environment.number == EXAMPLE_ENVIRONMENT.number;
     let runs = EXAMPLE
         .iter()
@@ -232,12 +235,12 @@ pub fn example(environment: &Environment, settings: &Settings) -> Result<(World,
         .chain([(None, None)])
         .map(|(eta, paper)| {
             let mut ticks = Vec::new();
-            let summary = run(&with_eta(&stage, eta, EXAMPLE_HUMAN)?, |t| ticks.push(t.clone()))?;
-            let ended_on = stage.options().options()[summary.last_option].name.clone();
+            let summary = run(&with_eta(&prepared, eta, EXAMPLE_HUMAN)?, |t| ticks.push(t.clone()))?;
+            let ended_on = prepared.options().options()[summary.last_option].name.clone();
             Ok(ExampleRun { eta, paper, summary, ended_on, ticks })
         })
         .collect::<Result<_, Error>>()?;
-    Ok((stage.world().clone(), runs))
+    Ok((prepared.world().clone(), runs))
 }
 
 /// Table II for a team with bodies: the same humans on the planning level, where the team is a point, and on
@@ -313,13 +316,13 @@ impl WithBodies<'_> {
         let humans = humans_at_random(self.settings.predictor.belief(), self.seed, self.humans);
         let mut rows = Vec::new();
         for environment in &ENVIRONMENTS {
-            let stage = prepared(environment.world()?, self.settings, self.plant)?;
+            let prepared = prepared(environment.world()?, self.settings, self.plant)?;
             let mut without = Vec::new();
             for eta in COLUMNS {
                 let ends = in_parallel(humans.len(), on_done, |i| {
-                    let point = with_eta(&stage, eta, humans[i])?;
+                    let point = with_eta(&prepared, eta, humans[i])?;
                     let seed = self.seed.wrapping_add(i as u64);
-                    let physical = stage.prepare(Scenario { seed, ..point.scenario().clone() })?;
+                    let physical = prepared.prepare(Scenario { seed, ..point.scenario().clone() })?;
                     let point =
                         point.prepare(Scenario { plant: Plant::Point, ..point.scenario().clone() })?;
                     Ok((run(&point, |_| {})?, run(&physical, |_| {})?))

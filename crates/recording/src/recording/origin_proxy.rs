@@ -1,7 +1,7 @@
-//! The gate in front of the live server, which refuses web pages from origins that are not allowed.
+//! The proxy in front of the live server, which refuses web pages from origins that are not allowed.
 //!
 //! Foxglove's server does not look at the origin of a connection (RFC 6454). It listens at an address of the
-//! loopback network known to nobody else, and the gate passes on the connections that it accepts.
+//! loopback network known to nobody else, and the proxy passes on the connections that it accepts.
 
 use std::collections::hash_map::RandomState;
 use std::hash::{BuildHasher, Hasher};
@@ -16,66 +16,66 @@ const MAX_HEAD_BYTES: usize = 16 << 10;
 const HEAD_PATIENCE: Duration = Duration::from_secs(5);
 /// The largest number of connections at a time.
 const MAX_CONNECTIONS: usize = 64;
-/// Viewers that are always allowed, beside pages from this computer: Foxglove in a browser, and desktop
+/// Viewers that are always allowed, besides pages from this computer: Foxglove in a browser, and desktop
 /// programs.
 const VIEWERS: [&str; 2] = ["https://app.foxglove.dev", "file://"];
 
-/// The open gate; it closes, with all connections, when this is dropped.
-pub(super) struct Gate {
+/// The open proxy; it closes, with all connections, when this is dropped.
+pub(super) struct OriginProxy {
     address: SocketAddr,
-    doors: Arc<Doors>,
+    state: Arc<ProxyState>,
 }
 
-struct Doors {
+struct ProxyState {
     server: SocketAddr,
-    /// Allowed origins, beside those that always are; `*` allows all.
+    /// Allowed origins, besides those that always are; `*` allows all.
     origins: Vec<String>,
     is_open: AtomicBool,
     connections: AtomicUsize,
     streams: Mutex<Vec<TcpStream>>,
 }
 
-impl Gate {
+impl OriginProxy {
     /// Passes the connections that `listener` accepts on to `server`.
     pub fn open(listener: TcpListener, server: SocketAddr, origins: &[String]) -> io::Result<Self> {
         let address = listener.local_addr()?;
-        let doors = Arc::new(Doors {
+        let state = Arc::new(ProxyState {
             server,
             origins: origins.to_vec(),
             is_open: AtomicBool::new(true),
             connections: AtomicUsize::new(0),
             streams: Mutex::new(Vec::new()),
         });
-        let of_thread = doors.clone();
+        let of_thread = state.clone();
         std::thread::spawn(move || {
             for viewer in listener.incoming() {
                 if !of_thread.is_open.load(Ordering::SeqCst) {
                     break;
                 }
                 let Ok(viewer) = viewer else { continue };
-                let doors = of_thread.clone();
+                let state = of_thread.clone();
                 std::thread::spawn(move || {
-                    if doors.connections.fetch_add(1, Ordering::SeqCst) < MAX_CONNECTIONS {
+                    if state.connections.fetch_add(1, Ordering::SeqCst) < MAX_CONNECTIONS {
                         // a connection that breaks concerns its viewer only
-                        let _ = doors.pass(viewer);
+                        let _ = state.pass(viewer);
                     }
-                    doors.connections.fetch_sub(1, Ordering::SeqCst);
+                    state.connections.fetch_sub(1, Ordering::SeqCst);
                 });
             }
         });
-        Ok(Self { address, doors })
+        Ok(Self { address, state })
     }
 
-    /// The address of the gate.
+    /// The address of the proxy.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 }
 
-impl Drop for Gate {
+impl Drop for OriginProxy {
     fn drop(&mut self) {
-        self.doors.is_open.store(false, Ordering::SeqCst);
-        for stream in self.doors.streams().drain(..) {
+        self.state.is_open.store(false, Ordering::SeqCst);
+        for stream in self.state.streams().drain(..) {
             let _ = stream.shutdown(Shutdown::Both);
         }
         // wakes the thread that waits for connections
@@ -87,7 +87,7 @@ impl Drop for Gate {
     }
 }
 
-impl Doors {
+impl ProxyState {
     fn streams(&self) -> std::sync::MutexGuard<'_, Vec<TcpStream>> {
         self.streams.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -174,7 +174,7 @@ fn read_head(viewer: &mut TcpStream) -> io::Result<Vec<u8>> {
     }
 }
 
-/// An address of the loopback network for the server behind the gate. Where the whole network belongs to this
+/// An address of the loopback network for the server behind the proxy. Where the whole network belongs to this
 /// computer, it cannot be guessed by a web page.
 pub(super) fn hidden_host() -> Ipv4Addr {
     let [a, b, c, ..] = RandomState::new().build_hasher().finish().to_be_bytes();

@@ -1,8 +1,8 @@
 //! H3: Table III, every method and start compared with its baseline, and the composition of the costs.
 
-use super::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant, rounded};
-use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::paper::h3::{self, PoseMethod, PoseRow, Study};
+use crate::paper::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant, rounded};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::paper::{ENVIRONMENTS, SETTINGS};
 use crate::parallel::OnDone;
 use crate::table::{Cell, Columns, Table};
@@ -10,7 +10,7 @@ use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry_output::drawing::{DrawingError, RatioPanel, RatioRow, cost_ratios};
 
 /// Table III.
-pub(super) const PART: Part = Part {
+pub(crate) const PART: Part = Part {
     id: "h3",
     name: "Table III",
     episodes: |plan| h3::units(&PoseMethod::ALL, plan.robot.postures.len(), plan.episodes),
@@ -74,7 +74,7 @@ fn saving(with: f64, without: f64) -> String {
     format!("{:.1} %", 100.0 * (1.0 - with / without))
 }
 
-/// The paper's table beside the project's.
+/// The paper's table next to the project's.
 pub fn table_3(shown: Compared) -> Table {
     let paper = |row: &PoseRow| row.paper_mean.unwrap_or(f64::NAN);
     let pairs = shown.pairs();
@@ -296,7 +296,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
 }
 
 /// The finding on `compared`, which has every start, the robot's first one first.
-pub(super) fn finding(compared: &[Compared]) -> Finding {
+pub(crate) fn finding(compared: &[Compared]) -> Finding {
     let pairs: Vec<[&PoseRow; 2]> = compared.iter().take(1).flat_map(|c| c.pairs()).collect();
     let cheaper = |pairs: &[[&PoseRow; 2]]| pairs.iter().filter(|[_, with]| with.ratio < 1.0).count();
     let sum = |of: fn(&PoseRow) -> usize| pairs.iter().map(|[_, with]| of(with)).sum::<usize>();

@@ -1,5 +1,8 @@
-//! H1, Table I: the model's choice distribution beside the participants' answers and the paper's model
+//! H1, Table I: the model's choice distribution next to the participants' answers and the paper's model
 //! output.
+
+pub mod section;
+pub mod weight;
 
 use super::ENVIRONMENTS;
 use cocarry::Error;

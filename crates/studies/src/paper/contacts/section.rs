@@ -1,14 +1,14 @@
 //! Contacts with the sides of an opening, by the paper's risk S.
 
-use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
 use crate::paper::contacts::{ANGLES, ContactRow, RISKS, Study};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
 use crate::parallel::OnDone;
 use crate::table::{Cell, Columns, Table};
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry_output::drawing::{Curve, CurvePanel, curves};
 
 /// The study of contacts.
-pub(super) const PART: Part =
+pub(crate) const PART: Part =
     Part { id: "contacts", name: "contacts", episodes: |plan| RISKS.len() * ANGLES.len() * plan.walks, run };
 
 fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {

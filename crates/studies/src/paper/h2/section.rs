@@ -1,8 +1,8 @@
 //! H2: Table II, the Environment 4 example, and the same human in the other environments.
 
-use super::pairs::{SIGNIFICANCE_LEVEL, compared, difference, explained, is_significant, rounded};
-use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
 use crate::paper::h2::{self, CostRow, ExampleRun};
+use crate::paper::pairs::{SIGNIFICANCE_LEVEL, compared, difference, explained, is_significant, rounded};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
 use crate::paper::{ENVIRONMENTS, EXAMPLE_HUMAN, Environment};
 use crate::parallel::OnDone;
 use crate::statistics::{Estimate, Paired};
@@ -14,7 +14,7 @@ use cocarry_output::drawing::{
 };
 
 /// Table II.
-pub(super) const PART: Part = Part { id: "h2", name: "Table II", episodes: |_| h2::EPISODES, run };
+pub(crate) const PART: Part = Part { id: "h2", name: "Table II", episodes: |_| h2::EPISODES, run };
 
 /// Table II: accumulated objective costs.
 pub fn table_2(rows: &[CostRow]) -> Table {
@@ -53,7 +53,7 @@ pub fn table_2(rows: &[CostRow]) -> Table {
 }
 
 /// The name of a method in the rows of Table II and of others.
-pub(super) fn method(eta: Option<f64>) -> String {
+pub(crate) fn method(eta: Option<f64>) -> String {
     eta.map_or("without model".to_owned(), |eta| format!("mutual, eta {eta}"))
 }
 
@@ -160,7 +160,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
 }
 
 /// The title of the axis of differences.
-pub(super) const DIFFERENCE_AXIS: &str = "cost minus cost without the model (m)";
+pub(crate) const DIFFERENCE_AXIS: &str = "cost minus cost without the model (m)";
 
 /// The differences of Table II, one panel for each environment.
 fn panels(rows: &[CostRow]) -> Vec<DifferencePanel> {

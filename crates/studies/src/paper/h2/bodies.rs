@@ -1,10 +1,10 @@
 //! H2 with bodies: Table II's humans on the physical plant, compared with the point team.
 
-use super::adaptation::{DIFFERENCE_AXIS, method};
-use super::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant};
-use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
+use super::section::{DIFFERENCE_AXIS, method};
 use crate::paper::ENVIRONMENTS;
 use crate::paper::h2::{self, BodiesRow, WithBodies};
+use crate::paper::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
 use crate::parallel::OnDone;
 use crate::statistics::Estimate;
 use crate::table::{Cell, Columns, Table};
@@ -12,7 +12,7 @@ use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry_output::drawing::{DifferencePanel, DifferenceRow, differences};
 
 /// Table II with bodies.
-pub(super) const PART: Part =
+pub(crate) const PART: Part =
     Part { id: "h2-bodies", name: "Table II with bodies", episodes: |plan| 2 * h2::units(plan.humans), run };
 
 /// Table II's episodes with bodies, compared with those without.

@@ -7,6 +7,7 @@
 mod control;
 mod people;
 mod rows;
+pub mod section;
 
 pub use control::{ControlRow, MAX_HUMANS, ROBOTS_WITH_ARM};
 pub use people::{HumanKind, RATIONALITY};
@@ -145,7 +146,7 @@ pub struct Findings {
 }
 
 /// Worlds of one group.
-struct Group {
+struct WorldGroup {
     name: String,
     worlds: Vec<PreparedScenario>,
 }
@@ -214,7 +215,7 @@ impl Study<'_> {
     fn person_rows(
         &self,
         (method, pose): (Method, Option<PoseMethod>),
-        group: &Group,
+        group: &WorldGroup,
         person: Person,
         (number, human): (usize, usize),
         tasks: &Tasks,
@@ -225,15 +226,15 @@ impl Study<'_> {
     }
 
     /// The built-in worlds, each by itself.
-    fn built_in(&self, method: Method, plant: &Plant) -> Result<Vec<Group>, Error> {
+    fn built_in(&self, method: Method, plant: &Plant) -> Result<Vec<WorldGroup>, Error> {
         let worlds = BUILT_IN_WORLDS.iter().map(|world| {
             let text = (world.name.to_owned(), world.text.to_owned());
-            Ok(Group { name: world.name.to_owned(), worlds: vec![self.stage(text, method, plant)?] })
+            Ok(WorldGroup { name: world.name.to_owned(), worlds: vec![self.prepared(text, method, plant)?] })
         });
         worlds.collect()
     }
 
-    fn stage(
+    fn prepared(
         &self,
         (file, text): (String, String),
         method: Method,
@@ -246,24 +247,24 @@ impl Study<'_> {
     }
 
     /// The built-in worlds and random ones. These are the same for every method and plant.
-    fn groups(&self, method: Method, plant: &Plant) -> Result<Vec<Group>, Error> {
+    fn groups(&self, method: Method, plant: &Plant) -> Result<Vec<WorldGroup>, Error> {
         let mut groups = self.built_in(method, plant)?;
         let mut rng = self.stream(0);
         let mut worlds = Vec::new();
         while worlds.len() < self.worlds {
             let text = (RANDOM_WORLDS.to_owned(), super::cycles::random_world(&mut rng));
-            match self.stage(text.clone(), Method::MUTUAL, &Plant::Point) {
+            match self.prepared(text.clone(), Method::MUTUAL, &Plant::Point) {
                 // the start or target is inside an obstacle, or enclosed
                 Err(error) if error.kind() == ErrorKind::World => {}
                 world => {
                     if world?.options().options().len() > 1 {
-                        worlds.push(self.stage(text, method, plant)?);
+                        worlds.push(self.prepared(text, method, plant)?);
                     }
                 }
             }
         }
         if !worlds.is_empty() {
-            groups.push(Group { name: RANDOM_WORLDS.to_owned(), worlds });
+            groups.push(WorldGroup { name: RANDOM_WORLDS.to_owned(), worlds });
         }
         Ok(groups)
     }

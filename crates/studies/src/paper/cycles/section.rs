@@ -1,17 +1,17 @@
 //! "No locked cycles" (Sec. IV-B): the search for a counterexample.
 
-use super::part::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::paper::cycles::{Findings, SOON_STEPS, Search};
+use crate::paper::part::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds};
 use crate::paper::placed::Placed;
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 
 /// The search.
-pub(super) const PART: Part = Part { id: "cycles", name: "random worlds", episodes: |plan| plan.worlds, run };
+pub(crate) const PART: Part = Part { id: "cycles", name: "random worlds", episodes: |plan| plan.worlds, run };
 
 /// The same worlds' kind with bodies.
-pub(super) const WITH_BODIES: Part = Part {
+pub(crate) const WITH_BODIES: Part = Part {
     id: "cycles-bodies",
     name: "random worlds with bodies",
     episodes: |plan| plan.worlds_with_bodies,

@@ -1,6 +1,8 @@
 //! Contacts with the sides of an opening: how often a team with bodies touches them, by the paper's risk
 //! S = d_r / w.
 
+pub mod section;
+
 use super::{prepared, run};
 use crate::parallel::{OnDone, in_parallel};
 use cocarry::Error;
@@ -107,10 +109,10 @@ impl Study<'_> {
         let world = World::parse("opening", &world(ROBOT_WIDTH / risk, angle.to_radians()))?;
         let settings = Settings { method: Method::WITHOUT_MODEL, ..self.settings.clone() };
         let human = settings.predictor.belief().sample(&mut ChaCha8Rng::seed_from_u64(self.seed));
-        let stage = prepared(world, &settings, self.plant)?;
+        let prepared = prepared(world, &settings, self.plant)?;
         let ends = in_parallel(self.walks, on_done, |i| {
             let seed = self.seed.wrapping_add(i as u64);
-            let walk = stage.prepare(Scenario { seed, human, ..stage.scenario().clone() })?;
+            let walk = prepared.prepare(Scenario { seed, human, ..prepared.scenario().clone() })?;
             let mut clearance = f64::INFINITY;
             let summary = run(&walk, |tick| {
                 let physics = tick.robot.and_then(|robot| robot.physics);

@@ -1,12 +1,12 @@
 //! H4: what it pays to learn who the robot carries with.
 
-use super::pairs::{difference, is_significant, rounded};
-use super::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
 use crate::paper::h3::PoseMethod;
 use crate::paper::h4::{
     ALL_WORLDS, ControlRow, Findings, HumanKind, LearningRow, PersonRow, ROBOTS_WITH_ARM, RobotKind, Study,
     TASKS, WORLDS,
 };
+use crate::paper::pairs::{difference, is_significant, rounded};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
 use crate::parallel::OnDone;
 use crate::statistics::Paired;
 use crate::table::{Cell, Columns, Table};
@@ -16,7 +16,7 @@ use cocarry_output::drawing::{MeanPanel, MeanRow, means};
 use serde_json::Value;
 
 /// H4.
-pub(super) const PART: Part =
+pub(crate) const PART: Part =
     Part { id: "h4", name: "people to learn", episodes: |plan| with_study(plan, |study| study.units()), run };
 
 fn with_study<T>(plan: &Plan, work: impl FnOnce(&Study) -> T) -> T {
