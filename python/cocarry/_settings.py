@@ -72,7 +72,7 @@ class Settings(TypedDict, total=False):
     eta: float
     """Tolerance eta of the human: the larger, the more slowly stubbornness grows (paper: 5, 10.5, 15). Default: 10.5."""
 
-    method: Literal['mutual', 'without-model', 'human-led', 'robot-led']
+    method: Literal['mutual', 'without-model', 'human-led', 'robot-led', 'follow-hand']
     """Method: who leads, and on which option. Default: mutual."""
 
     pose: Literal['none', 'arm', 'whole-body']

@@ -1,6 +1,7 @@
 //! The base of a team with bodies follows the path of its grasp; the arm does the rest.
 
-use crate::control::{BaseInputs, Follower, Manipulator};
+use super::hitch::Hitch;
+use crate::control::{BaseInputs, Follower, HORIZON, Manipulator};
 use crate::geometry::{PlanarPose, Point, angle_of, left_of};
 use crate::plant::Seen;
 use crate::robot::Configuration;
@@ -22,6 +23,8 @@ pub struct Guide {
     lateral_offset: f64,
     /// Acceleration of the rims that the base plans with, m/s^2.
     rim_acceleration: f64,
+    /// How the base follows a grasp whose reference is not on a path.
+    hitch: Hitch,
     /// Buffer: the past path of the grasp.
     way: Vec<Point>,
 }
@@ -34,13 +37,31 @@ impl Guide {
         let configuration = Configuration { base: at_origin, joints: posture };
         let held = robot.grasp_pose(&configuration).translation.vector.xy();
         let is_free = robot.drive.is_omnidirectional();
+        let (distance, bearing) = if is_free { (held.norm(), angle_of(held)) } else { (held.x, 0.0) };
+        let lateral_offset = if is_free || held.y.abs() < MIN_LATERAL_OFFSET_M { 0.0 } else { held.y };
+        let rim_acceleration = RIM_SHARE * rim_acceleration;
         Self {
-            distance: if is_free { held.norm() } else { held.x },
-            bearing: if is_free { angle_of(held) } else { 0.0 },
-            lateral_offset: if is_free || held.y.abs() < MIN_LATERAL_OFFSET_M { 0.0 } else { held.y },
-            rim_acceleration: RIM_SHARE * rim_acceleration,
+            distance,
+            bearing,
+            lateral_offset,
+            rim_acceleration,
+            hitch: Hitch::new([distance, lateral_offset, bearing], rim_acceleration),
             way: Vec::with_capacity(64),
         }
+    }
+
+    /// Inputs with which the base follows a grasp that goes from `grasp` through `poses`, one per `period` (s),
+    /// wherever the team's path is.
+    pub fn following(
+        &self,
+        seen: &Seen<'_>,
+        (grasp, poses): (&PlanarPose, &[PlanarPose; HORIZON]),
+        manipulator: &Manipulator<'_>,
+        period: f64,
+    ) -> Option<BaseInputs> {
+        let bodies = seen.bodies?;
+        let base = &bodies.configuration.base;
+        Some(self.hitch.inputs(manipulator, base, bodies.base_rates, (grasp, poses), period))
     }
 
     /// Inputs with which the base follows the path of the grasp, where the human is seen to walk at `speed`

@@ -5,6 +5,7 @@
 //! [`EpisodeBuilder::with_controller`](crate::episode::EpisodeBuilder::with_controller).
 
 mod guide;
+mod hitch;
 mod predictive;
 mod references;
 

@@ -6,7 +6,8 @@ use crate::control::{
     Plan, PoseChoice, PoseOptimiser, PoseProblem, SolveOutcome, TURN_PRICE, rolled, seen_from_base,
     turn_toward_grasp,
 };
-use crate::geometry::{Footprint, Pose, angle_of, wrap_angle};
+use crate::coordination::Mode;
+use crate::geometry::{Footprint, PlanarPose, Pose, angle_of, wrap_angle};
 use crate::plant::{Command, Preparation, Seen};
 use crate::policy::Motion;
 use crate::preference::ChoiceDistribution;
@@ -199,17 +200,25 @@ impl Controller for Predictive<'_> {
         let speed = way.walk.observed_speed(seen, &self.references.intent, way.travel);
         let (manipulator, period) = (&self.manipulator, self.period);
         let guide = self.guide.as_mut();
-        let base = guide.and_then(|guide| guide.inputs(seen, way.walk, &ahead, speed, manipulator, period));
+        let base = guide.and_then(|guide| match &self.references.given {
+            // a policy's reference need not be on the path
+            Some(poses) => {
+                guide.following(seen, (&PlanarPose::from_above(&at.grasp), poses), manipulator, period)
+            }
+            None => guide.inputs(seen, way.walk, &ahead, speed, manipulator, period),
+        });
         if let Some(base) = &base {
             for reference in &mut self.references.references {
                 *reference = seen_from_base(reference, &at.grasp, &q.base, &robot.drive, base, period);
             }
         }
         let tracked = self.references.tracked;
-        let choice =
-            (tracked.is_some() || control.prepare_while_leading).then(|| self.prepare(q, &at, base.as_ref()));
+        // a robot that follows a reference of its policy prepares for that
+        let follows_given = base.is_some() && self.references.given.is_some() && way.mode == Mode::HumanLed;
+        let follows = tracked.is_some() || follows_given;
+        let choice = (follows || control.prepare_while_leading).then(|| self.prepare(q, &at, base.as_ref()));
         let from = choice.map_or_else(|| Candidate::at_rest(q, &at), |choice| choice.candidate);
-        let Tracked { plan, input_matrix } = self.track(&from, base.as_ref(), tracked.is_some(), &at.grasp);
+        let Tracked { plan, input_matrix } = self.track(&from, base.as_ref(), follows, &at.grasp);
         self.target = from.configuration;
         Command {
             target: from.configuration,

@@ -25,6 +25,8 @@ pub struct References {
     seen_on: usize,
     /// Pose of the grasp at the beginning of the planning step.
     begun_at: PlanarPose,
+    /// The poses of a policy's reference, one per control period; none where the reference is the leader's.
+    pub(super) given: Option<[PlanarPose; HORIZON]>,
     widened: Widened,
 }
 
@@ -43,6 +45,7 @@ impl References {
             tracked: None,
             seen_on: 0,
             begun_at: PlanarPose { position: Point::origin(), yaw: 0.0 },
+            given: None,
             widened: Widened::default(),
         }
     }
@@ -68,7 +71,7 @@ impl References {
             Mode::HumanLed => walk.lead(seen, path, along),
         };
         let ahead = PathAhead { mode, travel, path, along, lead, turn: None };
-        self.tracked = None;
+        (self.tracked, self.given) = (None, None);
         if way.period[0] == 0 {
             self.begun_at = PlanarPose::from_above(grasp);
         }
@@ -76,8 +79,9 @@ impl References {
             (Motion::Reference(poses), _) => {
                 let [begun, count] = way.period.map(f64::from);
                 let pose = |period| pose_between(&self.begun_at, poses, (begun + period) / count);
-                let poses = (1..=HORIZON).map(|period| pose(period as f64));
-                self.only(reference(poses, grasp, height));
+                let poses = std::array::from_fn(|period| pose((period + 1) as f64));
+                self.given = Some(poses);
+                self.only(reference(poses.into_iter(), grasp, height));
             }
             (_, Mode::HumanLed) => self.anticipate(seen, way, &ahead, belief, grasp, manipulator),
             // the robot knows its own path

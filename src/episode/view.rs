@@ -32,20 +32,23 @@ impl Episode<'_> {
     /// The view of the robot's policy in a step that has begun; `None` between steps.
     pub fn robot_view(&self) -> Option<RobotView<'_>> {
         let begun = self.begun.as_ref()?;
-        Some(view(self.now(), begun, self.options, &self.progress, self.plant.observe()))
+        let step = self.settings.planning_step;
+        Some(view(self.now(), step, begun, self.options, &self.progress, self.plant.observe()))
     }
 
     /// The decision of the episode's policy in a step that has begun; between steps, to follow.
     pub fn ask_policy(&mut self) -> Decision {
         let now = self.now();
         let Some(begun) = &self.begun else { return Decision::follow() };
-        self.policy.decide(&view(now, begun, self.options, &self.progress, self.plant.observe()))
+        let step = self.settings.planning_step;
+        self.policy.decide(&view(now, step, begun, self.options, &self.progress, self.plant.observe()))
     }
 }
 
 /// What the robot sees in a step.
 pub(super) fn view<'v>(
     now: Now,
+    planning_step: f64,
     begun: &'v Begun,
     options: &'v OptionSet,
     progress: &'v Progress,
@@ -56,6 +59,7 @@ pub(super) fn view<'v>(
     RobotView {
         step,
         time,
+        planning_step,
         position: progress.position,
         options,
         progress,

@@ -1,12 +1,12 @@
 //! The methods that scenarios, studies and the command line know by name.
 
-use super::{MethodEntry, RobotPolicy, human_led, mutual, robot_led, without_model};
+use super::{MethodEntry, RobotPolicy, follow_hand, human_led, mutual, robot_led, without_model};
 use crate::suggestion;
 use std::str::FromStr;
 
 /// All methods. A new method needs its own file and a line here.
-pub const METHODS: [&MethodEntry; 4] =
-    [&mutual::METHOD, &without_model::METHOD, &human_led::METHOD, &robot_led::METHOD];
+pub const METHODS: [&MethodEntry; 5] =
+    [&mutual::METHOD, &without_model::METHOD, &human_led::METHOD, &robot_led::METHOD, &follow_hand::METHOD];
 
 /// A method of deciding who leads: one of [`METHODS`].
 #[derive(Clone, Copy)]
@@ -31,6 +31,8 @@ impl Method {
     pub const WITHOUT_MODEL: Self = Self(&without_model::METHOD);
     /// The setting of Table III.
     pub const HUMAN_LED: Self = Self(&human_led::METHOD);
+    /// A robot that follows the human's hand.
+    pub const FOLLOW_HAND: Self = Self(&follow_hand::METHOD);
     /// The baseline of hypothesis H2 as worded.
     pub const ROBOT_LED: Self = Self(&robot_led::METHOD);
 

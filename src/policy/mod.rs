@@ -5,6 +5,7 @@
 //! which serves the command line, studies, scenarios and recordings.
 
 mod entry;
+mod follow_hand;
 mod human_led;
 mod method;
 mod mutual;
@@ -65,6 +66,8 @@ pub struct RobotView<'a> {
     pub step: u64,
     /// Simulated time, s.
     pub time: f64,
+    /// Planning step, s.
+    pub planning_step: f64,
     /// The team's position, m, world frame.
     pub position: Point,
     /// The options of the world.

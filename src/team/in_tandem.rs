@@ -239,8 +239,11 @@ impl Walk for InTandem<'_> {
         // where the hand will be
         let hand = seen.hand() + (led.position - before);
         let facing = angle_of(team_path.body_on(step.path, *path_position, hand) - hand);
+        // a hand that is steered need not be on the path: it turns with the object, and the body walks ahead of it
+        let yaw = object(seen).yaw;
+        let facing = if step.hand.is_some() { yaw } else { facing };
         let hand = match (step.hand, step.stance, step.mode) {
-            (Some(position), _, _) => Some(PlanarPose { position, ..led }),
+            (Some(position), _, _) => Some(PlanarPose { position, yaw }),
             (None, _, Mode::HumanLed) => Some(led),
             (None, Stance::Resist, Mode::RobotLed) => seen.bodies.map(|bodies| bodies.hand_planar),
             (None, Stance::Follow | Stance::TakeOver, Mode::RobotLed) => None,

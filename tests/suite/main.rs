@@ -15,6 +15,7 @@ mod detection;
 mod determinism;
 mod drives;
 mod fitting;
+mod follow_hand;
 mod footprints;
 mod forged_snapshots;
 mod infer;

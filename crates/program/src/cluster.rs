@@ -172,7 +172,7 @@ fn refuse_queued(out: &Path) -> Result<(), Failure> {
         return Ok(());
     }
     let ids: Vec<_> = job.description().arrays.iter().map(|array| array.id.to_string()).collect();
-    Err(failure(ClusterError::InQueue { folder: job.folder().to_owned(), tasks, ids: ids.join(" ") }))
+    Err(failure(ClusterError::in_queue(job.folder().to_owned(), tasks, ids.join(" "))))
 }
 
 /// Submits shards, or prints the commands.

@@ -105,7 +105,7 @@ impl Job {
         let job = Self { folder: folder_of(&results), results, description };
         if job.folder.join(DESCRIPTION).exists() {
             if !overwrite {
-                return Err(ClusterError::Exists { folder: job.folder });
+                return Err(ClusterError::exists(job.folder));
             }
             job.remove()?;
         }
@@ -126,7 +126,7 @@ impl Job {
         let folder = folder_of(&results);
         let path = folder.join(DESCRIPTION);
         if !path.exists() {
-            return Err(ClusterError::NoJob { results, folder });
+            return Err(ClusterError::no_job(results, folder));
         }
         let file = path.display().to_string();
         let text = located::read_at_most(MAX_SETTINGS, &path)?;
@@ -134,7 +134,7 @@ impl Job {
         let this = env!("CARGO_PKG_VERSION");
         if description.version != this {
             let made = description.version;
-            return Err(ClusterError::OtherVersion { folder, made, this: this.to_owned() });
+            return Err(ClusterError::other_version(folder, made, this.to_owned()));
         }
         Ok(Self { results, folder, description })
     }
@@ -181,7 +181,7 @@ impl Job {
     /// The study, as it was when the job was made.
     ///
     /// # Errors
-    /// [`ClusterError::Changed`].
+    /// [`ClusterError`].
     pub fn study(&self) -> Result<Study, ClusterError> {
         let Description { study: file, seeds, digest, .. } = &self.description;
         let study = Study::load(file, *seeds)?;
@@ -189,7 +189,7 @@ impl Job {
             true => Ok(study),
             false => {
                 let (made, now) = (digest.clone(), study.digest().to_owned());
-                Err(ClusterError::Changed { study: file.clone(), made, now })
+                Err(ClusterError::changed(file.clone(), made, now))
             }
         }
     }
@@ -197,12 +197,12 @@ impl Job {
     /// A shard by its number.
     ///
     /// # Errors
-    /// [`ClusterError::NoShard`].
+    /// [`ClusterError`].
     pub fn shard(&self, number: u64) -> Result<Shard, ClusterError> {
         let of = self.description.shards;
         match (1..=of).contains(&number) {
             true => Ok(Shard { number, of }),
-            false => Err(ClusterError::NoShard { number, folder: self.folder.clone(), shards: of }),
+            false => Err(ClusterError::no_shard(number, self.folder.clone(), of)),
         }
     }
 
@@ -225,7 +225,7 @@ impl Job {
         let (found, made) = (arithmetic::stamp(), &self.description.arithmetic);
         if found != made {
             let (node, found, made) = (node.to_owned(), found.to_owned(), made.clone());
-            return Err(ClusterError::OtherArithmetic { node, found, made });
+            return Err(ClusterError::other_arithmetic(node, found, made));
         }
         let before = self.progress(number);
         if before.is_complete {

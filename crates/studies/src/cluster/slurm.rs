@@ -48,12 +48,12 @@ fn quoted(path: &Path) -> String {
 /// The check that no option is one that the job sets.
 ///
 /// # Errors
-/// [`ClusterError::OwnOption`].
+/// [`ClusterError`].
 pub fn check_options(options: &[String]) -> Result<(), ClusterError> {
     let is_own = |option: &&String| OWN.contains(&option.split('=').next().unwrap_or_default());
     options.iter().find(is_own).map_or(Ok(()), |option| {
         let option = option.split('=').next().unwrap_or_default().to_owned();
-        Err(ClusterError::OwnOption { option })
+        Err(ClusterError::set_by_cocarry(option))
     })
 }
 
@@ -98,9 +98,11 @@ pub fn submit(job: &mut Job, shards: &[u64]) -> Result<Vec<Array>, ClusterError>
         let said = ask("sbatch", &submission(job, &array)[1..])?;
         // the identifier, and the cluster's name after a semicolon
         let id = said.trim().split(';').next().and_then(|id| id.parse().ok());
-        let id = id.ok_or_else(|| ClusterError::Scheduler {
-            command: "sbatch --parsable".to_owned(),
-            said: format!("expected the number of a job, found `{}`", said.trim()),
+        let id = id.ok_or_else(|| {
+            ClusterError::scheduler(
+                "sbatch --parsable".to_owned(),
+                format!("expected the number of a job, found `{}`", said.trim()),
+            )
         })?;
         let array = Array { id, ..array };
         job.add(array.clone())?;
@@ -193,11 +195,11 @@ pub(super) fn last_array(job: &Job, shard: u64) -> Option<&Array> {
 /// Runs a command of the scheduler. Returns what it printed.
 fn ask(program: &'static str, arguments: &[impl AsRef<str>]) -> Result<String, ClusterError> {
     let output = Command::new(program).args(arguments.iter().map(AsRef::as_ref)).output();
-    let output = output.map_err(|source| ClusterError::NoScheduler { program, source })?;
+    let output = output.map_err(|source| ClusterError::no_scheduler(program, source))?;
     if !output.status.success() {
         let said = String::from_utf8_lossy(&output.stderr).trim().to_owned();
         let said = if said.is_empty() { output.status.to_string() } else { said };
-        return Err(ClusterError::Scheduler { command: program.to_owned(), said });
+        return Err(ClusterError::scheduler(program.to_owned(), said));
     }
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }

@@ -52,12 +52,12 @@ pub fn different(
             (_, None) => return Ok(found),
             (Some(_), _) => {}
             (None, Some(episode)) => {
-                return Err(SweepError::Row {
-                    position: rows.position(),
-                    file: rows.file,
-                    found: "the end of the file".to_owned(),
-                    expected: format!("episode {episode}"),
-                });
+                return Err(SweepError::row(
+                    rows.position(),
+                    rows.file,
+                    "the end of the file".to_owned(),
+                    format!("episode {episode}"),
+                ));
             }
         }
     }

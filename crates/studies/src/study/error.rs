@@ -1,253 +1,185 @@
 //! Errors of study files and of the files of a sweep, each with its file, place and value.
 
-use cocarry::error::Place;
+use cocarry::error::{Error, Place};
 use cocarry::suggestion::{Expected, hint};
 use cocarry_output::output_file::OutputError;
 use std::fmt;
 use std::path::PathBuf;
-use thiserror::Error;
+
+/// What the system or another part said.
+type Cause = Box<dyn std::error::Error + Send + Sync>;
 
 /// Why a sweep was refused, or stopped.
-#[derive(Debug, Error)]
+#[derive(Debug, thiserror::Error)]
 pub enum SweepError {
     /// A file cannot be read, or is not TOML.
     #[error(transparent)]
-    File(#[from] cocarry::Error),
+    File(#[from] Error),
+    /// A value of a study, or a file or a row of results, is refused.
+    #[error(transparent)]
+    Refused(Error),
     /// A file cannot be written, or may not be.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// A value is not allowed for its key.
-    #[error("{place} = {value}; it must be {expected}{}", expected.hint(value.trim_matches('"')))]
-    Value {
-        /// Where, and the key.
-        place: Place,
-        /// The value, as written.
-        value: String,
-        /// The values allowed.
-        expected: Expected,
-    },
-    /// A key is unknown.
-    #[error(
-        "{place}: unknown key{}; expected one of: {}",
-        hint(&place.item, known.iter().map(String::as_str)),
-        known.join(", ")
-    )]
-    Key {
-        /// Where, and the key.
-        place: Place,
-        /// The keys allowed.
-        known: Vec<String>,
-    },
-    /// A required key is missing.
-    #[error("{place}: {key} is missing; it must be {expected}")]
-    Missing {
-        /// Where.
-        place: Place,
-        /// The key.
-        key: &'static str,
-        /// The values allowed.
-        expected: String,
-    },
-    /// A value or a name is duplicate.
-    #[error("{place}: duplicate {value}")]
-    Twice {
-        /// The place of the second, with its key.
-        place: Place,
-        /// The value.
-        value: String,
-    },
-    /// A key applies to no plant of its run.
-    #[error("{place}: needs {what}, which no plant of this run has")]
-    Idle {
-        /// Where, and the key.
-        place: Place,
-        /// What the key needs.
-        what: &'static str,
-    },
-    /// Two runs have an episode in common.
-    #[error("{place}: seed {seed} of this combination is already covered by an earlier [[run]]: {inputs}")]
-    Repeated {
-        /// The place of the second run.
-        place: Place,
-        /// A seed of both runs.
-        seed: u64,
-        /// The combination.
-        inputs: String,
-    },
-    /// A study has too many combinations of these values.
-    #[error("{place}: more than {most} {what}; use more seeds and fewer values")]
-    TooMany {
-        /// The run.
-        place: Place,
-        /// The largest number allowed.
-        most: usize,
-        /// The combinations.
-        what: &'static str,
-    },
-    /// A world that the study names is not valid.
-    #[error("{place}")]
-    World {
-        /// Where it is named.
-        place: Place,
-        /// What is wrong with it.
-        source: Box<cocarry::Error>,
-    },
-    /// A robot that the study names is not valid.
-    #[error("{place}")]
-    Robot {
-        /// Where it is named.
-        place: Place,
-        /// What is wrong with it.
-        source: Box<cocarry::Error>,
-    },
-    /// A combination is not a valid scenario.
-    #[error("{file}: {inputs}")]
-    Scenario {
-        /// The study file.
-        file: String,
-        /// The combination.
-        inputs: String,
-        /// What is wrong with it.
-        source: Box<dyn std::error::Error + Send + Sync>,
-    },
-    /// The file has rows of another study.
-    #[error(
-        "{file}: {position} is of study {found}, this is study {expected}: a file, an option or the program has changed; --overwrite starts again"
-    )]
-    OtherStudy {
-        /// The file.
-        file: String,
-        /// The place of the row.
-        position: Position,
-        /// The digest found.
-        found: String,
-        /// The digest of the study.
-        expected: String,
-    },
-    /// Rows were calculated with another arithmetic.
-    #[error(
-        "{file}: calculated with arithmetic {found}, {other} has {expected}: the last bits of their results differ; run all rows on machines and a version with the same arithmetic (--overwrite starts again)"
-    )]
-    OtherArithmetic {
-        /// The file, or the line in it.
-        file: String,
-        /// Its stamp.
-        found: String,
-        /// The file or program that it is compared with.
-        other: String,
-        /// Its stamp.
-        expected: String,
-    },
-    /// The file is not from a sweep of this version.
-    #[error(
-        "{file}: not the results of a sweep of this version: column {column} is {found}; expected {expected}"
-    )]
-    Columns {
-        /// The file.
-        file: String,
-        /// The first column that differs, counted from 1.
-        column: usize,
-        /// Its name there.
-        found: String,
-        /// Its name here.
-        expected: String,
-    },
-    /// A row is not the expected one.
-    #[error("{file}: {position} is {found}; it must be {expected}")]
-    Row {
-        /// The file.
-        file: String,
-        /// Its place in the file.
-        position: Position,
-        /// The row found.
-        found: String,
-        /// The row expected.
-        expected: String,
-    },
-    /// A Parquet file cannot be read.
-    #[error("{file}: not a Parquet file that can be read")]
-    Parquet {
-        /// The file.
-        file: String,
-        /// What is wrong with it.
-        source: Box<dyn std::error::Error + Send + Sync>,
-    },
-    /// The program was built without Parquet.
-    #[error(
-        "{file}: this program was built without the feature `parquet`; build it with `cargo install --path crates/program --features parquet`, use the Python package, or write CSV"
-    )]
-    NoParquet {
-        /// The file or folder.
-        file: String,
-    },
-    /// The folder for ticks has something else in it, or ticks of another study.
-    #[error("{folder}: holds {found}; {advice}")]
-    Ticks {
-        /// The folder.
-        folder: String,
-        /// The file found in it.
-        found: String,
-        /// What to do.
-        advice: &'static str,
-    },
     /// The sweep was stopped.
     #[error("{} holds the rows so far; run the same command to resume", file.display())]
     Stopped {
         /// The partial file.
         file: PathBuf,
     },
-    /// Ticks and rows have one name.
-    #[error("{file}: duplicate output; choose different names for rows and ticks")]
-    SameName {
-        /// The name.
+}
+
+/// The sentences.
+impl SweepError {
+    fn at(place: Place, sentence: fmt::Arguments) -> Self {
+        Self::Refused(Error::at(place, sentence))
+    }
+
+    fn of_file(file: impl Into<String>, sentence: fmt::Arguments) -> Self {
+        Self::at(Place::file(file), sentence)
+    }
+
+    /// A value that is not allowed for the key at `place`.
+    pub(super) fn value(place: Place, value: String, expected: Expected) -> Self {
+        let hint = expected.hint(value.trim_matches('"'));
+        Self::Refused(Error::value(place, format_args!("{value}; it must be {expected}{hint}")))
+    }
+
+    /// A key that is not one of those known.
+    pub(super) fn unknown_key(place: Place, known: Vec<String>) -> Self {
+        let hint = hint(&place.item, known.iter().map(String::as_str));
+        Self::at(place, format_args!("unknown key{hint}; expected one of: {}", known.join(", ")))
+    }
+
+    /// A required key that is missing.
+    pub(super) fn missing(place: Place, key: &str, expected: impl fmt::Display) -> Self {
+        Self::at(place, format_args!("{key} is missing; it must be {expected}"))
+    }
+
+    /// A value or a name that is there already.
+    pub(super) fn duplicate(place: Place, value: String) -> Self {
+        Self::at(place, format_args!("duplicate {value}"))
+    }
+
+    /// A key that applies to no plant of its run.
+    pub(super) fn idle(place: Place, what: &str) -> Self {
+        Self::at(place, format_args!("needs {what}, which no plant of this run has"))
+    }
+
+    /// A run that has an episode of an earlier one.
+    pub(super) fn repeated(place: Place, seed: u64, inputs: String) -> Self {
+        let sentence = format_args!(
+            "seed {seed} of this combination is already covered by an earlier [[run]]: {inputs}"
+        );
+        Self::at(place, sentence)
+    }
+
+    /// A study with too many combinations.
+    pub(super) fn too_many(place: Place, most: usize, what: &str) -> Self {
+        Self::at(place, format_args!("more than {most} {what}; use more seeds and fewer values"))
+    }
+
+    /// A world or a robot, named at this place, that is not valid.
+    pub(super) fn named(place: Place, source: impl Into<Cause>) -> Self {
+        Self::Refused(Error::new(place.to_string()).because(source))
+    }
+
+    /// A combination that is not a valid scenario.
+    pub(super) fn scenario(file: String, inputs: String, source: impl Into<Cause>) -> Self {
+        Self::Refused(Error::new(format!("{file}: {inputs}")).because(source))
+    }
+
+    /// A row of another study.
+    pub(super) fn other_study(file: String, position: Position, found: String, expected: String) -> Self {
+        let sentence = format_args!(
+            "{position} is of study {found}, this is study {expected}: a file, an option or the program has changed; --overwrite starts again"
+        );
+        Self::of_file(file, sentence)
+    }
+
+    /// Rows that were calculated with another arithmetic than those of `other`.
+    pub(super) fn other_arithmetic(file: String, found: String, other: String, expected: String) -> Self {
+        let sentence = format_args!(
+            "calculated with arithmetic {found}, {other} has {expected}: the last bits of their results differ; run all rows on machines and a version with the same arithmetic (--overwrite starts again)"
+        );
+        Self::of_file(file, sentence)
+    }
+
+    /// A file with another column, counted from 1, than that of this version.
+    pub(super) fn columns(file: String, column: usize, found: String, expected: String) -> Self {
+        let sentence = format_args!(
+            "not the results of a sweep of this version: column {column} is {found}; expected {expected}"
+        );
+        Self::of_file(file, sentence)
+    }
+
+    /// A row that is not the expected one.
+    pub(super) fn row(position: Position, file: String, found: String, expected: String) -> Self {
+        Self::of_file(file, format_args!("{position} is {found}; it must be {expected}"))
+    }
+
+    /// A Parquet file that cannot be read.
+    #[cfg(feature = "parquet")]
+    pub(super) fn parquet(file: String, source: Cause) -> Self {
+        let error = Error::at(Place::file(file), "not a Parquet file that can be read");
+        Self::Refused(error.because(source))
+    }
+
+    /// A file or folder that needs Parquet, in a program without it.
+    #[cfg(not(feature = "parquet"))]
+    pub(super) fn no_parquet(file: String) -> Self {
+        let sentence = format_args!(
+            "this program was built without the feature `parquet`; build it with `cargo install --path crates/program --features parquet`, use the Python package, or write CSV"
+        );
+        Self::of_file(file, sentence)
+    }
+
+    /// A folder for ticks with something else in it.
+    #[cfg(feature = "parquet")]
+    pub(super) fn ticks(folder: String, found: String, advice: &str) -> Self {
+        Self::of_file(folder, format_args!("holds {found}; {advice}"))
+    }
+
+    /// Ticks and rows with one name.
+    pub(super) fn same_name(file: String) -> Self {
+        Self::of_file(file, format_args!("duplicate output; choose different names for rows and ticks"))
+    }
+
+    /// A file without rows to merge, to summarise or to draw.
+    pub(super) fn empty(file: String) -> Self {
+        Self::of_file(file, format_args!("has no episodes"))
+    }
+
+    /// A shard of another study than the `first` one.
+    pub(super) fn foreign(
         file: String,
-    },
-    /// There are no rows to merge or to summarise.
-    #[error("{file}: has no episodes")]
-    Empty {
-        /// The file, or the files.
-        file: String,
-    },
-    /// A shard belongs to another study than the first shard.
-    #[error(
-        "{file}: study {found} of {found_episodes} episodes; {first} is of study {expected} of {expected_episodes}"
-    )]
-    Foreign {
-        /// The file.
-        file: String,
-        /// Its digest.
         found: String,
-        /// Its study's episodes.
         found_episodes: u64,
-        /// The file that it is compared with.
         first: String,
-        /// That one's digest.
         expected: String,
-        /// That one's episodes.
         expected_episodes: u64,
-    },
-    /// Two shards have an episode in common.
-    #[error("{file}: duplicate episode {episode}, which {other} has too")]
-    Overlap {
-        /// The file.
-        file: String,
-        /// The episode.
-        episode: u64,
-        /// The other file.
-        other: String,
-    },
-    /// Some episodes are in no shard.
-    #[error("episodes {first} to {last} of {episodes} are in none of the files{hint}")]
-    Gap {
-        /// The first missing.
-        first: u64,
-        /// The last missing.
-        last: u64,
-        /// All of the study.
-        episodes: u64,
-        /// The missing shards, where they can be determined.
-        hint: String,
-    },
+    ) -> Self {
+        let sentence = format_args!(
+            "study {found} of {found_episodes} episodes; {first} is of study {expected} of {expected_episodes}"
+        );
+        Self::of_file(file, sentence)
+    }
+
+    /// An episode that another shard has, too.
+    pub(super) fn overlap(file: String, episode: u64, other: String) -> Self {
+        Self::of_file(file, format_args!("duplicate episode {episode}, which {other} has too"))
+    }
+
+    /// Episodes that are in no shard; `hint` names the missing shards.
+    pub(super) fn gap(first: u64, last: u64, episodes: u64, hint: String) -> Self {
+        let sentence = format!("episodes {first} to {last} of {episodes} are in none of the files{hint}");
+        Self::Refused(Error::new(sentence))
+    }
+
+    /// Whether the error is about writing, not about the input.
+    pub fn is_about_writing(&self) -> bool {
+        matches!(self, Self::Output(error) if !error.is_refusal())
+    }
 }
 
 /// The place of a row in a file of results.
@@ -265,12 +197,5 @@ impl fmt::Display for Position {
             Self::Line(number) => write!(f, "line {number}"),
             Self::Row(number) => write!(f, "row {number}"),
         }
-    }
-}
-
-impl SweepError {
-    /// Whether the error is about writing, not about the input.
-    pub fn is_about_writing(&self) -> bool {
-        matches!(self, Self::Output(error) if !error.is_refusal())
     }
 }

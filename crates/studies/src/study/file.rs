@@ -164,8 +164,8 @@ impl Contents {
             return Ok(known);
         }
         let path = folder.join(&name);
-        let mut world = cocarry_maps::find(&path, &name)
-            .map_err(|source| SweepError::World { place, source: Box::new(source) })?;
+        let mut world =
+            cocarry_maps::find(&path, &name).map_err(|source| SweepError::named(place, source))?;
         // named as in the study, independent of the current directory
         world.file.clone_from(&name);
         self.worlds.push((name, world.into()));
@@ -177,7 +177,7 @@ impl Contents {
             return Ok(known);
         }
         let robot = if name == BUILT_IN { Robot::built_in() } else { Robot::load(&folder.join(&name)) };
-        let mut robot = robot.map_err(|source| SweepError::Robot { place, source: Box::new(source) })?;
+        let mut robot = robot.map_err(|source| SweepError::named(place, source))?;
         let postures = robot.postures.iter().map(|p| p.name.clone()).collect();
         if name != BUILT_IN {
             let texts = &mut robot.texts;
@@ -200,11 +200,11 @@ impl Contents {
         place: Place,
     ) -> Result<(), SweepError> {
         if run.axes.worlds.is_empty() {
-            return Err(SweepError::Missing {
+            return Err(SweepError::missing(
                 place,
-                key: "worlds",
-                expected: "a world file, relative to the study, or of a built-in world, or a list".to_owned(),
-            });
+                "worlds",
+                "a world file, relative to the study, or of a built-in world, or a list".to_owned(),
+            ));
         }
         if let Some(count) = seeds {
             run.seeds.last = run.seeds.last.min(run.seeds.first.saturating_add(count - 1));
@@ -225,7 +225,7 @@ impl Contents {
             }
         }
         let (most, what) = (MAX_RUN, "combinations");
-        let too_many = SweepError::TooMany { place: place.clone(), most, what };
+        let too_many = SweepError::too_many(place.clone(), most, what);
         let before: usize = self.runs.iter().map(|(run, _)| run.cells.len()).sum();
         let fits = |cells: &Vec<Cell>| before + cells.len() <= MAX_RUN;
         let mut cells: Vec<Cell> = run.axes.cells().filter(fits).ok_or(too_many)?;
@@ -242,12 +242,11 @@ impl Contents {
         let one = run.axes.humans.iter().map(|&at| &self.humans[at]).find(|(_, humans)| humans.are_one());
         let asked = run.changes.iter().find(|(changes, _)| *changes != PreferenceChanges::NONE);
         if let (Some((name, _)), Some((changes, place))) = (one, asked) {
-            return Err(SweepError::Value {
-                place: place.clone(),
-                value: changes.to_string(),
-                expected: format!("0 for the humans `{name}`, whose alpha and gamma are fixed numbers")
-                    .into(),
-            });
+            return Err(SweepError::value(
+                place.clone(),
+                changes.to_string(),
+                format!("0 for the humans `{name}`, whose alpha and gamma are fixed numbers").into(),
+            ));
         }
         if !run.changes.is_empty() {
             run.axes.changes = run.changes.iter().map(|(changes, _)| *changes).collect();
@@ -265,7 +264,7 @@ impl Contents {
                 let expected = format!("a posture of {}: {}", robot.texts().file, quoted.join(", "));
                 let expected = Expected::from(expected).with_names(known.iter().map(String::as_str));
                 let (place, value) = (place.clone(), format!("{name:?}"));
-                return Err(SweepError::Value { place, value, expected });
+                return Err(SweepError::value(place, value, expected));
             }
         }
         Ok(())
@@ -305,7 +304,7 @@ fn has_use(source: Source, table: &DeTable, run: &Draft) -> Result<(), SweepErro
         let robots = (key.get_ref() == "robots").then_some(Applies::Robot);
         if let Some(applies) = setting.map(|setting| setting.applies).or(robots).filter(|a| is_idle(*a)) {
             let (place, what) = (source.place(key.span(), key.get_ref().as_ref()), applies.what());
-            return Err(SweepError::Idle { place, what });
+            return Err(SweepError::idle(place, what));
         }
     }
     Ok(())
@@ -339,10 +338,7 @@ fn pick<T>(
 
 fn add<T>(all: &mut Vec<(String, T)>, name: String, item: T, place: Place) -> Result<(), SweepError> {
     if all.iter().any(|(other, _)| *other == name) {
-        return Err(SweepError::Twice {
-            place: Place { item: "name".to_owned(), ..place },
-            value: format!("{name:?}"),
-        });
+        return Err(SweepError::duplicate(Place { item: "name".to_owned(), ..place }, format!("{name:?}")));
     }
     all.push((name, item));
     Ok(())
@@ -354,7 +350,7 @@ const DISTRIBUTION: &str =
 fn range(source: Source, table: &DeTable, key: &'static str, place: &Place) -> Result<Range, SweepError> {
     let expected = format!("{DISTRIBUTION}, or {PERCEPTION}");
     match get(table, key) {
-        None => Err(SweepError::Missing { place: place.clone(), key, expected }),
+        None => Err(SweepError::missing(place.clone(), key, expected)),
         Some(value) if value.get_ref().is_str() => marginal(source, table, key, place).map(Range::Drawn),
         Some(value) => number(value.get_ref())
             .filter(|v| PERCEPTION.contains(*v))
@@ -369,7 +365,7 @@ fn marginal(
     key: &'static str,
     place: &Place,
 ) -> Result<Marginal, SweepError> {
-    let missing = || SweepError::Missing { place: place.clone(), key, expected: DISTRIBUTION.to_owned() };
+    let missing = || SweepError::missing(place.clone(), key, DISTRIBUTION.to_owned());
     let value = get(table, key).ok_or_else(missing)?;
     let marginal = value.get_ref().as_str().and_then(|text| text.parse().ok());
     marginal.ok_or_else(|| source.wrong(key, value, DISTRIBUTION))

@@ -28,7 +28,7 @@ pub fn merge(path: &Path, shards: &[PathBuf], overwrite: bool) -> Result<u64, Sw
     let mut parts = parts(shards)?;
     let Some(study) = parts.first().map(|part| part.first.clone()) else {
         let files: Vec<_> = shards.iter().map(|path| path.display().to_string()).collect();
-        return Err(SweepError::Empty { file: files.join(", ") });
+        return Err(SweepError::empty(files.join(", ")));
     };
     parts.sort_by_key(|part| part.first.episode);
     // an unfinished sweep of that name must not be lost
@@ -58,22 +58,22 @@ fn check_study(file: &str, found: &Identity, first: &str, expected: &Identity) -
     if (&found.study, found.episodes) == (&expected.study, expected.episodes) {
         return match found.arithmetic == expected.arithmetic {
             true => Ok(()),
-            false => Err(SweepError::OtherArithmetic {
-                file: file.to_owned(),
-                found: found.arithmetic.clone(),
-                other: first.to_owned(),
-                expected: expected.arithmetic.clone(),
-            }),
+            false => Err(SweepError::other_arithmetic(
+                file.to_owned(),
+                found.arithmetic.clone(),
+                first.to_owned(),
+                expected.arithmetic.clone(),
+            )),
         };
     }
-    Err(SweepError::Foreign {
-        file: file.to_owned(),
-        found: found.study.clone(),
-        found_episodes: found.episodes,
-        first: first.to_owned(),
-        expected: expected.study.clone(),
-        expected_episodes: expected.episodes,
-    })
+    Err(SweepError::foreign(
+        file.to_owned(),
+        found.study.clone(),
+        found.episodes,
+        first.to_owned(),
+        expected.study.clone(),
+        expected.episodes,
+    ))
 }
 
 /// Writes the rows of all parts. The parts are in order.
@@ -86,19 +86,19 @@ fn write(out: &mut OutputFile, parts: Vec<Part>, study: &Identity) -> Result<(),
     for mut part in parts {
         let begin = part.first.episode;
         if let Some(other) = before.filter(|_| covered.last().is_some_and(|range| begin < range.end)) {
-            return Err(SweepError::Overlap { file: part.rows.file, episode: begin, other });
+            return Err(SweepError::overlap(part.rows.file, begin, other));
         }
         let mut next = begin;
         let mut row = Some(part.first);
         while let Some(identity) = row {
             check_study(&part.rows.file, &identity, "its first row", study)?;
             if identity.episode != next {
-                return Err(SweepError::Row {
-                    position: part.rows.position(),
-                    file: part.rows.file,
-                    found: format!("episode {}", identity.episode),
-                    expected: format!("episode {next}"),
-                });
+                return Err(SweepError::row(
+                    part.rows.position(),
+                    part.rows.file,
+                    format!("episode {}", identity.episode),
+                    format!("episode {next}"),
+                ));
             }
             check_values(&part.rows.line, &part.rows.file, part.rows.position())?;
             out.write_all(&part.rows.line).map_err(unwritable)?;
@@ -120,7 +120,7 @@ fn first_gap(covered: &[Range<u64>], episodes: u64) -> Result<(), SweepError> {
         None => Ok(()),
         Some((first, begin)) => {
             let hint = missing_shards(covered, episodes).unwrap_or_default();
-            Err(SweepError::Gap { first, last: begin - 1, episodes, hint })
+            Err(SweepError::gap(first, begin - 1, episodes, hint))
         }
     }
 }

@@ -249,7 +249,7 @@ impl Study {
             if known.len() == MAX_SCENES && !known.contains_key(&key) {
                 let (place, most) = (self.place_of(i), MAX_SCENES);
                 let what = "combinations of a world, a risk weight and a robot";
-                return Err(SweepError::TooMany { place, most, what });
+                return Err(SweepError::too_many(place, most, what));
             }
             let made = match known.get(&key).or(similar.map(|(_, at)| at)) {
                 Some(&at) => self.prepared[at].prepare(scenario),
@@ -312,7 +312,7 @@ impl Study {
 
     fn refused(&self, cell: usize, source: impl std::error::Error + Send + Sync + 'static) -> SweepError {
         let (file, inputs) = (self.file.clone(), row::in_words(&self.inputs(cell)));
-        SweepError::Scenario { file, inputs, source: Box::new(source) }
+        SweepError::scenario(file, inputs, source)
     }
 
     /// The values of a cell's input columns.
@@ -355,7 +355,7 @@ impl Study {
                 if let Some(other) = common {
                     let (place, seed) = (place.clone(), other.first.max(run.seeds.first));
                     let inputs = row::in_words(&self.inputs(cell));
-                    return Err(SweepError::Repeated { place, seed, inputs });
+                    return Err(SweepError::repeated(place, seed, inputs));
                 }
                 before.push(run.seeds);
                 cell += 1;

@@ -80,7 +80,7 @@ impl<S: Borrow<Study>> Sweep<S> {
         let study = owner.borrow();
         results::check_name(path)?;
         if ticks == Some(path) {
-            return Err(SweepError::SameName { file: path.display().to_string() });
+            return Err(SweepError::same_name(path.display().to_string()));
         }
         let episodes = shard.map_or(0..study.episodes(), |shard| shard.episodes(study.episodes()));
         if let Some(folder) = ticks {
@@ -248,12 +248,7 @@ fn check_row(
     if found.episode != due || due >= end {
         let expected = if due < end { format!("episode {due}") } else { "the end of the file".to_owned() };
         let found = format!("episode {}", found.episode);
-        return Err(SweepError::Row {
-            file: file.to_owned(),
-            position: Position::Line(number),
-            found,
-            expected,
-        });
+        return Err(SweepError::row(Position::Line(number), file.to_owned(), found, expected));
     }
     results::check_values(line, file, Position::Line(number))
 }
@@ -266,20 +261,20 @@ pub(super) fn check_study(
     position: Position,
 ) -> Result<(), SweepError> {
     if (found.study.as_str(), found.episodes) != (study.digest(), study.episodes()) {
-        return Err(SweepError::OtherStudy {
-            file: file.to_owned(),
+        return Err(SweepError::other_study(
+            file.to_owned(),
             position,
-            found: found.study.clone(),
-            expected: study.digest().to_owned(),
-        });
+            found.study.clone(),
+            study.digest().to_owned(),
+        ));
     }
     if found.arithmetic != arithmetic::stamp() {
-        return Err(SweepError::OtherArithmetic {
-            file: format!("{file}: {position}"),
-            found: found.arithmetic.clone(),
-            other: "this program".to_owned(),
-            expected: arithmetic::stamp().to_owned(),
-        });
+        return Err(SweepError::other_arithmetic(
+            format!("{file}: {position}"),
+            found.arithmetic.clone(),
+            "this program".to_owned(),
+            arithmetic::stamp().to_owned(),
+        ));
     }
     Ok(())
 }

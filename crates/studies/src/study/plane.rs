@@ -34,7 +34,7 @@ impl Plane {
     /// [`Summary`](super::Summary)'s outcomes. Only episodes that arrived count.
     ///
     /// # Errors
-    /// [`SweepError`], which names the file and the line; [`SweepError::Empty`] where no row has the quantity.
+    /// [`SweepError`], which names the file and the line, also where no row has the quantity.
     pub fn load(path: &Path, quantity: &str, cells: usize) -> Result<Self, SweepError> {
         let mut ranges = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         each(path, quantity, |_, person, _| {
@@ -44,7 +44,7 @@ impl Plane {
             Ok(())
         })?;
         if ranges[0][0] > ranges[0][1] {
-            return Err(SweepError::Empty { file: path.display().to_string() });
+            return Err(SweepError::empty(path.display().to_string()));
         }
         // humans who are all alike have a cell, too
         let widened = ranges
@@ -102,11 +102,13 @@ fn each(
         };
         if &fields[outcome] == row::arrived() {
             let inputs = inputs.clone().map(|i| fields[i].to_owned()).collect();
-            on_row(inputs, [alpha, gamma], value).map_err(|expected| SweepError::Row {
-                file: rows.file.clone(),
-                position: rows.position(),
-                found: "another combination".to_owned(),
-                expected,
+            on_row(inputs, [alpha, gamma], value).map_err(|expected| {
+                SweepError::row(
+                    rows.position(),
+                    rows.file.clone(),
+                    "another combination".to_owned(),
+                    expected,
+                )
             })?;
         }
     }

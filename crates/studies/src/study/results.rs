@@ -34,14 +34,8 @@ impl Identity {
             {
                 Ok(Self { episode, episodes, study: study.to_owned(), arithmetic: arithmetic.to_owned() })
             }
-            _ => Err(SweepError::Row {
-                file: file.to_owned(),
-                position,
-                found: format!("`{}`", text.trim_end().chars().take(60).collect::<String>()),
-                expected:
-                    "a row of results: the number of an episode, the number of episodes, the study's digest, and the arithmetic's stamp"
-                        .to_owned(),
-            }),
+            _ => Err(SweepError::row(position, file.to_owned(), format!("`{}`", text.trim_end().chars().take(60).collect::<String>()), "a row of results: the number of an episode, the number of episodes, the study's digest, and the arithmetic's stamp"
+                        .to_owned())),
         }
     }
 }
@@ -67,7 +61,7 @@ pub(super) fn check_values(line: &[u8], file: &str, position: Position) -> Resul
         let found = found.chars().take(60).collect::<String>();
         let found = format!("a row with changed values, whose checksum is `{found}`");
         let expected = format!("as its sweep wrote it, with checksum {expected}");
-        Err(SweepError::Row { file: file.to_owned(), position, found, expected })
+        Err(SweepError::row(position, file.to_owned(), found, expected))
     })
 }
 
@@ -86,7 +80,7 @@ pub(super) fn check_header(line: &[u8], file: &str) -> Result<(), SweepError> {
                     None => "none".to_owned(),
                 };
                 let (found, expected) = (name(found), name(expected));
-                return Err(SweepError::Columns { file: file.to_owned(), column, found, expected });
+                return Err(SweepError::columns(file.to_owned(), column, found, expected));
             }
         }
     }
@@ -175,12 +169,12 @@ impl Rows {
         let mut fields = csv::StringRecord::new();
         match reader.read_record(&mut fields) {
             Ok(true) if fields.len() == columns => Ok(fields),
-            _ => Err(SweepError::Row {
-                file: self.file.clone(),
-                position: self.position(),
-                found: format!("{} fields", fields.len()),
-                expected: format!("{columns} fields of text"),
-            }),
+            _ => Err(SweepError::row(
+                self.position(),
+                self.file.clone(),
+                format!("{} fields", fields.len()),
+                format!("{columns} fields of text"),
+            )),
         }
     }
 
@@ -212,12 +206,12 @@ impl Rows {
         let read = read_line(reader, &mut self.line);
         read.map_err(|source| located::unreadable(&self.file, source))?;
         if self.line.last().is_some_and(|end| *end != b'\n') {
-            return Err(SweepError::Row {
-                file: self.file.clone(),
-                position: self.position(),
-                found: "cut short".to_owned(),
-                expected: "complete: run its sweep again, which resumes there".to_owned(),
-            });
+            return Err(SweepError::row(
+                self.position(),
+                self.file.clone(),
+                "cut short".to_owned(),
+                "complete: run its sweep again, which resumes there".to_owned(),
+            ));
         }
         Ok(())
     }

@@ -40,7 +40,7 @@ impl<'a> Source<'a> {
     /// The error about a value.
     pub fn wrong(self, key: &str, value: &Value, expected: impl Into<Expected>) -> SweepError {
         let place = self.place(value.span(), key);
-        SweepError::Value { place, value: self.written(value), expected: expected.into() }
+        SweepError::value(place, self.written(value), expected.into())
     }
 
     /// A value as written in the file, shortened if it is long.
@@ -60,7 +60,7 @@ impl<'a> Source<'a> {
             Some((key, _)) => {
                 let place = self.place(key.span(), key.get_ref().as_ref());
                 let known = known.iter().map(|key| (*key).to_owned()).collect();
-                Err(SweepError::Key { place, known })
+                Err(SweepError::unknown_key(place, known))
             }
         }
     }
@@ -89,7 +89,7 @@ impl<'a> Source<'a> {
             };
             let place = self.place(value.span(), key);
             if read_values.iter().any(|(other, _)| *other == read) {
-                return Err(SweepError::Twice { place, value: self.written(value) });
+                return Err(SweepError::duplicate(place, self.written(value)));
             }
             read_values.push((read, place));
         }
@@ -123,7 +123,7 @@ impl<'a> Source<'a> {
         expected: &'static str,
         place: &Place,
     ) -> Result<String, SweepError> {
-        let missing = || SweepError::Missing { place: place.clone(), key, expected: expected.to_owned() };
+        let missing = || SweepError::missing(place.clone(), key, expected.to_owned());
         let value = get(table, key).ok_or_else(missing)?;
         let text = value.get_ref().as_str().filter(|text| !text.is_empty());
         Ok(text.ok_or_else(|| self.wrong(key, value, expected))?.to_owned())

@@ -177,20 +177,20 @@ impl Summary {
             let fields = rows.fields(columns.len())?;
             let begin = first.get_or_insert_with(|| identity.clone());
             if identity.arithmetic != begin.arithmetic {
-                return Err(SweepError::OtherArithmetic {
-                    file: format!("{}: {}", rows.file, rows.position()),
-                    found: identity.arithmetic,
-                    other: "its first row".to_owned(),
-                    expected: begin.arithmetic.clone(),
-                });
+                return Err(SweepError::other_arithmetic(
+                    format!("{}: {}", rows.file, rows.position()),
+                    identity.arithmetic,
+                    "its first row".to_owned(),
+                    begin.arithmetic.clone(),
+                ));
             }
             if identity.study != begin.study || identity.episode != begin.episode + count {
-                return Err(SweepError::Row {
-                    position: rows.position(),
-                    file: rows.file,
-                    found: format!("episode {} of study {}", identity.episode, identity.study),
-                    expected: format!("episode {} of study {}", begin.episode + count, begin.study),
-                });
+                return Err(SweepError::row(
+                    rows.position(),
+                    rows.file,
+                    format!("episode {} of study {}", identity.episode, identity.study),
+                    format!("episode {} of study {}", begin.episode + count, begin.study),
+                ));
             }
             count += 1;
             reader.add(&fields, inputs.clone(), &places);
@@ -198,7 +198,7 @@ impl Summary {
         }
         reader.end_of_seed();
         reader.check(&rows)?;
-        let first = first.ok_or_else(|| SweepError::Empty { file: rows.file.clone() })?;
+        let first = first.ok_or_else(|| SweepError::empty(rows.file.clone()))?;
         Ok(reader.summary(first.study, count, first.episodes))
     }
 }
@@ -257,12 +257,12 @@ impl SummaryReader {
     /// The check that combinations and comparisons stay within their limits.
     fn check(&self, rows: &Rows) -> Result<(), SweepError> {
         match self.cells.len() > MAX_RUN || self.pairs.len() > MAX_PAIRS {
-            true => Err(SweepError::Row {
-                file: rows.file.clone(),
-                position: rows.position(),
-                found: "too much for a summary".to_owned(),
-                expected: format!("the last of at most {MAX_RUN} combinations and {MAX_PAIRS} comparisons"),
-            }),
+            true => Err(SweepError::row(
+                rows.position(),
+                rows.file.clone(),
+                "too much for a summary".to_owned(),
+                format!("the last of at most {MAX_RUN} combinations and {MAX_PAIRS} comparisons"),
+            )),
             false => Ok(()),
         }
     }

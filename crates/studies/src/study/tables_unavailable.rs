@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// The check that this program can write such files: it cannot.
 pub(super) fn check(file: &str) -> Result<(), SweepError> {
-    Err(SweepError::NoParquet { file: file.to_owned() })
+    Err(SweepError::no_parquet(file.to_owned()))
 }
 
 pub(super) fn write(_: impl Read, _: impl Write + Send, _: &Origin) -> io::Result<()> {
@@ -23,7 +23,7 @@ pub(super) struct Reader(Infallible);
 impl Reader {
     /// The refusal.
     pub fn open(_: File, name: &str) -> Result<Self, SweepError> {
-        check(name).and(Err(SweepError::NoParquet { file: name.to_owned() }))
+        check(name).and(Err(SweepError::no_parquet(name.to_owned())))
     }
 
     pub fn study_text(&self) -> Option<&str> {
@@ -42,7 +42,7 @@ pub(super) struct Ticks(Infallible);
 impl Ticks {
     /// The refusal.
     pub fn open(_: &Study, folder: &Path, _: Range<u64>, _: bool) -> Result<Self, SweepError> {
-        Err(SweepError::NoParquet { file: folder.display().to_string() })
+        Err(SweepError::no_parquet(folder.display().to_string()))
     }
 
     pub fn begins_file(&self, _: u64) -> bool {

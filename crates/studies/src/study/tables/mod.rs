@@ -104,7 +104,7 @@ fn written(lines: impl Read, out: impl Write + Send, origin: &Origin) -> Result<
 
 /// The error of a file that cannot be read.
 fn unread(file: &str, error: ParquetError) -> SweepError {
-    SweepError::Parquet { file: file.to_owned(), source: error.into() }
+    SweepError::parquet(file.to_owned(), error.into())
 }
 
 /// The value of a key of a file's metadata.
@@ -215,12 +215,7 @@ fn check_columns(found: &[std::sync::Arc<Field>], file: &str) -> std::result::Re
         let (found, expected) = (found.get(column).map(AsRef::as_ref), expected.get(column));
         let same = |(a, b): (&Field, &Field)| (a.name(), a.data_type()) == (b.name(), b.data_type());
         if !found.zip(expected).is_some_and(same) {
-            return Err(SweepError::Columns {
-                file: file.to_owned(),
-                column: column + 1,
-                found: words(found),
-                expected: words(expected),
-            });
+            return Err(SweepError::columns(file.to_owned(), column + 1, words(found), words(expected)));
         }
     }
     Ok(())

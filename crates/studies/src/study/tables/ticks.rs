@@ -190,11 +190,11 @@ impl Ticks {
     }
 
     fn foreign(&self, path: &Path) -> SweepError {
-        SweepError::Ticks {
-            folder: self.partial.display().to_string(),
-            found: format!("{}, which belongs to another study or arithmetic", file_name(path)),
-            advice: "remove it, choose another folder, or give --overwrite",
-        }
+        SweepError::ticks(
+            self.partial.display().to_string(),
+            format!("{}, which belongs to another study or arithmetic", file_name(path)),
+            "remove it, choose another folder, or give --overwrite",
+        )
     }
 
     fn is_of_study(&self, path: &Path) -> Result<bool, SweepError> {
@@ -327,11 +327,7 @@ fn files(folder: &Path) -> Result<BTreeMap<String, PathBuf>, SweepError> {
         } else if is_file && ends(".cocarry-", ".tmp") {
             remove(&path)?;
         } else if name != LOCK {
-            return Err(SweepError::Ticks {
-                folder: folder.display().to_string(),
-                found: name,
-                advice: "choose another folder",
-            });
+            return Err(SweepError::ticks(folder.display().to_string(), name, "choose another folder"));
         }
     }
     Ok(found)

@@ -1,0 +1,112 @@
+//! The base of a robot whose grasp has poses to go through and no path: it follows them like a trailer.
+
+use crate::control::{BaseInputs, HORIZON, Manipulator};
+use crate::geometry::{PlanarPose, Point, Vector, direction, left_of, wrap_angle};
+use crate::robot::{BaseInput, BaseTwist, Drive};
+
+/// Where the base is hitched: at this share of the distance between base and grasp, ahead of the base; the
+/// remainder is behind the grasp, on the object's line. Hitched at the grasp itself, the object could not turn
+/// far without the wrist out of reach, and the base could not follow a bend narrower than the whole distance.
+const HITCH_SHARE: f64 = 0.6;
+/// Gain of the distance between the two points, 1/s.
+const HITCH_GAIN: f64 = 1.0;
+/// The periods over which the velocity of the hitch is the mean: the base does not follow what is faster.
+const SMOOTHING: usize = 3;
+/// Angle of the object to the base (rad) beyond which the base turns toward the object; the gain, 1/s; and the
+/// largest rate, rad/s.
+const FOLD_LIMIT_RAD: f64 = 0.6;
+const FOLD_GAIN: f64 = 2.0;
+const FOLD_RATE_LIMIT: f64 = 0.8;
+/// Largest rate at which the base turns, rad/s.
+const TURN_RATE_LIMIT: f64 = 1.3;
+
+/// The hitch between base and object.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hitch {
+    /// The hitch on the base, m: ahead of the base in the direction of `bearing`, and to the left.
+    ahead: f64,
+    left: f64,
+    /// The hitch on the object: distance behind the grasp, m.
+    behind: f64,
+    /// Angle of the grasp from straight ahead of the base, rad; 0 on a differential base.
+    bearing: f64,
+    /// Acceleration of the rims that the base plans with, m/s^2.
+    rim_acceleration: f64,
+}
+
+impl Hitch {
+    /// The hitch of a base that holds the grasp in the manipulator's posture at the distance `ahead` (m) and at
+    /// `left` (m), both in the direction of `bearing` (rad).
+    pub fn new([ahead, left, bearing]: [f64; 3], rim_acceleration: f64) -> Self {
+        let hitched = HITCH_SHARE * ahead;
+        Self { ahead: hitched, left, behind: ahead - hitched, bearing, rim_acceleration }
+    }
+
+    /// Inputs with which the base follows a grasp that goes from `grasp` through `poses`, one per `period` (s).
+    /// The velocity of the hitch is that of a point ahead of the base, so it gives the base's speed and turning
+    /// rate. `last` is the present input.
+    pub fn inputs(
+        &self,
+        manipulator: &Manipulator<'_>,
+        base: &PlanarPose,
+        last: BaseInput,
+        (grasp, poses): (&PlanarPose, &[PlanarPose; HORIZON]),
+        period: f64,
+    ) -> BaseInputs {
+        let drive = &manipulator.robot.drive;
+        let on_object = |t: usize| {
+            let pose = if t == 0 { grasp } else { &poses[t - 1] };
+            (pose.position - direction(pose.yaw) * self.behind, pose.yaw)
+        };
+        let (mut at, mut last) = (*base, last);
+        std::array::from_fn(|t| {
+            let (here, yaw) = on_object(t);
+            let from = t.min(HORIZON - SMOOTHING);
+            let way = on_object(from + SMOOTHING).0 - on_object(from).0;
+            let velocity = way / (SMOOTHING as f64 * period) + (here - self.on_base(&at)) * HITCH_GAIN;
+            last = self.input(drive, &at, last, velocity, yaw, period);
+            at = drive.roll(&at, &(last * period));
+            last
+        })
+    }
+
+    fn heading(&self, base: &PlanarPose) -> Vector {
+        direction(base.yaw + self.bearing)
+    }
+
+    /// The hitch on the base, m, world frame.
+    fn on_base(&self, base: &PlanarPose) -> Point {
+        let ahead = self.heading(base);
+        base.position + ahead * self.ahead + left_of(ahead) * self.left
+    }
+
+    /// The input after a period from `last` that gives the hitch this `velocity` (m/s), within the drive's
+    /// limits. `yaw` is the object's, rad.
+    fn input(
+        &self,
+        drive: &Drive,
+        base: &PlanarPose,
+        last: BaseInput,
+        velocity: Vector,
+        yaw: f64,
+        period: f64,
+    ) -> BaseInput {
+        let ahead = self.heading(base);
+        let folded = wrap_angle(yaw - base.yaw - self.bearing);
+        let excess = folded - folded.clamp(-FOLD_LIMIT_RAD, FOLD_LIMIT_RAD);
+        let most = if drive.is_omnidirectional() {
+            TURN_RATE_LIMIT.min(drive.turn_rate_limit)
+        } else {
+            TURN_RATE_LIMIT
+        };
+        let unfolding = (FOLD_GAIN * excess).clamp(-FOLD_RATE_LIMIT, FOLD_RATE_LIMIT);
+        let turn = (velocity.dot(&left_of(ahead)) / self.ahead + unfolding).clamp(-most, most);
+        let speed = velocity.dot(&ahead) + turn * self.left;
+        let velocity = nalgebra::Rotation2::new(self.bearing) * Vector::new(speed, 0.0);
+        let input = drive.input(&BaseTwist { velocity, turn });
+        let fastest = input.x.abs().max(input.y.abs());
+        let scale = if fastest > drive.rim_speed_limit { drive.rim_speed_limit / fastest } else { 1.0 };
+        let change = drive.accelerations(self.rim_acceleration) * period;
+        BaseInput::from_fn(|i, _| (input[i] * scale).clamp(last[i] - change[i], last[i] + change[i]))
+    }
+}
