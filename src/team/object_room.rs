@@ -263,7 +263,6 @@ fn positions(length: f64) -> impl Iterator<Item = f64> {
 mod tests {
     use super::*;
     use crate::control::RobotObstacles;
-    use crate::geometry::Piece;
     use crate::options::OptionSet;
     use crate::world::World;
 
@@ -327,30 +326,5 @@ mod tests {
         let [before, after] = [&path, &shifted].map(|path| room.missing(path, 1.0));
         assert!(before > 0.01 && after <= TOLERANCE_M, "{before} {after}");
         assert!(shifted.length() < path.length());
-    }
-
-    /// A path that hugs the corner of a wall: a base that looks ahead would cut into it.
-    #[test]
-    fn round_the_corner_of_a_wall_the_path_makes_room_for_the_base() {
-        let text = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [-6, -0.3]\ntarget_m = [4, 5]\n\
-                    [[obstacle]]\nname = \"wall\"\nshape = \"box\"\ncenter_m = [-2, 2]\nsize_m = [4, 4]\nheight_m = 1\n";
-        let world = World::parse("w.toml", text).unwrap();
-        let (options, obstacles) = (OptionSet::new(&world, 10.0).unwrap(), RobotObstacles::new(&world));
-        let start = Point::new(-6.0, -0.25);
-        let tandem = Tandem::new(0.4, start, 0.0);
-        let room = ObjectRoom::new(&tandem, 0.05, FreeSpace { obstacles: &obstacles, options: &options });
-        let mut path = Path::default();
-        path.line(start, Point::new(0.0, -0.25));
-        let quarter = std::f64::consts::FRAC_PI_2;
-        path.push(Piece::Arc { center: Point::origin(), radius: 0.25, from_angle: -quarter, sweep: quarter });
-        path.line(Point::new(0.25, 0.0), Point::new(0.25, 6.0));
-        let lack = |path: &Path| {
-            let mut most: f64 = 0.0;
-            room.near_base(path, 1.0, |_, lack, _| most = most.max(lack));
-            most
-        };
-        let shifted = room.on(path.clone(), 1.0);
-        let [before, after] = [&path, &shifted].map(lack);
-        assert!(before > 0.02 && after < TOLERANCE_M, "{before} {after}");
     }
 }

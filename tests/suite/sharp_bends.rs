@@ -12,8 +12,7 @@ use cocarry_studies::paper::placed::Placed;
 /// 458); in which the base cut the corner of an obstacle near its start (9, 1234), in which the team
 /// reversed, changed its mind and went on, again and again (2230, 2438, 2464), and in which a turn joined the
 /// last line of its path beyond the arc that leaves room for the human at the target (20300).
-const SEEDS: [u64; 15] =
-    [9, 14, 39, 121, 146, 233, 238, 282, 416, 458, 1234, 2230, 2438, 2464, 20300];
+const SEEDS: [u64; 15] = [9, 14, 39, 121, 146, 233, 238, 282, 416, 458, 1234, 2230, 2438, 2464, 20300];
 
 #[test]
 fn teams_go_round_sharp_bends_without_contact_and_keep_hold_of_the_object() {
