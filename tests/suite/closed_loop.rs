@@ -10,6 +10,7 @@ use cocarry::preference::{Perception, Prospect, RISK_WEIGHT, subjective_cost};
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry_studies::paper::EXAMPLE_HUMAN;
 use cocarry_studies::paper::cycles::{Cause, Findings, Search};
+use cocarry_studies::paper::placed::Placed;
 use cocarry_studies::paper::starts;
 
 fn settings(method: Method, eta: f64) -> Settings {
@@ -144,7 +145,13 @@ fn an_episode_that_is_cut_short_says_so() {
 }
 
 fn search(worlds: usize, seed: u64) -> Findings {
-    let search = Search { plant: &Plant::Point, settings: &Settings::default(), worlds, seed };
+    let search = Search {
+        plant: &Plant::Point,
+        settings: &Settings::default(),
+        worlds,
+        seed,
+        placed: Placed::AsDrawn,
+    };
     search.run(&|| ()).unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -164,7 +171,9 @@ fn paper_no_locked_cycles_with_a_robot() {
     let robot = cocarry::robot::Robot::built_in().unwrap();
     let plant = Plant::new(PlantKind::Kinematic, RobotSetup::new(&robot));
     let settings = Settings::default();
-    let with_robot = Search { plant: &plant, settings: &settings, worlds: 40, seed: 0 }.run(&|| ()).unwrap();
+    let placed = Placed::AsDrawn;
+    let with_robot = Search { plant: &plant, settings: &settings, worlds: 40, seed: 0, placed };
+    let with_robot = with_robot.run(&|| ()).unwrap();
     let point = search(40, 0);
     assert_eq!(with_robot.lost, []);
     assert_eq!(

@@ -54,9 +54,6 @@ pub(in super::super) struct AllArguments {
     /// Random worlds with bodies [default: 200]
     #[arg(long, value_name = "WORLDS", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     worlds_with_bodies: Option<u64>,
-    /// Random indoor worlds with bodies [default: 200]
-    #[arg(long, value_name = "WORLDS", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
-    indoor_worlds: Option<u64>,
     /// Walks with bodies through each of 9 openings from each of 3 angles [default: 30]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     walks: Option<u64>,
@@ -90,7 +87,6 @@ pub(super) fn reproduce_all(arguments: &AllArguments) -> Result<(), Failure> {
     given(&mut plan.worlds, arguments.worlds);
     given(&mut plan.worlds_with_robot, arguments.worlds_with_robot);
     given(&mut plan.worlds_with_bodies, arguments.worlds_with_bodies);
-    given(&mut plan.indoor_worlds, arguments.indoor_worlds);
     given(&mut plan.walks, arguments.walks);
     given(&mut plan.people, arguments.people);
     plan.seed = arguments.seed;

@@ -1,6 +1,6 @@
 //! A claim's part of the report: its runs, and its section.
 
-use super::{arrivals, contacts, cycles as locked, h2, h3, h4, starts};
+use super::{arrivals, contacts, cycles as locked, h2, h3, h4};
 use crate::parallel::OnDone;
 use crate::table::Table;
 use cocarry::episode::Settings;
@@ -29,8 +29,6 @@ pub struct Plan<'a> {
     pub worlds_with_robot: usize,
     /// The same with bodies.
     pub worlds_with_bodies: usize,
-    /// Number of random indoor worlds.
-    pub indoor_worlds: usize,
     /// Number of walks through each opening from each angle.
     pub walks: usize,
     /// Number of people of each kind in each group of worlds, who the robot learns.
@@ -52,7 +50,6 @@ impl<'a> Plan<'a> {
             worlds: locked::WORLDS,
             worlds_with_robot: locked::WORLDS_WITH_ROBOT,
             worlds_with_bodies: locked::WORLDS_WITH_BODIES,
-            indoor_worlds: starts::WORLDS,
             walks: contacts::WALKS,
             people: h4::HUMANS,
             seed: 0,
@@ -70,7 +67,6 @@ impl<'a> Plan<'a> {
             worlds: 1000,
             worlds_with_robot: 100,
             worlds_with_bodies: 40,
-            indoor_worlds: 10,
             walks: 1,
             people: 2,
             ..Self::new(robot)

@@ -55,9 +55,6 @@ pub const FIGURES: &[Figure] = &[
     ("kinematic.worlds", |t| grouped(t.row("cycles-kinematic", &[]).number("worlds"))),
     ("kinematic.counterexamples", |t| counted(t.row("cycles-kinematic", &[]).number("counterexamples"))),
     ("kinematic.lost", |t| grouped(t.row("cycles-kinematic", &[]).number("lost_object"))),
-    ("starts.worlds", |t| grouped(t.row("starts", &[]).number("worlds"))),
-    ("starts.started", |t| grouped(t.row("starts", &[]).number("started"))),
-    ("starts.arrived", |t| grouped(t.row("starts", &[]).number("arrived"))),
     ("cycles.detour", |t| format!("{:.1}", t.row("cycles", &[]).number("longest_detour"))),
     ("cycles.counterexamples", |t| match t.row("cycles", &[]).number("counterexamples") {
         0.0 => "no counterexample".to_owned(),

@@ -2,7 +2,6 @@
 //! Not in the paper.
 
 mod indoor;
-pub mod section;
 
 pub use indoor::{CLEAR_M, indoor_world};
 
