@@ -10,6 +10,7 @@ use cocarry::preference::{Perception, Prospect, RISK_WEIGHT, subjective_cost};
 use cocarry::scenario::Plant;
 use cocarry_studies::paper::EXAMPLE_HUMAN;
 use cocarry_studies::paper::cycles::{Findings, Search};
+use cocarry_studies::paper::placed::Placed;
 
 fn settings(method: Method, eta: f64) -> Settings {
     let coordination = coordination::Settings { eta, ..coordination::Settings::default() };
@@ -143,7 +144,13 @@ fn an_episode_that_is_cut_short_says_so() {
 }
 
 fn search(worlds: usize, seed: u64) -> Findings {
-    let search = Search { plant: &Plant::Point, settings: &Settings::default(), worlds, seed };
+    let search = Search {
+        plant: &Plant::Point,
+        settings: &Settings::default(),
+        worlds,
+        seed,
+        placed: Placed::AsDrawn,
+    };
     search.run(&|| ()).unwrap_or_else(|e| panic!("{e}"))
 }
 

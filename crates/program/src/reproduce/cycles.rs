@@ -6,10 +6,12 @@ use super::super::settings::plants;
 use super::common::Common;
 use anyhow::{Context, anyhow};
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use cocarry::episode::Settings;
 use cocarry::scenario::{Plant, PlantKind};
 use cocarry_output::output_file::{OutputError, Outputs};
 use cocarry_studies::paper::cycles::{Findings, Search, WORLDS, WORLDS_WITH_BODIES};
+use cocarry_studies::paper::placed::Placed;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -30,6 +32,9 @@ pub(in super::super) struct CyclesArguments {
     /// Team: `point`, as in the paper, or `rapier`, with bodies, in worlds with room for them
     #[arg(long, default_value = "point", value_parser = plants(&[PlantKind::Point, PlantKind::Rapier]))]
     plant: PlantKind,
+    /// Where the worlds lie: turned by 77.3 degrees, mirrored, or moved by kilometres, they are the same worlds
+    #[arg(long, default_value = "as-drawn", value_parser = placements())]
+    placed: Placed,
     #[command(flatten)]
     sway: SwayArguments,
     /// Write the worlds of episodes that did not arrive into this folder
@@ -37,6 +42,14 @@ pub(in super::super) struct CyclesArguments {
     keep: Option<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArguments,
+}
+
+/// A parser of where worlds lie.
+fn placements() -> impl TypedValueParser<Value = Placed> {
+    let names = PossibleValuesParser::new(Placed::ALL.map(|(name, _)| name));
+    let named =
+        |name: &String| Placed::ALL.iter().find(|(known, _)| known == name).map(|(_, placed)| *placed);
+    names.try_map(move |name| named(&name).ok_or("unknown place"))
 }
 
 pub(super) fn reproduce_cycles(arguments: &CyclesArguments) -> Result<(), Failure> {
@@ -62,6 +75,7 @@ pub(super) fn reproduce_cycles(arguments: &CyclesArguments) -> Result<(), Failur
         settings: &Settings::default(),
         worlds: arguments.worlds.map_or(default, |n| n as usize),
         seed: arguments.seed,
+        placed: arguments.placed,
     };
     let findings = arguments
         .common
@@ -84,6 +98,7 @@ pub(super) fn reproduce_cycles(arguments: &CyclesArguments) -> Result<(), Failur
         return print_json(&json!({
             "plant": plant.name(),
             "seed": search.seed,
+            "placed": search.placed,
             "sway_m": plant.physics().map(|_| sway),
             "findings": findings,
         }));

@@ -14,6 +14,8 @@ pub mod h3;
 pub mod h4;
 pub(crate) mod pairs;
 pub mod part;
+pub mod placed;
+pub mod slots;
 
 use cocarry::Error;
 use cocarry::episode::{Settings, Summary, Tick};

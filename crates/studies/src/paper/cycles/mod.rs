@@ -4,6 +4,7 @@
 
 pub mod section;
 
+use super::placed::Placed;
 use super::{prepared, run};
 use crate::parallel::{OnDone, in_parallel};
 use cocarry::coordination::{self, Mode};
@@ -38,6 +39,8 @@ pub struct Search<'a> {
     pub worlds: usize,
     /// Seed of the first world, its human, eta and gait; the other worlds have the seeds that follow.
     pub seed: u64,
+    /// Where the worlds lie.
+    pub placed: Placed,
 }
 
 /// The results of the search.
@@ -131,7 +134,8 @@ impl Search<'_> {
         };
         loop {
             // draw again if the start or target is inside an obstacle, enclosed, or without room for the team
-            let world = WorldText { file: "random world".to_owned(), text: draw_world(&mut rng) };
+            let world =
+                WorldText { file: "random world".to_owned(), text: self.placed.world(draw_world(&mut rng)) };
             let prepared = match prepared(world, &settings, self.plant) {
                 Err(error) if error.kind() == ErrorKind::World => continue,
                 prepared => prepared?,

@@ -2,6 +2,7 @@
 
 use crate::paper::cycles::{Findings, SOON_STEPS, Search};
 use crate::paper::part::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds};
+use crate::paper::placed::Placed;
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
@@ -20,7 +21,7 @@ pub(crate) const WITH_BODIES: Part = Part {
 fn run_with_bodies(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(plan.robot));
     let (settings, worlds, seed) = (&plan.settings, plan.worlds_with_bodies, plan.seed);
-    let search = Search { plant: &plant, settings, worlds, seed };
+    let search = Search { plant: &plant, settings, worlds, seed, placed: Placed::AsDrawn };
     let findings = search.run(on_done)?;
     let text = "Random worlds with room for the bodies, human and \u{3b7} as before, on the physical plant. A contact with an obstacle ends an episode.";
     Ok(Section {
@@ -66,7 +67,7 @@ fn finding_with_bodies(findings: &Findings) -> Finding {
 
 fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     let (settings, worlds, seed) = (&plan.settings, plan.worlds, plan.seed);
-    let search = Search { plant: &Plant::Point, settings, worlds, seed };
+    let search = Search { plant: &Plant::Point, settings, worlds, seed, placed: Placed::AsDrawn };
     let findings = search.run(on_done)?;
     let text = "The paper claims, without proof, that eq. (6) never makes the team alternate between options forever. Every episode has a random world, human and \u{3b7} \
                 (1 to 30). It runs until the team arrives or ten times the time of the longest option has passed. A counterexample is an episode that does not \
