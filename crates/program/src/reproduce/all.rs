@@ -48,6 +48,9 @@ pub(in super::super) struct AllArguments {
     /// Random worlds in the search for locked cycles [default: 10000]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     worlds: Option<u64>,
+    /// Random worlds in the search for locked cycles with a robot [default: 5000]
+    #[arg(long, value_name = "WORLDS", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    worlds_with_robot: Option<u64>,
     /// Random worlds with bodies [default: 200]
     #[arg(long, value_name = "WORLDS", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     worlds_with_bodies: Option<u64>,
@@ -86,6 +89,7 @@ pub(super) fn reproduce_all(arguments: &AllArguments) -> Result<(), Failure> {
     given(&mut plan.seeds, arguments.seeds);
     given(&mut plan.humans, arguments.humans);
     given(&mut plan.worlds, arguments.worlds);
+    given(&mut plan.worlds_with_robot, arguments.worlds_with_robot);
     given(&mut plan.worlds_with_bodies, arguments.worlds_with_bodies);
     given(&mut plan.walks, arguments.walks);
     given(&mut plan.people, arguments.people);

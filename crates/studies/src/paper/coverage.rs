@@ -1,13 +1,13 @@
 //! How often the intervals of the fits of eta and c_r hold what simulated studies were made from.
 
-use super::part::{Block, Finding, Part, Plan, ReportError, Section};
+use super::part::{Block, Finding, Part, Plan, ReportError, Section, none};
 use crate::fit::{Coverage, EtaDesign, MEDIAN, risk_weight_coverage};
 use crate::parallel::OnDone;
 use crate::table::{Cell, Columns, Table};
 
 /// The coverage of the fits.
 pub(crate) const PART: Part =
-    Part { id: "coverage", name: "coverage of the fits", episodes: |_| 0, studies, run };
+    Part { id: "coverage", name: "coverage of the fits", episodes: none, studies, run };
 
 /// Numbers of participants.
 const PEOPLE: [usize; 9] = [2, 3, 4, 5, 6, 8, 12, 20, 50];

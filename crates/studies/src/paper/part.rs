@@ -25,6 +25,8 @@ pub struct Plan<'a> {
     pub humans: usize,
     /// Number of random worlds in the search for locked cycles.
     pub worlds: usize,
+    /// The same with a robot on the kinematic plant.
+    pub worlds_with_robot: usize,
     /// The same with bodies.
     pub worlds_with_bodies: usize,
     /// Number of walks through each opening from each angle.
@@ -48,6 +50,7 @@ impl<'a> Plan<'a> {
             seeds: arrivals::SEEDS,
             humans: h2::SAMPLES,
             worlds: locked::WORLDS,
+            worlds_with_robot: locked::WORLDS_WITH_ROBOT,
             worlds_with_bodies: locked::WORLDS_WITH_BODIES,
             walks: contacts::WALKS,
             people: h4::HUMANS,
@@ -65,6 +68,7 @@ impl<'a> Plan<'a> {
             seeds: 1,
             humans: 2,
             worlds: 1000,
+            worlds_with_robot: 100,
             worlds_with_bodies: 40,
             walks: 1,
             people: 2,

@@ -27,6 +27,7 @@ pub const PARTS: &[Part] = &[
     arrivals::section::PART,
     contacts::section::PART,
     cycles::section::PART,
+    cycles::section::WITH_ROBOT,
     cycles::section::WITH_BODIES,
     h3::section::PART,
     h3::elsewhere::WITH_BODIES,
