@@ -44,7 +44,7 @@ pub enum Cause {
     Opening,
     /// The length D of the next option fell by more than the team walked.
     Length,
-    /// D^alpha of the shorter of two options falls by more for every metre walked, eqs. (2), (3) and (6).
+    /// None of these: the perceived lengths change along the walk, eqs. (2), (3) and (6).
     Perception,
 }
 
