@@ -65,32 +65,32 @@ impl Follower<'_> {
     pub fn inputs(&self, drive: &Drive, base: &PlanarPose, input: BaseInput, period: f64) -> BaseInputs {
         let look_aheads: &[f64] =
             if drive.is_omnidirectional() { &holonomic::LOOK_AHEADS_M } else { &LOOK_AHEADS_M };
-        let mut most = (f64::NEG_INFINITY, BaseInputs::default());
         for &look_ahead in look_aheads {
-            let (inputs, is_clear) = self.rolled_out(look_ahead, drive, base, input, period, |at| {
-                self.obstacles.has_room(at, self.footprint, LOOK_OUT_TOLERANCE_M)
+            let mut is_clear = true;
+            let inputs = self.rolled_out(look_ahead, drive, base, input, period, |at| {
+                is_clear &= self.obstacles.has_room(at, self.footprint, LOOK_OUT_TOLERANCE_M);
             });
             if is_clear {
                 return inputs;
             }
         }
+        let (mut most, mut best) = (f64::NEG_INFINITY, BaseInputs::default());
         for &look_ahead in look_aheads.iter().rev().chain(&SHORT_LOOK_AHEADS_M) {
             let mut room = f64::INFINITY;
-            let (inputs, _) = self.rolled_out(look_ahead, drive, base, input, period, |at| {
+            let inputs = self.rolled_out(look_ahead, drive, base, input, period, |at| {
                 room = room.min(self.obstacles.clearance(at, self.footprint));
-                true
             });
-            if room > most.0 {
-                most = (room, inputs);
+            if room > most {
+                (most, best) = (room, inputs);
             }
             if room > -LOOK_OUT_TOLERANCE_M {
                 break;
             }
         }
-        most.1
+        best
     }
 
-    /// The inputs of the base with this look-ahead (m), and whether all of its poses are clear.
+    /// The inputs of the base with this look-ahead (m). Calls `on_pose` for the poses that it comes to.
     fn rolled_out(
         &self,
         look_ahead: f64,
@@ -98,19 +98,18 @@ impl Follower<'_> {
         base: &PlanarPose,
         input: BaseInput,
         period: f64,
-        mut is_clear: impl FnMut(&PlanarPose) -> bool,
-    ) -> (BaseInputs, bool) {
+        mut on_pose: impl FnMut(&PlanarPose),
+    ) -> BaseInputs {
         let mut chosen = BaseInputs::default();
         let mut pursuit = Pursuit { look_ahead, at: *base, input, speed: self.speeds[0], ahead: 0.0 };
-        let mut all_clear = true;
         for i in 0..((LOOK_OUT_S / period).round() as usize).max(chosen.len()) {
             pursuit.step(self, drive, period);
             if let Some(input) = chosen.get_mut(i) {
                 *input = pursuit.input;
             }
-            all_clear &= is_clear(&pursuit.at);
+            on_pose(&pursuit.at);
         }
-        (chosen, all_clear)
+        chosen
     }
 
     /// The position along the path of its point nearest to `at`; where the path passes twice, the later one.

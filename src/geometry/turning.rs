@@ -33,8 +33,9 @@ struct Turn {
 
 /// Writes into `way` the path of a walker at `from` with `heading` (rad) who turns onto `path`: `arc`, its
 /// tangent to a point of the path at most `latest` (m) along it, and the rest of the path. The result is the
-/// shortest free one among all joining points and both directions of turning. `is_free` is asked for steps of a few centimetres along arc
-/// and tangent. Returns the arc's length, m; `None`, with `way` empty, if no turn is free.
+/// shortest free one among all joining points and both directions of turning. `is_free` is asked for steps of
+/// a few centimetres along arc and tangent. Returns the arc's length, m; `None`, with `way` empty, if no turn
+/// is free.
 pub fn write_turn_onto(
     (path, latest): (&Path, f64),
     from: Point,

@@ -28,8 +28,8 @@ const LAG_M: [f64; 2] = [0.01, 0.08];
 /// resists.
 const RESISTANCE_M: [f64; 2] = [0.03, 0.06];
 
-/// The object's centre must be this near (m) to its place at the end of the path for the team to have arrived:
-/// a hand that is steered need not be on the path.
+/// The object's centre must be this near (m) to its place at the end of the path for the team to have
+/// arrived: a hand that is steered need not be on the path.
 const ARRIVAL_DISTANCE_M: f64 = 0.1;
 
 /// The largest bend (rad) between a turn and a path that ends in an arc.
@@ -85,11 +85,11 @@ impl<'a> InTandem<'a> {
         widened
     }
 
-    /// The turn at the position `along` (m) of `path` onto `next`, a path that [ends](Self::ended) so that the
-    /// human has room beyond it, in an arc of the length `end` (m).
+    /// The turn at the position `along` (m) of `path` onto `next`, a path that [ends](Self::ended) so that
+    /// the human has room beyond it, in an arc of the length `end` (m).
     ///
-    /// A turn may join its path beyond the arc with which that ends. It then ends in another arc, or, where that
-    /// would bend too sharply, joins before the arc.
+    /// A turn may join its path beyond the arc with which that ends. It then ends in another arc, or, where
+    /// that would bend too sharply, joins before the arc.
     pub(super) fn turn_at(&self, path: &Path, along: f64, (next, end): (&Path, f64)) -> Option<Turned> {
         let turn = |end: f64| {
             let turned = self.team_path().planned_turn(path, along, (next, end), self.free_space())?;
@@ -239,7 +239,8 @@ impl Walk for InTandem<'_> {
         // where the hand will be
         let hand = seen.hand() + (led.position - before);
         let facing = angle_of(team_path.body_on(step.path, *path_position, hand) - hand);
-        // a hand that is steered need not be on the path: it turns with the object, and the body walks ahead of it
+        // a hand that is steered need not be on the path: it turns with the object, and the body walks ahead
+        // of it
         let yaw = object(seen).yaw;
         let facing = if step.hand.is_some() { yaw } else { facing };
         let hand = match (step.hand, step.stance, step.mode) {

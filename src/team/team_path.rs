@@ -162,8 +162,8 @@ impl TeamPath {
         self.half() + WALKS_AHEAD_M
     }
 
-    /// Position of the human's body when the object's centre is at `walked` (m) and the hand at `hand`: on the
-    /// path, whoever leads, at its distance from the hand.
+    /// Position of the human's body when the object's centre is at `walked` (m) and the hand at `hand`: on
+    /// the path, whoever leads, at its distance from the hand.
     pub fn body_on(&self, path: &Path, walked: f64, hand: Point) -> Point {
         const STEP: f64 = 0.02;
         let point = |ahead: f64| self.point(path, walked + self.half() + ahead);
@@ -225,8 +225,8 @@ impl TeamPath {
     }
 
     /// The turn onto `next`, which begins at the object's centre, `along` (m) on `path`. The path of the turn
-    /// leads to the human's body and from there in an arc onto `next`, at least `end` (m) before its end. `None`
-    /// if there is no room for the turn.
+    /// leads to the human's body and from there in an arc onto `next`, at least `end` (m) before its end.
+    /// `None` if there is no room for the turn.
     pub fn planned_turn(
         &self,
         path: &Path,

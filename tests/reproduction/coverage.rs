@@ -62,8 +62,8 @@ fn diffuse_answers_spoil_least_squares_but_not_the_likelihood() {
     assert!(squares.holds <= 5, "{squares:?}");
 }
 
-/// Of people whose eta varies as designed, 70 % lie beyond the longest episode that leaves 70 %; 3 standard errors
-/// of 400 people are 0.07.
+/// Of people whose eta varies as designed, 70 % lie beyond the longest episode that leaves 70 %; 3 standard
+/// errors of 400 people are 0.07.
 #[test]
 fn simulated_people_are_censored_as_often_as_designed() {
     let design = EtaDesign { people: 400, longest: MOST, ..ONCE };

@@ -182,8 +182,8 @@ fn paper_no_locked_cycles_with_a_robot() {
     );
 }
 
-/// Options that are dropped soon after they were taken up: phi grew past one that was best for a step, a gap was
-/// crossed, or the perceived length of another one fell faster.
+/// Options that are dropped soon after they were taken up: phi grew past one that was best for a step, a gap
+/// was crossed, or the perceived length of another one fell faster.
 #[test]
 fn options_that_are_dropped_soon_have_a_cause() {
     for (seed, cause, options) in [

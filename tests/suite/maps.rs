@@ -337,8 +337,8 @@ fn a_floor_plan_in_millimetres_is_the_room_in_metres() {
     assert!(refused.contains("feature 1: its geometry is a LineString"), "{refused}");
 }
 
-/// Walls as a filled ring and as thick lines, a pillar in a group that is moved and turned, on white paper with a
-/// note: the room in metres.
+/// Walls as a filled ring and as thick lines, a pillar in a group that is moved and turned, on white paper
+/// with a note: the room in metres.
 #[test]
 fn a_floor_plan_drawn_as_svg_is_the_room_drawn_by_hand() {
     let folder = tempfile::tempdir().unwrap();
@@ -375,6 +375,46 @@ fn a_floor_plan_drawn_as_svg_is_the_room_drawn_by_hand() {
     assert!(refused.contains("plan.svg") && refused.contains("without obstacles"), "{refused}");
     std::fs::write(file("plan.svg"), &plan("")[..300]).unwrap();
     assert!(find().unwrap_err().to_string().contains("not a valid SVG file"));
+}
+
+/// A drawing may name any file. One that is read would hang here: a pipe without a writer.
+#[test]
+#[cfg(unix)]
+fn pictures_in_a_drawing_are_not_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    let made = std::process::Command::new("mkfifo").arg(file("pipe")).status().unwrap();
+    assert!(made.success());
+    let svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 10 6\"><circle cx=\"5\" cy=\"2\" r=\"1\"/>\
+         <image width=\"1\" height=\"1\" href=\"{}\"/></svg>",
+        file("pipe").display()
+    );
+    std::fs::write(file("plan.svg"), svg).unwrap();
+    let (sent, received) = std::sync::mpsc::channel();
+    let path = file("plan.svg");
+    std::thread::spawn(move || {
+        let place = ["--start", "1,4", "--target", "9,4"];
+        let output = cocarry(&[&["world", path.to_str().unwrap()][..], &place].concat());
+        sent.send(output.status.code())
+    });
+    let code = received.recv_timeout(std::time::Duration::from_secs(60));
+    assert_eq!(code, Ok(Some(0)), "the pipe was opened");
+}
+
+#[test]
+fn a_drawing_with_too_many_corners_is_refused_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plan.svg");
+    let rings: String = (0..60_000).map(|i| format!("M{} {}h.01v.01h-.01z", i % 100, i / 100)).collect();
+    let svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 100 600\"><path d=\"{rings}\"/></svg>"
+    );
+    std::fs::write(&path, svg).unwrap();
+    let output = cocarry(&["world", path.to_str().unwrap(), "--start", "1,1", "--target", "9,9"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = stderr(&output);
+    assert!(said.contains("plan.svg: its areas and lines have more than 20000 corners"), "{said}");
 }
 
 /// A round table is round to half a centimetre, and a hole in it is free.

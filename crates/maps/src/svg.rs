@@ -1,14 +1,14 @@
 //! The obstacles of a floor plan drawn as SVG: filled areas, and lines as wide as they are drawn.
 
 use crate::request::Request;
-use crate::room::Obstacles;
+use crate::room::{MAX_CORNERS, Obstacles};
 use cocarry::error::{Error, Place};
 use cocarry::geometry::{Point, Vector, cross, left_of};
 use cocarry::located::{MAX_WORLD, Source, read_at_most};
 use std::collections::BTreeMap;
 use std::path::Path as FilePath;
 use usvg::tiny_skia_path::{PathSegment, Transform};
-use usvg::{FillRule, Group, Node, Options, Paint, Path, Tree, roxmltree};
+use usvg::{FillRule, Group, ImageHrefResolver, Node, Options, Paint, Path, Tree, roxmltree};
 
 /// How far (m) the corners of a curve may be from it, and the largest number of them.
 const TOLERANCE_M: f64 = 0.005;
@@ -23,18 +23,24 @@ const WHITE: u8 = 250;
 /// A closed ring, without its first corner at its end.
 type Ring = Vec<Point>;
 
-/// The obstacles of the drawing in a file: what is filled in another colour than white, and every line as wide
-/// as it is drawn. Names are the elements' ids. The origin is the lower left corner of the drawing.
+/// The obstacles of the drawing in a file: what is filled in another colour than white, and every line as
+/// wide as it is drawn. Names are the elements' ids. The origin is the lower left corner of the drawing.
 pub(crate) fn obstacles(path: &FilePath, request: &Request) -> Result<String, Error> {
     let file = path.display().to_string();
     let text = read_at_most(4 * MAX_WORLD, path)?;
     let source = Source { file: &file, text: &text };
     let document = roxmltree::Document::parse(&text).map_err(|error| source.invalid("SVG file", error))?;
-    let tree = Tree::from_xmltree(&document, &Options::default())
+    let tree = Tree::from_xmltree(&document, &without_pictures())
         .map_err(|error| source.invalid("SVG file", error))?;
     let frame = Frame::new(&document, &tree, request.unit.metres());
-    let mut plan = Plan { frame, request, names: BTreeMap::new(), obstacles: Obstacles::default() };
-    plan.add_group(tree.root());
+    let mut plan =
+        Plan { frame, request, names: BTreeMap::new(), corners: 0, obstacles: Obstacles::default() };
+    plan.add_group(tree.root()).map_err(|TooLarge| {
+        let sentence = format_args!(
+            "its areas and lines have more than {MAX_CORNERS} corners; leave out what is not an obstacle"
+        );
+        Error::at(Place::file(&file), sentence)
+    })?;
     if plan.obstacles.text.is_empty() {
         return Err(Error::bad(
             Place::file(&file),
@@ -44,6 +50,16 @@ pub(crate) fn obstacles(path: &FilePath, request: &Request) -> Result<String, Er
     }
     Ok(plan.obstacles.text)
 }
+
+/// Options under which no picture is read: a drawing may name any file of this machine.
+fn without_pictures() -> Options<'static> {
+    let image_href_resolver =
+        ImageHrefResolver { resolve_data: Box::new(|_, _, _| None), resolve_string: Box::new(|_, _| None) };
+    Options { image_href_resolver, ..Options::default() }
+}
+
+/// A drawing with more than [`MAX_CORNERS`].
+struct TooLarge;
 
 /// The place of the drawing in the world: x to the right, y up, from the lower left corner of its view box.
 struct Frame {
@@ -83,24 +99,32 @@ struct Plan<'a> {
     request: &'a Request,
     /// How often each name was used.
     names: BTreeMap<String, usize>,
+    /// The corners of all areas and lines so far.
+    corners: usize,
     obstacles: Obstacles,
 }
 
 impl Plan<'_> {
-    fn add_group(&mut self, group: &Group) {
+    fn add_group(&mut self, group: &Group) -> Result<(), TooLarge> {
         for node in group.children() {
             match node {
-                Node::Group(group) => self.add_group(group),
-                Node::Path(path) if path.is_visible() => self.add_path(path),
+                Node::Group(group) => self.add_group(group)?,
+                Node::Path(path) if path.is_visible() => self.add_path(path)?,
                 // neither text nor pictures are obstacles
                 _ => {}
             }
         }
+        Ok(())
     }
 
-    fn add_path(&mut self, path: &Path) {
+    fn add_path(&mut self, path: &Path) -> Result<(), TooLarge> {
         let transform = path.abs_transform();
         let lines = self.lines(path, transform);
+        // before the areas, whose time grows with the square of their number
+        self.corners += lines.iter().map(|(line, _)| line.len()).sum::<usize>();
+        if self.corners > MAX_CORNERS {
+            return Err(TooLarge);
+        }
         if let Some(fill) = path.fill().filter(|fill| is_drawn(fill.paint())) {
             let rings = lines.iter().map(|(line, _)| line.clone()).filter(|ring| ring.len() >= 3).collect();
             for (outer, holes) in areas(rings, fill.rule()) {
@@ -119,6 +143,7 @@ impl Plan<'_> {
                 }
             }
         }
+        Ok(())
     }
 
     fn name(&mut self, id: &str) -> String {

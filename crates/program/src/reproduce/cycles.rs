@@ -35,13 +35,14 @@ pub(in super::super) struct CyclesArguments {
     /// `rapier`, with bodies, in worlds with room for them
     #[arg(long, default_value = "point", value_parser = plants(&PlantKind::ALL))]
     plant: PlantKind,
-    /// Where the worlds lie: turned by 77.3 degrees, mirrored, or moved by kilometres, they are the same worlds
+    /// Where the worlds lie: turned by 77.3 degrees, mirrored, or moved by kilometres, they are the same
+    /// worlds
     #[arg(long, default_value = "as-drawn", value_parser = placements())]
     placed: Placed,
     #[command(flatten)]
     sway: SwayArguments,
-    /// Write the worlds of episodes that did not arrive, and of those in which an option was dropped soon, into
-    /// this folder
+    /// Write the worlds of episodes that did not arrive, and of those in which an option was dropped soon,
+    /// into this folder
     #[arg(long, value_name = "FOLDER")]
     keep: Option<PathBuf>,
     #[command(flatten)]
@@ -141,7 +142,7 @@ fn text(findings: &Findings, plant: PlantKind, sway: f64) -> String {
     let mut text = format!(
         "{what} {episodes} random worlds, {with_choice} with two options or more; the executed option changed in {with_changes}, at most {most_changes} times;\n\
          in {dropped} the same leader took up an option and dropped it again within 5 steps (phi grew: {stubbornness}, a gap was crossed: {opening}, \
-         D fell by more than was walked: {length}, D^alpha: {perception}).\n\
+         a D did not fall as was walked: {length}, perceived lengths: {perception}).\n\
          {arrived} arrived, the longest after {longest_detour:.1} times the steps of its cheapest option.\n"
     );
     if plant == PlantKind::Rapier {

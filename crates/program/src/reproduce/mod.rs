@@ -41,7 +41,7 @@ pub(super) enum Claim {
     Cycles(cycles::CyclesArguments),
     /// Starts: in how many random indoor worlds a team with bodies has room at A and B, and arrives
     Starts(starts::StartsArguments),
-    /// A report of all claims with tables and pictures: H1, H2, H3, locked cycles, and Table II with bodies
+    /// A report with tables and pictures: all claims but slots and starts, and the coverage of the fits
     All(all::AllArguments),
 }
 

@@ -5,7 +5,7 @@ use super::super::robot::{SwayArguments, sway_of};
 use super::common::Common;
 use clap::Args;
 use cocarry::episode::Settings;
-use cocarry_studies::paper::slots::{DEPTHS, SlotRow, Study, TURNS, WALKS, WIDTHS};
+use cocarry_studies::paper::slots::{DEPTHS, OFFSETS_M, SlotRow, Study, WALKS, WIDTHS};
 use serde_json::json;
 use std::fmt::Write as _;
 
@@ -16,7 +16,7 @@ use std::fmt::Write as _;
 pub(in super::super) struct SlotsArguments {
     #[command(flatten)]
     common: Common,
-    /// Walks through each slot from each side, each with its own gait
+    /// Walks through each slot for each of five pairs of places of A and B, each with its own gait
     #[arg(long, default_value_t = WALKS as u64, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     walks: u64,
     /// Seed of the first gait; the others follow it
@@ -44,7 +44,7 @@ pub(super) fn reproduce_slots(arguments: &SlotsArguments) -> Result<(), Failure>
             "sway_m": sway,
             "widths_m": WIDTHS,
             "depths_m": DEPTHS,
-            "beside_axis_m": TURNS,
+            "lateral_offsets_m": OFFSETS_M,
             "rows": rows,
         }));
     }

@@ -132,8 +132,8 @@ const RESAMPLES: usize = 80;
 /// The probability that an answer is any at all.
 pub const DIFFUSE: f64 = 0.3;
 
-/// The intervals of c_r by likelihood and by least squares, in studies of 20 people who choose 20 times in each
-/// of the paper's environments, but give any answer at all with a probability of [`DIFFUSE`].
+/// The intervals of c_r by likelihood and by least squares, in studies of 20 people who choose 20 times in
+/// each of the paper's environments, but give any answer at all with a probability of [`DIFFUSE`].
 ///
 /// # Errors
 /// Of a built-in world, or of a fit.

@@ -1,4 +1,5 @@
-//! The same world elsewhere: turned, mirrored or moved as a whole. What happens in it should not depend on that.
+//! The same world elsewhere: turned, mirrored or moved as a whole. What happens in it should not depend on
+//! that.
 
 use cocarry::math;
 use serde::Serialize;
@@ -33,12 +34,15 @@ impl Placed {
         ("moved", Self::Moved),
     ];
 
-    /// A world file, placed. Its text must be one without headings or openings of its own.
+    /// A world file, placed. It must be one without headings or openings.
+    ///
+    /// # Panics
+    /// If the text is not TOML.
     pub fn world(self, text: String) -> String {
         if self == Self::AsDrawn {
             return text;
         }
-        let Ok(mut world) = text.parse::<Table>() else { return text };
+        let mut world = text.parse::<Table>().expect("a world file");
         for key in ["start_m", "target_m"] {
             world.get_mut(key).into_iter().for_each(|at| self.place(at));
         }

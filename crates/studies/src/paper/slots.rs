@@ -16,8 +16,8 @@ use serde::Serialize;
 pub const WIDTHS: [f64; 4] = [0.55, 0.6, 0.7, 0.85];
 /// Depths of the slots along the way, m.
 pub const DEPTHS: [f64; 4] = [0.4, 1.0, 1.66, 2.4];
-/// How far A and B are beside the slot's axis, m.
-pub const TURNS: [[f64; 2]; 5] = [[0.0, 0.0], [0.0, -1.8], [0.0, -2.6], [1.3, -2.6], [1.3, 1.8]];
+/// Lateral offsets of A and B from the slot's axis, m: with them the team turns before or after it.
+pub const OFFSETS_M: [[f64; 2]; 5] = [[0.0, 0.0], [0.0, -1.8], [0.0, -2.6], [1.3, -2.6], [1.3, 1.8]];
 /// Default number of walks for each slot and turn, each with its own gait.
 pub const WALKS: usize = 2;
 /// d_r, m.
@@ -59,7 +59,7 @@ pub struct SlotRow {
 impl Study<'_> {
     /// Units of work, for a progress bar.
     pub fn units(&self) -> usize {
-        WIDTHS.len() * DEPTHS.len() * TURNS.len() * self.walks
+        WIDTHS.len() * DEPTHS.len() * OFFSETS_M.len() * self.walks
     }
 
     /// The table, one row for each of [`WIDTHS`].
@@ -71,10 +71,10 @@ impl Study<'_> {
     }
 
     fn row(&self, width: f64, on_done: OnDone) -> Result<SlotRow, Error> {
-        let per_depth = TURNS.len() * self.walks;
+        let per_depth = OFFSETS_M.len() * self.walks;
         let walks = DEPTHS.len() * per_depth;
         let ends = in_parallel(walks, on_done, |i| {
-            let turn = TURNS[i % per_depth / self.walks];
+            let turn = OFFSETS_M[i % per_depth / self.walks];
             self.walk(&world(width, DEPTHS[i / per_depth], turn), (i % self.walks) as u64)
         });
         let mut row = SlotRow { width, walks, arrived: 0, touched: [0; 3], lost: 0, other: 0 };

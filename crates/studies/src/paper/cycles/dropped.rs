@@ -42,7 +42,7 @@ pub enum Cause {
     Stubbornness,
     /// A gap was crossed or left behind: the risks S of the options changed.
     Opening,
-    /// The length D of the next option fell by more than the team walked.
+    /// A length D did not fall as the team walked: that of the option walked by less, or another's by more.
     Length,
     /// None of these: the perceived lengths change along the walk, eqs. (2), (3) and (6).
     Perception,
@@ -76,11 +76,12 @@ impl Leader<'_> {
             return Cause::Opening;
         }
         let walked = self.step * (dropped.step - taken_up.step) as f64 + ROUNDING_M;
-        let least = |(a, b): (&OptionTick, &OptionTick)| Prospect {
-            length: b.remaining.length.max(a.remaining.length - walked),
-            risk: b.remaining.risk,
+        let as_walked = |(o, (a, b)): (usize, (&OptionTick, &OptionTick))| {
+            let (length, expected) = (b.remaining.length, a.remaining.length - walked);
+            let length = if o == taken_up.executed { length.min(expected) } else { length.max(expected) };
+            Prospect { length, risk: b.remaining.risk }
         };
-        let prospects: Vec<Prospect> = before.iter().zip(after).map(least).collect();
+        let prospects: Vec<Prospect> = before.iter().zip(after).enumerate().map(as_walked).collect();
         match self.choice(&prospects, dropped, kept) == taken_up.executed {
             true => Cause::Length,
             false => Cause::Perception,

@@ -186,8 +186,8 @@ impl Search<'_> {
                 Err(error) if error.kind() == ErrorKind::World => continue,
                 episode => episode?,
             };
-            // on the kinematic plant the human walks on whatever the robot does, and the robot may begin inside
-            // a wall behind A
+            // on the kinematic plant the human walks on whatever the robot does, and the robot may begin
+            // inside a wall behind A
             let goes_on = self.plant.kind() == PlantKind::Kinematic;
             let summary = run_episode(if goes_on { episode.ignoring_loss() } else { episode }, on_tick);
             let options = prepared.options();

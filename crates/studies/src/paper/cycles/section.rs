@@ -133,7 +133,7 @@ fn table(findings: &Findings, name: &str, title: &str) -> Table {
         .with_note("longest / cheapest option: the most steps that an episode took, over those of its cheapest option at the start;")
         .with_note(format!("dropped soon: episodes in which the same leader took up an option and dropped it again within {SOON_STEPS} steps, of these"))
         .with_note("phi: eq. (6) with phi of the step in which it was taken up keeps it; gap: a gap was crossed or left behind, which changes S;")
-        .with_note("D: the length of the next option fell by more than the team walked; D^alpha: its perceived length did.")
+        .with_note("D: a length did not fall as the team walked; D^alpha: none of these, perceived lengths fall otherwise than lengths.")
 }
 
 fn finding(findings: &Findings) -> Finding {
