@@ -114,7 +114,10 @@ impl Hitch {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math;
     use crate::robot::Robot;
+    use nalgebra::Complex;
+    use std::f64::consts::FRAC_PI_2;
 
     /// Drives a base for half a minute behind a grasp that goes at 0.5 m/s and turns at this rate (rad/s).
     /// Returns the distance between the two points of the hitch (m), and the base's speed (m/s) and turning
@@ -148,25 +151,24 @@ mod tests {
         [(on_object - hitch.on_base(&base)).norm(), speed, wrap_angle(base.yaw - before.yaw) / PERIOD]
     }
 
-    /// On a circle of radius r, the grasp's speed is v and the hitch on the object is at the radius
-    /// sqrt(r^2 + b^2), b behind the grasp. The base, a ahead of which that is, is at sqrt(r^2 + b^2 - a^2).
+    /// The grasp goes round a circle of 2 m at the rate w, so that the hitch on the object, b behind it, is at
+    /// p = sqrt(2^2 + b^2) from the middle. The law of the hitch on the base, at h from the middle (complex
+    /// numbers), is i w h = V + G (p - h), where V = i w p (sin(m) / m) e^(i m) is the mean velocity of the next
+    /// periods and m half the angle in them. The base, a behind its hitch, goes at w sqrt(|h|^2 - a^2).
     #[test]
     fn closed_form_a_base_follows_as_a_trailer() {
         let drive = Robot::built_in().unwrap().drive;
         let [apart, speed, turn] = towed(&drive, 0.0);
         assert!(apart < 1e-3 && (speed - 0.5).abs() < 1e-3 && turn.abs() < 1e-9, "{apart} {speed} {turn}");
         for rate in [0.25, -0.25] {
-            let (r, b, a) = (2.0_f64, 0.3_f64, 0.45_f64);
             let [apart, speed, turn] = towed(&drive, rate);
-            let expected = 0.25 * (r * r + b * b - a * a).sqrt();
-            // the mean velocity of the next periods turns ahead of the present one
-            let ahead = rate.abs() * SMOOTHING as f64 * 0.2 / 2.0;
-            let lag = 0.25 * (r * r + b * b).sqrt() * ahead / HITCH_GAIN;
-            assert!((apart - lag).abs() < 0.002, "{apart} m apart, not {lag}");
-            assert!(
-                (speed - expected).abs() < 0.01 && (turn - rate).abs() < 0.01,
-                "{speed} {expected} {turn}"
-            );
+            let (w, p, half) = (0.25, 4.09_f64.sqrt(), 0.25 * SMOOTHING as f64 * 0.2 / 2.0);
+            let mean = Complex::from_polar(w * math::sin(half) / half, half + FRAC_PI_2);
+            let h = (mean + HITCH_GAIN) * p / Complex::new(HITCH_GAIN, w);
+            let expected = [(h - p).norm(), w * (h.norm_sqr() - 0.45 * 0.45).sqrt(), rate];
+            for (found, expected) in [apart, speed, turn].into_iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-4, "{found}, not {expected}");
+            }
         }
     }
 }
