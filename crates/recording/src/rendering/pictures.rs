@@ -67,7 +67,7 @@ impl Width {
 /// # Errors
 /// There is nothing to draw, or a number cannot be drawn.
 pub fn filmstrip_svg(playback: &Playback, instants: usize, width: Width) -> Result<String, Error> {
-    Ok(film(playback).strip(instants, width.layout(), width.shown())?)
+    film(playback).strip(instants, width.layout(), width.shown())
 }
 
 /// The filmstrip as a PNG file.
@@ -77,7 +77,7 @@ pub fn filmstrip_svg(playback: &Playback, instants: usize, width: Width) -> Resu
 pub fn filmstrip_png(playback: &Playback, instants: usize, width: Width) -> Result<Vec<u8>, Error> {
     let svg = film(playback).strip(instants, width.layout(), width.shown())?;
     let picture = raster(&svg, width.pixels())?;
-    picture.encode_png().map_err(|error| no_image(error))
+    picture.encode_png().map_err(no_image)
 }
 
 /// The team on the map with phi next to it, as a moving GIF at twice the recording's speed. Of a long episode
@@ -156,7 +156,7 @@ fn raster(svg: &str, width: f64) -> Result<Pixmap, Error> {
     let failed = || no_image("the picture cannot be read back");
     let outlined = outlined(svg).ok_or_else(failed)?;
     let tree = Tree::from_str(&outlined, &Options::default());
-    let tree = tree.map_err(|error| no_image(error))?;
+    let tree = tree.map_err(no_image)?;
     let scale = width / f64::from(tree.size().width());
     let height = (f64::from(tree.size().height()) * scale).round();
     let mut pixels =
