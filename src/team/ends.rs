@@ -35,7 +35,7 @@ const TURN_STEP_M: f64 = 0.1;
 /// The distance between the points of a way that are looked at, m.
 const LOOK_M: f64 = 0.02;
 
-/// What decides on the place of a team at its start.
+/// The conditions that decide where a team starts.
 #[derive(Clone, Copy)]
 pub struct Surroundings<'a, 'b> {
     /// The world.
@@ -96,13 +96,15 @@ impl<'a> InTandem<'a> {
                 // rather from farther round than in a turn that is too sharp for the arm
                 let mut turns = tries.iter().flat_map(|gentle| turns().map(move |by| (by, *gentle)));
                 let mut refusal = NoRoom { distance: f64::NEG_INFINITY, ..NoRoom::default() };
-                let found = turns.find_map(|(turn, is_gentle)| match turned(free_space, turn, first, at, is_gentle) {
-                    Ok(team) => Some(team),
-                    Err(room) => {
-                        if room.distance > refusal.distance {
-                            refusal = room;
+                let found = turns.find_map(|(turn, is_gentle)| {
+                    match turned(free_space, turn, first, at, is_gentle) {
+                        Ok(team) => Some(team),
+                        Err(room) => {
+                            if room.distance > refusal.distance {
+                                refusal = room;
+                            }
+                            None
                         }
-                        None
                     }
                 });
                 found.ok_or(refusal)
@@ -263,7 +265,7 @@ impl NoRoom {
         self.distance >= self.needed
     }
 
-    /// What is missing at the start, and where to start instead.
+    /// The room that is missing at the start, and where to start instead.
     fn at_start(&self, world: &World, nearest: Option<Point>) -> Error {
         let Self { x, y, distance, obstacle, needed, length, to_turn } = self;
         let fault = match (needed - distance, to_turn) {
@@ -282,7 +284,7 @@ impl NoRoom {
         refused(world, format_args!("no room at the start: {fault}{instead}"))
     }
 
-    /// What is missing at the end of an option.
+    /// The room that is missing at the end of an option.
     fn at_target(&self, world: &World, option: &str) -> Error {
         let Self { x, y, distance, obstacle, needed, length, to_turn: _ } = self;
         refused(

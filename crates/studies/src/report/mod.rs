@@ -13,7 +13,7 @@ pub use crate::paper::h2::bodies::table_2_with_bodies;
 pub use crate::paper::h2::section::{example_picture, example_table, table_2};
 pub use crate::paper::h3::section::{Compared, ratio_picture, table_3, table_3_ratios};
 pub use crate::paper::h4::section::{learning_tables, people_table};
-pub use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
+pub use crate::paper::part::{Block, Figure, Finding, Part, Plan, Section};
 pub use crate::paper::slots::section::slot_table;
 pub use crate::paper::starts::section::start_table;
 

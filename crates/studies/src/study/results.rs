@@ -87,12 +87,12 @@ pub(super) fn check_header(line: &[u8], file: &str) -> Result<(), SweepError> {
     Ok(())
 }
 
-/// Gives a complete partial file of rows its final form: as it is, or as Parquet, by the name's ending.
+/// Gives a complete partial file of rows its final form: as it is, or as Parquet, by the name's extension.
 pub(super) fn finish(file: OutputFile, path: &Path, origin: &Origin) -> Result<(), SweepError> {
     if !is_parquet(path) {
         return Ok(file.finish()?);
     }
-    let write = |source| OutputError::Write { file: path.to_owned(), source };
+    let write = |source| OutputError::write(path, source);
     Ok(file.finish_as(|lines, out| tables::write(lines, out, origin).map_err(write))?)
 }
 
@@ -133,7 +133,6 @@ pub(super) struct Rows {
 }
 
 /// Splits lines into fields. It is made once: a reader takes longer to be made than to read a line.
-#[derive(Default)]
 struct Splitter {
     reader: csv_core::Reader,
     text: Vec<u8>,
@@ -141,6 +140,10 @@ struct Splitter {
 }
 
 impl Splitter {
+    fn new() -> Self {
+        Self { reader: csv_core::Reader::new(), text: Vec::new(), ends: Vec::new() }
+    }
+
     /// The fields of a line with its newline; none if it is no text.
     fn fields(&mut self, line: &[u8]) -> csv::StringRecord {
         self.reader.reset();
@@ -174,7 +177,7 @@ impl Rows {
             true => RowSource::Parquet(Box::new(tables::Reader::open(opened.into_inner(), &file)?)),
             false => RowSource::Csv(opened),
         };
-        let mut rows = Self { file, source, number: 0, line: Vec::new(), splitter: Splitter::default() };
+        let mut rows = Self { file, source, number: 0, line: Vec::new(), splitter: Splitter::new() };
         if let RowSource::Csv(_) = rows.source {
             rows.advance()?;
             check_header(&rows.line, &rows.file)?;

@@ -1,9 +1,10 @@
 //! Slots in thick walls: the part of the report.
 
 use super::{DEPTHS, OFFSETS_M, SlotRow, Study, WIDTHS};
-use crate::paper::part::{Block, Finding, Part, Plan, ReportError, Section, holds, none};
+use crate::paper::part::{Block, Finding, Part, Plan, Section, holds, none};
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
+use cocarry::Error;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 
 /// The study of slots.
@@ -15,7 +16,7 @@ pub(crate) const PART: Part = Part {
     run,
 };
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(plan.robot));
     let turns = &OFFSETS_M[..plan.slot_turns];
     let study =

@@ -1,16 +1,17 @@
 //! Starts in random rooms: the part of the report.
 
 use super::{CLEAR_M, Starts, Study};
-use crate::paper::part::{Block, Finding, Part, Plan, ReportError, Section, holds, none};
+use crate::paper::part::{Block, Finding, Part, Plan, Section, holds, none};
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
+use cocarry::Error;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 
 /// The study of starts.
 pub(crate) const PART: Part =
     Part { id: "starts", name: "random indoor worlds", episodes: |plan| plan.rooms, studies: none, run };
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(plan.robot));
     let study = Study { plant: &plant, settings: &plan.settings, worlds: plan.rooms, seed: plan.seed };
     let starts = study.run(on_done)?;
