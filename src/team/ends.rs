@@ -24,6 +24,7 @@ const FACINGS_RAD: [f64; 7] = [0.0, 0.4, -0.4, 0.8, -0.8, 1.2, -1.2];
 const SEARCH_M: f64 = 3.0;
 const RING_M: f64 = 0.1;
 const PLACES: u32 = 24;
+const PLACE_STEP_M: f64 = 0.01;
 /// The accuracy of the room that is said to be missing, m.
 const MISSING_STEP_M: f64 = 0.01;
 
@@ -60,78 +61,33 @@ impl<'a> InTandem<'a> {
         first: &Path,
         pace: Pace,
     ) -> Result<(Self, PlanarPose), Error> {
-        let Surroundings { world, options, obstacles, base } = surroundings;
-        let free_space = FreeSpace::new(obstacles, options);
-        let is_free = |from, to| free_space.is_free(from, to);
-        let in_line = Self::new(free_space, pace, TeamPath::starting(world, first, is_free), true);
-        let ahead = in_line.goal();
-        let given = world.start_heading.map(|heading| wrap_angle(heading - ahead.yaw));
-        let gentle = |team: &Self| given.is_some() || team.starts_gently(first);
-        if given.is_none_or(|turn| turn.abs() < SAME_HEADING_RAD) && gentle(&in_line) {
-            match check(world, BODY_ROOM_M, [ahead.position, base(&ahead)]) {
-                Ok(()) => return Ok((in_line, ahead)),
-                Err(room) if given.is_some() => return Err(room.at_start(world, None)),
-                Err(_) => {}
-            }
-        }
-        let turned = |free_space: FreeSpace<'a>, turn: f64, first: &Path, at: Point, is_gentle: bool| {
-            let pose = PlanarPose { position: at, yaw: wrap_angle(ahead.yaw + turn) };
-            if turn.abs() <= BENT_RAD {
-                // the human on the path, the robot on a way that bends at A
-                let way = PlanarPose { yaw: wrap_angle(ahead.yaw + 2.0 * turn), ..pose };
-                let bent = Self::new(free_space, pace, (TeamPath::new(world, &way), pose), true);
-                let pose = bent.team_path().pose(&bent.widened(first), 0.0);
-                let behind = at - direction(way.yaw) * (at - base(&pose)).norm();
-                let has_room = |to: Point| check(world, BODY_ROOM_M, [at, to]).is_ok();
-                if gentle(&bent) && has_room(base(&pose)) && has_room(behind) {
-                    return Ok((Self::new(free_space, pace, (bent.team_path().clone(), pose), true), pose));
-                }
-            }
-            let team = Self::new(free_space, pace, (TeamPath::new(world, &pose), pose), false);
-            team.check_start(world, base(&pose), first, is_gentle).map(|()| (team, pose))
+        let Surroundings { world, options, obstacles, .. } = surroundings;
+        let start = Start {
+            surroundings,
+            free_space: FreeSpace::new(obstacles, options),
+            pace,
+            at: world.start,
+            first,
         };
-        let any = |free_space: FreeSpace<'a>, first: &Path, at: Point, tries: &[bool]| match given {
-            Some(turn) => turned(free_space, turn, first, at, false),
-            None => {
-                // rather from farther round than in a turn that is too sharp for the arm
-                let mut turns = tries.iter().flat_map(|gentle| turns().map(move |by| (by, *gentle)));
-                let mut refusal = NoRoom { distance: f64::NEG_INFINITY, ..NoRoom::default() };
-                let found = turns.find_map(|(turn, is_gentle)| {
-                    match turned(free_space, turn, first, at, is_gentle) {
-                        Ok(team) => Some(team),
-                        Err(room) => {
-                            if room.distance > refusal.distance {
-                                refusal = room;
-                            }
-                            None
-                        }
-                    }
-                });
-                found.ok_or(refusal)
-            }
-        };
-        let found = any(free_space, first, ahead.position, &[true, false]);
-        if found.is_err()
-            && given.is_none()
-            && check(world, BODY_ROOM_M, [ahead.position, base(&ahead)]).is_ok()
-        {
-            return Ok((in_line, ahead));
-        }
-        found.map_err(|room| {
-            let nearest = places(ahead.position).find(|&place| {
+        start.stand(&[true, false]).map_err(|room| {
+            let is_there = |place: &Point| {
                 let mut progress = options.begin();
-                options.advance(&mut progress, place);
-                let has_room_aside = obstacles.is_clear(place, world.robot_width / 2.0)
-                    && !options.goes_through_opening(ahead.position, place);
-                let path = (0..options.options().len())
-                    .find_map(|o| options.path_passing(&progress, o, Self::PASSING));
-                has_room_aside && path.is_some_and(|path| any(free_space, &path, place, &[false]).is_ok())
-            });
+                options.advance(&mut progress, *place);
+                let has_room_aside = obstacles.is_clear(*place, world.robot_width / 2.0)
+                    && !options.goes_through_opening(world.start, *place);
+                let path = |o| options.path_passing(&progress, o, Self::PASSING);
+                // whichever the robot prefers there
+                let mut paths = (0..options.options().len()).filter_map(path).peekable();
+                has_room_aside
+                    && paths.peek().is_some()
+                    && paths.all(|path| Start { at: *place, first: &path, ..start }.stand(&[false]).is_ok())
+            };
             let can_turn = |missing: &f64| {
-                let narrower = FreeSpace { room: BODY_ROOM_M - missing, ..free_space };
-                any(narrower, first, ahead.position, &[false]).is_ok()
+                let free_space = FreeSpace { room: BODY_ROOM_M - missing, ..start.free_space };
+                Start { free_space, ..start }.stand(&[false]).is_ok()
             };
             let to_turn = if room.is_for_turn() { less_room().find(can_turn) } else { None };
+            let nearest = if start.is_given_ahead() { None } else { places(world.start).find(is_there) };
             NoRoom { to_turn, ..room }.at_start(world, nearest)
         })
     }
@@ -240,6 +196,105 @@ impl<'a> InTandem<'a> {
     }
 }
 
+/// A team that is to stand at a place, from which it walks along a path.
+#[derive(Clone, Copy)]
+struct Start<'a, 'b> {
+    surroundings: Surroundings<'a, 'b>,
+    free_space: FreeSpace<'a>,
+    pace: Pace,
+    at: Point,
+    first: &'b Path,
+}
+
+impl<'a> Start<'a, '_> {
+    fn team(&self, (path, pose): (TeamPath, PlanarPose), faces_path: bool) -> InTandem<'a> {
+        InTandem::new(self.free_space, self.pace, (path, pose), faces_path)
+    }
+
+    /// In line with the path.
+    fn in_line(&self) -> InTandem<'a> {
+        let is_free = |from, to| self.free_space.is_free(from, to);
+        self.team(TeamPath::starting(self.surroundings.world, self.at, self.first, is_free), true)
+    }
+
+    /// The turn away from straight ahead that the world gives, rad.
+    fn given(&self, ahead: &PlanarPose) -> Option<f64> {
+        self.surroundings.world.start_heading.map(|heading| wrap_angle(heading - ahead.yaw))
+    }
+
+    fn is_given_ahead(&self) -> bool {
+        self.given(&self.in_line().goal()).is_some_and(|turn| turn.abs() < SAME_HEADING_RAD)
+    }
+
+    fn starts_gently(&self, team: &InTandem) -> bool {
+        self.surroundings.world.start_heading.is_some() || team.starts_gently(self.first)
+    }
+
+    /// The team in line or, where there is no room for that, turned, and the pose of the object. `tries` has
+    /// whether a turn has to be slow enough for the arm, in order.
+    fn stand(&self, tries: &[bool]) -> Result<(InTandem<'a>, PlanarPose), NoRoom> {
+        let Surroundings { world, base, .. } = self.surroundings;
+        let in_line = self.in_line();
+        let ahead = in_line.goal();
+        let given = self.given(&ahead);
+        let room = check(world, BODY_ROOM_M, [ahead.position, base(&ahead)]);
+        if given.is_none_or(|turn| turn.abs() < SAME_HEADING_RAD) && self.starts_gently(&in_line) {
+            match room {
+                Ok(()) => return Ok((in_line, ahead)),
+                Err(room) if given.is_some() => return Err(room),
+                Err(_) => {}
+            }
+        }
+        let found = match given {
+            Some(turn) => self.turned(&ahead, turn, false),
+            None => self.turned_least(&ahead, tries),
+        };
+        if found.is_err() && given.is_none() && room.is_ok() { Ok((in_line, ahead)) } else { found }
+    }
+
+    /// The team turned by the least angle at which there is room.
+    fn turned_least(&self, ahead: &PlanarPose, tries: &[bool]) -> Result<(InTandem<'a>, PlanarPose), NoRoom> {
+        // rather from farther round than in a turn that is too sharp for the arm
+        let mut turns = tries.iter().flat_map(|gentle| turns().map(move |by| (by, *gentle)));
+        let mut refusal = NoRoom { distance: f64::NEG_INFINITY, ..NoRoom::default() };
+        let found = turns.find_map(|(turn, is_gentle)| match self.turned(ahead, turn, is_gentle) {
+            Ok(team) => Some(team),
+            Err(room) => {
+                if room.distance > refusal.distance {
+                    refusal = room;
+                }
+                None
+            }
+        });
+        found.ok_or(refusal)
+    }
+
+    /// The team turned by this angle (rad) from straight ahead.
+    fn turned(
+        &self,
+        ahead: &PlanarPose,
+        turn: f64,
+        is_gentle: bool,
+    ) -> Result<(InTandem<'a>, PlanarPose), NoRoom> {
+        let Surroundings { world, base, .. } = self.surroundings;
+        let at = ahead.position;
+        let pose = PlanarPose { position: at, yaw: wrap_angle(ahead.yaw + turn) };
+        if turn.abs() <= BENT_RAD {
+            // the human on the path, the robot on a way that bends at A
+            let way = PlanarPose { yaw: wrap_angle(ahead.yaw + 2.0 * turn), ..pose };
+            let bent = self.team((TeamPath::new(world, &way), pose), true);
+            let pose = bent.team_path().pose(&bent.widened(self.first), 0.0);
+            let behind = at - direction(way.yaw) * (at - base(&pose)).norm();
+            let has_room = |to: Point| check(world, BODY_ROOM_M, [at, to]).is_ok();
+            if self.starts_gently(&bent) && has_room(base(&pose)) && has_room(behind) {
+                return Ok((self.team((bent.team_path().clone(), pose), true), pose));
+            }
+        }
+        let team = self.team((TeamPath::new(world, &pose), pose), false);
+        team.check_start(world, base(&pose), self.first, is_gentle).map(|()| (team, pose))
+    }
+}
+
 /// A straight way of a carrier that comes too close to an obstacle.
 #[derive(Default)]
 struct NoRoom {
@@ -314,12 +369,15 @@ fn less_room() -> impl Iterator<Item = f64> {
     (1..=steps).map(|i| MISSING_STEP_M * f64::from(i))
 }
 
-/// Places around a point, the nearest first.
+/// Places around a point, the nearest first, to the figures that are said of them.
 fn places(around: Point) -> impl Iterator<Item = Point> {
     let rings = (SEARCH_M / RING_M).round() as u32;
     (1..=rings).flat_map(move |ring| {
         let angle = |i: u32| TAU * f64::from(i) / f64::from(PLACES);
-        (0..PLACES).map(move |i| around + direction(angle(i)) * (RING_M * f64::from(ring)))
+        (0..PLACES).map(move |i| {
+            let place = around + direction(angle(i)) * (RING_M * f64::from(ring));
+            place.map(|x| (x / PLACE_STEP_M).round() * PLACE_STEP_M)
+        })
     })
 }
 

@@ -91,16 +91,17 @@ impl TeamPath {
         Self { tandem, half_width: width / 2.0, clearance: world.robot_width / 2.0 }
     }
 
-    /// The path of a team in this world that stands at the beginning of the path `first`, and the object's
+    /// The path of a team in this world that stands `at` the beginning of the path `first`, and the object's
     /// pose. The team has come straight in the direction in which the object points on `first`, so where
     /// `first` bends within the length of the object, the team does not have to turn at once. `is_free` as in
     /// [`TeamPath::write_widened`].
     pub fn starting(
         world: &World,
+        at: Point,
         first: &Path,
         is_free: impl Fn(Point, Point) -> bool,
     ) -> (Self, PlanarPose) {
-        let start = PlanarPose { position: world.start, yaw: first.heading_at(0.0).unwrap_or(0.0) };
+        let start = PlanarPose { position: at, yaw: first.heading_at(0.0).unwrap_or(0.0) };
         let team_path = Self::new(world, &start);
         let mut widened = Path::default();
         team_path.write_widened(first, is_free, &mut Widening::default(), &mut widened);

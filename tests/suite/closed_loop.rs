@@ -1,6 +1,6 @@
 //! Whole episodes: what must hold of every one of them.
 
-use crate::support::{load, repository, world_files};
+use crate::support::{cocarry, load, repository, stderr, world_files};
 use cocarry::coordination::{self, Mode};
 use cocarry::episode::{Episode, Outcome, PreferenceChange, Settings, Tick, run};
 use cocarry::human::PreferenceHuman;
@@ -209,6 +209,31 @@ fn a_team_starts_in_random_rooms() {
     let starts = study.run(&|| ()).unwrap();
     assert_eq!(starts.refused, []);
     assert!(starts.arrived >= 11, "{:?}", starts.lost);
+}
+
+/// A team that has room to stand but not to turn is told how much is missing, and a start that has it.
+#[test]
+fn a_refused_start_names_the_room_missing_and_a_start_that_has_it() {
+    let robot = cocarry::robot::Robot::built_in().unwrap();
+    let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(&robot));
+    let settings = Settings::default();
+    let study = starts::Study { plant: &plant, settings: &settings, worlds: 1, seed: 1199 };
+    let starts = study.run(&|| ()).unwrap();
+    let [refused] = starts.refused.as_slice() else { panic!("{} refused", starts.refused.len()) };
+    let (fault, instead) = refused.reason.split_once("; the nearest start with room is (").unwrap();
+    assert!(fault.ends_with("obstacle `north` is too near (0.08 m are missing on either side)"), "{fault}");
+    let instead = instead.strip_suffix(")").unwrap();
+    let start = |line: &str| match line.starts_with("start_m") {
+        true => format!("start_m = [{instead}]\n"),
+        false => format!("{line}\n"),
+    };
+    let world: String = refused.world.lines().map(start).collect();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("elsewhere.toml");
+    std::fs::write(&file, world).unwrap();
+    let output = cocarry(&["run", file.to_str().unwrap(), "--max-steps", "1"]);
+    // out of time, not refused
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
 }
 
 /// Worlds in which a team once turned round in every step for ever: the gap behind it counted for one option
