@@ -5,9 +5,12 @@
 //! is free, so on the physical plant the base follows it.
 
 use super::holonomic;
-use super::limits::BaseInputs;
+use super::limits::{BaseInputs, Limits};
+use super::rolling::Rolling;
 use super::{Inputs, Reference, RobotObstacles};
-use crate::geometry::{Footprint, PlanarPose, Point, Pose, Vector, angle_of, nearest_on_segment, wrap_angle};
+use crate::geometry::{
+    Footprint, PlanarPose, Point, Pose, Vector, angle_of, direction, left_of, nearest_on_segment, wrap_angle,
+};
 use crate::math;
 use crate::robot::{BaseInput, BaseTwist, Drive, InputJacobian, pose_difference};
 use nalgebra::Rotation3;
@@ -32,6 +35,9 @@ const FREE_TURN_GAIN: f64 = 1.0;
 pub const TURN_PRICE: f64 = 100.0;
 /// Weight of the squared deviation (m/s, rad/s) from the base's inputs that follow the path.
 pub const GUIDE_PRICE: f64 = 1e4;
+
+/// Weight of the squared violation (m) of a bound on the distance from there, as of an obstacle's.
+const GUIDE_WIDTH_PRICE: f64 = 1e6;
 
 /// A base that follows a path.
 pub struct Follower<'w> {
@@ -187,6 +193,28 @@ pub fn turn_toward_grasp(off: f64, period: f64) -> BaseInputs {
 pub fn set_base(drive: &Drive, inputs: &mut Inputs, base: &BaseInputs) {
     for (t, input) in base.iter().enumerate() {
         inputs.view_mut((0, t), (drive.inputs(), 1)).copy_from(&input.rows(0, drive.inputs()));
+    }
+}
+
+/// Adds bounds that keep the base within `width` (m), along and across, of where the inputs `guide` take it, at
+/// every step. They are linear about `inputs`.
+pub fn keep_near(
+    drive: &Drive,
+    base: &PlanarPose,
+    inputs: &Inputs,
+    (guide, width): (&BaseInputs, f64),
+    period: f64,
+    limits: &mut Limits,
+) {
+    let rolling = Rolling::new(drive, base, inputs, period);
+    let mut guided = *base;
+    for (t, input) in guide.iter().enumerate() {
+        guided = drive.roll(&guided, &(input * period));
+        let ahead = direction(guided.yaw);
+        let off = rolling.pose(t).position - guided.position;
+        for toward in [ahead, -ahead, left_of(ahead), -left_of(ahead)] {
+            limits.half_planes.push(rolling.bound(t, toward, width - toward.dot(&off), GUIDE_WIDTH_PRICE));
+        }
     }
 }
 

@@ -1,59 +1,8 @@
-//! H3 with bodies, by how much the base is guided.
+//! The table and the picture of H3 with bodies by how much the base is guided.
 
-use super::guide::{self, Guide, GuideRow};
-use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
-use crate::parallel::OnDone;
+use super::guide::{Guide, GuideRow};
 use crate::table::{Cell, Columns, Table};
 use cocarry_output::drawing::{Curve, CurvePanel, DrawingError, curves};
-
-/// The study of the guide.
-pub(crate) const PART: Part = Part {
-    id: "h3-guide",
-    name: "Table III, by the guide",
-    episodes: |plan| guide::episodes(plan.episodes_with_bodies),
-    run,
-};
-
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
-    let rows = guide::table(plan.robot, &plan.settings, plan.episodes_with_bodies, plan.seed, on_done)?;
-    let text = "With bodies, the base follows the path of the grasp: the squared deviation of its inputs from those of pure pursuit is part of eq. (7)'s \
-                cost. Here its price falls, or it costs nothing within a width; below the default price, eq. (8) decides the base's inputs as well. \
-                The intended walk is the human's who does not wait for the robot.";
-    Ok(Section {
-        title: "H3 with bodies, by the guide of the base".to_owned(),
-        finding: finding(&rows),
-        blocks: vec![
-            Block::Text(text.to_owned()),
-            Block::Table(guide_table(&rows)),
-            Block::Figure(Figure {
-                name: "table-3-guide".to_owned(),
-                caption: "Episodes of Table III with bodies that arrive, and C with over without pose optimisation, by the price of the guide (none at the left end)."
-                    .to_owned(),
-                is_half: false,
-                svg: guide_picture(&rows)?,
-            }),
-        ],
-    })
-}
-
-fn finding(rows: &[GuideRow]) -> Finding {
-    let least = rows.iter().filter(|row| row.guide != Guide::Free && row.arrived == row.episodes).next_back();
-    let figures = match least {
-        Some(row) => format!(
-            "all {} episodes arrive down to {}; ratio of C there {}",
-            row.episodes,
-            row.guide.name(),
-            shown(row.ratio)
-        ),
-        None => "with no guide do all episodes arrive".to_owned(),
-    };
-    let arrived = rows.iter().map(|row| format!("{}: {}", row.guide.name(), row.arrived)).collect::<Vec<_>>();
-    Finding {
-        claim: "With bodies, eqs. (7) and (8) decide the wheels (not in the paper)",
-        verdict: "only with a guide".to_owned(),
-        figures: format!("{figures} (arrived: {})", arrived.join(", ")),
-    }
-}
 
 fn shown(ratio: Option<f64>) -> String {
     ratio.map_or("-".to_owned(), |ratio| format!("{ratio:.3}"))

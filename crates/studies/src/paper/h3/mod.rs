@@ -6,6 +6,8 @@
 //! humans: all comparisons are paired.
 
 pub mod elsewhere;
+pub mod guide;
+pub mod guide_section;
 pub mod section;
 
 use super::{ENVIRONMENTS, Environment, SETTINGS};
@@ -167,6 +169,17 @@ pub struct PoseRow {
     pub wins: usize,
     /// Mean parts of C: tracking, effort, pose.
     pub parts: [f64; 3],
+    /// Mean parts of C of the episodes that [`PoseRow::ours_mean`] is the mean of: tracking, wheels, arm, pose.
+    pub split: [f64; 4],
+    /// Their mean tracking against a human who walks on without waiting for the robot.
+    pub intended_tracking: f64,
+    /// The ratio with that in place of tracking.
+    pub intended_ratio: f64,
+    /// Smallest distance between the base and an obstacle, m; negative where they overlap.
+    #[serde(rename = "least_clearance_m")]
+    pub least_clearance: f64,
+    /// Episodes that ended because something touched an obstacle.
+    pub collided: usize,
     /// Root mean square distance between grasp and reference, m.
     pub position_error_rms: f64,
     /// Share of the steps in which a limit was active.
@@ -309,6 +322,7 @@ struct EpisodeResult {
     steps: u64,
     lost_object: bool,
     arrived: bool,
+    collided: bool,
     route: Route,
 }
 
@@ -325,6 +339,7 @@ fn follow(mut episode: Episode) -> EpisodeResult {
         steps: summary.steps,
         lost_object: summary.has_lost_object(),
         arrived: outcome == Outcome::Arrived,
+        collided: outcome == Outcome::Collided,
         route: route(summary),
     }
 }
@@ -349,6 +364,12 @@ fn row(
     let (ours_mean, ours_std) = mean_and_std(&ours);
     let routes: BTreeSet<_> =
         (0..n).filter(|&i| both(i)).map(|i| (ends(method)[i].route, ends(baseline)[i].route)).collect();
+    let of_pairs = |m: usize, part: fn(&ControlSummary) -> f64| {
+        let values: Vec<f64> = (0..n).filter(|&i| both(i)).map(|i| part(&ends(m)[i].control)).collect();
+        mean_and_std(&values).0
+    };
+    let split: [fn(&ControlSummary) -> f64; 4] =
+        [|c| c.tracking, |c| c.wheels, ControlSummary::arm, |c| c.pose];
     let mean = |part: fn(&ControlSummary) -> f64| {
         ends(method).iter().map(|e| part(&e.control)).sum::<f64>() / n as f64
     };
@@ -375,6 +396,12 @@ fn row(
         episodes: n,
         wins: ours.iter().zip(&theirs).filter(|(a, b)| a < b).count(),
         parts: [mean(|c| c.tracking), mean(|c| c.effort), mean(|c| c.pose)],
+        split: split.map(|part| of_pairs(method, part)),
+        intended_tracking: of_pairs(method, |c| c.intended_tracking),
+        intended_ratio: of_pairs(method, ControlSummary::intended_cost)
+            / of_pairs(baseline, ControlSummary::intended_cost),
+        least_clearance: ends(method).iter().map(|e| e.control.least_clearance).fold(f64::INFINITY, f64::min),
+        collided: ends(method).iter().filter(|e| e.collided).count(),
         position_error_rms: (squared / steps as f64).sqrt(),
         constrained_share: constrained as f64 / steps as f64,
         fallback_steps: ends(method).iter().map(|e| e.control.fallback_steps).sum(),
