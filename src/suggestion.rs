@@ -27,8 +27,8 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str, IntoIter
         .or_else(|| abbreviated(name, known))
 }
 
-/// The known name that `name` abbreviates: its number, after the beginning of its letters, as in `env4` or `4`
-/// for `environment-4`.
+/// The known name that `name` abbreviates: its number, after the beginning of its letters, as in `env4` or
+/// `4` for `environment-4`.
 fn abbreviated<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let parts = |name: &str| {
         let letters = name.trim_end_matches(|c: char| c.is_ascii_digit()).len();

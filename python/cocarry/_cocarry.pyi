@@ -68,7 +68,7 @@ class World:
         tolerance_m: float | None = None,
     ) -> World:
         """Reads a map: an occupancy grid (the YAML of ROS's map_server, with a PGM or PNG image) or a floor
-        plan (GeoJSON). A and B are given in metres. ``text`` is the world with the map's outlines.
+        plan (GeoJSON, SVG). A and B are given in metres. ``text`` is the world with the map's outlines.
 
         Raises WorldError with the file and the value.
         """

@@ -116,11 +116,11 @@ def test_own_references_and_inputs_move_the_robot(plant):
     episode = cocarry.Episode(example(plant), policy=Stands())
     assert max(distances([(tick["base_x_m"], tick["base_y_m"]) for tick in episode])) < 0.25
     assert episode.outcome == {"kinematic": "object-lost", "rapier": "stuck"}[plant]
-    # the base drives to where the arm keeps the grasp
+    # the base drives to where the arm keeps the grasp, so that the human waits likewise
     stays = Stays()
     outcome = cocarry.Episode(example(plant), policy=stays).run()["outcome"]
     assert max(distances([grasp[:2, 3] for grasp in stays.grasps])) < 0.25
-    assert outcome == "object-lost"
+    assert outcome == {"kinematic": "object-lost", "rapier": "stuck"}[plant]
     if plant == "rapier":
         views = []
         cocarry.Episode(example(plant), policy=lambda view: views.append(view)).run(3)

@@ -16,8 +16,10 @@ use crate::robot::{BaseInput, BaseTwist, Drive, InputJacobian, pose_difference};
 use nalgebra::Rotation3;
 
 /// Look-ahead distances along the path, m. The longest rolls most smoothly but cuts corners most: it is used
-/// unless the base would come too near to an obstacle; where every one does, the shortest is.
+/// unless the base would come too near to an obstacle.
 const LOOK_AHEADS_M: [f64; 3] = [0.65, 0.45, 0.3];
+/// Where every one does, these are tried as well. If they do not help, the one with the most room is used.
+const SHORT_LOOK_AHEADS_M: [f64; 2] = [0.2, 0.12];
 /// Time over which the base looks out for obstacles, s.
 const LOOK_OUT_S: f64 = 1.2;
 /// How far (m) the base may overlap an obstacle: the base is narrower than its disc, or than the polygon
@@ -67,22 +69,51 @@ impl Follower<'_> {
     /// Inputs of the base by pure pursuit (Coulter 1992) of a point ahead on the path, at the speed that
     /// keeps the distance, within the limits of the drive. `input` is the present one.
     pub fn inputs(&self, drive: &Drive, base: &PlanarPose, input: BaseInput, period: f64) -> BaseInputs {
-        let mut chosen = BaseInputs::default();
         let look_aheads: &[f64] =
             if drive.is_omnidirectional() { &holonomic::LOOK_AHEADS_M } else { &LOOK_AHEADS_M };
         for &look_ahead in look_aheads {
-            let mut pursuit = Pursuit { look_ahead, at: *base, input, speed: self.speeds[0], ahead: 0.0 };
             let mut is_clear = true;
-            for i in 0..((LOOK_OUT_S / period).round() as usize).max(chosen.len()) {
-                pursuit.step(self, drive, period);
-                if let Some(input) = chosen.get_mut(i) {
-                    *input = pursuit.input;
-                }
-                is_clear &= self.obstacles.has_room(&pursuit.at, self.footprint, LOOK_OUT_TOLERANCE_M);
-            }
+            let inputs = self.rolled_out(look_ahead, drive, base, input, period, |at| {
+                is_clear &= self.obstacles.has_room(at, self.footprint, LOOK_OUT_TOLERANCE_M);
+            });
             if is_clear {
+                return inputs;
+            }
+        }
+        let (mut most, mut best) = (f64::NEG_INFINITY, BaseInputs::default());
+        for &look_ahead in look_aheads.iter().rev().chain(&SHORT_LOOK_AHEADS_M) {
+            let mut room = f64::INFINITY;
+            let inputs = self.rolled_out(look_ahead, drive, base, input, period, |at| {
+                room = room.min(self.obstacles.clearance(at, self.footprint));
+            });
+            if room > most {
+                (most, best) = (room, inputs);
+            }
+            if room > -LOOK_OUT_TOLERANCE_M {
                 break;
             }
+        }
+        best
+    }
+
+    /// The inputs of the base with this look-ahead (m). Calls `on_pose` for the poses that it comes to.
+    fn rolled_out(
+        &self,
+        look_ahead: f64,
+        drive: &Drive,
+        base: &PlanarPose,
+        input: BaseInput,
+        period: f64,
+        mut on_pose: impl FnMut(&PlanarPose),
+    ) -> BaseInputs {
+        let mut chosen = BaseInputs::default();
+        let mut pursuit = Pursuit { look_ahead, at: *base, input, speed: self.speeds[0], ahead: 0.0 };
+        for i in 0..((LOOK_OUT_S / period).round() as usize).max(chosen.len()) {
+            pursuit.step(self, drive, period);
+            if let Some(input) = chosen.get_mut(i) {
+                *input = pursuit.input;
+            }
+            on_pose(&pursuit.at);
         }
         chosen
     }

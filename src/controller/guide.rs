@@ -4,7 +4,7 @@ use super::hitch::Hitch;
 use crate::control::{BaseInputs, Follower, HORIZON, Manipulator};
 use crate::geometry::{PlanarPose, Point, angle_of, left_of};
 use crate::plant::Seen;
-use crate::robot::Configuration;
+use crate::robot::{Configuration, Drive};
 use crate::team::{PathAhead, TEAM_ACCELERATION, Walk};
 
 /// The share of the rims' largest acceleration that the base plans with.
@@ -30,7 +30,8 @@ pub struct Guide {
 }
 
 impl Guide {
-    /// The guide of a base that starts in the manipulator's posture. `rim_acceleration` is the largest, m/s^2.
+    /// The guide of a base that starts in the manipulator's posture. `rim_acceleration` is the largest,
+    /// m/s^2.
     pub fn new(manipulator: &Manipulator, rim_acceleration: f64) -> Self {
         let Manipulator { robot, posture, .. } = *manipulator;
         let at_origin = PlanarPose { position: Point::origin(), yaw: 0.0 };
@@ -50,18 +51,18 @@ impl Guide {
         }
     }
 
-    /// Inputs with which the base follows a grasp that goes from `grasp` through `poses`, one per `period` (s),
-    /// wherever the team's path is.
+    /// Inputs with which the base follows a grasp that goes from `grasp` through `poses`, one per `period`
+    /// (s), wherever the team's path is.
     pub fn following(
         &self,
         seen: &Seen<'_>,
         (grasp, poses): (&PlanarPose, &[PlanarPose; HORIZON]),
-        manipulator: &Manipulator<'_>,
+        drive: &Drive,
         period: f64,
     ) -> Option<BaseInputs> {
         let bodies = seen.bodies?;
         let base = &bodies.configuration.base;
-        Some(self.hitch.inputs(manipulator, base, bodies.base_rates, (grasp, poses), period))
+        Some(self.hitch.inputs(drive, base, bodies.base_rates, (grasp, poses), period))
     }
 
     /// Inputs with which the base follows the path of the grasp, where the human is seen to walk at `speed`

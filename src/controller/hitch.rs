@@ -1,19 +1,20 @@
 //! The base of a robot whose grasp has poses to go through and no path: it follows them like a trailer.
 
-use crate::control::{BaseInputs, HORIZON, Manipulator};
+use crate::control::{BaseInputs, HORIZON};
 use crate::geometry::{PlanarPose, Point, Vector, direction, left_of, wrap_angle};
 use crate::robot::{BaseInput, BaseTwist, Drive};
 
 /// Where the base is hitched: at this share of the distance between base and grasp, ahead of the base; the
-/// remainder is behind the grasp, on the object's line. Hitched at the grasp itself, the object could not turn
-/// far without the wrist out of reach, and the base could not follow a bend narrower than the whole distance.
+/// remainder is behind the grasp, on the object's line. Hitched at the grasp itself, the object could not
+/// turn far without the wrist out of reach, and the base could not follow a bend narrower than the whole
+/// distance.
 const HITCH_SHARE: f64 = 0.6;
 /// Gain of the distance between the two points, 1/s.
 const HITCH_GAIN: f64 = 1.0;
 /// The periods over which the velocity of the hitch is the mean: the base does not follow what is faster.
 const SMOOTHING: usize = 3;
-/// Angle of the object to the base (rad) beyond which the base turns toward the object; the gain, 1/s; and the
-/// largest rate, rad/s.
+/// Angle of the object to the base (rad) beyond which the base turns toward the object; the gain, 1/s; and
+/// the largest rate, rad/s.
 const FOLD_LIMIT_RAD: f64 = 0.6;
 const FOLD_GAIN: f64 = 2.0;
 const FOLD_RATE_LIMIT: f64 = 0.8;
@@ -42,18 +43,17 @@ impl Hitch {
         Self { ahead: hitched, left, behind: ahead - hitched, bearing, rim_acceleration }
     }
 
-    /// Inputs with which the base follows a grasp that goes from `grasp` through `poses`, one per `period` (s).
-    /// The velocity of the hitch is that of a point ahead of the base, so it gives the base's speed and turning
-    /// rate. `last` is the present input.
+    /// Inputs with which the base follows a grasp that goes from `grasp` through `poses`, one per `period`
+    /// (s). The velocity of the hitch is that of a point ahead of the base, so it gives the base's speed and
+    /// turning rate. `last` is the present input.
     pub fn inputs(
         &self,
-        manipulator: &Manipulator<'_>,
+        drive: &Drive,
         base: &PlanarPose,
         last: BaseInput,
         (grasp, poses): (&PlanarPose, &[PlanarPose; HORIZON]),
         period: f64,
     ) -> BaseInputs {
-        let drive = &manipulator.robot.drive;
         let on_object = |t: usize| {
             let pose = if t == 0 { grasp } else { &poses[t - 1] };
             (pose.position - direction(pose.yaw) * self.behind, pose.yaw)
@@ -108,5 +108,67 @@ impl Hitch {
         let scale = if fastest > drive.rim_speed_limit { drive.rim_speed_limit / fastest } else { 1.0 };
         let change = drive.accelerations(self.rim_acceleration) * period;
         BaseInput::from_fn(|i, _| (input[i] * scale).clamp(last[i] - change[i], last[i] + change[i]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math;
+    use crate::robot::Robot;
+    use nalgebra::Complex;
+    use std::f64::consts::FRAC_PI_2;
+
+    /// Drives a base for half a minute behind a grasp that goes at 0.5 m/s and turns at this rate (rad/s).
+    /// Returns the distance between the two points of the hitch (m), and the base's speed (m/s) and turning
+    /// rate (rad/s).
+    fn towed(drive: &Drive, rate: f64) -> [f64; 3] {
+        const PERIOD: f64 = 0.2;
+        let hitch = Hitch::new([0.75, 0.0, 0.0], 1.2);
+        let begin = PlanarPose { position: Point::new(0.75, 0.0), yaw: 0.0 };
+        let next = |pose: PlanarPose| {
+            let yaw = pose.yaw + rate * PERIOD;
+            PlanarPose {
+                position: pose.position + direction(pose.yaw + rate * PERIOD / 2.0) * (0.5 * PERIOD),
+                yaw,
+            }
+        };
+        let (mut base, mut input, mut grasp) =
+            (PlanarPose { position: Point::origin(), ..begin }, BaseInput::zeros(), begin);
+        let mut before = base;
+        for _ in 0..150 {
+            let mut ahead = grasp;
+            let poses = std::array::from_fn(|_| {
+                ahead = next(ahead);
+                ahead
+            });
+            input = hitch.inputs(drive, &base, input, (&grasp, &poses), PERIOD)[0];
+            before = base;
+            (base, grasp) = (drive.roll(&base, &(input * PERIOD)), next(grasp));
+        }
+        let on_object = grasp.position - direction(grasp.yaw) * hitch.behind;
+        let speed = (base.position - before.position).norm() / PERIOD;
+        [(on_object - hitch.on_base(&base)).norm(), speed, wrap_angle(base.yaw - before.yaw) / PERIOD]
+    }
+
+    /// The grasp goes round a circle of 2 m at the rate w, so that the hitch on the object, b behind it, is at
+    /// p = sqrt(2^2 + b^2) from the middle. The law of the hitch on the base, at h from the middle (complex
+    /// numbers), is i w h = V + G (p - h), where V = i w p (sin(m) / m) e^(i m) is the mean velocity of the next
+    /// periods and m half the angle in them. The base, a behind its hitch, goes at w sqrt(|h|^2 - a^2).
+    #[test]
+    fn closed_form_a_base_follows_as_a_trailer() {
+        let drive = Robot::built_in().unwrap().drive;
+        let [apart, speed, turn] = towed(&drive, 0.0);
+        assert!(apart < 1e-3 && (speed - 0.5).abs() < 1e-3 && turn.abs() < 1e-9, "{apart} {speed} {turn}");
+        for rate in [0.25, -0.25] {
+            let [apart, speed, turn] = towed(&drive, rate);
+            let (w, p, half) = (0.25, 4.09_f64.sqrt(), 0.25 * SMOOTHING as f64 * 0.2 / 2.0);
+            let mean = Complex::from_polar(w * math::sin(half) / half, half + FRAC_PI_2);
+            let h = (mean + HITCH_GAIN) * p / Complex::new(HITCH_GAIN, w);
+            let expected = [(h - p).norm(), w * (h.norm_sqr() - 0.45 * 0.45).sqrt(), rate];
+            for (found, expected) in [apart, speed, turn].into_iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-4, "{found}, not {expected}");
+            }
+        }
     }
 }

@@ -208,7 +208,7 @@ impl Controller for Predictive<'_> {
         let base = guide.and_then(|guide| match &self.references.given {
             // a policy's reference need not be on the path
             Some(poses) => {
-                guide.following(seen, (&PlanarPose::from_above(&at.grasp), poses), manipulator, period)
+                guide.following(seen, (&PlanarPose::from_above(&at.grasp), poses), &robot.drive, period)
             }
             None => guide.inputs(seen, way.walk, &ahead, speed, manipulator, period),
         });

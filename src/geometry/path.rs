@@ -153,6 +153,11 @@ impl Path {
         self.ends.last().copied().unwrap_or(0.0)
     }
 
+    /// Length of the first `pieces` pieces, m.
+    pub(crate) fn length_of(&self, pieces: usize) -> f64 {
+        self.ends.get(pieces.min(self.ends.len()).wrapping_sub(1)).copied().unwrap_or(0.0)
+    }
+
     /// The pieces in order.
     pub fn pieces(&self) -> &[Piece] {
         &self.pieces

@@ -32,11 +32,12 @@ struct Turn {
 }
 
 /// Writes into `way` the path of a walker at `from` with `heading` (rad) who turns onto `path`: `arc`, its
-/// tangent to a point of the path, and the rest of the path. The result is the shortest free one among all
-/// joining points and both directions of turning. `is_free` is asked for steps of a few centimetres along arc
-/// and tangent. Returns the arc's length, m; `None`, with `way` empty, if no turn is free.
+/// tangent to a point of the path at most `latest` (m) along it, and the rest of the path. The result is the
+/// shortest free one among all joining points and both directions of turning. `is_free` is asked for steps of
+/// a few centimetres along arc and tangent. Returns the arc's length, m; `None`, with `way` empty, if no turn
+/// is free.
 pub fn write_turn_onto(
-    path: &Path,
+    (path, latest): (&Path, f64),
     from: Point,
     heading: f64,
     arc: Arc,
@@ -47,7 +48,8 @@ pub fn write_turn_onto(
     let mut best: Option<Turn> = None;
     let ends = path.ends.iter().copied();
     let steps = (1..).map(|i| SEARCH_STEP_M * f64::from(i)).take_while(|along| *along < path.length());
-    for joined in ends.chain(steps).filter(|along| *along <= SEARCH_LENGTH_M || *along == path.length()) {
+    let is_near = |along: &f64| *along <= SEARCH_LENGTH_M || *along == path.length();
+    for joined in ends.chain(steps).filter(is_near).filter(|along| *along <= latest) {
         for side in [1.0, -1.0] {
             let Some(turn) = turn_to(path, joined, from, heading, Arc { radius: side * arc.radius, ..arc })
             else {
@@ -128,7 +130,10 @@ mod tests {
             let heading = f64::from(degrees).to_radians();
             let (from, path) = (Point::new(0.6, 0.1), straight());
             let mut way = Path::default();
-            assert!(write_turn_onto(&path, from, heading, ARC, |_, _| true, &mut way).is_some(), "{degrees}");
+            assert!(
+                write_turn_onto((&path, f64::INFINITY), from, heading, ARC, |_, _| true, &mut way).is_some(),
+                "{degrees}"
+            );
             assert!((way.point_at(0.0).unwrap() - from).norm() < 1e-9);
             let sweep = wrap_angle(way.heading_at(0.0).unwrap() - heading).abs();
             let bent = way.length() > (path.point_at(6.0).unwrap() - from).norm() + 0.5;
@@ -143,12 +148,12 @@ mod tests {
     fn a_turn_goes_the_other_way_round_what_is_in_its_way() {
         let (from, path) = (Point::new(0.0, 0.0), straight());
         let mut way = Path::default();
-        assert!(write_turn_onto(&path, from, -0.5, ARC, |_, _| true, &mut way).is_some());
+        assert!(write_turn_onto((&path, f64::INFINITY), from, -0.5, ARC, |_, _| true, &mut way).is_some());
         let free = way.length();
         let left = |_: Point, to: Point| left_of(direction(-0.5)).dot(&to.coords) > -0.2;
-        assert!(write_turn_onto(&path, from, -0.5, ARC, left, &mut way).is_some());
+        assert!(write_turn_onto((&path, f64::INFINITY), from, -0.5, ARC, left, &mut way).is_some());
         assert!(way.length() > free);
-        assert!(write_turn_onto(&path, from, -0.5, ARC, |_, _| false, &mut way).is_none());
+        assert!(write_turn_onto((&path, f64::INFINITY), from, -0.5, ARC, |_, _| false, &mut way).is_none());
         assert_eq!(way.length(), 0.0);
     }
 
@@ -157,7 +162,7 @@ mod tests {
         let (from, path) = (Point::new(0.0, 0.0), straight());
         let mut way = Path::default();
         let tight = Arc { radius: 0.5, most: 1.0 };
-        assert!(write_turn_onto(&path, from, -0.5, tight, |_, _| true, &mut way).is_none());
-        assert!(write_turn_onto(&path, from, 2.4, tight, |_, _| true, &mut way).is_some());
+        assert!(write_turn_onto((&path, f64::INFINITY), from, -0.5, tight, |_, _| true, &mut way).is_none());
+        assert!(write_turn_onto((&path, f64::INFINITY), from, 2.4, tight, |_, _| true, &mut way).is_some());
     }
 }

@@ -88,8 +88,8 @@ fn depth(opening: &Opening, outward: Vector, space: &Space) -> f64 {
     within
 }
 
-/// The length (m) of the longer one of the shoulders next to the end of a passage: how far an obstacle goes on
-/// to the side at the gap, with free space before it at the passage's end.
+/// The length (m) of the longer one of the shoulders next to the end of a passage: how far an obstacle goes
+/// on to the side at the gap, with free space before it at the passage's end.
 fn shoulder(opening: &Opening, outward: Vector, depth: f64, space: &Space) -> f64 {
     let [first, second] = opening.ends;
     let aside = (second - first) / opening.width;

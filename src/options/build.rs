@@ -1,4 +1,5 @@
-//! What an option set is built from: free space, passages and straight parts of a world; and why there is none.
+//! What an option set is built from: free space, passages and straight parts of a world; and why there is
+//! none.
 
 use super::ALIGNMENT_M;
 use super::alignment::Alignment;

@@ -94,7 +94,7 @@ impl OptionSet {
     ///
     /// # Errors
     /// The target cannot be reached, a listed option cannot be walked, or the world is too large to be
-    /// searched. All are of [`ErrorKind::World`].
+    /// searched. All are of [`ErrorKind::World`](crate::ErrorKind::World).
     pub fn new(world: &World, risk_weight: f64) -> Result<Self, Error> {
         let (space, closed) = space(world, &world.openings);
         let passages = passages(world, &space);

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 
 /// Largest speed (m/s) at which the hand is expected to go on.
 const SPEED_LIMIT_M_S: f64 = 1.0;
-/// Shares of the error of the last prediction by which the estimates of the hand's velocity and of its change per
-/// planning step are corrected (Holt's double exponential smoothing).
+/// Shares of the error of the last prediction by which the estimates of the hand's velocity and of its change
+/// per planning step are corrected (Holt's double exponential smoothing).
 const VELOCITY_SHARE: f64 = 0.6;
 const CHANGE_SHARE: f64 = 0.15;
 
@@ -21,8 +21,9 @@ pub(super) const METHOD: MethodEntry = MethodEntry {
     make: || Box::new(FollowHand::default()),
 };
 
-/// A robot whose grasp follows the hand like the wheel of a trailer, at the distance at which it began. The hand
-/// is expected to keep its velocity. On plants without hands, the robot follows the human on their option.
+/// A robot whose grasp follows the hand like the wheel of a trailer, at the distance at which it began. The
+/// hand is expected to keep its velocity. On plants without hands, the robot follows the human on their
+/// option.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct FollowHand {
     /// The hand in the last planning step.
@@ -35,7 +36,8 @@ struct SeenHand {
     time: f64,
     /// Position, m, world frame.
     position: Point,
-    /// Its expected mean velocity in the next planning step, m/s, and the change of that per planning step, m/s.
+    /// Its expected mean velocity in the next planning step, m/s, and the change of that per planning step,
+    /// m/s.
     velocity: Vector,
     change: Vector,
     /// Distance of the grasp from the hand at the beginning, m.

@@ -18,6 +18,8 @@ const BENT_RAD: f64 = 0.7;
 const HEADINGS: u32 = 36;
 /// Headings closer than this (rad) are the same.
 const SAME_HEADING_RAD: f64 = 1e-9;
+/// The angles (rad) by which a human who turns at the start may face aside of the object.
+const FACINGS_RAD: [f64; 7] = [0.0, 0.4, -0.4, 0.8, -0.8, 1.2, -1.2];
 /// How far from A another start is looked for (m), in rings of this width and with this many places each.
 const SEARCH_M: f64 = 3.0;
 const RING_M: f64 = 0.1;
@@ -70,26 +72,29 @@ impl<'a> InTandem<'a> {
                 Err(_) => {}
             }
         }
-        let turned = |turn: f64, first: &Path, at: Point| {
+        let turned = |turn: f64, first: &Path, at: Point, is_gentle: bool| {
             let pose = PlanarPose { position: at, yaw: wrap_angle(ahead.yaw + turn) };
             if turn.abs() <= BENT_RAD {
                 // the human on the path, the robot on a way that bends at A
                 let way = PlanarPose { yaw: wrap_angle(ahead.yaw + 2.0 * turn), ..pose };
                 let bent = Self::new(free_space, pace, (TeamPath::new(world, &way), pose), true);
                 let pose = bent.team_path().pose(&bent.widened(first), 0.0);
-                if gentle(&bent) && check(world, BODY_ROOM_M, [pose.position, base(&pose)]).is_ok() {
+                let behind = at - direction(way.yaw) * (at - base(&pose)).norm();
+                let has_room = |to: Point| check(world, BODY_ROOM_M, [at, to]).is_ok();
+                if gentle(&bent) && has_room(base(&pose)) && has_room(behind) {
                     return Ok((Self::new(free_space, pace, (bent.team_path().clone(), pose), true), pose));
                 }
             }
             let team = Self::new(free_space, pace, (TeamPath::new(world, &pose), pose), false);
-            team.check_start(world, base(&pose), first).map(|()| (team, pose))
+            team.check_start(world, base(&pose), first, is_gentle).map(|()| (team, pose))
         };
-        let any = |first: &Path, at: Point| match given {
-            Some(turn) => turned(turn, first, at),
+        let any = |first: &Path, at: Point, tries: &[bool]| match given {
+            Some(turn) => turned(turn, first, at, false),
             None => {
-                let mut turns = turns();
+                // rather from farther round than in a turn that is too sharp for the arm
+                let mut turns = tries.iter().flat_map(|gentle| turns().map(move |by| (by, *gentle)));
                 let mut refusal = NoRoom { distance: f64::NEG_INFINITY, ..NoRoom::default() };
-                let found = turns.find_map(|turn| match turned(turn, first, at) {
+                let found = turns.find_map(|(turn, is_gentle)| match turned(turn, first, at, is_gentle) {
                     Ok(team) => Some(team),
                     Err(room) => {
                         if room.distance > refusal.distance {
@@ -101,7 +106,7 @@ impl<'a> InTandem<'a> {
                 found.ok_or(refusal)
             }
         };
-        let found = any(first, ahead.position);
+        let found = any(first, ahead.position, &[true, false]);
         if found.is_err()
             && given.is_none()
             && check(world, BODY_ROOM_M, [ahead.position, base(&ahead)]).is_ok()
@@ -116,7 +121,7 @@ impl<'a> InTandem<'a> {
                     && !options.goes_through_opening(ahead.position, place);
                 let path = (0..options.options().len())
                     .find_map(|o| options.path_passing(&progress, o, Self::PASSING));
-                has_room_aside && path.is_some_and(|path| any(&path, place).is_ok())
+                has_room_aside && path.is_some_and(|path| any(&path, place, &[false]).is_ok())
             });
             room.at_start(world, nearest)
         })
@@ -134,30 +139,50 @@ impl<'a> InTandem<'a> {
         (0..steps as u32).all(|i| wrap_angle(yaw(i + 1) - yaw(i)).abs() <= SHARPEST_RAD_PER_M * TURN_STEP_M)
     }
 
-    /// Whether robot, object and human have room where they stand, and can turn onto the path `first`.
-    fn check_start(&self, world: &World, base: Point, first: &Path) -> Result<(), NoRoom> {
+    /// Whether robot, object and human have room where they stand, and can turn onto the path `first`, slowly
+    /// enough for the arm where `is_gentle` asks for that.
+    fn check_start(&self, world: &World, base: Point, first: &Path, is_gentle: bool) -> Result<(), NoRoom> {
         let PlanarPose { position, yaw } = self.goal();
         let body = position + direction(yaw) * self.team_path().body_ahead();
         check(world, BODY_ROOM_M, [position, base])?;
         check(world, BODY_ROOM_M, [position, body])?;
-        match self.turn_from_start(first) {
-            Some(_) => Ok(()),
+        let (first, end) = self.ended(first.clone());
+        match self.turn_from_start((&first, end)) {
+            Some(Turned { path, until }) if !is_gentle || self.is_gentle(&path, [0.0, until + GENTLE_M]) => {
+                Ok(())
+            }
             // what is nearest to the human is in the way
-            None => Err(nearest(world, BODY_ROOM_M, [position, body])),
+            _ => Err(nearest(world, BODY_ROOM_M, [position, body])),
         }
     }
 
-    /// The turn from where the team stands onto a path that begins at the object's centre.
-    pub(super) fn turn_from_start(&self, next: &Path) -> Option<Turned> {
+    /// The turn from where the team stands onto a path that begins at the object's centre. The human faces as
+    /// the object does, or, where there is no room for a turn from there, aside.
+    /// `next` ends in an arc of this length, m.
+    pub(super) fn turn_from_start(&self, next: (&Path, f64)) -> Option<Turned> {
         let PlanarPose { position, yaw } = self.goal();
-        let mut ahead = Path::default();
-        ahead.line(position, position + direction(yaw) * self.team_path().body_ahead());
-        self.team_path().planned_turn(&ahead, 0.0, next, self.free_space())
+        let (team_path, free_space) = (self.team_path(), self.free_space());
+        let hand = position + direction(yaw) * team_path.half();
+        FACINGS_RAD.into_iter().find_map(|aside| {
+            let body = hand + direction(yaw + aside) * (team_path.body_ahead() - team_path.half());
+            if aside != 0.0 && !free_space.is_free(hand, body) {
+                return None;
+            }
+            let mut ahead = Path::default();
+            if aside != 0.0 {
+                ahead.line(position, hand);
+                ahead.line(hand, body);
+            } else {
+                ahead.line(position, position + direction(yaw) * team_path.body_ahead());
+            }
+            self.turn_at(&ahead, 0.0, next)
+        })
     }
 
     /// A path that ends so that the human has room beyond it: where there is none straight on, the team comes
-    /// to the end in an arc, turned by the least multiple of 10 degrees.
-    pub(super) fn ended(&self, path: Path) -> Path {
+    /// to the end in an arc, turned by the least multiple of 10 degrees. With the length of the arc and its
+    /// tangent, m; 0 for a path that stays as it is.
+    pub(super) fn ended(&self, path: Path) -> (Path, f64) {
         let is_free = |from, to| self.free_space().is_free(from, to);
         let has_room = |path: &Path| {
             let [from, to] = self.team_path().beyond_end(&self.widened(path));
@@ -166,17 +191,21 @@ impl<'a> InTandem<'a> {
             (0..=steps as usize).all(|i| self.free_space().obstacles.is_clear(point(i), BODY_ROOM_M))
         };
         if path.length() == 0.0 || has_room(&path) {
-            return path;
+            return (path, 0.0);
         }
         let back = path.reversed();
-        let (Some(end), Some(heading)) = (back.point_at(0.0), back.heading_at(0.0)) else { return path };
+        let (Some(end), Some(heading)) = (back.point_at(0.0), back.heading_at(0.0)) else {
+            return (path, 0.0);
+        };
         let ended = |is_right: &dyn Fn(&Path) -> bool| {
             turns().find_map(|turn| {
                 let heading = wrap_angle(heading + turn);
                 ARCS.iter().find_map(|arc| {
                     let mut way = Path::default();
-                    write_turn_onto(&back, end, heading, *arc, is_free, &mut way)?;
-                    Some(way.reversed()).filter(|way| has_room(way) && is_right(way))
+                    write_turn_onto((&back, f64::INFINITY), end, heading, *arc, is_free, &mut way)?;
+                    let arc = way.length_of(2);
+                    let way = way.reversed();
+                    (has_room(&way) && is_right(&way)).then_some((way, arc))
                 })
             })
         };
@@ -185,7 +214,7 @@ impl<'a> InTandem<'a> {
             self.is_gentle(&way, [way.length() - GENTLE_M, way.length()])
         };
         let found = ended(&is_gentle).or_else(|| ended(&|_| true));
-        found.unwrap_or(path)
+        found.unwrap_or((path, 0.0))
     }
 
     /// Refuses a world in which the human has no room beyond the end of an option.
@@ -196,7 +225,7 @@ impl<'a> InTandem<'a> {
         let options = self.free_space().options;
         options.options().iter().enumerate().try_for_each(|(o, option)| {
             let path = options.path_passing(&options.begin(), o, Self::PASSING).unwrap_or_default();
-            let beyond = self.team_path().beyond_end(&self.widened(&self.ended(path)));
+            let beyond = self.team_path().beyond_end(&self.widened(&self.ended(path).0));
             check(world, BODY_ROOM_M, beyond).map_err(|room| room.at_target(world, &option.name))
         })
     }

@@ -1,7 +1,7 @@
 //! A team in tandem: both ends of the object follow the path, the human ahead, the robot's end behind.
 
 use super::pace::share;
-use super::team_path::{FreeSpace, TeamPath, Turned};
+use super::team_path::{FreeSpace, SHARPEST_BEND_RAD, TeamPath, Turned};
 use super::{ARRIVAL_TOLERANCE_M, Pace, PathAhead, Place, Step, Travel, Walk, Widened};
 use crate::control::{Follower, HORIZON, Intent, Reference, RobotObstacles, reference};
 use crate::coordination::Mode;
@@ -28,8 +28,8 @@ const LAG_M: [f64; 2] = [0.01, 0.08];
 /// resists.
 const RESISTANCE_M: [f64; 2] = [0.03, 0.06];
 
-/// The object's centre must be this near (m) to its place at the end of the path for the team to have arrived:
-/// a hand that is steered need not be on the path.
+/// The object's centre must be this near (m) to its place at the end of the path for the team to have
+/// arrived: a hand that is steered need not be on the path.
 const ARRIVAL_DISTANCE_M: f64 = 0.1;
 
 /// The largest bend (rad) between a turn and a path that ends in an arc.
@@ -88,22 +88,39 @@ impl<'a> InTandem<'a> {
         widened
     }
 
-    /// A turn with room for the object after it, and for the human beyond the end: a turn may join its path
-    /// beyond the arc with which that ends.
-    fn after_turn(&self, turned: Turned) -> Turned {
+    /// The turn at the position `along` (m) of `path` onto `next`, a path that [ends](Self::ended) so that
+    /// the human has room beyond it, in an arc of the length `end` (m).
+    ///
+    /// A turn may join its path beyond the arc with which that ends. It then ends in another arc, or, where
+    /// that would bend too sharply, joins before the arc.
+    pub(super) fn turn_at(&self, path: &Path, along: f64, (next, end): (&Path, f64)) -> Option<Turned> {
+        let turn = |end: f64| {
+            let turned = self.team_path().planned_turn(path, along, (next, end), self.free_space())?;
+            self.with_end(turned)
+        };
+        turn(0.0).or_else(|| if end > 0.0 { turn(end) } else { None })
+    }
+
+    /// A turn with room for the human beyond the end of its path. `None` if that would bend too sharply.
+    fn with_end(&self, turned: Turned) -> Option<Turned> {
         let Turned { path, until } = turned;
         let mut rest = Path::default();
         rest.push_rest(&path, until);
-        let ended = self.ended(rest.clone());
-        if ended == rest {
-            return Turned { path: self.with_object_room(path), until };
+        let (ended, end) = self.ended(rest);
+        if end == 0.0 {
+            return Some(Turned { path, until });
         }
         let mut turn = Path::default();
         turn.push_rest(&path.reversed(), path.length() - until);
         let mut way = turn.reversed();
         way.push_rest(&ended, 0.0);
         let is_smooth = way.sharpest_bend() <= path.sharpest_bend().max(MAX_BEND_RAD);
-        Turned { path: self.with_object_room(if is_smooth { way } else { path }), until }
+        is_smooth.then_some(Turned { path: way, until })
+    }
+
+    /// A turn with room for the object after it.
+    fn with_room(&self, turned: Turned) -> Turned {
+        Turned { path: self.with_object_room(turned.path), until: turned.until }
     }
 
     /// A path as the team walks it, with room for the object.
@@ -188,30 +205,39 @@ impl Walk for InTandem<'_> {
     }
 
     fn walkable(&self, path: Path) -> Path {
-        self.with_object_room(self.widened(&self.ended(path)))
+        self.with_object_room(self.widened(&self.ended(path).0))
     }
 
     fn begin(&mut self, path: Path) -> Turned {
-        let path = self.ended(path);
-        let turned = if self.faces_path { None } else { self.turn_from_start(&path) };
+        let (path, end) = self.ended(path);
+        let turned = if self.faces_path { None } else { self.turn_from_start((&path, end)) };
         match turned {
-            Some(turned) => self.after_turn(turned),
+            Some(turned) => self.with_room(turned),
             None => Turned { path: self.with_object_room(self.widened(&path)), until: 0.0 },
         }
     }
 
     fn turn(&mut self, path: &Path, along: f64, next: Path) -> Option<Turned> {
-        let (free_space, next) = (self.free_space(), self.ended(next));
+        let (next, end) = self.ended(next);
+        let turned = self.turn_at(path, along, (&next, end))?;
         let State { team_path, path_position, unhindered, .. } = &mut self.state;
-        let turned = team_path.planned_turn(path, along, &next, free_space)?;
         team_path.leave(path, along);
         *path_position -= along;
         unhindered[0] -= along;
-        Some(self.after_turn(turned))
+        Some(self.with_room(turned))
     }
 
     fn place_to_turn(&self, path: &Path, range: [f64; 2], next: &dyn Fn(Point) -> Path) -> Option<f64> {
-        self.state.team_path.place_to_turn(path, range, next, self.free_space())
+        let team_path = self.team_path();
+        let can_turn = |along: f64| {
+            let next = next(team_path.point(path, along));
+            if next.sharpest_bend() > SHARPEST_BEND_RAD {
+                return false;
+            }
+            let (next, end) = self.ended(next);
+            self.turn_at(path, along, (&next, end)).is_some()
+        };
+        team_path.place_to_turn(path, range, &can_turn, self.free_space())
     }
 
     fn grasp_goal(&self, _: &Seen<'_>) -> PlanarPose {
@@ -231,7 +257,8 @@ impl Walk for InTandem<'_> {
         // where the hand will be
         let hand = seen.hand() + (led.position - before);
         let facing = angle_of(team_path.body_on(step.path, *path_position, hand) - hand);
-        // a hand that is steered need not be on the path: it turns with the object, and the body walks ahead of it
+        // a hand that is steered need not be on the path: it turns with the object, and the body walks ahead
+        // of it
         let yaw = object(seen).yaw;
         let facing = if step.hand.is_some() { yaw } else { facing };
         let hand = match (step.hand, step.stance, step.mode) {

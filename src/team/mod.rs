@@ -3,6 +3,7 @@
 //! A team without extent walks its path exactly ([`OnPath`]). Bodies walk [`InTandem`]: the human ahead, the
 //! object, and the robot behind.
 
+mod base_room;
 mod ends;
 mod in_tandem;
 mod object_room;

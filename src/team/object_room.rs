@@ -6,6 +6,7 @@
 //! pushes the points of the path under its ends, until object and bodies have room, or as much of it as there
 //! is. Where the object would turn by more than the arm can follow, the corner is pushed inward.
 
+use super::base_room::pursue;
 use super::team_path::{BODY_ROOM_M, FreeSpace};
 use crate::geometry::{Footprint, Path, Point, Tandem, Vector, direction, wrap_angle};
 use crate::options::Crossing;
@@ -32,6 +33,8 @@ const MAX_ROUNDS: usize = 80;
 /// bodies touch is worse than one with little room for the object.
 const BODY_PUSH: f64 = 1.5;
 const BODY_WEIGHT: f64 = 3.0;
+/// Where the base is when the object's centre is at the beginning of a path, m, at the farthest.
+const BASE_BEHIND_M: f64 = 1.5;
 /// A push inward (m), and its weight (m), for a turn that is twice as sharp as the sharpest.
 const SHARP_PUSH_M: f64 = 0.1;
 const SHARP_WEIGHT_M: f64 = 0.05;
@@ -83,7 +86,7 @@ impl<'a> ObjectRoom<'a> {
     /// The path with room for the object, or with as much as there is; it stays as it is up to the position
     /// `kept` (m), at its end, and where there is room. It goes through the same openings.
     pub fn on(&self, path: Path, kept: f64) -> Path {
-        let mut least = self.missing(&path);
+        let mut least = self.missing(&path, kept);
         if least <= TOLERANCE_M {
             return path;
         }
@@ -92,7 +95,7 @@ impl<'a> ObjectRoom<'a> {
         let crossed = self.crossed(&best);
         for _ in 0..MAX_ROUNDS {
             band.write(&mut shifted);
-            let missing = self.push(&shifted, &mut band);
+            let missing = self.push(&shifted, kept, &mut band);
             if missing < least && self.crossed(&shifted) == crossed {
                 least = missing;
                 best.clone_from(&shifted);
@@ -105,9 +108,11 @@ impl<'a> ObjectRoom<'a> {
         best
     }
 
-    /// How much the object lacks along a path, m.
-    fn missing(&self, path: &Path) -> f64 {
-        positions(path.length()).fold(0.0, |mut missing: f64, along| {
+    /// How much object and base lack along a path that stays up to `kept` (m), m.
+    fn missing(&self, path: &Path, kept: f64) -> f64 {
+        let mut base: f64 = 0.0;
+        self.near_base(path, kept, |_, lack, _| base = base.max(BODY_WEIGHT * lack));
+        positions(path.length()).fold(base, |mut missing: f64, along| {
             self.near(path, along, |near| missing = missing.max(near.lack));
             missing.max(self.too_sharp(path, along).map_or(0.0, |(excess, _)| SHARP_WEIGHT_M * excess))
         })
@@ -123,6 +128,25 @@ impl<'a> ObjectRoom<'a> {
         });
     }
 
+    /// Calls `on_near` for every obstacle that a base on its way along the path would touch beyond the position
+    /// `kept` (m): with the position along the path (m), how much room it lacks (m), and the direction away from
+    /// the obstacle.
+    fn near_base(&self, path: &Path, kept: f64, mut on_near: impl FnMut(f64, f64, Vector)) {
+        let to = path.length() - self.tandem.length() / 2.0;
+        pursue(
+            |along| self.tandem.point(path, along),
+            [-BASE_BEHIND_M, to],
+            |along, at| {
+                if along <= kept {
+                    return;
+                }
+                self.free_space.obstacles.near_point(at, BODY_ROOM_M, |distance, away| {
+                    on_near(along, BODY_ROOM_M - distance, away);
+                });
+            },
+        );
+    }
+
     /// Where the object turns too sharply: by how much, as a share, and the direction to the inside of the
     /// bend.
     fn too_sharp(&self, path: &Path, along: f64) -> Option<(f64, Vector)> {
@@ -136,8 +160,8 @@ impl<'a> ObjectRoom<'a> {
         Some((excess, inward.try_normalize(1e-9).unwrap_or_default()))
     }
 
-    /// Pushes the band's points, whose path is `path`. Returns what is missing, m.
-    fn push(&self, path: &Path, band: &mut Band) -> f64 {
+    /// Pushes the band's points, whose path is `path` and stays up to `kept` (m). Returns what is missing, m.
+    fn push(&self, path: &Path, kept: f64, band: &mut Band) -> f64 {
         let mut missing: f64 = 0.0;
         for i in 0..band.points.len() {
             let (at, room) = (band.points[i], band.rooms[i]);
@@ -146,6 +170,10 @@ impl<'a> ObjectRoom<'a> {
                 band.push_at(i as f64, away * (BODY_PUSH * (room - distance)));
             });
         }
+        self.near_base(path, kept, |along, lack, away| {
+            missing = missing.max(BODY_WEIGHT * lack);
+            band.push_at(band.index(path, along), away * (BODY_PUSH * lack));
+        });
         let half = self.tandem.length() / 2.0;
         for along in positions(path.length()) {
             self.near(path, along, |Near { lack, away, front }| {
@@ -256,7 +284,7 @@ mod tests {
         let free_space = FreeSpace { obstacles: &obstacles, options: &options };
         let room = ObjectRoom::new(&tandem, width / 2.0, free_space);
         let shifted = room.on(path.clone(), 1.0);
-        let missing = [&path, &shifted].map(|path| room.missing(path));
+        let missing = [&path, &shifted].map(|path| room.missing(path, 1.0));
         assert_eq!(room.crossed(&path), room.crossed(&shifted));
         assert_eq!(room.crossed(&path).len(), 1);
         (path, shifted, missing)
@@ -295,7 +323,7 @@ mod tests {
         path.line(Point::new(-8.0, 5.0), Point::new(-4.0, 5.0));
         path.line(Point::new(-4.0, 5.0), Point::new(-4.0, 5.0) + direction(2.2) * 4.0);
         let shifted = room.on(path.clone(), 1.0);
-        let [before, after] = [&path, &shifted].map(|path| room.missing(path));
+        let [before, after] = [&path, &shifted].map(|path| room.missing(path, 1.0));
         assert!(before > 0.01 && after <= TOLERANCE_M, "{before} {after}");
         assert!(shifted.length() < path.length());
     }

@@ -33,7 +33,8 @@ enum Reversing {
     No,
     /// It reverses to this position along the present path, m.
     To(f64),
-    /// It reversed and found no room to turn. It does not try again on this path.
+    /// It reversed and did not turn: it found no room, or another decision came first. It does not try again
+    /// on this path. As it reverses, the decision may change, and change back as it goes on.
     InVain,
 }
 
@@ -57,8 +58,12 @@ impl Route {
     /// Continues forward on the present path.
     pub fn keep(&mut self) {
         self.travel = Travel::Forward;
+        self.give_up_reversing();
+    }
+
+    fn give_up_reversing(&mut self) {
         if let Reversing::To(_) = self.reversing {
-            self.reversing = Reversing::No;
+            self.reversing = Reversing::InVain;
         }
     }
 
@@ -82,6 +87,7 @@ impl Route {
     ) -> TurnOutcome {
         self.travel = Travel::Forward;
         if self.along < self.turns_until {
+            self.give_up_reversing();
             return TurnOutcome::GoesOn;
         }
         let next = options.path_passing(progress, option, walk.passing()).unwrap_or_default();

@@ -40,7 +40,7 @@ const PAST_OPENING_M: f64 = 0.6;
 const SEARCH_BEHIND_M: f64 = 1.5;
 /// The sharpest bend (rad) of a path for which a team reverses. Between close openings, a path for a point
 /// may double back.
-const SHARPEST_BEND_RAD: f64 = 2.0;
+pub(super) const SHARPEST_BEND_RAD: f64 = 2.0;
 
 /// The path of a team.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -162,8 +162,8 @@ impl TeamPath {
         self.half() + WALKS_AHEAD_M
     }
 
-    /// Position of the human's body when the object's centre is at `walked` (m) and the hand at `hand`: on the
-    /// path, whoever leads, at its distance from the hand.
+    /// Position of the human's body when the object's centre is at `walked` (m) and the hand at `hand`: on
+    /// the path, whoever leads, at its distance from the hand.
     pub fn body_on(&self, path: &Path, walked: f64, hand: Point) -> Point {
         const STEP: f64 = 0.02;
         let point = |ahead: f64| self.point(path, walked + self.half() + ahead);
@@ -211,7 +211,7 @@ impl TeamPath {
         let (body, heading) = self.body(path, along);
         let is_there = next.length() <= self.body_ahead() + 0.5;
         let is_free = |from, to| free_space.is_free(from, to);
-        let turn = |arc: &Arc| write_turn_onto(next, body, heading, *arc, is_free, way);
+        let turn = |arc: &Arc| write_turn_onto((next, f64::INFINITY), body, heading, *arc, is_free, way);
         if is_there || ARCS.iter().find_map(turn).is_none() {
             // straight on
             way.clear();
@@ -225,21 +225,23 @@ impl TeamPath {
     }
 
     /// The turn onto `next`, which begins at the object's centre, `along` (m) on `path`. The path of the turn
-    /// leads to the human's body and from there in an arc onto `next`. `None` if there is no room for the
-    /// turn.
+    /// leads to the human's body and from there in an arc onto `next`, at least `end` (m) before its end.
+    /// `None` if there is no room for the turn.
     pub fn planned_turn(
         &self,
         path: &Path,
         along: f64,
-        next: &Path,
+        (next, end): (&Path, f64),
         free_space: FreeSpace,
     ) -> Option<Turned> {
         let (body, heading) = self.body(path, along);
         let is_free = |from, to| free_space.is_free(from, to);
         let (mut next_widened, mut new_path) = (Path::default(), Path::default());
         self.write_widened(next, is_free, &mut Widening::default(), &mut next_widened);
+        let latest = if end > 0.0 { next_widened.length() - end } else { f64::INFINITY };
         let turning = ARCS.iter().find_map(|arc| {
-            let turning = write_turn_onto(&next_widened, body, heading, *arc, is_free, &mut new_path)?;
+            let turning =
+                write_turn_onto((&next_widened, latest), body, heading, *arc, is_free, &mut new_path)?;
             self.is_room_for_object(path, along, &new_path, free_space).then_some(turning)
         })?;
         let mut way = Path::default();
@@ -263,19 +265,15 @@ impl TeamPath {
 
     /// The position along `path` (m), no farther back than `least`, to which a team with the object's centre
     /// at `along` should reverse to turn. `None` if there is no such place, or if the team reaches one before
-    /// the human crosses the next opening. `next` gives the path to turn onto from a position of the centre.
+    /// the human crosses the next opening. `can_turn` tells of a position (m) along the path whether the team
+    /// can turn there.
     pub fn place_to_turn(
         &self,
         path: &Path,
         [least, along]: [f64; 2],
-        next: &dyn Fn(Point) -> Path,
+        can_turn: &dyn Fn(f64) -> bool,
         free_space: FreeSpace,
     ) -> Option<f64> {
-        let can_turn = |along: f64| {
-            let next = next(self.point(path, along));
-            next.sharpest_bend() <= SHARPEST_BEND_RAD
-                && self.planned_turn(path, along, &next, free_space).is_some()
-        };
         let body = |ahead: f64| self.point(path, along + self.body_ahead() + ahead);
         let is_through =
             |ahead: f64| free_space.options.goes_through_opening(body(ahead), body(ahead + SEARCH_STEP_M));

@@ -7,9 +7,11 @@ use cocarry::human::PreferenceHuman;
 use cocarry::math;
 use cocarry::policy::Method;
 use cocarry::preference::{Perception, Prospect, RISK_WEIGHT, subjective_cost};
-use cocarry::scenario::Plant;
+use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry_studies::paper::EXAMPLE_HUMAN;
-use cocarry_studies::paper::cycles::{Findings, Search};
+use cocarry_studies::paper::cycles::{Cause, Findings, Search};
+use cocarry_studies::paper::placed::Placed;
+use cocarry_studies::paper::starts;
 
 fn settings(method: Method, eta: f64) -> Settings {
     let coordination = coordination::Settings { eta, ..coordination::Settings::default() };
@@ -143,7 +145,13 @@ fn an_episode_that_is_cut_short_says_so() {
 }
 
 fn search(worlds: usize, seed: u64) -> Findings {
-    let search = Search { plant: &Plant::Point, settings: &Settings::default(), worlds, seed };
+    let search = Search {
+        plant: &Plant::Point,
+        settings: &Settings::default(),
+        worlds,
+        seed,
+        placed: Placed::AsDrawn,
+    };
     search.run(&|| ()).unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -155,6 +163,52 @@ fn paper_no_locked_cycles_in_random_worlds() {
     assert!(findings.with_choice > 500, "{} worlds had a choice", findings.with_choice);
     assert!(findings.dropped_soon.len() <= 2, "{:?}", findings.dropped_soon);
     assert!(findings.with_changes > 20 && findings.most_changes <= 8, "{}", findings.most_changes);
+}
+
+/// A robot that follows does not change which options a team takes.
+#[test]
+fn paper_no_locked_cycles_with_a_robot() {
+    let robot = cocarry::robot::Robot::built_in().unwrap();
+    let plant = Plant::new(PlantKind::Kinematic, RobotSetup::new(&robot));
+    let settings = Settings::default();
+    let placed = Placed::AsDrawn;
+    let with_robot = Search { plant: &plant, settings: &settings, worlds: 40, seed: 0, placed };
+    let with_robot = with_robot.run(&|| ()).unwrap();
+    let point = search(40, 0);
+    assert_eq!(with_robot.lost, []);
+    assert_eq!(
+        (with_robot.with_choice, with_robot.with_changes, with_robot.most_changes),
+        (point.with_choice, point.with_changes, point.most_changes)
+    );
+}
+
+/// Options that are dropped soon after they were taken up: phi grew past one that was best for a step, a gap
+/// was crossed, or the perceived length of another one fell faster.
+#[test]
+fn options_that_are_dropped_soon_have_a_cause() {
+    for (seed, cause, options) in [
+        (6490, Cause::Stubbornness, ["1", "2", "3"]),
+        (8969, Cause::Opening, ["2", "1", "2"]),
+        (1571, Cause::Perception, ["1", "2", "1"]),
+    ] {
+        let findings = search(1, seed);
+        let dropped = &findings.dropped_soon[0];
+        assert_eq!((dropped.seed, dropped.cause), (seed, cause));
+        assert_eq!(dropped.options, options);
+        assert!(dropped.dropped - dropped.taken_up <= 5);
+    }
+}
+
+/// Where A and B are in the open, a team with bodies starts: `cocarry reproduce starts` has 200 such worlds.
+#[test]
+fn a_team_starts_in_random_rooms() {
+    let robot = cocarry::robot::Robot::built_in().unwrap();
+    let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(&robot));
+    let settings = Settings::default();
+    let study = starts::Study { plant: &plant, settings: &settings, worlds: 12, seed: 20 };
+    let starts = study.run(&|| ()).unwrap();
+    assert_eq!(starts.refused, []);
+    assert!(starts.arrived >= 11, "{:?}", starts.lost);
 }
 
 /// Worlds in which a team once turned round in every step for ever: the gap behind it counted for one option

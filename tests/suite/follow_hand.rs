@@ -8,8 +8,8 @@ use cocarry::episode::Outcome;
 use cocarry_studies::paper::ENVIRONMENTS;
 use example::{HALL, Way, followed};
 
-/// A hand that wiggles by 50 degrees to either side, at 0.5 m/s for a minute: less than 30 N in the mean, which
-/// includes the human's half of the weight of 4 kg (20 N), and no contact.
+/// A hand that wiggles by 50 degrees to either side, at 0.5 m/s for a minute: less than 30 N in the mean,
+/// which includes the human's half of the weight of 4 kg (20 N), and no contact.
 fn a_minute_in(number: usize, way: Way) {
     let summary = followed(&ENVIRONMENTS[number - 1], way).expect("a walk");
     let interaction = summary.interaction.expect("bodies");

@@ -1,5 +1,5 @@
 //! Worlds from maps: occupancy grids as ROS's map_server has them (YAML with a PGM or PNG image), and floor
-//! plans (GeoJSON).
+//! plans (GeoJSON, SVG).
 //!
 //! A world file names its map:
 //!
@@ -27,6 +27,7 @@ mod plan;
 mod request;
 mod room;
 mod simplify;
+mod svg;
 mod trace;
 
 use cocarry::error::{Error, Place};
@@ -64,10 +65,14 @@ pub fn find(path: &Path, name: &str) -> Result<World, Error> {
     World::parse(&file, &with_obstacles(source, folder)?)
 }
 
-/// Whether a file is a map by its extension: the YAML of map_server, or GeoJSON.
+/// Whether a file is a map by its extension: the YAML of map_server, GeoJSON or SVG.
 pub fn is_map(path: &Path) -> bool {
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    matches!(extension.as_deref(), Some("yaml" | "yml" | "geojson" | "json"))
+    matches!(extension(path).as_str(), "yaml" | "yml" | "geojson" | "json" | "svg")
+}
+
+/// The extension of a file, in lower case.
+fn extension(path: &Path) -> String {
+    path.extension().map_or(String::new(), |extension| extension.to_string_lossy().to_lowercase())
 }
 
 /// What a map lacks for a world.
@@ -136,11 +141,11 @@ fn with_obstacles(source: Source, folder: &Path) -> Result<String, Error> {
         unit: head.map.unit,
     };
     let path = folder.join(&head.map.file);
-    let is_plan = path.extension().is_some_and(|extension| {
-        let extension = extension.to_string_lossy().to_lowercase();
-        extension == "geojson" || extension == "json"
-    });
-    let obstacles = if is_plan { plan::obstacles(&path, &request) } else { map::obstacles(&path, &request) }?;
+    let obstacles = match extension(&path).as_str() {
+        "geojson" | "json" => plan::obstacles(&path, &request),
+        "svg" => svg::obstacles(&path, &request),
+        _ => map::obstacles(&path, &request),
+    }?;
     let mut lines = vec![key.span(), value.span()];
     if let Some(entries) = value.get_ref().as_table() {
         lines.extend(entries.iter().flat_map(|(key, value)| [key.span(), value.span()]));

@@ -4,7 +4,7 @@ use crate::description::Description;
 use crate::grid::{Cell, Grid};
 use crate::image::Image;
 use crate::request::Request;
-use crate::room::Obstacles;
+use crate::room::{MAX_CORNERS, Obstacles};
 use crate::simplify::simplified;
 use crate::trace::{Vertex, doubled_area, rings, without_pinches};
 use cocarry::error::{Error, ErrorKind, Place};
@@ -14,8 +14,6 @@ use std::path::Path;
 
 /// The largest description of a map, bytes.
 const MAX_DESCRIPTION: u64 = 1 << 16;
-/// The largest number of corners of all outlines.
-const MAX_CORNERS: usize = 20_000;
 /// Passages that are narrower than the robot by more than this (cells) are not followed.
 const NARROWER_CELLS: f64 = 2.0;
 

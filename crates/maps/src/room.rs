@@ -3,6 +3,9 @@
 use cocarry::geometry::Point;
 use std::fmt::Write;
 
+/// The largest number of corners of all outlines.
+pub(crate) const MAX_CORNERS: usize = 20_000;
+
 /// Obstacles as the tables of a world file.
 #[derive(Default)]
 pub(crate) struct Obstacles {

@@ -1,5 +1,5 @@
-//! Files given where another kind belongs: a folder of `cocarry new` instead of a file in it, a robot instead of
-//! a world.
+//! Files given where another kind belongs: a folder of `cocarry new` instead of a file in it, a robot instead
+//! of a world.
 
 use super::output::{Failure, input};
 use anyhow::{Error, anyhow};
@@ -53,8 +53,8 @@ pub(super) fn within(path: &Path, kind: FileKind) -> PathBuf {
     if path.is_dir() && inside.is_file() { inside } else { path.to_owned() }
 }
 
-/// The failure to read `path` as this kind of file: if it is of another kind, the error says which and where it
-/// belongs.
+/// The failure to read `path` as this kind of file: if it is of another kind, the error says which and where
+/// it belongs.
 pub(super) fn refused(path: &Path, kind: FileKind, error: Error) -> Failure {
     let table = located::read(path).ok().and_then(|text| text.parse::<toml::Table>().ok());
     let is = |other: &FileKind| *other != kind && table.as_ref().is_some_and(|t| t.contains_key(other.key()));

@@ -29,7 +29,7 @@ use std::process::ExitCode;
 ]))]
 pub(super) struct WorldArguments {
     /// World file (TOML), a built-in world (see `cocarry worlds`), or a map: the YAML of ROS's map_server, or
-    /// GeoJSON
+    /// a floor plan (GeoJSON, SVG)
     world: PathBuf,
     #[command(flatten)]
     map: MapArguments,
@@ -71,7 +71,7 @@ impl MapArguments {
         if !cocarry_maps::is_map(path) {
             let path = path.display();
             return Err(input(anyhow::anyhow!(
-                "{path}: --start and --target are for maps (.yaml, .geojson); a world file has start_m and target_m"
+                "{path}: --start and --target are for maps (.yaml, .geojson, .svg); a world file has start_m and target_m"
             )));
         }
         let ends = Ends { start, target, robot_width: self.robot_width, tolerance: self.tolerance };
@@ -187,10 +187,17 @@ fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
             o.name.clone(),
             format!("{first}, {second}"),
             format!("{:.4}", o.width),
-            if risk == 0.0 { format!("0 (wider than {} d_r)", o.free_passage) } else { format!("{risk:.4}") },
+            match (risk == 0.0, o.share < 1.0) {
+                (true, _) => format!("0 (wider than {} d_r)", o.free_passage),
+                (false, true) => format!("{risk:.4} ({:.0} % of {:.4}: *)", 100.0 * o.share, risk / o.share),
+                (false, false) => format!("{risk:.4}"),
+            },
         ]);
     }
     text += &table_text(&openings);
+    if world.openings.iter().any(|o| o.share < 1.0 && o.risk(world.robot_width) > 0.0) {
+        text += "* a narrower gap of the same passage is less than two robot widths away: this share of the risk counts\n";
+    }
     text += &unused_openings(world, set);
     text += &closed_gaps(world);
     let origin = match (world.listed_options.is_empty(), set.is_cut) {
@@ -276,6 +283,7 @@ fn as_json(world: &World, set: &OptionSet, offers: &[Offer]) -> Value {
             "ends_m": o.ends.map(point),
             "width_m": o.width,
             "risk": o.risk(world.robot_width),
+            "risk_share": o.share,
             "used": set.uses(i),
             "leads_nowhere_new": set.leads_nowhere_new(i),
         })).collect::<Vec<_>>(),

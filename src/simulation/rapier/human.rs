@@ -276,8 +276,8 @@ mod tests {
         assert!(at > 0.03 && at < 0.042, "{at} m");
     }
 
-    /// At a phase of 30 degrees, the hand is half the lateral amplitude to the left and, twice as fast, half the
-    /// vertical one up.
+    /// At a phase of 30 degrees, the hand is half the lateral amplitude to the left and, twice as fast, half
+    /// the vertical one up.
     #[test]
     fn closed_form_the_hand_sways_to_the_side_and_up() {
         let mut walker = Walker::new(START, HumanSettings::default(), 3);

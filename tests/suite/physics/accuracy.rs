@@ -40,8 +40,8 @@ fn oracle_the_default_solver_iterations_suffice() {
     }
 }
 
-/// Around a corner with a human who follows, at a rate (Hz): where the object is after each control period, and
-/// the noise of gripper and hand, rms over the way (N).
+/// Around a corner with a human who follows, at a rate (Hz): where the object is after each control period,
+/// and the noise of gripper and hand, rms over the way (N).
 fn at_rate(rate_hz: f64) -> (Vec<Vector3<f64>>, [f64; 2]) {
     let robot = carrier();
     let world = world("");

@@ -1,5 +1,5 @@
-//! Every quantity by its key, against a value worked out by hand. Plant, controller, human and policy are told
-//! what to do, so that no two quantities have the same value: to swap two of them fails here.
+//! Every quantity by its key, against a value worked out by hand. Plant, controller, human and policy are
+//! told what to do, so that no two quantities have the same value: to swap two of them fails here.
 
 mod episodes;
 mod others;
@@ -26,7 +26,8 @@ use cocarry::world::World;
 use nalgebra::{Point3, Vector3};
 use serde_json::{Map, Value};
 
-/// A wall across the way from (1, 0) to (1, 8), with two openings of 1 m: straight ahead, and 7 m to the right.
+/// A wall across the way from (1, 0) to (1, 8), with two openings of 1 m: straight ahead, and 7 m to the
+/// right.
 const WORLD: &str = r#"
 name = "Two openings"
 robot_width_m = 0.5

@@ -1,6 +1,7 @@
 //! Results and ticks as Parquet: the values of the CSV files to the bit, read by the Parquet library.
 
-use super::{Bench, STUDY, kill_at};
+use super::interrupted::kill_at;
+use super::{Bench, STUDY};
 use crate::support::{cocarry, stderr};
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};

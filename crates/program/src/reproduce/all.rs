@@ -48,6 +48,9 @@ pub(in super::super) struct AllArguments {
     /// Random worlds in the search for locked cycles [default: 10000]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     worlds: Option<u64>,
+    /// Random worlds in the search for locked cycles with a robot [default: 5000]
+    #[arg(long, value_name = "WORLDS", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    worlds_with_robot: Option<u64>,
     /// Random worlds with bodies [default: 200]
     #[arg(long, value_name = "WORLDS", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     worlds_with_bodies: Option<u64>,
@@ -57,6 +60,10 @@ pub(in super::super) struct AllArguments {
     /// People of each of 6 kinds in each of 6 groups of worlds, who the robot learns [default: 200]
     #[arg(long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
     people: Option<u64>,
+    /// Simulated studies in each of 45 cells of the coverage of the fits; and two fifths of them for each of
+    /// 3 values of c_r [default: 500]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    fits: Option<u64>,
     /// Seed of everything random
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -82,9 +89,11 @@ pub(super) fn reproduce_all(arguments: &AllArguments) -> Result<(), Failure> {
     given(&mut plan.seeds, arguments.seeds);
     given(&mut plan.humans, arguments.humans);
     given(&mut plan.worlds, arguments.worlds);
+    given(&mut plan.worlds_with_robot, arguments.worlds_with_robot);
     given(&mut plan.worlds_with_bodies, arguments.worlds_with_bodies);
     given(&mut plan.walks, arguments.walks);
     given(&mut plan.people, arguments.people);
+    given(&mut plan.fits, arguments.fits);
     plan.seed = arguments.seed;
 
     let begun = Instant::now();
@@ -118,7 +127,7 @@ fn sections(plan: &Plan, parts: &[&Part]) -> Result<Vec<Section>, ReportError> {
     parts
         .iter()
         .map(|part| {
-            let bar = Progress::new((part.episodes)(plan), part.name);
+            let bar = Progress::new((part.episodes)(plan) + (part.studies)(plan), part.name);
             let section = (part.run)(plan, &|| bar.step());
             bar.finish();
             section

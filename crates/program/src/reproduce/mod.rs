@@ -8,6 +8,8 @@ mod guide;
 mod h2;
 mod h3;
 mod h4;
+mod slots;
+mod starts;
 
 pub(super) use common::Common;
 
@@ -36,9 +38,13 @@ pub(super) enum Claim {
     /// Contacts: how often a team with bodies touches the sides of an opening, by the paper's risk S = d_r /
     /// w
     Contacts(contacts::ContactsArguments),
+    /// Slots in thick walls: whether a team with bodies comes through deep openings
+    Slots(slots::SlotsArguments),
     /// "No locked cycles" (Sec. IV-B): random worlds and humans, each episode run to its end
     Cycles(cycles::CyclesArguments),
-    /// A report of all claims with tables and pictures: H1, H2, H3, locked cycles, and Table II with bodies
+    /// Starts: in how many random indoor worlds a team with bodies has room at A and B, and arrives
+    Starts(starts::StartsArguments),
+    /// A report with tables and pictures: all claims but slots and starts, and the coverage of the fits
     All(all::AllArguments),
 }
 
@@ -59,7 +65,9 @@ pub(super) fn run_reproduce(claim: &Claim) -> Result<ExitCode, Failure> {
         Claim::Guide(arguments) => guide::run(arguments),
         Claim::H4(arguments) => h4::reproduce_h4(arguments),
         Claim::Contacts(arguments) => contacts::reproduce_contacts(arguments),
+        Claim::Slots(arguments) => slots::reproduce_slots(arguments),
         Claim::Cycles(arguments) => cycles::reproduce_cycles(arguments),
+        Claim::Starts(arguments) => starts::reproduce_starts(arguments),
         Claim::All(arguments) => all::reproduce_all(arguments),
     }?;
     Ok(ExitCode::SUCCESS)

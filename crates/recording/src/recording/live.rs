@@ -1,7 +1,7 @@
 //! A live server: the messages of a running episode for viewers over WebSocket.
 //!
-//! Only this file uses Foxglove's server, behind a proxy that checks where web pages come from. The server has
-//! its own threads, which only wait for viewers and send queued messages: viewers do not influence the
+//! Only this file uses Foxglove's server, behind a proxy that checks where web pages come from. The server
+//! has its own threads, which only wait for viewers and send queued messages: viewers do not influence the
 //! episode.
 
 use super::origin_proxy::{OriginProxy, hidden_host};

@@ -174,8 +174,8 @@ fn read_head(viewer: &mut TcpStream) -> io::Result<Vec<u8>> {
     }
 }
 
-/// An address of the loopback network for the server behind the proxy. Where the whole network belongs to this
-/// computer, it cannot be guessed by a web page.
+/// An address of the loopback network for the server behind the proxy. Where the whole network belongs to
+/// this computer, it cannot be guessed by a web page.
 pub(super) fn hidden_host() -> Ipv4Addr {
     let [a, b, c, ..] = RandomState::new().build_hasher().finish().to_be_bytes();
     if cfg!(target_os = "linux") {

@@ -196,7 +196,8 @@ fn path_ahead(message: &Value) -> Option<Vec<Point>> {
     points.iter().map(|p| Some(Point::new(p["x"].as_f64()?, p["y"].as_f64()?))).collect()
 }
 
-/// The poses in the world of a `/tf` message's frames; `None` where they are not a tree, or a number is missing.
+/// The poses in the world of a `/tf` message's frames; `None` where they are not a tree, or a number is
+/// missing.
 fn poses(message: &Value) -> Option<BTreeMap<String, Pose>> {
     let transform = |t: &Value| {
         let number = |part: &str, key: &str| t[part][key].as_f64();

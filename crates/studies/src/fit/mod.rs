@@ -3,6 +3,7 @@
 
 mod answers;
 mod calibration;
+mod coverage;
 mod eta;
 mod infer;
 mod kind;
@@ -16,6 +17,7 @@ mod walk;
 
 pub use answers::{AnswerFile, Answers, SUM_TOLERANCE, Situation};
 pub use calibration::{Calibration, Check, LEVELS, PARAMETERS, Replication, checks};
+pub use coverage::{Coverage, DIFFUSE, EtaDesign, MEDIAN, risk_weight_coverage};
 pub use eta::{Eta, EtaFit, Evidence, fit_eta};
 pub use infer::{
     CHAINS, Draws, Figure, HeldOut, Inference, Means, MeansRow, Model as InferenceModel, OptionCheck, Person,

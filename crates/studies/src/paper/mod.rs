@@ -7,6 +7,7 @@
 
 pub mod arrivals;
 pub mod contacts;
+pub(crate) mod coverage;
 pub mod cycles;
 pub mod h1;
 pub mod h2;
@@ -14,9 +15,12 @@ pub mod h3;
 pub mod h4;
 pub(crate) mod pairs;
 pub mod part;
+pub mod placed;
+pub mod slots;
+pub mod starts;
 
 use cocarry::Error;
-use cocarry::episode::{Settings, Summary, Tick};
+use cocarry::episode::{Episode, Settings, Summary, Tick};
 use cocarry::preference::Perception;
 use cocarry::scenario::{GivenWorld, Plant, PreparedScenario, Scenario};
 use cocarry::world::World;
@@ -136,12 +140,16 @@ fn prepared(
 }
 
 /// Runs the episode of a scenario to its end, and calls `on_tick` after every step.
-fn run(prepared: &PreparedScenario, mut on_tick: impl FnMut(&Tick)) -> Result<Summary, Error> {
-    let mut episode = prepared.episode()?;
+fn run(prepared: &PreparedScenario, on_tick: impl FnMut(&Tick)) -> Result<Summary, Error> {
+    Ok(run_episode(prepared.episode()?, on_tick))
+}
+
+/// Runs an episode to its end, and calls `on_tick` after every step.
+fn run_episode(mut episode: Episode<'_>, mut on_tick: impl FnMut(&Tick)) -> Summary {
     while episode.step().is_none() {
         on_tick(episode.tick());
     }
-    Ok(episode.summary().clone())
+    episode.summary().clone()
 }
 
 /// The route of an episode, which shows whether humans make the same choices: first option, last option and

@@ -25,12 +25,16 @@ pub struct Plan<'a> {
     pub humans: usize,
     /// Number of random worlds in the search for locked cycles.
     pub worlds: usize,
+    /// The same with a robot on the kinematic plant.
+    pub worlds_with_robot: usize,
     /// The same with bodies.
     pub worlds_with_bodies: usize,
     /// Number of walks through each opening from each angle.
     pub walks: usize,
     /// Number of people of each kind in each group of worlds, who the robot learns.
     pub people: usize,
+    /// Number of simulated studies in each cell of the coverage of the fits.
+    pub fits: usize,
     /// Seed of all random draws.
     pub seed: u64,
 }
@@ -46,9 +50,11 @@ impl<'a> Plan<'a> {
             seeds: arrivals::SEEDS,
             humans: h2::SAMPLES,
             worlds: locked::WORLDS,
+            worlds_with_robot: locked::WORLDS_WITH_ROBOT,
             worlds_with_bodies: locked::WORLDS_WITH_BODIES,
             walks: contacts::WALKS,
             people: h4::HUMANS,
+            fits: 500,
             seed: 0,
         }
     }
@@ -62,9 +68,11 @@ impl<'a> Plan<'a> {
             seeds: 1,
             humans: 2,
             worlds: 1000,
+            worlds_with_robot: 100,
             worlds_with_bodies: 40,
             walks: 1,
             people: 2,
+            fits: 2,
             ..Self::new(robot)
         }
     }
@@ -78,8 +86,15 @@ pub struct Part {
     pub name: &'static str,
     /// Number of episodes that it runs.
     pub episodes: fn(&Plan) -> usize,
+    /// Number of simulated studies of people that it fits.
+    pub studies: fn(&Plan) -> usize,
     /// Runs the episodes.
     pub run: fn(&Plan, OnDone) -> Result<Section, ReportError>,
+}
+
+/// For parts without episodes, or without simulated studies.
+pub(super) fn none(_: &Plan) -> usize {
+    0
 }
 
 /// A section of the report.

@@ -16,7 +16,7 @@ pub use crate::paper::h3::section::{Compared, ratio_picture, table_3, table_3_ra
 pub use crate::paper::h4::section::{learning_tables, people_table};
 pub use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
 
-use crate::paper::{arrivals, contacts, cycles, h1, h2, h3, h4};
+use crate::paper::{arrivals, contacts, coverage, cycles, h1, h2, h3, h4};
 use crate::table::Table;
 
 /// The claims, in the order of the report. A report may have some of them only.
@@ -28,12 +28,14 @@ pub const PARTS: &[Part] = &[
     arrivals::section::PART,
     contacts::section::PART,
     cycles::section::PART,
+    cycles::section::WITH_ROBOT,
     cycles::section::WITH_BODIES,
     h3::section::PART,
     h3::elsewhere::WITH_BODIES,
     h3::elsewhere::OMNIDIRECTIONAL,
     h3::elsewhere::CHOICES,
     h4::section::PART,
+    coverage::PART,
 ];
 
 /// The whole report. Equal plans give byte-identical reports on any number of threads.

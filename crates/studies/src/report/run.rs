@@ -13,10 +13,10 @@ pub(super) fn opening(plan: &Plan, run: &[&Part], sections: &[Section]) -> Strin
     let mut text = format!(
         "# Human-robot co-transportation, reproduced\n\n\
          Every table and figure of A. J. Mahmud, W. Li and X. Wang, *Mutual Adaptation in Human-Robot Co-Transportation with Human Preference Uncertainty*, with those \
-         of `cocarry` {} next to them. All figures of ours, those in the text included, come from one run of {} episodes.\n\n\
+         of `cocarry` {} next to them. All figures of ours, those in the text included, come from one run of {}.\n\n\
          ## What holds\n\n| claim | finding | in figures |\n| :-- | :-- | :-- |\n",
         env!("CARGO_PKG_VERSION"),
-        grouped(episodes(plan, run)),
+        all(plan, run),
     );
     for section in sections {
         let finding = &section.finding;
@@ -45,17 +45,32 @@ pub(super) fn end(plan: &Plan, run: &[&Part]) -> String {
     format!("{deviations}\n\n## This run\n\n{}{}", parts(plan, run), settings(plan))
 }
 
-fn episodes(plan: &Plan, run: &[&Part]) -> usize {
-    run.iter().map(|part| (part.episodes)(plan)).sum()
+/// What a report runs in all, in words.
+fn all(plan: &Plan, run: &[&Part]) -> String {
+    let [episodes, studies] = totals(plan, run);
+    match studies {
+        0 => format!("{} episodes", grouped(episodes)),
+        _ => format!("{} episodes and {} simulated studies", grouped(episodes), grouped(studies)),
+    }
 }
 
-/// The number of episodes of each part.
+/// Numbers of episodes and of simulated studies.
+fn totals(plan: &Plan, run: &[&Part]) -> [usize; 2] {
+    let sum = |of: fn(&Part, &Plan) -> usize| run.iter().map(|part| of(part, plan)).sum();
+    [sum(|part, plan| (part.episodes)(plan)), sum(|part, plan| (part.studies)(plan))]
+}
+
+/// The number of episodes and of simulated studies of each part.
 fn parts(plan: &Plan, run: &[&Part]) -> String {
-    let mut text = "| part | episodes |\n| :-- | --: |\n".to_owned();
+    let mut text = "| part | episodes | simulated studies |\n| :-- | --: | --: |\n".to_owned();
+    let mut line = |name: &str, [episodes, studies]: [usize; 2]| {
+        text += &format!("| {name} | {} | {} |\n", grouped(episodes), grouped(studies));
+    };
     for part in run {
-        text += &format!("| {} | {} |\n", part.name, grouped((part.episodes)(plan)));
+        line(part.name, totals(plan, &[part]));
     }
-    text + &format!("| all | {} |\n\n", grouped(episodes(plan, run)))
+    line("all", totals(plan, run));
+    text + "\n"
 }
 
 fn settings(plan: &Plan) -> String {

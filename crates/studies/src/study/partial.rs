@@ -188,8 +188,8 @@ impl<S: Borrow<Study>> Sweep<S> {
     }
 }
 
-/// The number of rows in `path`, if these are all rows of the study, or of a shard of it, as CSV: a sweep would
-/// write the same file.
+/// The number of rows in `path`, if these are all rows of the study, or of a shard of it, as CSV: a sweep
+/// would write the same file.
 pub fn complete_rows(study: &Study, shard: Option<Shard>, path: &Path) -> Option<u64> {
     let episodes = shard.map_or(0..study.episodes(), |shard| shard.episodes(study.episodes()));
     let file = located::open(path).ok()?;

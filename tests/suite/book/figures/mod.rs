@@ -10,6 +10,7 @@
 //! in the gate, and `book/renew` measures them again.
 
 mod bodies;
+mod coverage;
 mod learning;
 mod results;
 mod tables;
@@ -28,7 +29,7 @@ const BEGUN: &str = " -->";
 const END: &str = "<!-- / -->";
 
 fn all() -> impl Iterator<Item = &'static Figure> {
-    results::FIGURES.iter().chain(bodies::FIGURES).chain(learning::FIGURES)
+    results::FIGURES.iter().chain(bodies::FIGURES).chain(learning::FIGURES).chain(coverage::FIGURES)
 }
 
 /// A page with its figures, and their names.

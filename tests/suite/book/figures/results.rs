@@ -1,7 +1,7 @@
 //! Figures of the page of results, and of the README.
 
 use super::Figure;
-use super::tables::{Row, Tables, grouped, largest, least, line, mean};
+use super::tables::{Row, Tables, counted, grouped, largest, least, line, mean};
 use crate::support::repository;
 use cocarry::episode::{Settings, prospects};
 use cocarry::options::OptionSet;
@@ -48,6 +48,13 @@ pub const FIGURES: &[Figure] = &[
     ("cycles.changed", |t| grouped(t.row("cycles", &[]).number("with_changes"))),
     ("cycles.most", |t| grouped(t.row("cycles", &[]).number("most_changes"))),
     ("cycles.dropped-soon", |t| grouped(t.row("cycles", &[]).number("dropped_soon"))),
+    ("cycles.dropped-phi", |t| grouped(t.row("cycles", &[]).number("dropped_by_stubbornness"))),
+    ("cycles.dropped-gap", |t| grouped(t.row("cycles", &[]).number("dropped_by_opening"))),
+    ("cycles.dropped-length", |t| grouped(t.row("cycles", &[]).number("dropped_by_length"))),
+    ("cycles.dropped-perceived", |t| grouped(t.row("cycles", &[]).number("dropped_by_perception"))),
+    ("kinematic.worlds", |t| grouped(t.row("cycles-kinematic", &[]).number("worlds"))),
+    ("kinematic.counterexamples", |t| counted(t.row("cycles-kinematic", &[]).number("counterexamples"))),
+    ("kinematic.lost", |t| grouped(t.row("cycles-kinematic", &[]).number("lost_object"))),
     ("cycles.detour", |t| format!("{:.1}", t.row("cycles", &[]).number("longest_detour"))),
     ("cycles.counterexamples", |t| match t.row("cycles", &[]).number("counterexamples") {
         0.0 => "no counterexample".to_owned(),

@@ -1,14 +1,19 @@
 //! How a team with bodies carries in all built-in worlds: arrivals, errors, grips and forces.
 
 use crate::paper::arrivals::{ArrivalRow, Study};
-use crate::paper::part::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds};
+use crate::paper::part::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds, none};
 use crate::parallel::OnDone;
 use crate::table::{Cell, Columns, Table};
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 
 /// The study of arrivals.
-pub(crate) const PART: Part =
-    Part { id: "arrivals", name: "arrivals", episodes: |plan| with_study(plan, |study| study.units()), run };
+pub(crate) const PART: Part = Part {
+    id: "arrivals",
+    name: "arrivals",
+    episodes: |plan| with_study(plan, |study| study.units()),
+    studies: none,
+    run,
+};
 
 fn with_study<T>(plan: &Plan, work: impl FnOnce(&Study) -> T) -> T {
     let plant = &Plant::new(PlantKind::Rapier, RobotSetup::new(plan.robot));

@@ -1,15 +1,20 @@
 //! Contacts with the sides of an opening, by the paper's risk S.
 
 use crate::paper::contacts::{ANGLES, ContactRow, RISKS, Study};
-use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, none};
 use crate::parallel::OnDone;
 use crate::table::{Cell, Columns, Table};
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry_output::drawing::{Curve, CurvePanel, curves};
 
 /// The study of contacts.
-pub(crate) const PART: Part =
-    Part { id: "contacts", name: "contacts", episodes: |plan| RISKS.len() * ANGLES.len() * plan.walks, run };
+pub(crate) const PART: Part = Part {
+    id: "contacts",
+    name: "contacts",
+    episodes: |plan| RISKS.len() * ANGLES.len() * plan.walks,
+    studies: none,
+    run,
+};
 
 fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(plan.robot));

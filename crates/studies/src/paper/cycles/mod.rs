@@ -1,18 +1,24 @@
 //! Sec. IV-B.2 claims without proof that eq. (6) causes no locked cycles (infinite oscillation between
 //! options). This study runs random worlds and humans, each episode until the team arrives or takes ten times
-//! the steps of the longest option. The team is a point, or has bodies, which must not touch anything either.
+//! the steps of the longest option. The team is a point, has a robot, or has bodies, which must not touch
+//! anything either.
 
+mod dropped;
 pub mod section;
 
-use super::{prepared, run};
+pub use dropped::{Cause, Dropped, SOON_STEPS};
+
+use super::placed::Placed;
+use super::{prepared, run_episode};
 use crate::parallel::{OnDone, in_parallel};
-use cocarry::coordination::{self, Mode};
-use cocarry::episode::{Outcome, Settings, Summary, Tick};
+use cocarry::coordination;
+use cocarry::episode::{Outcome, Settings, Tick};
 use cocarry::math;
 use cocarry::preference::Perception;
 use cocarry::scenario::{Plant, PlantKind, Scenario, WorldText};
 use cocarry::simulation::{BodyKind, Contact};
 use cocarry::{Error, ErrorKind};
+use dropped::Leader;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -21,11 +27,10 @@ use std::ops::Range;
 
 /// Default number of worlds for a team that is a point.
 pub const WORLDS: usize = 10_000;
+/// Default number of worlds on the kinematic plant.
+pub const WORLDS_WITH_ROBOT: usize = 5000;
 /// Default number of worlds for a team with bodies.
 pub const WORLDS_WITH_BODIES: usize = 200;
-
-/// An option that is dropped after no more steps than this is dropped soon.
-pub const SOON_STEPS: u64 = 5;
 
 /// The search for locked cycles.
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +43,8 @@ pub struct Search<'a> {
     pub worlds: usize,
     /// Seed of the first world, its human, eta and gait; the other worlds have the seeds that follow.
     pub seed: u64,
+    /// Where the worlds lie.
+    pub placed: Placed,
 }
 
 /// The results of the search.
@@ -51,12 +58,14 @@ pub struct Findings {
     pub with_changes: usize,
     /// Largest number of changes of the executed option in one episode.
     pub most_changes: u32,
-    /// Seeds of the episodes in which the same leader took up an option and dropped it again within 5 steps.
-    pub dropped_soon: Vec<u64>,
+    /// The first option of each episode that the same leader took up and dropped again within 5 steps.
+    pub dropped_soon: Vec<Dropped>,
     /// Episodes that arrived without contact.
     pub arrived: usize,
     /// Episodes in which the robot, the object or the human touched an obstacle.
     pub touched: [usize; 3],
+    /// Episodes in which the robot lost the object; on the kinematic plant they go on.
+    pub lost_object: usize,
     /// Largest number of steps of an episode that arrived, as a multiple of the steps of its cheapest option.
     pub longest_detour: f64,
     /// Episodes that did not arrive: on the planning level, counterexamples.
@@ -84,15 +93,18 @@ pub struct Lost {
     pub from_target: Option<f64>,
 }
 
-/// One episode in a random world.
+/// One episode in a random world. It does not keep the world: 100,000 do not fit into memory.
 struct Trial {
-    scenario: Scenario,
     options: usize,
     detour: f64,
-    from_target: Option<f64>,
-    /// Whether an option was taken up and dropped again soon.
-    dropped_soon: bool,
-    summary: Summary,
+    /// The first option that was taken up and dropped again soon.
+    dropped_soon: Option<Dropped>,
+    option_changes: u32,
+    has_lost_object: bool,
+    /// The body that touched an obstacle, if any.
+    touched_by: Option<BodyKind>,
+    /// What is kept if it did not arrive.
+    lost: Option<Lost>,
 }
 
 impl Search<'_> {
@@ -104,19 +116,19 @@ impl Search<'_> {
     pub fn run(&self, on_done: OnDone) -> Result<Findings, Error> {
         let trials = in_parallel(self.worlds, on_done, |i| self.trial(self.seed.wrapping_add(i as u64)));
         let trials = trials.into_iter().collect::<Result<Vec<_>, _>>()?;
-        let arrived = |t: &&Trial| t.summary.outcome == Outcome::Arrived;
-        let kind = |t: &Trial| t.summary.collision.as_ref().map(|contact| contact.between[0].kind);
-        let by = |by| trials.iter().filter(|t| kind(t) == Some(by)).count();
+        let arrived = |t: &&Trial| t.lost.is_none();
+        let by = |by| trials.iter().filter(|t| t.touched_by == Some(by)).count();
         Ok(Findings {
             episodes: trials.len(),
             with_choice: trials.iter().filter(|t| t.options > 1).count(),
-            with_changes: trials.iter().filter(|t| t.summary.option_changes > 0).count(),
-            most_changes: trials.iter().map(|t| t.summary.option_changes).max().unwrap_or(0),
-            dropped_soon: trials.iter().filter(|t| t.dropped_soon).map(|t| t.scenario.seed).collect(),
+            with_changes: trials.iter().filter(|t| t.option_changes > 0).count(),
+            most_changes: trials.iter().map(|t| t.option_changes).max().unwrap_or(0),
+            dropped_soon: trials.iter().filter_map(|t| t.dropped_soon.clone()).collect(),
             arrived: trials.iter().filter(arrived).count(),
             touched: [BodyKind::Robot, BodyKind::Object, BodyKind::Human].map(by),
+            lost_object: trials.iter().filter(|t| t.has_lost_object).count(),
             longest_detour: trials.iter().filter(arrived).map(|t| t.detour).fold(0.0, f64::max),
-            lost: trials.iter().filter(|t| !arrived(t)).map(Trial::lost).collect(),
+            lost: trials.iter().filter_map(|t| t.lost.clone()).collect(),
         })
     }
 
@@ -126,67 +138,87 @@ impl Search<'_> {
         let coordination = coordination::Settings { eta, ..self.settings.coordination };
         let settings = Settings { coordination, predict_while_human_leads: false, ..self.settings.clone() };
         let draw_world = |rng: &mut ChaCha8Rng| match self.plant.kind() {
-            PlantKind::Point => random_world(rng),
-            _ => mixed_world(rng, true),
+            PlantKind::Point | PlantKind::Kinematic => random_world(rng),
+            PlantKind::Rapier => mixed_world(rng, true),
         };
         loop {
             // draw again if the start or target is inside an obstacle, enclosed, or without room for the team
-            let world = WorldText { file: "random world".to_owned(), text: draw_world(&mut rng) };
+            let world =
+                WorldText { file: "random world".to_owned(), text: self.placed.world(draw_world(&mut rng)) };
             let prepared = match prepared(world, &settings, self.plant) {
                 Err(error) if error.kind() == ErrorKind::World => continue,
                 prepared => prepared?,
             };
             let prepared = prepared.prepare(Scenario { seed, human, ..prepared.scenario().clone() })?;
-            let mut taken_up: Option<(usize, u64, Mode)> = None;
-            let mut dropped_soon = false;
-            let on_tick = |tick: &Tick| match taken_up {
-                Some((option, ..)) if option == tick.executed => {}
-                before => {
+            let mut predictor = settings.predictor.clone();
+            let step = settings.speed * settings.planning_step;
+            let mut leader = Leader { predictor: &mut predictor, human, step };
+            // the first tick of the option executed, and the option before it
+            let mut taken_up: Option<(Tick, Option<usize>)> = None;
+            let mut dropped_soon: Option<Dropped> = None;
+            let on_tick = |tick: &Tick| {
+                let Some((first, before)) = &taken_up else {
                     // the first option is not taken up but given
-                    dropped_soon |= before.is_some_and(|(_, since, mode)| {
-                        since > 0 && tick.step - since <= SOON_STEPS && mode == tick.mode
-                    });
-                    taken_up = Some((tick.executed, tick.step, tick.mode));
+                    taken_up = Some((tick.clone(), None));
+                    return;
+                };
+                if first.executed == tick.executed {
+                    return;
                 }
+                let is_soon = tick.step - first.step <= SOON_STEPS && first.mode == tick.mode;
+                if let (Some(before), None, true) = (before, &dropped_soon, is_soon) {
+                    let name = |option: usize| prepared.options().options()[option].name.clone();
+                    dropped_soon = Some(Dropped {
+                        seed,
+                        taken_up: first.step,
+                        dropped: tick.step,
+                        mode: tick.mode,
+                        options: [*before, first.executed, tick.executed].map(name),
+                        cause: leader.cause(first, tick),
+                        world: prepared.scenario().world.text().to_owned(),
+                        human,
+                        eta,
+                    });
+                }
+                taken_up = Some((tick.clone(), Some(first.executed)));
             };
-            let summary = match run(&prepared, on_tick) {
+            let episode = match prepared.episode() {
                 Err(error) if error.kind() == ErrorKind::World => continue,
-                summary => summary?,
+                episode => episode?,
             };
+            // on the kinematic plant the human walks on whatever the robot does, and the robot may begin
+            // inside a wall behind A
+            let goes_on = self.plant.kind() == PlantKind::Kinematic;
+            let summary = run_episode(if goes_on { episode.ignoring_loss() } else { episode }, on_tick);
             let options = prepared.options();
             let shortest =
                 options.remaining(&options.begin(), 0).length / (settings.speed * settings.planning_step);
             let contact = summary.collision.as_ref();
+            let lost = || Lost {
+                index: seed,
+                world: prepared.scenario().world.text().to_owned(),
+                alpha: human.alpha,
+                gamma: human.gamma,
+                eta,
+                outcome: summary.outcome.name(),
+                contact: contact.cloned(),
+                from_target: contact.map(|c| (c.point.xy() - prepared.world().target).norm()),
+            };
             return Ok(Trial {
-                scenario: prepared.scenario().clone(),
                 options: options.options().len(),
                 detour: summary.steps as f64 / shortest.max(1.0),
-                from_target: contact.map(|c| (c.point.xy() - prepared.world().target).norm()),
                 dropped_soon,
-                summary,
+                option_changes: summary.option_changes,
+                has_lost_object: summary.has_lost_object(),
+                touched_by: contact.map(|contact| contact.between[0].kind),
+                lost: (summary.outcome != Outcome::Arrived).then(lost),
             });
         }
     }
 }
 
-impl Trial {
-    fn lost(&self) -> Lost {
-        let Self { scenario, summary, from_target, .. } = self;
-        Lost {
-            index: scenario.seed,
-            world: scenario.world.text().to_owned(),
-            alpha: scenario.human.alpha,
-            gamma: scenario.human.gamma,
-            eta: scenario.settings.coordination.eta,
-            outcome: summary.outcome.name(),
-            contact: summary.collision.clone(),
-            from_target: *from_target,
-        }
-    }
-}
-
 /// A random human and eta, from 1 to 30: sensitive and tolerant humans are equally frequent.
-fn random_human(settings: &Settings, rng: &mut ChaCha8Rng) -> (Perception, f64) {
+pub(super) fn random_human(settings: &Settings, rng: &mut ChaCha8Rng) -> (Perception, f64) {
     let human = settings.predictor.belief().sample(rng);
     (human, math::exp(rng.random_range(0.0..math::ln(30f64))))
 }

@@ -2,7 +2,7 @@
 
 use crate::paper::ENVIRONMENTS;
 use crate::paper::h1::{self, ChoiceRow, Fit};
-use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds, none};
 use crate::table::{Columns, Table};
 use cocarry::episode::prospects;
 use cocarry::options::OptionSet;
@@ -10,7 +10,7 @@ use cocarry::preference::{ChoiceDistribution, Predictor, Regions, perceived_dist
 use cocarry_output::drawing::{Curve, CurvePanel, RegionPanel, curves, preference_regions, world_map};
 
 /// Table I.
-pub(crate) const PART: Part = Part { id: "h1", name: "Table I", episodes: |_| 0, run };
+pub(crate) const PART: Part = Part { id: "h1", name: "Table I", episodes: none, studies: none, run };
 
 /// The paper's ranges, and the value of a human with true perception.
 const ALPHAS: [f64; 6] = [0.55, 0.65, 0.75, 0.85, 0.95, 1.0];

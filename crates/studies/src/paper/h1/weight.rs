@@ -5,7 +5,7 @@ use crate::fit::{
     Answers, CELL_ERROR, Estimate, RiskWeightFit, RiskWeightSettings, Situation, fit_risk_weight,
 };
 use crate::paper::ENVIRONMENTS;
-use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, none};
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
 use cocarry::options::OptionSet;
@@ -13,7 +13,8 @@ use cocarry::preference::RISK_WEIGHT;
 use cocarry_output::drawing::{self, AnswerPanel, AnswerRow, DrawingError, RiskWeightMark};
 
 /// The fit of c_r.
-pub(crate) const PART: Part = Part { id: "risk-weight", name: "fit of c_r", episodes: |_| 0, run };
+pub(crate) const PART: Part =
+    Part { id: "risk-weight", name: "fit of c_r", episodes: none, studies: none, run };
 
 /// Answers and fits, and the error over c_r.
 ///

@@ -4,7 +4,7 @@ use super::section::{DIFFERENCE_AXIS, method};
 use crate::paper::ENVIRONMENTS;
 use crate::paper::h2::{self, BodiesRow, WithBodies};
 use crate::paper::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant};
-use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds, none};
 use crate::parallel::OnDone;
 use crate::statistics::Estimate;
 use crate::table::{Cell, Columns, Table};
@@ -12,8 +12,13 @@ use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry_output::drawing::{DifferencePanel, DifferenceRow, differences};
 
 /// Table II with bodies.
-pub(crate) const PART: Part =
-    Part { id: "h2-bodies", name: "Table II with bodies", episodes: |plan| 2 * h2::units(plan.humans), run };
+pub(crate) const PART: Part = Part {
+    id: "h2-bodies",
+    name: "Table II with bodies",
+    episodes: |plan| 2 * h2::units(plan.humans),
+    studies: none,
+    run,
+};
 
 /// Table II's episodes with bodies, compared with those without.
 pub fn table_2_with_bodies(rows: &[BodiesRow], humans: usize, sway: f64) -> Table {

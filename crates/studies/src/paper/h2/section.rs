@@ -2,7 +2,7 @@
 
 use crate::paper::h2::{self, CostRow, ExampleRun};
 use crate::paper::pairs::{SIGNIFICANCE_LEVEL, compared, difference, explained, is_significant, rounded};
-use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds, none};
 use crate::paper::{ENVIRONMENTS, EXAMPLE_HUMAN, Environment};
 use crate::parallel::OnDone;
 use crate::statistics::{Estimate, Paired};
@@ -14,7 +14,8 @@ use cocarry_output::drawing::{
 };
 
 /// Table II.
-pub(crate) const PART: Part = Part { id: "h2", name: "Table II", episodes: |_| h2::EPISODES, run };
+pub(crate) const PART: Part =
+    Part { id: "h2", name: "Table II", episodes: |_| h2::EPISODES, studies: none, run };
 
 /// Table II: accumulated objective costs.
 pub fn table_2(rows: &[CostRow]) -> Table {

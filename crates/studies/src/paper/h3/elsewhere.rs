@@ -3,7 +3,7 @@
 
 use super::section::{Compared, finding, table_3, table_3_ratios};
 use crate::paper::h3::{self, PoseMethod, Study};
-use crate::paper::part::{Block, Finding, Part, Plan, ReportError, Section};
+use crate::paper::part::{Block, Finding, Part, Plan, ReportError, Section, none};
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
 use cocarry::control;
@@ -18,6 +18,7 @@ pub(crate) const WITH_BODIES: Part = Part {
     episodes: |plan| {
         h3::units(PoseMethod::on(PlantKind::Rapier), plan.robot.postures.len(), plan.episodes_with_bodies)
     },
+    studies: none,
     run: run_with_bodies,
 };
 
@@ -26,6 +27,7 @@ pub(crate) const OMNIDIRECTIONAL: Part = Part {
     id: "h3-omni",
     name: "Table III, omnidirectional",
     episodes: |plan| h3::units(&WITH_AND_WITHOUT, plan.robot.postures.len(), plan.episodes),
+    studies: none,
     run: run_omnidirectional,
 };
 
@@ -34,6 +36,7 @@ pub(crate) const CHOICES: Part = Part {
     id: "h3-choices",
     name: "Table III, open choices",
     episodes: |plan| VARIANTS.len() * h3::units(&WITH_AND_WITHOUT[..2], 1, choice_episodes(plan)),
+    studies: none,
     run: run_choices,
 };
 

@@ -6,7 +6,7 @@ use crate::paper::h4::{
     TASKS, WORLDS,
 };
 use crate::paper::pairs::{difference, is_significant, rounded};
-use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, none};
 use crate::parallel::OnDone;
 use crate::statistics::Paired;
 use crate::table::{Cell, Columns, Table};
@@ -16,8 +16,13 @@ use cocarry_output::drawing::{MeanPanel, MeanRow, means};
 use serde_json::Value;
 
 /// H4.
-pub(crate) const PART: Part =
-    Part { id: "h4", name: "people to learn", episodes: |plan| with_study(plan, |study| study.units()), run };
+pub(crate) const PART: Part = Part {
+    id: "h4",
+    name: "people to learn",
+    episodes: |plan| with_study(plan, |study| study.units()),
+    studies: none,
+    run,
+};
 
 fn with_study<T>(plan: &Plan, work: impl FnOnce(&Study) -> T) -> T {
     let plant = &Plant::new(PlantKind::Kinematic, RobotSetup::new(plan.robot));

@@ -1,0 +1,68 @@
+//! `cocarry reproduce slots`: whether a team with bodies comes through slots in thick walls.
+
+use super::super::output::{Failure, examples, input, print, print_json};
+use super::super::robot::{SwayArguments, sway_of};
+use super::common::Common;
+use clap::Args;
+use cocarry::episode::Settings;
+use cocarry_studies::paper::slots::{DEPTHS, OFFSETS_M, SlotRow, Study, WALKS, WIDTHS};
+use serde_json::json;
+use std::fmt::Write as _;
+
+#[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry reproduce slots", "160 walks, in about ten seconds"),
+]))]
+pub(in super::super) struct SlotsArguments {
+    #[command(flatten)]
+    common: Common,
+    /// Walks through each slot for each of five pairs of places of A and B, each with its own gait
+    #[arg(long, default_value_t = WALKS as u64, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    walks: u64,
+    /// Seed of the first gait; the others follow it
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    #[command(flatten)]
+    sway: SwayArguments,
+}
+
+pub(super) fn reproduce_slots(arguments: &SlotsArguments) -> Result<(), Failure> {
+    let plant = arguments.sway.plant()?;
+    let settings = Settings::default();
+    let study =
+        Study { plant: &plant, settings: &settings, walks: arguments.walks as usize, seed: arguments.seed };
+    let rows = arguments
+        .common
+        .with_progress(study.units(), "walks", |on_done| study.table(on_done))?
+        .map_err(input)?;
+    let sway = sway_of(&plant);
+    if arguments.common.json {
+        return print_json(&json!({
+            "claim": "slots",
+            "walks": study.walks,
+            "seed": study.seed,
+            "sway_m": sway,
+            "widths_m": WIDTHS,
+            "depths_m": DEPTHS,
+            "lateral_offsets_m": OFFSETS_M,
+            "rows": rows,
+        }));
+    }
+    print(&text(&rows, sway))
+}
+
+fn text(rows: &[SlotRow], sway: f64) -> String {
+    let mut text = format!(
+        "Slots in walls of {} to {} m, led by the robot, sway {sway} m:\n",
+        DEPTHS[0],
+        DEPTHS[DEPTHS.len() - 1]
+    );
+    for row in rows {
+        let SlotRow { width, walks, arrived, touched: [robot, object, human], lost, other } = row;
+        let _ = writeln!(
+            text,
+            "  {width} m wide: {arrived} of {walks} arrive; a side is touched by the robot in {robot}, the object in {object}, the human in {human}; the object is lost in {lost}; {other} end otherwise"
+        );
+    }
+    text
+}
