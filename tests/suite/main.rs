@@ -18,6 +18,7 @@ mod fitting;
 mod follow_hand;
 mod footprints;
 mod forged_snapshots;
+mod guide;
 mod infer;
 mod learning;
 mod limits;

@@ -8,23 +8,32 @@ use super::common::Common;
 use anyhow::Context;
 use clap::Args;
 use cocarry::episode::Settings;
-use cocarry_studies::paper::h3::EPISODES_WITH_BODIES;
-use cocarry_studies::paper::h3::guide;
-use cocarry_studies::report::{guide_picture, guide_table};
+use cocarry_studies::paper::h3::guide::{Guide, Study};
+use cocarry_studies::report::{guide_picture, guide_tables};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
+/// Humans in each cell, and worlds, where none are given.
+const EPISODES: u64 = 3;
+const WORLDS: u64 = 100;
+
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
-    ("cocarry reproduce guide --episodes 2", "few episodes: a first look in a short time"),
+    ("cocarry reproduce guide --few --episodes 1 --worlds 10", "a first look"),
 ]))]
 pub(in super::super) struct GuideArguments {
     #[command(flatten)]
     common: Common,
     /// Random humans in each of the 16 cells of Table III
-    #[arg(long, default_value_t = EPISODES_WITH_BODIES as u64, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    #[arg(long, default_value_t = EPISODES, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     episodes: u64,
-    /// Seed of the humans
+    /// Random walled worlds
+    #[arg(long, default_value_t = WORLDS, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    worlds: u64,
+    /// Compare few guides only
+    #[arg(long)]
+    few: bool,
+    /// Seed of the humans and of the first world
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Draw arrivals and ratios into this SVG file
@@ -34,14 +43,19 @@ pub(in super::super) struct GuideArguments {
     overwrite: OverwriteArguments,
 }
 
-pub(super) fn run(arguments: &GuideArguments) -> Result<(), Failure> {
+pub(super) fn reproduce_guide(arguments: &GuideArguments) -> Result<(), Failure> {
     let outputs = arguments.overwrite.outputs([] as [&Path; 0], &arguments.svg)?;
-    let (robot, settings, episodes) = (load_robot(None)?, Settings::default(), arguments.episodes as usize);
+    let study = Study {
+        robot: &load_robot(None)?,
+        settings: &Settings::default(),
+        guides: if arguments.few { Guide::FEW } else { Guide::ALL },
+        episodes: arguments.episodes as usize,
+        worlds: arguments.worlds as usize,
+        seed: arguments.seed,
+    };
     let rows = arguments
         .common
-        .with_progress(guide::episodes(episodes), "guides", |on_done| {
-            guide::table(&robot, &settings, episodes, arguments.seed, on_done)
-        })?
+        .with_progress(study.units(), "guides", |on_done| study.table(on_done))?
         .map_err(input)?;
     if let Some(path) = &arguments.svg {
         let svg =
@@ -51,10 +65,11 @@ pub(super) fn run(arguments: &GuideArguments) -> Result<(), Failure> {
     if arguments.common.json {
         return print_json(&json!({
             "claim": "guide",
-            "episodes": episodes,
-            "seed": arguments.seed,
+            "episodes": study.episodes,
+            "worlds": study.worlds,
+            "seed": study.seed,
             "rows": rows,
         }));
     }
-    print(&table_with_notes(&guide_table(&rows)))
+    print(&guide_tables(&rows).map(|table| table_with_notes(&table)).join("\n"))
 }

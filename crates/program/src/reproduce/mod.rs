@@ -62,7 +62,7 @@ pub(super) fn run_reproduce(claim: &Claim) -> Result<ExitCode, Failure> {
         Claim::H1(arguments) => run_h1(arguments),
         Claim::H2(arguments) => h2::reproduce_h2(arguments),
         Claim::H3(arguments) => h3::reproduce_h3(arguments),
-        Claim::Guide(arguments) => guide::run(arguments),
+        Claim::Guide(arguments) => guide::reproduce_guide(arguments),
         Claim::H4(arguments) => h4::reproduce_h4(arguments),
         Claim::Contacts(arguments) => contacts::reproduce_contacts(arguments),
         Claim::Slots(arguments) => slots::reproduce_slots(arguments),

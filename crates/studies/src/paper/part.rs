@@ -29,6 +29,8 @@ pub struct Plan<'a> {
     pub worlds_with_robot: usize,
     /// The same with bodies.
     pub worlds_with_bodies: usize,
+    /// The guides of the base that are compared.
+    pub guides: &'static [h3::guide::Guide],
     /// Number of walks through each opening from each angle.
     pub walks: usize,
     /// Number of people of each kind in each group of worlds, who the robot learns.
@@ -52,6 +54,7 @@ impl<'a> Plan<'a> {
             worlds: locked::WORLDS,
             worlds_with_robot: locked::WORLDS_WITH_ROBOT,
             worlds_with_bodies: locked::WORLDS_WITH_BODIES,
+            guides: h3::guide::Guide::ALL,
             walks: contacts::WALKS,
             people: h4::HUMANS,
             fits: 500,
@@ -70,6 +73,7 @@ impl<'a> Plan<'a> {
             worlds: 1000,
             worlds_with_robot: 100,
             worlds_with_bodies: 40,
+            guides: h3::guide::Guide::FEW,
             walks: 1,
             people: 2,
             fits: 2,

@@ -1,9 +1,12 @@
 //! The least guide: how much of the base's inputs eqs. (7) and (8) can decide with bodies.
 //!
-//! On the physical plant, a guide follows the path of the grasp with the base. Here its price falls from the
-//! default to none, or none is paid within a width, and Table III is run with the same humans each time.
+//! On the physical plant, the base follows the path of the grasp, by a price on the squared deviation of its
+//! inputs. Here that price falls from the default to none, or there is none within a width, and Table III and
+//! random walled worlds are run with the same humans each time.
 
-use super::{PoseMethod, PoseRow, Study, units};
+use super::{PoseMethod, PoseRow, units};
+use crate::paper::cycles::Search;
+use crate::paper::placed::Placed;
 use crate::parallel::OnDone;
 use cocarry::Error;
 use cocarry::control::{self, GUIDE_PRICE};
@@ -33,9 +36,10 @@ pub enum Guide {
 
 impl Guide {
     /// All that are compared, the default first.
-    pub const ALL: [Self; 11] = [
-        Self::Price { price: GUIDE_PRICE },
+    pub const ALL: &[Self] = &[
+        Self::DEFAULT,
         Self::Price { price: 1000.0 },
+        Self::Price { price: 300.0 },
         Self::Price { price: 100.0 },
         Self::Price { price: 30.0 },
         Self::Price { price: 10.0 },
@@ -46,6 +50,11 @@ impl Guide {
         Self::Width { width: 0.2 },
         Self::Free,
     ];
+    /// A first look.
+    pub const FEW: &[Self] =
+        &[Self::DEFAULT, Self::Price { price: 100.0 }, Self::Width { width: 0.1 }, Self::Free];
+    /// That of the physical plant.
+    pub const DEFAULT: Self = Self::Price { price: GUIDE_PRICE };
 
     /// A name for tables.
     pub fn name(self) -> String {
@@ -53,6 +62,14 @@ impl Guide {
             Self::Price { price } => format!("price {price}"),
             Self::Width { width } => format!("within {width} m"),
             Self::Free => "kinematic, free".to_owned(),
+        }
+    }
+
+    /// The price, where there is one that is compared.
+    pub fn price(self) -> Option<f64> {
+        match self {
+            Self::Price { price } => Some(price),
+            Self::Width { .. } | Self::Free => None,
         }
     }
 
@@ -69,12 +86,12 @@ impl Guide {
     }
 }
 
-/// Table III with one guide: means over the cells of Table III with episodes that arrived.
+/// Table III and random worlds with one guide: means over the cells of Table III with pairs that arrived.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GuideRow {
     /// The guide.
     pub guide: Guide,
-    /// Episodes, with and without pose optimisation together.
+    /// Episodes of Table III, with and without pose optimisation together.
     pub episodes: usize,
     /// Those that arrived.
     pub arrived: usize,
@@ -82,9 +99,11 @@ pub struct GuideRow {
     pub collided: usize,
     /// Those in which the object was lost.
     pub lost_object: usize,
-    /// Smallest distance between the base and an obstacle in an episode, m: negative where they overlap.
+    /// Smallest distance between the base and an obstacle in them, m: negative where they overlap.
     #[serde(rename = "least_clearance_m")]
     pub least_clearance: f64,
+    /// Random walled worlds; `None` on the kinematic plant, where nothing can be touched.
+    pub worlds: Option<WorldsRow>,
     /// Parts of C without and with pose optimisation: tracking, wheels, arm, pose.
     pub parts: [[f64; 4]; 2],
     /// Tracking against the human's intended walk, without and with pose optimisation.
@@ -95,35 +114,96 @@ pub struct GuideRow {
     pub intended_ratio: Option<f64>,
 }
 
+/// Random walled worlds with one guide.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct WorldsRow {
+    /// Worlds.
+    pub worlds: usize,
+    /// Those in which the team arrived.
+    pub arrived: usize,
+    /// Those in which it touched an obstacle.
+    pub collided: usize,
+    /// Those in which the object was lost.
+    pub lost_object: usize,
+}
+
+impl GuideRow {
+    /// Episodes of both kinds, and those that arrived.
+    pub fn arrivals(&self) -> [usize; 2] {
+        let (worlds, arrived) = self.worlds.map_or((0, 0), |w| (w.worlds, w.arrived));
+        [self.episodes + worlds, self.arrived + arrived]
+    }
+
+    /// C without and with pose optimisation.
+    pub fn costs(&self) -> [f64; 2] {
+        self.parts.map(|parts| parts.iter().sum())
+    }
+
+    /// C against the intended walk, without and with pose optimisation.
+    pub fn intended_costs(&self) -> [f64; 2] {
+        [0, 1].map(|method| self.intended_tracking[method] + self.parts[method][1..].iter().sum::<f64>())
+    }
+}
+
 /// The methods of a row.
 const METHODS: [PoseMethod; 2] = [PoseMethod::WithoutPo, PoseMethod::WithPo];
 
-/// Episodes of the study, for a progress bar.
-pub fn episodes(per_cell: usize) -> usize {
-    Guide::ALL.len() * units(&METHODS, 1, per_cell)
+/// The study of the guide.
+#[derive(Clone, Copy, Debug)]
+pub struct Study<'a> {
+    /// The robot, which starts in its first posture.
+    pub robot: &'a Robot,
+    /// The episode's settings.
+    pub settings: &'a Settings,
+    /// The guides.
+    pub guides: &'a [Guide],
+    /// Random humans in each cell of Table III.
+    pub episodes: usize,
+    /// Random walled worlds.
+    pub worlds: usize,
+    /// Seed of the humans, and of the first world.
+    pub seed: u64,
 }
 
-/// Table III with every guide, from the robot's first posture.
-///
-/// # Errors
-/// If a built-in world is not valid.
-pub fn table(
-    robot: &Robot,
-    settings: &Settings,
-    episodes: usize,
-    seed: u64,
-    on_done: OnDone,
-) -> Result<Vec<GuideRow>, Error> {
-    let start = robot.postures[0].name.as_str();
-    let rows = Guide::ALL.into_iter().map(|guide| {
+impl Study<'_> {
+    /// Number of episodes, for a progress bar.
+    pub fn units(&self) -> usize {
+        let with_bodies = self.guides.iter().filter(|guide| **guide != Guide::Free).count();
+        self.guides.len() * units(&METHODS, 1, self.episodes) + with_bodies * self.worlds
+    }
+
+    /// A row for every guide.
+    ///
+    /// # Errors
+    /// If a built-in world is not valid, or a setting is out of its range.
+    pub fn table(&self, on_done: OnDone) -> Result<Vec<GuideRow>, Error> {
+        self.guides.iter().map(|guide| self.row(*guide, on_done)).collect()
+    }
+
+    fn row(&self, guide: Guide, on_done: OnDone) -> Result<GuideRow, Error> {
+        let Self { robot, settings, episodes, worlds, seed, .. } = *self;
         let plant = &guide.plant(robot);
-        let study = Study { plant, starts: &[start], methods: &METHODS, episodes, seed, settings };
-        Ok(row(guide, &study.table(on_done)?))
-    });
-    rows.collect()
+        let start = robot.postures[0].name.as_str();
+        let table = super::Study { plant, starts: &[start], methods: &METHODS, episodes, seed, settings };
+        let rows = table.table(on_done)?;
+        let worlds = match guide {
+            Guide::Free => None,
+            _ => {
+                let search = Search { plant, settings, worlds, seed, placed: Placed::AsDrawn };
+                let found = search.run(on_done)?;
+                Some(WorldsRow {
+                    worlds: found.episodes,
+                    arrived: found.arrived,
+                    collided: found.touched.iter().sum(),
+                    lost_object: found.lost_object,
+                })
+            }
+        };
+        Ok(row(guide, &rows, worlds))
+    }
 }
 
-fn row(guide: Guide, rows: &[PoseRow]) -> GuideRow {
+fn row(guide: Guide, rows: &[PoseRow], worlds: Option<WorldsRow>) -> GuideRow {
     let of = |method| rows.iter().filter(move |row| row.method == method);
     let sum = |count: fn(&PoseRow) -> usize| rows.iter().map(count).sum::<usize>();
     // cells without a pair that arrived have no costs
@@ -132,7 +212,7 @@ fn row(guide: Guide, rows: &[PoseRow]) -> GuideRow {
         (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
     };
     let both = |value: &dyn Fn(&PoseRow) -> f64| METHODS.map(|m| mean(m, value).unwrap_or(f64::NAN));
-    let parts = [0, 1, 2, 3].map(|part| both(&|row: &PoseRow| row.split[part]));
+    let parts = [0, 1, 2, 3].map(|part| both(&|row: &PoseRow| row.parts[part]));
     GuideRow {
         guide,
         episodes: sum(|row| row.episodes),
@@ -143,6 +223,7 @@ fn row(guide: Guide, rows: &[PoseRow]) -> GuideRow {
         },
         lost_object: sum(|row| row.lost_object),
         least_clearance: rows.iter().map(|row| row.least_clearance).fold(f64::INFINITY, f64::min),
+        worlds,
         parts: [0, 1].map(|method| parts.map(|part| part[method])),
         intended_tracking: both(&|row: &PoseRow| row.intended_tracking),
         ratio: mean(PoseMethod::WithPo, &|row| row.ratio),

@@ -167,13 +167,13 @@ pub struct PoseRow {
     pub episodes: usize,
     /// Episodes that cost less than the baseline with the same human.
     pub wins: usize,
-    /// Mean parts of C: tracking, effort, pose.
-    pub parts: [f64; 3],
-    /// Mean parts of C of the episodes that [`PoseRow::ours_mean`] is the mean of: tracking, wheels, arm, pose.
-    pub split: [f64; 4],
-    /// Their mean tracking against a human who walks on without waiting for the robot.
+    /// Mean parts of C, of the same episodes: tracking, the effort of the base's inputs, that of the arm's,
+    /// pose.
+    pub parts: [f64; 4],
+    /// Mean tracking of these episodes against a human who walks on without waiting for the robot. With it in
+    /// place of tracking, C is against the human's intended walk, the paper's s.
     pub intended_tracking: f64,
-    /// The ratio with that in place of tracking.
+    /// The ratio of that C to the baseline's.
     pub intended_ratio: f64,
     /// Smallest distance between the base and an obstacle, m; negative where they overlap.
     #[serde(rename = "least_clearance_m")]
@@ -199,6 +199,14 @@ pub struct PoseRow {
 /// Units of work of [`Study::table`], for a progress bar.
 pub fn units(methods: &[PoseMethod], starts: usize, episodes: usize) -> usize {
     ENVIRONMENTS.len() * SETTINGS.len() * starts * methods.len() * episodes
+}
+
+impl PoseRow {
+    /// Mean C against the human's intended walk.
+    pub fn intended_cost(&self) -> f64 {
+        let [_, wheels, arm, pose] = self.parts;
+        self.intended_tracking + wheels + arm + pose
+    }
 }
 
 impl Study<'_> {
@@ -368,11 +376,8 @@ fn row(
         let values: Vec<f64> = (0..n).filter(|&i| both(i)).map(|i| part(&ends(m)[i].control)).collect();
         mean_and_std(&values).0
     };
-    let split: [fn(&ControlSummary) -> f64; 4] =
+    let parts: [fn(&ControlSummary) -> f64; 4] =
         [|c| c.tracking, |c| c.wheels, ControlSummary::arm, |c| c.pose];
-    let mean = |part: fn(&ControlSummary) -> f64| {
-        ends(method).iter().map(|e| part(&e.control)).sum::<f64>() / n as f64
-    };
     let steps: u64 = ends(method).iter().map(|e| e.steps).sum();
     let squared: f64 = ends(method).iter().map(|e| e.control.squared_error).sum();
     let constrained: u64 = ends(method).iter().map(|e| e.control.constrained_steps).sum();
@@ -395,8 +400,7 @@ fn row(
         ways: routes.len(),
         episodes: n,
         wins: ours.iter().zip(&theirs).filter(|(a, b)| a < b).count(),
-        parts: [mean(|c| c.tracking), mean(|c| c.effort), mean(|c| c.pose)],
-        split: split.map(|part| of_pairs(method, part)),
+        parts: parts.map(|part| of_pairs(method, part)),
         intended_tracking: of_pairs(method, |c| c.intended_tracking),
         intended_ratio: of_pairs(method, ControlSummary::intended_cost)
             / of_pairs(baseline, ControlSummary::intended_cost),

@@ -177,16 +177,28 @@ pub fn table_3_ratios(compared: Compared) -> Table {
 }
 
 /// The composition of C, with and without pose optimisation.
-fn parts_table(compared: Compared) -> Table {
+pub(crate) fn parts_table(compared: Compared, plant: PlantKind) -> Table {
     let pairs = compared.pairs();
     let rows: Vec<&PoseRow> = pairs.iter().flatten().copied().collect();
-    figures(Columns::of(&rows))
+    let has_bodies = plant == PlantKind::Rapier;
+    let columns = figures(Columns::of(&rows));
+    let columns = match has_bodies {
+        true => columns.number("C intended", "intended_mean", 1, |r| r.intended_cost()),
+        false => columns,
+    };
+    let table = columns
         .table(
             &format!("table-3-parts-{}", compared.start),
             format!("Composition of C (means over the episodes); episodes start `{}`", compared.start),
         )
-        .with_note("error: distance of the grasp from its reference, rms over all steps; limited: share of the steps in which a limit was active;")
-        .with_note("overlaps: episodes in which the base overlaps an obstacle; as in the paper, eq. (7) has no obstacles here.")
+        .with_note("wheels, arm: the effort of their inputs; error: distance of the grasp from its reference, rms over all steps; limited: share of the steps in which a limit was active;");
+    match has_bodies {
+        true => table
+            .with_note("overlaps: episodes in which the base overlaps an obstacle; C intended: tracking against the walk of a human who does not wait for the robot, the paper's s."),
+        false => table.with_note(
+            "overlaps: episodes in which the base overlaps an obstacle; as in the paper, eq. (7) has no obstacles here.",
+        ),
+    }
 }
 
 /// Every row of every method and start, for programs.
@@ -220,8 +232,9 @@ fn figures<'a>(columns: Columns<'a, &'a PoseRow>) -> Columns<'a, &'a PoseRow> {
         .text("method", "method", |r| r.method.name())
         .spread("C", ["mean", "std"], 1, |r| [r.ours_mean, r.ours_std])
         .number("tracking", "tracking", 1, |r| r.parts[0])
-        .number("effort", "effort", 1, |r| r.parts[1])
-        .number("pose", "pose", 2, |r| r.parts[2])
+        .number("wheels", "wheels", 1, |r| r.parts[1])
+        .number("arm", "arm", 1, |r| r.parts[2])
+        .number("pose", "pose", 2, |r| r.parts[3])
         .column("error (mm)", false, &["position_error_rms_m"], |r| Cell {
             shown: format!("{:.1}", 1e3 * r.position_error_rms),
             values: vec![r.position_error_rms.into()],
@@ -291,7 +304,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
         svg: ratio_picture(&rows, &starts)?,
     }));
     blocks.extend(starts.iter().map(|start| Block::Table(table_3_ratios(of(start)))));
-    blocks.extend(starts.iter().map(|start| Block::Table(parts_table(of(start)))));
+    blocks.extend(starts.iter().map(|start| Block::Table(parts_table(of(start), PlantKind::Kinematic))));
     blocks.push(Block::Table(all_rows(&rows)));
     Ok(Section { title: "H3: preparing the arm".to_owned(), finding: finding(&all), blocks })
 }
