@@ -412,6 +412,30 @@ mod tests {
         assert!(free < -0.05 && near_wall > -0.02, "{free} {near_wall}");
     }
 
+    /// A base that should roll at 0.5 m/s and rolls at 0.4 m/s falls 2 cm behind in every step.
+    #[test]
+    fn closed_form_the_width_about_a_guide() {
+        let robot = crate::robot::Robot::built_in().unwrap();
+        let rolled = |speed: f64| {
+            let mut inputs = Inputs::zeros();
+            inputs.fixed_rows_mut::<2>(0).fill(speed);
+            inputs
+        };
+        let (guide, inputs) = ([BaseInput::new(0.5, 0.5, 0.0); HORIZON], rolled(0.4));
+        let mut limits = Limits::new(&robot);
+        let base = PlanarPose { position: Point::new(3.0, -1.0), yaw: 0.7 };
+        keep_near(&robot.drive, &base, &inputs, (&guide, 0.05), PERIOD, &mut limits);
+        assert_eq!(limits.half_planes.len(), 4 * HORIZON);
+        for (i, plane) in limits.half_planes.iter().enumerate() {
+            let behind = 0.02 * (1 + i / 4) as f64;
+            let room = |inputs: &Inputs| plane.bound - plane.coefficients.dot(inputs);
+            // ahead, behind, left, right
+            let expected = 0.05 + [behind, -behind, 0.0, 0.0][i % 4];
+            assert!((room(&inputs) - expected).abs() < 1e-12, "bound {i}: {} {expected}", room(&inputs));
+            assert!((room(&rolled(0.5)) - 0.05).abs() < 1e-12, "bound {i} on the guide");
+        }
+    }
+
     #[test]
     fn closed_form_a_free_base_turns_as_the_angle_left_decreases() {
         let turning = turn_toward_grasp(0.5, PERIOD);

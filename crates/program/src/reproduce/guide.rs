@@ -19,7 +19,7 @@ const WORLDS: u64 = 100;
 
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
-    ("cocarry reproduce guide --few --episodes 1 --worlds 10", "a first look"),
+    ("cocarry reproduce guide --prices 10000,100 --episodes 1 --worlds 10", "a first look"),
 ]))]
 pub(in super::super) struct GuideArguments {
     #[command(flatten)]
@@ -30,9 +30,10 @@ pub(in super::super) struct GuideArguments {
     /// Random walled worlds
     #[arg(long, default_value_t = WORLDS, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     worlds: u64,
-    /// Compare few guides only
-    #[arg(long)]
-    few: bool,
+    /// Compare these prices only, separated by commas [default: eight from 10000 to 0, three widths without a
+    /// price, and the kinematic plant]
+    #[arg(long, value_delimiter = ',', value_name = "PRICES", value_parser = price)]
+    prices: Vec<f64>,
     /// Seed of the humans and of the first world
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -43,12 +44,21 @@ pub(in super::super) struct GuideArguments {
     overwrite: OverwriteArguments,
 }
 
+/// A price of the setting `guide_price`.
+fn price(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(price) if (0.0..=1e6).contains(&price) => Ok(price),
+        _ => Err("expected a number from 0 to 1000000".to_owned()),
+    }
+}
+
 pub(super) fn reproduce_guide(arguments: &GuideArguments) -> Result<(), Failure> {
     let outputs = arguments.overwrite.outputs([] as [&Path; 0], &arguments.svg)?;
+    let prices: Vec<Guide> = arguments.prices.iter().map(|price| Guide::Price { price: *price }).collect();
     let study = Study {
         robot: &load_robot(None)?,
         settings: &Settings::default(),
-        guides: if arguments.few { Guide::FEW } else { Guide::ALL },
+        guides: if prices.is_empty() { Guide::ALL } else { &prices },
         episodes: arguments.episodes as usize,
         worlds: arguments.worlds as usize,
         seed: arguments.seed,

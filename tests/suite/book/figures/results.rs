@@ -43,6 +43,9 @@ pub const FIGURES: &[Figure] = &[
     ("risk-weight.held-out-likelihood", |t| {
         format!("{:.1}", risk_weight(t, "likelihood", "held_out_rms_points"))
     }),
+    ("table-3.costs-by-default", |t| choice_costs(t, "none")),
+    ("table-3.costs-at-shorter-periods", |t| choice_costs(t, "control period (s)")),
+    ("table-3.costs-at-shorter-steps", |t| choice_costs(t, "planning step (s)")),
     ("cycles.worlds", |t| grouped(t.row("cycles", &[]).number("worlds"))),
     ("cycles.with-choice", |t| grouped(t.row("cycles", &[]).number("with_choice"))),
     ("cycles.changed", |t| grouped(t.row("cycles", &[]).number("with_changes"))),
@@ -249,6 +252,12 @@ fn omnidirectional(t: &Tables) -> String {
     text
 }
 
+/// Mean C without and with pose optimisation where a choice is made otherwise.
+fn choice_costs(t: &Tables, choice: &str) -> String {
+    let row = t.row("table-3-choices", &[("choice", choice)]);
+    format!("{:.0} and {:.0}", row.number("cost_without_po"), row.number("cost_with_po"))
+}
+
 /// The mean ratio and that of the worst cell for every value of every choice.
 fn choices(t: &Tables) -> String {
     let cell = |row: &Row| format!("{:.3} ({:.3})", row.number("mean_ratio"), row.number("worst_ratio"));
@@ -260,6 +269,8 @@ fn choices(t: &Tables) -> String {
         ("concentration", "concentration of the walking direction's likelihood", "20"),
         ("walking speed (m/s)", "walking speed, m/s", "0.5"),
         ("kappa", "kappa (given by the paper)", "1"),
+        ("control period (s)", "control period, s", "0.2"),
+        ("planning step (s)", "planning step, s", "0.2"),
     ] {
         let others = of(choice).into_iter().map(|row| format!("{}: {}", row.text("value"), cell(row)));
         text += &line([title, default, &others.collect::<Vec<_>>().join("; ")]);
