@@ -116,18 +116,24 @@ pub const FIGURES: &[Figure] = &[
     ("guide.rows", guides),
     ("guide.episodes", |t| format!("{:.0}", largest(&t.column("guide-arrivals", &[], "episodes")))),
     ("guide.worlds", |t| format!("{:.0}", t.row("guide-arrivals", DEFAULT_GUIDE).number("worlds"))),
-    ("guide.least", |t| {
-        let all = |row: &Row| row.number("arrived") + row.number("worlds_arrived");
-        let default = all(t.row("guide-arrivals", DEFAULT_GUIDE));
-        let priced = t.rows("guide-arrivals", &[]);
-        let priced = priced.into_iter().filter(|row| row.text("guide").starts_with("price"));
-        let least = priced.take_while(|row| all(row) >= default).last();
-        least.expect("the default arrives").text("guide").replace("price ", "")
+    ("guide.saving", |t| {
+        let of = |guide: &str| t.row("guide-costs", &[("guide", guide)]).number("cost_with_po");
+        format!("{:.0} %", 100.0 * (1.0 - of(&format!("price {}", least_price(t))) / of("price 10000")))
     }),
+    ("guide.least", least_price),
 ];
 
-/// The tables of the parts of C, by plant.
-const PARTS: &str = "table-3-parts-elbow-up";
+/// The least price down to which no fewer episodes arrive than by default.
+fn least_price(t: &Tables) -> String {
+    let all = |row: &Row| row.number("arrived") + row.number("worlds_arrived");
+    let default = all(t.row("guide-arrivals", DEFAULT_GUIDE));
+    let priced = t.rows("guide-arrivals", &[]);
+    let priced = priced.into_iter().filter(|row| row.text("guide").starts_with("price"));
+    let least = priced.take_while(|row| all(row) >= default).last();
+    least.expect("the default arrives").text("guide").replace("price ", "")
+}
+
+/// The table of the parts of C.
 const BODIES_PARTS: &str = "table-3-bodies-parts-elbow-up";
 const DEFAULT_GUIDE: &[(&str, &str)] = &[("guide", "price 10000")];
 
@@ -135,12 +141,11 @@ const DEFAULT_GUIDE: &[(&str, &str)] = &[("guide", "price 10000")];
 fn parts(t: &Tables) -> String {
     let mut text =
         line(["plant", "", "C", "tracking", "wheels", "arm", "pose", "C, intended walk"]) + &line(["---"; 8]);
-    for (table, plant) in [(PARTS, "kinematic"), (BODIES_PARTS, "with bodies")] {
-        for (method, title) in [("without-po", "without PO"), ("with-po", "with PO")] {
-            let of = |column| mean(&t.column(table, &[("method", method)], column));
-            let intended = if table == PARTS { "mean" } else { "intended_mean" };
-            let cells = ["mean", "tracking", "wheels", "arm", "pose", intended];
-            let cells = cells.map(|column| format!("{:.1}", of(column)));
+    for (guide, plant) in [("kinematic, free", "kinematic"), ("price 10000", "with bodies")] {
+        let row = t.row("guide-costs", &[("guide", guide)]);
+        for (method, title) in [("without_po", "without PO"), ("with_po", "with PO")] {
+            let parts = ["cost", "tracking", "wheels", "arm", "pose", "intended_cost"];
+            let cells = parts.map(|part| format!("{:.1}", row.number(&format!("{part}_{method}"))));
             text += &line([plant.to_owned(), title.to_owned()].into_iter().chain(cells));
         }
     }

@@ -145,7 +145,8 @@ fn costs(rows: &[GuideRow]) -> Table {
 /// If a figure is not a number.
 pub fn guide_picture(rows: &[GuideRow]) -> Result<String, DrawingError> {
     // the decades of the price; none at -1
-    let decade = |row: &GuideRow| row.guide.price().map(|price| if price > 0.0 { price.log10() } else { -1.0 });
+    let decade =
+        |row: &GuideRow| row.guide.price().map(|price| if price > 0.0 { price.log10() } else { -1.0 });
     let curve = |label: &str, value: &dyn Fn(&GuideRow) -> Option<f64>| Curve {
         label: label.to_owned(),
         points: rows.iter().filter_map(|row| Some([decade(row)?, value(row)?])).collect(),

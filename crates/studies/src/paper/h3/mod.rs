@@ -170,6 +170,8 @@ pub struct PoseRow {
     /// Mean parts of C, of the same episodes: tracking, the effort of the base's inputs, that of the arm's,
     /// pose.
     pub parts: [f64; 4],
+    /// Mean effort of these episodes, of wheels and arm.
+    pub effort: f64,
     /// Mean tracking of these episodes against a human who walks on without waiting for the robot. With it in
     /// place of tracking, C is against the human's intended walk, the paper's s.
     pub intended_tracking: f64,
@@ -401,6 +403,7 @@ fn row(
         episodes: n,
         wins: ours.iter().zip(&theirs).filter(|(a, b)| a < b).count(),
         parts: parts.map(|part| of_pairs(method, part)),
+        effort: of_pairs(method, |c| c.effort),
         intended_tracking: of_pairs(method, |c| c.intended_tracking),
         intended_ratio: of_pairs(method, ControlSummary::intended_cost)
             / of_pairs(baseline, ControlSummary::intended_cost),
