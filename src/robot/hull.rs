@@ -45,7 +45,7 @@ pub(super) struct Hull {
     triangles: Vec<[u32; 3]>,
 }
 
-/// What a mesh collides as.
+/// The shape as which a mesh collides.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub(super) enum Convex {

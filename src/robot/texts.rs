@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::process::Command;
 
-/// What a robot file is, in errors.
+/// The name of a robot file's kind, in errors.
 pub(super) const KIND: &str = "robot file";
 
 /// The source texts of a robot, from which it can be built again without the files.
@@ -42,7 +42,7 @@ pub struct RobotTexts {
 #[derive(Clone, Debug, Default)]
 struct MeshFolder(Option<MeshFolders>);
 
-/// Hulls, whose numbers are those of a file and so are never NaN.
+/// Hulls. Their numbers come from a file, so they are never NaN.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 struct SharedHulls(Hulls);
