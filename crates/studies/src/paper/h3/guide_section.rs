@@ -1,10 +1,11 @@
 //! H3 with bodies by how much the base is guided: tables, picture and finding.
 
 use super::guide::{Guide, GuideRow, Study};
-use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, none};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, Section, none};
 use crate::parallel::OnDone;
 use crate::table::{Cell, Columns, Table};
-use cocarry_output::drawing::{Curve, CurvePanel, DrawingError, curves};
+use cocarry::Error;
+use cocarry_output::drawing::{Curve, CurvePanel, curves};
 
 /// The study of the guide.
 pub(crate) const PART: Part = Part {
@@ -27,7 +28,7 @@ fn study<'a>(plan: &'a Plan) -> Study<'a> {
     }
 }
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let rows = study(plan).table(on_done)?;
     let text = "With bodies, the base follows the path of the grasp: the squared deviation of its inputs from those of pure pursuit is part of the cost of eq. (7). \
                 Here its price falls, or there is none within a width of where pursuit would take the base; then eqs. (7) and (8) decide the inputs of the base as well. \
@@ -143,7 +144,7 @@ fn costs(rows: &[GuideRow]) -> Table {
 ///
 /// # Errors
 /// If a figure is not a number.
-pub fn guide_picture(rows: &[GuideRow]) -> Result<String, DrawingError> {
+pub fn guide_picture(rows: &[GuideRow]) -> Result<String, Error> {
     // the decades of the price; none at -1
     let decade =
         |row: &GuideRow| row.guide.price().map(|price| if price > 0.0 { price.log10() } else { -1.0 });
