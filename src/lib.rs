@@ -98,6 +98,7 @@ pub mod coordination;
 pub mod episode;
 pub mod error;
 pub mod geometry;
+pub mod guarded;
 pub mod human;
 pub mod learning;
 pub mod located;
@@ -114,5 +115,6 @@ pub mod simulation;
 pub mod suggestion;
 pub mod team;
 pub mod world;
+pub mod xml_extent;
 
 pub use error::{Error, ErrorKind};

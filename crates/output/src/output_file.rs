@@ -56,6 +56,14 @@ pub enum OutputError {
         /// The file.
         file: PathBuf,
     },
+    /// The system has no such names.
+    #[error("{}: cannot be the name of a file", file.display())]
+    Name {
+        /// The file.
+        file: PathBuf,
+        /// What the system said.
+        source: Error,
+    },
     /// The system cannot write the file.
     #[error("{}: cannot be written", file.display())]
     Write {
@@ -106,7 +114,18 @@ impl Outputs {
             return Err(OutputError::Input { file: file.to_owned() });
         }
         existing(file, self.overwrite)?;
+        nameable(file)?;
         unlocked(file)
+    }
+
+    /// The check that the folder of a file exists, for a file that is written after the work.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`].
+    pub fn check_folder(file: &Path) -> Result<(), OutputError> {
+        let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let found = folder.map_or(Ok(()), |folder| folder.metadata().map(drop));
+        found.map_err(|source| OutputError::Write { file: file.to_owned(), source })
     }
 
     /// Writes a whole file.
@@ -357,6 +376,16 @@ fn existing(file: &Path, overwrite: bool) -> Result<Option<Metadata>, OutputErro
         "" if overwrite => Ok(Some(found)),
         "" => Err(OutputError::Exists { file: file.to_owned() }),
         kind => Err(OutputError::NotAFile { file: file.to_owned(), kind }),
+    }
+}
+
+/// An error if no file can have that name: it is too long.
+fn nameable(file: &Path) -> Result<(), OutputError> {
+    match file.symlink_metadata() {
+        Err(source) if source.kind() == ErrorKind::InvalidFilename => {
+            Err(OutputError::Name { file: file.to_owned(), source })
+        }
+        _ => Ok(()),
     }
 }
 

@@ -4,7 +4,7 @@ use super::output::{Failure, write_file};
 use anyhow::{Context, Error};
 use cocarry::quantities::{Record, TICK, View, json};
 use cocarry_output::output_file::Outputs;
-use cocarry_studies::table::plain;
+use cocarry_studies::table::{plain, text_cell};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -108,6 +108,6 @@ fn cells(record: &Record) -> Vec<(String, String)> {
 fn cell(value: &Value) -> String {
     match value {
         Value::Bool(flag) => u8::from(*flag).to_string(),
-        value => plain(value),
+        value => text_cell(&plain(value)).into_owned(),
     }
 }
