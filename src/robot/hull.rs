@@ -9,7 +9,7 @@ use parry3d::shape::{ConvexPolyhedron, Shape};
 use parry3d::transformation::vhacd::{VHACD, VHACDParameters};
 use parry3d::transformation::voxelization::FillMode;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
 /// The largest mesh file that is read, bytes.
@@ -223,17 +223,20 @@ fn hull(points: &[Vector3<f64>]) -> Option<ConvexPolyhedron> {
 /// The farthest points in directions spread evenly over the sphere, each once, in the order of the points.
 fn extreme(points: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
     const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+    // files repeat corners in every triangle; of equals the last counts
+    let last: HashMap<[u64; 3], usize> =
+        points.iter().enumerate().map(|(i, p)| ([p.x, p.y, p.z].map(f64::to_bits), i)).collect();
+    let mut distinct: Vec<usize> = last.into_values().collect();
+    distinct.sort_unstable();
     let farthest = |i: usize| {
         let z = 1.0 - (2 * i + 1) as f64 / DIRECTIONS as f64;
         let radius = (1.0 - z * z).max(0.0).sqrt();
         let turn = GOLDEN_ANGLE * i as f64;
         let along = Vector3::new(radius * math::cos(turn), radius * math::sin(turn), z);
-        (0..points.len()).max_by(|&a, &b| points[a].dot(&along).total_cmp(&points[b].dot(&along)))
+        distinct.iter().copied().max_by(|&a, &b| points[a].dot(&along).total_cmp(&points[b].dot(&along)))
     };
     let chosen: BTreeSet<usize> = (0..DIRECTIONS).filter_map(farthest).collect();
-    let mut seen = BTreeSet::new();
-    let is_new = |p: &Vector3<f64>| seen.insert([p.x, p.y, p.z].map(f64::to_bits));
-    chosen.into_iter().map(|i| points[i]).filter(is_new).collect()
+    chosen.into_iter().map(|i| points[i]).collect()
 }
 
 /// Whether the points have a hull that the physics can use.
